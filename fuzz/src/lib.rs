@@ -23,14 +23,50 @@ pub struct Target {
 
 /// Every target.
 pub const TARGETS: &[Target] = &[
-    Target { name: "arguments", run: targets::arguments, seeds: seeds::arguments },
+    Target {
+        name: "arguments",
+        run: targets::arguments,
+        seeds: seeds::arguments,
+    },
     #[cfg(unix)]
-    Target { name: "frames", run: targets::frames, seeds: seeds::frames },
-    Target { name: "ids", run: targets::ids, seeds: seeds::ids },
-    Target { name: "mjcf", run: targets::mjcf, seeds: seeds::mjcf },
-    Target { name: "roms", run: targets::roms, seeds: seeds::roms },
-    Target { name: "snapshots", run: targets::snapshots, seeds: seeds::snapshots },
-    Target { name: "spaces", run: targets::spaces, seeds: seeds::spaces },
-    Target { name: "specs", run: targets::specs, seeds: seeds::specs },
-    Target { name: "traces", run: targets::traces, seeds: seeds::traces },
+    Target {
+        name: "frames",
+        run: targets::frames,
+        seeds: seeds::frames,
+    },
+    Target {
+        name: "ids",
+        run: targets::ids,
+        seeds: seeds::ids,
+    },
+    Target {
+        name: "mjcf",
+        run: targets::mjcf,
+        seeds: seeds::mjcf,
+    },
+    Target {
+        name: "roms",
+        run: targets::roms,
+        seeds: seeds::roms,
+    },
+    Target {
+        name: "snapshots",
+        run: targets::snapshots,
+        seeds: seeds::snapshots,
+    },
+    Target {
+        name: "spaces",
+        run: targets::spaces,
+        seeds: seeds::spaces,
+    },
+    Target {
+        name: "specs",
+        run: targets::specs,
+        seeds: seeds::specs,
+    },
+    Target {
+        name: "traces",
+        run: targets::traces,
+        seeds: seeds::traces,
+    },
 ];

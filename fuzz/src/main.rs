@@ -33,16 +33,25 @@ struct Arguments {
 
 fn main() -> ExitCode {
     let arguments = Arguments::parse();
-    let unknown = arguments.targets.iter().find(|name| TARGETS.iter().all(|target| target.name != **name));
+    let unknown = arguments
+        .targets
+        .iter()
+        .find(|name| TARGETS.iter().all(|target| target.name != **name));
     if let Some(name) = unknown {
         let known: Vec<_> = TARGETS.iter().map(|target| target.name).collect();
-        eprintln!("error: unknown target `{name}`: the targets are {}", known.join(", "));
+        eprintln!(
+            "error: unknown target `{name}`: the targets are {}",
+            known.join(", ")
+        );
         return ExitCode::FAILURE;
     }
     let chosen = |target: &&Target| {
         arguments.targets.is_empty() || arguments.targets.iter().any(|name| name == target.name)
     };
-    match TARGETS.iter().filter(chosen).try_fold(0, |crashes, target| Ok(crashes + run(target, &arguments)?))
+    match TARGETS
+        .iter()
+        .filter(chosen)
+        .try_fold(0, |crashes, target| Ok(crashes + run(target, &arguments)?))
     {
         Ok(0) => ExitCode::SUCCESS,
         Ok(_) => ExitCode::FAILURE,
@@ -68,7 +77,11 @@ fn run(target: &Target, arguments: &Arguments) -> std::io::Result<usize> {
             .map(|()| 0);
     }
     if !arguments.input.is_empty() {
-        inputs = arguments.input.iter().map(fs::read).collect::<Result<_, _>>()?;
+        inputs = arguments
+            .input
+            .iter()
+            .map(fs::read)
+            .collect::<Result<_, _>>()?;
     }
     let (mut mutator, mut crashes) = (Mutator::new(arguments.seed), BTreeSet::new());
     let (start, mut tried) = (Instant::now(), 0u64);
@@ -76,7 +89,11 @@ fn run(target: &Target, arguments: &Arguments) -> std::io::Result<usize> {
     loop {
         let input = match inputs.get(tried as usize) {
             Some(seed) => seed.clone(),
-            None if !arguments.input.is_empty() || start.elapsed().as_secs() >= arguments.seconds => break,
+            None if !arguments.input.is_empty()
+                || start.elapsed().as_secs() >= arguments.seconds =>
+            {
+                break;
+            }
             None => {
                 let (i, j) = (mutator.below(seeds), mutator.below(seeds));
                 mutator.mutate(&inputs[i], &inputs[j])
@@ -95,6 +112,11 @@ fn run(target: &Target, arguments: &Arguments) -> std::io::Result<usize> {
             eprintln!("{}: {kind}", path.display());
         }
     }
-    println!("{}: {tried} inputs in {:.0?}, {} of them bad", target.name, start.elapsed(), crashes.len());
+    println!(
+        "{}: {tried} inputs in {:.0?}, {} of them bad",
+        target.name,
+        start.elapsed(),
+        crashes.len()
+    );
     Ok(crashes.len())
 }

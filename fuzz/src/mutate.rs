@@ -38,7 +38,9 @@ pub struct Mutator {
 impl Mutator {
     /// The same seed makes the same changes.
     pub fn new(seed: u64) -> Self {
-        Self { rng: Generator::from(seed) }
+        Self {
+            rng: Generator::from(seed),
+        }
     }
 
     /// A number below `n`, which is at least 1.
@@ -81,9 +83,15 @@ impl Mutator {
     fn change(&mut self, json: &mut Json, other: &Json) {
         let target = self.below(count(json));
         let part = self.below(count(other));
-        let Some(node) = node_mut(json, &mut { target }) else { return };
+        let Some(node) = node_mut(json, &mut { target }) else {
+            return;
+        };
         match self.below(4) {
-            0 => *node = node_mut(&mut other.clone(), &mut { part }).cloned().unwrap_or(Json::Null),
+            0 => {
+                *node = node_mut(&mut other.clone(), &mut { part })
+                    .cloned()
+                    .unwrap_or(Json::Null)
+            }
             1 => self.restructure(node),
             _ => self.replace(node),
         }
@@ -128,12 +136,18 @@ impl Mutator {
                 }
             }
             Json::Object(map) => {
-                let Some(key) = map.keys().nth(self.below(map.len())).cloned() else { return };
+                let Some(key) = map.keys().nth(self.below(map.len())).cloned() else {
+                    return;
+                };
                 match self.below(3) {
                     0 => drop(map.remove(&key)),
                     1 => drop(map.insert(format!("{key}x"), json!(1))),
                     _ => {
-                        let other = map.keys().nth(self.below(map.len())).cloned().unwrap_or_default();
+                        let other = map
+                            .keys()
+                            .nth(self.below(map.len()))
+                            .cloned()
+                            .unwrap_or_default();
                         let value = map[&other].clone();
                         map.insert(key, value);
                     }
@@ -153,8 +167,16 @@ impl Mutator {
         let (own, others) = (attributes(text), attributes(other));
         let choice = self.below(9);
         if choice < 3 || own.is_empty() {
-            let from = if self.below(2) == 0 { text.as_str() } else { other };
-            let new = from.lines().nth(self.below(from.lines().count())).unwrap_or_default().to_owned();
+            let from = if self.below(2) == 0 {
+                text.as_str()
+            } else {
+                other
+            };
+            let new = from
+                .lines()
+                .nth(self.below(from.lines().count()))
+                .unwrap_or_default()
+                .to_owned();
             let mut lines: Vec<&str> = text.lines().collect();
             let i = self.below(lines.len());
             match choice {
@@ -200,7 +222,9 @@ impl Mutator {
             1 => bytes.insert(i, self.below(256) as u8),
             2 => bytes[i] ^= 1 << self.below(8),
             3 => bytes.truncate(i),
-            _ => bytes.splice(i.., other.get(j..).unwrap_or_default().iter().copied()).for_each(drop),
+            _ => bytes
+                .splice(i.., other.get(j..).unwrap_or_default().iter().copied())
+                .for_each(drop),
         }
     }
 }
@@ -211,8 +235,12 @@ fn attributes(text: &str) -> Vec<[Range<usize>; 2]> {
     let mut start = 0;
     while let Some(equals) = text[start..].find("=\"").map(|i| start + i) {
         let value = equals + 2;
-        let Some(end) = text[value..].find('"').map(|i| value + i) else { break };
-        let before = text[..equals].rfind(|c: char| !c.is_ascii_alphanumeric()).map_or(0, |i| i + 1);
+        let Some(end) = text[value..].find('"').map(|i| value + i) else {
+            break;
+        };
+        let before = text[..equals]
+            .rfind(|c: char| !c.is_ascii_alphanumeric())
+            .map_or(0, |i| i + 1);
         // the character before a name may take several bytes
         if text.is_char_boundary(before) {
             found.push([before..equals, value..end]);

@@ -6,10 +6,21 @@ use serde_json::{Value as Json, json};
 
 /// The registered ids, and some that are none.
 pub fn ids() -> Vec<Vec<u8>> {
-    let known =
-        registry::self_contained().into_iter().map(|registration| registration.id().as_bytes().to_vec());
-    let other = ["CartPole", "a/b/C-v0", "x y-v1", "-v1", "A-v4294967296", "CartPole-v01", "å/ß.é-v1"];
-    known.chain(other.map(|id| id.as_bytes().to_vec())).collect()
+    let known = registry::self_contained()
+        .into_iter()
+        .map(|registration| registration.id().as_bytes().to_vec());
+    let other = [
+        "CartPole",
+        "a/b/C-v0",
+        "x y-v1",
+        "-v1",
+        "A-v4294967296",
+        "CartPole-v01",
+        "å/ß.é-v1",
+    ];
+    known
+        .chain(other.map(|id| id.as_bytes().to_vec()))
+        .collect()
 }
 
 /// Elements of spaces of every kind, as a worker of the bridge sends them.
@@ -43,7 +54,9 @@ pub fn arguments() -> Vec<Vec<u8>> {
         let kwargs: gym::Kwargs = table.map(|argument| (argument.name.to_owned(), argument.default)).collect();
         json!({"id": registration.id(), "kwargs": kwargs, "options": {"low": -0.1, "high": 0.1, "x_init": 0.5}})
     });
-    requests.map(|request| request.to_string().into_bytes()).collect()
+    requests
+        .map(|request| request.to_string().into_bytes())
+        .collect()
 }
 
 /// The models of the MuJoCo tasks, and small ones of what these lack.
@@ -55,7 +68,10 @@ pub fn mjcf() -> Vec<Vec<u8>> {
         <inertial pos="0 0 0" mass="1" fullinertia="1 1 1 0.1 0 0"/><geom type="capsule" fromto="0 0 0 0.2 0 0" size="0.05"/></body>
         </worldbody><contact><exclude body1="world" body2="world"/></contact></mujoco>"#;
     let texts = gym::mujoco::tasks::models().map(|(_, text)| text);
-    texts.chain([SMALL]).map(|text| text.as_bytes().to_vec()).collect()
+    texts
+        .chain([SMALL])
+        .map(|text| text.as_bytes().to_vec())
+        .collect()
 }
 
 /// A snapshot of every environment, some steps into an episode.
@@ -72,7 +88,11 @@ pub fn snapshots() -> Vec<Vec<u8>> {
             env.snapshot()
         });
         if let Ok(snapshot) = taken {
-            seeds.push(json!({"id": id, "snapshot": snapshot}).to_string().into_bytes());
+            seeds.push(
+                json!({"id": id, "snapshot": snapshot})
+                    .to_string()
+                    .into_bytes(),
+            );
         }
     }
     seeds
@@ -80,29 +100,50 @@ pub fn snapshots() -> Vec<Vec<u8>> {
 
 /// A trace of every environment.
 pub fn traces() -> Vec<Vec<u8>> {
-    let traces = registry::self_contained().into_iter().filter_map(|registration| {
-        let env = gym::make(registration.id()).ok()?;
-        let space = env.action_space();
-        let mut actions = space.sampler(0);
-        let reset = Event { reset: Some((&Reset::seed(7)).into()), ..Event::default() };
-        let step = |_| Some(Event { step: Some(space.to_json(&actions.sample()).ok()?), ..Event::default() });
-        let events = std::iter::once(Some(reset)).chain((0..3).map(step)).collect::<Option<_>>()?;
-        let trace = Trace { id: registration.id().into(), events, ..Trace::default() };
-        serde_json::to_vec(&trace).ok()
-    });
+    let traces = registry::self_contained()
+        .into_iter()
+        .filter_map(|registration| {
+            let env = gym::make(registration.id()).ok()?;
+            let space = env.action_space();
+            let mut actions = space.sampler(0);
+            let reset = Event {
+                reset: Some((&Reset::seed(7)).into()),
+                ..Event::default()
+            };
+            let step = |_| {
+                Some(Event {
+                    step: Some(space.to_json(&actions.sample()).ok()?),
+                    ..Event::default()
+                })
+            };
+            let events = std::iter::once(Some(reset))
+                .chain((0..3).map(step))
+                .collect::<Option<_>>()?;
+            let trace = Trace {
+                id: registration.id().into(),
+                events,
+                ..Trace::default()
+            };
+            serde_json::to_vec(&trace).ok()
+        });
     traces.collect()
 }
 
 /// Spaces of every kind, with an element.
 pub fn spaces() -> Vec<Vec<u8>> {
-    let of_envs =
-        registry::self_contained().into_iter().filter_map(|registration| gym::make(registration.id()).ok());
-    let mut all: Vec<Json> =
-        of_envs.flat_map(|env| [json!(env.observation_space()), json!(env.action_space())]).collect();
+    let of_envs = registry::self_contained()
+        .into_iter()
+        .filter_map(|registration| gym::make(registration.id()).ok());
+    let mut all: Vec<Json> = of_envs
+        .flat_map(|env| [json!(env.observation_space()), json!(env.action_space())])
+        .collect();
     // pictures say nothing that a smaller one does not
-    all.retain(|space| space["shape"].as_array().is_none_or(|shape| shape.len() < 3));
-    let leaf =
-        json!({"type": "Box", "low": [-1.0, "-inf"], "high": [1.0, "inf"], "shape": [2], "dtype": "float64"});
+    all.retain(|space| {
+        space["shape"]
+            .as_array()
+            .is_none_or(|shape| shape.len() < 3)
+    });
+    let leaf = json!({"type": "Box", "low": [-1.0, "-inf"], "high": [1.0, "inf"], "shape": [2], "dtype": "float64"});
     let discrete = json!({"type": "Discrete", "n": 3, "start": -1, "dtype": "int64"});
     let pair = json!({"type": "Tuple", "spaces": [leaf, discrete]});
     all.extend([
@@ -121,8 +162,15 @@ pub fn spaces() -> Vec<Vec<u8>> {
     for description in all {
         // in any stored form
         let space = serde_json::from_value::<Space>(description.clone());
-        let value = space.as_ref().ok().and_then(|space| space.to_json(&space.sampler(1).sample()).ok());
-        seeds.push(json!({"space": description, "value": value}).to_string().into_bytes());
+        let value = space
+            .as_ref()
+            .ok()
+            .and_then(|space| space.to_json(&space.sampler(1).sample()).ok());
+        seeds.push(
+            json!({"space": description, "value": value})
+                .to_string()
+                .into_bytes(),
+        );
     }
     seeds
 }
@@ -150,10 +198,16 @@ pub fn specs() -> Vec<Vec<u8>> {
     let mut seeds = Vec::new();
     for (i, stack) in stacks.iter().enumerate() {
         for registration in registry::self_contained().iter().skip(i % 3).step_by(3) {
-            let Ok(spec) = registration.spec() else { continue };
+            let Ok(spec) = registration.spec() else {
+                continue;
+            };
             let mut json = json!(spec);
             json["additional_wrappers"] = stack.clone();
-            json["render_mode"] = if i >= 14 { json!("rgb_array") } else { Json::Null };
+            json["render_mode"] = if i >= 14 {
+                json!("rgb_array")
+            } else {
+                Json::Null
+            };
             json["render_size"] = if i >= 14 { json!([24, 16]) } else { Json::Null };
             seeds.push(json.to_string().into_bytes());
         }

@@ -19,9 +19,15 @@ const BEYOND_ANY_MEMORY: f64 = 1e15;
 
 /// An id as text.
 pub fn ids(input: &[u8]) {
-    let Ok(text) = std::str::from_utf8(input) else { return };
+    let Ok(text) = std::str::from_utf8(input) else {
+        return;
+    };
     if let Ok(id) = text.parse::<EnvId>() {
-        assert_eq!(id.to_string().parse::<EnvId>().ok(), Some(id), "what an id prints as is not that id");
+        assert_eq!(
+            id.to_string().parse::<EnvId>().ok(),
+            Some(id),
+            "what an id prints as is not that id"
+        );
     }
     match registry::resolve(text) {
         Ok((registration, _)) => assert!(registry::find(registration.id()).is_ok()),
@@ -37,7 +43,10 @@ pub fn ids(input: &[u8]) {
 pub fn frames(input: &[u8]) {
     use gym::bridge::wire::{decoded, encoded};
     let Some(value) = decoded(input) else { return };
-    assert!(encoded(&value) == input, "{value} is written otherwise than it was read");
+    assert!(
+        encoded(&value) == input,
+        "{value} is written otherwise than it was read"
+    );
 }
 
 /// A program for the Atari 2600 after a byte that chooses its cartridge: a few frames of it, seen and unseen, end and
@@ -47,29 +56,58 @@ pub fn roms(input: &[u8]) {
     use gym::atari::cartridge::{Cartridge, Scheme};
     use gym::atari::console::{Console, Input};
 
-    let Some((&choice, rom)) = input.split_first() else { return };
+    let Some((&choice, rom)) = input.split_first() else {
+        return;
+    };
     let scheme = Scheme::ALL[usize::from(choice) % Scheme::ALL.len()];
-    let mut seen = Console::new(Cartridge::new(rom, scheme), Display::NTSC, [choice; 128], choice);
+    let mut seen = Console::new(
+        Cartridge::new(rom, scheme),
+        Display::NTSC,
+        [choice; 128],
+        choice,
+    );
     let mut unseen = seen.clone();
     for frame in 0..4 {
-        let input = Input { port_a: choice.wrapping_mul(frame), charge: [Some(700); 4], ..Input::default() };
+        let input = Input {
+            port_a: choice.wrapping_mul(frame),
+            charge: [Some(700); 4],
+            ..Input::default()
+        };
         seen.frame(&input);
         unseen.frame_unseen(&input);
     }
-    assert_eq!(seen.ram(), unseen.ram(), "a frame that is not seen plays otherwise");
+    assert_eq!(
+        seen.ram(),
+        unseen.ram(),
+        "a frame that is not seen plays otherwise"
+    );
     let state = seen.state();
-    assert!(unseen.set_state(&state), "a state of the console is refused");
+    assert!(
+        unseen.set_state(&state),
+        "a state of the console is refused"
+    );
 }
 
 /// `{"id": ..., "kwargs": {...}, "options": {...}}`
 pub fn arguments(input: &[u8]) {
     let Some(request) = object(input) else { return };
-    let Some(id) = request.get("id").and_then(Json::as_str) else { return };
-    let part = |name: &str| request.get(name).and_then(Json::as_object).cloned().unwrap_or_default();
+    let Some(id) = request.get("id").and_then(Json::as_str) else {
+        return;
+    };
+    let part = |name: &str| {
+        request
+            .get(name)
+            .and_then(Json::as_object)
+            .cloned()
+            .unwrap_or_default()
+    };
     let (kwargs, options): (Kwargs, Kwargs) = (part("kwargs"), part("options"));
     match gym::builder(id).args(kwargs).build() {
         Ok(mut env) => {
-            let _ = env.reset(Reset { seed: Some(0.into()), options });
+            let _ = env.reset(Reset {
+                seed: Some(0.into()),
+                options,
+            });
             play(&mut env);
         }
         Err(error) => explains(&error),
@@ -81,16 +119,30 @@ pub fn mjcf(input: &[u8]) {
     /// Bodies and geoms of a model that is also stepped; larger ones are honest requests for time.
     const SMALL: usize = 60;
     const ITERATIONS: usize = 1000;
-    let Ok(text) = std::str::from_utf8(input) else { return };
+    let Ok(text) = std::str::from_utf8(input) else {
+        return;
+    };
     let model = match gym::mujoco::Model::from_xml(text) {
         Ok(model) => model,
         Err(error) => {
             let lines = 1 + text.matches('\n').count();
-            let gym::mujoco::Error::Mjcf { line, element, reason, .. } = &error else {
+            let gym::mujoco::Error::Mjcf {
+                line,
+                element,
+                reason,
+                ..
+            } = &error
+            else {
                 panic!("`{error}` does not say where")
             };
-            assert!((1..=lines).contains(&(*line as usize)), "`{error}`: the text has {lines} lines");
-            assert!(!element.is_empty() && reason.len() > 10, "`{error}` does not say what to do");
+            assert!(
+                (1..=lines).contains(&(*line as usize)),
+                "`{error}`: the text has {lines} lines"
+            );
+            assert!(
+                !element.is_empty() && reason.len() > 10,
+                "`{error}` does not say what to do"
+            );
             return;
         }
     };
@@ -109,10 +161,15 @@ pub fn snapshots(input: &[u8]) {
         static ENVS: RefCell<BTreeMap<String, BoxEnv>> = const { RefCell::new(BTreeMap::new()) };
     }
     let Some(request) = object(input) else { return };
-    let (Some(id), Some(state)) = (request.get("id").and_then(Json::as_str), request.get("snapshot")) else {
+    let (Some(id), Some(state)) = (
+        request.get("id").and_then(Json::as_str),
+        request.get("snapshot"),
+    ) else {
         return;
     };
-    let Ok(snapshot) = serde_json::from_value::<Snapshot>(state.clone()) else { return };
+    let Ok(snapshot) = serde_json::from_value::<Snapshot>(state.clone()) else {
+        return;
+    };
     let env = ENVS.with_borrow_mut(|envs| {
         if !envs.contains_key(id) {
             let mut env = gym::make(id).ok()?;
@@ -130,15 +187,25 @@ pub fn snapshots(input: &[u8]) {
         }
         Err(error) => {
             explains(&error);
-            assert_eq!(env.snapshot().ok(), Some(before), "a refused snapshot changes the environment");
+            assert_eq!(
+                env.snapshot().ok(),
+                Some(before),
+                "a refused snapshot changes the environment"
+            );
         }
     }
 }
 
 /// A trace as JSON.
 pub fn traces(input: &[u8]) {
-    let Ok(mut trace) = serde_json::from_slice::<Trace>(input) else { return };
-    if !trace.wrappers.iter().all(|wrapper| wrapper.kwargs.values().all(is_reasonable)) {
+    let Ok(mut trace) = serde_json::from_slice::<Trace>(input) else {
+        return;
+    };
+    if !trace
+        .wrappers
+        .iter()
+        .all(|wrapper| wrapper.kwargs.values().all(is_reasonable))
+    {
         return;
     }
     trace.events.truncate(STEPS);
@@ -146,7 +213,11 @@ pub fn traces(input: &[u8]) {
         Ok(answers) => {
             let again = trace.replay(|_| None).expect("what works once works twice");
             // an unseeded reset may differ
-            let seeded = trace.events.first().and_then(|event| event.reset.as_ref()).is_some();
+            let seeded = trace
+                .events
+                .first()
+                .and_then(|event| event.reset.as_ref())
+                .is_some();
             if seeded {
                 let _ = answers.first_difference(&again);
             }
@@ -158,11 +229,15 @@ pub fn traces(input: &[u8]) {
 /// `{"space": ..., "value": ...}`
 pub fn spaces(input: &[u8]) {
     let Some(request) = object(input) else { return };
-    let Some(description) = request.get("space") else { return };
+    let Some(description) = request.get("space") else {
+        return;
+    };
     if !is_reasonable(description) {
         return;
     }
-    let Ok(space) = serde_json::from_value::<Space>(description.clone()) else { return };
+    let Ok(space) = serde_json::from_value::<Space>(description.clone()) else {
+        return;
+    };
     let stored = serde_json::to_value(&space).expect("a space has a stored form");
     let read: Space = serde_json::from_value(stored).expect("a stored space is read");
     assert_eq!(read, space, "a stored space is another one");
@@ -175,11 +250,18 @@ pub fn spaces(input: &[u8]) {
         let json = space.to_json(&value).expect("an element has a JSON form");
         assert_eq!(space.from_json(&json).expect("and back"), value);
         if let Ok(flat) = space.flatten(&value) {
-            space.flatten_space().expect("its flat space").check(&flat).expect("flat elements lie in it");
+            space
+                .flatten_space()
+                .expect("its flat space")
+                .check(&flat)
+                .expect("flat elements lie in it");
             assert_eq!(space.unflatten(&flat).expect("and back"), value, "{space}");
             let _ = space.unflatten(&Value::Null);
         } else {
-            assert!(!is_array || space.flatten_space().is_err(), "an element does not flatten");
+            assert!(
+                !is_array || space.flatten_space().is_err(),
+                "an element does not flatten"
+            );
         }
     }
     if let Some(json) = request.get("value")
@@ -193,18 +275,24 @@ pub fn spaces(input: &[u8]) {
 
 /// A spec as JSON.
 pub fn specs(input: &[u8]) {
-    let Ok(spec) = serde_json::from_slice::<EnvSpec>(input) else { return };
+    let Ok(spec) = serde_json::from_slice::<EnvSpec>(input) else {
+        return;
+    };
     let text = serde_json::to_string(&spec).expect("a spec has a stored form");
     assert_eq!(
         serde_json::from_str::<EnvSpec>(&text).ok().as_ref(),
         Some(&spec),
         "a stored spec is another one"
     );
-    let size = spec.render_size.is_none_or(|(width, height)| f64::from(width) * f64::from(height) < 1e6);
+    let size = spec
+        .render_size
+        .is_none_or(|(width, height)| f64::from(width) * f64::from(height) < 1e6);
     let wrappers = &spec.additional_wrappers;
     if !size
         || wrappers.len() > 4
-        || !wrappers.iter().all(|wrapper| wrapper.kwargs.values().all(is_reasonable))
+        || !wrappers
+            .iter()
+            .all(|wrapper| wrapper.kwargs.values().all(is_reasonable))
     {
         return;
     }
@@ -226,13 +314,16 @@ fn play(env: &mut BoxEnv) {
     let Ok(snapshot) = env.snapshot() else { return };
     let text = serde_json::to_string(&snapshot).expect("a snapshot has a stored form");
     let read = serde_json::from_str(&text).expect("a stored snapshot is read");
-    env.restore(&read).expect("an environment takes its own snapshot back");
+    env.restore(&read)
+        .expect("an environment takes its own snapshot back");
     env.close();
     let _ = env.step(&Value::Null);
 }
 
 fn steps(env: &mut BoxEnv) {
-    let Ok(mut actions) = env.action_sampler(1) else { return };
+    let Ok(mut actions) = env.action_sampler(1) else {
+        return;
+    };
     for _ in 0..STEPS {
         match env.step(&actions.sample()) {
             Ok(step) if step.done() => drop(env.reset(())),
@@ -244,13 +335,22 @@ fn steps(env: &mut BoxEnv) {
 }
 
 fn look(env: &BoxEnv) {
-    let _ = (env.observation_space(), env.action_space(), env.info_map(), env.ansi(), env.describe());
+    let _ = (
+        env.observation_space(),
+        env.action_space(),
+        env.info_map(),
+        env.ansi(),
+        env.describe(),
+    );
     env.draw(&mut Blank);
 }
 
 /// An error says something.
 fn explains(error: &Error) {
-    assert!(error.to_string().len() > 10, "`{error}` does not say what to do");
+    assert!(
+        error.to_string().len() > 10,
+        "`{error}` does not say what to do"
+    );
 }
 
 fn object(input: &[u8]) -> Option<serde_json::Map<String, Json>> {
@@ -263,8 +363,12 @@ fn is_reasonable(json: &Json) -> bool {
     match json {
         Json::Number(number) => number.as_f64().is_none_or(size),
         Json::Array(items) => {
-            let product: f64 =
-                items.iter().filter_map(Json::as_f64).map(f64::abs).filter(|x| *x > 1.0).product();
+            let product: f64 = items
+                .iter()
+                .filter_map(Json::as_f64)
+                .map(f64::abs)
+                .filter(|x| *x > 1.0)
+                .product();
             size(product) && items.iter().all(is_reasonable)
         }
         Json::Object(map) => map.values().all(is_reasonable),

@@ -7,7 +7,11 @@ fn targets_survive() {
     const MUTATIONS: usize = 600;
     for target in TARGETS {
         let seeds = (target.seeds)();
-        assert!(seeds.len() > 10, "{} has too few inputs to start from", target.name);
+        assert!(
+            seeds.len() > 10,
+            "{} has too few inputs to start from",
+            target.name
+        );
         seeds.iter().for_each(|seed| (target.run)(seed));
         let mut mutator = Mutator::new(0);
         for _ in 0..MUTATIONS {

@@ -27,9 +27,15 @@ impl Reference {
 pub fn references() -> Vec<Reference> {
     let default = Path::new(env!("CARGO_MANIFEST_DIR")).join("reference");
     let folder = std::env::var_os("GYM_REFERENCE").map_or(default, PathBuf::from);
-    let entries = std::fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
-    let mut paths: Vec<_> = entries.map(|entry| entry.expect("readable folder").path()).collect();
-    paths.retain(|path| path.extension().is_some_and(|extension| extension == "json"));
+    let entries =
+        std::fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+    let mut paths: Vec<_> = entries
+        .map(|entry| entry.expect("readable folder").path())
+        .collect();
+    paths.retain(|path| {
+        path.extension()
+            .is_some_and(|extension| extension == "json")
+    });
     paths.sort();
     assert!(!paths.is_empty(), "{} holds no reference", folder.display());
     paths.into_iter().map(|path| read(&path)).collect()
@@ -39,7 +45,11 @@ fn read(path: &Path) -> Reference {
     let show = |error: &dyn std::fmt::Display| -> ! { panic!("{}: {error}", path.display()) };
     let text = std::fs::read_to_string(path).unwrap_or_else(|error| show(&error));
     let json = serde_json::from_str(&text).unwrap_or_else(|error| show(&error));
-    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let name = path
+        .file_stem()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned();
     Reference { name, text, json }
 }
 

@@ -2,8 +2,8 @@
 
 use gym::vector::{Autoreset, VectorKind};
 use gym::{
-    Element, Env, EnvExt, Outcome, Registration, Value, VectorEnv, VectorEnvExt, VectorWrap, make_vec,
-    registry,
+    Element, Env, EnvExt, Outcome, Registration, Value, VectorEnv, VectorEnvExt, VectorWrap,
+    make_vec, registry,
 };
 
 /// The number of allocations of `steps` steps into one buffer, with resets where episodes end left
@@ -19,8 +19,9 @@ fn allocations<E: Env>(env: &mut E, steps: usize) -> u64 {
     let mut total = 0;
     for action in &actions {
         let mut outcome = Outcome::default();
-        let count =
-            allocation_counter::measure(|| outcome = env.step_into(action, &mut observation).unwrap());
+        let count = allocation_counter::measure(|| {
+            outcome = env.step_into(action, &mut observation).unwrap()
+        });
         total += count.count_total;
         if outcome.done() {
             env.reset_into(&().into(), &mut observation).unwrap();
@@ -32,7 +33,9 @@ fn allocations<E: Env>(env: &mut E, steps: usize) -> u64 {
 #[test]
 fn the_counter_counts() {
     assert!(
-        allocation_counter::measure(|| drop(Value::from_value(&Value::Text("x".repeat(9))))).count_total > 0
+        allocation_counter::measure(|| drop(Value::from_value(&Value::Text("x".repeat(9)))))
+            .count_total
+            > 0
     );
 }
 
@@ -40,7 +43,9 @@ fn the_counter_counts() {
 fn erased_steps_do_not_allocate() {
     // rapier2d allocates in its own step
     let allocates = |id: &str| id.starts_with("rapier/");
-    for registration in registry::self_contained().iter().filter(|registration| !allocates(registration.id()))
+    for registration in registry::self_contained()
+        .iter()
+        .filter(|registration| !allocates(registration.id()))
     {
         let mut env = gym::make(registration.id()).unwrap();
         assert_eq!(allocations(&mut env, 1000), 0, "{}", registration.id());
@@ -66,20 +71,43 @@ fn vector_allocations<V: VectorEnv>(mut envs: V) -> u64 {
 
 #[test]
 fn steps_of_sync_vectors_do_not_allocate() {
-    for id in
-        ["CartPole-v1", "Pendulum-v1", "MountainCar-v0", "Acrobot-v1", "CliffWalking-v1", "Blackjack-v1"]
-    {
-        assert_eq!(vector_allocations(make_vec(id, 8, VectorKind::Sync).unwrap()), 0, "{id}");
+    for id in [
+        "CartPole-v1",
+        "Pendulum-v1",
+        "MountainCar-v0",
+        "Acrobot-v1",
+        "CliffWalking-v1",
+        "Blackjack-v1",
+    ] {
+        assert_eq!(
+            vector_allocations(make_vec(id, 8, VectorKind::Sync).unwrap()),
+            0,
+            "{id}"
+        );
     }
     let cartpoles = |autoreset| {
         let vector = gym::builder("CartPole-v1").vector(8).kind(VectorKind::Sync);
         vector.autoreset(autoreset).build().unwrap()
     };
     assert_eq!(vector_allocations(cartpoles(Autoreset::SameStep)), 0);
-    let envs = cartpoles(Autoreset::NextStep).record_episode_statistics().normalize_observation().unwrap();
-    assert_eq!(vector_allocations(envs.normalize_reward(0.99).unwrap().clip_reward((-1.0, 1.0)).unwrap()), 0);
+    let envs = cartpoles(Autoreset::NextStep)
+        .record_episode_statistics()
+        .normalize_observation()
+        .unwrap();
+    assert_eq!(
+        vector_allocations(
+            envs.normalize_reward(0.99)
+                .unwrap()
+                .clip_reward((-1.0, 1.0))
+                .unwrap()
+        ),
+        0
+    );
     // only where an episode ends: a reset builds a new world, which no step does
-    let lander = gym::builder("LunarLander-v3").max_episode_steps(None).vector(1).kind(VectorKind::Sync);
+    let lander = gym::builder("LunarLander-v3")
+        .max_episode_steps(None)
+        .vector(1)
+        .kind(VectorKind::Sync);
     let mut lander = lander.build().unwrap();
     let idle = Value::Array([0i64].into());
     let mut columns = lander.reset(0).unwrap();
@@ -93,14 +121,23 @@ fn steps_of_sync_vectors_do_not_allocate() {
 /// Those that solve their worlds together, up to the first end of an episode.
 #[test]
 fn steps_of_native_vectors_of_box2d_do_not_allocate() {
-    for id in ["LunarLander-v3", "LunarLanderContinuous-v3", "BipedalWalker-v3"] {
-        let mut envs = gym::builder(id).vector(20).kind(VectorKind::Native).build().unwrap();
+    for id in [
+        "LunarLander-v3",
+        "LunarLanderContinuous-v3",
+        "BipedalWalker-v3",
+    ] {
+        let mut envs = gym::builder(id)
+            .vector(20)
+            .kind(VectorKind::Native)
+            .build()
+            .unwrap();
         let mut actions = envs.action_space().unwrap().sampler(1);
         let mut columns = envs.reset(0).unwrap();
         let mut steps = 0;
         while !(0..20).any(|i| columns.done(i)) {
             let actions = actions.sample();
-            let count = allocation_counter::measure(|| envs.step_into(&actions, &mut columns).unwrap());
+            let count =
+                allocation_counter::measure(|| envs.step_into(&actions, &mut columns).unwrap());
             assert!(steps == 0 || count.count_total == 0, "{id}: step {steps}");
             steps += 1;
         }
@@ -111,8 +148,9 @@ fn steps_of_native_vectors_of_box2d_do_not_allocate() {
 #[test]
 fn frames_of_pygame_do_not_allocate() {
     // the others have art of their own, which `tiny-skia` draws
-    let is_pygame =
-        |registration: &&Registration| !["gym-mujoco", "gym-toytext"].contains(&registration.source.package);
+    let is_pygame = |registration: &&Registration| {
+        !["gym-mujoco", "gym-toytext"].contains(&registration.source.package)
+    };
     for registration in registry::self_contained().iter().filter(is_pygame) {
         let id = registration.id();
         let mut env = gym::make(id).unwrap();
@@ -127,7 +165,11 @@ fn frames_of_pygame_do_not_allocate() {
                 let count = allocation_counter::measure(|| {
                     painter.paint(size, &mut |canvas| env.draw(canvas), &mut frame);
                 });
-                assert!(pass == 0 || count.count_total == 0, "{id}, step {step}: {}", count.count_total);
+                assert!(
+                    pass == 0 || count.count_total == 0,
+                    "{id}, step {step}: {}",
+                    count.count_total
+                );
                 if env.step(&actions.sample()).unwrap().done() {
                     env.reset(()).unwrap();
                 }
@@ -140,7 +182,10 @@ fn frames_of_pygame_do_not_allocate() {
 fn rendering_into_a_picture_does_not_allocate() {
     // LunarLander's exhaust makes bodies in a world of its own
     for id in ["CartPole-v1", "BipedalWalker-v3", "Pendulum-v1"] {
-        let mut env = gym::builder(id).render_mode(gym::render::RenderMode::RgbArray).build().unwrap();
+        let mut env = gym::builder(id)
+            .render_mode(gym::render::RenderMode::RgbArray)
+            .build()
+            .unwrap();
         env.reset(0).unwrap();
         let mut rendered = env.render().unwrap();
         let mut total = 0;

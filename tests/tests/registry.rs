@@ -11,7 +11,10 @@ gym::register!(Registration::new::<CartPole>("broken/Arguments-v0").kwargs("[1")
 
 #[test]
 fn every_family_is_linked() {
-    let ids: Vec<String> = registry::all().iter().map(|registration| registration.id().to_owned()).collect();
+    let ids: Vec<String> = registry::all()
+        .iter()
+        .map(|registration| registration.id().to_owned())
+        .collect();
     for id in [
         "Acrobot-v1",
         "Blackjack-v1",
@@ -34,8 +37,10 @@ fn every_family_is_linked() {
 
 #[test]
 fn the_order_is_that_of_ids() {
-    let ids: Vec<registry::EnvId> =
-        registry::all().iter().map(|registration| registration.id().parse().unwrap()).collect();
+    let ids: Vec<registry::EnvId> = registry::all()
+        .iter()
+        .map(|registration| registration.id().parse().unwrap())
+        .collect();
     assert!(ids.is_sorted());
 }
 
@@ -57,9 +62,17 @@ fn broken_arguments_are_reported() {
 #[test]
 fn near_names_of_namespaces() {
     let error = gym::make("twise/CartPole-v0").unwrap_err();
-    assert!(error.to_string().contains("did you mean `twice`?"), "{error}");
+    assert!(
+        error.to_string().contains("did you mean `twice`?"),
+        "{error}"
+    );
     let error = gym::make("twice/CartPol-v0").unwrap_err();
-    assert!(error.to_string().contains("did you mean `twice/CartPole-v0`?"), "{error}");
+    assert!(
+        error
+            .to_string()
+            .contains("did you mean `twice/CartPole-v0`?"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -73,18 +86,29 @@ fn an_old_version_points_to_the_newest() {
 
 #[test]
 fn runtime_registration() {
-    let lake = || Registration::dynamic::<FrozenLake>("runtime/Lake-v0").kwargs(r#"{"is_slippery": false}"#);
+    let lake = || {
+        Registration::dynamic::<FrozenLake>("runtime/Lake-v0").kwargs(r#"{"is_slippery": false}"#)
+    };
     registry::register(lake().max_episode_steps(9)).unwrap();
     let env = gym::make("runtime/Lake-v0").unwrap();
     let spec = env.spec().unwrap();
     assert_eq!(spec.max_episode_steps, Some(9));
     assert_eq!(spec.kwargs["is_slippery"], false);
-    assert!(matches!(registry::register(lake()), Err(Error::Registration { .. })), "the id is taken");
+    assert!(
+        matches!(registry::register(lake()), Err(Error::Registration { .. })),
+        "the id is taken"
+    );
     let unversioned = Registration::dynamic::<FrozenLake>("runtime/Lake");
     let error = registry::register(unversioned).unwrap_err();
-    assert!(error.to_string().contains("`runtime/Lake-v0` exists"), "{error}");
+    assert!(
+        error.to_string().contains("`runtime/Lake-v0` exists"),
+        "{error}"
+    );
     let malformed = Registration::dynamic::<FrozenLake>("a b");
-    assert!(matches!(registry::register(malformed), Err(Error::MalformedId(_))));
+    assert!(matches!(
+        registry::register(malformed),
+        Err(Error::MalformedId(_))
+    ));
 }
 
 #[test]
@@ -101,18 +125,40 @@ fn gymnasiums_own_spec_is_understood() {
 #[test]
 fn the_listing_groups_by_crate() {
     let text = registry::pretty(3);
-    let (classic, rest) = text.split_once("===== gym-toytext =====").expect("a group per crate");
-    assert!(classic.contains("===== gym-classic =====\nAcrobot-v1"), "{text}");
+    let (classic, rest) = text
+        .split_once("===== gym-toytext =====")
+        .expect("a group per crate");
+    assert!(
+        classic.contains("===== gym-classic =====\nAcrobot-v1"),
+        "{text}"
+    );
     assert!(rest.contains("Taxi-v4"), "{text}");
 }
 
 #[test]
 fn arguments_reach_the_environment() {
-    let env = gym::builder("FrozenLake-v1").arg("map_name", "8x8").build().unwrap();
+    let env = gym::builder("FrozenLake-v1")
+        .arg("map_name", "8x8")
+        .build()
+        .unwrap();
     assert_eq!(env.observation_space().to_string(), "Discrete(64)");
-    assert_eq!(env.unwrapped::<FrozenLake>().unwrap().dynamics().p().states(), 64);
+    assert_eq!(
+        env.unwrapped::<FrozenLake>()
+            .unwrap()
+            .dynamics()
+            .p()
+            .states(),
+        64
+    );
     assert!(env.unwrapped::<CartPole>().is_none());
-    assert_eq!(registry::find("FrozenLake8x8-v1").unwrap().spec().unwrap().kwargs["map_name"], "8x8");
+    assert_eq!(
+        registry::find("FrozenLake8x8-v1")
+            .unwrap()
+            .spec()
+            .unwrap()
+            .kwargs["map_name"],
+        "8x8"
+    );
 }
 
 /// Gymnasium's `make(id, **kwargs)` takes these beside the constructor's arguments.
@@ -120,14 +166,39 @@ fn arguments_reach_the_environment() {
 fn arguments_of_make_may_stand_among_the_others() {
     let spec = |json: &str| {
         let kwargs = serde_json::from_str(json).unwrap();
-        gym::builder("CartPole-v1").args(kwargs).build().map(|env| env.spec().unwrap())
+        gym::builder("CartPole-v1")
+            .args(kwargs)
+            .build()
+            .map(|env| env.spec().unwrap())
     };
-    assert_eq!(spec(r#"{"max_episode_steps": 7}"#).unwrap().max_episode_steps, Some(7));
-    assert_eq!(spec(r#"{"max_episode_steps": -1}"#).unwrap().max_episode_steps, None);
-    assert!(spec(r#"{"max_episode_steps": 0}"#).unwrap_err().to_string().contains("at least 1"));
-    assert!(spec(r#"{"disable_env_checker": true}"#).unwrap().disable_env_checker);
+    assert_eq!(
+        spec(r#"{"max_episode_steps": 7}"#)
+            .unwrap()
+            .max_episode_steps,
+        Some(7)
+    );
+    assert_eq!(
+        spec(r#"{"max_episode_steps": -1}"#)
+            .unwrap()
+            .max_episode_steps,
+        None
+    );
+    assert!(
+        spec(r#"{"max_episode_steps": 0}"#)
+            .unwrap_err()
+            .to_string()
+            .contains("at least 1")
+    );
+    assert!(
+        spec(r#"{"disable_env_checker": true}"#)
+            .unwrap()
+            .disable_env_checker
+    );
     let drawn = spec(r#"{"render_mode": "rgb_array_list", "sutton_barto_reward": true}"#).unwrap();
-    assert_eq!(drawn.render_mode, Some(gym::render::RenderMode::RgbArrayList));
+    assert_eq!(
+        drawn.render_mode,
+        Some(gym::render::RenderMode::RgbArrayList)
+    );
     assert_eq!(drawn.kwargs.len(), 1);
 }
 
@@ -145,13 +216,23 @@ fn reset_options_that_are_not_known_are_refused() {
         let mut envs = gym::make_vec("CartPole-v1", 2, kind).unwrap();
         let mut columns = envs.columns().unwrap();
         let reset = gym::vector::VectorReset::from(1);
-        let error =
-            envs.reset_into(&reset.clone().option("lo", -0.01), &mut columns).unwrap_err().to_string();
+        let error = envs
+            .reset_into(&reset.clone().option("lo", -0.01), &mut columns)
+            .unwrap_err()
+            .to_string();
         assert!(error.contains("did you mean `low`?"), "{kind}: {error}");
-        envs.reset_into(&reset.option("low", -0.01), &mut columns).unwrap();
+        envs.reset_into(&reset.option("low", -0.01), &mut columns)
+            .unwrap();
     }
-    let error = make("Pendulum-v1").unwrap().reset(Reset::seed(1).option("zzz", 1)).unwrap_err().to_string();
-    assert!(error.contains("unknown option `zzz` (known are `x_init`, `y_init`)"), "{error}");
+    let error = make("Pendulum-v1")
+        .unwrap()
+        .reset(Reset::seed(1).option("zzz", 1))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("unknown option `zzz` (known are `x_init`, `y_init`)"),
+        "{error}"
+    );
     // as in Gymnasium, where a task knows none
     make("Taxi-v4").unwrap().reset(reset()).unwrap();
 }
@@ -174,8 +255,16 @@ fn an_id_without_its_namespace_is_suggested_with_it() {
 /// Nothing is suggested that is not alike: what shares less than 60 % of its letters is no slip of the pen.
 #[test]
 fn only_what_is_alike_is_suggested() {
-    for (asked, is_alike) in [("CarPoll-v1", true), ("cartpole-v1", true), ("Pole-v1", false)] {
+    for (asked, is_alike) in [
+        ("CarPoll-v1", true),
+        ("cartpole-v1", true),
+        ("Pole-v1", false),
+    ] {
         let error = make(asked).unwrap_err().to_string();
-        assert_eq!(error.contains("did you mean `CartPole-v1`?"), is_alike, "{asked}: {error}");
+        assert_eq!(
+            error.contains("did you mean `CartPole-v1`?"),
+            is_alike,
+            "{asked}: {error}"
+        );
     }
 }

@@ -9,7 +9,10 @@ const STACK: usize = 512 << 10;
 
 /// What a program does with an environment.
 fn use_all(id: &str) -> Result<()> {
-    let mut env = gym::builder(id).render_mode(RenderMode::RgbArray).build().or_else(|_| gym::make(id))?;
+    let mut env = gym::builder(id)
+        .render_mode(RenderMode::RgbArray)
+        .build()
+        .or_else(|_| gym::make(id))?;
     env.reset(0)?;
     let mut actions = env.action_sampler(0)?;
     env.step(&actions.sample())?;
@@ -39,9 +42,15 @@ fn in_a_small_stack() {
 #[test]
 fn every_environment_fits_a_small_stack() {
     let mut this = std::process::Command::new(std::env::current_exe().expect("this program"));
-    let output =
-        this.args(["in_a_small_stack", "--exact", "--ignored", "--nocapture"]).output().expect("it runs");
-    let [text, said] = [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned());
-    assert!(output.status.success(), "the last of these needs more stack than {STACK} bytes: {text}\n{said}");
+    let output = this
+        .args(["in_a_small_stack", "--exact", "--ignored", "--nocapture"])
+        .output()
+        .expect("it runs");
+    let [text, said] =
+        [output.stdout, output.stderr].map(|text| String::from_utf8_lossy(&text).into_owned());
+    assert!(
+        output.status.success(),
+        "the last of these needs more stack than {STACK} bytes: {text}\n{said}"
+    );
     assert!(text.lines().count() > 40, "all were tried: {text}");
 }

@@ -24,8 +24,10 @@ pub(crate) fn create(folder: &Path) -> Result<(), String> {
 /// The entries of a folder, sorted by name.
 pub(crate) fn list(folder: &Path) -> Result<Vec<PathBuf>, String> {
     let entries = fs::read_dir(folder).map_err(at(folder))?;
-    let mut paths =
-        entries.map(|entry| Ok(entry?.path())).collect::<io::Result<Vec<_>>>().map_err(at(folder))?;
+    let mut paths = entries
+        .map(|entry| Ok(entry?.path()))
+        .collect::<io::Result<Vec<_>>>()
+        .map_err(at(folder))?;
     paths.sort();
     Ok(paths)
 }
@@ -37,7 +39,9 @@ pub(crate) fn copy(from: &Path, to: &Path) -> Result<(), String> {
     }
     create(to)?;
     for path in list(from)? {
-        let Some(name) = path.file_name().filter(|name| *name != "__pycache__") else { continue };
+        let Some(name) = path.file_name().filter(|name| *name != "__pycache__") else {
+            continue;
+        };
         copy(&path, &to.join(name))?;
     }
     Ok(())

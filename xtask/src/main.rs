@@ -40,16 +40,26 @@ fn run(arguments: Vec<OsString>) -> Result<ExitCode, String> {
     let (plugin, arguments) = take_plugin(arguments)?;
     // `help web`, as `help` has every other command
     let arguments = match &arguments[..] {
-        [help, command] if help == "help" && own(command).is_some() => vec![command.clone(), "--help".into()],
+        [help, command] if help == "help" && own(command).is_some() => {
+            vec![command.clone(), "--help".into()]
+        }
         _ => arguments,
     };
     if let Some(command) = arguments.first().and_then(|command| own(command)) {
         return command(plugin.as_deref(), &arguments).map(|()| ExitCode::SUCCESS);
     }
-    let build = Build::of(&arguments, env::var("XTASK_PROFILE").is_ok_and(|profile| profile == "dev"));
+    let build = Build::of(
+        &arguments,
+        env::var("XTASK_PROFILE").is_ok_and(|profile| profile == "dev"),
+    );
     if build.is_first_demo && plugin.is_none() {
-        say(format_args!("The quick families first: the others are built after their GIFs."))?;
-        let quick = Build { families: "gym/classic,gym/toytext", ..build };
+        say(format_args!(
+            "The quick families first: the others are built after their GIFs."
+        ))?;
+        let quick = Build {
+            families: "gym/classic,gym/toytext",
+            ..build
+        };
         let code = start(&quick, None, &arguments)?;
         if code != ExitCode::SUCCESS {
             return Ok(code);
@@ -75,7 +85,9 @@ fn start(build: &Build, plugin: Option<&Path>, arguments: &[OsString]) -> Result
     cargo.arg("run").args(["--profile", build.profile]);
     match plugin {
         None => {
-            cargo.args(["--package", "xtask-commands", "--manifest-path"]).arg(root().join("Cargo.toml"));
+            cargo
+                .args(["--package", "xtask-commands", "--manifest-path"])
+                .arg(root().join("Cargo.toml"));
         }
         Some(folder) => {
             let plugin = Plugin::read(folder)?;
@@ -96,7 +108,10 @@ fn start(build: &Build, plugin: Option<&Path>, arguments: &[OsString]) -> Result
     let status = cargo.arg("--").args(arguments).status();
     let status = status.map_err(|error| format!("cargo cannot be run: {error}"))?;
     // a signal leaves no code
-    Ok(status.code().and_then(|code| u8::try_from(code).ok()).map_or(ExitCode::FAILURE, ExitCode::from))
+    Ok(status
+        .code()
+        .and_then(|code| u8::try_from(code).ok())
+        .map_or(ExitCode::FAILURE, ExitCode::from))
 }
 
 /// Prints a line; `println!` panics where the output cannot be written.
@@ -122,7 +137,9 @@ impl Build {
     fn of(arguments: &[OsString], in_dev: bool) -> Self {
         let command = arguments.iter().filter_map(|argument| argument.to_str());
         let command = command.clone().find(|argument| !argument.starts_with('-'));
-        let asks_for_help = arguments.iter().any(|argument| argument == "--help" || argument == "-h");
+        let asks_for_help = arguments
+            .iter()
+            .any(|argument| argument == "--help" || argument == "-h");
         let is_quick = asks_for_help || command.is_none_or(|command| QUICK.contains(&command));
         let is_built = || {
             target_dir()
@@ -134,7 +151,9 @@ impl Build {
         let feature = match command {
             _ if asks_for_help => None,
             Some("conform") => Some("conform"),
-            Some("play") if !arguments.iter().any(|argument| argument == "--terminal") => Some("human"),
+            Some("play") if !arguments.iter().any(|argument| argument == "--terminal") => {
+                Some("human")
+            }
             _ => None,
         };
         let profile = match is_quick {
@@ -143,14 +162,24 @@ impl Build {
             false if command.is_some_and(|command| FASTEST.contains(&command)) => "release",
             _ => "play",
         };
-        let is_over_all =
-            command.is_some_and(|command| ["conform", "docs", "soak"].contains(&command)) && !asks_for_help;
-        let names_it =
-            arguments.iter().any(|argument| argument.to_str().is_some_and(|text| text.contains("rapier")));
+        let is_over_all = command
+            .is_some_and(|command| ["conform", "docs", "soak"].contains(&command))
+            && !asks_for_help;
+        let names_it = arguments.iter().any(|argument| {
+            argument
+                .to_str()
+                .is_some_and(|text| text.contains("rapier"))
+        });
         let shows_all = arguments.iter().any(|argument| argument == "--all");
         let rapier = in_dev || is_over_all || names_it || shows_all;
         let is_first_demo = command == Some("demo") && profile == "play" && !rapier && !is_built();
-        Self { profile, feature, families: "families", is_first_demo, rapier }
+        Self {
+            profile,
+            feature,
+            families: "families",
+            is_first_demo,
+            rapier,
+        }
     }
 }
 
@@ -160,10 +189,14 @@ fn take_plugin(arguments: Vec<OsString>) -> Result<(Option<PathBuf>, Vec<OsStrin
     let mut arguments = arguments.into_iter();
     while let Some(argument) = arguments.next() {
         if argument == "--plugin" {
-            let folder =
-                arguments.next().ok_or("`--plugin` needs the folder of a crate: `--plugin ../my_envs`")?;
+            let folder = arguments
+                .next()
+                .ok_or("`--plugin` needs the folder of a crate: `--plugin ../my_envs`")?;
             plugin = Some(PathBuf::from(folder));
-        } else if let Some(folder) = argument.to_str().and_then(|text| text.strip_prefix("--plugin=")) {
+        } else if let Some(folder) = argument
+            .to_str()
+            .and_then(|text| text.strip_prefix("--plugin="))
+        {
             plugin = Some(PathBuf::from(folder));
         } else {
             others.push(argument);
@@ -206,13 +239,22 @@ mod tests {
         assert_eq!(feature("play CartPole-v1"), Some("human"));
         assert_eq!(feature("play Taxi-v4 --terminal"), None);
         assert_eq!(feature("conform --help"), None, "help is quick");
-        assert_eq!(feature("bench"), None, "allocations are not counted where time is measured");
+        assert_eq!(
+            feature("bench"),
+            None,
+            "allocations are not counted where time is measured"
+        );
     }
 
     #[test]
     fn rapier_is_built_for_what_asks_for_it() {
         let rapier = |line: &str| Build::of(&arguments(line), false).rapier;
-        for line in ["run rapier/LunarLander-v3", "conform", "docs --check", "demo --all"] {
+        for line in [
+            "run rapier/LunarLander-v3",
+            "conform",
+            "docs --check",
+            "demo --all",
+        ] {
             assert!(rapier(line), "{line}");
         }
         for line in ["list", "demo", "run LunarLander-v3", "conform --help", ""] {
@@ -235,16 +277,31 @@ mod tests {
         for line in ["demo --all", "demo --help", "run CartPole-v1", "list"] {
             assert!(!Build::of(&arguments(line), false).is_first_demo, "{line}");
         }
-        assert!(!Build::of(&arguments("demo"), true).is_first_demo, "tests are built at once");
+        assert!(
+            !Build::of(&arguments("demo"), true).is_first_demo,
+            "tests are built at once"
+        );
     }
 
     #[test]
     fn the_plugin_stands_anywhere() {
-        for line in ["--plugin x list --long", "list --plugin x --long", "list --long --plugin=x"] {
+        for line in [
+            "--plugin x list --long",
+            "list --plugin x --long",
+            "list --long --plugin=x",
+        ] {
             let expected = (Some(PathBuf::from("x")), arguments("list --long"));
             assert_eq!(take_plugin(arguments(line)).unwrap(), expected, "{line}");
         }
-        assert!(take_plugin(arguments("list --plugin")).unwrap_err().contains("folder of a crate"));
-        assert!(take_plugin(arguments("new x --plugin y")).unwrap_err().contains("`new` takes no"));
+        assert!(
+            take_plugin(arguments("list --plugin"))
+                .unwrap_err()
+                .contains("folder of a crate")
+        );
+        assert!(
+            take_plugin(arguments("new x --plugin y"))
+                .unwrap_err()
+                .contains("`new` takes no")
+        );
     }
 }

@@ -27,14 +27,24 @@ impl Plugin {
     pub(crate) fn read(folder: &Path) -> Result<Self, String> {
         let manifest = folder.join("Cargo.toml");
         let wrong = |reason: String| format!("{}: {reason}", manifest.display());
-        let folder = folder.canonicalize().map_err(|error| wrong(error.to_string()))?;
+        let folder = folder
+            .canonicalize()
+            .map_err(|error| wrong(error.to_string()))?;
         let output = Command::new(cargo())
-            .args(["metadata", "--no-deps", "--format-version", "1", "--manifest-path"])
+            .args([
+                "metadata",
+                "--no-deps",
+                "--format-version",
+                "1",
+                "--manifest-path",
+            ])
             .arg(folder.join("Cargo.toml"))
             .output()
             .map_err(|error| wrong(format!("cargo cannot be run: {error}")))?;
         if !output.status.success() {
-            return Err(wrong(String::from_utf8_lossy(&output.stderr).trim().to_owned()));
+            return Err(wrong(
+                String::from_utf8_lossy(&output.stderr).trim().to_owned(),
+            ));
         }
         let metadata: Json =
             serde_json::from_slice(&output.stdout).map_err(|error| wrong(error.to_string()))?;
@@ -45,12 +55,16 @@ impl Plugin {
             .iter()
             .find(is_it)
             .ok_or_else(|| wrong("it is not a package".into()))?;
-        let is_library =
-            |target: &&Json| list(&target["kind"]).iter().any(|kind| kind == "lib" || kind == "rlib");
+        let is_library = |target: &&Json| {
+            list(&target["kind"])
+                .iter()
+                .any(|kind| kind == "lib" || kind == "rlib")
+        };
         let library = list(&package["targets"]).iter().find(is_library);
         let library = library.ok_or_else(|| wrong("it has no library: add src/lib.rs".into()))?;
         let dependencies = list(&package["dependencies"]);
-        let is_ours = |dependency: &&Json| dependency["name"] == "gym-core" || dependency["name"] == "gym";
+        let is_ours =
+            |dependency: &&Json| dependency["name"] == "gym-core" || dependency["name"] == "gym";
         let ours = dependencies.iter().find(is_ours);
         let ours = ours.ok_or_else(|| wrong("it depends on neither gym-core nor gym".into()))?;
         let text = |json: &Json| json.as_str().unwrap_or_default().to_owned();
@@ -78,7 +92,12 @@ impl Plugin {
              [dependencies]\n\
              xtask-commands = {{ path = {commands:?}, default-features = false }}\n"
         );
-        self.write(folder, ("main.rs", &main), ("commands-of", "xtask-commands"), &parts)
+        self.write(
+            folder,
+            ("main.rs", &main),
+            ("commands-of", "xtask-commands"),
+            &parts,
+        )
     }
 
     /// Writes a library that links the plugin and the gallery.
@@ -89,7 +108,12 @@ impl Plugin {
             "[dependencies]\n\
              gym-web = {{ path = {web:?}, default-features = false }}\n"
         );
-        self.write(folder, ("lib.rs", &library), ("gallery-of", "gym-web"), &parts)
+        self.write(
+            folder,
+            ("lib.rs", &library),
+            ("gallery-of", "gym-web"),
+            &parts,
+        )
     }
 
     /// Writes a Python package whose library links the plugin.
@@ -103,11 +127,23 @@ impl Plugin {
              [dependencies]\n\
              gym-python = {{ path = {ours:?} }}\n"
         );
-        self.write(folder, ("lib.rs", &library), ("python-of", "gym-python"), &parts)?;
+        self.write(
+            folder,
+            ("lib.rs", &library),
+            ("python-of", "gym-python"),
+            &parts,
+        )?;
         // nothing stays of an earlier version; a folder that cannot be removed fails to be written
         let _ = fs::remove_dir_all(folder.join("python"));
         // maturin packs no module from outside of the folder
-        for name in ["README.md", "LICENSE-APACHE", "LICENSE-MIT", "NOTICE.md", "pyproject.toml", "python"] {
+        for name in [
+            "README.md",
+            "LICENSE-APACHE",
+            "LICENSE-MIT",
+            "NOTICE.md",
+            "pyproject.toml",
+            "python",
+        ] {
             files::copy(&ours.join(name), &folder.join(name))?;
         }
         Ok(())
@@ -124,7 +160,10 @@ impl Plugin {
         let source = folder.join("src");
         files::create(&source)?;
         let manifest = self.manifest(prefix, parts, &our_crates()?, &profiles_for(around)?);
-        for (path, text) in [(folder.join("Cargo.toml"), &*manifest), (source.join(name), text)] {
+        for (path, text) in [
+            (folder.join("Cargo.toml"), &*manifest),
+            (source.join(name), text),
+        ] {
             // an unchanged file is not built again
             if files::text(&path).ok().as_deref() != Some(text) {
                 files::write(&path, text.as_bytes())?;
@@ -141,14 +180,26 @@ impl Plugin {
     /// The manifest of such a package, whose `parts` end with its other dependencies: with this workspace's crates instead of
     /// published ones, and its profiles, so that their common dependencies are built once.
     fn manifest(&self, prefix: &str, parts: &str, crates: &[PathBuf], profiles: &str) -> String {
-        let Self { name, folder, source, .. } = self;
+        let Self {
+            name,
+            folder,
+            source,
+            ..
+        } = self;
         // a plugin that takes gym-core from elsewhere shares the one of this workspace
         let patch = source.as_ref().map_or_else(String::new, |source| {
             let entry = |path: &PathBuf| {
-                let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                let name = path
+                    .file_name()
+                    .unwrap_or_default()
+                    .to_string_lossy()
+                    .into_owned();
                 format!("{name} = {{ path = {path:?} }}\n")
             };
-            format!("\n[patch.{source:?}]\n{}", crates.iter().map(entry).collect::<String>())
+            format!(
+                "\n[patch.{source:?}]\n{}",
+                crates.iter().map(entry).collect::<String>()
+            )
         });
         let version = concat!(env!("CARGO_PKG_VERSION"), "+").to_owned() + &name.replace('_', "-");
         format!(
@@ -191,7 +242,10 @@ fn profiles_for(package: &str) -> Result<String, String> {
             return false;
         }
         let is_of_packages = table.ends_with(".package]") && !line.starts_with('[');
-        let is_there = || line.split_once(" = ").is_some_and(|(name, _)| packages.contains(name));
+        let is_there = || {
+            line.split_once(" = ")
+                .is_some_and(|(name, _)| packages.contains(name))
+        };
         table.starts_with("[profile.") && !line.starts_with('#') && (!is_of_packages || is_there())
     });
     Ok(lines.flat_map(|line| [line, "\n"]).collect())
@@ -206,7 +260,10 @@ fn packages_of<'a>(lock: &'a str, package: &'a str) -> BTreeSet<&'a str> {
             name = rest.trim_end_matches('"');
         } else if let Some(rest) = line.strip_prefix(" \"") {
             // ` "name",` or ` "name version",`
-            dependencies.entry(name).or_default().extend(rest.split([' ', '"']).next());
+            dependencies
+                .entry(name)
+                .or_default()
+                .extend(rest.split([' ', '"']).next());
         }
     }
     let mut packages = BTreeSet::new();
@@ -222,7 +279,9 @@ fn packages_of<'a>(lock: &'a str, package: &'a str) -> BTreeSet<&'a str> {
 /// The name of a dependency's source in `[patch]`; `None` for a folder.
 fn source(dependency: &Json) -> Option<String> {
     let source = dependency["source"].as_str()?;
-    let Some(git) = source.strip_prefix("git+") else { return Some("crates-io".into()) };
+    let Some(git) = source.strip_prefix("git+") else {
+        return Some("crates-io".into());
+    };
     git.split(['?', '#']).next().map(str::to_owned)
 }
 
@@ -238,7 +297,10 @@ mod tests {
 
     #[test]
     fn places_are_called_as_patches_call_them() {
-        assert_eq!(source(&json!({"name": "gym-core", "path": "/x/crates/gym-core", "source": null})), None);
+        assert_eq!(
+            source(&json!({"name": "gym-core", "path": "/x/crates/gym-core", "source": null})),
+            None
+        );
         let registry = json!({"source": "registry+https://example.org/index", "req": "^0.1.2"});
         assert_eq!(source(&registry).as_deref(), Some("crates-io"));
         let git = json!({"source": "git+https://example.org/gym?branch=main#abc", "req": "*"});
@@ -255,15 +317,31 @@ mod tests {
         };
         let profiles = profiles_for("xtask-commands").unwrap();
         let manifest = plugin.manifest("x", "[dependencies]\n", &our_crates().unwrap(), &profiles);
-        for line in ["[profile.release]", "lto = \"thin\"", "[profile.dev.package.\"*\"]", "[profile.quick]"]
-        {
-            assert!(manifest.lines().any(|other| other == line), "{line} is missing:\n{manifest}");
+        for line in [
+            "[profile.release]",
+            "lto = \"thin\"",
+            "[profile.dev.package.\"*\"]",
+            "[profile.quick]",
+        ] {
+            assert!(
+                manifest.lines().any(|other| other == line),
+                "{line} is missing:\n{manifest}"
+            );
         }
         for name in ["gym", "gym-core", "gym-conform", "gym-box2d"] {
-            assert!(manifest.contains(&format!("\n{name} = {{ path = ")), "{name} is missing:\n{manifest}");
+            assert!(
+                manifest.contains(&format!("\n{name} = {{ path = ")),
+                "{name} is missing:\n{manifest}"
+            );
         }
-        assert!(manifest.contains("\ngym-render = { opt-level"), "{manifest}");
-        assert!(!manifest.contains("gym-tests"), "a package that it is not built with:\n{manifest}");
+        assert!(
+            manifest.contains("\ngym-render = { opt-level"),
+            "{manifest}"
+        );
+        assert!(
+            !manifest.contains("gym-tests"),
+            "a package that it is not built with:\n{manifest}"
+        );
     }
 
     #[test]
@@ -271,6 +349,9 @@ mod tests {
         let error = Plugin::read(Path::new("/nonexistent")).unwrap_err();
         assert!(error.contains("/nonexistent/Cargo.toml"), "{error}");
         let error = Plugin::read(&root().join("crates/gym-core")).unwrap_err();
-        assert!(error.contains("depends on neither gym-core nor gym"), "{error}");
+        assert!(
+            error.contains("depends on neither gym-core nor gym"),
+            "{error}"
+        );
     }
 }

@@ -22,12 +22,17 @@ pub(crate) fn python(plugin: Option<&Path>, arguments: &[OsString]) -> Result<()
     if let Some(argument) = arguments.get(1) {
         return match argument.to_str() {
             Some("-h" | "--help") => say(format_args!("{USAGE}")),
-            _ => Err(format!("unexpected argument `{}`\n\n{USAGE}", argument.display())),
+            _ => Err(format!(
+                "unexpected argument `{}`\n\n{USAGE}",
+                argument.display()
+            )),
         };
     }
     let plugin = plugin.ok_or("`python` needs a crate: `cargo xtask python --plugin ../my_envs`. Without one, use `pip install ./crates/gym-python`")?;
     let plugin = Plugin::read(plugin)?;
-    let package = target_dir().join("plugins").join(format!("{}-python", plugin.name));
+    let package = target_dir()
+        .join("plugins")
+        .join(format!("{}-python", plugin.name));
     plugin.write_python(&package)?;
     say(format_args!("pip install {}", package.display()))
 }

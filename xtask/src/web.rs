@@ -50,7 +50,11 @@ impl Options {
         let mut options = Self::default();
         let mut arguments = arguments.iter();
         while let Some(argument) = arguments.next() {
-            let mut value = || arguments.next().ok_or(format!("`{}` needs a value", argument.display()));
+            let mut value = || {
+                arguments
+                    .next()
+                    .ok_or(format!("`{}` needs a value", argument.display()))
+            };
             match argument.to_str() {
                 Some("web") => {}
                 Some("--single") => options.single = true,
@@ -63,9 +67,15 @@ impl Options {
                 Some("--port") => {
                     let port = value()?;
                     let number = port.to_str().and_then(|port| port.parse().ok());
-                    options.port = Some(number.ok_or(format!("`--port {}` is not a port", port.display()))?);
+                    options.port =
+                        Some(number.ok_or(format!("`--port {}` is not a port", port.display()))?);
                 }
-                _ => return Err(format!("unexpected argument `{}`\n\n{USAGE}", argument.display())),
+                _ => {
+                    return Err(format!(
+                        "unexpected argument `{}`\n\n{USAGE}",
+                        argument.display()
+                    ));
+                }
             }
         }
         Ok(options)
@@ -83,8 +93,17 @@ pub(crate) fn web(plugin: Option<&Path>, arguments: &[OsString]) -> Result<(), S
     let out = options.out.unwrap_or_else(|| target_dir().join("web"));
     let page = Page::read(&module, plugin.is_none())?;
     page.write(&out)?;
-    say(format_args!("{}: {} files, {} kB", out.display(), page.files.len(), page.size() / 1000))?;
-    let single = if options.single { Some(page.in_one_file()?) } else { None };
+    say(format_args!(
+        "{}: {} files, {} kB",
+        out.display(),
+        page.files.len(),
+        page.size() / 1000
+    ))?;
+    let single = if options.single {
+        Some(page.in_one_file()?)
+    } else {
+        None
+    };
     if let Some(text) = &single {
         let path = out.join("gallery.html");
         files::write(&path, text.as_bytes())?;
@@ -96,7 +115,14 @@ pub(crate) fn web(plugin: Option<&Path>, arguments: &[OsString]) -> Result<(), S
     if options.serve {
         let (listener, port) = serve::listen(options.port.unwrap_or(8000))?;
         say(format_args!("http://localhost:{port}/ (Ctrl+C ends it)"))?;
-        serve::serve(&listener, &serve::Site { page: out, folders: Vec::new(), posts: None });
+        serve::serve(
+            &listener,
+            &serve::Site {
+                page: out,
+                folders: Vec::new(),
+                posts: None,
+            },
+        );
     }
     Ok(())
 }
@@ -104,7 +130,9 @@ pub(crate) fn web(plugin: Option<&Path>, arguments: &[OsString]) -> Result<(), S
 /// The remedy if the compiler has no standard library for the target.
 fn check_target() -> Result<(), String> {
     let rustc = std::env::var_os("RUSTC").unwrap_or_else(|| "rustc".into());
-    let output = Command::new(&rustc).args(["--print", "target-libdir", "--target", TARGET]).output();
+    let output = Command::new(&rustc)
+        .args(["--print", "target-libdir", "--target", TARGET])
+        .output();
     let output = output.map_err(|error| format!("{} cannot be run: {error}", rustc.display()))?;
     let folder = String::from_utf8_lossy(&output.stdout);
     if output.status.success() && Path::new(folder.trim()).is_dir() {
@@ -120,11 +148,22 @@ fn check_target() -> Result<(), String> {
 fn build(plugin: Option<&Path>, small: bool) -> Result<PathBuf, String> {
     let mut cargo = Command::new(cargo());
     // not a crate type of the manifest: Cargo optimises at link time only what is nothing else beside
-    cargo.args(["rustc", "--profile", "gallery", "--target", TARGET, "--lib", "--crate-type", "cdylib"]);
+    cargo.args([
+        "rustc",
+        "--profile",
+        "gallery",
+        "--target",
+        TARGET,
+        "--lib",
+        "--crate-type",
+        "cdylib",
+    ]);
     cargo.arg("--target-dir").arg(target_dir());
     let file = match plugin {
         None => {
-            cargo.args(["--package", "gym-web", "--manifest-path"]).arg(root().join("Cargo.toml"));
+            cargo
+                .args(["--package", "gym-web", "--manifest-path"])
+                .arg(root().join("Cargo.toml"));
             if small {
                 cargo.args(["--no-default-features", "--features", "small"]);
             }
@@ -132,7 +171,9 @@ fn build(plugin: Option<&Path>, small: bool) -> Result<PathBuf, String> {
         }
         Some(folder) => {
             let plugin = Plugin::read(folder)?;
-            let program = target_dir().join("plugins").join(format!("{}-gallery", plugin.name));
+            let program = target_dir()
+                .join("plugins")
+                .join(format!("{}-gallery", plugin.name));
             plugin.write_gallery(&program)?;
             cargo.arg("--manifest-path").arg(program.join("Cargo.toml"));
             format!("gallery_of_{}.wasm", plugin.name.replace('-', "_"))
@@ -141,7 +182,9 @@ fn build(plugin: Option<&Path>, small: bool) -> Result<PathBuf, String> {
     // Exported, the constructors that register the environments run once, when the page calls them. Otherwise the linker puts
     // a call of all of them into each function that it exports.
     cargo.args(["--", "-C", "link-arg=--export=__wasm_call_ctors"]);
-    let status = cargo.status().map_err(|error| format!("cargo cannot be run: {error}"))?;
+    let status = cargo
+        .status()
+        .map_err(|error| format!("cargo cannot be run: {error}"))?;
     if !status.success() {
         return Err("the module could not be built".into());
     }
@@ -167,11 +210,17 @@ impl Page {
                     && path.file_stem() != Some(OsStr::new("README"))
                 {
                     let text = String::from_utf8_lossy(&files::read(&path)?).into_owned();
-                    texts.insert(file_name(&path).trim_end_matches(".md").to_owned(), text.into());
+                    texts.insert(
+                        file_name(&path).trim_end_matches(".md").to_owned(),
+                        text.into(),
+                    );
                 }
             }
         }
-        files.push(("docs.json.gz".into(), gzip(Json::Object(texts).to_string().as_bytes())?));
+        files.push((
+            "docs.json.gz".into(),
+            gzip(Json::Object(texts).to_string().as_bytes())?,
+        ));
         files.push(("gym.wasm.gz".into(), gzip(&files::read(module)?)?));
         Ok(Self { files })
     }
@@ -182,7 +231,9 @@ impl Page {
 
     fn write(&self, folder: &Path) -> Result<(), String> {
         files::create(folder)?;
-        self.files.iter().try_for_each(|(name, bytes)| files::write(&folder.join(name), bytes))
+        self.files
+            .iter()
+            .try_for_each(|(name, bytes)| files::write(&folder.join(name), bytes))
     }
 
     fn text(&self, name: &str) -> Result<&str, String> {
@@ -208,7 +259,10 @@ await import(url("app.js"));
             } else if name.ends_with(".js") {
                 scripts.insert(name.clone(), self.text(name)?.into());
             } else if name.ends_with(".gz") {
-                single.insert(name.clone(), base64::prelude::BASE64_STANDARD.encode(bytes).into());
+                single.insert(
+                    name.clone(),
+                    base64::prelude::BASE64_STANDARD.encode(bytes).into(),
+                );
             }
         }
         single.insert("scripts".into(), scripts.into());
@@ -237,11 +291,17 @@ await import(url("app.js"));
 
 fn gzip(bytes: &[u8]) -> Result<Vec<u8>, String> {
     let mut encoder = GzEncoder::new(Vec::new(), Compression::best());
-    encoder.write_all(bytes).and_then(|()| encoder.finish()).map_err(|error| error.to_string())
+    encoder
+        .write_all(bytes)
+        .and_then(|()| encoder.finish())
+        .map_err(|error| error.to_string())
 }
 
 fn file_name(path: &Path) -> String {
-    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
+    path.file_name()
+        .unwrap_or_default()
+        .to_string_lossy()
+        .into_owned()
 }
 
 /// The files in a folder, in the order of their names.
@@ -258,16 +318,30 @@ mod tests {
     use super::*;
 
     fn parse(line: &str) -> Result<Options, String> {
-        Options::parse(&line.split_whitespace().map(OsString::from).collect::<Vec<_>>())
+        Options::parse(
+            &line
+                .split_whitespace()
+                .map(OsString::from)
+                .collect::<Vec<_>>(),
+        )
     }
 
     #[test]
     fn options_are_read() {
-        let expected = Options { serve: true, port: Some(9000), single: true, ..Options::default() };
+        let expected = Options {
+            serve: true,
+            port: Some(9000),
+            single: true,
+            ..Options::default()
+        };
         assert_eq!(parse("web --serve --port 9000 --single").unwrap(), expected);
         assert!(parse("web --port many").unwrap_err().contains("not a port"));
         assert!(parse("web --out").unwrap_err().contains("needs a value"));
-        assert!(parse("web --fast").unwrap_err().contains("unexpected argument `--fast`"));
+        assert!(
+            parse("web --fast")
+                .unwrap_err()
+                .contains("unexpected argument `--fast`")
+        );
     }
 
     #[test]

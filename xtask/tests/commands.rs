@@ -24,7 +24,10 @@ fn program_of(plugin: &str) -> Command {
 }
 
 fn xtask(arguments: &[&str]) -> Output {
-    program().args(arguments).output().expect("the command starts")
+    program()
+        .args(arguments)
+        .output()
+        .expect("the command starts")
 }
 
 /// The output of a command, which must succeed.
@@ -33,7 +36,11 @@ fn prints(arguments: &[&str]) -> String {
 }
 
 fn said(output: Output, arguments: &[&str]) -> String {
-    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+    assert!(
+        output.status.success(),
+        "{arguments:?}: {}",
+        String::from_utf8_lossy(&output.stderr)
+    );
     String::from_utf8(output.stdout).expect("text")
 }
 
@@ -55,14 +62,27 @@ fn folder(name: &str) -> PathBuf {
 #[test]
 fn conform_passes() {
     let text = prints(&["conform", "CartPole-v1", "Taxi-v4"]);
-    assert!(text.contains("2 environments") && text.contains("0 broken"), "{text}");
+    assert!(
+        text.contains("2 environments") && text.contains("0 broken"),
+        "{text}"
+    );
     let reports: Json =
         serde_json::from_str(&prints(&["conform", "Taxi-v4", "--format", "json"])).expect("JSON");
-    assert_eq!((&reports[0]["id"], &reports[0]["findings"]), (&"Taxi-v4".into(), &Json::Array(vec![])));
+    assert_eq!(
+        (&reports[0]["id"], &reports[0]["findings"]),
+        (&"Taxi-v4".into(), &Json::Array(vec![]))
+    );
     let skipped = reports[0]["skipped"].as_array().expect("a list");
     let skipped: Vec<_> = skipped.iter().map(|check| &check["check"]).collect();
-    assert_eq!(skipped, ["options-accepted", "options-matter"], "pictures are drawn and allocations counted");
-    assert!(prints(&["conform", "Taxi-v4", "--format", "junit"]).contains("<testsuite name=\"Taxi-v4\""));
+    assert_eq!(
+        skipped,
+        ["options-accepted", "options-matter"],
+        "pictures are drawn and allocations counted"
+    );
+    assert!(
+        prints(&["conform", "Taxi-v4", "--format", "junit"])
+            .contains("<testsuite name=\"Taxi-v4\"")
+    );
     assert!(fails(&["conform", "Taxy-v4"]).contains("did you mean `Taxi-v4`?"));
     assert!(fails(&["conform", "--plugin", "/nonexistent"]).contains("/nonexistent/Cargo.toml"));
     assert!(fails(&["conform", "--format", "xml"]).contains("text, json and junit"));
@@ -74,14 +94,29 @@ fn conform_flags_a_plugin() {
     let broken = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../tests/plugins/broken");
     let broken = broken.to_str().unwrap();
     let output = program_of(broken)
-        .args(["conform", "--format", "json", "broken/reward-finite-v0", "broken/none-v0"])
+        .args([
+            "conform",
+            "--format",
+            "json",
+            "broken/reward-finite-v0",
+            "broken/none-v0",
+        ])
         .output()
         .expect("the command starts");
-    assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stderr));
+    assert_eq!(
+        output.status.code(),
+        Some(1),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
     let reports: Json = serde_json::from_slice(&output.stdout).expect("JSON");
     assert_eq!(reports[0]["findings"][0]["check"], "reward-finite");
     assert_eq!(reports[1]["findings"], Json::Array(vec![]));
-    assert_eq!(reports[1]["skipped"], Json::Array(vec![]), "pictures are drawn and allocations counted");
+    assert_eq!(
+        reports[1]["skipped"],
+        Json::Array(vec![]),
+        "pictures are drawn and allocations counted"
+    );
 }
 
 /// From nothing to a crate that conforms and draws.
@@ -92,9 +127,16 @@ fn new_makes_a_plugin_that_works() {
     prints(&["new", "my_envs", "--path", path]);
     let cargo = |arguments: &[&str]| {
         let target = PathBuf::from(env!("CARGO_BIN_EXE_xtask"));
-        let target = target.ancestors().nth(2).expect("the binary lies in target/debug");
+        let target = target
+            .ancestors()
+            .nth(2)
+            .expect("the binary lies in target/debug");
         let mut command = Command::new(env!("CARGO"));
-        command.args(arguments).current_dir(&folder).env("CARGO_TARGET_DIR", target).env(OPT_LEVEL, "0");
+        command
+            .args(arguments)
+            .current_dir(&folder)
+            .env("CARGO_TARGET_DIR", target)
+            .env(OPT_LEVEL, "0");
         let output = command.output().unwrap();
         let [stdout, stderr] =
             [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text).into_owned());
@@ -102,7 +144,10 @@ fn new_makes_a_plugin_that_works() {
         stdout
     };
     let tests = cargo(&["test", "--offline", "--tests"]);
-    assert!(tests.contains("every_environment_conforms ... ok") && tests.contains("0 ignored"), "{tests}");
+    assert!(
+        tests.contains("every_environment_conforms ... ok") && tests.contains("0 ignored"),
+        "{tests}"
+    );
     cargo(&["run", "--offline", "--example", "gif"]);
     let gif = std::fs::read(folder.join("episode.gif")).expect("a GIF");
     assert!(gif.starts_with(b"GIF89a") && gif.len() > 500);
@@ -114,17 +159,32 @@ fn commands_serve_a_plugin() {
     let good = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../tests/plugins/good");
     let good = good.to_str().unwrap();
     let id = "sutton/WindyGridworld-v0";
-    let of_plugin = |arguments: &[&str]| said(program_of(good).args(arguments).output().unwrap(), arguments);
+    let of_plugin = |arguments: &[&str]| {
+        said(
+            program_of(good).args(arguments).output().unwrap(),
+            arguments,
+        )
+    };
     assert!(of_plugin(&["conform"]).contains("0 broken"));
     let list = of_plugin(&["list"]);
     assert!(list.contains(id) && !list.contains("CartPole"), "{list}");
     let out = folder("plugin");
     let gif = out.join("episode.gif");
-    of_plugin(&["gif", id, "--max-frames", "5", "--out", gif.to_str().unwrap()]);
+    of_plugin(&[
+        "gif",
+        id,
+        "--max-frames",
+        "5",
+        "--out",
+        gif.to_str().unwrap(),
+    ]);
     assert!(std::fs::read(&gif).expect("a GIF").starts_with(b"GIF89a"));
     assert!(of_plugin(&["run", id, "--seeds", "0..2"]).contains("return"));
     let good_policy = of_plugin(&["run", id, "--policy", "good", "--seeds", "0..1"]);
-    assert!(good_policy.contains("-15.0"), "the least number of steps: {good_policy}");
+    assert!(
+        good_policy.contains("-15.0"),
+        "the least number of steps: {good_policy}"
+    );
     assert!(of_plugin(&["soak", "--steps", "20000"]).contains("20000 steps of"));
     let bench = of_plugin(&["bench", "--seconds", "0.01", "--kind", "make"]);
     assert!(bench.contains(id) && !bench.contains("CartPole"), "{bench}");
@@ -136,16 +196,35 @@ fn commands_serve_a_plugin() {
         .stdout(Stdio::piped())
         .spawn()
         .expect("the command starts");
-    play.stdin.take().expect("a pipe").write_all(b"Right\nq\n").expect("it reads");
+    play.stdin
+        .take()
+        .expect("a pipe")
+        .write_all(b"Right\nq\n")
+        .expect("it reads");
     let played = play.wait_with_output().expect("it ends");
     let text = String::from_utf8_lossy(&played.stdout);
-    assert!(text.contains("Up = 0, Down = 1") || text.contains("Right = 2"), "{text}");
+    assert!(
+        text.contains("Up = 0, Down = 1") || text.contains("Right = 2"),
+        "{text}"
+    );
     // a page of its own, in a copy of the crate
     let copy = out.join("sutton");
     copy_crate(Path::new(good), &copy);
-    said(program_of(copy.to_str().unwrap()).args(["docs", "--measure"]).output().unwrap(), &["docs"]);
-    let page = std::fs::read_to_string(copy.join("docs/environments/windy-gridworld.md")).expect("a page");
-    for part in ["# Windy gridworld", "| `king` | boolean | `false` |", "-15.00", "goes around the wind"] {
+    said(
+        program_of(copy.to_str().unwrap())
+            .args(["docs", "--measure"])
+            .output()
+            .unwrap(),
+        &["docs"],
+    );
+    let page =
+        std::fs::read_to_string(copy.join("docs/environments/windy-gridworld.md")).expect("a page");
+    for part in [
+        "# Windy gridworld",
+        "| `king` | boolean | `false` |",
+        "-15.00",
+        "goes around the wind",
+    ] {
         assert!(page.contains(part), "{part}: {page}");
     }
 }
@@ -156,7 +235,10 @@ fn copy_crate(from: &Path, to: &Path) {
     for file in ["src/lib.rs", "src/windy_gridworld.rs"] {
         std::fs::copy(from.join(file), to.join(file)).expect("a copy");
     }
-    let crates = from.join("../../../crates").canonicalize().expect("the crates");
+    let crates = from
+        .join("../../../crates")
+        .canonicalize()
+        .expect("the crates");
     let manifest = std::fs::read_to_string(from.join("Cargo.toml")).expect("a manifest");
     let manifest = manifest.replace("../../../crates", crates.to_str().expect("a path in UTF-8"));
     std::fs::write(to.join("Cargo.toml"), manifest).expect("a manifest");

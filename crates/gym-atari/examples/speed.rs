@@ -19,15 +19,18 @@ fn main() -> Result<()> {
             return Ok(());
         }
     };
-    let number =
-        arguments.next_if(|n| n.parse::<usize>().is_ok()).and_then(|n| n.parse().ok()).unwrap_or(10_000);
+    let number = arguments
+        .next_if(|n| n.parse::<usize>().is_ok())
+        .and_then(|n| n.parse().ok())
+        .unwrap_or(10_000);
     let names: Vec<String> = arguments.collect();
     let Some(roms) = RomDir::find() else {
         println!("there are no ROMs: `pip install ale-py`, or set ALE_ROMS_DIR");
         return Ok(());
     };
-    for game in
-        games::GAMES.iter().filter(|game| names.is_empty() || names.iter().any(|name| name == game.name))
+    for game in games::GAMES
+        .iter()
+        .filter(|game| names.is_empty() || names.iter().any(|name| name == game.name))
     {
         let mut random = 1u32;
         let actions = (0..number).map(|_| {
@@ -36,7 +39,11 @@ fn main() -> Result<()> {
         });
         let actions: Vec<usize> = actions.collect();
         let seconds = play(game, &roms.rom(game)?, &actions)?;
-        println!("{:20} {:8.0} {what} a second", game.name, number as f64 / seconds);
+        println!(
+            "{:20} {:8.0} {what} a second",
+            game.name,
+            number as f64 / seconds
+        );
     }
     Ok(())
 }
@@ -56,8 +63,11 @@ fn play_frames(game: &'static Game, rom: &Rom, actions: &[usize]) -> Result<f64>
 
 /// The seconds that steps with these actions take.
 fn play_steps(_game: &'static Game, rom: &Rom, actions: &[usize]) -> Result<f64> {
-    let config =
-        Config { frameskip: Frameskip::Fixed(1), repeat_action_probability: 0.0, ..Config::default() };
+    let config = Config {
+        frameskip: Frameskip::Fixed(1),
+        repeat_action_probability: 0.0,
+        ..Config::default()
+    };
     let env = AtariPreprocessing::new(AtariEnv::with_rom(config, rom)?, Default::default())?;
     let mut env = env.frame_stack(4)?;
     let mut observation = env.reset(1)?;

@@ -55,7 +55,10 @@ pub struct Command {
 impl From<Action> for Command {
     /// The action, with a paddle turned at full speed.
     fn from(action: Action) -> Self {
-        Self { action, paddle_strength: 1.0 }
+        Self {
+            action,
+            paddle_strength: 1.0,
+        }
     }
 }
 

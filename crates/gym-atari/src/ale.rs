@@ -124,8 +124,14 @@ impl Ale {
         let mut ale = Self {
             game,
             console: Console::new(cartridge, game.display, *POWER_ON_RAM, LOADING_TIMER),
-            loaded: Loaded { ram: *POWER_ON_RAM, frame_number: 0 },
-            settings: Settings { repeat_action_probability, ..Settings::default() },
+            loaded: Loaded {
+                ram: *POWER_ON_RAM,
+                frame_number: 0,
+            },
+            settings: Settings {
+                repeat_action_probability,
+                ..Settings::default()
+            },
             progress: Progress {
                 power_ons: 0,
                 generator: Mt19937::new(seed),
@@ -140,10 +146,17 @@ impl Ale {
                 episode_frame_number: 0,
             },
         };
-        let frames = if game.display.pal { PAL_LOADING_FRAMES } else { LOADING_FRAMES };
+        let frames = if game.display.pal {
+            PAL_LOADING_FRAMES
+        } else {
+            LOADING_FRAMES
+        };
         ale.hold(switch::IDLE, frames);
         ale.reset();
-        ale.loaded = Loaded { ram: *ale.console.ram(), frame_number: ale.progress.frame_number };
+        ale.loaded = Loaded {
+            ram: *ale.console.ram(),
+            frame_number: ale.progress.frame_number,
+        };
         ale
     }
 
@@ -157,7 +170,12 @@ impl Ale {
 
     fn fresh(&self, seed: u32) -> Self {
         let cartridge = self.console.cartridge().clone();
-        Self::with_cartridge(self.game, cartridge, seed, self.settings.repeat_action_probability)
+        Self::with_cartridge(
+            self.game,
+            cartridge,
+            seed,
+            self.settings.repeat_action_probability,
+        )
     }
 
     /// As [`load`](Self::load) and [`reset`](Self::reset): starts the first episode after loading the ROM. It does not play the
@@ -229,7 +247,10 @@ impl Ale {
     /// Presses SELECT until RAM shows the mode; ale-py counts a frame for each press.
     fn choose_mode(&mut self, index: usize) {
         let game = self.game;
-        let chosen = game.modes.iter().find(|(mode, _)| self.settings.mode == Some(*mode));
+        let chosen = game
+            .modes
+            .iter()
+            .find(|(mode, _)| self.settings.mode == Some(*mode));
         let &(mode, value) = chosen.unwrap_or(&game.modes[0]);
         for press in 0..MOST_PRESSES {
             let shown = self.console.ram()[index];
@@ -306,7 +327,10 @@ impl Ale {
         } else if self.game.legal.contains(&command.action) {
             command
         } else {
-            Command { action: Action::Noop, ..command }
+            Command {
+                action: Action::Noop,
+                ..command
+            }
         }
     }
 
@@ -356,7 +380,10 @@ impl Ale {
 
     /// All that frames change, but the pictures.
     pub(crate) fn moment(&self) -> Moment {
-        Moment { state: self.state(), picture: self.console.current_picture() }
+        Moment {
+            state: self.state(),
+            picture: self.console.current_picture(),
+        }
     }
 
     /// Goes back to a moment of this game.
@@ -367,7 +394,11 @@ impl Ale {
 
     fn observe(&mut self) {
         let ram = self.ram();
-        let over_for = if (self.game.over)(&ram) { self.progress.over_for.saturating_add(1) } else { 0 };
+        let over_for = if (self.game.over)(&ram) {
+            self.progress.over_for.saturating_add(1)
+        } else {
+            0
+        };
         let over = over_for >= self.game.over_frames;
         let lives = match over {
             true => self.game.lives_at_end,
@@ -380,27 +411,57 @@ impl Ale {
     }
 
     /// Runs the console for a frame.
-    fn frame(&mut self, Command { action, paddle_strength }: Command, switches: u8, seen: bool) {
-        let difficulty = self.settings.difficulty.unwrap_or(self.game.difficulties[0]);
+    fn frame(
+        &mut self,
+        Command {
+            action,
+            paddle_strength,
+        }: Command,
+        switches: u8,
+        seen: bool,
+    ) {
+        let difficulty = self
+            .settings
+            .difficulty
+            .unwrap_or(self.game.difficulties[0]);
         // bit 0 is the left switch, bit 1 the right one
         let port_b = switches | difficulty << switch::LEFT_DIFFICULTY.trailing_zeros();
         let input = match self.game.controller {
-            Controller::Joystick => {
-                Input { port_a: action.port_a(), port_b, fire: [action.fire(), false], ..Input::default() }
-            }
+            Controller::Joystick => Input {
+                port_a: action.port_a(),
+                port_b,
+                fire: [action.fire(), false],
+                ..Input::default()
+            },
             Controller::RightJoystick => {
                 let port_a = action.port_a() >> 4 | 0xf0;
-                Input { port_a, port_b, fire: [false, action.fire()], ..Input::default() }
+                Input {
+                    port_a,
+                    port_b,
+                    fire: [false, action.fire()],
+                    ..Input::default()
+                }
             }
             Controller::Paddle(paddle) | Controller::LeftPaddle(paddle) => {
                 let end = self.game.paddle_end;
-                self.progress.paddle.turn(action.horizontal(), paddle_strength, end);
-                let fire = if action.fire() { [0x80, 0x40][paddle & 1] } else { 0 };
+                self.progress
+                    .paddle
+                    .turn(action.horizontal(), paddle_strength, end);
+                let fire = if action.fire() {
+                    [0x80, 0x40][paddle & 1]
+                } else {
+                    0
+                };
                 let mut charge = [Some(Paddle::middle(end).charge()); 2];
                 charge[paddle & 1] = Some(self.progress.paddle.charge());
                 let right = matches!(self.game.controller, Controller::Paddle(_)).then_some(0);
                 let charge = [charge[0], charge[1], right, right];
-                Input { port_a: !fire, port_b, fire: [false; 2], charge }
+                Input {
+                    port_a: !fire,
+                    port_b,
+                    fire: [false; 2],
+                    charge,
+                }
             }
         };
         if seen {
@@ -452,7 +513,9 @@ impl Ale {
 
     /// Whether the episode has as many frames as it may.
     pub fn is_truncated(&self) -> bool {
-        self.settings.max_frames.is_some_and(|most| self.progress.episode_frame_number >= most)
+        self.settings
+            .max_frames
+            .is_some_and(|most| self.progress.episode_frame_number >= most)
     }
 
     /// The frames since the game was made.
@@ -487,7 +550,10 @@ impl Ale {
 
     /// All but ROM and picture.
     pub fn state(&self) -> State {
-        State { console: self.console.state(), progress: self.progress.clone() }
+        State {
+            console: self.console.state(),
+            progress: self.progress.clone(),
+        }
     }
 
     /// Continues from a state; `false` and no change if it is not one of this game.
@@ -504,8 +570,15 @@ impl Ale {
     pub fn set_state_like_ale(&mut self, state: &State, include_rng: bool) -> bool {
         let fits = self.console.set_state_within_frame(&state.console);
         if fits {
-            let Progress { previous, generator, .. } = self.progress.clone();
-            self.progress = Progress { previous, ..state.progress.clone() };
+            let Progress {
+                previous,
+                generator,
+                ..
+            } = self.progress.clone();
+            self.progress = Progress {
+                previous,
+                ..state.progress.clone()
+            };
             if !include_rng {
                 self.progress.generator = generator;
             }

@@ -33,7 +33,9 @@ impl Thread {
     #[inline(never)]
     fn wait(&mut self, riot: &Riot, cartridge: &Cartridge) {
         let Self { cpu, left } = self;
-        let Some([first, low, high, last]) = cartridge.four_bytes(cpu.pc) else { return };
+        let Some([first, low, high, last]) = cartridge.four_bytes(cpu.pc) else {
+            return;
+        };
         // DEX or DEY, or LDA of a register
         let length = if first == 0xad { 5 } else { 3 };
         // a branch into another page takes longer
@@ -43,9 +45,17 @@ impl Thread {
         let most = *left / 2;
         let (rounds, cycles, result) = match (first, low, high, last) {
             (0xca | 0x88, 0xd0 | 0x10, 0xfd, _) => {
-                let counter = if first == 0xca { &mut cpu.x } else { &mut cpu.y };
+                let counter = if first == 0xca {
+                    &mut cpu.x
+                } else {
+                    &mut cpu.y
+                };
                 // BNE, which has found that it is not 0, or BPL
-                let rounds = if low == 0xd0 { counter.wrapping_sub(1) } else { *counter };
+                let rounds = if low == 0xd0 {
+                    counter.wrapping_sub(1)
+                } else {
+                    *counter
+                };
                 let rounds = u32::from(rounds).min(most);
                 *counter -= rounds as u8;
                 (rounds, 5, *counter)
@@ -53,7 +63,9 @@ impl Thread {
             (0xad, _, _, 0xd0) => {
                 // the branch took three cycles since the register was read
                 let read = cpu.cycle - 3;
-                let Some(zero) = riot.zero_from(u16::from_le_bytes([low, high])) else { return };
+                let Some(zero) = riot.zero_from(u16::from_le_bytes([low, high])) else {
+                    return;
+                };
                 let rounds = (zero.saturating_sub(read + 1) / 7).min(u64::from(most)) as u32;
                 if rounds > 0 {
                     cpu.a = riot.count(read + 7 * u64::from(rounds));
@@ -93,7 +105,9 @@ pub(crate) struct Blocks {
 
 impl fmt::Debug for Blocks {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Blocks").field("scheme", &self.scheme).finish_non_exhaustive()
+        f.debug_struct("Blocks")
+            .field("scheme", &self.scheme)
+            .finish_non_exhaustive()
     }
 }
 
@@ -118,14 +132,24 @@ impl Blocks {
             // others are not decoded
             Scheme::F8SC | Scheme::F6SC | Scheme::FE | Scheme::Dpc => 0,
         };
-        let blocks = Arc::new(Self { scheme, rom, entries: (0..entries).map(|_| OnceLock::new()).collect() });
+        let blocks = Arc::new(Self {
+            scheme,
+            rom,
+            entries: (0..entries).map(|_| OnceLock::new()).collect(),
+        });
         known.push(Arc::downgrade(&blocks));
         blocks
     }
 }
 
 /// Executes instructions until a frame ends or the processor halts, at most this number.
-pub(crate) fn run(cpu: &mut Cpu, chips: &mut Chips, cartridge: &mut Cartridge, blocks: &Blocks, most: u32) {
+pub(crate) fn run(
+    cpu: &mut Cpu,
+    chips: &mut Chips,
+    cartridge: &mut Cartridge,
+    blocks: &Blocks,
+    most: u32,
+) {
     match cartridge.scheme() {
         Scheme::Rom2K | Scheme::Rom4K => run_blocks::<Fixed>(cpu, chips, cartridge, blocks, most),
         Scheme::F8 | Scheme::F6 => run_blocks::<Switched>(cpu, chips, cartridge, blocks, most),
@@ -149,11 +173,20 @@ fn run_blocks<K: Kind>(
     blocks: &Blocks,
     most: u32,
 ) {
-    let mut thread = Thread { cpu: *cpu, left: most };
+    let mut thread = Thread {
+        cpu: *cpu,
+        left: most,
+    };
     while thread.left > 0 {
         let pc = thread.cpu.pc;
-        let entry = if pc & 0x1000 == 0 { None } else { blocks.entries.get(K::entry(cartridge, pc)) };
-        let block = entry.map_or(&[][..], |block| block.get_or_init(|| decode::<K>(cartridge, pc)));
+        let entry = if pc & 0x1000 == 0 {
+            None
+        } else {
+            blocks.entries.get(K::entry(cartridge, pc))
+        };
+        let block = entry.map_or(&[][..], |block| {
+            block.get_or_init(|| decode::<K>(cartridge, pc))
+        });
         match block {
             // the last instruction of all is the interpreter's, which leaves the byte on the bus as it is
             [first, ..] if block.len() < thread.left as usize => {
@@ -195,8 +228,16 @@ fn decode<K: Kind>(cartridge: &Cartridge, start: u16) -> Box<[Op]> {
         // `LDA INTIM`, `BNE` back to it
         let waits = low == 0xfb && matches!(byte(length.wrapping_sub(5)), 0x2c | 0xac..=0xae);
         let case = case_of::<K>(instruction, low12 + length, low, high, waits);
-        let Some(run) = function::<K>(opcode, case) else { break };
-        block.push(Op { run, pc: 0x1000 | low12, at, low, high });
+        let Some(run) = function::<K>(opcode, case) else {
+            break;
+        };
+        block.push(Op {
+            run,
+            pc: 0x1000 | low12,
+            at,
+            low,
+            high,
+        });
         if ends_block(instruction.operation) {
             break;
         }
@@ -225,9 +266,13 @@ fn case_of<K: Kind>(
         (Mode::ZeroPage, _) if low >= 0x80 => case::RAM,
         (Mode::ZeroPage, Access::Write) => case::TIA | low & 0x3f,
         (Mode::Absolute, Access::Read) if in_rom(word) => case::ROM,
-        (Mode::AbsoluteX | Mode::AbsoluteY, Access::Read) if in_rom(word.wrapping_add(0xff)) => case::ROM,
+        (Mode::AbsoluteX | Mode::AbsoluteY, Access::Read) if in_rom(word.wrapping_add(0xff)) => {
+            case::ROM
+        }
         (Mode::Absolute, _) if in_ram => case::MEMORY,
-        (Mode::AbsoluteX | Mode::AbsoluteY, access) if in_ram || access == Access::Read => case::MEMORY,
+        (Mode::AbsoluteX | Mode::AbsoluteY, access) if in_ram || access == Access::Read => {
+            case::MEMORY
+        }
         (Mode::ZeroPageX | Mode::ZeroPageY, _) if low >= 0x80 => case::MEMORY,
         // with both bytes of the pointer in RAM
         (Mode::IndirectY, _) if (0x80..0xff).contains(&low) => case::MEMORY,
@@ -241,7 +286,10 @@ fn case_of<K: Kind>(
 /// Whether an operation leaves the straight piece.
 const fn ends_block(operation: Operation) -> bool {
     use Operation::*;
-    matches!(operation, Bcc | Bcs | Beq | Bmi | Bne | Bpl | Bvc | Bvs | Jmp | Jsr | Rts)
+    matches!(
+        operation,
+        Bcc | Bcs | Beq | Bmi | Bne | Bpl | Bvc | Bvs | Jmp | Jsr | Rts
+    )
 }
 
 /// The cycles of an instruction where it crosses no page and nothing halts the processor.
@@ -254,12 +302,20 @@ const fn cycles(opcode: u8) -> u16 {
         (_, Operation::Pla | Operation::Plp) => return fetched + 2,
         (Mode::ZeroPage | Mode::Absolute, _) => 0,
         (Mode::ZeroPageX | Mode::ZeroPageY, _) => 1,
-        (Mode::AbsoluteX | Mode::AbsoluteY, _) => !matches!(operation.access(), Access::Read) as u16,
+        (Mode::AbsoluteX | Mode::AbsoluteY, _) => {
+            !matches!(operation.access(), Access::Read) as u16
+        }
         (Mode::IndirectX, _) => 3,
         (Mode::IndirectY, _) => 2 + !matches!(operation.access(), Access::Read) as u16,
         (Mode::Immediate | Mode::Implied | Mode::Indirect | Mode::Relative, _) => return fetched,
     };
-    fetched + before + if matches!(operation.access(), Access::Modify) { 3 } else { 1 }
+    fetched
+        + before
+        + if matches!(operation.access(), Access::Modify) {
+            3
+        } else {
+            1
+        }
 }
 
 /// Whether an instruction may select a bank.
@@ -284,11 +340,27 @@ fn step<K: Kind, const OPCODE: u8, const CASE: u8, const AGAIN: u8>(
     cartridge: &mut Cartridge,
     ops: &[Op],
 ) {
-    let [Op { pc, at, low, high, .. }, rest @ ..] = ops else { return };
+    let [
+        Op {
+            pc, at, low, high, ..
+        },
+        rest @ ..,
+    ] = ops
+    else {
+        return;
+    };
     let operation = const { INSTRUCTIONS[OPCODE as usize].operation };
     let ends = const { ends_block(INSTRUCTIONS[OPCODE as usize].operation) };
-    let Cpu { pc: start, bus: byte, cycle, .. } = thread.cpu;
-    if CASE != AGAIN && matches!(operation, Operation::Adc | Operation::Sbc) && thread.cpu.is_decimal() {
+    let Cpu {
+        pc: start,
+        bus: byte,
+        cycle,
+        ..
+    } = thread.cpu;
+    if CASE != AGAIN
+        && matches!(operation, Operation::Adc | Operation::Sbc)
+        && thread.cpu.is_decimal()
+    {
         return step::<K, OPCODE, AGAIN, AGAIN>(thread, chips, cartridge, ops);
     }
     let mut core = Core {
@@ -302,7 +374,12 @@ fn step<K: Kind, const OPCODE: u8, const CASE: u8, const AGAIN: u8>(
         core.cpu.pc = start & 0xe000 | pc;
     }
     core.execute::<OPCODE>(*low, *high);
-    let Core { mut cpu, left, stopped, bus: Wires { missed, .. } } = core;
+    let Core {
+        mut cpu,
+        left,
+        stopped,
+        bus: Wires { missed, .. },
+    } = core;
     if CASE != AGAIN && missed {
         return step::<K, OPCODE, AGAIN, AGAIN>(thread, chips, cartridge, ops);
     }
@@ -311,7 +388,8 @@ fn step<K: Kind, const OPCODE: u8, const CASE: u8, const AGAIN: u8>(
         thread.left = left;
         return;
     }
-    let switched = K::PLAIN < 0x1000 && const { may_switch(OPCODE, CASE) } && cartridge.take_switched();
+    let switched =
+        K::PLAIN < 0x1000 && const { may_switch(OPCODE, CASE) } && cartridge.take_switched();
     if !stopped
         && !switched
         && let [next, ..] = rest
@@ -323,7 +401,11 @@ fn step<K: Kind, const OPCODE: u8, const CASE: u8, const AGAIN: u8>(
     }
     cpu.pc = (start & 0xe000 | pc).wrapping_add(const { LENGTHS[OPCODE as usize] as u16 });
     thread.cpu = cpu;
-    thread.left = if stopped { 0 } else { thread.left + rest.len() as u32 };
+    thread.left = if stopped {
+        0
+    } else {
+        thread.left + rest.len() as u32
+    };
 }
 
 /// A function for each of some opcodes, in a case.
@@ -427,8 +509,10 @@ mod tests {
             while rom.len() < ROM {
                 let opcode = self.byte();
                 let Instruction { operation, mode } = INSTRUCTIONS[usize::from(opcode)];
-                let rare =
-                    matches!(operation, Operation::Jam | Operation::Brk | Operation::Rti | Operation::Txs);
+                let rare = matches!(
+                    operation,
+                    Operation::Jam | Operation::Brk | Operation::Rti | Operation::Txs
+                );
                 if rare && self.below(40) > 0 {
                     continue;
                 }
@@ -436,7 +520,9 @@ mod tests {
                 match mode {
                     Mode::Implied => {}
                     Mode::Relative => rom.push((self.below(24) as u8).wrapping_sub(8)),
-                    Mode::Absolute if operation == Operation::Jmp || operation == Operation::Jsr => {
+                    Mode::Absolute
+                        if operation == Operation::Jmp || operation == Operation::Jsr =>
+                    {
                         let address = 0x1000 | self.below(0x10000) as u16;
                         rom.extend(address.to_le_bytes());
                     }
@@ -450,7 +536,11 @@ mod tests {
                     | Mode::IndirectX
                     | Mode::IndirectY => {
                         let address = self.byte();
-                        rom.push(if address < 0x40 { address } else { address | 0x80 });
+                        rom.push(if address < 0x40 {
+                            address
+                        } else {
+                            address | 0x80
+                        });
                     }
                 }
             }
@@ -462,8 +552,13 @@ mod tests {
     fn state(cpu: &Cpu, chips: &Chips, cartridge: &Cartridge) -> String {
         let tia = serde_json::to_string(&chips.tia).unwrap();
         let picture = crc32fast::hash(chips.screen.picture().as_flattened());
-        let Chips { riot, frame_ended, .. } = chips;
-        format!("{cpu:?} {tia} {riot:?} {frame_ended} {:?} {picture}", cartridge.banks())
+        let Chips {
+            riot, frame_ended, ..
+        } = chips;
+        format!(
+            "{cpu:?} {tia} {riot:?} {frame_ended} {:?} {picture}",
+            cartridge.banks()
+        )
     }
 
     #[test]
@@ -503,7 +598,11 @@ mod tests {
                     (other_cpu.pc, other_cpu.s) = (cpu.pc, cpu.s);
                 }
             }
-            decoded += blocks.entries.iter().filter(|block| block.get().is_some()).count();
+            decoded += blocks
+                .entries
+                .iter()
+                .filter(|block| block.get().is_some())
+                .count();
         }
         assert!(decoded > 100_000, "{decoded} blocks were decoded");
     }

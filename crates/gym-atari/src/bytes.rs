@@ -13,15 +13,21 @@ pub(crate) fn deserialize<'de, D: Deserializer<'de>, const N: usize>(
     deserializer: D,
 ) -> Result<[u8; N], D::Error> {
     let text = <std::borrow::Cow<'de, str>>::deserialize(deserializer)?;
-    decode(&text)
-        .ok_or_else(|| D::Error::custom(format!("expected {N} bytes as {} hexadecimal digits", 2 * N)))
+    decode(&text).ok_or_else(|| {
+        D::Error::custom(format!(
+            "expected {N} bytes as {} hexadecimal digits",
+            2 * N
+        ))
+    })
 }
 
 pub(crate) fn encode(bytes: &[u8]) -> String {
-    bytes.iter().fold(String::with_capacity(2 * bytes.len()), |mut text, byte| {
-        let _ = write!(text, "{byte:02x}");
-        text
-    })
+    bytes
+        .iter()
+        .fold(String::with_capacity(2 * bytes.len()), |mut text, byte| {
+            let _ = write!(text, "{byte:02x}");
+            text
+        })
 }
 
 pub(crate) fn decode<const N: usize>(text: &str) -> Option<[u8; N]> {
@@ -33,7 +39,10 @@ pub(crate) fn decode_vec(text: &str, length: usize) -> Option<Vec<u8>> {
         return None;
     }
     let digits = text.as_bytes().as_chunks::<2>().0;
-    digits.iter().map(|[high, low]| Some(digit(*high)? << 4 | digit(*low)?)).collect()
+    digits
+        .iter()
+        .map(|[high, low]| Some(digit(*high)? << 4 | digit(*low)?))
+        .collect()
 }
 
 fn digit(character: u8) -> Option<u8> {

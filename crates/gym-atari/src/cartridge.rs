@@ -34,8 +34,17 @@ pub enum Scheme {
 
 impl Scheme {
     /// Every scheme.
-    pub const ALL: [Self; 9] =
-        [Self::Rom2K, Self::Rom4K, Self::F8, Self::F8SC, Self::F6, Self::F6SC, Self::E0, Self::FE, Self::Dpc];
+    pub const ALL: [Self; 9] = [
+        Self::Rom2K,
+        Self::Rom4K,
+        Self::F8,
+        Self::F8SC,
+        Self::F6,
+        Self::F6SC,
+        Self::E0,
+        Self::FE,
+        Self::Dpc,
+    ];
 
     /// The scheme of an unknown ROM, by its size: `None` where no scheme has that size.
     pub fn of_size(bytes: usize) -> Option<Self> {
@@ -102,8 +111,17 @@ impl Cartridge {
         for (byte, &value) in whole[..scheme.size()].iter_mut().zip(rom.iter().cycle()) {
             *byte = value;
         }
-        let banks = Banks { scheme, windows: [0; 4], ram: [0; 128], dpc: Dpc::new() };
-        let mut cartridge = Self { rom: Arc::new(whole), banks, switched: false };
+        let banks = Banks {
+            scheme,
+            windows: [0; 4],
+            ram: [0; 128],
+            dpc: Dpc::new(),
+        };
+        let mut cartridge = Self {
+            rom: Arc::new(whole),
+            banks,
+            switched: false,
+        };
         cartridge.reset();
         cartridge
     }
@@ -112,7 +130,9 @@ impl Cartridge {
     pub fn reset(&mut self) {
         self.banks.ram = [0; 128];
         match self.banks.scheme {
-            Scheme::Rom2K | Scheme::Rom4K | Scheme::F6 | Scheme::F6SC | Scheme::FE => self.banks.select(0),
+            Scheme::Rom2K | Scheme::Rom4K | Scheme::F6 | Scheme::F6SC | Scheme::FE => {
+                self.banks.select(0)
+            }
             Scheme::F8 | Scheme::F8SC | Scheme::Dpc => self.banks.select(1),
             Scheme::E0 => self.banks.windows = [4 << 10, 5 << 10, 6 << 10, 7 << 10],
         }
@@ -127,7 +147,10 @@ impl Cartridge {
     pub fn set_banks(&mut self, banks: &Banks) -> bool {
         let last = (self.banks.scheme.size() - 0x400) as u16;
         let fits = banks.scheme == self.banks.scheme
-            && banks.windows.iter().all(|&start| start <= last && start % 0x400 == 0)
+            && banks
+                .windows
+                .iter()
+                .all(|&start| start <= last && start % 0x400 == 0)
             && banks.dpc.is_valid();
         if fits {
             self.banks = banks.clone();
@@ -198,9 +221,14 @@ impl Cartridge {
             Scheme::Dpc => dpc::REGISTERS,
             _ => 0,
         };
-        let plain =
-            address & 0x1000 != 0 && (first..FIRST_HOTSPOT - 4).contains(&low) && low & 0x03ff <= 0x03fc;
-        if plain { self.rom[self.place(address)..].first_chunk().copied() } else { None }
+        let plain = address & 0x1000 != 0
+            && (first..FIRST_HOTSPOT - 4).contains(&low)
+            && low & 0x03ff <= 0x03fc;
+        if plain {
+            self.rom[self.place(address)..].first_chunk().copied()
+        } else {
+            None
+        }
     }
 
     /// Whether an access may have selected a bank since the last call.
@@ -370,7 +398,11 @@ impl Banks {
     /// The upper half of the registers is not to be read.
     #[inline(never)]
     fn read_dpc(&mut self, low: u16, data: &[u8]) -> u8 {
-        if low < dpc::REGISTERS / 2 { self.dpc.read(low, data) } else { 0 }
+        if low < dpc::REGISTERS / 2 {
+            self.dpc.read(low, data)
+        } else {
+            0
+        }
     }
 
     #[inline(never)]

@@ -35,27 +35,45 @@ impl Sums {
     /// The sums of a game in a text with a line for each: its name and its three sums in hexadecimal. `None` if there is no such
     /// line.
     pub fn read(text: &str, game: &str) -> Option<Self> {
-        let line = text.lines().find(|line| line.split(' ').next() == Some(game))?;
-        let mut sums = line.split(' ').skip(1).map(|sum| u32::from_str_radix(sum, 16).ok());
+        let line = text
+            .lines()
+            .find(|line| line.split(' ').next() == Some(game))?;
+        let mut sums = line
+            .split(' ')
+            .skip(1)
+            .map(|sum| u32::from_str_radix(sum, 16).ok());
         let mut next = || sums.next().flatten();
-        Some(Self { minimal: next()?, sticky: next()?, modes: next()? })
+        Some(Self {
+            minimal: next()?,
+            sticky: next()?,
+            modes: next()?,
+        })
     }
 
     /// The runs whose sums differ from others, in words.
     pub fn differences(&self, others: &Self) -> Vec<&'static str> {
         let runs = [
             ("the minimal actions", self.minimal == others.minimal),
-            ("all actions, sticky ones among them", self.sticky == others.sticky),
+            (
+                "all actions, sticky ones among them",
+                self.sticky == others.sticky,
+            ),
             ("the modes", self.modes == others.modes),
         ];
-        runs.into_iter().filter(|(_, equal)| !equal).map(|(run, _)| run).collect()
+        runs.into_iter()
+            .filter(|(_, equal)| !equal)
+            .map(|(run, _)| run)
+            .collect()
     }
 
     /// This crate's results.
     pub fn of(rom: &Rom) -> Self {
         let game = rom.game();
         let run = |seed, actions: &[Action], repeat_action_probability| {
-            let settings = Settings { repeat_action_probability, ..Settings::default() };
+            let settings = Settings {
+                repeat_action_probability,
+                ..Settings::default()
+            };
             let mut run = Run::new(rom, seed, settings);
             run.play(FRAMES, actions);
             run.sum.finalize()
@@ -63,8 +81,11 @@ impl Sums {
         let mut modes = Hasher::new();
         for &(mode, _) in game.modes {
             for &difficulty in game.difficulties {
-                let settings =
-                    Settings { mode: Some(mode), difficulty: Some(difficulty), ..Settings::default() };
+                let settings = Settings {
+                    mode: Some(mode),
+                    difficulty: Some(difficulty),
+                    ..Settings::default()
+                };
                 let mut run = Run::new(rom, 3, settings);
                 run.play(MODE_FRAMES, game.minimal);
                 run.reset();
@@ -72,7 +93,11 @@ impl Sums {
                 modes.update(&run.sum.finalize().to_le_bytes());
             }
         }
-        Self { minimal: run(1, game.minimal, 0.0), sticky: run(2, game.legal, 0.25), modes: modes.finalize() }
+        Self {
+            minimal: run(1, game.minimal, 0.0),
+            sticky: run(2, game.legal, 0.25),
+            modes: modes.finalize(),
+        }
     }
 }
 
@@ -85,7 +110,11 @@ struct Run {
 
 impl Run {
     fn new(rom: &Rom, seed: u32, settings: Settings) -> Self {
-        let mut run = Self { ale: Ale::new(rom.game(), rom.bytes(), seed), sum: Hasher::new(), random: seed };
+        let mut run = Self {
+            ale: Ale::new(rom.game(), rom.bytes(), seed),
+            sum: Hasher::new(),
+            random: seed,
+        };
         run.ale.configure(settings);
         // with these settings
         run.ale.reload(seed);
@@ -95,7 +124,10 @@ impl Run {
 
     /// A number below `n`, from the upper half of a linear congruential generator's state.
     fn below(&mut self, n: u32) -> u32 {
-        self.random = self.random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        self.random = self
+            .random
+            .wrapping_mul(1_664_525)
+            .wrapping_add(1_013_904_223);
         (self.random >> 16) % n
     }
 
@@ -141,8 +173,9 @@ mod tests {
 
     /// A program of our own that counts frames, and how long a button is pressed.
     const PROGRAM: &[u8] = &[
-        0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00, 0xe6, 0x90, 0xa5,
-        0x0c, 0x30, 0x02, 0xe6, 0x91, 0xa2, 0xe0, 0x86, 0x09, 0x85, 0x02, 0xca, 0xd0, 0xf9, 0x4c, 0x00, 0xf0,
+        0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00, 0xe6,
+        0x90, 0xa5, 0x0c, 0x30, 0x02, 0xe6, 0x91, 0xa2, 0xe0, 0x86, 0x09, 0x85, 0x02, 0xca, 0xd0,
+        0xf9, 0x4c, 0x00, 0xf0,
     ];
 
     #[test]
@@ -152,17 +185,40 @@ mod tests {
         bytes[4092..].copy_from_slice(&[0x00, 0xf0, 0x00, 0xf0]);
         let rom = Rom::homebrew(games::by_name("seaquest").unwrap(), &bytes);
         let sums = Sums::of(&rom);
-        let line = |Sums { minimal, sticky, modes }: Sums| {
+        let line = |Sums {
+                        minimal,
+                        sticky,
+                        modes,
+                    }: Sums| {
             format!("others 0 0 0\nseaquest {minimal:08x} {sticky:08x} {modes:08x}\n")
         };
-        let found = |changed: Sums| Sums::read(&line(changed), "seaquest").unwrap().differences(&sums);
+        let found = |changed: Sums| {
+            Sums::read(&line(changed), "seaquest")
+                .unwrap()
+                .differences(&sums)
+        };
         assert!(found(sums).is_empty());
-        assert_eq!(found(Sums { minimal: sums.minimal ^ 1, ..sums }), ["the minimal actions"]);
         assert_eq!(
-            found(Sums { sticky: sums.sticky ^ 0x100, ..sums }),
+            found(Sums {
+                minimal: sums.minimal ^ 1,
+                ..sums
+            }),
+            ["the minimal actions"]
+        );
+        assert_eq!(
+            found(Sums {
+                sticky: sums.sticky ^ 0x100,
+                ..sums
+            }),
             ["all actions, sticky ones among them"]
         );
-        assert_eq!(found(Sums { modes: sums.modes ^ 0x8000_0000, ..sums }), ["the modes"]);
+        assert_eq!(
+            found(Sums {
+                modes: sums.modes ^ 0x8000_0000,
+                ..sums
+            }),
+            ["the modes"]
+        );
         assert_eq!(Sums::read(&line(sums), "pong"), None);
         // another program has other sums
         bytes[1] = 0x03;
@@ -173,8 +229,10 @@ mod tests {
 
     #[test]
     fn every_game_was_recorded() {
-        let missing: Vec<_> =
-            games::GAMES.iter().filter(|game| Sums::recorded(game.name).is_none()).collect();
+        let missing: Vec<_> = games::GAMES
+            .iter()
+            .filter(|game| Sums::recorded(game.name).is_none())
+            .collect();
         assert!(missing.is_empty(), "{missing:?}");
     }
 }

@@ -47,7 +47,12 @@ pub struct Input {
 
 impl Default for Input {
     fn default() -> Self {
-        Self { port_a: 0xff, port_b: switch::IDLE, fire: [false; 2], charge: [None; 4] }
+        Self {
+            port_a: 0xff,
+            port_b: switch::IDLE,
+            fire: [false; 2],
+            charge: [None; 4],
+        }
     }
 }
 
@@ -97,7 +102,12 @@ impl Console {
             frame_ended: false,
             continued: true,
         };
-        Self { cpu: Cpu::new(pc), chips, blocks: Blocks::of(&cartridge), cartridge }
+        Self {
+            cpu: Cpu::new(pc),
+            chips,
+            blocks: Blocks::of(&cartridge),
+            cartridge,
+        }
     }
 
     /// Runs a frame: until the program ends it, or for 25,000 instructions.
@@ -111,7 +121,12 @@ impl Console {
     }
 
     fn run(&mut self, input: &Input, seen: bool) {
-        let Self { cpu, chips, cartridge, blocks } = self;
+        let Self {
+            cpu,
+            chips,
+            cartridge,
+            blocks,
+        } = self;
         chips.riot.port_a = input.port_a;
         chips.riot.port_b = input.port_b;
         chips.tia.fire = input.fire;
@@ -150,7 +165,13 @@ impl Console {
 
     /// Everything that changes but the picture.
     pub fn state(&self) -> State {
-        let Chips { riot, tia, screen: _, frame_ended, continued: _ } = &self.chips;
+        let Chips {
+            riot,
+            tia,
+            screen: _,
+            frame_ended,
+            continued: _,
+        } = &self.chips;
         let mut tia = tia.clone();
         tia.place_all();
         State {
@@ -165,8 +186,15 @@ impl Console {
     /// Continues from a state; the picture stays. `false` and no change if it is not a state of a console with this
     /// cartridge.
     pub fn set_state(&mut self, state: &State) -> bool {
-        let State { cpu, riot, tia, banks, frame_ended } = state;
-        if !tia.is_valid(cpu.cycle) || !riot.is_valid(cpu.cycle) || !self.cartridge.set_banks(banks) {
+        let State {
+            cpu,
+            riot,
+            tia,
+            banks,
+            frame_ended,
+        } = state;
+        if !tia.is_valid(cpu.cycle) || !riot.is_valid(cpu.cycle) || !self.cartridge.set_banks(banks)
+        {
             return false;
         }
         let display = *self.chips.tia.display();
@@ -183,7 +211,9 @@ impl Console {
     pub(crate) fn set_state_within_frame(&mut self, state: &State) -> bool {
         let starts = self.chips.frame_ended;
         let fits = self.set_state(state);
-        let Chips { tia, frame_ended, .. } = &mut self.chips;
+        let Chips {
+            tia, frame_ended, ..
+        } = &mut self.chips;
         if fits && *frame_ended != starts {
             if starts {
                 tia.start_frame(self.cpu.cycle);

@@ -33,12 +33,17 @@ const AMPLITUDES: [u8; 8] = [0x0, 0x4, 0x5, 0x9, 0x6, 0xa, 0xb, 0xf];
 
 impl Dpc {
     pub(crate) fn new() -> Self {
-        Self { fetchers: Default::default(), random: 0x7a }
+        Self {
+            fetchers: Default::default(),
+            random: 0x7a,
+        }
     }
 
     /// Whether this can be a chip: one that was stored may have been damaged.
     pub(crate) fn is_valid(&self) -> bool {
-        self.fetchers.iter().all(|fetcher| usize::from(fetcher.counter) < DATA)
+        self.fetchers
+            .iter()
+            .all(|fetcher| usize::from(fetcher.counter) < DATA)
     }
 
     /// Reads a register, of the lower half.
@@ -54,7 +59,10 @@ impl Dpc {
             fetcher.within = false;
         }
         let mask = if fetcher.within { 0xff } else { 0x00 };
-        let byte = data.get(DATA - 1 - usize::from(fetcher.counter)).copied().unwrap_or(0);
+        let byte = data
+            .get(DATA - 1 - usize::from(fetcher.counter))
+            .copied()
+            .unwrap_or(0);
         if !fetcher.music {
             fetcher.counter = fetcher.counter.wrapping_sub(1) & 0x07ff;
         }

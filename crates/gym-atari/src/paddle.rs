@@ -55,7 +55,11 @@ mod tests {
         ] {
             let mut paddle = middle;
             paddle.turn(direction, strength, MOST);
-            assert_eq!(i64::from(paddle.0) - i64::from(middle.0), change, "{direction} {strength}");
+            assert_eq!(
+                i64::from(paddle.0) - i64::from(middle.0),
+                change,
+                "{direction} {strength}"
+            );
         }
         // the left end is the game's
         for most in [MOST, 795_000] {

@@ -70,7 +70,11 @@ pub static PAL_RGB: [[u8; 3]; 256] = {
     let mut index = 0;
     while index < 256 {
         let color = rgb(PAL[index / 2]);
-        table[index] = if index % 2 == 0 { color } else { [gray(color); 3] };
+        table[index] = if index % 2 == 0 {
+            color
+        } else {
+            [gray(color); 3]
+        };
         index += 1;
     }
     table
@@ -82,7 +86,11 @@ pub static PAL_GRAY: [u8; 256] = {
     let mut index = 0;
     while index < 256 {
         table[index] = gray(PAL_RGB[index]);
-        table[index + 1] = if index < 254 { PAL_RGB[index + 2][2] } else { 0 };
+        table[index + 1] = if index < 254 {
+            PAL_RGB[index + 2][2]
+        } else {
+            0
+        };
         index += 2;
     }
     table

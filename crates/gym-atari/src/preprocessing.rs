@@ -91,8 +91,12 @@ impl<E: Env> AtariPreprocessing<E> {
         let stack = env.describe();
         // `describe` of an environment from `make` contains its id
         let id = env.spec().map(|spec| spec.id).unwrap_or_default();
-        let mut layers = stack.split(['<', '>']).filter(|layer| !layer.is_empty() && *layer != id);
-        if let Some(layer) = layers.find(|layer| !OF_MAKE.contains(layer) && *layer != atari.describe()) {
+        let mut layers = stack
+            .split(['<', '>'])
+            .filter(|layer| !layer.is_empty() && *layer != id);
+        if let Some(layer) =
+            layers.find(|layer| !OF_MAKE.contains(layer) && *layer != atari.describe())
+        {
             return refuse(format!(
                 "the environment is wrapped in {layer}: wrap it in AtariPreprocessing first"
             ));
@@ -111,13 +115,21 @@ impl<E: Env> AtariPreprocessing<E> {
         }
         let rows = atari.ale().picture().len();
         let [height, width] = settings.screen_size;
-        let Some(shrink) = Shrink::new(rows, (height, width), atari.ale().game().display.gray()) else {
+        let Some(shrink) = Shrink::new(rows, (height, width), atari.ale().game().display.gray())
+        else {
             return refuse(format!(
                 "screen_size is {height}x{width}: it must be at most the picture's {rows}x{WIDTH}, and at least a 14th of it"
             ));
         };
         let frames = [vec![0; rows * WIDTH], vec![0; rows * WIDTH]];
-        Ok(Self { env, unused: E::Observation::empty(), settings, shrink, frames, lives: 0 })
+        Ok(Self {
+            env,
+            unused: E::Observation::empty(),
+            settings,
+            shrink,
+            frames,
+            lives: 0,
+        })
     }
 
     /// Its arguments.
@@ -138,12 +150,21 @@ impl<E: Env> AtariPreprocessing<E> {
     /// Plays a step's frames, and draws those from `first_seen` on. Returns the sum of rewards, the end, and the two last
     /// frames; and whether a picture may show remains of an undrawn frame.
     fn play(&mut self, command: Command, first_seen: u32) -> (Outcome, bool) {
-        let Self { env, settings, frames, lives, .. } = self;
+        let Self {
+            env,
+            settings,
+            frames,
+            lives,
+            ..
+        } = self;
         let env = within_mut(env);
         let (mut total, mut incomplete) = (Outcome::default(), false);
         for frame in 0..settings.frame_skip {
             let outcome = env.play_frame(command, frame >= first_seen);
-            total = Outcome { reward: total.reward + outcome.reward, ..outcome };
+            total = Outcome {
+                reward: total.reward + outcome.reward,
+                ..outcome
+            };
             if settings.terminal_on_life_loss {
                 let left = env.ale().lives();
                 total.terminated |= left < *lives;
@@ -166,7 +187,8 @@ impl<E: Env> AtariPreprocessing<E> {
         if self.settings.frame_skip > 1 {
             brighter(last, before, self.shrink.shades);
         }
-        self.shrink.shrink(last, buffer(observation, &self.settings.screen_size));
+        self.shrink
+            .shrink(last, buffer(observation, &self.settings.screen_size));
     }
 }
 
@@ -177,7 +199,11 @@ fn look(env: &AtariEnv, out: &mut [u8]) {
 
 /// Replaces the colours of a picture by another picture's where these are brighter.
 fn brighter(picture: &mut [u8], other: &[u8], grays: &[u8; 256]) {
-    let cells = picture.as_chunks_mut::<32>().0.iter_mut().zip(other.as_chunks::<32>().0);
+    let cells = picture
+        .as_chunks_mut::<32>()
+        .0
+        .iter_mut()
+        .zip(other.as_chunks::<32>().0);
     for (cell, other) in cells.filter(|(cell, other)| cell != other) {
         for (index, &other) in cell.iter_mut().zip(other) {
             if grays[usize::from(*index)] < grays[usize::from(other)] {
@@ -193,7 +219,9 @@ fn within<E: Env>(env: &E) -> Option<&AtariEnv> {
 }
 
 fn within_mut<E: Env>(env: &mut E) -> &mut AtariEnv {
-    let layer = env.layer_mut(TypeId::of::<AtariEnv>()).and_then(|layer| layer.downcast_mut());
+    let layer = env
+        .layer_mut(TypeId::of::<AtariEnv>())
+        .and_then(|layer| layer.downcast_mut());
     layer.expect("the constructor found it")
 }
 
@@ -221,7 +249,10 @@ impl<E: Env> gym_core::Wrapper for AtariPreprocessing<E> {
             _ => 0,
         };
         for _ in 0..noops {
-            if within_mut(&mut self.env).play_frame(Action::Noop.into(), true).done() {
+            if within_mut(&mut self.env)
+                .play_frame(Action::Noop.into(), true)
+                .done()
+            {
                 self.env.reset_into(reset, &mut self.unused)?;
             }
         }
@@ -263,9 +294,16 @@ impl<E: Env> gym_core::Wrapper for AtariPreprocessing<E> {
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        let Stored { env, settings, frames: [last, before], lives } = snapshot.get()?;
+        let Stored {
+            env,
+            settings,
+            frames: [last, before],
+            lives,
+        } = snapshot.get()?;
         if settings != self.settings {
-            return Err(Error::Snapshot("it was taken with other settings of AtariPreprocessing".to_owned()));
+            return Err(Error::Snapshot(
+                "it was taken with other settings of AtariPreprocessing".to_owned(),
+            ));
         }
         let pixels = self.frames[0].len();
         let decode = |text: &str| {

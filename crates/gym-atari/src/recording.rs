@@ -67,10 +67,18 @@ impl Recording {
             )));
         }
         let mut ale = Ale::new(rom.game(), rom.bytes(), 0);
-        ale.configure(Settings { mode: self.mode, difficulty: self.difficulty, ..Settings::default() });
+        ale.configure(Settings {
+            mode: self.mode,
+            difficulty: self.difficulty,
+            ..Settings::default()
+        });
         ale.reset();
         let mut answers = Self {
-            start: Start { ram: crate::bytes::encode(ale.ram().0), screen: screen(&ale), lives: ale.lives() },
+            start: Start {
+                ram: crate::bytes::encode(ale.ram().0),
+                screen: screen(&ale),
+                lives: ale.lives(),
+            },
             ram: Vec::new(),
             screen: Vec::new(),
             gray: Vec::new(),
@@ -83,24 +91,41 @@ impl Recording {
         };
         let mut before = *ale.ram().0;
         for (i, &op) in self.ops.iter().enumerate() {
-            let action = usize::try_from(op).ok().and_then(|index| Action::ALL.get(index));
+            let action = usize::try_from(op)
+                .ok()
+                .and_then(|index| Action::ALL.get(index));
             let reward = match (op, action) {
                 (-1, _) => {
                     ale.reset();
                     0
                 }
                 (_, Some(&action)) => ale.act(action),
-                _ => return Err(Error::custom(format!("operation {i} is {op}: it must be -1 to 17"))),
+                _ => {
+                    return Err(Error::custom(format!(
+                        "operation {i} is {op}: it must be -1 to 17"
+                    )));
+                }
             };
             let now = *ale.ram().0;
             let changes = (0..now.len()).filter(|&index| now[index] != before[index]);
-            let changes: Vec<_> = changes.map(|index| format!("{index:02x}{:02x}", now[index])).collect();
+            let changes: Vec<_> = changes
+                .map(|index| format!("{index:02x}{:02x}", now[index]))
+                .collect();
             before = now;
-            let wanted = |recorded: &[String]| recorded.get(i).is_some_and(|checksum| !checksum.is_empty());
+            let wanted =
+                |recorded: &[String]| recorded.get(i).is_some_and(|checksum| !checksum.is_empty());
             answers.ram.push(changes.join(" "));
             answers.screen.push(screen(&ale));
-            answers.gray.push(if wanted(&self.gray) { gray(&ale) } else { String::new() });
-            answers.rgb.push(if wanted(&self.rgb) { rgb(&ale) } else { String::new() });
+            answers.gray.push(if wanted(&self.gray) {
+                gray(&ale)
+            } else {
+                String::new()
+            });
+            answers.rgb.push(if wanted(&self.rgb) {
+                rgb(&ale)
+            } else {
+                String::new()
+            });
             answers.reward.push(reward);
             answers.lives.push(ale.lives());
             answers.over.push(ale.game_over().into());
@@ -125,7 +150,10 @@ impl Recording {
                 ("end", self.over.get(i) == other.over.get(i)),
                 ("frame number", self.frame.get(i) == other.frame.get(i)),
             ];
-            parts.iter().find(|(_, equal)| !equal).map(|(part, _)| format!("operation {i}: {part}"))
+            parts
+                .iter()
+                .find(|(_, equal)| !equal)
+                .map(|(part, _)| format!("operation {i}: {part}"))
         })
     }
 }
@@ -140,10 +168,18 @@ fn screen(ale: &Ale) -> String {
 
 fn gray(ale: &Ale) -> String {
     let pixels = ale.picture().as_flattened().iter();
-    checksum(&pixels.map(|&index| ale.game().display.gray()[usize::from(index)]).collect::<Vec<_>>())
+    checksum(
+        &pixels
+            .map(|&index| ale.game().display.gray()[usize::from(index)])
+            .collect::<Vec<_>>(),
+    )
 }
 
 fn rgb(ale: &Ale) -> String {
     let pixels = ale.picture().as_flattened().iter();
-    checksum(&pixels.flat_map(|&index| ale.game().display.rgb()[usize::from(index)]).collect::<Vec<_>>())
+    checksum(
+        &pixels
+            .flat_map(|&index| ale.game().display.rgb()[usize::from(index)])
+            .collect::<Vec<_>>(),
+    )
 }

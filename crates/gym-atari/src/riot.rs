@@ -33,14 +33,26 @@ impl Riot {
             swacnt: 0,
             swchb: 0,
             swbcnt: 0,
-            timer: Timer { value: timer, shift: 6, written: 0, read_after_end: None },
+            timer: Timer {
+                value: timer,
+                shift: 6,
+                written: 0,
+                read_after_end: None,
+            },
         }
     }
 
     /// Whether this can be the RIOT of a console at `cycle`: one that was stored may have been damaged.
     pub(crate) fn is_valid(&self, cycle: u64) -> bool {
-        let Timer { value: _, shift, written, read_after_end } = self.timer;
-        written <= cycle && shift <= 10 && read_after_end.is_none_or(|below| below.unsigned_abs() < 1 << 61)
+        let Timer {
+            value: _,
+            shift,
+            written,
+            read_after_end,
+        } = self.timer;
+        written <= cycle
+            && shift <= 10
+            && read_after_end.is_none_or(|below| below.unsigned_abs() < 1 << 61)
     }
 
     /// Reads a register at a cycle.
@@ -65,7 +77,12 @@ impl Riot {
 
     /// The first cycle at which a register reads as 0, if it is `INTIM` and counts down to it.
     pub(crate) fn zero_from(&self, address: u16) -> Option<u64> {
-        let Timer { value, shift, written, .. } = self.timer;
+        let Timer {
+            value,
+            shift,
+            written,
+            ..
+        } = self.timer;
         let is_intim = address & 0x1280 == 0x0280 && matches!(address & 0x07, 4 | 6);
         (is_intim && value > 0).then(|| written + 1 + (u64::from(value - 1) << shift))
     }
@@ -82,7 +99,12 @@ impl Riot {
             // TIM1T, TIM8T, TIM64T, T1024T
             (0x14, interval) => {
                 let shift = [0, 3, 6, 10][usize::from(interval)];
-                self.timer = Timer { value, shift, written: cycle, read_after_end: None };
+                self.timer = Timer {
+                    value,
+                    shift,
+                    written: cycle,
+                    read_after_end: None,
+                };
             }
             (0x04, _) => {} // PA7 edge detection: not wired to anything
             (_, 0) => self.swcha = value,

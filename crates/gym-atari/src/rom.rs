@@ -32,17 +32,28 @@ impl Rom {
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
         let md5 = format!("{:x}", md5::compute(bytes));
         match games::by_md5(&md5) {
-            Some(game) => Ok(Self { game, md5, bytes: bytes.into() }),
+            Some(game) => Ok(Self {
+                game,
+                md5,
+                bytes: bytes.into(),
+            }),
             None => Err(Error::argument(
                 "a ROM",
-                format!("no game has the MD5 {md5}: {} games are known", games::GAMES.len()),
+                format!(
+                    "no game has the MD5 {md5}: {} games are known",
+                    games::GAMES.len()
+                ),
             )),
         }
     }
 
     /// Your own program, played with the settings of a game; its MD5 is not checked.
     pub fn homebrew(game: &'static Game, bytes: &[u8]) -> Self {
-        Self { game, md5: format!("{:x}", md5::compute(bytes)), bytes: bytes.into() }
+        Self {
+            game,
+            md5: format!("{:x}", md5::compute(bytes)),
+            bytes: bytes.into(),
+        }
     }
 
     /// The MD5 of the bytes.
@@ -74,7 +85,10 @@ pub fn provide(rom: Rom) {
 /// The ROM of a game, if it was provided.
 fn provided(game: &Game) -> Option<Rom> {
     let provided = PROVIDED.lock().unwrap_or_else(PoisonError::into_inner);
-    provided.iter().find(|rom| rom.game.name == game.name).cloned()
+    provided
+        .iter()
+        .find(|rom| rom.game.name == game.name)
+        .cloned()
 }
 
 /// A folder with ROMs under ale-py's names: `breakout.bin`.
@@ -96,7 +110,9 @@ impl RomDir {
         let active = env::var_os("VIRTUAL_ENV").map(PathBuf::from);
         let of_path = env::var_os("PATH").into_iter().flat_map(|path| {
             let folders: Vec<_> = env::split_paths(&path).collect();
-            folders.into_iter().filter(|folder| folder.join("python3").exists())
+            folders
+                .into_iter()
+                .filter(|folder| folder.join("python3").exists())
         });
         let prefixes = of_path.filter_map(|folder| folder.parent().map(Path::to_owned));
         active
@@ -127,7 +143,11 @@ impl RomDir {
         let unreadable = |error: io::Error| {
             Error::argument(
                 game.title,
-                format!("the ROM {} cannot be read: {error}. {}", path.display(), advice()),
+                format!(
+                    "the ROM {} cannot be read: {error}. {}",
+                    path.display(),
+                    advice()
+                ),
             )
         };
         // opening a pipe waits for a writer, so this comes first
@@ -143,7 +163,8 @@ impl RomDir {
         }
         let mut bytes = Vec::new();
         // one byte more than a ROM may have
-        let read = File::open(&path).and_then(|file| file.take(MAX_LEN as u64 + 1).read_to_end(&mut bytes));
+        let read = File::open(&path)
+            .and_then(|file| file.take(MAX_LEN as u64 + 1).read_to_end(&mut bytes));
         read.map_err(unreadable)?;
         if bytes.len() > MAX_LEN {
             return Err(Error::argument(
@@ -165,7 +186,11 @@ impl RomDir {
                 ),
             ));
         }
-        Ok(Rom { game, md5, bytes: bytes.into() })
+        Ok(Rom {
+            game,
+            md5,
+            bytes: bytes.into(),
+        })
     }
 }
 
@@ -181,13 +206,20 @@ pub fn load(game: &'static Game, folder: Option<&Path>) -> Result<Rom> {
     }
     match folder.map(RomDir::new).or_else(RomDir::find) {
         Some(folder) => folder.rom(game),
-        None => Err(Error::argument(game.title, format!("no ROMs were found. {}", advice()))),
+        None => Err(Error::argument(
+            game.title,
+            format!("no ROMs were found. {}", advice()),
+        )),
     }
 }
 
 /// Whether a ROM was [provided](provide), or there are some where [`RomDir::find`] looks.
 pub fn available() -> bool {
-    if !PROVIDED.lock().unwrap_or_else(PoisonError::into_inner).is_empty() {
+    if !PROVIDED
+        .lock()
+        .unwrap_or_else(PoisonError::into_inner)
+        .is_empty()
+    {
         return true;
     }
     RomDir::find().is_some_and(|folder| games::GAMES.iter().any(|game| folder.rom(game).is_ok()))
@@ -211,10 +243,15 @@ fn roms_of_ale_py(prefix: &Path) -> Option<PathBuf> {
             .flatten()
             .flatten()
             .map(|entry| entry.path())
-            .filter(|path| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("python3")))
+            .filter(|path| {
+                path.file_name()
+                    .is_some_and(|name| name.to_string_lossy().starts_with("python3"))
+            })
             .collect();
         pythons.sort();
-        pythons.into_iter().map(|python| python.join("site-packages"))
+        pythons
+            .into_iter()
+            .map(|python| python.join("site-packages"))
     });
     site_packages
         .chain([prefix.join("Lib").join("site-packages")])

@@ -25,7 +25,11 @@ pub(crate) struct Screen {
 
 impl Screen {
     pub(crate) fn new() -> Self {
-        Self { rows: vec![[0; WIDTH]; 2 * HEIGHT].into(), current: 0, unseen: false }
+        Self {
+            rows: vec![[0; WIDTH]; 2 * HEIGHT].into(),
+            current: 0,
+            unseen: false,
+        }
     }
 
     pub(crate) fn swap(&mut self) {
@@ -67,13 +71,22 @@ pub struct Pictures {
 impl Pictures {
     pub(crate) fn of(screen: &Screen) -> Self {
         let pixels = screen.rows.as_flattened();
-        let runs = pixels.chunk_by(|a, b| a == b).map(|run| (run.len() as u32, run[0])).collect();
-        Self { current: screen.current, runs }
+        let runs = pixels
+            .chunk_by(|a, b| a == b)
+            .map(|run| (run.len() as u32, run[0]))
+            .collect();
+        Self {
+            current: screen.current,
+            runs,
+        }
     }
 
     /// The pictures, unless they were damaged.
     pub(crate) fn screen(&self) -> Option<Screen> {
-        let mut screen = Screen { current: (self.current < 2).then_some(self.current)?, ..Screen::new() };
+        let mut screen = Screen {
+            current: (self.current < 2).then_some(self.current)?,
+            ..Screen::new()
+        };
         let mut rest = screen.rows.as_flattened_mut();
         for &(length, color) in &self.runs {
             let run;

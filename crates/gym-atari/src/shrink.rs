@@ -52,7 +52,11 @@ pub(crate) struct Shrink {
 
 impl Shrink {
     /// From pictures with this number of rows to `(height, width)`, no larger and at most 14 times smaller; otherwise `None`.
-    pub(crate) fn new(height: usize, target: (usize, usize), shades: &'static [u8; 256]) -> Option<Self> {
+    pub(crate) fn new(
+        height: usize,
+        target: (usize, usize),
+        shades: &'static [u8; 256],
+    ) -> Option<Self> {
         let rows = covers(height, target.0)?;
         let columns = covers(WIDTH, target.1)?;
         let cells = (0..WIDTH / CELL).map(|cell| {
@@ -97,7 +101,11 @@ impl Shrink {
         let before = std::mem::replace(&mut self.picture[y], *row);
         // the numbers that cover something else than before
         let mut changed = 0..0;
-        let cells = row.as_chunks::<CELL>().0.iter().zip(before.as_chunks::<CELL>().0);
+        let cells = row
+            .as_chunks::<CELL>()
+            .0
+            .iter()
+            .zip(before.as_chunks::<CELL>().0);
         for (cell, (pixels, before)) in cells.enumerate() {
             if pixels != before {
                 let covering = self.cells[cell].clone();
@@ -116,7 +124,9 @@ impl Shrink {
     fn add_across(&mut self, y: usize, numbers: Range<usize>) {
         let width = self.columns.len();
         let columns = &self.columns[numbers.clone()];
-        let (Some(first), Some(last)) = (columns.first(), columns.last()) else { return };
+        let (Some(first), Some(last)) = (columns.first(), columns.last()) else {
+            return;
+        };
         let covered = first.first..last.first + last.count;
         let pixels = &self.picture[y][covered.clone()];
         for (shade, &byte) in self.row[covered].iter_mut().zip(pixels) {
@@ -140,9 +150,14 @@ impl Shrink {
             self.down.fill(0.0);
             let rows = self.across[cover.first * columns..].chunks_exact(columns);
             for (row, share) in rows.zip(&cover.shares[..cover.count]) {
-                self.down.iter_mut().zip(row).for_each(|(sum, part)| *sum += share * part);
+                self.down
+                    .iter_mut()
+                    .zip(row)
+                    .for_each(|(sum, part)| *sum += share * part);
             }
-            out.iter_mut().zip(&self.down).for_each(|(out, &sum)| *out = round(sum));
+            out.iter_mut()
+                .zip(&self.down)
+                .for_each(|(out, &sum)| *out = round(sum));
         }
     }
 }
@@ -151,8 +166,13 @@ impl Cover {
     /// The mean of `N` columns, at least as many as it covers.
     #[inline(always)]
     fn sum<const N: usize>(&self, row: &[f32]) -> f32 {
-        let covered: &[f32; N] = row[self.first..].first_chunk().expect("zeros follow the shades");
-        covered.iter().zip(&self.shares).fold(0.0, |sum, (shade, share)| sum + shade * share)
+        let covered: &[f32; N] = row[self.first..]
+            .first_chunk()
+            .expect("zeros follow the shades");
+        covered
+            .iter()
+            .zip(&self.shares)
+            .fold(0.0, |sum, (shade, share)| sum + shade * share)
     }
 }
 
@@ -175,7 +195,11 @@ fn covers(source: usize, target: usize) -> Option<Vec<Cover>> {
         let width = scale.min(source as f64 - start);
         let last = (end.floor() as usize).min(source - 1);
         let first = (start.ceil() as usize).min(last);
-        let mut cover = Cover { first, shares: [0.0; TAPS], count: 0 };
+        let mut cover = Cover {
+            first,
+            shares: [0.0; TAPS],
+            count: 0,
+        };
         let mut add = |share: f64| {
             cover.shares[cover.count] = share as f32;
             cover.count += 1;
@@ -212,8 +236,11 @@ mod tests {
         }
     }
 
-    const OPENCV: &[((usize, usize), u32)] =
-        &[((84, 84), 0xaf5ed6c2), ((64, 80), 0xe4afc1fb), ((100, 33), 0xe93511e4)];
+    const OPENCV: &[((usize, usize), u32)] = &[
+        ((84, 84), 0xaf5ed6c2),
+        ((64, 80), 0xe4afc1fb),
+        ((100, 33), 0xe93511e4),
+    ];
 
     /// Each byte as its own shade.
     static SAME: [u8; 256] = {
@@ -232,7 +259,8 @@ mod tests {
         for target in [(84, 84), (64, 80), (100, 33), (15, 12), (210, 160)] {
             let new = || Shrink::new(210, target, &SAME).expect("smaller");
             let (mut shrink, mut picture) = (new(), vec![0u8; 210 * WIDTH]);
-            let (mut out, mut expected) = (vec![0; target.0 * target.1], vec![0; target.0 * target.1]);
+            let (mut out, mut expected) =
+                (vec![0; target.0 * target.1], vec![0; target.0 * target.1]);
             let mut random = 1u32;
             let mut below = |n: usize| {
                 random = random.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -240,8 +268,12 @@ mod tests {
             };
             for round in 0..200 {
                 for _ in 0..below(4) {
-                    let (start, length, shade) = (below(picture.len()), below(400), below(256) as u8);
-                    picture[start..].iter_mut().take(length).for_each(|pixel| *pixel = shade);
+                    let (start, length, shade) =
+                        (below(picture.len()), below(400), below(256) as u8);
+                    picture[start..]
+                        .iter_mut()
+                        .take(length)
+                        .for_each(|pixel| *pixel = shade);
                 }
                 shrink.shrink(&picture, &mut out);
                 new().shrink(&picture, &mut expected);

@@ -37,7 +37,12 @@ pub(crate) mod case {
 impl<'a, K, const CASE: u8> Wires<'a, K, CASE> {
     #[inline(always)]
     pub(crate) fn new(chips: &'a mut Chips, cartridge: &'a mut Cartridge) -> Self {
-        Self { chips, cartridge, missed: false, kind: PhantomData }
+        Self {
+            chips,
+            cartridge,
+            missed: false,
+            kind: PhantomData,
+        }
     }
 }
 
@@ -152,11 +157,19 @@ impl<K: Kind, const CASE: u8> Bus for Wires<'_, K, CASE> {
     /// Does nothing: the branch is known not to end a waiting loop.
     #[inline(always)]
     fn program(&self, address: u16) -> Option<[u8; 4]> {
-        if CASE == case::ROM { None } else { self.cartridge.four_bytes(address) }
+        if CASE == case::ROM {
+            None
+        } else {
+            self.cartridge.four_bytes(address)
+        }
     }
 
     fn steady(&self, address: u16, cycle: u64) -> Option<(u8, u64)> {
         let riot = !is_cartridge(address) && !is_ram(address) && is_riot(address);
-        if riot { self.chips.riot.steady(address, cycle) } else { None }
+        if riot {
+            self.chips.riot.steady(address, cycle)
+        } else {
+            None
+        }
     }
 }

@@ -40,16 +40,16 @@ use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::vector::lockstep::Lockstep;
 use gym_core::{
-    Configure, Continuous, Env, Error, Generator, Keys, Outcome, Policy, Precision, Registration, Reset,
-    Result, Snapshot, Space, pygame,
+    Configure, Continuous, Env, Error, Generator, Keys, Outcome, Policy, Precision, Registration,
+    Reset, Result, Snapshot, Space, pygame,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::{Value as Json, json};
 
 use crate::common::{self, Ahead, Call, Worlds, points, vec2};
 use crate::physics::{
-    BodyDef, BodyId, Filter, FixtureDef, FixtureId, JointId, Physics, Place, RevoluteJointDef, Shape, Vec2,
-    World,
+    BodyDef, BodyId, Filter, FixtureDef, FixtureId, JointId, Physics, Place, RevoluteJointDef,
+    Shape, Vec2, World,
 };
 
 use ground::Ground;
@@ -74,7 +74,13 @@ static BEAMS: LazyLock<[Point; LIDAR_RAYS]> = LazyLock::new(|| {
 /// Frames from one sweep of the beam to the next.
 const LIDAR_CYCLE: usize = 100;
 const INITIAL_RANDOM: f64 = 5.0; // N, the push at the start
-const HULL_POLY: [[f64; 2]; 5] = [[-30.0, 9.0], [6.0, 9.0], [34.0, 1.0], [34.0, -8.0], [-30.0, -8.0]];
+const HULL_POLY: [[f64; 2]; 5] = [
+    [-30.0, 9.0],
+    [6.0, 9.0],
+    [34.0, 1.0],
+    [34.0, -8.0],
+    [-30.0, -8.0],
+];
 const LEG_DOWN: f64 = -8.0 / SCALE;
 const LEG_W: f64 = 8.0 / SCALE;
 const LEG_H: f64 = 34.0 / SCALE;
@@ -87,7 +93,10 @@ const FRICTION: f32 = 2.5;
 /// The category of the ground, which lidar sees and the walker touches.
 const GROUND: u16 = 0x0001;
 /// The category of the walker, which does not touch itself.
-const WALKER: Filter = Filter { category: 0x0020, mask: GROUND };
+const WALKER: Filter = Filter {
+    category: 0x0020,
+    mask: GROUND,
+};
 
 gym_core::arguments! {
     /// Arguments.
@@ -140,7 +149,11 @@ struct Episode {
 impl BipedalWalker {
     /// The environment with these arguments.
     pub fn new(config: Config) -> Self {
-        Self { config, episode: None, ahead: None }
+        Self {
+            config,
+            episode: None,
+            ahead: None,
+        }
     }
 
     /// The arguments.
@@ -166,7 +179,9 @@ impl BipedalWalker {
 
     #[cfg(test)]
     pub(crate) fn world_bytes(&self) -> usize {
-        self.episode.as_ref().map_or(0, |episode| episode.world.bytes())
+        self.episode
+            .as_ref()
+            .map_or(0, |episode| episode.world.bytes())
     }
 
     /// The heights of the ground, every 14/30 m from the left, in m; `None` before the first reset.
@@ -191,7 +206,11 @@ impl Episode {
     /// Ground, clouds, hull and legs, in Gymnasium's order of draws and creation.
     fn new(config: Config, mut rng: Generator) -> Self {
         let mut world = World::with(config.physics, vec2(0.0, -10.0));
-        let Ground { terrain_y, obstacles, .. } = Ground::new(&mut rng, &mut world, config.hardcore);
+        let Ground {
+            terrain_y,
+            obstacles,
+            ..
+        } = Ground::new(&mut rng, &mut world, config.hardcore);
         let clouds = [(); TERRAIN_LENGTH / 20].map(|()| cloud(&mut rng));
 
         let init_x = TERRAIN_STEP * TERRAIN_STARTPAD as f64 / 2.0;
@@ -200,7 +219,12 @@ impl Episode {
         let hull_shape = Shape::Polygon(points(&HULL_POLY, |x| x / SCALE));
         let hull_fixture = world.create_fixture(
             hull,
-            &FixtureDef { density: 5.0, friction: 0.1, filter: WALKER, ..FixtureDef::new(hull_shape) },
+            &FixtureDef {
+                density: 5.0,
+                friction: 0.1,
+                filter: WALKER,
+                ..FixtureDef::new(hull_shape)
+            },
         );
         let push = rng.uniform(-INITIAL_RANDOM, INITIAL_RANDOM);
         world.apply_force_to_center(hull, vec2(push, 0.0));
@@ -209,14 +233,21 @@ impl Episode {
         for side in [-1.0, 1.0] {
             let (mut above, mut anchor) = (hull, vec2(0.0, LEG_DOWN));
             // upper leg and hip, lower leg and knee
-            for (halves, width, limits, motor_speed) in
-                [(1.0, LEG_W, (-0.8, 1.1), side), (3.0, 0.8 * LEG_W, (-1.6, -0.1), 1.0)]
-            {
+            for (halves, width, limits, motor_speed) in [
+                (1.0, LEG_W, (-0.8, 1.1), side),
+                (3.0, 0.8 * LEG_W, (-1.6, -0.1), 1.0),
+            ] {
                 let position = vec2(init_x, init_y - LEG_H * halves / 2.0 - LEG_DOWN);
                 let leg = world.create_body(&BodyDef::dynamic(position, (side * 0.05) as f32));
-                let shape =
-                    Shape::Rect { half_width: (width / 2.0) as f32, half_height: (LEG_H / 2.0) as f32 };
-                let def = FixtureDef { density: 1.0, filter: WALKER, ..FixtureDef::new(shape) };
+                let shape = Shape::Rect {
+                    half_width: (width / 2.0) as f32,
+                    half_height: (LEG_H / 2.0) as f32,
+                };
+                let def = FixtureDef {
+                    density: 1.0,
+                    filter: WALKER,
+                    ..FixtureDef::new(shape)
+                };
                 fixtures.push(world.create_fixture(leg, &def));
                 joints.push(world.create_revolute_joint(&RevoluteJointDef {
                     body_a: above,
@@ -239,7 +270,13 @@ impl Episode {
             hull,
             legs: [legs[0], legs[1], legs[2], legs[3]],
             joints: [joints[0], joints[1], joints[2], joints[3]],
-            fixtures: [fixtures[0], fixtures[1], fixtures[2], fixtures[3], hull_fixture],
+            fixtures: [
+                fixtures[0],
+                fixtures[1],
+                fixtures[2],
+                fixtures[3],
+                hull_fixture,
+            ],
             terrain_y,
             obstacles,
             clouds,
@@ -306,7 +343,14 @@ impl Episode {
         if x > (TERRAIN_LENGTH - TERRAIN_GRASS) as f64 * TERRAIN_STEP {
             terminated = true;
         }
-        (state, Outcome { reward, terminated, truncated: false })
+        (
+            state,
+            Outcome {
+                reward,
+                terminated,
+                truncated: false,
+            },
+        )
     }
 
     /// The end of a lidar ray without an obstacle.
@@ -346,10 +390,16 @@ impl Episode {
             && world.has_body(self.hull)
             && self.legs.iter().all(|leg| world.has_body(*leg))
             && self.joints.iter().all(|joint| world.has_joint(*joint))
-            && self.fixtures.iter().chain(&self.obstacles).all(|fixture| world.has_fixture(*fixture))
+            && self
+                .fixtures
+                .iter()
+                .chain(&self.obstacles)
+                .all(|fixture| world.has_fixture(*fixture))
             && self.terrain_y.len() == TERRAIN_LENGTH
             && self.pictures < LIDAR_CYCLE
-            && self.prev_shaping.is_none_or(|shaping| shaping.abs() <= MAX_SHAPING)
+            && self
+                .prev_shaping
+                .is_none_or(|shaping| shaping.abs() <= MAX_SHAPING)
     }
 
     /// The scroll position of the frame, in m.
@@ -363,7 +413,8 @@ impl Episode {
         for i in 0..TERRAIN_LENGTH - 1 {
             let ([x1, y1], [x2, y2]) = (point(i), point(i + 1));
             if x2 >= scroll && x1 <= scroll + VIEWPORT_W / SCALE {
-                let ground = [[x1, y1], [x2, y2], [x2, 0.0], [x1, 0.0]].map(|p| p.map(|x| x * SCALE));
+                let ground =
+                    [[x1, y1], [x2, y2], [x2, 0.0], [x1, 0.0]].map(|p| p.map(|x| x * SCALE));
                 common::draw_polygon(canvas, &ground, Color::rgb(102, 153, 76));
             }
         }
@@ -375,18 +426,36 @@ impl Episode {
         if i >= 2 * LIDAR_RAYS {
             return;
         }
-        let i = if i < LIDAR_RAYS { i } else { 2 * LIDAR_RAYS - 1 - i };
-        let (p1, end, fraction) = (self.world.position(self.hull), self.ray_end(i), self.lidar[i]);
+        let i = if i < LIDAR_RAYS {
+            i
+        } else {
+            2 * LIDAR_RAYS - 1 - i
+        };
+        let (p1, end, fraction) = (
+            self.world.position(self.hull),
+            self.ray_end(i),
+            self.lidar[i],
+        );
         let p2 = if fraction < 1.0 {
             // the engine's point of contact of the ray
             let end = vec2(end[0], end[1]);
-            [(1.0 - fraction) * p1.x + fraction * end.x, (1.0 - fraction) * p1.y + fraction * end.y]
-                .map(f64::from)
+            [
+                (1.0 - fraction) * p1.x + fraction * end.x,
+                (1.0 - fraction) * p1.y + fraction * end.y,
+            ]
+            .map(f64::from)
         } else {
             end
         };
         let points = [[p1.x, p1.y].map(f64::from), p2].map(|p| p.map(|x| x * SCALE));
-        canvas.pygame(Primitive::Lines { points: &points, closed: false, width: 1 }, Color::rgb(255, 0, 0));
+        canvas.pygame(
+            Primitive::Lines {
+                points: &points,
+                closed: false,
+                width: 1,
+            },
+            Color::rgb(255, 0, 0),
+        );
     }
 
     /// The edges of the ground and the obstacles on it, last first.
@@ -399,7 +468,13 @@ impl Episode {
             };
             let green = if i % 2 == 0 { 255 } else { 204 };
             let points = [point(i), point(i + 1)];
-            canvas.pygame(Primitive::AaLines { points: &points, closed: false }, Color::rgb(76, green, 76));
+            canvas.pygame(
+                Primitive::AaLines {
+                    points: &points,
+                    closed: false,
+                },
+                Color::rgb(76, green, 76),
+            );
         }
         for fixture in self.obstacles.iter().rev() {
             self.draw_body(canvas, *fixture, [(255, 255, 255), (153, 153, 153)]);
@@ -410,15 +485,34 @@ impl Episode {
         let (mut corners, count) = common::pixel_corners(&self.world, fixture, SCALE);
         let [fill, outline] = colors.map(|(r, g, b)| Color::rgb(r, g, b));
         common::draw_polygon(canvas, &corners[..count], fill);
-        canvas.pygame(Primitive::Lines { points: &corners[..count], closed: true, width: 1 }, outline);
+        canvas.pygame(
+            Primitive::Lines {
+                points: &corners[..count],
+                closed: true,
+                width: 1,
+            },
+            outline,
+        );
         // the first point again: it gets the whole colour
         corners[count] = corners[0];
         canvas.pygame(Primitive::AaPolygon(&corners[..=count]), outline);
     }
 
     fn draw_walker(&self, canvas: &mut dyn Canvas) {
-        let colors = [(178, 101, 152), (178, 101, 152), (128, 51, 102), (128, 51, 102), (127, 51, 229)];
-        let outlines = [(127, 76, 101), (127, 76, 101), (77, 26, 51), (77, 26, 51), (76, 76, 127)];
+        let colors = [
+            (178, 101, 152),
+            (178, 101, 152),
+            (128, 51, 102),
+            (128, 51, 102),
+            (127, 51, 229),
+        ];
+        let outlines = [
+            (127, 76, 101),
+            (127, 76, 101),
+            (77, 26, 51),
+            (77, 26, 51),
+            (76, 76, 127),
+        ];
         for ((fixture, fill), outline) in self.fixtures.iter().zip(colors).zip(outlines) {
             self.draw_body(canvas, *fixture, [fill, outline]);
         }
@@ -432,7 +526,9 @@ impl Env for BipedalWalker {
     fn observation_space(&self) -> Space {
         // five times the rated speeds, for impacts
         let mut high = [1.0; 24];
-        high[..14].copy_from_slice(&[PI, 5.0, 5.0, 5.0, PI, 5.0, PI, 5.0, 5.0, PI, 5.0, PI, 5.0, 5.0]);
+        high[..14].copy_from_slice(&[
+            PI, 5.0, 5.0, 5.0, PI, 5.0, PI, 5.0, 5.0, PI, 5.0, PI, 5.0, 5.0,
+        ]);
         let mut low = high.map(|x: f32| -x);
         [low[8], low[13]] = [-0.0; 2];
         Space::boxed(low, high)
@@ -443,17 +539,32 @@ impl Env for BipedalWalker {
     }
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut [f32; 24]) -> Result<()> {
-        if self.ahead.take().is_none_or(|ahead| ahead.call != Call::Reset) {
+        if self
+            .ahead
+            .take()
+            .is_none_or(|ahead| ahead.call != Call::Reset)
+        {
             self.begin_episode(reset, None)?;
         }
-        let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("reset")) };
+        let Some(episode) = &mut self.episode else {
+            return Err(Error::ResetNeeded("reset"));
+        };
         *observation = episode.finish().0;
         Ok(())
     }
 
-    fn step_into(&mut self, action: &Continuous<4>, observation: &mut [f32; 24]) -> Result<Outcome> {
-        let begun = self.ahead.take().is_some_and(|ahead| ahead.call == Call::Step);
-        let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
+    fn step_into(
+        &mut self,
+        action: &Continuous<4>,
+        observation: &mut [f32; 24],
+    ) -> Result<Outcome> {
+        let begun = self
+            .ahead
+            .take()
+            .is_some_and(|ahead| ahead.call == Call::Step);
+        let Some(episode) = &mut self.episode else {
+            return Err(Error::ResetNeeded("step"));
+        };
         if !begun {
             if !action.is_finite() {
                 return Err(self.action_space().refuse_action(action));
@@ -498,7 +609,9 @@ impl Env for BipedalWalker {
         for cloud in &episode.clouds {
             let (left, right) = cloud
                 .iter()
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), [x, _]| (low.min(*x), high.max(*x)));
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), [x, _]| {
+                    (low.min(*x), high.max(*x))
+                });
             // clouds are far away
             if right >= scroll / 2.0 && left <= scroll / 2.0 + VIEWPORT_W / SCALE {
                 let cloud = cloud.map(|[x, y]| [x * SCALE + scroll * SCALE / 2.0, y * SCALE]);
@@ -511,11 +624,21 @@ impl Env for BipedalWalker {
         episode.draw_walker(canvas);
         let (x, bottom) = (TERRAIN_STEP * 3.0 * SCALE, TERRAIN_HEIGHT * SCALE);
         let top = bottom + 50.0;
-        let pole = Primitive::AaLines { points: &[[x, bottom], [x, top]], closed: false };
+        let pole = Primitive::AaLines {
+            points: &[[x, bottom], [x, top]],
+            closed: false,
+        };
         canvas.pygame(pole, Color::BLACK);
         let flag = [[x, top], [x, top - 10.0], [x + 25.0, top - 5.0]];
         canvas.pygame(Primitive::Polygon(&flag), Color::rgb(230, 51, 0));
-        canvas.pygame(Primitive::Lines { points: &flag, closed: true, width: 1 }, Color::BLACK);
+        canvas.pygame(
+            Primitive::Lines {
+                points: &flag,
+                closed: true,
+                width: 1,
+            },
+            Color::BLACK,
+        );
         canvas.pop();
         canvas.pop();
     }
@@ -535,19 +658,27 @@ impl Lockstep for BipedalWalker {
     type Group = Worlds;
 
     fn touch(&self) -> u32 {
-        self.episode.as_ref().map_or(0, |episode| episode.world.touch())
+        self.episode
+            .as_ref()
+            .map_or(0, |episode| episode.world.touch())
     }
 
     fn begin_reset(&mut self, reset: &Reset, worlds: &mut Worlds) {
         let place = self.begin_episode(reset, Some(worlds));
-        self.ahead = place.ok().map(|place| Ahead { call: Call::Reset, place });
+        self.ahead = place.ok().map(|place| Ahead {
+            call: Call::Reset,
+            place,
+        });
     }
 
     fn begin_step(&mut self, action: &Continuous<4>, worlds: &mut Worlds) {
         let possible = action.is_finite();
         let episode = self.episode.as_mut().filter(|_| possible);
         let place = episode.map(|episode| episode.begin(action, Some(worlds)));
-        self.ahead = place.map(|place| Ahead { call: Call::Step, place });
+        self.ahead = place.map(|place| Ahead {
+            call: Call::Step,
+            place,
+        });
     }
 
     fn collect(&mut self, worlds: &mut Worlds) {
@@ -595,26 +726,37 @@ const fn walker(id: &'static str) -> Registration {
 }
 
 const fn hardcore(id: &'static str) -> Registration {
-    walker(id).description("Walk on two legs over ladders, stumps and pits.").max_episode_steps(2000)
+    walker(id)
+        .description("Walk on two legs over ladders, stumps and pits.")
+        .max_episode_steps(2000)
 }
 
 const RAPIER_EXCEPTIONS: &[(&str, &str)] = &[
     WORLD,
-    ("observation-in-space", "on impact rapier's joints can turn faster than five times their rated speed"),
+    (
+        "observation-in-space",
+        "on impact rapier's joints can turn faster than five times their rated speed",
+    ),
     common::RAPIER_ALLOCATES,
 ];
 
 #[cfg(not(test))]
 gym_core::register!(
-    walker("BipedalWalker-v3").lockstep::<BipedalWalker>().clip(Clip {
-        seeds: 0..1,
-        every: 4,
-        frames: 100,
-        size: (300, 200)
-    }),
-    hardcore("BipedalWalkerHardcore-v3").lockstep::<BipedalWalker>().kwargs(r#"{"hardcore": true}"#),
+    walker("BipedalWalker-v3")
+        .lockstep::<BipedalWalker>()
+        .clip(Clip {
+            seeds: 0..1,
+            every: 4,
+            frames: 100,
+            size: (300, 200)
+        }),
+    hardcore("BipedalWalkerHardcore-v3")
+        .lockstep::<BipedalWalker>()
+        .kwargs(r#"{"hardcore": true}"#),
     common::on_rapier(
-        walker("rapier/BipedalWalker-v3").kwargs(r#"{"physics": "rapier"}"#).exceptions(RAPIER_EXCEPTIONS)
+        walker("rapier/BipedalWalker-v3")
+            .kwargs(r#"{"physics": "rapier"}"#)
+            .exceptions(RAPIER_EXCEPTIONS)
     ),
     common::on_rapier(
         hardcore("rapier/BipedalWalkerHardcore-v3")

@@ -9,11 +9,24 @@ use serde_json::Value as Json;
 use crate::physics::{FixtureId, LANES, Lanes, Place, Vec2, World};
 
 /// The arguments with one set to a value in JSON. Arguments that decide spaces and engine cannot be set.
-pub(crate) fn assigned<C: Arguments>(config: &C, name: &str, value: Json, whose: &str) -> Result<C> {
+pub(crate) fn assigned<C: Arguments>(
+    config: &C,
+    name: &str,
+    value: Json,
+    whose: &str,
+) -> Result<C> {
     if matches!(name, "continuous" | "physics") {
-        return Err(Error::argument(whose, format!("{name} is fixed: make a new environment to change it")));
+        return Err(Error::argument(
+            whose,
+            format!("{name} is fixed: make a new environment to change it"),
+        ));
     }
-    arguments::read(config, u32::MAX, &[(name.to_owned(), value)].into_iter().collect(), whose)
+    arguments::read(
+        config,
+        u32::MAX,
+        &[(name.to_owned(), value)].into_iter().collect(),
+        whose,
+    )
 }
 
 /// Worlds whose velocities are solved together.
@@ -77,11 +90,16 @@ pub(crate) const POSITION_ITERATIONS: u32 = 60;
 
 /// An id of the namespace `rapier/`, which stays registered where the engine is left out.
 pub(crate) const fn on_rapier(registration: Registration) -> Registration {
-    if cfg!(feature = "rapier") { registration } else { registration.needs("the feature `rapier`", || false) }
+    if cfg!(feature = "rapier") {
+        registration
+    } else {
+        registration.needs("the feature `rapier`", || false)
+    }
 }
 
 /// An exception to the checks of gym-conform.
-pub(crate) const RAPIER_ALLOCATES: (&str, &str) = ("no-allocation", "rapier2d allocates in its own step");
+pub(crate) const RAPIER_ALLOCATES: (&str, &str) =
+    ("no-allocation", "rapier2d allocates in its own step");
 
 /// The rules of a version of `env`: later versions use those of version 3.
 ///
@@ -90,7 +108,9 @@ pub(crate) const RAPIER_ALLOCATES: (&str, &str) = ("no-allocation", "rapier2d al
 pub(crate) fn version(env: &str, version: u32) -> Result<u32> {
     match version {
         0 | 1 => {
-            let reason = format!("version {version} does not exist: set 2 or 3 with `Registration::version`");
+            let reason = format!(
+                "version {version} does not exist: set 2 or 3 with `Registration::version`"
+            );
             Err(Error::argument(env, reason))
         }
         _ => Ok(version.min(3)),
@@ -128,9 +148,16 @@ pub(crate) fn corners(world: &World, fixture: FixtureId) -> ([Point; MOST_CORNER
 }
 
 /// The corners of a polygon in pixels, so many of them per m. Gymnasium scales in `f32`.
-pub(crate) fn pixel_corners(world: &World, fixture: FixtureId, scale: f64) -> ([Point; MOST_CORNERS], usize) {
+pub(crate) fn pixel_corners(
+    world: &World,
+    fixture: FixtureId,
+    scale: f64,
+) -> ([Point; MOST_CORNERS], usize) {
     let (corners, count) = corners(world, fixture);
-    (corners.map(|corner| corner.map(|x| f64::from(x as f32 * scale as f32))), count)
+    (
+        corners.map(|corner| corner.map(|x| f64::from(x as f32 * scale as f32))),
+        count,
+    )
 }
 
 /// `draw.polygon` and `gfxdraw.aapolygon`, which Gymnasium calls together.
@@ -160,7 +187,8 @@ mod tests {
         E: Lockstep<Group = Worlds> + Env<Observation = [f32; N]>,
     {
         let mut envs: Vec<E> = (0..n).map(make).collect();
-        let mut asks: Vec<Result<Reset, E::Action>> = (0..n).map(|i| Ok(Reset::from(i as u64))).collect();
+        let mut asks: Vec<Result<Reset, E::Action>> =
+            (0..n).map(|i| Ok(Reset::from(i as u64))).collect();
         let mut bits = Vec::new();
         for step in 0..steps {
             let mut asked: Vec<usize> = (0..n).filter(|i| i % 7 > 0 || step % 3 > 0).collect();
@@ -179,7 +207,9 @@ mod tests {
             for &i in &asked {
                 let mut observation = <[f32; N]>::empty();
                 let outcome = match &asks[i] {
-                    Ok(reset) => envs[i].reset_into(reset, &mut observation).map(|()| Outcome::default()),
+                    Ok(reset) => envs[i]
+                        .reset_into(reset, &mut observation)
+                        .map(|()| Outcome::default()),
                     Err(action) => envs[i].step_into(action, &mut observation),
                 };
                 let outcome = outcome.unwrap();
@@ -188,7 +218,11 @@ mod tests {
                     bits.extend(observation.map(|x| u64::from(x.to_bits())));
                 }
                 let next = policy(i, &observation);
-                asks[i] = if outcome.terminated { Ok(Reset::default()) } else { Err(next) };
+                asks[i] = if outcome.terminated {
+                    Ok(Reset::default())
+                } else {
+                    Err(next)
+                };
             }
         }
         bits
@@ -196,7 +230,9 @@ mod tests {
 
     /// A share of -1 to 1, other ones each time.
     fn noise(state: &mut u64) -> f32 {
-        *state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+        *state = state
+            .wrapping_mul(6364136223846793005)
+            .wrapping_add(1442695040888963407);
         (*state >> 40) as f32 / (1u32 << 23) as f32 - 1.0
     }
 
@@ -204,8 +240,16 @@ mod tests {
     fn landers_side_by_side_keep_the_bits() {
         let make = |i: usize| {
             let gravity = -4.0 - 0.3 * (i % 20) as f64;
-            let config = lunar_lander::Config { gravity, enable_wind: i % 2 == 1, ..Default::default() };
-            LunarLander::new(lunar_lander::Config { continuous: true, ..config }).unwrap()
+            let config = lunar_lander::Config {
+                gravity,
+                enable_wind: i % 2 == 1,
+                ..Default::default()
+            };
+            LunarLander::new(lunar_lander::Config {
+                continuous: true,
+                ..config
+            })
+            .unwrap()
         };
         let run = |worlds| {
             let mut state = 3;
@@ -226,7 +270,10 @@ mod tests {
     #[test]
     fn walkers_side_by_side_keep_the_bits() {
         let make = |i: usize| {
-            BipedalWalker::new(bipedal_walker::Config { hardcore: i % 2 == 1, ..Default::default() })
+            BipedalWalker::new(bipedal_walker::Config {
+                hardcore: i % 2 == 1,
+                ..Default::default()
+            })
         };
         let run = |worlds| {
             let (mut state, mut pilots) = (3, [(); 9].map(|()| Heuristic::default()));
@@ -256,10 +303,12 @@ mod tests {
         let mut observation = <[f32; N]>::empty();
         let (mut first, mut most) = (0, 0);
         for seed in 0..8 {
-            env.reset_into(&Reset::from(seed), &mut observation).unwrap();
+            env.reset_into(&Reset::from(seed), &mut observation)
+                .unwrap();
             first = first.max(bytes(&env));
             for _ in 0..300 {
-                env.step_into(&policy(&observation), &mut observation).unwrap();
+                env.step_into(&policy(&observation), &mut observation)
+                    .unwrap();
                 most = most.max(bytes(&env));
             }
         }
@@ -269,17 +318,29 @@ mod tests {
     #[test]
     fn worlds_are_small_and_grow_no_more() {
         let mut state = 3;
-        let lander =
-            LunarLander::new(lunar_lander::Config { continuous: true, ..Default::default() }).unwrap();
+        let lander = LunarLander::new(lunar_lander::Config {
+            continuous: true,
+            ..Default::default()
+        })
+        .unwrap();
         let policy = |_: &[f32; 8]| [noise(&mut state), noise(&mut state)].into();
         let [first, most] = world_bytes(lander, LunarLander::world_bytes, policy);
-        assert!(first == most && most < 8_000, "LunarLander: {first} bytes, then {most}");
+        assert!(
+            first == most && most < 8_000,
+            "LunarLander: {first} bytes, then {most}"
+        );
         for (hardcore, bound) in [(false, 13_500), (true, 26_000)] {
-            let walker = BipedalWalker::new(bipedal_walker::Config { hardcore, ..Default::default() });
+            let walker = BipedalWalker::new(bipedal_walker::Config {
+                hardcore,
+                ..Default::default()
+            });
             let mut pilot = Heuristic::default();
             let policy = |observation: &[f32; 24]| pilot.act(observation).into();
             let [first, most] = world_bytes(walker, BipedalWalker::world_bytes, policy);
-            assert!(first == most && most < bound, "hardcore {hardcore}: {first} bytes, then {most}");
+            assert!(
+                first == most && most < bound,
+                "hardcore {hardcore}: {first} bytes, then {most}"
+            );
         }
     }
 }

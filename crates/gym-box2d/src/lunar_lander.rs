@@ -35,15 +35,16 @@ use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::vector::lockstep::Lockstep;
 use gym_core::{
-    Configure, Continuous, Element, Env, Error, Generator, Keys, Outcome, Policy, Registration, Reset,
-    Result, Snapshot, Space, Value, pygame,
+    Configure, Continuous, Element, Env, Error, Generator, Keys, Outcome, Policy, Registration,
+    Reset, Result, Snapshot, Space, Value, pygame,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::{Value as Json, json};
 
 use crate::common::{self, Ahead, Call, Worlds, points, vec2};
 use crate::physics::{
-    BodyDef, BodyId, Filter, FixtureDef, FixtureId, Physics, Place, RevoluteJointDef, Shape, Vec2, World,
+    BodyDef, BodyId, Filter, FixtureDef, FixtureId, Physics, Place, RevoluteJointDef, Shape, Vec2,
+    World,
 };
 use exhaust::Exhaust;
 
@@ -56,8 +57,14 @@ const H: f64 = VIEWPORT_H / SCALE;
 const MAIN_ENGINE_POWER: f64 = 13.0;
 const SIDE_ENGINE_POWER: f64 = 0.6;
 const INITIAL_RANDOM: f64 = 1000.0; // N, the push at the start
-const LANDER_POLY: [[f64; 2]; 6] =
-    [[-14.0, 17.0], [-17.0, 0.0], [-17.0, -10.0], [17.0, -10.0], [17.0, 0.0], [14.0, 17.0]];
+const LANDER_POLY: [[f64; 2]; 6] = [
+    [-14.0, 17.0],
+    [-17.0, 0.0],
+    [-17.0, -10.0],
+    [17.0, -10.0],
+    [17.0, 0.0],
+    [14.0, 17.0],
+];
 const LEG_AWAY: f64 = 20.0;
 const LEG_DOWN: f64 = 18.0;
 const LEG_W: f64 = 2.0;
@@ -211,19 +218,30 @@ impl LunarLander {
     pub fn with_version(config: Config, version: u32) -> Result<Self> {
         let version = common::version("LunarLander", version)?;
         Self::check(&config)?;
-        Ok(Self { config, version, episode: None, renders: false, ahead: None })
+        Ok(Self {
+            config,
+            version,
+            episode: None,
+            renders: false,
+            ahead: None,
+        })
     }
 
     fn check(config: &Config) -> Result<()> {
         if !(-12.0 < config.gravity && config.gravity < 0.0) {
-            let reason = format!("gravity is {}: it must lie between -12 and 0", config.gravity);
+            let reason = format!(
+                "gravity is {}: it must lie between -12 and 0",
+                config.gravity
+            );
             return Err(Error::argument("LunarLander", reason));
         }
-        for (name, value) in
-            [("wind_power", config.wind_power), ("turbulence_power", config.turbulence_power)]
-        {
+        for (name, value) in [
+            ("wind_power", config.wind_power),
+            ("turbulence_power", config.turbulence_power),
+        ] {
             if !(-MAX_POWER..=MAX_POWER).contains(&value) {
-                let reason = format!("{name} is {value}: it must lie between -{MAX_POWER} and {MAX_POWER}");
+                let reason =
+                    format!("{name} is {value}: it must lie between -{MAX_POWER} and {MAX_POWER}");
                 return Err(Error::argument("LunarLander", reason));
             }
         }
@@ -250,7 +268,9 @@ impl LunarLander {
     /// Starts an episode with the first part of its first step, in which no engine fires.
     fn begin_episode(&mut self, reset: &Reset, worlds: Option<&mut Worlds>) -> Result<Place> {
         let rng = reset.generator(self.episode.as_ref().map(|episode| &episode.rng))?;
-        let episode = self.episode.insert(Episode::new(&self.config, self.version, rng));
+        let episode = self
+            .episode
+            .insert(Episode::new(&self.config, self.version, rng));
         episode.render(&self.config, self.renders);
         let idle = if self.config.continuous {
             Action::Throttle(Continuous::default())
@@ -262,7 +282,9 @@ impl LunarLander {
 
     #[cfg(test)]
     pub(crate) fn world_bytes(&self) -> usize {
-        self.episode.as_ref().map_or(0, |episode| episode.world.bytes())
+        self.episode
+            .as_ref()
+            .map_or(0, |episode| episode.world.bytes())
     }
 
     /// The heights of the ground, every 2 m from the left, in m; `None` before the first reset.
@@ -280,8 +302,9 @@ impl Episode {
         height.fill_with(|| rng.uniform(0.0, H / 2.0));
         height[CHUNKS / 2 - 2..=CHUNKS / 2 + 2].fill(HELIPAD_Y);
         // (the first point's neighbour to the left is the last of the twelve)
-        let smooth_y: [f64; CHUNKS] =
-            std::array::from_fn(|i| 0.33 * (height[(i + CHUNKS) % (CHUNKS + 1)] + height[i] + height[i + 1]));
+        let smooth_y: [f64; CHUNKS] = std::array::from_fn(|i| {
+            0.33 * (height[(i + CHUNKS) % (CHUNKS + 1)] + height[i] + height[i + 1])
+        });
 
         exhaust::create_moon(&mut world, &smooth_y);
         let (initial_x, initial_y) = (VIEWPORT_W / SCALE / 2.0, VIEWPORT_H / SCALE);
@@ -291,7 +314,10 @@ impl Episode {
             &FixtureDef {
                 density: 5.0,
                 friction: 0.1,
-                filter: Filter { category: 0x0010, mask: 0x001 }, // touches the ground only
+                filter: Filter {
+                    category: 0x0010,
+                    mask: 0x001,
+                }, // touches the ground only
                 ..FixtureDef::new(Shape::Polygon(points(&LANDER_POLY, |x| x / SCALE)))
             },
         );
@@ -311,13 +337,28 @@ impl Episode {
         let mut leg = |side: f64, slot: usize| {
             let position = vec2(initial_x - side * LEG_AWAY / SCALE, initial_y);
             let leg = world.create_body(&BodyDef::dynamic(position, (side * 0.05) as f32));
-            let shape =
-                Shape::Rect { half_width: (LEG_W / SCALE) as f32, half_height: (LEG_H / SCALE) as f32 };
-            let filter = Filter { category: 0x0020, mask: 0x001 };
-            fixtures[slot] =
-                world.create_fixture(leg, &FixtureDef { density: 1.0, filter, ..FixtureDef::new(shape) });
+            let shape = Shape::Rect {
+                half_width: (LEG_W / SCALE) as f32,
+                half_height: (LEG_H / SCALE) as f32,
+            };
+            let filter = Filter {
+                category: 0x0020,
+                mask: 0x001,
+            };
+            fixtures[slot] = world.create_fixture(
+                leg,
+                &FixtureDef {
+                    density: 1.0,
+                    filter,
+                    ..FixtureDef::new(shape)
+                },
+            );
             // the legs have freedom to travel within these
-            let (lower, upper) = if side < 0.0 { (0.9 - 0.5, 0.9) } else { (-0.9, -0.9 + 0.5) };
+            let (lower, upper) = if side < 0.0 {
+                (0.9 - 0.5, 0.9)
+            } else {
+                (-0.9, -0.9 + 0.5)
+            };
             world.create_revolute_joint(&RevoluteJointDef {
                 body_a: lander,
                 body_b: leg,
@@ -358,7 +399,8 @@ impl Episode {
         };
         let wind_mag = gust(self.wind_idx) * config.wind_power;
         self.wind_idx += 1;
-        self.world.apply_force_to_center(self.lander, vec2(wind_mag, 0.0));
+        self.world
+            .apply_force_to_center(self.lander, vec2(wind_mag, 0.0));
         let torque_mag = gust(self.torque_idx) * config.turbulence_power;
         self.torque_idx += 1;
         self.world.apply_torque(self.lander, torque_mag as f32);
@@ -367,9 +409,13 @@ impl Episode {
     /// Fires an engine at a point of the craft: an impulse on the craft, and the opposite one on an exhaust particle.
     fn fire(&mut self, [ox, oy]: Point, at: Point, engine_power: f64, power: f64, density: f64) {
         let position = self.world.position(self.lander);
-        let at = [f64::from(position.x) + ox + at[0], f64::from(position.y) + oy + at[1]];
+        let at = [
+            f64::from(position.x) + ox + at[0],
+            f64::from(position.y) + oy + at[1],
+        ];
         let impulse = vec2(-ox * engine_power * power, -oy * engine_power * power);
-        self.world.apply_linear_impulse(self.lander, impulse, vec2(at[0], at[1]));
+        self.world
+            .apply_linear_impulse(self.lander, impulse, vec2(at[0], at[1]));
         if let Some(exhaust) = &mut self.exhaust {
             let impulse = vec2(ox * engine_power * power, oy * engine_power * power);
             exhaust.emit(vec2(at[0], at[1]), impulse, density, power);
@@ -391,7 +437,11 @@ impl Episode {
             Action::Throttle(throttles) => {
                 let [main, side] = throttles.numbers.map(|throttle| throttle.clamp(-1.0, 1.0));
                 let m_power = if main > 0.0 { (main + 1.0) * 0.5 } else { 0.0 };
-                (m_power, if side.abs() > 0.5 { side.abs() } else { 0.0 }, side.signum())
+                (
+                    m_power,
+                    if side.abs() > 0.5 { side.abs() } else { 0.0 },
+                    side.signum(),
+                )
             }
         };
 
@@ -412,7 +462,10 @@ impl Episode {
             let ox = tip[0] * dispersion[0] + side[0] * away;
             let oy = -tip[1] * dispersion[0] - side[1] * away;
             // (17, where the height is 14: Gymnasium's)
-            let at = [-(tip[0] * 17.0 / SCALE), tip[1] * SIDE_ENGINE_HEIGHT / SCALE];
+            let at = [
+                -(tip[0] * 17.0 / SCALE),
+                tip[1] * SIDE_ENGINE_HEIGHT / SCALE,
+            ];
             self.fire([ox, oy], at, SIDE_ENGINE_POWER, s_power, 0.7);
         }
 
@@ -455,7 +508,14 @@ impl Episode {
             terminated = true;
             reward = 100.0;
         }
-        (state.map(|x| x as f32), Outcome { reward, terminated, truncated: false })
+        (
+            state.map(|x| x as f32),
+            Outcome {
+                reward,
+                terminated,
+                truncated: false,
+            },
+        )
     }
 
     fn observe(&self) -> [f64; 8] {
@@ -478,9 +538,16 @@ impl Episode {
         const MAX_SHAPING: f64 = 1e6;
         let [a, b] = self.legs;
         self.world.is_valid()
-            && self.prev_shaping.is_none_or(|shaping| shaping.abs() <= MAX_SHAPING)
-            && [self.lander, a, b].iter().all(|body| self.world.has_body(*body))
-            && self.fixtures.iter().all(|fixture| self.world.has_fixture(*fixture))
+            && self
+                .prev_shaping
+                .is_none_or(|shaping| shaping.abs() <= MAX_SHAPING)
+            && [self.lander, a, b]
+                .iter()
+                .all(|body| self.world.has_body(*body))
+            && self
+                .fixtures
+                .iter()
+                .all(|fixture| self.world.has_fixture(*fixture))
             && self.exhaust.as_ref().is_none_or(Exhaust::is_valid)
     }
 
@@ -498,7 +565,11 @@ impl Episode {
         for x in [chunk_x(CHUNKS / 2 - 1), chunk_x(CHUNKS / 2 + 1)] {
             let [x, y] = [x * SCALE, HELIPAD_Y * SCALE];
             let top = y + 50.0;
-            let pole = Primitive::Lines { points: &[[x, y], [x, top]], closed: false, width: 1 };
+            let pole = Primitive::Lines {
+                points: &[[x, y], [x, top]],
+                closed: false,
+                width: 1,
+            };
             canvas.pygame(pole, Color::WHITE);
             let flag = [[x, top], [x, top - 10.0], [x + 25.0, top - 5.0]];
             common::draw_polygon(canvas, &flag, Color::rgb(204, 204, 0));
@@ -516,30 +587,51 @@ impl Env for LunarLander {
     type Action = Action;
 
     fn observation_space(&self) -> Space {
-        let [position, velocity, angle] =
-            if self.version == 2 { [1.5, 5.0, PI] } else { [2.5, 10.0, 2.0 * PI] };
-        let high = [position, position, velocity, velocity, angle, velocity, 1.0, 1.0].map(|x| x as f32);
+        let [position, velocity, angle] = if self.version == 2 {
+            [1.5, 5.0, PI]
+        } else {
+            [2.5, 10.0, 2.0 * PI]
+        };
+        let high = [
+            position, position, velocity, velocity, angle, velocity, 1.0, 1.0,
+        ]
+        .map(|x| x as f32);
         let mut low = high.map(|x| -x);
         low[6..].fill(-0.0);
         Space::boxed(low, high)
     }
 
     fn action_space(&self) -> Space {
-        if self.config.continuous { Space::boxed([-1.0; 2], [1.0; 2]) } else { Engine::space() }
+        if self.config.continuous {
+            Space::boxed([-1.0; 2], [1.0; 2])
+        } else {
+            Engine::space()
+        }
     }
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut [f32; 8]) -> Result<()> {
-        if self.ahead.take().is_none_or(|ahead| ahead.call != Call::Reset) {
+        if self
+            .ahead
+            .take()
+            .is_none_or(|ahead| ahead.call != Call::Reset)
+        {
             self.begin_episode(reset, None)?;
         }
-        let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("reset")) };
+        let Some(episode) = &mut self.episode else {
+            return Err(Error::ResetNeeded("reset"));
+        };
         *observation = episode.finish().0;
         Ok(())
     }
 
     fn step_into(&mut self, action: &Action, observation: &mut [f32; 8]) -> Result<Outcome> {
-        let begun = self.ahead.take().is_some_and(|ahead| ahead.call == Call::Step);
-        let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
+        let begun = self
+            .ahead
+            .take()
+            .is_some_and(|ahead| ahead.call == Call::Step);
+        let Some(episode) = &mut self.episode else {
+            return Err(Error::ResetNeeded("step"));
+        };
         if !begun {
             if !self.config.takes(action) {
                 return Err(self.action_space().refuse_action(action));
@@ -556,7 +648,11 @@ impl Env for LunarLander {
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        self.episode = snapshot.for_config("LunarLander", &(self.version, self.config), Episode::is_valid)?;
+        self.episode = snapshot.for_config(
+            "LunarLander",
+            &(self.version, self.config),
+            Episode::is_valid,
+        )?;
         if let Some(episode) = &mut self.episode {
             episode.render(&self.config, self.renders);
         }
@@ -577,8 +673,17 @@ impl Env for LunarLander {
         canvas.push(pygame::flipped(VIEWPORT_H));
         for i in 0..CHUNKS - 1 {
             let (x1, x2) = (chunk_x(i), chunk_x(i + 1));
-            let sky = [[x1, episode.smooth_y[i]], [x2, episode.smooth_y[i + 1]], [x2, H], [x1, H]];
-            common::draw_polygon(canvas, &sky.map(|corner| corner.map(|x| x * SCALE)), Color::BLACK);
+            let sky = [
+                [x1, episode.smooth_y[i]],
+                [x2, episode.smooth_y[i + 1]],
+                [x2, H],
+                [x1, H],
+            ];
+            common::draw_polygon(
+                canvas,
+                &sky.map(|corner| corner.map(|x| x * SCALE)),
+                Color::BLACK,
+            );
         }
         for (position, ttl) in episode.exhaust.iter().flat_map(Exhaust::visible) {
             let shade = |x: f64| (x.max(0.2) * 255.0) as u8;
@@ -592,7 +697,13 @@ impl Env for LunarLander {
             let (corners, count) = common::pixel_corners(&episode.world, fixture, SCALE);
             let corners = &corners[..count];
             common::draw_polygon(canvas, corners, Color::rgb(128, 102, 230));
-            canvas.pygame(Primitive::AaLines { points: corners, closed: true }, Color::rgb(77, 77, 128));
+            canvas.pygame(
+                Primitive::AaLines {
+                    points: corners,
+                    closed: true,
+                },
+                Color::rgb(77, 77, 128),
+            );
             Episode::draw_flags(canvas);
         }
         canvas.pop();
@@ -606,7 +717,11 @@ impl Env for LunarLander {
     }
 
     fn picture_taken(&mut self) {
-        if let Some(exhaust) = self.episode.as_mut().and_then(|episode| episode.exhaust.as_mut()) {
+        if let Some(exhaust) = self
+            .episode
+            .as_mut()
+            .and_then(|episode| episode.exhaust.as_mut())
+        {
             exhaust.fade();
         }
     }
@@ -620,18 +735,26 @@ impl Lockstep for LunarLander {
     type Group = Worlds;
 
     fn touch(&self) -> u32 {
-        self.episode.as_ref().map_or(0, |episode| episode.world.touch())
+        self.episode
+            .as_ref()
+            .map_or(0, |episode| episode.world.touch())
     }
 
     fn begin_reset(&mut self, reset: &Reset, worlds: &mut Worlds) {
         let place = self.begin_episode(reset, Some(worlds));
-        self.ahead = place.ok().map(|place| Ahead { call: Call::Reset, place });
+        self.ahead = place.ok().map(|place| Ahead {
+            call: Call::Reset,
+            place,
+        });
     }
 
     fn begin_step(&mut self, action: &Action, worlds: &mut Worlds) {
         let episode = self.episode.as_mut().filter(|_| self.config.takes(action));
         let place = episode.map(|episode| episode.begin(&self.config, action, Some(worlds)));
-        self.ahead = place.map(|place| Ahead { call: Call::Step, place });
+        self.ahead = place.map(|place| Ahead {
+            call: Call::Step,
+            place,
+        });
     }
 
     fn collect(&mut self, worlds: &mut Worlds) {
@@ -662,7 +785,9 @@ pub fn heuristic(s: &[f32; 8], continuous: bool) -> Action {
         hover_todo = -s[3] * 0.5;
     }
     if continuous {
-        return [hover_todo * 20.0 - 1.0, -angle_todo * 20.0].map(|x| x.clamp(-1.0, 1.0)).into();
+        return [hover_todo * 20.0 - 1.0, -angle_todo * 20.0]
+            .map(|x| x.clamp(-1.0, 1.0))
+            .into();
     }
     Action::Fire(if hover_todo > angle_todo.abs() && hover_todo > 0.05 {
         Engine::Main
@@ -675,10 +800,14 @@ pub fn heuristic(s: &[f32; 8], continuous: bool) -> Action {
     })
 }
 
-const V2_EXCEPTIONS: &[(&str, &str)] =
-    &[("observation-in-space", "the bounds of version 2 are too narrow, which is why there is a version 3")];
-const SPINS: (&str, &str) =
-    ("observation-in-space", "a craft that spins beyond a full turn leaves the bounds, in Gymnasium too");
+const V2_EXCEPTIONS: &[(&str, &str)] = &[(
+    "observation-in-space",
+    "the bounds of version 2 are too narrow, which is why there is a version 3",
+)];
+const SPINS: (&str, &str) = (
+    "observation-in-space",
+    "a craft that spins beyond a full turn leaves the bounds, in Gymnasium too",
+);
 
 /// The registration that all ids share.
 const fn lander(id: &'static str) -> Registration {
@@ -690,12 +819,16 @@ const fn lander(id: &'static str) -> Registration {
         .actions(Engine::VARIANTS)
         .keys(|env| match env.action_space() {
             Space::Discrete(_) => Keys::new(json!({"Left": 1, "Up": 2, "Right": 3})).idle(json!(0)),
-            _ => Keys::new(json!({"Up": [1, 0], "Left": [0, -1], "Right": [0, 1]})).idle(json!([0, 0])),
+            _ => Keys::new(json!({"Up": [1, 0], "Left": [0, -1], "Right": [0, 1]}))
+                .idle(json!([0, 0])),
         })
-        .policy(Policy::rules("is Gymnasium's own controller, `lunar_lander::heuristic`", |env| {
-            let continuous = !matches!(env.action_space(), Space::Discrete(_));
-            reflex(move |seen| heuristic(seen, continuous))
-        }))
+        .policy(Policy::rules(
+            "is Gymnasium's own controller, `lunar_lander::heuristic`",
+            |env| {
+                let continuous = !matches!(env.action_space(), Space::Discrete(_));
+                reflex(move |seen| heuristic(seen, continuous))
+            },
+        ))
 }
 
 const fn throttled(id: &'static str) -> Registration {
@@ -704,18 +837,24 @@ const fn throttled(id: &'static str) -> Registration {
 
 #[cfg(not(test))]
 gym_core::register!(
-    lander("LunarLander-v2").lockstep::<LunarLander>().exceptions(V2_EXCEPTIONS),
+    lander("LunarLander-v2")
+        .lockstep::<LunarLander>()
+        .exceptions(V2_EXCEPTIONS),
     throttled("LunarLanderContinuous-v2")
         .lockstep::<LunarLander>()
         .kwargs(r#"{"continuous": true}"#)
         .exceptions(V2_EXCEPTIONS),
-    lander("LunarLander-v3").lockstep::<LunarLander>().clip(Clip {
-        seeds: 0..1,
-        every: 4,
-        frames: 100,
-        size: (300, 200)
-    }),
-    throttled("LunarLanderContinuous-v3").lockstep::<LunarLander>().kwargs(r#"{"continuous": true}"#),
+    lander("LunarLander-v3")
+        .lockstep::<LunarLander>()
+        .clip(Clip {
+            seeds: 0..1,
+            every: 4,
+            frames: 100,
+            size: (300, 200)
+        }),
+    throttled("LunarLanderContinuous-v3")
+        .lockstep::<LunarLander>()
+        .kwargs(r#"{"continuous": true}"#),
     common::on_rapier(
         lander("rapier/LunarLander-v3")
             .exceptions(&[common::RAPIER_ALLOCATES, SPINS])

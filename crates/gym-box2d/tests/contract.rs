@@ -49,15 +49,28 @@ fn copies_snapshots_and_used_environments_agree() {
 
 #[test]
 fn impossible_actions_are_errors() {
-    let mut lander = builder("LunarLanderContinuous-v3").disable_env_checker(true).build().unwrap();
+    let mut lander = builder("LunarLanderContinuous-v3")
+        .disable_env_checker(true)
+        .build()
+        .unwrap();
     lander.reset(0).unwrap();
     let action = |x: f32| Value::Array([x, 0.0].to_vec().into());
     assert!(lander.step(&action(f32::NAN)).is_err());
     assert!(lander.step(&action(f32::INFINITY)).is_err());
     assert!(lander.step(&Value::Int(1)).is_err());
     assert!(lander.step(&action(1.0)).is_ok());
-    assert!(builder("LunarLander-v3").arg("gravity", -12.0).build().is_err());
-    assert!(builder("LunarLander-v3").arg("gravity", 0.5).build().is_err());
+    assert!(
+        builder("LunarLander-v3")
+            .arg("gravity", -12.0)
+            .build()
+            .is_err()
+    );
+    assert!(
+        builder("LunarLander-v3")
+            .arg("gravity", 0.5)
+            .build()
+            .is_err()
+    );
 }
 
 /// A fixture whose box is missing would be looked for in the next step.
@@ -68,7 +81,9 @@ fn snapshots_without_a_box_are_refused() {
             serde_json::Value::Object(entries) => {
                 for (key, value) in entries {
                     match value {
-                        serde_json::Value::Array(proxies) if key == "proxies" => drop(proxies.pop()),
+                        serde_json::Value::Array(proxies) if key == "proxies" => {
+                            drop(proxies.pop())
+                        }
                         value => drop_a_box(value),
                     }
                 }
@@ -82,16 +97,23 @@ fn snapshots_without_a_box_are_refused() {
         let mut env = make(id).unwrap();
         env.reset(0).unwrap();
         let mut json = serde_json::to_value(env.snapshot().unwrap()).unwrap();
-        env.restore(&serde_json::from_value(json.clone()).unwrap()).unwrap();
+        env.restore(&serde_json::from_value(json.clone()).unwrap())
+            .unwrap();
         drop_a_box(&mut json);
-        assert!(env.restore(&serde_json::from_value(json).unwrap()).is_err(), "{id}");
+        assert!(
+            env.restore(&serde_json::from_value(json).unwrap()).is_err(),
+            "{id}"
+        );
     }
 }
 
 /// Straight ahead from the start of this track the car leaves the field, where Gymnasium's does.
 #[test]
 fn a_car_off_the_field_ends_the_episode() {
-    let mut env = builder("CarRacing-v3").max_episode_steps(None).build().unwrap();
+    let mut env = builder("CarRacing-v3")
+        .max_episode_steps(None)
+        .build()
+        .unwrap();
     env.reset(0).unwrap();
     let gas = Value::from([0.0_f32, 0.3, 0.0]);
     let (mut total, mut steps) = (0.0, 0);
@@ -99,22 +121,35 @@ fn a_car_off_the_field_ends_the_episode() {
         let step = env.step(&gas).unwrap();
         (total, steps) = (total + step.reward, steps + 1);
         if step.done() {
-            assert_eq!((step.reward, step.terminated, step.truncated), (-100.0, true, false));
+            assert_eq!(
+                (step.reward, step.terminated, step.truncated),
+                (-100.0, true, false)
+            );
             break;
         }
     }
     assert_eq!((steps, total), (310, -68.204_075_235_110_1));
-    assert_eq!(env.info_map().get("lap_finished"), Some(&Value::Bool(false)));
+    assert_eq!(
+        env.info_map().get("lap_finished"),
+        Some(&Value::Bool(false))
+    );
 }
 
 /// With so little to cover the lap is complete at the start already, as in Gymnasium.
 #[test]
 fn a_complete_lap_ends_the_episode_and_says_so() {
     for (percent, ends) in [(0.0, true), (0.003, true), (0.01, false)] {
-        let mut env = builder("CarRacing-v3").arg("lap_complete_percent", percent).build().unwrap();
+        let mut env = builder("CarRacing-v3")
+            .arg("lap_complete_percent", percent)
+            .build()
+            .unwrap();
         env.reset(0).unwrap();
         let step = env.step(&Value::from([0.0_f32, 0.3, 0.0])).unwrap();
-        assert_eq!((step.terminated, step.truncated), (ends, false), "{percent}");
+        assert_eq!(
+            (step.terminated, step.truncated),
+            (ends, false),
+            "{percent}"
+        );
         let finished = env.info_map().get("lap_finished").cloned();
         assert_eq!(finished, ends.then_some(Value::Bool(true)), "{percent}");
         if ends {

@@ -15,24 +15,43 @@ fn v(x: f32, y: f32) -> Vec2 {
 }
 
 fn block(half_width: f32, half_height: f32) -> FixtureDef {
-    FixtureDef { density: 1.0, friction: 0.5, ..FixtureDef::new(Shape::Rect { half_width, half_height }) }
+    FixtureDef {
+        density: 1.0,
+        friction: 0.5,
+        ..FixtureDef::new(Shape::Rect {
+            half_width,
+            half_height,
+        })
+    }
 }
 
 /// An empty world over a ground at height 0.
 fn over_ground(physics: Physics) -> World {
     let mut world = World::with(physics, v(0.0, -10.0));
     let ground = world.create_body(&BodyDef::fixed(v(0.0, 0.0), 0.0));
-    world.create_fixture(ground, &FixtureDef::new(Shape::Edge(v(-20.0, 0.0), v(20.0, 0.0))));
+    world.create_fixture(
+        ground,
+        &FixtureDef::new(Shape::Edge(v(-20.0, 0.0), v(20.0, 0.0))),
+    );
     world
 }
 
 /// Two blocks, hinged: a knee that a motor turns against its upper limit.
 fn knee(physics: Physics) -> (World, [BodyId; 2], JointId) {
     let mut world = over_ground(physics);
-    let filter = Filter { category: 2, mask: 1 };
+    let filter = Filter {
+        category: 2,
+        mask: 1,
+    };
     let [thigh, shin] = [2.0, 1.0].map(|y| {
         let body = world.create_body(&BodyDef::dynamic(v(0.0, y), 0.0));
-        world.create_fixture(body, &FixtureDef { filter, ..block(0.1, 0.5) });
+        world.create_fixture(
+            body,
+            &FixtureDef {
+                filter,
+                ..block(0.1, 0.5)
+            },
+        );
         body
     });
     let joint = world.create_revolute_joint(&RevoluteJointDef {
@@ -65,17 +84,36 @@ fn a_stack_comes_to_rest_and_sleeps() {
         let (mut begun, mut ended) = (0, 0);
         for _ in 0..300 {
             step(&mut world);
-            begun += world.contact_events().iter().filter(|event| event.begin).count();
-            ended += world.contact_events().iter().filter(|event| !event.begin).count();
+            begun += world
+                .contact_events()
+                .iter()
+                .filter(|event| event.begin)
+                .count();
+            ended += world
+                .contact_events()
+                .iter()
+                .filter(|event| !event.begin)
+                .count();
         }
-        assert_eq!(begun - ended, 2, "{physics:?}: the ground and the lower block, the blocks");
+        assert_eq!(
+            begun - ended,
+            2,
+            "{physics:?}: the ground and the lower block, the blocks"
+        );
         for (body, height) in stack.into_iter().zip([0.5, 1.5]) {
             assert!(!world.is_awake(body), "{physics:?}");
-            assert!((world.position(body).y - height).abs() < 0.05, "{physics:?}: {}", world.position(body));
+            assert!(
+                (world.position(body).y - height).abs() < 0.05,
+                "{physics:?}: {}",
+                world.position(body)
+            );
         }
         world.apply_linear_impulse(stack[1], v(3.0, 0.0), v(0.0, 1.5));
         step(&mut world);
-        assert!(stack.iter().all(|body| world.is_awake(*body)), "{physics:?}: a kick wakes what it touches");
+        assert!(
+            stack.iter().all(|body| world.is_awake(*body)),
+            "{physics:?}: a kick wakes what it touches"
+        );
     }
 }
 
@@ -89,8 +127,14 @@ fn a_free_fall_is_semi_implicit_euler() {
             step(&mut world);
         }
         // h g (1 + 2 + ... + 50) h
-        assert!((world.position(body).y + 10.0 * 0.02 * 0.02 * 1275.0).abs() < 1e-4, "{physics:?}");
-        assert!((world.linear_velocity(body).y + 10.0).abs() < 1e-4, "{physics:?}");
+        assert!(
+            (world.position(body).y + 10.0 * 0.02 * 0.02 * 1275.0).abs() < 1e-4,
+            "{physics:?}"
+        );
+        assert!(
+            (world.linear_velocity(body).y + 10.0).abs() < 1e-4,
+            "{physics:?}"
+        );
     }
 }
 
@@ -103,17 +147,28 @@ fn a_motor_turns_a_knee_to_its_limit() {
             step(&mut world);
             fastest = fastest.max(world.joint_speed(joint));
         }
-        assert!((world.joint_angle(joint) - 0.4).abs() < 0.06, "{physics:?}: {}", world.joint_angle(joint));
+        assert!(
+            (world.joint_angle(joint) - 0.4).abs() < 0.06,
+            "{physics:?}: {}",
+            world.joint_angle(joint)
+        );
         assert!((1.0..2.5).contains(&fastest), "{physics:?}: {fastest}");
         // the hinge holds
         let end = |body: BodyId, y: f32| world.pose(body) * nalgebra::Point2::new(0.0, y);
-        assert!((end(thigh, -0.5) - end(shin, 0.5)).norm() < 0.02, "{physics:?}");
+        assert!(
+            (end(thigh, -0.5) - end(shin, 0.5)).norm() < 0.02,
+            "{physics:?}"
+        );
 
         world.set_motor_speed(joint, -2.0);
         for _ in 0..60 {
             step(&mut world);
         }
-        assert!((world.joint_angle(joint) + 0.6).abs() < 0.06, "{physics:?}: {}", world.joint_angle(joint));
+        assert!(
+            (world.joint_angle(joint) + 0.6).abs() < 0.06,
+            "{physics:?}: {}",
+            world.joint_angle(joint)
+        );
     }
 }
 
@@ -134,7 +189,11 @@ fn a_stored_world_continues_to_the_last_bit() {
                 }
                 for body in bodies {
                     assert_eq!(read.pose(body), copy.pose(body), "{physics:?}");
-                    assert_eq!(read.linear_velocity(body), copy.linear_velocity(body), "{physics:?}");
+                    assert_eq!(
+                        read.linear_velocity(body),
+                        copy.linear_velocity(body),
+                        "{physics:?}"
+                    );
                 }
             }
             step(&mut world);
@@ -165,14 +224,21 @@ fn fast_bodies_stop_at_a_wall() {
     for &physics in ENGINES {
         let mut world = World::with(physics, v(0.0, 0.0));
         let wall = world.create_body(&BodyDef::fixed(v(5.0, 0.0), 0.0));
-        world.create_fixture(wall, &FixtureDef::new(Shape::Edge(v(0.0, -5.0), v(0.0, 5.0))));
+        world.create_fixture(
+            wall,
+            &FixtureDef::new(Shape::Edge(v(0.0, -5.0), v(0.0, 5.0))),
+        );
         let bullet = world.create_body(&BodyDef::dynamic(v(0.0, 0.0), 0.3));
         world.create_fixture(bullet, &block(0.1, 0.1));
         world.apply_linear_impulse(bullet, v(90.0 * world.mass(bullet), 0.0), v(0.0, 0.0));
         for _ in 0..10 {
             step(&mut world);
         }
-        assert!(world.position(bullet).x < 5.0, "{physics:?}: {}", world.position(bullet));
+        assert!(
+            world.position(bullet).x < 5.0,
+            "{physics:?}: {}",
+            world.position(bullet)
+        );
     }
 }
 
@@ -182,7 +248,10 @@ fn what_is_destroyed_is_gone() {
         let (mut world, [thigh, shin], joint) = knee(physics);
         step(&mut world);
         world.destroy_body(thigh);
-        assert!(!world.has_body(thigh) && !world.has_joint(joint) && world.has_body(shin), "{physics:?}");
+        assert!(
+            !world.has_body(thigh) && !world.has_joint(joint) && world.has_body(shin),
+            "{physics:?}"
+        );
         for _ in 0..200 {
             step(&mut world);
         }
@@ -202,7 +271,13 @@ fn a_motor_lets_go_at_once() {
         let wheel = world.create_body(&BodyDef::dynamic(v(0.0, 2.5), 0.0));
         world.create_fixture(
             wheel,
-            &FixtureDef { filter: Filter { category: 2, mask: 1 }, ..block(0.3, 0.3) },
+            &FixtureDef {
+                filter: Filter {
+                    category: 2,
+                    mask: 1,
+                },
+                ..block(0.3, 0.3)
+            },
         );
         let axle = world.create_revolute_joint(&RevoluteJointDef {
             body_a: bodies[0],
@@ -227,7 +302,10 @@ fn a_motor_lets_go_at_once() {
         speeds
     };
     let exact = run(Physics::Box2d);
-    assert!(exact.iter().any(|speed| (speed + 2.0).abs() < 1e-3), "the motor reaches its speed: {exact:?}");
+    assert!(
+        exact.iter().any(|speed| (speed + 2.0).abs() < 1e-3),
+        "the motor reaches its speed: {exact:?}"
+    );
     for &physics in ENGINES {
         for (i, (a, b)) in run(physics).iter().zip(&exact).enumerate() {
             assert!((a - b).abs() < 1e-3, "{physics:?}: {a} for {b} in step {i}");
@@ -241,9 +319,17 @@ fn a_post_tips_over_its_corner() {
     let run = |physics| {
         let mut world = over_ground(physics);
         let tilt: f32 = -0.2;
-        let post =
-            world.create_body(&BodyDef::dynamic(v(0.0, 0.1 * tilt.abs().sin() + tilt.cos() + 0.018), tilt));
-        world.create_fixture(post, &FixtureDef { friction: 25.0, ..block(0.1, 1.0) });
+        let post = world.create_body(&BodyDef::dynamic(
+            v(0.0, 0.1 * tilt.abs().sin() + tilt.cos() + 0.018),
+            tilt,
+        ));
+        world.create_fixture(
+            post,
+            &FixtureDef {
+                friction: 25.0,
+                ..block(0.1, 1.0)
+            },
+        );
         for _ in 0..30 {
             step(&mut world);
         }
@@ -265,11 +351,20 @@ fn a_block_keeps_its_place_on_a_slope() {
     for &physics in ENGINES {
         let mut world = World::with(physics, v(0.0, -10.0));
         let hill = world.create_body(&BodyDef::fixed(v(0.0, 0.0), 0.4));
-        let slope = FixtureDef { friction: 2.5, ..FixtureDef::new(Shape::Edge(v(-20.0, 0.0), v(20.0, 0.0))) };
+        let slope = FixtureDef {
+            friction: 2.5,
+            ..FixtureDef::new(Shape::Edge(v(-20.0, 0.0), v(20.0, 0.0)))
+        };
         world.create_fixture(hill, &slope);
         let up = v(-(0.4f32).sin(), (0.4f32).cos());
         let body = world.create_body(&BodyDef::dynamic(0.515 * up, 0.4));
-        world.create_fixture(body, &FixtureDef { friction: 2.5, ..block(0.5, 0.5) });
+        world.create_fixture(
+            body,
+            &FixtureDef {
+                friction: 2.5,
+                ..block(0.5, 0.5)
+            },
+        );
         for _ in 0..10 {
             step(&mut world);
         }
@@ -298,11 +393,14 @@ fn steps_without_sweeps_are_steps() {
 #[cfg(not(feature = "rapier"))]
 #[test]
 fn the_engine_that_was_left_out_is_named() {
-    let registration = gym_core::registry::find("rapier/LunarLander-v3").expect("registered all the same");
+    let registration =
+        gym_core::registry::find("rapier/LunarLander-v3").expect("registered all the same");
     assert!(!registration.needs.expect("a need").is_met());
     for made in [
         gym_core::make("rapier/LunarLander-v3"),
-        gym_core::builder("CarRacing-v3").arg("physics", "rapier").build(),
+        gym_core::builder("CarRacing-v3")
+            .arg("physics", "rapier")
+            .build(),
     ] {
         let error = made.map(drop).unwrap_err().to_string();
         assert!(error.contains("build with the feature `rapier`"), "{error}");

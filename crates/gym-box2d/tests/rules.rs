@@ -19,14 +19,21 @@ fn after(env: &mut BoxEnv, action: &Value, steps: usize) -> Vec<(Value, f64)> {
 /// The main engine runs above 0, the others beyond 0.5 on either side, and none harder than at 1.
 #[test]
 fn throttles_have_a_dead_zone_and_an_end() {
-    let mut env = builder("LunarLanderContinuous-v3").disable_env_checker(true).build().unwrap();
+    let mut env = builder("LunarLanderContinuous-v3")
+        .disable_env_checker(true)
+        .build()
+        .unwrap();
     let mut after = |main: f32, side: f32| after(&mut env, &Value::from([main, side]), 5);
     let idle = after(-1.0, 0.0);
     for (main, side) in [(0.0, 0.0), (-0.2, 0.5), (0.0, -0.5), (-7.0, 0.3)] {
         assert_eq!(after(main, side), idle, "{main}, {side}");
     }
     let just_beyond = 0.5_f32.next_up();
-    for (main, side) in [(f32::MIN_POSITIVE, 0.0), (0.0, just_beyond), (0.0, -just_beyond)] {
+    for (main, side) in [
+        (f32::MIN_POSITIVE, 0.0),
+        (0.0, just_beyond),
+        (0.0, -just_beyond),
+    ] {
         assert_ne!(after(main, side), idle, "{main}, {side}");
     }
     assert_eq!(after(9.0, -3.0), after(1.0, -1.0));
@@ -43,8 +50,17 @@ fn throttles_have_a_dead_zone_and_an_end() {
 #[test]
 fn a_lander_may_leave_on_neither_side() {
     for side in [1.0, -1.0] {
-        let mut env = builder("LunarLander-v3").max_episode_steps(None).build().unwrap();
-        let mut seen: [f32; 8] = env.reset(3).unwrap().as_slice::<f32>().unwrap().try_into().unwrap();
+        let mut env = builder("LunarLander-v3")
+            .max_episode_steps(None)
+            .build()
+            .unwrap();
+        let mut seen: [f32; 8] = env
+            .reset(3)
+            .unwrap()
+            .as_slice::<f32>()
+            .unwrap()
+            .try_into()
+            .unwrap();
         let last = loop {
             assert!(seen[0].abs() < 1.0, "it goes on at {}", seen[0]);
             // leans to its side, and keeps its height
@@ -56,13 +72,24 @@ fn a_lander_may_leave_on_neither_side() {
                 () => 0,
             };
             let step = env.step(&Value::Int(engine)).unwrap();
-            seen = step.observation.as_slice::<f32>().unwrap().try_into().unwrap();
+            seen = step
+                .observation
+                .as_slice::<f32>()
+                .unwrap()
+                .try_into()
+                .unwrap();
             if step.done() {
                 break step;
             }
         };
-        assert!(seen[0] * side >= 1.0 && seen[6..] == [0.0; 2], "it leaves in the air: {seen:?}");
-        assert_eq!((last.terminated, last.truncated, last.reward), (true, false, -100.0));
+        assert!(
+            seen[0] * side >= 1.0 && seen[6..] == [0.0; 2],
+            "it leaves in the air: {seen:?}"
+        );
+        assert_eq!(
+            (last.terminated, last.truncated, last.reward),
+            (true, false, -100.0)
+        );
     }
 }
 
@@ -73,7 +100,11 @@ fn wind_draws_from_the_episode_since_version_3() {
     for (id, is_aside) in [("LunarLander-v2", true), ("LunarLander-v3", false)] {
         let calm = |wind: bool| {
             let env = builder(id).arg("enable_wind", wind).arg("wind_power", 0.0);
-            after(&mut env.arg("turbulence_power", 0.0).build().unwrap(), &Value::Int(2), 20)
+            after(
+                &mut env.arg("turbulence_power", 0.0).build().unwrap(),
+                &Value::Int(2),
+                20,
+            )
         };
         assert_eq!(calm(true) == calm(false), is_aside, "{id}");
     }
@@ -91,24 +122,44 @@ fn arguments_that_are_set_are_checked_as_those_of_a_new_environment() {
         ("continuous", json!(true)),
         ("gravty", json!(-3.0)),
     ] {
-        assert!(lander.set_argument(name, value.clone()).is_err(), "{name} = {value}");
+        assert!(
+            lander.set_argument(name, value.clone()).is_err(),
+            "{name} = {value}"
+        );
     }
-    assert_eq!(*lander.config(), lunar_lander::Config::default(), "what is refused changes nothing");
+    assert_eq!(
+        *lander.config(),
+        lunar_lander::Config::default(),
+        "what is refused changes nothing"
+    );
     lander.set_argument("gravity", json!(-3.0)).unwrap();
     assert_eq!(lander.config().gravity, -3.0);
-    assert!(car.set_argument("lap_complete_percent", json!({"$float": "nan"})).is_err());
+    assert!(
+        car.set_argument("lap_complete_percent", json!({"$float": "nan"}))
+            .is_err()
+    );
     assert!(car.set_argument("physics", json!("box2d")).is_err());
-    car.set_argument("lap_complete_percent", json!(0.5)).unwrap();
+    car.set_argument("lap_complete_percent", json!(0.5))
+        .unwrap();
     assert_eq!(car.config().lap_complete_percent, 0.5);
 }
 
 /// Motors give all they have at 1, and cost no more beyond it.
 #[test]
 fn a_walkers_motors_end_at_one() {
-    let mut env = builder("BipedalWalker-v3").disable_env_checker(true).build().unwrap();
+    let mut env = builder("BipedalWalker-v3")
+        .disable_env_checker(true)
+        .build()
+        .unwrap();
     let ends = after(&mut env, &Value::from([1.0_f32, -1.0, 1.0, -1.0]), 20);
-    assert_eq!(after(&mut env, &Value::from([2.0_f32, -9.0, 1.5, -1e6]), 20), ends);
-    assert_ne!(after(&mut env, &Value::from([0.9_f32, -1.0, 1.0, -1.0]), 20), ends);
+    assert_eq!(
+        after(&mut env, &Value::from([2.0_f32, -9.0, 1.5, -1e6]), 20),
+        ends
+    );
+    assert_ne!(
+        after(&mut env, &Value::from([0.9_f32, -1.0, 1.0, -1.0]), 20),
+        ends
+    );
 }
 
 /// The gas is clipped to 0 and 1, as Gymnasium clips it alone of the pedals.
@@ -133,7 +184,9 @@ fn drive(
     most: usize,
     mut pedals: impl FnMut(&CarRacing, usize) -> [f32; 3],
 ) -> Option<Outcome> {
-    (0..most).map(|step| car.step_state(&pedals(car, step).into()).unwrap()).find(Outcome::done)
+    (0..most)
+        .map(|step| car.step_state(&pedals(car, step).into()).unwrap())
+        .find(Outcome::done)
 }
 
 /// The field ends on all four sides.
@@ -150,39 +203,72 @@ fn a_car_may_leave_the_field_on_no_side() {
             inside &= x.abs() <= FIELD && y.abs() <= FIELD;
             assert!(inside, "turn {turn}: it goes on at {x}, {y}");
             // a slow turn of its own, then straight on
-            if step < 25 * turn { [0.6, 0.05, 0.0] } else { [0.0, 0.1, 0.0] }
+            if step < 25 * turn {
+                [0.6, 0.05, 0.0]
+            } else {
+                [0.0, 0.1, 0.0]
+            }
         });
         let last = last.expect("it leaves");
-        assert_eq!((last.terminated, last.truncated, last.reward), (true, false, -100.0), "turn {turn}");
+        assert_eq!(
+            (last.terminated, last.truncated, last.reward),
+            (true, false, -100.0),
+            "turn {turn}"
+        );
         let [x, y, ..] = car.state().unwrap().hull;
         let beyond = [x > FIELD, x < -FIELD, y > FIELD, y < -FIELD];
-        assert_eq!(beyond.iter().filter(|beyond| **beyond).count(), 1, "turn {turn}: {x}, {y}");
-        sides.iter_mut().zip(beyond).for_each(|(side, beyond)| *side += usize::from(beyond));
+        assert_eq!(
+            beyond.iter().filter(|beyond| **beyond).count(),
+            1,
+            "turn {turn}: {x}, {y}"
+        );
+        sides
+            .iter_mut()
+            .zip(beyond)
+            .for_each(|(side, beyond)| *side += usize::from(beyond));
     }
-    assert!(!sides.contains(&0), "right, left, top and bottom: {sides:?}");
+    assert!(
+        !sides.contains(&0),
+        "right, left, top and bottom: {sides:?}"
+    );
 }
 
 /// A share of the tiles must be exceeded; version 2 truncates where version 3 terminates, and tells nothing.
 #[test]
 fn a_lap_needs_more_than_its_share() {
     let ends = |id: &str, percent: f64| {
-        let mut env = builder(id).arg("lap_complete_percent", percent).build().unwrap();
+        let mut env = builder(id)
+            .arg("lap_complete_percent", percent)
+            .build()
+            .unwrap();
         env.reset(0).unwrap();
         let step = env.step(&Value::from([0.0_f32, 0.3, 0.0])).unwrap();
-        (step.terminated, step.truncated, env.info_map().get("lap_finished").cloned())
+        (
+            step.terminated,
+            step.truncated,
+            env.info_map().get("lap_finished").cloned(),
+        )
     };
     let (tiles, visited) = {
         let mut car = CarRacing::new(car_racing::Config::default()).unwrap();
         car.reset_state(&0.into()).unwrap();
-        (car.track().unwrap().len(), car.state().unwrap().tiles_visited)
+        (
+            car.track().unwrap().len(),
+            car.state().unwrap().tiles_visited,
+        )
     };
     // the car starts on some tiles, and the first of the track is one of them
     let share = |count: usize| count as f64 / tiles as f64;
     let goes_on = (false, false, None);
-    let count = (0..).find(|count| ends("CarRacing-v3", share(*count)) == goes_on).expect("a share");
+    let count = (0..)
+        .find(|count| ends("CarRacing-v3", share(*count)) == goes_on)
+        .expect("a share");
     assert!((1..=visited).contains(&count), "{count} of {visited}");
     let less = share(count).next_down();
-    assert_eq!(ends("CarRacing-v3", less), (true, false, Some(Value::Bool(true))));
+    assert_eq!(
+        ends("CarRacing-v3", less),
+        (true, false, Some(Value::Bool(true)))
+    );
     assert_eq!(ends("CarRacing-v2", less), (false, true, None));
     assert_eq!(ends("CarRacing-v2", share(count)), goes_on);
 }
@@ -190,10 +276,18 @@ fn a_lap_needs_more_than_its_share() {
 /// Where the share can never be reached, the lap ends with its last tile.
 #[test]
 fn a_lap_is_over_when_every_tile_was_visited() {
-    let config = car_racing::Config { lap_complete_percent: 2.0, ..Default::default() };
+    let config = car_racing::Config {
+        lap_complete_percent: 2.0,
+        ..Default::default()
+    };
     let mut car = CarRacing::new(config).unwrap();
     car.reset_state(&0.into()).unwrap();
-    let track: Vec<[f64; 2]> = car.track().unwrap().iter().map(|point| [point.x, point.y]).collect();
+    let track: Vec<[f64; 2]> = car
+        .track()
+        .unwrap()
+        .iter()
+        .map(|point| [point.x, point.y])
+        .collect();
     let (mut at, mut total) = (0, 0.0);
     let mut steps = 0;
     let last = (0..8000).find_map(|_| {
@@ -202,12 +296,18 @@ fn a_lap_is_over_when_every_tile_was_visited() {
             let [px, py] = track[(at + i) % track.len()];
             (px - x).hypot(py - y)
         };
-        at = (at + (0..20).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap()) % track.len();
+        at = (at
+            + (0..20)
+                .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+                .unwrap())
+            % track.len();
         let [tx, ty] = track[(at + 4) % track.len()];
         let error = f64::atan2(-(tx - x), ty - y) - angle;
         let error = error.sin().atan2(error.cos());
         let gas = if vx.hypot(vy) < 25.0 { 0.2 } else { 0.0 };
-        let outcome = car.step_state(&[(-1.5 * error).clamp(-1.0, 1.0) as f32, gas, 0.0].into()).unwrap();
+        let outcome = car
+            .step_state(&[(-1.5 * error).clamp(-1.0, 1.0) as f32, gas, 0.0].into())
+            .unwrap();
         (total, steps) = (total + outcome.reward, steps + 1);
         outcome.done().then_some(outcome)
     });
@@ -222,14 +322,24 @@ fn a_lap_is_over_when_every_tile_was_visited() {
 #[test]
 fn colours_of_the_start_change_no_track() {
     let track = |domain_randomize: bool, reset: Reset| {
-        let config = car_racing::Config { domain_randomize, ..Default::default() };
+        let config = car_racing::Config {
+            domain_randomize,
+            ..Default::default()
+        };
         let mut car = CarRacing::new(config).unwrap();
         car.reset_state(&reset).unwrap();
-        car.track().unwrap().iter().map(|point| [point.x, point.y]).collect::<Vec<_>>()
+        car.track()
+            .unwrap()
+            .iter()
+            .map(|point| [point.x, point.y])
+            .collect::<Vec<_>>()
     };
     let plain = track(false, Reset::from(4));
     assert!(track(true, Reset::from(4).option("randomize", false)) == plain);
-    assert!(track(true, Reset::from(4)) != plain, "colours are drawn before the track");
+    assert!(
+        track(true, Reset::from(4)) != plain,
+        "colours are drawn before the track"
+    );
     assert!(track(false, Reset::from(4).option("randomize", true)) == plain);
 }
 

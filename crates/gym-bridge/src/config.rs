@@ -37,11 +37,16 @@ impl Config {
             );
         };
         if !(self.timeout > 0.0 && self.timeout <= LONGEST) {
-            return wrong(&format!("`timeout` is {}: it is a number of seconds above 0", self.timeout));
+            return wrong(&format!(
+                "`timeout` is {}: it is a number of seconds above 0",
+                self.timeout
+            ));
         }
         match self.backend.as_deref() {
             None | Some("gym" | "gymnasium") => Ok(env_id),
-            Some(other) => wrong(&format!("`backend` is {other:?}: choose \"gym\" or \"gymnasium\"")),
+            Some(other) => wrong(&format!(
+                "`backend` is {other:?}: choose \"gym\" or \"gymnasium\""
+            )),
         }
     }
 
@@ -52,10 +57,17 @@ impl Config {
     /// The interpreter of the arguments, of the virtual environment, or of the system, in this order.
     pub(crate) fn python(&self) -> PathBuf {
         let of_venv = |venv| {
-            let folder = if cfg!(windows) { "Scripts/python.exe" } else { "bin/python" };
+            let folder = if cfg!(windows) {
+                "Scripts/python.exe"
+            } else {
+                "bin/python"
+            };
             Some(Path::new(&venv).join(folder)).filter(|python| python.exists())
         };
-        let python = self.python.clone().or_else(|| env::var_os("VIRTUAL_ENV").and_then(of_venv));
+        let python = self
+            .python
+            .clone()
+            .or_else(|| env::var_os("VIRTUAL_ENV").and_then(of_venv));
         python.unwrap_or_else(|| if cfg!(windows) { "python" } else { "python3" }.into())
     }
 }

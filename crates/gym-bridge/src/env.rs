@@ -1,7 +1,9 @@
 use std::sync::{Mutex, PoisonError};
 
 use gym_core::render::{Frame, Metadata, RenderMode, Rendered};
-use gym_core::{Configure, Env, Error, Outcome, Registration, Reset, Result, Snapshot, Space, Value};
+use gym_core::{
+    Configure, Env, Error, Outcome, Registration, Reset, Result, Snapshot, Space, Value,
+};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
@@ -48,7 +50,13 @@ impl PythonEnv {
     fn start(config: Config, render_mode: Option<RenderMode>) -> Result<Self> {
         let name = config.check()?.to_owned();
         let mut worker = Worker::start(&config, &name)?;
-        let Config { env_id, make_kwargs, backend, module, .. } = &config;
+        let Config {
+            env_id,
+            make_kwargs,
+            backend,
+            module,
+            ..
+        } = &config;
         let request = json!({
             "env_id": env_id,
             "make_kwargs": make_kwargs,
@@ -69,9 +77,9 @@ impl PythonEnv {
         about: &Value,
     ) -> Result<Self> {
         let get = |key: &str| {
-            about
-                .get(key)
-                .ok_or_else(|| Error::custom(format!("the worker described no {key} of its environment")))
+            about.get(key).ok_or_else(|| {
+                Error::custom(format!("the worker described no {key} of its environment"))
+            })
         };
         let spaces = spaces::pair(get("spaces")?)?;
         let modes = get("render_modes")?.as_tuple().unwrap_or_default();
@@ -79,12 +87,28 @@ impl PythonEnv {
             .iter()
             .filter_map(|mode| mode.as_text()?.parse().ok())
             .filter(|mode: &RenderMode| !mode.is_list());
-        let render_fps = get("render_fps")?.as_int().and_then(|fps| u32::try_from(fps).ok()).unwrap_or(30);
-        let metadata = Metadata { render_modes: among(modes), render_fps, ..Metadata::default() };
+        let render_fps = get("render_fps")?
+            .as_int()
+            .and_then(|fps| u32::try_from(fps).ok())
+            .unwrap_or(30);
+        let metadata = Metadata {
+            render_modes: among(modes),
+            render_fps,
+            ..Metadata::default()
+        };
         let name = get("name")?.as_text().unwrap_or_default().to_owned();
         let worker = State::Alive(Mutex::new(worker));
         let (info, has_reset) = (Value::Dict(Vec::new()), false);
-        Ok(Self { config, render_mode, name, spaces, metadata, info, has_reset, worker })
+        Ok(Self {
+            config,
+            render_mode,
+            name,
+            spaces,
+            metadata,
+            info,
+            has_reset,
+            worker,
+        })
     }
 
     fn worker(&mut self, call: &'static str) -> Result<&mut Worker> {
@@ -127,11 +151,17 @@ impl PythonEnv {
             }
             (Space::Box(space), Value::Tuple(items)) if space.dtype().is_float() => {
                 space.shape() == [items.len()]
-                    && items.iter().all(|item| item.as_float().is_some_and(f64::is_finite))
+                    && items
+                        .iter()
+                        .all(|item| item.as_float().is_some_and(f64::is_finite))
             }
             (space, action) => space.contains(action),
         };
-        if fits { Ok(()) } else { Err(space.refuse_action(action)) }
+        if fits {
+            Ok(())
+        } else {
+            Err(space.refuse_action(action))
+        }
     }
 }
 
@@ -173,14 +203,17 @@ impl Configure for PythonEnv {
 impl Clone for PythonEnv {
     fn clone(&self) -> Self {
         let (config, mode) = (self.config.clone(), self.render_mode);
-        let copy = self.dump().and_then(|pickle| Self::load(config.clone(), mode, &pickle));
+        let copy = self
+            .dump()
+            .and_then(|pickle| Self::load(config.clone(), mode, &pickle));
         let worker = match (&self.worker, copy) {
             (State::Closed, _) => State::Closed,
             (State::Broken(why), _) => State::Broken(why.clone()),
             (_, Ok(copy)) => copy.worker,
-            (_, Err(error)) => {
-                State::Broken(format!("this clone of `{}` could not be made: {error}", self.name))
-            }
+            (_, Err(error)) => State::Broken(format!(
+                "this clone of `{}` could not be made: {error}",
+                self.name
+            )),
         };
         Self {
             config,
@@ -208,7 +241,10 @@ impl Env for PythonEnv {
     }
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
-        let seed = reset.seed.as_ref().map_or(Value::Null, |seed| Value::Text(seed.to_string()));
+        let seed = reset
+            .seed
+            .as_ref()
+            .map_or(Value::Null, |seed| Value::Text(seed.to_string()));
         let options = Value::Text(serde_json::Value::Object(reset.options.clone()).to_string());
         let read = |reply: &mut Reply<'_>| {
             let changed = reply.value()?;
@@ -216,7 +252,9 @@ impl Env for PythonEnv {
             reply.value_into(&mut read)?;
             Some((changed, read, reply.value()?))
         };
-        let (changed, read, info) = self.worker("reset")?.ask(Request::Reset, &[&seed, &options], read)?;
+        let (changed, read, info) =
+            self.worker("reset")?
+                .ask(Request::Reset, &[&seed, &options], read)?;
         if changed != Value::Null {
             let spaces = spaces::pair(&changed)?;
             if !(spaces.0.has_form_of(&self.spaces.0) && spaces.1.has_form_of(&self.spaces.1)) {
@@ -244,9 +282,15 @@ impl Env for PythonEnv {
             let (reward, terminated, truncated) = (reply.float()?, reply.byte()?, reply.byte()?);
             reply.value_into(observation)?;
             reply.value_into(&mut info)?;
-            Some(Outcome { reward, terminated: terminated != 0, truncated: truncated != 0 })
+            Some(Outcome {
+                reward,
+                terminated: terminated != 0,
+                truncated: truncated != 0,
+            })
         };
-        let outcome = self.worker("step").and_then(|worker| worker.ask(Request::Step, &[action], read));
+        let outcome = self
+            .worker("step")
+            .and_then(|worker| worker.ask(Request::Step, &[action], read));
         self.info = info;
         outcome
     }
@@ -257,7 +301,12 @@ impl Env for PythonEnv {
         }
         let pickle = self.dump()?;
         let (config, info) = (self.config.clone(), self.info.clone());
-        Snapshot::of(&Stored { config, pickle, info, has_reset: self.has_reset })
+        Snapshot::of(&Stored {
+            config,
+            pickle,
+            info,
+            has_reset: self.has_reset,
+        })
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
@@ -267,19 +316,33 @@ impl Env for PythonEnv {
         if let State::Closed = self.worker {
             return Err(Error::Closed("restore"));
         }
-        let Stored { config, pickle, info, has_reset } = snapshot.get()?;
+        let Stored {
+            config,
+            pickle,
+            info,
+            has_reset,
+        } = snapshot.get()?;
         if config != self.config {
-            return Err(Error::Snapshot(format!("it was taken from a `{}` with other arguments", self.name)));
+            return Err(Error::Snapshot(format!(
+                "it was taken from a `{}` with other arguments",
+                self.name
+            )));
         }
         let restored = Self::load(config, self.render_mode, &pickle)
             .map_err(|error| Error::Snapshot(error.to_string()))?;
-        *self = Self { info, has_reset, ..restored };
+        *self = Self {
+            info,
+            has_reset,
+            ..restored
+        };
         Ok(())
     }
 
     fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
         if let Value::Dict(entries) = &self.info {
-            entries.iter().for_each(|(key, value)| visit(key, value.clone()));
+            entries
+                .iter()
+                .for_each(|(key, value)| visit(key, value.clone()));
         }
     }
 
@@ -292,7 +355,9 @@ impl Env for PythonEnv {
             return Err(Error::UnsupportedMode {
                 target: self.describe(),
                 mode: "anything".into(),
-                reason: "it was made without a render mode: add `.render_mode(RenderMode::RgbArray)`".into(),
+                reason:
+                    "it was made without a render mode: add `.render_mode(RenderMode::RgbArray)`"
+                        .into(),
             });
         }
         let picture = self.worker("render")?.ask(Request::Render, &[], value)?;
@@ -329,7 +394,9 @@ fn refused(name: &str) -> Error {
 
 /// An image of shape (height, width, 3), of bytes.
 fn frame(array: &gym_core::Array) -> Option<Frame> {
-    let ([height, width, 3], Some(pixels)) = (array.shape(), array.as_slice::<u8>()) else { return None };
+    let ([height, width, 3], Some(pixels)) = (array.shape(), array.as_slice::<u8>()) else {
+        return None;
+    };
     let mut frame = Frame::new(u32::try_from(*width).ok()?, u32::try_from(*height).ok()?).ok()?;
     frame.pixels_mut().copy_from_slice(pixels);
     Some(frame)

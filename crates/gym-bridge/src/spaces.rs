@@ -1,8 +1,8 @@
 //! Python's spaces, as the worker describes them.
 
 use gym_core::spaces::{
-    BoxSpace, DictSpace, Discrete, GraphSpace, MultiBinary, MultiDiscrete, OneOfSpace, SequenceSpace,
-    TextSpace, TupleSpace,
+    BoxSpace, DictSpace, Discrete, GraphSpace, MultiBinary, MultiDiscrete, OneOfSpace,
+    SequenceSpace, TextSpace, TupleSpace,
 };
 use gym_core::{Array, DType, Error, Result, Space, Value};
 
@@ -23,17 +23,32 @@ fn space(described: &Value) -> Result<Space> {
     let int = |key: &str| get(key)?.as_int().ok_or_else(malformed);
     let array = |key: &str| get(key)?.as_array().cloned().ok_or_else(malformed);
     let members = || -> Result<Vec<Space>> {
-        get("spaces")?.as_tuple().ok_or_else(malformed)?.iter().map(space).collect()
+        get("spaces")?
+            .as_tuple()
+            .ok_or_else(malformed)?
+            .iter()
+            .map(space)
+            .collect()
     };
     Ok(match get("kind")?.as_text().unwrap_or_default() {
         "Box" => {
             let shape = lengths(get("shape")?)?;
-            BoxSpace::new(bounds(&array("low")?, &shape)?, bounds(&array("high")?, &shape)?)?.into()
+            BoxSpace::new(
+                bounds(&array("low")?, &shape)?,
+                bounds(&array("high")?, &shape)?,
+            )?
+            .into()
         }
         "Discrete" => Discrete::new(int("n")?)?.with_start(int("start")?)?.into(),
         "MultiDiscrete" => {
-            let dtype = get("dtype")?.as_text().and_then(dtype).ok_or_else(malformed)?;
-            MultiDiscrete::new(array("nvec")?)?.with_start(array("start")?)?.with_dtype(dtype)?.into()
+            let dtype = get("dtype")?
+                .as_text()
+                .and_then(dtype)
+                .ok_or_else(malformed)?;
+            MultiDiscrete::new(array("nvec")?)?
+                .with_start(array("start")?)?
+                .with_dtype(dtype)?
+                .into()
         }
         "MultiBinary" => MultiBinary::new(lengths(get("shape")?)?)?.into(),
         "Text" => {
@@ -71,12 +86,18 @@ fn bounds(described: &Array, shape: &[usize]) -> Result<Array> {
     let mut bounds = Array::zeros(described.dtype(), shape)?;
     let bytes = described.to_bytes();
     let is_one = described.shape().is_empty();
-    let fits = bounds.fill_bytes(&if is_one { bytes.repeat(bounds.len()) } else { bytes });
+    let fits = bounds.fill_bytes(&if is_one {
+        bytes.repeat(bounds.len())
+    } else {
+        bytes
+    });
     if fits { Ok(bounds) } else { Err(malformed()) }
 }
 
 fn text(min_length: usize, max_length: usize, charset: &str) -> Result<Space> {
-    Ok(TextSpace::new(min_length, max_length)?.with_charset(charset)?.into())
+    Ok(TextSpace::new(min_length, max_length)?
+        .with_charset(charset)?
+        .into())
 }
 
 /// A space of texts without a charset, such as minigrid's missions: any printable ASCII.
@@ -86,7 +107,16 @@ fn any_text() -> Result<Space> {
 }
 
 fn dtype(name: &str) -> Option<DType> {
-    let all = [DType::I8, DType::I16, DType::I32, DType::I64, DType::U8, DType::U16, DType::U32, DType::U64];
+    let all = [
+        DType::I8,
+        DType::I16,
+        DType::I32,
+        DType::I64,
+        DType::U8,
+        DType::U16,
+        DType::U32,
+        DType::U64,
+    ];
     all.into_iter().find(|dtype| dtype.name() == name)
 }
 
@@ -96,5 +126,8 @@ fn length(i: i64) -> Result<usize> {
 
 fn lengths(value: &Value) -> Result<Vec<usize>> {
     let items = value.as_tuple().ok_or_else(malformed)?;
-    items.iter().map(|item| length(item.as_int().ok_or_else(malformed)?)).collect()
+    items
+        .iter()
+        .map(|item| length(item.as_int().ok_or_else(malformed)?))
+        .collect()
 }

@@ -90,9 +90,15 @@ fn write_text(text: &str, out: &mut Vec<u8>) {
 }
 
 fn write_array(array: &Array, out: &mut Vec<u8>) {
-    let code = DType::ALL.iter().position(|dtype| *dtype == array.dtype()).unwrap_or_default();
+    let code = DType::ALL
+        .iter()
+        .position(|dtype| *dtype == array.dtype())
+        .unwrap_or_default();
     out.extend([ARRAY, code as u8, array.shape().len() as u8]);
-    array.shape().iter().for_each(|length| write_length(*length, out));
+    array
+        .shape()
+        .iter()
+        .for_each(|length| write_length(*length, out));
     out.extend(array.to_bytes());
 }
 
@@ -107,7 +113,11 @@ pub(crate) struct Reader<'a, R> {
 impl<'a, R: BufRead> Reader<'a, R> {
     /// Reads a frame of a given length in bytes.
     pub(crate) fn new(stream: &'a mut R, length: u64) -> Self {
-        Self { stream, left: length, failure: None }
+        Self {
+            stream,
+            left: length,
+            failure: None,
+        }
     }
 
     /// The error of reading a frame: the stream's failure, or `None` if the bytes are invalid.
@@ -146,7 +156,8 @@ impl<'a, R: BufRead> Reader<'a, R> {
     }
 
     fn length(&mut self) -> Option<usize> {
-        self.bytes().and_then(|bytes| u32::from_le_bytes(bytes).try_into().ok())
+        self.bytes()
+            .and_then(|bytes| u32::from_le_bytes(bytes).try_into().ok())
     }
 
     fn text(&mut self) -> Option<String> {
@@ -227,7 +238,11 @@ impl<'a, R: BufRead> Reader<'a, R> {
                     _ => None,
                 };
                 let (nodes, edges, edge_links) = (part()??, part()?, part()?);
-                *value = Value::Graph(Box::new(GraphInstance { nodes, edges, edge_links }));
+                *value = Value::Graph(Box::new(GraphInstance {
+                    nodes,
+                    edges,
+                    edge_links,
+                }));
             }
             (ONE_OF, value) => *value = Value::OneOf(self.length()?, Box::new(inner(self)?)),
             _ => return None,
@@ -243,8 +258,12 @@ impl<'a, R: BufRead> Reader<'a, R> {
 
     fn array_into(&mut self, array: &mut Array) -> Option<()> {
         let dtype = *DType::ALL.get(usize::from(self.byte()?))?;
-        let shape: Vec<usize> = (0..self.byte()?).map(|_| self.length()).collect::<Option<_>>()?;
-        let count = shape.iter().try_fold(1usize, |count, length| count.checked_mul(*length))?;
+        let shape: Vec<usize> = (0..self.byte()?)
+            .map(|_| self.length())
+            .collect::<Option<_>>()?;
+        let count = shape
+            .iter()
+            .try_fold(1usize, |count, length| count.checked_mul(*length))?;
         self.reserve(count.checked_mul(dtype.size())?)?;
         if array.dtype() != dtype || array.shape() != shape {
             *array = Array::zeros(dtype, shape).ok()?;
@@ -259,7 +278,11 @@ mod tests {
     use super::*;
 
     fn samples() -> Vec<Value> {
-        let graph = GraphInstance { nodes: [1.0f64, 2.0].into(), edges: None, edge_links: None };
+        let graph = GraphInstance {
+            nodes: [1.0f64, 2.0].into(),
+            edges: None,
+            edge_links: None,
+        };
         vec![
             Value::Null,
             Value::Bool(true),
@@ -269,7 +292,10 @@ mod tests {
             Value::Array(Array::zeros(DType::U8, [2, 3]).unwrap()),
             Value::Array([f32::INFINITY, -1.5].into()),
             Value::Tuple(vec![Value::Int(1), Value::Array([1i64].into())]),
-            Value::Dict(vec![("a".into(), Value::Bool(false)), ("b".into(), Value::Array([0.5f64].into()))]),
+            Value::Dict(vec![
+                ("a".into(), Value::Bool(false)),
+                ("b".into(), Value::Array([0.5f64].into())),
+            ]),
             Value::Graph(Box::new(graph)),
             Value::OneOf(2, Box::new(Value::Int(3))),
         ]
@@ -294,18 +320,31 @@ mod tests {
         const LENGTH: usize = 1 << 20;
         let numbers: Vec<f32> = (0..LENGTH).map(|i| i as f32).collect();
         let bytes = encoded(&Value::Array(numbers.into()));
-        let stream = Counted { bytes: &bytes, taken: Vec::new() };
+        let stream = Counted {
+            bytes: &bytes,
+            taken: Vec::new(),
+        };
         // numbers are cut in two by the buffer's end
         let mut stream = io::BufReader::with_capacity(1 << 16, stream);
         let mut value = Value::Array(Array::zeros(DType::F32, [LENGTH]).unwrap());
-        let place = value.as_array().and_then(Array::as_slice::<f32>).unwrap().as_ptr();
-        Reader::new(&mut stream, bytes.len() as u64).value_into(&mut value).expect("it was written");
+        let place = value
+            .as_array()
+            .and_then(Array::as_slice::<f32>)
+            .unwrap()
+            .as_ptr();
+        Reader::new(&mut stream, bytes.len() as u64)
+            .value_into(&mut value)
+            .expect("it was written");
         let read = value.as_array().and_then(Array::as_slice::<f32>).unwrap();
         assert_eq!(read.as_ptr(), place, "no second array");
         assert!(read.iter().enumerate().all(|(i, x)| *x == i as f32));
         let taken = &stream.get_ref().taken;
         assert_eq!(taken.iter().sum::<usize>(), bytes.len(), "each byte once");
-        assert!(taken.len() <= bytes.len() / (1 << 16) + 2, "in large parts: {}", taken.len());
+        assert!(
+            taken.len() <= bytes.len() / (1 << 16) + 2,
+            "in large parts: {}",
+            taken.len()
+        );
     }
 
     #[test]

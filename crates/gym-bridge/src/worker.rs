@@ -87,11 +87,21 @@ impl Worker {
         };
         let (pipe, requests, replies) = pipes().map_err(|error| cannot(&error))?;
         let mut command = Command::new(&python);
-        command.args(["-c", SCRIPT]).stdin(Stdio::from(requests)).stdout(Stdio::from(replies));
+        command
+            .args(["-c", SCRIPT])
+            .stdin(Stdio::from(requests))
+            .stdout(Stdio::from(replies));
         let child = command.spawn().map_err(|error| cannot(&error))?;
         let (name, request) = (name.to_owned(), Vec::new());
         let pipe = BufReader::with_capacity(BUFFER, pipe);
-        Ok(Self { child, pipe, name, request, timeout: config.timeout(), ended: None })
+        Ok(Self {
+            child,
+            pipe,
+            name,
+            request,
+            timeout: config.timeout(),
+            ended: None,
+        })
     }
 
     /// Asks, and reads the reply while it comes.
@@ -124,7 +134,10 @@ impl Worker {
             (Some(Ok(value)), _) if is_done => Ok(value),
             (Some(Err(told)), _) if is_done => Err(exception(&self.name, request, &told)),
             (_, Some(error)) => Err(self.end(request, &error)),
-            _ => Err(self.end(request, &io::Error::new(ErrorKind::InvalidData, "its reply is invalid"))),
+            _ => Err(self.end(
+                request,
+                &io::Error::new(ErrorKind::InvalidData, "its reply is invalid"),
+            )),
         }
     }
 
@@ -133,7 +146,9 @@ impl Worker {
         self.request.clear();
         self.request.extend([0; 4]);
         self.request.push(request as u8);
-        values.iter().for_each(|value| write(value, &mut self.request));
+        values
+            .iter()
+            .for_each(|value| write(value, &mut self.request));
         let length = self.request.len() - 4;
         match u32::try_from(length) {
             Ok(fitting) if fitting <= LONGEST => {
@@ -154,7 +169,10 @@ impl Worker {
         self.pipe.read_exact(&mut length)?;
         let length = u32::from_le_bytes(length);
         if length > LONGEST {
-            return Err(io::Error::new(ErrorKind::InvalidData, "its reply has no valid length"));
+            return Err(io::Error::new(
+                ErrorKind::InvalidData,
+                "its reply has no valid length",
+            ));
         }
         Ok(length)
     }
@@ -175,7 +193,11 @@ impl Worker {
             }
             _ => {
                 let is_alive = error.kind() == ErrorKind::InvalidData;
-                let status = if is_alive { None } else { self.wait(Duration::from_secs(1)) };
+                let status = if is_alive {
+                    None
+                } else {
+                    self.wait(Duration::from_secs(1))
+                };
                 let status = status.map_or_else(|| error.to_string(), |status| status.to_string());
                 format!(
                     "the worker of `{name}` ended during `{asked}` ({status}): standard error has its messages; make the \
@@ -233,8 +255,12 @@ impl Drop for Worker {
 fn exception(name: &str, request: Request, told: &Value) -> Error {
     let text = |key: &str| told.get(key)?.as_text();
     let message = text("message").filter(|message| !message.is_empty());
-    let message = message.map(|message| format!(": {message}")).unwrap_or_default();
-    let place = text("place").map(|place| format!(" ({place})")).unwrap_or_default();
+    let message = message
+        .map(|message| format!(": {message}"))
+        .unwrap_or_default();
+    let place = text("place")
+        .map(|place| format!(" ({place})"))
+        .unwrap_or_default();
     let call = request.name();
     Error::custom(match (text("type"), request) {
         (Some(kind), _) => format!("`{name}` raised {kind} in `{call}`{message}{place}"),

@@ -23,13 +23,20 @@ fn has(modules: &[&str]) -> bool {
         .output()
         .is_ok_and(|output| output.status.success());
     if !there {
-        println!("SKIPPED: `{}` has not all of {}", python(), modules.join(", "));
+        println!(
+            "SKIPPED: `{}` has not all of {}",
+            python(),
+            modules.join(", ")
+        );
     }
     there
 }
 
 fn bridge(env_id: &str) -> EnvBuilder {
-    builder("GymV26Environment-v0").arg("env_id", env_id).arg("python", python()).arg("backend", "gymnasium")
+    builder("GymV26Environment-v0")
+        .arg("env_id", env_id)
+        .arg("python", python())
+        .arg("backend", "gymnasium")
 }
 
 fn bad() -> EnvBuilder {
@@ -37,12 +44,16 @@ fn bad() -> EnvBuilder {
 }
 
 fn echo(kind: &str) -> EnvBuilder {
-    bridge("bridge/Echo-v0").arg("module", MODULE).arg("make_kwargs", serde_json::json!({"kind": kind}))
+    bridge("bridge/Echo-v0")
+        .arg("module", MODULE)
+        .arg("make_kwargs", serde_json::json!({"kind": kind}))
 }
 
 fn is_running(pid: i64) -> bool {
     let status = std::fs::read_to_string(format!("/proc/{pid}/status")).unwrap_or_default();
-    status.lines().any(|line| line.starts_with("State:") && !line.contains('Z'))
+    status
+        .lines()
+        .any(|line| line.starts_with("State:") && !line.contains('Z'))
 }
 
 /// The process of an environment of the kind `Bad`.
@@ -54,19 +65,35 @@ fn pid(env: &BoxEnv) -> i64 {
 fn what_is_missing_is_told() {
     let error = |builder: EnvBuilder| builder.build().expect_err("it cannot be made").to_string();
     let make = || builder("GymV26Environment-v0");
-    assert!(error(make()).contains("`env_id` is missing"), "{}", error(make()));
-    let no_python = error(make().arg("env_id", "CartPole-v1").arg("python", "/nonexistent/python"));
     assert!(
-        no_python.contains("`/nonexistent/python` cannot be run") && no_python.contains("install Python"),
+        error(make()).contains("`env_id` is missing"),
+        "{}",
+        error(make())
+    );
+    let no_python = error(
+        make()
+            .arg("env_id", "CartPole-v1")
+            .arg("python", "/nonexistent/python"),
+    );
+    assert!(
+        no_python.contains("`/nonexistent/python` cannot be run")
+            && no_python.contains("install Python"),
         "{no_python}"
     );
     let backend = error(make().arg("env_id", "CartPole-v1").arg("backend", "jym"));
-    assert!(backend.contains("choose \"gym\" or \"gymnasium\""), "{backend}");
+    assert!(
+        backend.contains("choose \"gym\" or \"gymnasium\""),
+        "{backend}"
+    );
     let timeout = error(make().arg("env_id", "CartPole-v1").arg("timeout", -1.0));
     assert!(timeout.contains("`timeout` is -1"), "{timeout}");
     if has(&["numpy"]) {
-        let module =
-            error(make().arg("env_id", "X-v0").arg("python", python()).arg("module", "no_such_module"));
+        let module = error(
+            make()
+                .arg("env_id", "X-v0")
+                .arg("python", python())
+                .arg("module", "no_such_module"),
+        );
         assert!(module.contains("pip install no-such-module"), "{module}");
     }
     if has(&["gymnasium"]) {
@@ -95,24 +122,36 @@ fn elements_of_every_space_go_there_and_come_back() {
         "graph",
         "one_of",
     ] {
-        let mut env = echo(kind).build().unwrap_or_else(|error| panic!("{kind}: {error}"));
+        let mut env = echo(kind)
+            .build()
+            .unwrap_or_else(|error| panic!("{kind}: {error}"));
         // the same sampler gives the same first element there and here
-        let first = env.reset(42).unwrap_or_else(|error| panic!("{kind}: {error}"));
+        let first = env
+            .reset(42)
+            .unwrap_or_else(|error| panic!("{kind}: {error}"));
         let mut actions = env.action_sampler(42).unwrap();
         if kind != "graph" {
             assert_eq!(first, actions.sample(), "{kind}");
         }
         for _ in 0..20 {
             let action = actions.sample();
-            let step = env.step(&action).unwrap_or_else(|error| panic!("{kind}, {action:?}: {error}"));
+            let step = env
+                .step(&action)
+                .unwrap_or_else(|error| panic!("{kind}, {action:?}: {error}"));
             assert_eq!(step.observation, action, "{kind}");
-            assert_eq!((step.reward, step.terminated, step.truncated), (0.5, false, false));
+            assert_eq!(
+                (step.reward, step.terminated, step.truncated),
+                (0.5, false, false)
+            );
         }
         let info = env.info_map();
         let list = Value::Tuple(vec![Value::Int(1), Value::Float(2.5), Value::Null]);
         assert_eq!(info["nested"], Value::Dict(vec![("list".into(), list)]));
         let array = info["array"].as_array().expect("an array");
-        assert_eq!((array.shape(), array.as_slice::<f64>()), (&[2, 2][..], Some(&[1.0, 0.0, 0.0, 1.0][..])));
+        assert_eq!(
+            (array.shape(), array.as_slice::<f64>()),
+            (&[2, 2][..], Some(&[1.0, 0.0, 0.0, 1.0][..]))
+        );
     }
 }
 
@@ -123,14 +162,18 @@ fn seeds_and_options_arrive_whole() {
     }
     let mut env = echo("discrete").build().unwrap();
     let seed = 1u128 << 100;
-    env.reset(Reset::seed(gym_core::Seed::from_u128(seed)).option("low", vec![1, 2])).unwrap();
+    env.reset(Reset::seed(gym_core::Seed::from_u128(seed)).option("low", vec![1, 2]))
+        .unwrap();
     let info = env.info_map();
     assert_eq!(info["options"], Value::Text("{'low': [1, 2]}".into()));
     assert!(
         !info.contains_key("object") && !info.contains_key("seed"),
         "what has no form is left out: {info:?}"
     );
-    assert!(matches!(env.step(&Value::Int(9)), Err(gym_core::Error::InvalidAction { .. })));
+    assert!(matches!(
+        env.step(&Value::Int(9)),
+        Err(gym_core::Error::InvalidAction { .. })
+    ));
 }
 
 #[test]
@@ -138,18 +181,38 @@ fn python_draws() {
     if !has(&["gymnasium"]) {
         return;
     }
-    let mut env = echo("discrete").render_mode(RenderMode::RgbArray).build().unwrap();
+    let mut env = echo("discrete")
+        .render_mode(RenderMode::RgbArray)
+        .build()
+        .unwrap();
     assert_eq!(env.metadata().render_fps, 7);
     env.reset(0).unwrap();
-    let Rendered::Frame(frame) = env.render().unwrap() else { panic!("a frame") };
-    assert_eq!((frame.width(), frame.height(), frame.pixels()[0]), (6, 4, 9));
-    let mut env = echo("discrete").render_mode(RenderMode::Ansi).build().unwrap();
+    let Rendered::Frame(frame) = env.render().unwrap() else {
+        panic!("a frame")
+    };
+    assert_eq!(
+        (frame.width(), frame.height(), frame.pixels()[0]),
+        (6, 4, 9)
+    );
+    let mut env = echo("discrete")
+        .render_mode(RenderMode::Ansi)
+        .build()
+        .unwrap();
     env.reset(0).unwrap();
     assert!(matches!(env.render().unwrap(), Rendered::Text(text) if text == "a text"));
-    let mut env = echo("discrete").render_mode(RenderMode::RgbArrayList).build().unwrap();
+    let mut env = echo("discrete")
+        .render_mode(RenderMode::RgbArrayList)
+        .build()
+        .unwrap();
     env.reset(0).unwrap();
     env.step(&Value::Int(0)).unwrap();
-    assert_eq!(env.render().unwrap().into_frames().map(|frames| frames.len()), Some(2));
+    assert_eq!(
+        env.render()
+            .unwrap()
+            .into_frames()
+            .map(|frames| frames.len()),
+        Some(2)
+    );
     let mut env = echo("discrete").build().unwrap();
     env.reset(0).unwrap();
     let error = env.render().unwrap_err().to_string();
@@ -162,24 +225,46 @@ fn what_goes_wrong_in_python_is_an_error() {
         return;
     }
     let mut env = bad().build().unwrap();
-    assert!(matches!(env.step(&Value::Int(0)), Err(gym_core::Error::ResetNeeded(_))));
+    assert!(matches!(
+        env.step(&Value::Int(0)),
+        Err(gym_core::Error::ResetNeeded(_))
+    ));
     env.reset(0).unwrap();
     let raised = env.step(&Value::Int(1)).unwrap_err().to_string();
     assert!(
-        raised.contains("raised ValueError in `step`: it does not like 1") && raised.contains("envs.py:"),
+        raised.contains("raised ValueError in `step`: it does not like 1")
+            && raised.contains("envs.py:"),
         "{raised}"
     );
-    assert!(env.step(&Value::Int(4)).unwrap_err().to_string().contains("sys.exit(1)"));
-    assert_eq!(env.step(&Value::Int(0)).unwrap().observation, Value::Int(0), "after an exception it goes on");
+    assert!(
+        env.step(&Value::Int(4))
+            .unwrap_err()
+            .to_string()
+            .contains("sys.exit(1)")
+    );
+    assert_eq!(
+        env.step(&Value::Int(0)).unwrap().observation,
+        Value::Int(0),
+        "after an exception it goes on"
+    );
     for _ in 0..2 {
-        let grown = env.reset(Reset::default().option("grow", true)).unwrap_err().to_string();
+        let grown = env
+            .reset(Reset::default().option("grow", true))
+            .unwrap_err()
+            .to_string();
         assert!(
-            grown.contains("Box(0.0, 1.0, (3,), float32)") && grown.contains("and were Discrete(2)"),
+            grown.contains("Box(0.0, 1.0, (3,), float32)")
+                && grown.contains("and were Discrete(2)"),
             "{grown}"
         );
     }
     let long = bridge("bridge/Large-v0").arg("module", MODULE);
-    let long = long.arg("make_kwargs", serde_json::json!({"mebibytes": 1, "dtype": "longdouble"})).build();
+    let long = long
+        .arg(
+            "make_kwargs",
+            serde_json::json!({"mebibytes": 1, "dtype": "longdouble"}),
+        )
+        .build();
     let long = long.unwrap_err().to_string();
     assert!(
         long.contains("a box of float128 is not supported") || long.contains("a box of longdouble"),
@@ -191,8 +276,14 @@ fn what_goes_wrong_in_python_is_an_error() {
         env.reset(0).unwrap();
         for _ in 0..2 {
             let ended = env.step(&Value::Int(action)).unwrap_err().to_string();
-            assert!(ended.contains("the worker of `bridge/Bad-v0` ended during `step`"), "{ended}");
-            assert!(ended.contains(expected) && ended.contains("make the environment anew"), "{ended}");
+            assert!(
+                ended.contains("the worker of `bridge/Bad-v0` ended during `step`"),
+                "{ended}"
+            );
+            assert!(
+                ended.contains(expected) && ended.contains("make the environment anew"),
+                "{ended}"
+            );
         }
     }
 }
@@ -202,7 +293,10 @@ fn odd_results_are_named_and_the_worker_lives() {
     if !has(&["gymnasium"]) {
         return;
     }
-    let mut env = bridge("bridge/Odd-v0").arg("module", MODULE).build().unwrap();
+    let mut env = bridge("bridge/Odd-v0")
+        .arg("module", MODULE)
+        .build()
+        .unwrap();
     let first = env.reset(0).unwrap();
     let said = [
         "the reward is '1.0' of type str: it must be a number",
@@ -224,17 +318,35 @@ fn odd_results_are_named_and_the_worker_lives() {
         assert!(error.contains(expected) && error.len() < 3000, "{error}");
     }
     // Ctrl+C between two requests
-    let interrupt = Command::new("kill").args(["-INT", &pid(&env).to_string()]).status().unwrap();
+    let interrupt = Command::new("kill")
+        .args(["-INT", &pid(&env).to_string()])
+        .status()
+        .unwrap();
     assert!(interrupt.success());
-    assert!(env.step(&Value::Int(13)).is_ok(), "an entry without a name is left out");
+    assert!(
+        env.step(&Value::Int(13)).is_ok(),
+        "an entry without a name is left out"
+    );
     assert!(env.info_map().is_empty());
     // the space drew for the environment alone: this is the second number of its seed
     let step = env.step(&Value::Int(14)).unwrap();
-    assert_eq!((step.reward, step.terminated, step.truncated), (0.5, true, false));
+    assert_eq!(
+        (step.reward, step.terminated, step.truncated),
+        (0.5, true, false)
+    );
     assert_eq!(env.reset(0).unwrap(), first);
-    assert_eq!(env.step(&Value::Int(14)).unwrap().observation, step.observation);
-    let error = env.reset(Reset::default().option("alone", true)).unwrap_err().to_string();
-    assert!(error.contains("`reset` returned 'alone': it must return observation and info"), "{error}");
+    assert_eq!(
+        env.step(&Value::Int(14)).unwrap().observation,
+        step.observation
+    );
+    let error = env
+        .reset(Reset::default().option("alone", true))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("`reset` returned 'alone': it must return observation and info"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -242,17 +354,29 @@ fn observations_beyond_their_space_are_named() {
     if !has(&["gymnasium"]) {
         return;
     }
-    for (kind, count) in
-        [("Discrete", 3), ("Box", 7), ("Text", 2), ("Tuple", 3), ("Dict", 3), ("Graph", 2), ("OneOf", 3)]
-    {
+    for (kind, count) in [
+        ("Discrete", 3),
+        ("Box", 7),
+        ("Text", 2),
+        ("Tuple", 3),
+        ("Dict", 3),
+        ("Graph", 2),
+        ("OneOf", 3),
+    ] {
         let env = bridge("bridge/Observes-v0").arg("module", MODULE);
-        let mut env = env.arg("make_kwargs", serde_json::json!({"kind": kind})).build().unwrap();
+        let mut env = env
+            .arg("make_kwargs", serde_json::json!({"kind": kind}))
+            .build()
+            .unwrap();
         env.reset(0).unwrap();
         for action in 0..count {
             let error = env.step(&Value::Int(action)).expect_err(kind).to_string();
-            let is_named =
-                error.contains("is not an element of") || error.contains("an observation has the shape");
-            assert!(is_named && !error.contains("raised"), "{kind} {action}: {error}");
+            let is_named = error.contains("is not an element of")
+                || error.contains("an observation has the shape");
+            assert!(
+                is_named && !error.contains("raised"),
+                "{kind} {action}: {error}"
+            );
         }
     }
 }
@@ -266,7 +390,11 @@ fn what_goes_wrong_at_the_end_is_told() {
     }
     if let Ok(hangs) = std::env::var(HANGS) {
         let env = bridge("bridge/Odd-v0").arg("module", MODULE);
-        drop(env.arg("make_kwargs", serde_json::json!({"hangs": hangs == "true"})).build().unwrap());
+        drop(
+            env.arg("make_kwargs", serde_json::json!({"hangs": hangs == "true"}))
+                .build()
+                .unwrap(),
+        );
         return;
     }
     for (hangs, told) in [
@@ -274,7 +402,11 @@ fn what_goes_wrong_at_the_end_is_told() {
         ("true", "did not answer `close` within 2 s and was ended\n"),
     ] {
         let output = Command::new(std::env::current_exe().unwrap())
-            .args(["--exact", "what_goes_wrong_at_the_end_is_told", "--nocapture"])
+            .args([
+                "--exact",
+                "what_goes_wrong_at_the_end_is_told",
+                "--nocapture",
+            ])
             .env(HANGS, hangs)
             .output()
             .unwrap();
@@ -314,8 +446,15 @@ worker["plain"](out, worker["describe"](space))
 assert out.size() < 200, out.size()
 "#;
     let script = include_str!("../src/worker.py");
-    let output = Command::new(python()).args(["-c", check, script]).output().unwrap();
-    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let output = Command::new(python())
+        .args(["-c", check, script])
+        .output()
+        .unwrap();
+    assert!(
+        output.status.success(),
+        "{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
 }
 
 #[test]
@@ -344,21 +483,45 @@ fn numbers_keep_their_precision() {
     if !has(&["gymnasium"]) {
         return;
     }
-    let mut env = bridge("bridge/Half-v0").arg("module", MODULE).build().unwrap();
+    let mut env = bridge("bridge/Half-v0")
+        .arg("module", MODULE)
+        .build()
+        .unwrap();
     assert_eq!(env.reset(0).unwrap(), Value::Array([0.5_f32, -1.0].into()));
     for (action, dtype) in [
         (Value::Array([0.25_f32, 1.0].into()), "float32"),
         (Value::Array([0.25, 1.0].into()), "float64"),
-        (Value::Tuple(vec![Value::Float(0.25), Value::Int(1)]), "float64"),
+        (
+            Value::Tuple(vec![Value::Float(0.25), Value::Int(1)]),
+            "float64",
+        ),
     ] {
-        assert_eq!(env.step(&action).unwrap().observation, Value::Array([0.25_f32, 1.0].into()));
+        assert_eq!(
+            env.step(&action).unwrap().observation,
+            Value::Array([0.25_f32, 1.0].into())
+        );
         assert_eq!(env.info_map()["type"], Value::Text(dtype.into()));
     }
-    for bad in [Value::Array([0.0, f64::NAN].into()), Value::Tuple(vec![Value::Null; 2]), Value::Int(1)] {
-        assert!(env.step(&bad).unwrap_err().to_string().contains("invalid action"));
+    for bad in [
+        Value::Array([0.0, f64::NAN].into()),
+        Value::Tuple(vec![Value::Null; 2]),
+        Value::Int(1),
+    ] {
+        assert!(
+            env.step(&bad)
+                .unwrap_err()
+                .to_string()
+                .contains("invalid action")
+        );
     }
-    let error = env.step(&Value::Array([9.0, 0.0].into())).unwrap_err().to_string();
-    assert!(error.contains("the observation array(['a', 'b']") && !error.contains("raised"), "{error}");
+    let error = env
+        .step(&Value::Array([9.0, 0.0].into()))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("the observation array(['a', 'b']") && !error.contains("raised"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -370,7 +533,10 @@ fn a_worker_that_hangs_is_ended() {
     env.reset(0).unwrap();
     let worker = pid(&env);
     let error = env.step(&Value::Int(3)).unwrap_err().to_string();
-    assert!(error.contains("did not answer `step` within 10 s") && error.contains("`timeout`"), "{error}");
+    assert!(
+        error.contains("did not answer `step` within 10 s") && error.contains("`timeout`"),
+        "{error}"
+    );
     assert!(!is_running(worker));
 }
 
@@ -401,7 +567,12 @@ fn clones_and_snapshots_continue() {
     if !has(&["gymnasium"]) {
         return;
     }
-    let make = || bridge("CartPole-v1").arg("allow_pickle", true).build().unwrap();
+    let make = || {
+        bridge("CartPole-v1")
+            .arg("allow_pickle", true)
+            .build()
+            .unwrap()
+    };
     let mut env = make();
     env.reset(7).unwrap();
     env.step(&Value::Int(1)).unwrap();
@@ -413,13 +584,23 @@ fn clones_and_snapshots_continue() {
         assert_eq!(clone.step(&Value::Int(action)).unwrap(), step);
         assert_eq!(restored.step(&Value::Int(action)).unwrap(), step);
     }
-    let refused = bridge("CartPole-v1").build().unwrap().snapshot().unwrap_err().to_string();
-    assert!(refused.contains("restoring runs code") && refused.contains("allow_pickle"), "{refused}");
+    let refused = bridge("CartPole-v1")
+        .build()
+        .unwrap()
+        .snapshot()
+        .unwrap_err()
+        .to_string();
+    assert!(
+        refused.contains("restoring runs code") && refused.contains("allow_pickle"),
+        "{refused}"
+    );
 }
 
 /// An environment that counts its steps in its info, as Python has it: without what `make` puts around it.
 fn widens(start: i64) -> EnvBuilder {
-    let env = bridge("bridge/Widens-v0").arg("module", MODULE).arg("allow_pickle", true);
+    let env = bridge("bridge/Widens-v0")
+        .arg("module", MODULE)
+        .arg("allow_pickle", true);
     let env = env.arg("make_kwargs", serde_json::json!({ "start": start }));
     env.order_enforce(false).disable_env_checker(true)
 }
@@ -432,23 +613,40 @@ fn clones_and_snapshots_tell_the_last_info() {
     let action = Value::from([0.5_f32, -0.5]);
     let steps = |env: &BoxEnv| env.info_map().get("steps").cloned();
     let mut env = widens(3).build().unwrap();
-    assert!(matches!(env.clone().step(&action), Err(gym_core::Error::ResetNeeded(_))), "nor does a clone");
+    assert!(
+        matches!(
+            env.clone().step(&action),
+            Err(gym_core::Error::ResetNeeded(_))
+        ),
+        "nor does a clone"
+    );
     env.reset(0).unwrap();
     env.step(&action).unwrap();
     assert_eq!(steps(&env), Some(Value::Int(4)));
     let snapshot = env.snapshot().unwrap();
     let mut restored = widens(3).build().unwrap();
-    assert!(matches!(restored.step(&action), Err(gym_core::Error::ResetNeeded(_))));
+    assert!(matches!(
+        restored.step(&action),
+        Err(gym_core::Error::ResetNeeded(_))
+    ));
     restored.restore(&snapshot).unwrap();
     for mut env in [env.clone(), restored] {
         assert_eq!(steps(&env), Some(Value::Int(4)), "before a step of its own");
         env.step(&action).unwrap();
         assert_eq!(steps(&env), Some(Value::Int(5)));
     }
-    let refused = widens(2).build().unwrap().restore(&snapshot).unwrap_err().to_string();
+    let refused = widens(2)
+        .build()
+        .unwrap()
+        .restore(&snapshot)
+        .unwrap_err()
+        .to_string();
     assert!(refused.contains("with other arguments"), "{refused}");
     env.close();
-    assert!(matches!(env.restore(&snapshot), Err(gym_core::Error::Closed("restore"))));
+    assert!(matches!(
+        env.restore(&snapshot),
+        Err(gym_core::Error::Closed("restore"))
+    ));
 }
 
 #[test]
@@ -469,11 +667,18 @@ fn actions_that_do_not_fit_never_reach_python() {
         Value::Null,
     ] {
         let error = env.step(&action).unwrap_err();
-        assert!(matches!(error, gym_core::Error::InvalidAction { .. }), "{action}: {error}");
+        assert!(
+            matches!(error, gym_core::Error::InvalidAction { .. }),
+            "{action}: {error}"
+        );
     }
     assert_eq!(env.info_map()["steps"], Value::Int(0), "none was a step");
     env.step(&tuple(&[0.5, -7.0])).unwrap();
-    assert_eq!(env.info_map()["steps"], Value::Int(1), "bounds are Python's to enforce");
+    assert_eq!(
+        env.info_map()["steps"],
+        Value::Int(1),
+        "bounds are Python's to enforce"
+    );
 }
 
 /// Bounds may change at a reset, forms may not.
@@ -483,12 +688,27 @@ fn spaces_that_change_at_a_reset_are_those_of_python() {
         return;
     }
     let mut env = widens(0).build().unwrap();
-    assert_eq!(env.observation_space().to_string(), "Box(0.0, 1.0, (1,), float32)");
+    assert_eq!(
+        env.observation_space().to_string(),
+        "Box(0.0, 1.0, (1,), float32)"
+    );
     env.reset(Reset::default().option("wide", true)).unwrap();
-    assert_eq!(env.observation_space().to_string(), "Box(0.0, 9.0, (1,), float32)");
-    let error = env.reset(Reset::default().option("actions", true)).unwrap_err().to_string();
-    assert!(error.contains("changed at the reset") && error.contains("Discrete(3)"), "{error}");
-    assert_eq!(env.action_space().to_string(), "Box(-1.0, 1.0, (2,), float32)");
+    assert_eq!(
+        env.observation_space().to_string(),
+        "Box(0.0, 9.0, (1,), float32)"
+    );
+    let error = env
+        .reset(Reset::default().option("actions", true))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("changed at the reset") && error.contains("Discrete(3)"),
+        "{error}"
+    );
+    assert_eq!(
+        env.action_space().to_string(),
+        "Box(-1.0, 1.0, (2,), float32)"
+    );
 }
 
 #[test]
@@ -502,7 +722,11 @@ fn vectors_run_in_parallel() {
         envs.reset_into(&5.into(), &mut columns).unwrap();
         let mut alone = bridge("CartPole-v1").build().unwrap();
         let first = alone.reset(6).unwrap();
-        let second_row = envs.single_observation_space().iterate(&columns.observations).unwrap().nth(1);
+        let second_row = envs
+            .single_observation_space()
+            .iterate(&columns.observations)
+            .unwrap()
+            .nth(1);
         assert_eq!(second_row, Some(first));
     }
 }
@@ -517,10 +741,14 @@ fn recorded_episodes_come_out_equal() {
     let mut compared = 0;
     for entry in std::fs::read_dir(folder).expect("the recordings") {
         let path = entry.expect("readable").path();
-        let trace: serde_json::Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+        let trace: serde_json::Value =
+            serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
         let text = |key: &str| trace[key].as_str().map(str::to_owned);
         let backend = text("backend").expect("a library");
-        let modules: Vec<String> = [Some(backend.clone()), text("module")].into_iter().flatten().collect();
+        let modules: Vec<String> = [Some(backend.clone()), text("module")]
+            .into_iter()
+            .flatten()
+            .collect();
         if !has(&modules.iter().map(String::as_str).collect::<Vec<_>>()) {
             continue;
         }
@@ -532,7 +760,12 @@ fn recorded_episodes_come_out_equal() {
             .arg("python", python())
             .build()
             .unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-        for (i, event) in trace["events"].as_array().expect("events").iter().enumerate() {
+        for (i, event) in trace["events"]
+            .as_array()
+            .expect("events")
+            .iter()
+            .enumerate()
+        {
             let place = format!("{}, event {i}", path.display());
             let observation = match event.get("step") {
                 None => env
@@ -540,21 +773,40 @@ fn recorded_episodes_come_out_equal() {
                     .unwrap_or_else(|error| panic!("{place}: {error}")),
                 Some(action) => {
                     let action = env.action_space().from_json(action).unwrap();
-                    let step = env.step(&action).unwrap_or_else(|error| panic!("{place}: {error}"));
+                    let step = env
+                        .step(&action)
+                        .unwrap_or_else(|error| panic!("{place}: {error}"));
                     assert_eq!(Some(step.reward), event["reward"].as_f64(), "{place}");
-                    assert_eq!(Some(step.terminated), event["terminated"].as_bool(), "{place}");
-                    assert_eq!(Some(step.truncated), event["truncated"].as_bool(), "{place}");
+                    assert_eq!(
+                        Some(step.terminated),
+                        event["terminated"].as_bool(),
+                        "{place}"
+                    );
+                    assert_eq!(
+                        Some(step.truncated),
+                        event["truncated"].as_bool(),
+                        "{place}"
+                    );
                     step.observation
                 }
             };
-            assert!(is_recorded(&event["observation"], &observation), "{place}: {observation:?}");
+            assert!(
+                is_recorded(&event["observation"], &observation),
+                "{place}: {observation:?}"
+            );
             let recorded = event["info"].as_object().expect("info");
             let info = env.info_map();
-            for (key, value) in
-                recorded.iter().filter(|(key, _)| trace["info_same_twice"] == true || *key != "action")
+            for (key, value) in recorded
+                .iter()
+                .filter(|(key, _)| trace["info_same_twice"] == true || *key != "action")
             {
-                let ours = info.get(key).unwrap_or_else(|| panic!("{place}: info has no {key}"));
-                assert!(is_recorded(value, ours), "{place}, info {key}: {ours:?} for {value}");
+                let ours = info
+                    .get(key)
+                    .unwrap_or_else(|| panic!("{place}: info has no {key}"));
+                assert!(
+                    is_recorded(value, ours),
+                    "{place}, info {key}: {ours:?} for {value}"
+                );
             }
             assert_eq!(info.len(), recorded.len(), "{place}: {info:?}");
         }
@@ -579,13 +831,19 @@ fn is_recorded(recorded: &serde_json::Value, value: &Value) -> bool {
         }
         (Json::Array(items), Value::Tuple(values)) => {
             items.len() == values.len()
-                && items.iter().zip(values).all(|(item, value)| is_recorded(item, value))
+                && items
+                    .iter()
+                    .zip(values)
+                    .all(|(item, value)| is_recorded(item, value))
         }
         (Json::Array(_), Value::Array(array)) => {
             let mut flat = Vec::new();
             flatten(recorded, &mut flat);
             flat.len() == array.len()
-                && flat.iter().zip(array.iter_f64()).all(|(a, b)| a.to_bits() == b.to_bits())
+                && flat
+                    .iter()
+                    .zip(array.iter_f64())
+                    .all(|(a, b)| a.to_bits() == b.to_bits())
         }
         (Json::Bool(a), Value::Bool(b)) => a == b,
         (Json::Bool(a), Value::Int(b)) => i64::from(*a) == *b,

@@ -23,7 +23,8 @@ use gym_core::policy::reflex;
 use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::{
-    ArgumentType, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task, pygame,
+    ArgumentType, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task,
+    pygame,
 };
 use gym_native::{Equations, Next};
 use serde::{Deserialize, Serialize};
@@ -177,10 +178,18 @@ impl Task for AcrobotDynamics {
                 ("torque_noise_max", torque_noise_max),
             ],
         )?;
-        constants::limits(Self::NAME, [("MAX_VEL_1", max_vel_1), ("MAX_VEL_2", max_vel_2)])?;
+        constants::limits(
+            Self::NAME,
+            [("MAX_VEL_1", max_vel_1), ("MAX_VEL_2", max_vel_2)],
+        )?;
         let constants = constants_of(&config, [square(l1), square(lc1), square(lc2)]);
         let is_usual = Self::USUAL == Some(constants);
-        Ok(Self { config, built: config, is_usual, constants })
+        Ok(Self {
+            config,
+            built: config,
+            is_usual,
+            constants,
+        })
     }
 
     fn config(&self) -> &Config {
@@ -188,12 +197,22 @@ impl Task for AcrobotDynamics {
     }
 
     fn assign(&mut self, config: Config) -> Result<()> {
-        *self = Self { built: self.built, ..Self::new(config)? };
+        *self = Self {
+            built: self.built,
+            ..Self::new(config)?
+        };
         Ok(())
     }
 
     fn observation_space(&self) -> Space {
-        let high = [1.0, 1.0, 1.0, 1.0, self.built.MAX_VEL_1 as f32, self.built.MAX_VEL_2 as f32];
+        let high = [
+            1.0,
+            1.0,
+            1.0,
+            1.0,
+            self.built.MAX_VEL_1 as f32,
+            self.built.MAX_VEL_2 as f32,
+        ];
         Space::boxed(high.map(|x| -x), high)
     }
 
@@ -203,12 +222,20 @@ impl Task for AcrobotDynamics {
 
     fn start(&self, reset: &Reset, rng: &mut Generator) -> Result<State> {
         let (low, high) = reset::bounds(reset, Self::NAME, -0.1, 0.1)?;
-        let [theta1, theta2, dtheta1, dtheta2] = [(); 4].map(|()| f64::from(rng.uniform(low, high) as f32));
-        Ok(State { theta1, theta2, dtheta1, dtheta2, fresh: true })
+        let [theta1, theta2, dtheta1, dtheta2] =
+            [(); 4].map(|()| f64::from(rng.uniform(low, high) as f32));
+        Ok(State {
+            theta1,
+            theta2,
+            dtheta1,
+            dtheta2,
+            fresh: true,
+        })
     }
 
     fn is_valid(&self, state: &State) -> bool {
-        !self.is_usual || reset::plausible(&[state.theta1, state.theta2, state.dtheta1, state.dtheta2])
+        !self.is_usual
+            || reset::plausible(&[state.theta1, state.theta2, state.dtheta1, state.dtheta2])
     }
 
     fn metadata(&self) -> Metadata {
@@ -224,7 +251,14 @@ impl Task for AcrobotDynamics {
         canvas.clear(Color::WHITE);
         canvas.push(pygame::flipped(500.0));
         let goal = [-2.2, 2.2].map(|x| [x * scale + MIDDLE, scale + MIDDLE]);
-        canvas.pygame(Primitive::Lines { points: &goal, closed: false, width: 1 }, Color::BLACK);
+        canvas.pygame(
+            Primitive::Lines {
+                points: &goal,
+                closed: false,
+                width: 1,
+            },
+            Color::BLACK,
+        );
         // the first state has 32 bits, and so have numpy's results from it
         let number = |x: f64| if state.fresh { f64::from(x as f32) } else { x };
         let (sin, cos) = if state.fresh {
@@ -237,7 +271,11 @@ impl Task for AcrobotDynamics {
         let angle = |theta: f64| number(theta - number(PI / 2.0));
         let links = [
             ([0.0, 0.0], angle(state.theta1), lengths[0]),
-            (elbow, angle(number(state.theta1 + state.theta2)), lengths[1]),
+            (
+                elbow,
+                angle(number(state.theta1 + state.theta2)),
+                lengths[1],
+            ),
         ];
         for (joint, angle, length) in links {
             let [x, y] = joint.map(|x| x + MIDDLE);
@@ -319,7 +357,13 @@ impl Equations for AcrobotDynamics {
 
     #[inline(always)]
     fn state(&self, [theta1, theta2, dtheta1, dtheta2]: [f64; 4], fresh: bool) -> State {
-        State { theta1, theta2, dtheta1, dtheta2, fresh }
+        State {
+            theta1,
+            theta2,
+            dtheta1,
+            dtheta2,
+            fresh,
+        }
     }
 
     /// The torque.
@@ -363,7 +407,12 @@ impl Equations for AcrobotDynamics {
         let [cos1, ..] = seen;
         let terminated = (-cos1 - (theta2 + theta1).cos()).gt(theta1.same(1.0));
         let reward = R::select(terminated, theta1.same(0.0), theta1.same(-1.0));
-        Next { state, reward, terminated, seen }
+        Next {
+            state,
+            reward,
+            terminated,
+            seen,
+        }
     }
 
     #[inline(always)]
@@ -379,8 +428,15 @@ impl Equations for AcrobotDynamics {
 
     /// The first state of an episode is `float32`, and so are numpy's results from it.
     fn see_otherwise(&self, state: &State) -> Option<[f32; 6]> {
-        let State { theta1, theta2, dtheta1, dtheta2, fresh } = *state;
-        let [(sin1, cos1), (sin2, cos2)] = [theta1, theta2].map(|theta| numpy_sin_cos_f32(theta as f32));
+        let State {
+            theta1,
+            theta2,
+            dtheta1,
+            dtheta2,
+            fresh,
+        } = *state;
+        let [(sin1, cos1), (sin2, cos2)] =
+            [theta1, theta2].map(|theta| numpy_sin_cos_f32(theta as f32));
         fresh.then_some([cos1, sin1, cos2, sin2, dtheta1 as f32, dtheta2 as f32])
     }
 }
@@ -426,7 +482,11 @@ fn dsdt<R: Real>(
         + (theta1 - PI / 2.0).cos() * phi1_factor
         + phi2;
     let pull = torque + d2 / d1 * phi1;
-    let pull = if is_nips { pull } else { pull - dtheta1.square() * once * sin2 };
+    let pull = if is_nips {
+        pull
+    } else {
+        pull - dtheta1.square() * once * sin2
+    };
     let ddtheta2 = (pull - phi2) / (-(d2.square() / d1) + moi_2);
     let ddtheta1 = -(d2 * ddtheta2 + phi1) / d1;
     [dtheta1, dtheta2, ddtheta1, ddtheta2]
@@ -435,7 +495,12 @@ fn dsdt<R: Real>(
 /// `y + k * factor`.
 #[inline(always)]
 fn add<R: Real>([y1, y2, y3, y4]: [R; 4], [k1, k2, k3, k4]: [R; 4], factor: R) -> [R; 4] {
-    [y1 + k1 * factor, y2 + k2 * factor, y3 + k3 * factor, y4 + k4 * factor]
+    [
+        y1 + k1 * factor,
+        y2 + k2 * factor,
+        y3 + k3 * factor,
+        y4 + k4 * factor,
+    ]
 }
 
 /// One step of the classical Runge-Kutta method.
@@ -497,8 +562,14 @@ gym_core::register!(
         .light_step()
         .actions(Action::VARIANTS)
         .keys(|_| Keys::new(json!({"Left": 0, "Right": 2})).idle(json!(1)))
-        .policy(Policy::rules("pushes the lower link in the direction of its motion", |_| reflex(
-            policy::acrobot
-        )))
-        .clip(Clip { seeds: 5..6, every: 1, frames: 100, size: (200, 200) })
+        .policy(Policy::rules(
+            "pushes the lower link in the direction of its motion",
+            |_| reflex(policy::acrobot)
+        ))
+        .clip(Clip {
+            seeds: 5..6,
+            every: 1,
+            frames: 100,
+            size: (200, 200)
+        })
 );

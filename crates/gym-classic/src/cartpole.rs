@@ -24,8 +24,8 @@ use gym_core::policy::reflex;
 use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::{
-    ArgumentType, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task, Transition,
-    pygame,
+    ArgumentType, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task,
+    Transition, pygame,
 };
 use gym_native::{Equations, Next};
 use serde::{Deserialize, Serialize};
@@ -145,7 +145,15 @@ impl CartPoleDynamics {
 
 /// The constants of the equations.
 const fn constants_of(config: &Config) -> [f64; 9] {
-    let Config { gravity, masscart, masspole, length, force_mag, tau, .. } = *config;
+    let Config {
+        gravity,
+        masscart,
+        masspole,
+        length,
+        force_mag,
+        tau,
+        ..
+    } = *config;
     let total_mass = match config.total_mass {
         Some(total_mass) => total_mass,
         None => masspole + masscart,
@@ -154,7 +162,11 @@ const fn constants_of(config: &Config) -> [f64; 9] {
         Some(polemass_length) => polemass_length,
         None => masspole * length,
     };
-    let Config { theta_threshold_radians, x_threshold, .. } = *config;
+    let Config {
+        theta_threshold_radians,
+        x_threshold,
+        ..
+    } = *config;
     [
         gravity,
         masspole,
@@ -193,7 +205,14 @@ impl Equations for CartPoleDynamics {
     /// A state beyond the thresholds ended its episode, and is not stepped again in a vector.
     #[inline(always)]
     fn state(&self, [x, x_dot, theta, theta_dot]: [f64; 4], fresh: bool) -> State {
-        State { x, x_dot, theta, theta_dot, fallen: !fresh && !self.is_within(x, theta), fresh }
+        State {
+            x,
+            x_dot,
+            theta,
+            theta_dot,
+            fallen: !fresh && !self.is_within(x, theta),
+            fresh,
+        }
     }
 
     /// The direction to push in, without a branch: the CPU would mispredict half of all random actions.
@@ -237,9 +256,18 @@ impl Equations for CartPoleDynamics {
         };
         let next = [x, new_x_dot, theta, new_theta_dot];
         let terminated = x.abs().gt(x_threshold) | theta.abs().gt(theta_threshold);
-        let (dropped, held) = if self.config.sutton_barto_reward { (-1.0, 0.0) } else { (1.0, 1.0) };
+        let (dropped, held) = if self.config.sutton_barto_reward {
+            (-1.0, 0.0)
+        } else {
+            (1.0, 1.0)
+        };
         let reward = R::select(terminated, x.same(dropped), x.same(held));
-        Next { state: next, reward, terminated, seen: next }
+        Next {
+            state: next,
+            reward,
+            terminated,
+            seen: next,
+        }
     }
 
     #[inline(always)]
@@ -293,10 +321,18 @@ impl Task for CartPoleDynamics {
         )?;
         constants::limits(
             Self::NAME,
-            [("theta_threshold_radians", theta_threshold), ("x_threshold", x_threshold)],
+            [
+                ("theta_threshold_radians", theta_threshold),
+                ("x_threshold", x_threshold),
+            ],
         )?;
         let is_usual = Self::USUAL == Some(constants);
-        Ok(Self { config, built: config, is_usual, constants })
+        Ok(Self {
+            config,
+            built: config,
+            is_usual,
+            constants,
+        })
     }
 
     fn config(&self) -> &Config {
@@ -310,7 +346,10 @@ impl Task for CartPoleDynamics {
             polemass_length: config.polemass_length.or(Some(polemass_length)),
             ..config
         };
-        *self = Self { built: self.built, ..Self::new(config)? };
+        *self = Self {
+            built: self.built,
+            ..Self::new(config)?
+        };
         Ok(())
     }
 
@@ -329,19 +368,39 @@ impl Task for CartPoleDynamics {
     fn start(&self, reset: &Reset, rng: &mut Generator) -> Result<State> {
         let (low, high) = reset::bounds(reset, Self::NAME, -0.05, 0.05)?;
         let [x, x_dot, theta, theta_dot] = [(); 4].map(|()| rng.uniform(low, high));
-        Ok(State { x, x_dot, theta, theta_dot, fallen: false, fresh: true })
+        Ok(State {
+            x,
+            x_dot,
+            theta,
+            theta_dot,
+            fallen: false,
+            fresh: true,
+        })
     }
 
     /// With the default constants: during an episode cart and pole are within the thresholds, as one step before, so no
     /// velocity exceeds the distance of the thresholds per step.
     fn is_valid(&self, state: &State) -> bool {
         const PUSH: f64 = 1.0; // more than one step adds to a velocity
-        let State { x, x_dot, theta, theta_dot, fallen, fresh } = *state;
-        let Config { tau, x_threshold, theta_threshold_radians, .. } = self.config;
+        let State {
+            x,
+            x_dot,
+            theta,
+            theta_dot,
+            fallen,
+            fresh,
+        } = *state;
+        let Config {
+            tau,
+            x_threshold,
+            theta_threshold_radians,
+            ..
+        } = self.config;
         let is_slow = x_dot.abs() <= 2.0 * x_threshold / tau + PUSH
             && theta_dot.abs() <= 2.0 * theta_threshold_radians / tau + PUSH;
         let is_running = self.is_within(x, theta) && is_slow;
-        !self.is_usual || reset::plausible(&[x, x_dot, theta, theta_dot]) && (is_running || fallen || fresh)
+        !self.is_usual
+            || reset::plausible(&[x, x_dot, theta, theta_dot]) && (is_running || fallen || fresh)
     }
 
     fn metadata(&self) -> Metadata {
@@ -360,7 +419,8 @@ impl Task for CartPoleDynamics {
         canvas.push(pygame::flipped(400.0));
         let cart_x = state.x * scale + 300.0;
         let [width, height] = CART.map(|side| side / 2.0);
-        let cart = pygame::corners([-width, -height], [width, height]).map(|[x, y]| [x + cart_x, y + CART_Y]);
+        let cart = pygame::corners([-width, -height], [width, height])
+            .map(|[x, y]| [x + cart_x, y + CART_Y]);
         pygame::gfx_polygon(canvas, &cart, Color::BLACK);
         let half = POLE_WIDTH / 2.0;
         let pole = pygame::corners([-half, -half], [half, pole_length - half]).map(|corner| {
@@ -368,8 +428,20 @@ impl Task for CartPoleDynamics {
             [x + cart_x, y + CART_Y + AXLE]
         });
         pygame::gfx_polygon(canvas, &pole, Color::rgb(202, 152, 101));
-        pygame::gfx_circle(canvas, [cart_x, CART_Y + AXLE], half, Color::rgb(129, 132, 203));
-        canvas.pygame(Primitive::HLine { x1: 0.0, x2: 600.0, y: CART_Y }, Color::BLACK);
+        pygame::gfx_circle(
+            canvas,
+            [cart_x, CART_Y + AXLE],
+            half,
+            Color::rgb(129, 132, 203),
+        );
+        canvas.pygame(
+            Primitive::HLine {
+                x1: 0.0,
+                x2: 600.0,
+                y: CART_Y,
+            },
+            Color::BLACK,
+        );
         canvas.pop();
     }
 }
@@ -390,11 +462,16 @@ const fn cartpole(id: &'static str) -> Registration {
 }
 
 gym_core::register!(
-    cartpole("CartPole-v0").max_episode_steps(200).reward_threshold(195.0),
-    cartpole("CartPole-v1").max_episode_steps(500).reward_threshold(475.0).clip(Clip {
-        seeds: 3..4,
-        every: 3,
-        frames: 60,
-        size: (300, 200)
-    }),
+    cartpole("CartPole-v0")
+        .max_episode_steps(200)
+        .reward_threshold(195.0),
+    cartpole("CartPole-v1")
+        .max_episode_steps(500)
+        .reward_threshold(475.0)
+        .clip(Clip {
+            seeds: 3..4,
+            every: 3,
+            frames: 60,
+            size: (300, 200)
+        }),
 );

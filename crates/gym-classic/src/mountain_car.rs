@@ -18,7 +18,9 @@ use gym_core::math::{Real, cos, numpy_sin_cos_f32, sin};
 use gym_core::policy::reflex;
 use gym_core::registry::Clip;
 use gym_core::render::Metadata;
-use gym_core::{Error, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task, pygame};
+use gym_core::{
+    Error, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task, pygame,
+};
 use gym_native::{Equations, Next};
 use serde::{Deserialize, Serialize};
 
@@ -80,9 +82,24 @@ pub struct MountainCarDynamics {
 
 /// The constants of the equations.
 const fn constants_of(config: &Config) -> [f64; 7] {
-    let Config { goal_velocity, min_position, max_position, max_speed, goal_position, force, gravity } =
-        *config;
-    [goal_velocity, min_position, max_position, max_speed, goal_position, force, gravity]
+    let Config {
+        goal_velocity,
+        min_position,
+        max_position,
+        max_speed,
+        goal_position,
+        force,
+        gravity,
+    } = *config;
+    [
+        goal_velocity,
+        min_position,
+        max_position,
+        max_speed,
+        goal_position,
+        force,
+        gravity,
+    ]
 }
 
 impl Equations for MountainCarDynamics {
@@ -122,7 +139,15 @@ impl Equations for MountainCarDynamics {
     #[inline(always)]
     fn advance<R: Real>(
         &self,
-        [goal_velocity, min_position, max_position, max_speed, goal_position, force, gravity]: [R; 7],
+        [
+            goal_velocity,
+            min_position,
+            max_position,
+            max_speed,
+            goal_position,
+            force,
+            gravity,
+        ]: [R; 7],
         [position, velocity]: [R; 2],
         _fresh: R::Mask,
         [push]: [R; 1],
@@ -131,10 +156,19 @@ impl Equations for MountainCarDynamics {
         let velocity = clip(velocity, -max_speed, max_speed);
         let position = clip(position + velocity, min_position, max_position);
         let zero = velocity.same(0.0);
-        let velocity = R::select(equal(position, min_position) & velocity.lt(zero), zero, velocity);
+        let velocity = R::select(
+            equal(position, min_position) & velocity.lt(zero),
+            zero,
+            velocity,
+        );
         let terminated = goal_position.le(position) & goal_velocity.le(velocity);
         let state = [position, velocity];
-        Next { state, reward: velocity.same(-1.0), terminated, seen: state }
+        Next {
+            state,
+            reward: velocity.same(-1.0),
+            terminated,
+            seen: state,
+        }
     }
 
     #[inline(always)]
@@ -152,16 +186,31 @@ impl Task for MountainCarDynamics {
     const NAME: &'static str = "MountainCar";
 
     fn new(config: Config) -> Result<Self> {
-        let Config { goal_velocity, min_position, max_position, max_speed, goal_position, force, gravity } =
-            config;
+        let Config {
+            goal_velocity,
+            min_position,
+            max_position,
+            max_speed,
+            goal_position,
+            force,
+            gravity,
+        } = config;
         check_valley(Self::NAME, goal_velocity, [min_position, max_position])?;
         constants::finite(
             Self::NAME,
-            [("goal_position", goal_position), ("force", force), ("gravity", gravity)],
+            [
+                ("goal_position", goal_position),
+                ("force", force),
+                ("gravity", gravity),
+            ],
         )?;
         constants::limits(Self::NAME, [("max_speed", max_speed)])?;
         let is_usual = Self::USUAL == Some(constants_of(&config));
-        Ok(Self { config, built: config, is_usual })
+        Ok(Self {
+            config,
+            built: config,
+            is_usual,
+        })
     }
 
     fn config(&self) -> &Config {
@@ -169,12 +218,19 @@ impl Task for MountainCarDynamics {
     }
 
     fn assign(&mut self, config: Config) -> Result<()> {
-        *self = Self { built: self.built, ..Self::new(config)? };
+        *self = Self {
+            built: self.built,
+            ..Self::new(config)?
+        };
         Ok(())
     }
 
     fn observation_space(&self) -> Space {
-        valley(self.built.min_position, self.built.max_position, self.built.max_speed)
+        valley(
+            self.built.min_position,
+            self.built.max_position,
+            self.built.max_speed,
+        )
     }
 
     fn action_space(&self) -> Space {
@@ -183,7 +239,10 @@ impl Task for MountainCarDynamics {
 
     fn start(&self, reset: &Reset, rng: &mut Generator) -> Result<State> {
         let (low, high) = reset::bounds(reset, Self::NAME, -0.6, -0.4)?;
-        Ok(State { position: rng.uniform(low, high), velocity: 0.0 })
+        Ok(State {
+            position: rng.uniform(low, high),
+            velocity: 0.0,
+        })
     }
 
     fn is_valid(&self, state: &State) -> bool {
@@ -195,24 +254,42 @@ impl Task for MountainCarDynamics {
     }
 
     fn draw(&self, state: &State, canvas: &mut dyn Canvas) {
-        let Config { min_position, max_position, goal_position, .. } = self.config;
-        draw(state.position, false, [min_position, max_position], goal_position, canvas);
+        let Config {
+            min_position,
+            max_position,
+            goal_position,
+            ..
+        } = self.config;
+        draw(
+            state.position,
+            false,
+            [min_position, max_position],
+            goal_position,
+            canvas,
+        );
     }
 }
 
 /// The observation of both mountain cars.
 pub(crate) fn valley(min_position: f64, max_position: f64, max_speed: f64) -> Space {
-    Space::boxed([min_position as f32, -max_speed as f32], [max_position as f32, max_speed as f32])
+    Space::boxed(
+        [min_position as f32, -max_speed as f32],
+        [max_position as f32, max_speed as f32],
+    )
 }
 
 /// Arguments of both mountain cars.
 pub(crate) fn check_valley(env: &str, goal_velocity: f64, [low, high]: [f64; 2]) -> Result<()> {
     constants::finite(env, [("min_position", low), ("max_position", high)])?;
     if goal_velocity.is_nan() {
-        return Err(Error::argument(env, "goal_velocity is NaN: it must be a number"));
+        return Err(Error::argument(
+            env,
+            "goal_velocity is NaN: it must be a number",
+        ));
     }
     if low >= high {
-        let reason = format!("min_position is {low:?}: it must be less than max_position, {high:?}");
+        let reason =
+            format!("min_position is {low:?}: it must be less than max_position, {high:?}");
         return Err(Error::argument(env, reason));
     }
     Ok(())
@@ -250,18 +327,33 @@ pub(crate) fn draw(
     // the same of the car
     let number = |x: f64| if is_single { f64::from(x as f32) } else { x };
     let angle = number(3.0 * position);
-    let sin = if is_single { f64::from(numpy_sin_cos_f32(angle as f32).0) } else { sin(angle) };
+    let sin = if is_single {
+        f64::from(numpy_sin_cos_f32(angle as f32).0)
+    } else {
+        sin(angle)
+    };
     let car_height = number(number(sin * number(0.45)) + number(0.55));
-    let car_pixel = [number(position - number(min_position)), car_height].map(|x| number(x * number(scale)));
+    let car_pixel =
+        [number(position - number(min_position)), car_height].map(|x| number(x * number(scale)));
 
     canvas.clear(Color::WHITE);
     canvas.push(pygame::flipped(400.0));
     // numpy's linspace
     let step = (max_position - min_position) / (POINTS - 1) as f64;
     let hill: [Point; POINTS] = std::array::from_fn(|i| {
-        pixel(if i == POINTS - 1 { max_position } else { i as f64 * step + min_position })
+        pixel(if i == POINTS - 1 {
+            max_position
+        } else {
+            i as f64 * step + min_position
+        })
     });
-    canvas.pygame(Primitive::AaLines { points: &hill, closed: false }, Color::BLACK);
+    canvas.pygame(
+        Primitive::AaLines {
+            points: &hill,
+            closed: false,
+        },
+        Color::BLACK,
+    );
 
     // Gymnasium turns the car by the slope's cosine, which is close enough to its angle
     let turn = cos(angle);
@@ -272,12 +364,24 @@ pub(crate) fn draw(
     let car = pygame::corners([-CAR[0] / 2.0, 0.0], [CAR[0] / 2.0, CAR[1]]).map(place);
     pygame::gfx_polygon(canvas, &car, Color::BLACK);
     for wheel in [CAR[0] / 4.0, -CAR[0] / 4.0] {
-        pygame::gfx_circle(canvas, place([wheel, 0.0]), WHEEL_RADIUS, Color::rgb(128, 128, 128));
+        pygame::gfx_circle(
+            canvas,
+            place([wheel, 0.0]),
+            WHEEL_RADIUS,
+            Color::rgb(128, 128, 128),
+        );
     }
 
     let [x, bottom] = pixel(goal_position).map(f64::trunc);
     let top = bottom + 50.0;
-    canvas.pygame(Primitive::VLine { x, y1: bottom, y2: top }, Color::BLACK);
+    canvas.pygame(
+        Primitive::VLine {
+            x,
+            y1: bottom,
+            y2: top,
+        },
+        Color::BLACK,
+    );
     let flag = [[x, top], [x, top - 10.0], [x + 25.0, top - 5.0]];
     pygame::gfx_polygon(canvas, &flag, Color::rgb(204, 204, 0));
     canvas.pop();
@@ -297,5 +401,10 @@ gym_core::register!(
             "drives right while the velocity lies between two curves over the position, else left",
             |_| reflex(policy::mountain_car),
         ))
-        .clip(Clip { seeds: 0..1, every: 2, frames: 80, size: (300, 200) })
+        .clip(Clip {
+            seeds: 0..1,
+            every: 2,
+            frames: 80,
+            size: (300, 200)
+        })
 );

@@ -76,9 +76,30 @@ pub struct MountainCarContinuousDynamics {
 
 /// The constants of the equations.
 const fn constants_of(config: &Config) -> [f64; 8] {
-    let Config { goal_velocity, min_action, max_action, min_position, max_position, .. } = *config;
-    let Config { max_speed, goal_position, power, .. } = *config;
-    [goal_velocity, min_action, max_action, min_position, max_position, max_speed, goal_position, power]
+    let Config {
+        goal_velocity,
+        min_action,
+        max_action,
+        min_position,
+        max_position,
+        ..
+    } = *config;
+    let Config {
+        max_speed,
+        goal_position,
+        power,
+        ..
+    } = *config;
+    [
+        goal_velocity,
+        min_action,
+        max_action,
+        min_position,
+        max_position,
+        max_speed,
+        goal_position,
+        power,
+    ]
 }
 
 /// One step. With `USUAL`, all actions came as `float32` within their bounds, and no state is the first of its episode:
@@ -90,12 +111,26 @@ fn advance<R: Real, const USUAL: bool>(
     fresh: R::Mask,
     [action, precision]: [R; 2],
 ) -> Next<R, MountainCarContinuousDynamics> {
-    let [goal_velocity, min_action, max_action, min_position, max_position, max_speed, goal_position, power] =
-        constants;
+    let [
+        goal_velocity,
+        min_action,
+        max_action,
+        min_position,
+        max_position,
+        max_speed,
+        goal_position,
+        power,
+    ] = constants;
     let (single, zero) = (precision.lt(precision.same(1.0)), position.same(0.0));
     let double = R::but_not(precision.lt(precision.same(2.0)), single);
     // Each operation on `float32` numbers is exact in `float64` up to this rounding.
-    let rounded = |wide: R::Mask, x: R| if USUAL { x.single() } else { R::select(wide, x, x.single()) };
+    let rounded = |wide: R::Mask, x: R| {
+        if USUAL {
+            x.single()
+        } else {
+            R::select(wide, x, x.single())
+        }
+    };
     // for numbers that the usual case has already rounded
     let narrowed = |wide: R::Mask, x: R| if USUAL { x } else { rounded(wide, x) };
 
@@ -106,8 +141,11 @@ fn advance<R: Real, const USUAL: bool>(
     let above = action.gt(R::select(single, max_action.single(), max_action));
     let clipped = below | above;
     let force = R::select(below, min_action, R::select(above, max_action, action));
-    let change =
-        if USUAL { within } else { R::select(R::but_not(single, clipped), within, force * power - pull) };
+    let change = if USUAL {
+        within
+    } else {
+        R::select(R::but_not(single, clipped), within, force * power - pull)
+    };
 
     // numbers of Python's take the precision of the state; those of `float64` widen what they are added to
     let wide = fresh | R::but_not(double, clipped);
@@ -119,13 +157,26 @@ fn advance<R: Real, const USUAL: bool>(
     let max_position = rounded(wide_position, max_position);
     let moved = rounded(wide_position, position + narrowed(wide_position, velocity));
     let position = clip(moved, min_position, max_position);
-    let velocity = R::select(equal(position, min_position) & velocity.lt(zero), zero, velocity);
-    let terminated =
-        rounded(wide_position, goal_position).le(position) & rounded(wide, goal_velocity).le(velocity);
+    let velocity = R::select(
+        equal(position, min_position) & velocity.lt(zero),
+        zero,
+        velocity,
+    );
+    let terminated = rounded(wide_position, goal_position).le(position)
+        & rounded(wide, goal_velocity).le(velocity);
     let bonus = R::select(terminated, zero.same(100.0), zero);
     let reward = bonus - action.square() * 0.1;
-    let state = if USUAL { [position, velocity] } else { [position.single(), velocity.single()] };
-    Next { state, reward, terminated, seen: state }
+    let state = if USUAL {
+        [position, velocity]
+    } else {
+        [position.single(), velocity.single()]
+    };
+    Next {
+        state,
+        reward,
+        terminated,
+        seen: state,
+    }
 }
 
 impl Equations for MountainCarContinuousDynamics {
@@ -152,11 +203,21 @@ impl Equations for MountainCarContinuousDynamics {
 
     #[inline(always)]
     fn state(&self, [position, velocity]: [f64; 2], fresh: bool) -> State {
-        State { position, velocity, fresh }
+        State {
+            position,
+            velocity,
+            fresh,
+        }
     }
 
     #[inline(always)]
-    fn input(&self, Continuous { numbers: [force], precision }: Continuous<1>) -> [f64; 2] {
+    fn input(
+        &self,
+        Continuous {
+            numbers: [force],
+            precision,
+        }: Continuous<1>,
+    ) -> [f64; 2] {
         [force, f64::from(precision as u8)]
     }
 
@@ -199,7 +260,14 @@ impl Task for MountainCarContinuousDynamics {
     const NAME: &'static str = "MountainCarContinuous";
 
     fn new(config: Config) -> Result<Self> {
-        let Config { min_action, max_action, max_speed, goal_position, power, .. } = config;
+        let Config {
+            min_action,
+            max_action,
+            max_speed,
+            goal_position,
+            power,
+            ..
+        } = config;
         mountain_car::check_valley(
             Self::NAME,
             config.goal_velocity,
@@ -216,12 +284,17 @@ impl Task for MountainCarContinuousDynamics {
         )?;
         constants::limits(Self::NAME, [("max_speed", max_speed)])?;
         if min_action > max_action {
-            let reason =
-                format!("min_action is {min_action:?}: it must not be above max_action, {max_action:?}");
+            let reason = format!(
+                "min_action is {min_action:?}: it must not be above max_action, {max_action:?}"
+            );
             return Err(Error::argument(Self::NAME, reason));
         }
         let is_usual = Self::USUAL == Some(constants_of(&config));
-        Ok(Self { config, built: config, is_usual })
+        Ok(Self {
+            config,
+            built: config,
+            is_usual,
+        })
     }
 
     fn config(&self) -> &Config {
@@ -229,21 +302,35 @@ impl Task for MountainCarContinuousDynamics {
     }
 
     fn assign(&mut self, config: Config) -> Result<()> {
-        *self = Self { built: self.built, ..Self::new(config)? };
+        *self = Self {
+            built: self.built,
+            ..Self::new(config)?
+        };
         Ok(())
     }
 
     fn observation_space(&self) -> Space {
-        mountain_car::valley(self.built.min_position, self.built.max_position, self.built.max_speed)
+        mountain_car::valley(
+            self.built.min_position,
+            self.built.max_position,
+            self.built.max_speed,
+        )
     }
 
     fn action_space(&self) -> Space {
-        Space::boxed([self.built.min_action as f32], [self.built.max_action as f32])
+        Space::boxed(
+            [self.built.min_action as f32],
+            [self.built.max_action as f32],
+        )
     }
 
     fn start(&self, reset: &Reset, rng: &mut Generator) -> Result<State> {
         let (low, high) = reset::bounds(reset, Self::NAME, -0.6, -0.4)?;
-        Ok(State { position: rng.uniform(low, high), velocity: 0.0, fresh: true })
+        Ok(State {
+            position: rng.uniform(low, high),
+            velocity: 0.0,
+            fresh: true,
+        })
     }
 
     fn is_valid(&self, state: &State) -> bool {
@@ -255,8 +342,19 @@ impl Task for MountainCarContinuousDynamics {
     }
 
     fn draw(&self, state: &State, canvas: &mut dyn Canvas) {
-        let Config { min_position, max_position, goal_position, .. } = self.config;
-        mountain_car::draw(state.position, !state.fresh, [min_position, max_position], goal_position, canvas);
+        let Config {
+            min_position,
+            max_position,
+            goal_position,
+            ..
+        } = self.config;
+        mountain_car::draw(
+            state.position,
+            !state.fresh,
+            [min_position, max_position],
+            goal_position,
+            canvas,
+        );
     }
 }
 
@@ -269,8 +367,14 @@ gym_core::register!(
         .vector_entry_point(gym_native::entry_point::<MountainCarContinuousDynamics>)
         .light_step()
         .keys(|_| Keys::new(json!({"Left": [-1], "Right": [1]})).idle(json!([0])))
-        .policy(Policy::rules("drives in the direction of the velocity, with force 0.4", |_| reflex(
-            policy::mountain_car_continuous
-        )))
-        .clip(Clip { seeds: 0..1, every: 3, frames: 100, size: (300, 200) })
+        .policy(Policy::rules(
+            "drives in the direction of the velocity, with force 0.4",
+            |_| reflex(policy::mountain_car_continuous)
+        ))
+        .clip(Clip {
+            seeds: 0..1,
+            every: 3,
+            frames: 100,
+            size: (300, 200)
+        })
 );

@@ -22,8 +22,8 @@ use gym_core::policy::reflex;
 use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::{
-    Continuous, Generator, Keys, Policy, Precision, Registration, Reset, Result, Space, Stateful, Task,
-    Transition, pygame,
+    Continuous, Generator, Keys, Policy, Precision, Registration, Reset, Result, Space, Stateful,
+    Task, Transition, pygame,
 };
 use gym_native::{Equations, Next};
 use serde::{Deserialize, Serialize};
@@ -91,8 +91,21 @@ struct Start {
 
 /// The constants of the equations, with the square of the length.
 const fn constants_of(config: &Config, l_2: f64) -> [f64; 5] {
-    let Config { g, m, l, max_speed, max_torque, dt } = *config;
-    [3.0 * g / (2.0 * l), 3.0 / (m * l_2), max_speed, max_torque, dt]
+    let Config {
+        g,
+        m,
+        l,
+        max_speed,
+        max_torque,
+        dt,
+    } = *config;
+    [
+        3.0 * g / (2.0 * l),
+        3.0 / (m * l_2),
+        max_speed,
+        max_torque,
+        dt,
+    ]
 }
 
 /// The cost of a torque, and its acceleration, computed by numpy in `float32` or not.
@@ -101,7 +114,11 @@ fn effects<R: Real, const SINGLE: bool>(torque: R, per_torque: R, max_torque: R)
     let rounded = |x: R| if SINGLE { x.single() } else { x };
     let max_torque = rounded(max_torque);
     let u = clip(torque, -max_torque, max_torque);
-    let effort = if SINGLE { (u.square_f32() * f64::from(0.001f32)).single() } else { u.square() * 0.001 };
+    let effort = if SINGLE {
+        (u.square_f32() * f64::from(0.001f32)).single()
+    } else {
+        u.square() * 0.001
+    };
     [effort, rounded(u * rounded(per_torque))]
 }
 
@@ -136,12 +153,22 @@ impl Equations for PendulumDynamics {
 
     #[inline(always)]
     fn state(&self, [theta, theta_dot, _]: [f64; 3], _fresh: bool) -> State {
-        State { theta, theta_dot, last_torque: None }
+        State {
+            theta,
+            theta_dot,
+            last_torque: None,
+        }
     }
 
     /// The torque, and whether its products are `float64`: those of numpy's arrays of `float32` are not.
     #[inline(always)]
-    fn input(&self, Continuous { numbers: [torque], precision }: Continuous<1>) -> [f64; 2] {
+    fn input(
+        &self,
+        Continuous {
+            numbers: [torque],
+            precision,
+        }: Continuous<1>,
+    ) -> [f64; 2] {
         [torque, f64::from(u8::from(precision != Precision::Single))]
     }
 
@@ -160,7 +187,10 @@ impl Equations for PendulumDynamics {
         } else {
             let singles = effects::<R, true>(torque, per_torque, max_torque);
             let doubles = effects::<R, false>(torque, per_torque, max_torque);
-            [R::select(single, singles[0], doubles[0]), R::select(single, singles[1], doubles[1])]
+            [
+                R::select(single, singles[0], doubles[0]),
+                R::select(single, singles[1], doubles[1]),
+            ]
         };
         let angle = (theta + PI).modulo(2.0 * PI) - PI;
         let costs = angle.square() + theta_dot.square() * 0.1 + effort;
@@ -171,7 +201,12 @@ impl Equations for PendulumDynamics {
         let terminated = theta.lt(theta) & theta.lt(theta);
         let seen = self.see([theta, theta_dot, sin]);
         let [_, sin, _] = seen;
-        Next { state: [theta, theta_dot, sin], reward: -costs, terminated, seen }
+        Next {
+            state: [theta, theta_dot, sin],
+            reward: -costs,
+            terminated,
+            seen,
+        }
     }
 
     #[inline(always)]
@@ -183,8 +218,11 @@ impl Equations for PendulumDynamics {
     #[inline(always)]
     fn finish(&self, _before: &State, action: Continuous<1>, transition: &mut Transition<State>) {
         let [torque] = action.numbers.map(|torque| torque as f32);
-        transition.state.last_torque =
-            Some(torque.max(-self.config.max_torque as f32).min(self.config.max_torque as f32));
+        transition.state.last_torque = Some(
+            torque
+                .max(-self.config.max_torque as f32)
+                .min(self.config.max_torque as f32),
+        );
     }
 }
 
@@ -197,12 +235,27 @@ impl Task for PendulumDynamics {
     const NAME: &'static str = "Pendulum";
 
     fn new(config: Config) -> Result<Self> {
-        let Config { g, m, l, max_speed, max_torque, dt } = config;
+        let Config {
+            g,
+            m,
+            l,
+            max_speed,
+            max_torque,
+            dt,
+        } = config;
         constants::finite(Self::NAME, [("g", g), ("m", m), ("l", l), ("dt", dt)])?;
-        constants::limits(Self::NAME, [("max_speed", max_speed), ("max_torque", max_torque)])?;
+        constants::limits(
+            Self::NAME,
+            [("max_speed", max_speed), ("max_torque", max_torque)],
+        )?;
         let constants = constants_of(&config, square(l));
         let is_usual = Self::USUAL == Some(constants);
-        Ok(Self { config, built: config, is_usual, constants })
+        Ok(Self {
+            config,
+            built: config,
+            is_usual,
+            constants,
+        })
     }
 
     fn config(&self) -> &Config {
@@ -210,7 +263,10 @@ impl Task for PendulumDynamics {
     }
 
     fn assign(&mut self, config: Config) -> Result<()> {
-        *self = Self { built: self.built, ..Self::new(config)? };
+        *self = Self {
+            built: self.built,
+            ..Self::new(config)?
+        };
         Ok(())
     }
 
@@ -225,11 +281,18 @@ impl Task for PendulumDynamics {
     }
 
     fn start(&self, reset: &Reset, rng: &mut Generator) -> Result<State> {
-        let Start { x_init, y_init } =
-            if reset.options.is_empty() { Start::default() } else { reset.options(Self::NAME)? };
+        let Start { x_init, y_init } = if reset.options.is_empty() {
+            Start::default()
+        } else {
+            reset.options(Self::NAME)?
+        };
         let x = reset::check(Self::NAME, "x_init", x_init.unwrap_or(PI))?;
         let y = reset::check(Self::NAME, "y_init", y_init.unwrap_or(1.0))?;
-        Ok(State { theta: rng.uniform(-x, x), theta_dot: rng.uniform(-y, y), last_torque: None })
+        Ok(State {
+            theta: rng.uniform(-x, x),
+            theta_dot: rng.uniform(-y, y),
+            last_torque: None,
+        })
     }
 
     fn is_valid(&self, state: &State) -> bool {
@@ -247,7 +310,8 @@ impl Task for PendulumDynamics {
 
         canvas.clear(Color::WHITE);
         canvas.push(pygame::flipped(500.0));
-        let place = |point: Point| pygame::rotate_rad(point, state.theta + PI / 2.0).map(|x| x + MIDDLE);
+        let place =
+            |point: Point| pygame::rotate_rad(point, state.theta + PI / 2.0).map(|x| x + MIDDLE);
         let rod = pygame::corners([0.0, -ROD_WIDTH / 2.0], [SCALE, ROD_WIDTH / 2.0]).map(place);
         pygame::gfx_polygon(canvas, &rod, ROD);
         pygame::gfx_circle(canvas, [MIDDLE; 2], ROD_WIDTH / 2.0, ROD);
@@ -279,11 +343,18 @@ fn draw_torque(torque: f64, scale: f64, canvas: &mut dyn Canvas) {
     }
     // drawn counterclockwise; a negative torque turns the other way
     let place = |[x, y]: Point| [x * size * torque.signum() + MIDDLE, y * size + MIDDLE];
-    let edge = |radius| arc([0.0; 2], radius, -1.5 * PI, 0.0).map(|[x, y]| [WIDE * x - SHIFT, HIGH * y]);
+    let edge =
+        |radius| arc([0.0; 2], radius, -1.5 * PI, 0.0).map(|[x, y]| [WIDE * x - SHIFT, HIGH * y]);
     let (inner, outer): ([Point; POINTS], [Point; POINTS]) =
         (edge(1.0 - WIDTH / 2.0), edge(1.0 + WIDTH / 2.0));
-    let ring: [Point; 2 * POINTS] =
-        std::array::from_fn(|i| place(outer.get(i).copied().unwrap_or_else(|| inner[2 * POINTS - 1 - i])));
+    let ring: [Point; 2 * POINTS] = std::array::from_fn(|i| {
+        place(
+            outer
+                .get(i)
+                .copied()
+                .unwrap_or_else(|| inner[2 * POINTS - 1 - i]),
+        )
+    });
     pygame::gfx_polygon(canvas, &ring, Color::BLACK);
     pygame::gfx_polygon(canvas, &HEAD.map(place), Color::BLACK);
 }
@@ -303,5 +374,10 @@ gym_core::register!(
             "adds energy until the pole is near the top, then holds it there with a PD controller",
             |_| reflex(policy::pendulum),
         ))
-        .clip(Clip { seeds: 5..6, every: 2, frames: 80, size: (200, 200) })
+        .clip(Clip {
+            seeds: 5..6,
+            every: 2,
+            frames: 80,
+            size: (200, 200)
+        })
 );

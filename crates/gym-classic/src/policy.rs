@@ -13,7 +13,11 @@ pub(crate) fn mountain_car([position, velocity]: &[f32; 2]) -> i64 {
     let x = *position;
     let low = (-0.09 * (x + 0.25).powi(2) + 0.03).min(0.3 * (x + 0.9).powi(4) - 0.008);
     let high = -0.07 * (x + 0.38).powi(2) + 0.07;
-    if low < *velocity && *velocity < high { 2 } else { 0 }
+    if low < *velocity && *velocity < high {
+        2
+    } else {
+        0
+    }
 }
 
 /// Drives in the direction of the velocity, which adds energy, and gently, because force costs reward.
@@ -26,8 +30,11 @@ pub(crate) fn pendulum([cos, sin, theta_dot]: &[f32; 3]) -> [f32; 1] {
     let theta = atan2(f64::from(*sin), f64::from(*cos)) as f32;
     // per unit of inertia: that at the top is 15
     let energy = 0.5 * theta_dot * theta_dot + 15.0 * cos;
-    let torque =
-        if theta.abs() < 0.5 { -10.0 * theta - 2.0 * theta_dot } else { (15.0 - energy) * theta_dot };
+    let torque = if theta.abs() < 0.5 {
+        -10.0 * theta - 2.0 * theta_dot
+    } else {
+        (15.0 - energy) * theta_dot
+    };
     [torque.clamp(-2.0, 2.0)]
 }
 

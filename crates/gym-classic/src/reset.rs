@@ -36,7 +36,12 @@ pub(crate) fn number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Optio
 }
 
 /// The reset options `low` and `high`: the range that the initial state is drawn from.
-pub(crate) fn bounds(reset: &Reset, env: &str, default_low: f64, default_high: f64) -> Result<(f64, f64)> {
+pub(crate) fn bounds(
+    reset: &Reset,
+    env: &str,
+    default_low: f64,
+    default_high: f64,
+) -> Result<(f64, f64)> {
     if reset.options.is_empty() {
         return Ok((default_low, default_high));
     }

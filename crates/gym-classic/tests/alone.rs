@@ -6,13 +6,24 @@ use gym_core::{EnvExt, builder, make, registry};
 
 #[test]
 fn only_this_family_is_linked() {
-    assert!(registry::all().iter().all(|registration| registration.source.package == "gym-classic"));
+    assert!(
+        registry::all()
+            .iter()
+            .all(|registration| registration.source.package == "gym-classic")
+    );
     assert_eq!(registry::all().len(), 6);
     make("Acrobot-v1").unwrap().reset(0).unwrap();
 }
 
 #[test]
 fn pictures_need_a_crate_that_draws() {
-    let error = builder("CartPole-v1").render_mode(RenderMode::RgbArray).build().unwrap_err().to_string();
-    assert!(error.contains("add gym-render and `use gym_render as _;`"), "{error}");
+    let error = builder("CartPole-v1")
+        .render_mode(RenderMode::RgbArray)
+        .build()
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("add gym-render and `use gym_render as _;`"),
+        "{error}"
+    );
 }

@@ -40,7 +40,11 @@ impl Actions {
             "MountainCarContinuous-v0" => (None, Some(1)),
             _ => (None, None),
         };
-        Self { rng: Generator::from(seed + 1000), n, pump }
+        Self {
+            rng: Generator::from(seed + 1000),
+            n,
+            pump,
+        }
     }
 
     fn next(&mut self, observation: &[f32]) -> Value {
@@ -81,7 +85,9 @@ impl Sum {
     }
 
     fn observe(&mut self, observation: &[f32]) {
-        observation.iter().for_each(|x| self.word(u64::from(x.to_bits())));
+        observation
+            .iter()
+            .for_each(|x| self.word(u64::from(x.to_bits())));
     }
 
     fn step(&mut self, observation: &[f32], reward: f64, done: bool) {
@@ -112,8 +118,18 @@ fn sum_of(env: &mut BoxEnv, id: &str, seed: u64) -> String {
 
 #[test]
 fn constants_of_single_environments_are_gymnasiums() {
-    for Recorded { id, seed, arguments, sum } in recordings() {
-        let mut env = builder(&id).args(arguments.clone()).max_episode_steps(None).build().unwrap();
+    for Recorded {
+        id,
+        seed,
+        arguments,
+        sum,
+    } in recordings()
+    {
+        let mut env = builder(&id)
+            .args(arguments.clone())
+            .max_episode_steps(None)
+            .build()
+            .unwrap();
         assert_eq!(sum_of(&mut env, &id, seed), sum, "{id}: {arguments:?}");
     }
 }
@@ -121,7 +137,13 @@ fn constants_of_single_environments_are_gymnasiums() {
 #[test]
 fn constants_of_native_vectors_are_gymnasiums() {
     const N: usize = 5;
-    for Recorded { id, seed, arguments, sum } in recordings() {
+    for Recorded {
+        id,
+        seed,
+        arguments,
+        sum,
+    } in recordings()
+    {
         let env = builder(&id).args(arguments.clone()).max_episode_steps(None);
         let mut envs = env.vector(N).kind(VectorKind::Native).build().unwrap();
         let mut columns = envs.columns().unwrap();
@@ -134,7 +156,10 @@ fn constants_of_native_vectors_are_gymnasiums() {
         let mut actions = Actions::new(&id, seed);
         for _ in 0..STEPS {
             let action = actions.next(&first(&columns));
-            let batch = envs.single_action_space().concatenate(&vec![action; N]).unwrap();
+            let batch = envs
+                .single_action_space()
+                .concatenate(&vec![action; N])
+                .unwrap();
             envs.step_into(&batch, &mut columns).unwrap();
             own.step(&first(&columns), columns.rewards[0], columns.done(0));
         }
@@ -150,21 +175,41 @@ fn derived_constants_follow_unless_given() {
         env.reset(0).unwrap();
         env.step(&Action::Right).unwrap().observation
     };
-    let heavy = Config { masspole: 0.5, ..Config::default() };
-    let stated = Config { total_mass: Some(1.5), polemass_length: Some(0.25), ..heavy };
+    let heavy = Config {
+        masspole: 0.5,
+        ..Config::default()
+    };
+    let stated = Config {
+        total_mass: Some(1.5),
+        polemass_length: Some(0.25),
+        ..heavy
+    };
     assert_eq!(first(heavy), first(stated));
-    assert_ne!(first(heavy), first(Config { total_mass: Some(1.1), ..heavy }));
+    assert_ne!(
+        first(heavy),
+        first(Config {
+            total_mass: Some(1.1),
+            ..heavy
+        })
+    );
 }
 
 #[test]
 fn spaces_follow_the_constants() {
     let space = |id: &str, name: &str, value: f64| {
         let env = builder(id).arg(name, value).build().unwrap();
-        (env.observation_space().to_string(), env.action_space().to_string())
+        (
+            env.observation_space().to_string(),
+            env.action_space().to_string(),
+        )
     };
     assert!(space("CartPole-v1", "x_threshold", 3.0).0.contains('6'));
     assert!(space("Pendulum-v1", "max_torque", 3.0).1.contains('3'));
-    assert!(space("MountainCarContinuous-v0", "max_action", 1.5).1.contains("1.5"));
+    assert!(
+        space("MountainCarContinuous-v0", "max_action", 1.5)
+            .1
+            .contains("1.5")
+    );
 }
 
 #[test]
@@ -176,7 +221,12 @@ fn constants_that_cannot_be_are_refused() {
             1e7,
             "gravity is 10000000.0: it must lie between -1000000.0 and 1000000.0",
         ),
-        ("CartPole-v1", "x_threshold", -1.0, "x_threshold is -1.0: it must lie between 0.0"),
+        (
+            "CartPole-v1",
+            "x_threshold",
+            -1.0,
+            "x_threshold is -1.0: it must lie between 0.0",
+        ),
         (
             "MountainCar-v0",
             "min_position",
@@ -194,18 +244,35 @@ fn constants_that_cannot_be_are_refused() {
         ("Acrobot-v1", "MAX_VEL_1", -1.0, "MAX_VEL_1 is -1.0"),
         ("Acrobot-v1", "gravity", 9.8, "unknown argument `gravity`"),
     ] {
-        let error = builder(id).arg(name, value).build().unwrap_err().to_string();
+        let error = builder(id)
+            .arg(name, value)
+            .build()
+            .unwrap_err()
+            .to_string();
         assert!(error.contains(reason), "{id}: {error}");
     }
-    let error = builder("CartPole-v1").arg("kinematics_integrator", "rk4").build().unwrap_err().to_string();
-    assert!(error.contains("`euler` or `semi-implicit euler`"), "{error}");
+    let error = builder("CartPole-v1")
+        .arg("kinematics_integrator", "rk4")
+        .build()
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("`euler` or `semi-implicit euler`"),
+        "{error}"
+    );
 }
 
 /// As an attribute of Gymnasium's environments does: numbers computed from others stay, and so do the spaces.
 #[test]
 fn constants_set_later_take_effect() {
-    for Recorded { id, seed, arguments, sum } in
-        recordings().into_iter().filter(|recorded| recorded.id == "CartPole-v1")
+    for Recorded {
+        id,
+        seed,
+        arguments,
+        sum,
+    } in recordings()
+        .into_iter()
+        .filter(|recorded| recorded.id == "CartPole-v1")
     {
         use gym_classic::CartPole;
         let mut env = builder(&id).max_episode_steps(None).build().unwrap();
@@ -213,15 +280,19 @@ fn constants_set_later_take_effect() {
         env.reset(0).unwrap();
         let own = env.unwrapped_mut::<CartPole>().unwrap();
         let derived = ["total_mass", "polemass_length"];
-        let given =
-            |name: &str| !derived.contains(&name) || !matches!(arguments[name].as_f64(), Some(1.1 | 0.05));
+        let given = |name: &str| {
+            !derived.contains(&name) || !matches!(arguments[name].as_f64(), Some(1.1 | 0.05))
+        };
         for (name, value) in arguments.iter().filter(|(name, _)| given(name)) {
             own.set_argument(name, value.clone()).unwrap();
         }
         assert_eq!(env.observation_space(), space);
         assert_eq!(sum_of(&mut env, &id, seed), sum, "{arguments:?}");
         let own = env.unwrapped_mut::<CartPole>().unwrap();
-        let error = own.set_argument("gravity", "much".into()).unwrap_err().to_string();
+        let error = own
+            .set_argument("gravity", "much".into())
+            .unwrap_err()
+            .to_string();
         assert!(error.contains("expected f64"), "{error}");
         let error = own.set_argument("mass", 1.into()).unwrap_err().to_string();
         assert!(error.contains("unknown argument `mass`"), "{error}");
@@ -235,8 +306,15 @@ fn each_environment_of_a_vector_has_constants_of_its_own() {
     let gravity: Vec<f64> = (0..N).map(|i| 1.0 + i as f64 / 7.0).collect();
     let length: Vec<f64> = (0..N).map(|i| 0.2 + i as f64 / 100.0).collect();
     let make = |kind| {
-        let vector = builder("CartPole-v1").arg("masspole", 0.2).vector(N).kind(kind);
-        vector.arg_each("gravity", gravity.clone()).arg_each("length", length.clone()).build().unwrap()
+        let vector = builder("CartPole-v1")
+            .arg("masspole", 0.2)
+            .vector(N)
+            .kind(kind);
+        vector
+            .arg_each("gravity", gravity.clone())
+            .arg_each("length", length.clone())
+            .build()
+            .unwrap()
     };
     let [mut native, mut sync] = [VectorKind::Native, VectorKind::Sync].map(make);
     let [mut fast, mut exact] = [native.columns().unwrap(), sync.columns().unwrap()];
@@ -268,7 +346,9 @@ fn ranges_draw_constants_anew_at_each_reset() {
     const N: usize = 40;
     const RANGES: [(&str, f64, f64); 2] = [("gravity", 2.0, 20.0), ("length", 0.2, 2.0)];
     let make = || {
-        let vector = builder("CartPole-v1").vector(N).arg_each("length", 0.2..2.0);
+        let vector = builder("CartPole-v1")
+            .vector(N)
+            .arg_each("length", 0.2..2.0);
         vector.arg_each("gravity", 2.0..20.0).build().unwrap()
     };
     let mut envs = make();
@@ -277,7 +357,12 @@ fn ranges_draw_constants_anew_at_each_reset() {
     // the same by hand
     let start = |rng: &mut Generator| {
         let [gravity, length] = RANGES.map(|(_, low, high)| rng.uniform(low, high));
-        let own = CartPoleDynamics::new(Config { gravity, length, ..Config::default() }).unwrap();
+        let own = CartPoleDynamics::new(Config {
+            gravity,
+            length,
+            ..Config::default()
+        })
+        .unwrap();
         let state = own.start(&Reset::default(), rng).unwrap();
         (own, state)
     };
@@ -307,7 +392,12 @@ fn ranges_draw_constants_anew_at_each_reset() {
                 ends += usize::from(next.terminated);
                 dynamics.observe(&next.state)
             };
-            let row = columns.observations.as_slice::<f32>().unwrap().as_chunks::<4>().0[i];
+            let row = columns
+                .observations
+                .as_slice::<f32>()
+                .unwrap()
+                .as_chunks::<4>()
+                .0[i];
             assert_eq!(row, seen, "step {step} of {i}");
         }
     }
@@ -315,8 +405,16 @@ fn ranges_draw_constants_anew_at_each_reset() {
     let native = envs.wrapper::<NativeVectorEnv<CartPoleDynamics>>().unwrap();
     let drawn: Vec<_> = (0..N).map(|i| native.arguments(i)).collect();
     for (i, (dynamics, _)) in own.iter().enumerate() {
-        let Config { gravity, length, .. } = *dynamics.config();
-        assert_eq!(drawn[i], [("gravity".to_owned(), gravity), ("length".to_owned(), length)]);
+        let Config {
+            gravity, length, ..
+        } = *dynamics.config();
+        assert_eq!(
+            drawn[i],
+            [
+                ("gravity".to_owned(), gravity),
+                ("length".to_owned(), length)
+            ]
+        );
     }
     // a snapshot holds what was drawn
     let (snapshot, mut actions) = middle.unwrap();
@@ -327,7 +425,11 @@ fn ranges_draw_constants_anew_at_each_reset() {
         again.step_into(&actions.sample(), &mut replayed).unwrap();
     }
     assert_eq!(replayed.observations, columns.observations);
-    let mut other = builder("CartPole-v1").vector(N).arg_each("gravity", 2.0..3.0).build().unwrap();
+    let mut other = builder("CartPole-v1")
+        .vector(N)
+        .arg_each("gravity", 2.0..3.0)
+        .build()
+        .unwrap();
     assert!(other.restore(&snapshot).is_err());
 }
 
@@ -341,14 +443,31 @@ fn what_cannot_differ_is_refused() {
     assert!(error("gravity", (3.0..1.0).into()).contains("the lower one first"));
     assert!(error("gravity", [1.0, 1e9].into()).contains("gravity is 1000000000.0"));
     assert!(error("mass", [1.0, 2.0].into()).contains("no argument of this name"));
-    assert!(error("x_threshold", [1.0, 2.0].into()).contains("must give all environments the same spaces"));
     assert!(
-        error("kinematics_integrator", ["euler", "euler"].into()).contains("only arguments that are numbers")
+        error("x_threshold", [1.0, 2.0].into())
+            .contains("must give all environments the same spaces")
     );
-    let vector = builder("CartPole-v1").vector(2).kind(VectorKind::Sync).arg_each("gravity", 1.0..2.0);
-    assert!(vector.build().unwrap_err().to_string().contains("ranges need a native vector"));
+    assert!(
+        error("kinematics_integrator", ["euler", "euler"].into())
+            .contains("only arguments that are numbers")
+    );
+    let vector = builder("CartPole-v1")
+        .vector(2)
+        .kind(VectorKind::Sync)
+        .arg_each("gravity", 1.0..2.0);
+    assert!(
+        vector
+            .build()
+            .unwrap_err()
+            .to_string()
+            .contains("ranges need a native vector")
+    );
     // a sync vector supports what a native one does not
-    let envs =
-        builder("CartPole-v1").vector(2).arg_each("kinematics_integrator", ["euler", "semi-implicit euler"]);
-    assert_eq!(envs.build().unwrap().spec().unwrap().vectorization_mode, VectorKind::Sync);
+    let envs = builder("CartPole-v1")
+        .vector(2)
+        .arg_each("kinematics_integrator", ["euler", "semi-implicit euler"]);
+    assert_eq!(
+        envs.build().unwrap().spec().unwrap().vectorization_mode,
+        VectorKind::Sync
+    );
 }

@@ -30,17 +30,27 @@ fn only_what_an_episode_reaches_is_restored() {
     };
     with("theta", Config::default().theta_threshold_radians).unwrap();
     with("x", -2.4).unwrap();
-    for (name, value) in
-        [("theta", 0.9), ("theta", -0.21), ("x", 2.41), ("x_dot", 300.0), ("theta_dot", -1000.0)]
-    {
-        assert!(with(name, value).unwrap_err().to_string().contains("not a state of this CartPole"));
+    for (name, value) in [
+        ("theta", 0.9),
+        ("theta", -0.21),
+        ("x", 2.41),
+        ("x_dot", 300.0),
+        ("theta_dot", -1000.0),
+    ] {
+        assert!(
+            with(name, value)
+                .unwrap_err()
+                .to_string()
+                .contains("not a state of this CartPole")
+        );
     }
 }
 
 #[test]
 fn what_starts_and_ends_beyond_the_thresholds_is_stored_and_restored() {
     let mut env = CartPole::new(Config::default()).unwrap();
-    env.reset(Reset::seed(0).option("low", 0.8).option("high", 0.9)).unwrap();
+    env.reset(Reset::seed(0).option("low", 0.8).option("high", 0.9))
+        .unwrap();
     let start = env.snapshot().unwrap();
     assert!(env.step(&Action::Left).unwrap().terminated);
     let end = env.snapshot().unwrap();
@@ -53,31 +63,50 @@ fn what_starts_and_ends_beyond_the_thresholds_is_stored_and_restored() {
 /// Without mass the numbers are infinite after a step, and NaN after two.
 #[test]
 fn a_state_that_is_not_finite_is_stored_and_restored() {
-    let mut env = CartPole::new(Config { total_mass: Some(0.0), ..Config::default() }).unwrap();
+    let mut env = CartPole::new(Config {
+        total_mass: Some(0.0),
+        ..Config::default()
+    })
+    .unwrap();
     env.reset(0).unwrap();
     for _ in 0..3 {
         env.step(&Action::Left).unwrap();
         let stored = serde_json::to_string(&env.snapshot().unwrap()).unwrap();
-        env.restore(&serde_json::from_str(&stored).unwrap()).unwrap();
-        assert_eq!(serde_json::to_string(&env.snapshot().unwrap()).unwrap(), stored);
+        env.restore(&serde_json::from_str(&stored).unwrap())
+            .unwrap();
+        assert_eq!(
+            serde_json::to_string(&env.snapshot().unwrap()).unwrap(),
+            stored
+        );
     }
 }
 
 #[test]
 fn the_last_step_counts_and_none_beyond() {
     assert_eq!(rewards(Config::default()), [1.0, 1.0, 0.0]);
-    assert_eq!(rewards(Config { sutton_barto_reward: true, ..Config::default() }), [0.0, -1.0, -1.0]);
+    assert_eq!(
+        rewards(Config {
+            sutton_barto_reward: true,
+            ..Config::default()
+        }),
+        [0.0, -1.0, -1.0]
+    );
 }
 
 /// The force is clipped; the reward is of the unclipped action.
 #[test]
 fn the_cost_is_that_of_the_action_as_given() {
     let step = |force: f32| {
-        let mut env = MountainCarContinuous::new(mountain_car_continuous::Config::default()).unwrap();
+        let mut env =
+            MountainCarContinuous::new(mountain_car_continuous::Config::default()).unwrap();
         env.reset(0).unwrap();
         env.step(&[force].into()).unwrap()
     };
-    assert!((step(3.0).reward + 0.9).abs() < 1e-9, "{}", step(3.0).reward);
+    assert!(
+        (step(3.0).reward + 0.9).abs() < 1e-9,
+        "{}",
+        step(3.0).reward
+    );
     assert!((step(1.0).reward + 0.1).abs() < 1e-9);
     assert!((step(3.0).observation[0] - step(1.0).observation[0]).abs() < 1e-6);
 }
@@ -86,20 +115,40 @@ fn the_cost_is_that_of_the_action_as_given() {
 #[test]
 fn the_goal_itself_counts() {
     let mut rng = Generator::from(0);
-    let config = mountain_car::Config { goal_position: 0.6, goal_velocity: 0.07, ..Default::default() };
+    let config = mountain_car::Config {
+        goal_position: 0.6,
+        goal_velocity: 0.07,
+        ..Default::default()
+    };
     let car = mountain_car::MountainCarDynamics::new(config).unwrap();
-    let before = mountain_car::State { position: 0.55, velocity: 0.07 };
-    let after = car.transition(&before, &mountain_car::Action::Right, &mut rng).unwrap();
+    let before = mountain_car::State {
+        position: 0.55,
+        velocity: 0.07,
+    };
+    let after = car
+        .transition(&before, &mountain_car::Action::Right, &mut rng)
+        .unwrap();
     assert_eq!((after.state.position, after.state.velocity), (0.6, 0.07));
     assert!(after.terminated);
 
     // its numbers are those of float32
     let [goal_position, goal_velocity] = [0.6f32, 0.07].map(f64::from);
-    let config = mountain_car_continuous::Config { goal_position, goal_velocity, ..Default::default() };
+    let config = mountain_car_continuous::Config {
+        goal_position,
+        goal_velocity,
+        ..Default::default()
+    };
     let car = mountain_car_continuous::MountainCarContinuousDynamics::new(config).unwrap();
-    let before = mountain_car_continuous::State { position: 0.55, velocity: 0.07, fresh: false };
+    let before = mountain_car_continuous::State {
+        position: 0.55,
+        velocity: 0.07,
+        fresh: false,
+    };
     let after = car.transition(&before, &[1.0f32].into(), &mut rng).unwrap();
-    assert_eq!((after.state.position, after.state.velocity), (goal_position, goal_velocity));
+    assert_eq!(
+        (after.state.position, after.state.velocity),
+        (goal_position, goal_velocity)
+    );
     assert!(after.terminated);
 }
 
@@ -113,10 +162,25 @@ fn a_precise_force_moves_a_continuous_mountain_car_precisely() {
     for i in 0..10_000 {
         let position = -0.6 + 2e-5 * f64::from(i);
         for fresh in [true, false] {
-            let position = if fresh { position } else { f64::from(position as f32) };
-            let thrice = if fresh { 3.0 * position } else { f64::from((3.0 * position) as f32) };
-            let state = State { position, velocity: 0.0, fresh };
-            let after = task.transition(&state, &[0.3].into(), &mut Generator::from(0)).unwrap().state;
+            let position = if fresh {
+                position
+            } else {
+                f64::from(position as f32)
+            };
+            let thrice = if fresh {
+                3.0 * position
+            } else {
+                f64::from((3.0 * position) as f32)
+            };
+            let state = State {
+                position,
+                velocity: 0.0,
+                fresh,
+            };
+            let after = task
+                .transition(&state, &[0.3].into(), &mut Generator::from(0))
+                .unwrap()
+                .state;
             let velocity = 0.3 * 0.0015 - 0.0025 * gym_core::math::cos(thrice);
             let expected = [(position + velocity) as f32, velocity as f32];
             assert_eq!(task.observe(&after), expected, "from {position}");
@@ -130,9 +194,16 @@ fn a_torque_costs_in_its_own_precision() {
     use gym_classic::pendulum::{Config, PendulumDynamics, State};
 
     let task = PendulumDynamics::new(Config::default()).unwrap();
-    let rest = State { theta: 0.0, theta_dot: 0.0, last_torque: None };
-    let reward =
-        |action: Continuous<1>| task.transition(&rest, &action, &mut Generator::from(0)).unwrap().reward;
+    let rest = State {
+        theta: 0.0,
+        theta_dot: 0.0,
+        last_torque: None,
+    };
+    let reward = |action: Continuous<1>| {
+        task.transition(&rest, &action, &mut Generator::from(0))
+            .unwrap()
+            .reward
+    };
     for torque in [0.1, -0.7, 1.3, 2.0] {
         assert_eq!(reward([torque].into()), -(torque * torque * 0.001));
         let single = torque as f32;

@@ -11,8 +11,13 @@ use std::process::Command;
 use gym_classic as _;
 use gym_core::{VectorEnv, VectorEnvExt};
 
-const IDS: [&str; 5] =
-    ["Acrobot-v1", "CartPole-v1", "MountainCar-v0", "MountainCarContinuous-v0", "Pendulum-v1"];
+const IDS: [&str; 5] = [
+    "Acrobot-v1",
+    "CartPole-v1",
+    "MountainCar-v0",
+    "MountainCarContinuous-v0",
+    "Pendulum-v1",
+];
 
 /// How often a function multiplies and adds at once, in registers of 8, 4 and 1 numbers.
 #[derive(Clone, Debug, Default)]
@@ -27,19 +32,29 @@ struct Function {
 
 /// Instructions that results must not depend on.
 const PLATFORM: [&str; 20] = [
-    "atan2", "cos", "cosf", "exp", "exp2", "expm1", "fma", "fmaf", "log", "log10", "log1p", "log1pf", "log2",
-    "pow", "powf", "sin", "sincos", "sinf", "tan", "tanh",
+    "atan2", "cos", "cosf", "exp", "exp2", "expm1", "fma", "fmaf", "log", "log10", "log1p",
+    "log1pf", "log2", "pow", "powf", "sin", "sincos", "sinf", "tan", "tanh",
 ];
 
 fn functions(disassembly: &str) -> Vec<Function> {
     let mut functions: Vec<Function> = Vec::new();
     for line in disassembly.lines() {
-        if let Some(name) = line.strip_suffix(">:").and_then(|line| line.split_once('<')) {
-            functions.push(Function { name: name.1.to_owned(), ..Function::default() });
+        if let Some(name) = line
+            .strip_suffix(">:")
+            .and_then(|line| line.split_once('<'))
+        {
+            functions.push(Function {
+                name: name.1.to_owned(),
+                ..Function::default()
+            });
             continue;
         }
-        let Some(function) = functions.last_mut() else { continue };
-        let instruction = line.split_once(":\t").map_or("", |(_, instruction)| instruction);
+        let Some(function) = functions.last_mut() else {
+            continue;
+        };
+        let instruction = line
+            .split_once(":\t")
+            .map_or("", |(_, instruction)| instruction);
         if instruction.starts_with("vfm") || instruction.starts_with("vfnm") {
             if instruction.contains("sd ") {
                 function.by_1 += 1;
@@ -50,9 +65,18 @@ fn functions(disassembly: &str) -> Vec<Function> {
             }
         }
         // `call ... <sin@plt>`, or through a table `call *... # ... <sin@GLIBC_2.2.5>`
-        if let Some((_, name)) = instruction.split_once('<').filter(|_| instruction.starts_with("call")) {
-            let name = name.trim_end_matches('>').split('@').next().unwrap_or_default();
-            function.platform = function.platform.or(PLATFORM.into_iter().find(|known| *known == name));
+        if let Some((_, name)) = instruction
+            .split_once('<')
+            .filter(|_| instruction.starts_with("call"))
+        {
+            let name = name
+                .trim_end_matches('>')
+                .split('@')
+                .next()
+                .unwrap_or_default();
+            function.platform = function
+                .platform
+                .or(PLATFORM.into_iter().find(|known| *known == name));
         }
     }
     functions
@@ -67,7 +91,11 @@ fn steps_are_vector_instructions_with_fused_multiply_adds() {
         envs.step_into(&actions, &mut columns).unwrap();
     }
     let program = std::env::current_exe().unwrap();
-    let Ok(output) = Command::new("objdump").args(["-d", "--no-show-raw-insn"]).arg(program).output() else {
+    let Ok(output) = Command::new("objdump")
+        .args(["-d", "--no-show-raw-insn"])
+        .arg(program)
+        .output()
+    else {
         println!("skipped: there is no `objdump`");
         return;
     };
@@ -75,16 +103,37 @@ fn steps_are_vector_instructions_with_fused_multiply_adds() {
     assert!(functions.len() > 1000, "{} functions", functions.len());
 
     // the shortest kernel, MountainCar's, has some 30
-    let wide: Vec<_> = functions.iter().filter(|function| function.by_8 >= 15).collect();
-    let narrow: Vec<_> = functions.iter().filter(|function| function.by_4 >= 15).collect();
+    let wide: Vec<_> = functions
+        .iter()
+        .filter(|function| function.by_8 >= 15)
+        .collect();
+    let narrow: Vec<_> = functions
+        .iter()
+        .filter(|function| function.by_4 >= 15)
+        .collect();
     println!("{wide:#?}\n{narrow:#?}");
-    assert!(wide.len() >= IDS.len(), "only {} kernels with AVX-512", wide.len());
-    assert!(narrow.len() >= IDS.len(), "only {} kernels with AVX2", narrow.len());
+    assert!(
+        wide.len() >= IDS.len(),
+        "only {} kernels with AVX-512",
+        wide.len()
+    );
+    assert!(
+        narrow.len() >= IDS.len(),
+        "only {} kernels with AVX2",
+        narrow.len()
+    );
     for function in wide.iter().chain(&narrow) {
-        assert!(function.by_1 * 4 < function.by_8 + function.by_4, "one by one: {function:?}");
+        assert!(
+            function.by_1 * 4 < function.by_8 + function.by_4,
+            "one by one: {function:?}"
+        );
     }
     // a fused multiply-add outside of a function for CPUs that have it is a call, too
     for Function { name, platform, .. } in &functions {
-        assert!(platform.is_none(), "`{name}` calls the platform's `{}`", platform.unwrap_or_default());
+        assert!(
+            platform.is_none(),
+            "`{name}` calls the platform's `{}`",
+            platform.unwrap_or_default()
+        );
     }
 }

@@ -4,13 +4,25 @@ use gym_classic as _;
 use gym_core::vector::{Autoreset, VectorKind};
 use gym_core::{VectorEnv, VectorEnvExt, builder};
 
-const IDS: [&str; 6] =
-    ["Acrobot-v1", "CartPole-v0", "CartPole-v1", "MountainCar-v0", "MountainCarContinuous-v0", "Pendulum-v1"];
+const IDS: [&str; 6] = [
+    "Acrobot-v1",
+    "CartPole-v0",
+    "CartPole-v1",
+    "MountainCar-v0",
+    "MountainCarContinuous-v0",
+    "Pendulum-v1",
+];
 
 /// Compares all that both kinds of vectors give, for as many steps of one environment.
 fn compare(id: &str, num_envs: usize, steps: usize, seed: u64) {
-    let [mut native, mut sync] = [VectorKind::Native, VectorKind::Sync]
-        .map(|kind| builder(id).vector(num_envs).kind(kind).autoreset(Autoreset::NextStep).build().unwrap());
+    let [mut native, mut sync] = [VectorKind::Native, VectorKind::Sync].map(|kind| {
+        builder(id)
+            .vector(num_envs)
+            .kind(kind)
+            .autoreset(Autoreset::NextStep)
+            .build()
+            .unwrap()
+    });
     let [mut fast, mut exact] = [native.columns().unwrap(), sync.columns().unwrap()];
     let mut actions = native.action_space().unwrap().sampler(seed);
     native.reset_into(&seed.into(), &mut fast).unwrap();
@@ -20,7 +32,10 @@ fn compare(id: &str, num_envs: usize, steps: usize, seed: u64) {
         let actions = actions.sample();
         native.step_into(&actions, &mut fast).unwrap();
         sync.step_into(&actions, &mut exact).unwrap();
-        assert_eq!(fast, exact, "{id}, {num_envs} environments, seed {seed}: step {step}");
+        assert_eq!(
+            fast, exact,
+            "{id}, {num_envs} environments, seed {seed}: step {step}"
+        );
     }
 }
 
@@ -35,14 +50,23 @@ fn native_vectors_equal_scalar_environments() {
 
 /// FNV-1a of the numbers of 100 environments in 300 steps.
 fn fingerprint(id: &str) -> u64 {
-    let mut envs = builder(id).vector(100).kind(VectorKind::Native).build().unwrap();
+    let mut envs = builder(id)
+        .vector(100)
+        .kind(VectorKind::Native)
+        .build()
+        .unwrap();
     let mut columns = envs.columns().unwrap();
     let mut actions = envs.action_space().unwrap().sampler(6);
     envs.reset_into(&6.into(), &mut columns).unwrap();
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
     for _ in 0..300 {
         envs.step_into(&actions.sample(), &mut columns).unwrap();
-        let seen = columns.observations.as_slice::<f32>().unwrap().iter().map(|x| u64::from(x.to_bits()));
+        let seen = columns
+            .observations
+            .as_slice::<f32>()
+            .unwrap()
+            .iter()
+            .map(|x| u64::from(x.to_bits()));
         for number in seen.chain(columns.rewards.iter().map(|x| x.to_bits())) {
             hash = (hash ^ number).wrapping_mul(0x0100_0000_01b3);
         }

@@ -16,7 +16,11 @@ pub(crate) fn accepted(subject: &Subject<'_>) -> Verdict {
         match env.step(&action) {
             Ok(step) if step.done() => drop(env.reset(0)?),
             Ok(_) => (),
-            Err(error) => return broken(format!("`step` refuses {action}, an element of {space}: {error}")),
+            Err(error) => {
+                return broken(format!(
+                    "`step` refuses {action}, an element of {space}: {error}"
+                ));
+            }
         }
     }
     subject.long_runs()?.refused()
@@ -28,7 +32,9 @@ pub(crate) fn validated(subject: &Subject<'_>) -> Verdict {
     let valid = env.action_sampler(0)?.sample();
     for action in invalid(&space, &valid) {
         if env.step(&action).is_ok() {
-            return broken(format!("`step` accepts {action:?}, which is not in {space}"));
+            return broken(format!(
+                "`step` accepts {action:?}, which is not in {space}"
+            ));
         }
     }
     Ok(())
@@ -43,14 +49,24 @@ pub(crate) fn refusal(subject: &Subject<'_>) -> Verdict {
         let valid = env.action_sampler(0)?.sample();
         for action in invalid(&space, &valid) {
             if env.step(&action).is_ok() {
-                return Err(Trouble::Error(gym_core::Error::custom("an invalid action is accepted")));
+                return Err(Trouble::Error(gym_core::Error::custom(
+                    "an invalid action is accepted",
+                )));
             }
         }
         let what = "after refused actions an episode";
-        same(&carry_on(&mut other, seed, 50)?, &carry_on(&mut env, seed, 50)?, what)?;
+        same(
+            &carry_on(&mut other, seed, 50)?,
+            &carry_on(&mut env, seed, 50)?,
+            what,
+        )?;
         if options::refused(&mut env, subject) {
             let what = "after refused resets an episode";
-            same(&carry_on(&mut other, seed, 20)?, &carry_on(&mut env, seed, 20)?, what)?;
+            same(
+                &carry_on(&mut other, seed, 20)?,
+                &carry_on(&mut env, seed, 20)?,
+                what,
+            )?;
         }
     }
     Ok(())

@@ -21,7 +21,9 @@ pub(crate) fn none(subject: &Subject<'_>) -> Verdict {
         let allocations = allocation_counter::measure(count).count_total;
         let outcome = outcome?;
         if allocations > 0 {
-            return broken(format!("step {step} of seed 0 allocates {allocations} times"));
+            return broken(format!(
+                "step {step} of seed 0 allocates {allocations} times"
+            ));
         }
         if outcome.done() {
             env.reset_into(&().into(), &mut observation)?;
@@ -30,7 +32,8 @@ pub(crate) fn none(subject: &Subject<'_>) -> Verdict {
     // the same episode begins again and again, so its buffers have grown by then
     let mut begin = |times: u32| -> Result<i64> {
         let mut result = Ok(());
-        let resets = || result = (0..times).try_for_each(|_| env.reset_into(&0.into(), &mut observation));
+        let resets =
+            || result = (0..times).try_for_each(|_| env.reset_into(&0.into(), &mut observation));
         let kept = allocation_counter::measure(resets).bytes_current;
         result.map(|()| kept)
     };
@@ -38,7 +41,10 @@ pub(crate) fn none(subject: &Subject<'_>) -> Verdict {
     begin(WARM)?;
     let kept = begin(WARM + 2)?;
     if kept > 0 {
-        return broken(format!("{} resets with the same seed keep {kept} bytes more", WARM + 2));
+        return broken(format!(
+            "{} resets with the same seed keep {kept} bytes more",
+            WARM + 2
+        ));
     }
     Ok(())
 }

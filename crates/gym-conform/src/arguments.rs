@@ -10,12 +10,18 @@ use crate::verdict::{Verdict, broken, skipped};
 use gym_core::{EnvSpec, Kwargs};
 
 pub(crate) fn refused(subject: &Subject<'_>) -> Verdict {
-    let Some((spec, kwargs)) = subject.arguments() else { return skipped("it is not registered") };
+    let Some((spec, kwargs)) = subject.arguments() else {
+        return skipped("it is not registered");
+    };
     for name in kwargs.keys() {
         let mut with = spec.clone();
-        with.kwargs.insert(name.clone(), json!({"no": ["such", "value"]}));
+        with.kwargs
+            .insert(name.clone(), json!({"no": ["such", "value"]}));
         if with.make().is_ok() {
-            return broken(format!("the argument `{name}` accepts {}", with.kwargs[name]));
+            return broken(format!(
+                "the argument `{name}` accepts {}",
+                with.kwargs[name]
+            ));
         }
     }
     Ok(())
@@ -23,11 +29,16 @@ pub(crate) fn refused(subject: &Subject<'_>) -> Verdict {
 
 /// Each bool and number among the arguments changes something, if only together with another.
 pub(crate) fn matter(subject: &Subject<'_>) -> Verdict {
-    let Some((spec, kwargs)) = subject.arguments() else { return skipped("it is not registered") };
+    let Some((spec, kwargs)) = subject.arguments() else {
+        return skipped("it is not registered");
+    };
     subject.repeatable()?;
     let mut search = Search::new(subject, surroundings(&spec, &kwargs))?;
     for (name, value) in &kwargs {
-        if subject.exception(&format!("arguments-matter.{name}")).is_some() {
+        if subject
+            .exception(&format!("arguments-matter.{name}"))
+            .is_some()
+        {
             continue;
         }
         let others = others(value);
@@ -51,8 +62,13 @@ pub(crate) fn matter(subject: &Subject<'_>) -> Verdict {
 
 /// The default, and the default with each switch the other way.
 pub(crate) fn surroundings(spec: &EnvSpec, kwargs: &Kwargs) -> Vec<Variant> {
-    let default = Variant { spec: spec.clone(), options: Kwargs::new() };
-    let flipped = kwargs.iter().filter_map(|(name, value)| Some((name.clone(), json!(!value.as_bool()?))));
+    let default = Variant {
+        spec: spec.clone(),
+        options: Kwargs::new(),
+    };
+    let flipped = kwargs
+        .iter()
+        .filter_map(|(name, value)| Some((name.clone(), json!(!value.as_bool()?))));
     let flipped = flipped.map(|switch| default.clone().with_arguments([switch]));
     std::iter::once(default.clone()).chain(flipped).collect()
 }
@@ -62,9 +78,14 @@ pub(crate) fn others(value: &Json) -> Vec<Json> {
     match value {
         Json::Bool(is) => vec![json!(!is)],
         Json::Number(number) => match (number.as_i64(), number.as_f64()) {
-            (Some(int), _) => [int.saturating_mul(2), int.saturating_add(1), int.saturating_sub(1), 0]
-                .map(|x| json!(x))
-                .to_vec(),
+            (Some(int), _) => [
+                int.saturating_mul(2),
+                int.saturating_add(1),
+                int.saturating_sub(1),
+                0,
+            ]
+            .map(|x| json!(x))
+            .to_vec(),
             (None, Some(x)) => [2.0 * x, 0.5 * x, x + 1.0, 0.0].map(|x| json!(x)).to_vec(),
             (None, None) => vec![],
         },
@@ -91,7 +112,13 @@ pub(crate) fn odd(subject: &Subject<'_>) -> impl Iterator<Item = Odd> {
         kwargs.into_iter().flat_map(move |(name, default)| {
             let values = match default {
                 Json::Number(number) if number.is_f64() => {
-                    vec![json!(0.0), json!(-1.0), json!(1e308), json!(-1e308), json!(5e-324)]
+                    vec![
+                        json!(0.0),
+                        json!(-1.0),
+                        json!(1e308),
+                        json!(-1e308),
+                        json!(5e-324),
+                    ]
                 }
                 // large sizes are honest requests to fill the memory
                 Json::Number(_) => vec![json!(0), json!(-1), json!(1)],
@@ -104,7 +131,11 @@ pub(crate) fn odd(subject: &Subject<'_>) -> impl Iterator<Item = Odd> {
             values.into_iter().map(move |value| {
                 let mut spec = spec.clone();
                 spec.kwargs.insert(name.clone(), value.clone());
-                Odd { spec, name: name.clone(), value }
+                Odd {
+                    spec,
+                    name: name.clone(),
+                    value,
+                }
             })
         })
     })

@@ -22,7 +22,8 @@ impl Calls {
     fn call(&mut self, call: &str, numbers: &[f64]) {
         self.count += 1;
         if !numbers.iter().all(|x| x.is_finite()) {
-            self.fault.get_or_insert_with(|| format!("a number that is not finite is drawn: {call}"));
+            self.fault
+                .get_or_insert_with(|| format!("a number that is not finite is drawn: {call}"));
         }
         self.text += call;
         self.text.push('\n');
@@ -33,8 +34,15 @@ impl Calls {
 fn numbers(shape: &Shape<'_>) -> Vec<f64> {
     match *shape {
         Shape::Polygon(points) | Shape::Polyline(points) => points.as_flattened().to_vec(),
-        Shape::Circle { center: [x, y], radius } => vec![x, y, radius],
-        Shape::Rect { min: [x, y], size: [w, h], corner } => vec![x, y, w, h, corner],
+        Shape::Circle {
+            center: [x, y],
+            radius,
+        } => vec![x, y, radius],
+        Shape::Rect {
+            min: [x, y],
+            size: [w, h],
+            corner,
+        } => vec![x, y, w, h, corner],
         Shape::Path(segments) => {
             let points = segments.iter().flat_map(|segment| match *segment {
                 Segment::Move(p) | Segment::Line(p) => vec![p],
@@ -57,17 +65,26 @@ impl Canvas for Calls {
     }
 
     fn stroke(&mut self, shape: Shape<'_>, width: f64, color: Color) {
-        self.call(&format!("stroke {shape:?} {width} {color:?}"), &[&numbers(&shape)[..], &[width]].concat());
+        self.call(
+            &format!("stroke {shape:?} {width} {color:?}"),
+            &[&numbers(&shape)[..], &[width]].concat(),
+        );
     }
 
     fn text(&mut self, text: &str, position: Point, size: f64, align: Align, color: Color) {
         let [x, y] = position;
-        self.call(&format!("text {text:?} {position:?} {size} {align:?} {color:?}"), &[x, y, size]);
+        self.call(
+            &format!("text {text:?} {position:?} {size} {align:?} {color:?}"),
+            &[x, y, size],
+        );
     }
 
     fn push(&mut self, transform: Transform) {
         let Transform { x, y, origin } = transform;
-        self.call(&format!("push {transform:?}"), [x, y, origin].as_flattened());
+        self.call(
+            &format!("push {transform:?}"),
+            [x, y, origin].as_flattened(),
+        );
         self.depth += 1;
     }
 
@@ -75,7 +92,10 @@ impl Canvas for Calls {
         self.call("pop", &[]);
         match self.depth.checked_sub(1) {
             Some(depth) => self.depth = depth,
-            None => drop(self.fault.get_or_insert_with(|| "a `pop` has no `push`".into())),
+            None => drop(
+                self.fault
+                    .get_or_insert_with(|| "a `pop` has no `push`".into()),
+            ),
         }
     }
 }

@@ -4,8 +4,8 @@ use crate::finding::Severity;
 use crate::subject::Subject;
 use crate::verdict::{Verdict, broken, skipped};
 use crate::{
-    actions, allocations, arguments, copies, drawing, episodes, info, looking, observations, options, panics,
-    pictures, registered, seeding, spaces, threads,
+    actions, allocations, arguments, copies, drawing, episodes, info, looking, observations,
+    options, panics, pictures, registered, seeding, spaces, threads,
 };
 
 /// One rule.
@@ -27,14 +27,28 @@ pub struct Check {
 /// A [`Check`] of severity `Error`.
 macro_rules! error {
     ($name:literal, $run:path, $needs:expr, $why:literal, $mend:literal $(,)?) => {
-        Check { name: $name, severity: Severity::Error, why: $why, mend: $mend, needs: &$needs, run: $run }
+        Check {
+            name: $name,
+            severity: Severity::Error,
+            why: $why,
+            mend: $mend,
+            needs: &$needs,
+            run: $run,
+        }
     };
 }
 
 /// A [`Check`] of severity `Warning`.
 macro_rules! warning {
     ($name:literal, $run:path, $needs:expr, $why:literal, $mend:literal $(,)?) => {
-        Check { name: $name, severity: Severity::Warning, why: $why, mend: $mend, needs: &$needs, run: $run }
+        Check {
+            name: $name,
+            severity: Severity::Warning,
+            why: $why,
+            mend: $mend,
+            needs: &$needs,
+            run: $run,
+        }
     };
 }
 
@@ -230,14 +244,23 @@ pub const CHECKS: &[Check] = &[
     error!(
         "reset-carries-on",
         seeding::carries_on,
-        ["same-seed-same-episode", "other-seed-other-episode", "reset-forgets"],
+        [
+            "same-seed-same-episode",
+            "other-seed-other-episode",
+            "reset-forgets"
+        ],
         "agents seed once and then train on many episodes, which must differ",
         "continue the generator if `reset.seed` is None",
     ),
     warning!(
         "generator-lent",
         seeding::generator_lent,
-        ["same-seed-same-episode", "other-seed-other-episode", "reset-forgets", "reset-carries-on"],
+        [
+            "same-seed-same-episode",
+            "other-seed-other-episode",
+            "reset-forgets",
+            "reset-carries-on"
+        ],
         "wrappers with randomness, such as StickyAction, draw from the environment's generator",
         "return the generator from `Env::generator`, seeded as `reset` says",
     ),
@@ -251,7 +274,11 @@ pub const CHECKS: &[Check] = &[
     error!(
         "refusal-changes-nothing",
         actions::refusal,
-        ["same-seed-same-episode", "reset-forgets", "action-validated"],
+        [
+            "same-seed-same-episode",
+            "reset-forgets",
+            "action-validated"
+        ],
         "after an error the caller corrects the action and goes on",
         "check the action before anything else in `step`",
     ),
@@ -279,7 +306,12 @@ pub const CHECKS: &[Check] = &[
     error!(
         "snapshot-refused",
         copies::snapshot_refused,
-        ["same-seed-same-episode", "reset-forgets", "snapshot-continues", "clone-continues"],
+        [
+            "same-seed-same-episode",
+            "reset-forgets",
+            "snapshot-continues",
+            "clone-continues"
+        ],
         "a foreign file must not become a wrong state",
         "return Err(Error::Snapshot(..)) for content that `snapshot` does not write, before anything changes",
     ),
@@ -334,7 +366,13 @@ pub const CHECKS: &[Check] = &[
     error!(
         "looking-pure",
         looking::pure,
-        ["same-seed-same-episode", "reset-forgets", "clone-continues", "snapshot-continues", "drawing-pure"],
+        [
+            "same-seed-same-episode",
+            "reset-forgets",
+            "clone-continues",
+            "snapshot-continues",
+            "drawing-pure"
+        ],
         "wrappers, vectors and loggers ask at any time for spaces, metadata, info and the generator",
         "compute what is asked for from the state, and change nothing",
     ),
@@ -369,14 +407,22 @@ pub const CHECKS: &[Check] = &[
     error!(
         "arguments-matter",
         arguments::matter,
-        ["arguments-refused", "same-seed-same-episode", "reset-forgets"],
+        [
+            "arguments-refused",
+            "same-seed-same-episode",
+            "reset-forgets"
+        ],
         "an experiment with an ignored argument compares nothing",
         "use the argument, or remove it",
     ),
     error!(
         "options-matter",
         options::matter,
-        ["options-accepted", "same-seed-same-episode", "reset-forgets"],
+        [
+            "options-accepted",
+            "same-seed-same-episode",
+            "reset-forgets"
+        ],
         "an ignored option gives another start than requested",
         "use the option in `reset`, or remove it from `.reset_options(...)`",
     ),
@@ -398,14 +444,27 @@ pub const CHECKS: &[Check] = &[
 
 /// It is here because it checks the list itself.
 fn exceptions_known(subject: &Subject<'_>) -> Verdict {
-    let Some(registration) = &subject.registration else { return skipped("it is not registered") };
-    let is_argument = |name: &str| subject.arguments().is_some_and(|(_, kwargs)| kwargs.contains_key(name));
+    let Some(registration) = &subject.registration else {
+        return skipped("it is not registered");
+    };
+    let is_argument = |name: &str| {
+        subject
+            .arguments()
+            .is_some_and(|(_, kwargs)| kwargs.contains_key(name))
+    };
     let is_known = |name: &str| match name.split_once('.') {
         Some((check, name)) => check == "arguments-matter" && is_argument(name),
         None => CHECKS.iter().any(|check| check.name == name),
     };
-    match registration.exceptions.iter().find(|(name, _)| !is_known(name)) {
-        Some((name, _)) => broken(format!("`{}` has an exception for `{name}`", registration.id())),
+    match registration
+        .exceptions
+        .iter()
+        .find(|(name, _)| !is_known(name))
+    {
+        Some((name, _)) => broken(format!(
+            "`{}` has an exception for `{name}`",
+            registration.id()
+        )),
         None => Ok(()),
     }
 }

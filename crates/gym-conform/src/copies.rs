@@ -16,19 +16,29 @@ pub(crate) fn clone_apart(subject: &Subject<'_>) -> Verdict {
         let _ = clone.reset(seed + 1);
         clone.close();
         let what = "an environment whose clone was used";
-        same(&carry_on(&mut other, seed, STEPS)?, &carry_on(&mut env, seed, STEPS)?, what)?;
+        same(
+            &carry_on(&mut other, seed, STEPS)?,
+            &carry_on(&mut env, seed, STEPS)?,
+            what,
+        )?;
     }
     // state that clones share may show late
     let (seed, long) = (SEEDS[0], subject.long()?);
     let (mut env, mut other) = (subject.midway(seed)?, subject.midway(seed)?);
     carry_on(&mut env.clone(), seed + 1, long)?;
     let what = "an environment whose clone was used for long";
-    same(&carry_on(&mut other, seed, long)?, &carry_on(&mut env, seed, long)?, what)
+    same(
+        &carry_on(&mut other, seed, long)?,
+        &carry_on(&mut env, seed, long)?,
+        what,
+    )
 }
 
 pub(crate) fn clone_continues(subject: &Subject<'_>) -> Verdict {
     continues(subject, &[("a clone", &|env| Ok(env.clone()))])?;
-    continues_after_the_end(subject, "a clone taken at the end of an episode", |env| Ok(env.clone()))
+    continues_after_the_end(subject, "a clone taken at the end of an episode", |env| {
+        Ok(env.clone())
+    })
 }
 
 pub(crate) fn snapshot_continues(subject: &Subject<'_>) -> Verdict {
@@ -37,8 +47,14 @@ pub(crate) fn snapshot_continues(subject: &Subject<'_>) -> Verdict {
         subject,
         &[
             (what, &|env| restored(env, subject.make()?)),
-            (&format!("{what} in the middle of another episode"), &|env| restored(env, subject.midway(7)?)),
-            (&format!("{what} after the end of another episode"), &|env| restored(env, ended(subject)?)),
+            (
+                &format!("{what} in the middle of another episode"),
+                &|env| restored(env, subject.midway(7)?),
+            ),
+            (
+                &format!("{what} after the end of another episode"),
+                &|env| restored(env, ended(subject)?),
+            ),
         ],
     )?;
     let what = "an environment restored from a snapshot of the end of an episode";
@@ -70,7 +86,9 @@ fn ended(subject: &Subject<'_>) -> Result<BoxEnv> {
 /// A snapshot from before the first reset makes a used environment as good as new.
 fn unused(subject: &Subject<'_>) -> Verdict {
     let (mut new, mut used) = (subject.make()?, subject.midway(0)?);
-    let Ok(snapshot) = new.snapshot() else { return Ok(()) };
+    let Ok(snapshot) = new.snapshot() else {
+        return Ok(());
+    };
     if used.restore(&snapshot).is_err() {
         return Ok(());
     }
@@ -79,7 +97,11 @@ fn unused(subject: &Subject<'_>) -> Verdict {
     if new.step(&action).is_ok() != used.step(&action).is_ok() {
         return broken(format!("{what} goes on with an episode"));
     }
-    same(&roll_out(&mut new, 0, STEPS)?, &roll_out(&mut used, 0, STEPS)?, what)
+    same(
+        &roll_out(&mut new, 0, STEPS)?,
+        &roll_out(&mut used, 0, STEPS)?,
+        what,
+    )
 }
 
 /// Numbers that no ordinary episode reaches are stored and restored too.
@@ -120,7 +142,11 @@ fn continues(subject: &Subject<'_>, copies: &[Copying<'_>]) -> Verdict {
                 Err(error) => return broken(format!("{what}: {error}")),
             }
         }
-        same(&untouched, &carry_on(&mut env, seed, after)?, &format!("beside {first} the original"))?;
+        same(
+            &untouched,
+            &carry_on(&mut env, seed, after)?,
+            &format!("beside {first} the original"),
+        )?;
     }
     Ok(())
 }
@@ -156,7 +182,12 @@ pub(crate) fn snapshot_refused(subject: &Subject<'_>) -> Verdict {
     };
     let mut env = midway()?;
     let good = state(&env.snapshot()?)?;
-    let foreign = [json!(3), json!("x"), json!({"no": "such"}), json!([1, 2, 3, 4, 5, 6, 7])];
+    let foreign = [
+        json!(3),
+        json!("x"),
+        json!({"no": "such"}),
+        json!([1, 2, 3, 4, 5, 6, 7]),
+    ];
     for json in foreign {
         if env.restore(&Snapshot::of(&json)?).is_ok() && json != good {
             return broken(format!("`restore` accepts {json}"));
@@ -164,7 +195,11 @@ pub(crate) fn snapshot_refused(subject: &Subject<'_>) -> Verdict {
     }
     subject.damaged()?.changed()?;
     let what = "after refused snapshots an episode";
-    same(&carry_on(&mut midway()?, seed, 50)?, &carry_on(&mut env, seed, 50)?, what)
+    same(
+        &carry_on(&mut midway()?, seed, 50)?,
+        &carry_on(&mut env, seed, 50)?,
+        what,
+    )
 }
 
 /// `restore` accepts only states that the environment can reach.

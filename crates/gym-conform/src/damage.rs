@@ -71,7 +71,11 @@ pub(crate) fn damages(good: &Json) -> Vec<Damage> {
         // the first ones are near, and of the far ones each has its turn
         let (close, rest) = others.split_at(near.min(others.len()));
         turn += far;
-        close.iter().chain(rest.iter().cycle().skip(turn).take(far.min(rest.len()))).cloned().collect()
+        close
+            .iter()
+            .chain(rest.iter().cycle().skip(turn).take(far.min(rest.len())))
+            .cloned()
+            .collect()
     })
 }
 
@@ -83,7 +87,10 @@ fn damages_by(
     let damages = representatives.into_iter().filter_map(|(path, place)| {
         let pointer = pointer(&path);
         let others = others(good.pointer(&pointer)?, place);
-        Some(others.into_iter().map(move |other| Damage { pointer: pointer.clone(), other }))
+        Some(others.into_iter().map(move |other| Damage {
+            pointer: pointer.clone(),
+            other,
+        }))
     });
     damages.flatten().collect()
 }
@@ -98,7 +105,9 @@ pub(crate) fn moves(good: &Json) -> Vec<Damage> {
                 .flat_map(|power| [1 << power, -(1 << power)])
                 .map(|by| json!(int.saturating_add(by)))
                 .collect(),
-            (None, Some(float)) => [float + 1.0, float - 1.0, 2.0 * float, -float].map(|x| json!(x)).to_vec(),
+            (None, Some(float)) => [float + 1.0, float - 1.0, 2.0 * float, -float]
+                .map(|x| json!(x))
+                .to_vec(),
             (None, None) => vec![],
         },
         _ => vec![],
@@ -112,20 +121,35 @@ fn others(part: &Json) -> Vec<Json> {
         Json::Number(number) => {
             let float = number.as_f64().unwrap_or(0.0);
             let near = match number.as_i64() {
-                Some(int) => [1, -1, 1000].map(|by| json!(int.saturating_add(by))).to_vec(),
-                None => [2.0 * float, float + 1.0, -float].map(|x| json!(x)).to_vec(),
+                Some(int) => [1, -1, 1000]
+                    .map(|by| json!(int.saturating_add(by)))
+                    .to_vec(),
+                None => [2.0 * float, float + 1.0, -float]
+                    .map(|x| json!(x))
+                    .to_vec(),
             };
-            [near, vec![json!(-1), json!(1000), json!(1e300), json!(u64::MAX)]].concat()
+            [
+                near,
+                vec![json!(-1), json!(1000), json!(1e300), json!(u64::MAX)],
+            ]
+            .concat()
         }
         Json::Bool(is) => vec![json!(!is)],
         Json::Array(items) => {
             let less = items[..items.len().saturating_sub(1)].to_vec();
-            let more = [&items[..], items.last().map_or(&[json!(0)][..], std::slice::from_ref)].concat();
+            let more = [
+                &items[..],
+                items.last().map_or(&[json!(0)][..], std::slice::from_ref),
+            ]
+            .concat();
             vec![json!(less), json!(more)]
         }
         Json::Object(map) => {
-            let less: Map<_, _> =
-                map.iter().skip(1).map(|(key, value)| (key.clone(), value.clone())).collect();
+            let less: Map<_, _> = map
+                .iter()
+                .skip(1)
+                .map(|(key, value)| (key.clone(), value.clone()))
+                .collect();
             let mut more = map.clone();
             more.insert("no_such_field".into(), json!(0));
             vec![json!(less), json!(more)]
@@ -157,9 +181,15 @@ fn representatives(json: &Json) -> Vec<(Path, Place)> {
     for path in paths(json) {
         let mut kind = Vec::new();
         for (depth, step) in path.iter().enumerate() {
-            let items = json.pointer(&pointer(&path[..depth])).and_then(Json::as_array);
+            let items = json
+                .pointer(&pointer(&path[..depth]))
+                .and_then(Json::as_array);
             // tuples have few elements with different meanings
-            kind.push(if items.is_some_and(|items| items.len() > TUPLE) { "*" } else { step });
+            kind.push(if items.is_some_and(|items| items.len() > TUPLE) {
+                "*"
+            } else {
+                step
+            });
         }
         let kind = kind.join("/");
         kinds.entry(kind).or_default().push(path);
@@ -167,7 +197,11 @@ fn representatives(json: &Json) -> Vec<(Path, Place)> {
     let mut chosen = Vec::new();
     for (kind, mut paths) in kinds {
         let last = if paths.len() > 1 { paths.pop() } else { None };
-        let place = if kind.split('/').any(|step| step == "*") { Place::First } else { Place::Field };
+        let place = if kind.split('/').any(|step| step == "*") {
+            Place::First
+        } else {
+            Place::Field
+        };
         chosen.extend(paths.into_iter().next().map(|path| (path, place)));
         chosen.extend(last.map(|path| (path, Place::Last)));
     }
@@ -179,8 +213,15 @@ fn paths(json: &Json) -> Vec<Path> {
     fn walk(json: &Json, path: &mut Path, paths: &mut Vec<Path>) {
         paths.push(path.clone());
         let parts: Vec<(String, &Json)> = match json {
-            Json::Array(items) => items.iter().enumerate().map(|(i, item)| (i.to_string(), item)).collect(),
-            Json::Object(map) => map.iter().map(|(key, value)| (key.clone(), value)).collect(),
+            Json::Array(items) => items
+                .iter()
+                .enumerate()
+                .map(|(i, item)| (i.to_string(), item))
+                .collect(),
+            Json::Object(map) => map
+                .iter()
+                .map(|(key, value)| (key.clone(), value))
+                .collect(),
             _ => Vec::new(),
         };
         for (step, part) in parts {
@@ -196,7 +237,9 @@ fn paths(json: &Json) -> Vec<Path> {
 
 /// Prints as a JSON pointer.
 fn pointer(path: &[String]) -> String {
-    path.iter().map(|step| format!("/{}", step.replace('~', "~0").replace('/', "~1"))).collect()
+    path.iter()
+        .map(|step| format!("/{}", step.replace('~', "~0").replace('/', "~1")))
+        .collect()
 }
 
 #[cfg(test)]
@@ -204,7 +247,10 @@ mod tests {
     use super::*;
 
     fn damaged(good: &Json) -> Vec<Json> {
-        damages(good).iter().map(|damage| damage.done_to(&mut good.clone(), Json::clone)).collect()
+        damages(good)
+            .iter()
+            .map(|damage| damage.done_to(&mut good.clone(), Json::clone))
+            .collect()
     }
 
     #[test]
@@ -213,15 +259,28 @@ mod tests {
         let good = json!({"track": track, "row": 3, "battery": 0.5, "done": false});
         let copies = damaged(&good);
         assert!(copies.len() < 200, "{}", copies.len());
-        for (field, value) in
-            [("row", json!(4)), ("row", json!(1003)), ("battery", json!(-1)), ("done", json!(true))]
-        {
-            assert!(copies.iter().any(|copy| copy[field] == value), "{field} = {value}");
+        for (field, value) in [
+            ("row", json!(4)),
+            ("row", json!(1003)),
+            ("battery", json!(-1)),
+            ("done", json!(true)),
+        ] {
+            assert!(
+                copies.iter().any(|copy| copy[field] == value),
+                "{field} = {value}"
+            );
         }
-        let lengths: Vec<_> =
-            copies.iter().filter_map(|copy| Some(copy["track"].as_array()?.len())).collect();
+        let lengths: Vec<_> = copies
+            .iter()
+            .filter_map(|copy| Some(copy["track"].as_array()?.len()))
+            .collect();
         assert!(lengths.contains(&4999) && lengths.contains(&5001));
-        assert!(copies.iter().any(|copy| copy["track"][4999][1] == json!(1.0)), "the last element too");
+        assert!(
+            copies
+                .iter()
+                .any(|copy| copy["track"][4999][1] == json!(1.0)),
+            "the last element too"
+        );
         assert!(copies.iter().all(|copy| *copy != good));
     }
 
@@ -231,23 +290,49 @@ mod tests {
         let copies = damaged(&json!(fields));
         for i in 0..150 {
             let field = format!("field {i}");
-            for value in [json!(i + 1), json!(i - 1), json!(-1), json!(1e300), json!(null), json!([])] {
-                assert!(copies.iter().any(|copy| copy[&field] == value), "{field} = {value}");
+            for value in [
+                json!(i + 1),
+                json!(i - 1),
+                json!(-1),
+                json!(1e300),
+                json!(null),
+                json!([]),
+            ] {
+                assert!(
+                    copies.iter().any(|copy| copy[&field] == value),
+                    "{field} = {value}"
+                );
             }
         }
     }
 
     #[test]
     fn no_field_of_a_large_world_is_left_out() {
-        let fields: Map<_, _> = (0..1000).map(|i| (format!("field {i}"), json!(i))).collect();
+        let fields: Map<_, _> = (0..1000)
+            .map(|i| (format!("field {i}"), json!(i)))
+            .collect();
         let copies = damaged(&json!(fields));
         for i in 0..1000 {
             let field = format!("field {i}");
             assert!(copies.iter().any(|copy| copy[&field] == i + 1), "{field}");
-            assert!(copies.iter().filter(|copy| copy[&field] != i).count() >= 4, "{field}");
+            assert!(
+                copies.iter().filter(|copy| copy[&field] != i).count() >= 4,
+                "{field}"
+            );
         }
-        for far in [json!(-1), json!(1e300), json!(u64::MAX), json!(null), json!("x"), json!([]), json!({})] {
-            let is_far = |copy: &Json| copy.as_object().is_some_and(|map| map.values().any(|x| *x == far));
+        for far in [
+            json!(-1),
+            json!(1e300),
+            json!(u64::MAX),
+            json!(null),
+            json!("x"),
+            json!([]),
+            json!({}),
+        ] {
+            let is_far = |copy: &Json| {
+                copy.as_object()
+                    .is_some_and(|map| map.values().any(|x| *x == far))
+            };
             assert!(copies.iter().any(is_far), "{far}");
         }
     }
@@ -255,9 +340,15 @@ mod tests {
     #[test]
     fn damage_is_mended_again_and_named() {
         let good = json!({"a": [1, 2]});
-        let damage = Damage { pointer: "/a/1".into(), other: json!(3) };
+        let damage = Damage {
+            pointer: "/a/1".into(),
+            other: json!(3),
+        };
         let mut snapshot = good.clone();
-        assert_eq!(damage.done_to(&mut snapshot, Json::clone), json!({"a": [1, 3]}));
+        assert_eq!(
+            damage.done_to(&mut snapshot, Json::clone),
+            json!({"a": [1, 3]})
+        );
         assert_eq!(snapshot, good);
         assert_eq!(damage.difference(&good), "3 for 2 at `/a/1`");
     }

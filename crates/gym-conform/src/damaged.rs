@@ -38,7 +38,9 @@ impl Damaged {
                 if tried.restore(&snapshot).is_err() {
                     let is_changed = is_first && tried.snapshot()? != whole;
                     if is_changed {
-                        faults.changed.get_or_insert_with(|| damage.difference(&good));
+                        faults
+                            .changed
+                            .get_or_insert_with(|| damage.difference(&good));
                     }
                     return Ok(true);
                 }
@@ -52,8 +54,13 @@ impl Damaged {
                     }
                 }
                 Err(payload) => {
-                    let message =
-                        || format!("on a snapshot with {} {}", damage.difference(&good), message(&*payload));
+                    let message = || {
+                        format!(
+                            "on a snapshot with {} {}",
+                            damage.difference(&good),
+                            message(&*payload)
+                        )
+                    };
                     faults.panicked.get_or_insert_with(message);
                 }
             }
@@ -73,10 +80,15 @@ impl Damaged {
         let mut actions = env.action_sampler(0)?;
         for _ in 0..steps {
             // a state in which no step can be taken does no harm
-            let Ok(step) = env.step(&actions.sample()) else { break };
+            let Ok(step) = env.step(&actions.sample()) else {
+                break;
+            };
             if let Some(fault) = fault(&step, space) {
                 self.illegal.get_or_insert_with(|| {
-                    format!("after `restore` accepts a snapshot with {}: {fault}", damage())
+                    format!(
+                        "after `restore` accepts a snapshot with {}: {fault}",
+                        damage()
+                    )
                 });
                 break;
             }
@@ -90,7 +102,9 @@ impl Damaged {
 
     pub(crate) fn changed(&self) -> Verdict {
         self.changed.as_ref().map_or(Ok(()), |what| {
-            broken(format!("`restore` refuses {what}, and changes the environment all the same"))
+            broken(format!(
+                "`restore` refuses {what}, and changes the environment all the same"
+            ))
         })
     }
 
@@ -107,7 +121,9 @@ impl Damaged {
 fn sound_steps(mut env: BoxEnv, space: &Space, limit: usize) -> Result<usize> {
     let mut actions = env.action_sampler(0)?;
     for steps in 0..limit {
-        let is_sound = env.step(&actions.sample()).is_ok_and(|step| fault(&step, space).is_none());
+        let is_sound = env
+            .step(&actions.sample())
+            .is_ok_and(|step| fault(&step, space).is_none());
         if !is_sound {
             return Ok(steps);
         }

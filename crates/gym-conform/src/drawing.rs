@@ -15,14 +15,24 @@ pub(crate) fn metadata_complete(subject: &Subject<'_>) -> Verdict {
     let metadata = env.metadata();
     let modes = metadata.render_modes;
     if let Some(list) = modes.iter().find(|mode| mode.is_list()) {
-        return broken(format!("`render_modes` names {list}, which follows from {}", list.single()));
+        return broken(format!(
+            "`render_modes` names {list}, which follows from {}",
+            list.single()
+        ));
     }
-    if let Some((i, mode)) = modes.iter().enumerate().find(|(i, mode)| modes[..*i].contains(mode)) {
+    if let Some((i, mode)) = modes
+        .iter()
+        .enumerate()
+        .find(|(i, mode)| modes[..*i].contains(mode))
+    {
         return broken(format!("`render_modes` names {mode} again as number {i}"));
     }
     env.reset(0)?;
     if env.metadata() != metadata {
-        return broken(format!("the metadata is {metadata:?} at first and {:?} after reset", env.metadata()));
+        return broken(format!(
+            "the metadata is {metadata:?} at first and {:?} after reset",
+            env.metadata()
+        ));
     }
     if modes.is_empty() {
         return match (Calls::of(&env).count, env.ansi()) {
@@ -37,7 +47,9 @@ pub(crate) fn metadata_complete(subject: &Subject<'_>) -> Verdict {
         return broken("`render_fps` is 0");
     }
     if !(valid.contains(&width) && valid.contains(&height)) {
-        return broken(format!("`render_size` is {width}x{height}: both must be between 1 and {MAX_SIDE}"));
+        return broken(format!(
+            "`render_size` is {width}x{height}: both must be between 1 and {MAX_SIDE}"
+        ));
     }
     Ok(())
 }
@@ -61,7 +73,10 @@ pub(crate) fn sound(subject: &Subject<'_>) -> Verdict {
                 return broken(format!("{place}: {fault}"));
             }
             if calls.depth != 0 {
-                return broken(format!("{place}: {} of the `push`es have no `pop`", calls.depth));
+                return broken(format!(
+                    "{place}: {} of the `push`es have no `pop`",
+                    calls.depth
+                ));
             }
             if is_drawn && calls.count == 0 {
                 return broken(format!("{place}: nothing is drawn"));
@@ -90,7 +105,11 @@ pub(crate) fn pure(subject: &Subject<'_>) -> Verdict {
             }
             env.picture_taken();
             let what = "an episode that was drawn";
-            same(&carry_on(&mut unseen, seed + step, 1)?, &carry_on(&mut env, seed + step, 1)?, what)?;
+            same(
+                &carry_on(&mut unseen, seed + step, 1)?,
+                &carry_on(&mut env, seed + step, 1)?,
+                what,
+            )?;
         }
     }
     Ok(())
@@ -116,7 +135,11 @@ pub(crate) fn render_modes(subject: &Subject<'_>) -> Verdict {
         }
         let rendered = Render::new(env.clone(), mode).and_then(|mut render| render.render());
         match rendered {
-            Ok(Rendered::Frame(frame)) if (frame.width(), frame.height()) == metadata.render_size => (),
+            Ok(Rendered::Frame(frame))
+                if (frame.width(), frame.height()) == metadata.render_size =>
+            {
+                ()
+            }
             Ok(Rendered::Text(text)) if !text.is_empty() => (),
             Ok(other) => return broken(format!("the mode {mode} gives {other:?}")),
             Err(error) => return broken(format!("the mode {mode}: {error}")),
@@ -129,5 +152,8 @@ pub(crate) fn render_modes(subject: &Subject<'_>) -> Verdict {
 }
 
 fn is_drawn(env: &BoxEnv) -> bool {
-    env.metadata().render_modes.iter().any(|mode| *mode != RenderMode::Ansi)
+    env.metadata()
+        .render_modes
+        .iter()
+        .any(|mode| *mode != RenderMode::Ansi)
 }

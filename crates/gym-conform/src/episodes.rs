@@ -10,7 +10,9 @@ pub(crate) fn reset_needed(subject: &Subject<'_>) -> Verdict {
     let action = env.action_sampler(0)?.sample();
     match env.step(&action) {
         Err(Error::ResetNeeded(_)) => Ok(()),
-        Err(error) => broken(format!("`step` before `reset` gives another error than ResetNeeded: {error}")),
+        Err(error) => broken(format!(
+            "`step` before `reset` gives another error than ResetNeeded: {error}"
+        )),
         Ok(_) => broken("`step` before `reset` succeeds"),
     }
 }
@@ -24,7 +26,9 @@ pub(crate) fn time_limit(subject: &Subject<'_>) -> Verdict {
     // a stack around an environment without a registration has no spec, and perhaps a limit
     let limit = match spec {
         Some(spec) => spec.max_episode_steps,
-        None => env.wrapper::<TimeLimit<BoxEnv>>().map(TimeLimit::max_episode_steps),
+        None => env
+            .wrapper::<TimeLimit<BoxEnv>>()
+            .map(TimeLimit::max_episode_steps),
     };
     // a wrapper may truncate for reasons of its own
     let is_bare = spec.is_some_and(|spec| spec.additional_wrappers.is_empty());
@@ -41,7 +45,8 @@ pub(crate) fn time_limit(subject: &Subject<'_>) -> Verdict {
                     "seed {seed}: step {length} is the last allowed and does not truncate the episode"
                 ));
             }
-            if let Some(limit) = limit.filter(|limit| step.truncated && is_bare && length < *limit) {
+            if let Some(limit) = limit.filter(|limit| step.truncated && is_bare && length < *limit)
+            {
                 return broken(format!(
                     "seed {seed}: step {length} truncates the episode, and {limit} steps are registered"
                 ));

@@ -39,13 +39,17 @@ pub(crate) fn constant(subject: &Subject<'_>) -> Verdict {
         let before = keys[kind].get_or_insert_with(|| now.clone());
         if let Some(key) = before.symmetric_difference(&now).next() {
             let change = if now.contains(key) { "comes" } else { "goes" };
-            return broken(format!("{place}: the entry `{key}` {change} from one {what} to another"));
+            return broken(format!(
+                "{place}: the entry `{key}` {change} from one {what} to another"
+            ));
         }
         for (key, value) in info() {
             let form = form(value);
             let before = forms.entry(key.clone()).or_insert_with(|| form.clone());
             if *before != form {
-                return broken(format!("{place}: the entry `{key}` is {form} and was {before}"));
+                return broken(format!(
+                    "{place}: the entry `{key}` is {form} and was {before}"
+                ));
             }
         }
         Ok(())
@@ -53,7 +57,8 @@ pub(crate) fn constant(subject: &Subject<'_>) -> Verdict {
     each_event(subject, &mut check)?;
     // rare entries
     let late = subject.first_run()?.iter().enumerate();
-    late.into_iter().try_for_each(|(i, shown)| check(shown, &format!("a long run, event {i}")))
+    late.into_iter()
+        .try_for_each(|(i, shown)| check(shown, &format!("a long run, event {i}")))
 }
 
 /// Loggers take means, and one NaN makes NaN of all.
@@ -85,10 +90,16 @@ fn form(value: &Value) -> String {
         Value::Int(_) => "an integer".into(),
         Value::Float(_) => "a float".into(),
         Value::Text(_) => "a text".into(),
-        Value::Array(array) => format!("an array of {} with shape {:?}", array.dtype(), array.shape()),
+        Value::Array(array) => format!(
+            "an array of {} with shape {:?}",
+            array.dtype(),
+            array.shape()
+        ),
         Value::Dict(entries) => {
-            let entries: Vec<_> =
-                entries.iter().map(|(key, value)| format!("{key}: {}", form(value))).collect();
+            let entries: Vec<_> = entries
+                .iter()
+                .map(|(key, value)| format!("{key}: {}", form(value)))
+                .collect();
             format!("a dict {{{}}}", entries.join(", "))
         }
         // lists may be of any length

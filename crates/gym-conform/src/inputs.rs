@@ -9,11 +9,20 @@ pub(crate) fn corners(space: &Space) -> Vec<Value> {
     match space {
         Space::Discrete(space) => {
             let end = space.start().saturating_add(FIRST).min(space.last());
-            (space.start()..end).chain([space.last()]).map(Value::Int).collect()
+            (space.start()..end)
+                .chain([space.last()])
+                .map(Value::Int)
+                .collect()
         }
-        Space::Box(space) if space.is_bounded() => (0..4).filter_map(|which| corner(space, which)).collect(),
+        Space::Box(space) if space.is_bounded() => {
+            (0..4).filter_map(|which| corner(space, which)).collect()
+        }
         Space::MultiDiscrete(space) => {
-            let last = space.start().iter().zip(space.nvec()).map(|(start, n)| start.saturating_add(n - 1));
+            let last = space
+                .start()
+                .iter()
+                .zip(space.nvec())
+                .map(|(start, n)| start.saturating_add(n - 1));
             let corners = [space.start().to_vec(), last.collect()].into_iter();
             let array = |data| Array::new(space.shape(), Data::from_i64(space.dtype(), data)).ok();
             corners.filter_map(array).map(Value::Array).collect()
@@ -24,22 +33,41 @@ pub(crate) fn corners(space: &Space) -> Vec<Value> {
 
 /// Four corners of a box: all lows, all highs, and both alternating.
 fn corner(space: &BoxSpace, which: usize) -> Option<Value> {
-    let is_high = |i: usize| if i.is_multiple_of(2) { which & 1 != 0 } else { which & 2 != 0 };
-    let bounds = space.low().iter_f64().zip(space.high().iter_f64()).enumerate();
+    let is_high = |i: usize| {
+        if i.is_multiple_of(2) {
+            which & 1 != 0
+        } else {
+            which & 2 != 0
+        }
+    };
+    let bounds = space
+        .low()
+        .iter_f64()
+        .zip(space.high().iter_f64())
+        .enumerate();
     let corner = bounds.map(|(i, (low, high))| if is_high(i) { high } else { low });
-    Array::new(space.shape(), Data::from_f64(space.dtype(), corner)).ok().map(Value::Array)
+    Array::new(space.shape(), Data::from_f64(space.dtype(), corner))
+        .ok()
+        .map(Value::Array)
 }
 
 /// Finite actions beyond a box.
 pub(crate) fn huge(space: &Space) -> Vec<Value> {
-    let Space::Box(numbers) = space else { return Vec::new() };
+    let Space::Box(numbers) = space else {
+        return Vec::new();
+    };
     let (lowest, highest) = numbers.dtype().finite_range();
-    [-10.0, 10.0, -1e30, 1e30, lowest, highest].into_iter().filter_map(|x| uniform(space, x)).collect()
+    [-10.0, 10.0, -1e30, 1e30, lowest, highest]
+        .into_iter()
+        .filter_map(|x| uniform(space, x))
+        .collect()
 }
 
 /// The same number throughout a box.
 pub(crate) fn uniform(space: &Space, x: f64) -> Option<Value> {
-    let Space::Box(space) = space else { return None };
+    let Space::Box(space) = space else {
+        return None;
+    };
     let data = Data::from_f64(space.dtype(), vec![x; space.low().len()]);
     Array::new(space.shape(), data).ok().map(Value::Array)
 }
@@ -104,7 +132,13 @@ fn wrong_elements(space: &Space, valid: &Array) -> Vec<Value> {
         Space::MultiDiscrete(space) => elements
             .flat_map(|i| {
                 let (start, n) = (space.start()[i], space.nvec()[i]);
-                [start.saturating_sub(1), start.saturating_add(n), i64::MIN, i64::MAX].map(|x| (i, x))
+                [
+                    start.saturating_sub(1),
+                    start.saturating_add(n),
+                    i64::MIN,
+                    i64::MAX,
+                ]
+                .map(|x| (i, x))
             })
             .map(|(i, x)| {
                 let mut numbers = space.start().to_vec();
@@ -114,5 +148,9 @@ fn wrong_elements(space: &Space, valid: &Array) -> Vec<Value> {
             .collect(),
         _ => Vec::new(),
     };
-    arrays.into_iter().filter_map(|data| Array::new(shape, data).ok()).map(Value::Array).collect()
+    arrays
+        .into_iter()
+        .filter_map(|data| Array::new(shape, data).ok())
+        .map(Value::Array)
+        .collect()
 }

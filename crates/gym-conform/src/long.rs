@@ -24,8 +24,14 @@ impl LongRuns {
         const ODD: usize = 20;
         let space = env.action_space();
         let seen = env.observation_space();
-        let mut runs =
-            Self { space: seen, refused: None, in_space: None, finite: None, reward: None, drawing: None };
+        let mut runs = Self {
+            space: seen,
+            refused: None,
+            in_space: None,
+            finite: None,
+            reward: None,
+            drawing: None,
+        };
         let mut samples = env.action_sampler(5)?;
         runs.run(&mut env, "a long run", RANDOM, || samples.sample())?;
         let mut held = corners(&space);
@@ -36,7 +42,12 @@ impl LongRuns {
         for action in huge(&space) {
             // actions beyond the space may be refused
             if env.reset(1).is_ok() && env.step(&action).is_ok() {
-                runs.run(&mut env, &format!("{action}, which is accepted, held"), ODD, || action.clone())?;
+                runs.run(
+                    &mut env,
+                    &format!("{action}, which is accepted, held"),
+                    ODD,
+                    || action.clone(),
+                )?;
             }
         }
         Ok(runs)
@@ -52,22 +63,30 @@ impl LongRuns {
     ) -> Result<()> {
         self.see(&env.reset(1)?, || format!("{what}, reset"));
         for i in 1..=steps {
-            let Step { observation, reward, terminated, truncated } = match env.step(&action()) {
+            let Step {
+                observation,
+                reward,
+                terminated,
+                truncated,
+            } = match env.step(&action()) {
                 Ok(step) => step,
                 Err(error) => {
-                    self.refused.get_or_insert_with(|| format!("{what}: `step` number {i} fails: {error}"));
+                    self.refused
+                        .get_or_insert_with(|| format!("{what}: `step` number {i} fails: {error}"));
                     return Ok(());
                 }
             };
             self.see(&observation, || format!("{what}, step {i}"));
             if !reward.is_finite() {
-                self.reward.get_or_insert_with(|| format!("{what}, step {i}: the reward is {reward}"));
+                self.reward
+                    .get_or_insert_with(|| format!("{what}, step {i}: the reward is {reward}"));
             }
             if terminated || truncated {
                 // the last state is shown as well
                 look(env);
                 if let Some(fault) = Calls::of(env).fault {
-                    self.drawing.get_or_insert_with(|| format!("{what}, step {i}: {fault}"));
+                    self.drawing
+                        .get_or_insert_with(|| format!("{what}, step {i}: {fault}"));
                 }
                 self.see(&env.reset(())?, || format!("{what}, reset after step {i}"));
             }
@@ -77,10 +96,12 @@ impl LongRuns {
 
     fn see(&mut self, observation: &Value, place: impl Fn() -> String) {
         if let Err(error) = self.space.check(observation) {
-            self.in_space.get_or_insert_with(|| format!("{}: {error}", place()));
+            self.in_space
+                .get_or_insert_with(|| format!("{}: {error}", place()));
         }
         if !observation.is_finite() {
-            self.finite.get_or_insert_with(|| format!("{}: the observation is {observation}", place()));
+            self.finite
+                .get_or_insert_with(|| format!("{}: the observation is {observation}", place()));
         }
     }
 

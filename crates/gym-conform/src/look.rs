@@ -11,7 +11,12 @@ pub(crate) fn look(env: &BoxEnv) {
 
 /// Asks for all but the snapshot, which takes long in a large world.
 pub(crate) fn glance(env: &BoxEnv) {
-    let _ = (env.observation_space(), env.action_space(), env.metadata(), env.describe());
+    let _ = (
+        env.observation_space(),
+        env.action_space(),
+        env.metadata(),
+        env.describe(),
+    );
     let _ = (env.info_map(), env.ansi(), env.spec().is_some());
     env.draw(&mut Blank);
 }

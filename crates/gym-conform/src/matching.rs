@@ -83,7 +83,9 @@ impl Default for Matching {
 /// [`Error::Custom`] with the first difference, and the errors of a reset or step.
 pub fn environments_match<A: Env, B: Env>(a: &mut A, b: &mut B, matching: &Matching) -> Result<()> {
     let differ = |what: &str, a: &dyn std::fmt::Display, b: &dyn std::fmt::Display| {
-        Err(Error::custom(format!("the environments differ in {what}: {a} and {b}")))
+        Err(Error::custom(format!(
+            "the environments differ in {what}: {a} and {b}"
+        )))
     };
     let spaces = [a.action_space(), b.action_space()];
     if spaces[0] != spaces[1] {
@@ -98,7 +100,9 @@ pub fn environments_match<A: Env, B: Env>(a: &mut A, b: &mut B, matching: &Match
     for step in 0..matching.num_steps {
         let action = actions.sample();
         let fits = |name: &str| {
-            Error::custom(format!("{action} does not fit the actions of the {name} environment"))
+            Error::custom(format!(
+                "{action} does not fit the actions of the {name} environment"
+            ))
         };
         let action_a = A::Action::from_value(&action).ok_or_else(|| fits("first"))?;
         let action_b = B::Action::from_value(&action).ok_or_else(|| fits("second"))?;
@@ -108,13 +112,25 @@ pub fn environments_match<A: Env, B: Env>(a: &mut A, b: &mut B, matching: &Match
             return differ(&format!("the observation of step {step}"), &seen_a, &seen_b);
         }
         if !matching.skip_rew && !alike(&from_a.reward, &from_b.reward) {
-            return differ(&format!("the reward of step {step}"), &from_a.reward, &from_b.reward);
+            return differ(
+                &format!("the reward of step {step}"),
+                &from_a.reward,
+                &from_b.reward,
+            );
         }
         if !matching.skip_terminal && from_a.terminated != from_b.terminated {
-            return differ(&format!("`terminated` of step {step}"), &from_a.terminated, &from_b.terminated);
+            return differ(
+                &format!("`terminated` of step {step}"),
+                &from_a.terminated,
+                &from_b.terminated,
+            );
         }
         if !matching.skip_truncated && from_a.truncated != from_b.truncated {
-            return differ(&format!("`truncated` of step {step}"), &from_a.truncated, &from_b.truncated);
+            return differ(
+                &format!("`truncated` of step {step}"),
+                &from_a.truncated,
+                &from_b.truncated,
+            );
         }
         compare_rest(a, b, matching, &format!("step {step}"))?;
         if from_a.done() || from_b.done() {
@@ -125,7 +141,10 @@ pub fn environments_match<A: Env, B: Env>(a: &mut A, b: &mut B, matching: &Match
 }
 
 fn reset<A: Env, B: Env>(a: &mut A, b: &mut B, matching: &Matching) -> Result<()> {
-    let (seen_a, seen_b) = (a.reset(matching.seed)?.to_value(), b.reset(matching.seed)?.to_value());
+    let (seen_a, seen_b) = (
+        a.reset(matching.seed)?.to_value(),
+        b.reset(matching.seed)?.to_value(),
+    );
     if !matching.skip_obs && !alike(&seen_a, &seen_b) {
         return Err(Error::custom(format!(
             "the environments differ in the observation of reset: {seen_a} and {seen_b}"
@@ -135,14 +154,19 @@ fn reset<A: Env, B: Env>(a: &mut A, b: &mut B, matching: &Matching) -> Result<()
 }
 
 /// `info` and pictures.
-fn compare_rest<A: Env, B: Env>(a: &mut A, b: &mut B, matching: &Matching, place: &str) -> Result<()> {
+fn compare_rest<A: Env, B: Env>(
+    a: &mut A,
+    b: &mut B,
+    matching: &Matching,
+    place: &str,
+) -> Result<()> {
     let (info_a, info_b) = (a.info_map(), b.info_map());
     let has_key = |info: &Info, key: &String| info.contains_key(key);
     let is_matched = match matching.info_comparison {
         InfoComparison::Equivalence => alike(&info_a, &info_b),
-        InfoComparison::Superset => {
-            info_a.iter().all(|(key, a)| info_b.get(key).is_some_and(|b| alike(a, b)))
-        }
+        InfoComparison::Superset => info_a
+            .iter()
+            .all(|(key, a)| info_b.get(key).is_some_and(|b| alike(a, b))),
         InfoComparison::KeysEquivalence => info_a.keys().eq(info_b.keys()),
         InfoComparison::KeysSuperset => info_a.keys().all(|key| has_key(&info_b, key)),
         InfoComparison::Skip => true,
@@ -156,7 +180,9 @@ fn compare_rest<A: Env, B: Env>(a: &mut A, b: &mut B, matching: &Matching, place
         && let (Ok(a), Ok(b)) = (a.render(), b.render())
         && a != b
     {
-        return Err(Error::custom(format!("the environments differ in the picture of {place}")));
+        return Err(Error::custom(format!(
+            "the environments differ in the picture of {place}"
+        )));
     }
     Ok(())
 }

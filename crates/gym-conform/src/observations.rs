@@ -6,32 +6,39 @@ use gym_core::{Array, DType, Env, Space, Step, Value};
 
 pub(crate) fn in_space(subject: &Subject<'_>) -> Verdict {
     let space = subject.make()?.observation_space();
-    each_event(subject, |shown, place| match space.check(shown.observation()) {
-        Ok(()) => Ok(()),
-        Err(error) => broken(format!("{place}: {error}")),
+    each_event(subject, |shown, place| {
+        match space.check(shown.observation()) {
+            Ok(()) => Ok(()),
+            Err(error) => broken(format!("{place}: {error}")),
+        }
     })?;
     subject.long_runs()?.in_space()
 }
 
 pub(crate) fn dtype(subject: &Subject<'_>) -> Verdict {
     let space = subject.make()?.observation_space();
-    each_event(subject, |shown, place| match other_dtype(&space, shown.observation()) {
-        Some((expected, actual)) => {
-            broken(format!("{place}: the observation has {actual} where {space} has {expected}"))
+    each_event(subject, |shown, place| {
+        match other_dtype(&space, shown.observation()) {
+            Some((expected, actual)) => broken(format!(
+                "{place}: the observation has {actual} where {space} has {expected}"
+            )),
+            None => Ok(()),
         }
-        None => Ok(()),
     })
 }
 
 /// The type of an array that the space names, and the one it has, if they differ.
 fn other_dtype(space: &Space, value: &Value) -> Option<(DType, DType)> {
     match (space, value) {
-        (Space::Tuple(space), Value::Tuple(items)) => {
-            space.spaces().iter().zip(items).find_map(|(space, item)| other_dtype(space, item))
-        }
-        (Space::Dict(space), value) => {
-            space.spaces().iter().find_map(|(key, space)| other_dtype(space, value.get(key)?))
-        }
+        (Space::Tuple(space), Value::Tuple(items)) => space
+            .spaces()
+            .iter()
+            .zip(items)
+            .find_map(|(space, item)| other_dtype(space, item)),
+        (Space::Dict(space), value) => space
+            .spaces()
+            .iter()
+            .find_map(|(key, space)| other_dtype(space, value.get(key)?)),
         (_, Value::Array(array)) => {
             let (expected, actual) = (space.dtype()?, Array::dtype(array));
             (expected != actual).then_some((expected, actual))
@@ -89,9 +96,12 @@ fn filled(value: Value) -> Value {
             Value::Array(array)
         }
         Value::Tuple(items) => Value::Tuple(items.into_iter().map(filled).collect()),
-        Value::Dict(entries) => {
-            Value::Dict(entries.into_iter().map(|(key, value)| (key, filled(value))).collect())
-        }
+        Value::Dict(entries) => Value::Dict(
+            entries
+                .into_iter()
+                .map(|(key, value)| (key, filled(value)))
+                .collect(),
+        ),
         other => other,
     }
 }

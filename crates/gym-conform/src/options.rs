@@ -13,16 +13,19 @@ const UNSEEDED: usize = 20;
 
 /// The options with their examples.
 fn examples(subject: &Subject<'_>) -> Verdict<Vec<(&'static str, Json)>> {
-    let named = subject.registration.as_ref().map(|registration| registration.reset_options);
+    let named = subject
+        .registration
+        .as_ref()
+        .map(|registration| registration.reset_options);
     let named = named.unwrap_or_default();
     if named.is_empty() {
         return skipped("its registration names no reset options");
     }
     let read = |(name, example): &(&'static str, &str)| match serde_json::from_str(example) {
         Ok(example) => Ok((*name, example)),
-        Err(error) => {
-            broken(format!("the example `{example}` of the reset option `{name}` is not JSON: {error}"))
-        }
+        Err(error) => broken(format!(
+            "the example `{example}` of the reset option `{name}` is not JSON: {error}"
+        )),
     };
     named.iter().map(read).collect()
 }
@@ -31,9 +34,14 @@ fn examples(subject: &Subject<'_>) -> Verdict<Vec<(&'static str, Json)>> {
 /// environment with options, both are right.
 pub(crate) fn unknown(subject: &Subject<'_>) -> Verdict {
     let plain = subject.make()?.reset(3)?;
-    let knows_options =
-        subject.registration.as_ref().map(|registration| !registration.reset_options.is_empty());
-    match subject.make()?.reset(Reset::seed(3).option("no_such_option", "x")) {
+    let knows_options = subject
+        .registration
+        .as_ref()
+        .map(|registration| !registration.reset_options.is_empty());
+    match subject
+        .make()?
+        .reset(Reset::seed(3).option("no_such_option", "x"))
+    {
         Ok(_) if knows_options == Some(true) => {
             broken("the reset option `no_such_option`, which is not named, is accepted")
         }
@@ -51,12 +59,23 @@ pub(crate) fn unknown(subject: &Subject<'_>) -> Verdict {
 /// Each named option accepts its example, and refuses unlike values.
 pub(crate) fn accepted(subject: &Subject<'_>) -> Verdict {
     for (name, example) in examples(subject)? {
-        if let Err(error) = subject.make()?.reset(Reset::seed(0).option(name, example.clone())) {
-            return broken(format!("`reset` with the option {name}={example}, its example: {error}"));
+        if let Err(error) = subject
+            .make()?
+            .reset(Reset::seed(0).option(name, example.clone()))
+        {
+            return broken(format!(
+                "`reset` with the option {name}={example}, its example: {error}"
+            ));
         }
         let nothing_like_it = json!({"no": ["such", "value"]});
-        if subject.make()?.reset(Reset::seed(0).option(name, nothing_like_it.clone())).is_ok() {
-            return broken(format!("`reset` accepts the option {name}={nothing_like_it}"));
+        if subject
+            .make()?
+            .reset(Reset::seed(0).option(name, nothing_like_it.clone()))
+            .is_ok()
+        {
+            return broken(format!(
+                "`reset` accepts the option {name}={nothing_like_it}"
+            ));
         }
     }
     Ok(())
@@ -65,7 +84,9 @@ pub(crate) fn accepted(subject: &Subject<'_>) -> Verdict {
 /// Each named option changes something, if only together with an argument.
 pub(crate) fn matter(subject: &Subject<'_>) -> Verdict {
     let examples = examples(subject)?;
-    let Some((spec, kwargs)) = subject.arguments() else { return skipped("it is not registered") };
+    let Some((spec, kwargs)) = subject.arguments() else {
+        return skipped("it is not registered");
+    };
     subject.repeatable()?;
     let mut search = Search::new(subject, surroundings(&spec, &kwargs))?;
     for (name, example) in examples {
@@ -122,27 +143,40 @@ fn counts_again(subject: &Subject<'_>, name: &str, example: &Json, is_plain: boo
     let new = with_option(subject, option)?;
     let mut used = subject.midway(SEEDS[1])?;
     let again = started(&mut used, Reset::seed(SEEDS[0]), option)?;
-    same(&new, &again, &format!("a used environment with the seed and the option {name}={example}"))?;
+    same(
+        &new,
+        &again,
+        &format!("a used environment with the seed and the option {name}={example}"),
+    )?;
     if is_plain {
         return Ok(());
     }
     let (mut with, mut without) = (subject.midway(SEEDS[0])?, subject.midway(SEEDS[0])?);
     // by chance some episodes begin as the option asks
     for _ in 0..UNSEEDED {
-        if started(&mut with, Reset::default(), option)? != started(&mut without, Reset::default(), None)? {
+        if started(&mut with, Reset::default(), option)?
+            != started(&mut without, Reset::default(), None)?
+        {
             return Ok(());
         }
     }
-    broken(format!("the reset option {name}={example} changes nothing in {UNSEEDED} resets without a seed"))
+    broken(format!(
+        "the reset option {name}={example} changes nothing in {UNSEEDED} resets without a seed"
+    ))
 }
 
 /// An option holds for one episode.
 pub(crate) fn forgotten(subject: &Subject<'_>) -> Verdict {
-    let Ok(examples) = examples(subject) else { return Ok(()) };
+    let Ok(examples) = examples(subject) else {
+        return Ok(());
+    };
     for (name, example) in examples {
         let mut env = subject.make()?;
         // whether it is accepted is another rule
-        if env.reset(Reset::seed(SEEDS[1]).option(name, example.clone())).is_err() {
+        if env
+            .reset(Reset::seed(SEEDS[1]).option(name, example.clone()))
+            .is_err()
+        {
             continue;
         }
         let after = started(&mut env, Reset::seed(SEEDS[0]), None)?;
@@ -155,10 +189,17 @@ pub(crate) fn forgotten(subject: &Subject<'_>) -> Verdict {
 /// Resets that are refused for a value that no option has; whether all were refused.
 pub(crate) fn refused(env: &mut BoxEnv, subject: &Subject<'_>) -> bool {
     let nothing_like_it = json!({"no": ["such", "value"]});
-    examples(subject).unwrap_or_default().iter().all(|(name, _)| {
-        [None, Some(3.into())].into_iter().all(|seed| {
-            let reset = Reset { seed, ..Reset::default() }.option(name, nothing_like_it.clone());
-            env.reset(reset).is_err()
+    examples(subject)
+        .unwrap_or_default()
+        .iter()
+        .all(|(name, _)| {
+            [None, Some(3.into())].into_iter().all(|seed| {
+                let reset = Reset {
+                    seed,
+                    ..Reset::default()
+                }
+                .option(name, nothing_like_it.clone());
+                env.reset(reset).is_err()
+            })
         })
-    })
 }

@@ -12,7 +12,9 @@ use crate::verdict::{Verdict, broken, message};
 use gym_core::{BoxEnv, Env, EnvExt, Reset, Result, Value};
 
 pub(crate) fn none(subject: &Subject<'_>) -> Verdict {
-    attempt("before the first reset", || out_of_order(&mut subject.make()?))?;
+    attempt("before the first reset", || {
+        out_of_order(&mut subject.make()?)
+    })?;
     attempt("when closed twice", || {
         let mut env = subject.reset(0)?;
         env.close();
@@ -20,7 +22,9 @@ pub(crate) fn none(subject: &Subject<'_>) -> Verdict {
         out_of_order(&mut env)?;
         env.reset(0).map(drop)
     })?;
-    attempt("when stepped beyond the end of an episode", || beyond_the_end(&mut subject.reset(0)?))?;
+    attempt("when stepped beyond the end of an episode", || {
+        beyond_the_end(&mut subject.reset(0)?)
+    })?;
     for action in odd_actions(&subject.make()?)? {
         attempt(&format!("on the action {action:?}"), || {
             let mut env = subject.reset(0)?;
@@ -92,15 +96,29 @@ fn odd_actions(env: &BoxEnv) -> Result<Vec<Value>> {
     let mut actions = invalid(&space, &valid);
     actions.extend(corners(&space));
     actions.extend(huge(&space));
-    actions.extend([0.0, -0.0, f64::INFINITY, f64::NEG_INFINITY].iter().filter_map(|&x| uniform(&space, x)));
+    actions.extend(
+        [0.0, -0.0, f64::INFINITY, f64::NEG_INFINITY]
+            .iter()
+            .filter_map(|&x| uniform(&space, x)),
+    );
     Ok(actions)
 }
 
 /// The options that the registration names, and some that it does not, with unexpected values.
 fn odd_options(subject: &Subject<'_>) -> impl Iterator<Item = (&'static str, Json)> {
-    let values =
-        [json!(null), json!("x"), json!(-1e300), json!(1e300), json!([]), json!({"a": 1}), json!(true)];
-    let named = subject.registration.as_ref().map(|registration| registration.reset_options);
+    let values = [
+        json!(null),
+        json!("x"),
+        json!(-1e300),
+        json!(1e300),
+        json!([]),
+        json!({"a": 1}),
+        json!(true),
+    ];
+    let named = subject
+        .registration
+        .as_ref()
+        .map(|registration| registration.reset_options);
     let names = named.unwrap_or_default().iter().map(|(name, _)| *name);
     names
         .chain(["low", "high", "seed", "options", ""])

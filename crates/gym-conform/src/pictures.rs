@@ -29,7 +29,11 @@ pub(crate) fn follows(subject: &Subject<'_>) -> Verdict {
     let frames = each_frame(subject, |frame, observation, _| {
         let (picture, seen) = first.get_or_insert_with(|| (frame.clone(), observation.clone()));
         changes = changes || !alike(seen, observation);
-        Ok(if picture == frame { ControlFlow::Continue(()) } else { ControlFlow::Break(()) })
+        Ok(if picture == frame {
+            ControlFlow::Continue(())
+        } else {
+            ControlFlow::Break(())
+        })
     })?;
     match changes && frames.is_continue() {
         true => broken("different observations have the same picture"),
@@ -59,12 +63,18 @@ fn each_frame(
                 return Ok(ControlFlow::Break(()));
             }
             let next = env.step(&actions.sample())?;
-            observation = if next.done() { env.reset(())? } else { next.observation };
+            observation = if next.done() {
+                env.reset(())?
+            } else {
+                next.observation
+            };
         }
     }
     Ok(ControlFlow::Continue(()))
 }
 
 fn frame(env: &mut Render) -> gym_core::Result<Frame> {
-    env.render()?.into_frame().ok_or_else(|| gym_core::Error::custom("the mode rgb_array gives no frame"))
+    env.render()?
+        .into_frame()
+        .ok_or_else(|| gym_core::Error::custom("the mode rgb_array gives no frame"))
 }

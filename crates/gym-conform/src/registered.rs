@@ -12,11 +12,16 @@ pub(crate) fn constructs(subject: &Subject<'_>) -> Verdict {
 
 pub(crate) fn described(subject: &Subject<'_>) -> Verdict {
     match &subject.registration {
-        Some(registration) if registration.description.trim().is_empty() => {
-            broken(format!("`{}` is registered without a description", registration.id()))
-        }
+        Some(registration) if registration.description.trim().is_empty() => broken(format!(
+            "`{}` is registered without a description",
+            registration.id()
+        )),
         Some(registration) if says_nothing(registration.id(), registration.description.trim()) => {
-            broken(format!("`{}` is described as {:?}", registration.id(), registration.description))
+            broken(format!(
+                "`{}` is described as {:?}",
+                registration.id(),
+                registration.description
+            ))
         }
         Some(_) => Ok(()),
         None => skipped("it is not registered"),
@@ -31,8 +36,13 @@ fn says_nothing(id: &str, about: &str) -> bool {
 }
 
 pub(crate) fn versioned(subject: &Subject<'_>) -> Verdict {
-    let Some(registration) = &subject.registration else { return skipped("it is not registered") };
-    let version = registration.id().rsplit_once("-v").map(|(_, version)| version);
+    let Some(registration) = &subject.registration else {
+        return skipped("it is not registered");
+    };
+    let version = registration
+        .id()
+        .rsplit_once("-v")
+        .map(|(_, version)| version);
     match version.is_some_and(|version| version.parse::<u32>().is_ok()) {
         true => Ok(()),
         false => broken(format!("`{}` has no version", registration.id())),

@@ -46,7 +46,9 @@ pub struct Skipped {
 impl Report {
     /// Whether nothing worse than a warning was found.
     pub fn passes(&self) -> bool {
-        self.findings.iter().all(|finding| finding.severity == Severity::Warning)
+        self.findings
+            .iter()
+            .all(|finding| finding.severity == Severity::Warning)
     }
 
     fn verdict(&self) -> &'static str {
@@ -119,15 +121,27 @@ fn write_text(out: &mut String, reports: &[Report]) -> fmt::Result {
     }
     let broken = reports.iter().filter(|report| !report.passes()).count();
     let checks = CHECKS.len();
-    writeln!(out, "{} environments, {checks} checks each, {broken} broken", reports.len())
+    writeln!(
+        out,
+        "{} environments, {checks} checks each, {broken} broken",
+        reports.len()
+    )
 }
 
 fn write_junit(out: &mut String, reports: &[Report]) -> fmt::Result {
     writeln!(out, r#"<?xml version="1.0" encoding="UTF-8"?>"#)?;
     writeln!(out, "<testsuites>")?;
     for report in reports {
-        let Report { id, findings, excused, skipped } = report;
-        let failures = findings.iter().filter(|finding| finding.severity == Severity::Error).count();
+        let Report {
+            id,
+            findings,
+            excused,
+            skipped,
+        } = report;
+        let failures = findings
+            .iter()
+            .filter(|finding| finding.severity == Severity::Error)
+            .count();
         let (tests, skips) = (CHECKS.len(), excused.len() + skipped.len());
         writeln!(
             out,
@@ -135,8 +149,16 @@ fn write_junit(out: &mut String, reports: &[Report]) -> fmt::Result {
             Xml(id)
         )?;
         for check in CHECKS {
-            write!(out, r#"    <testcase classname="{}" name="{}">"#, Xml(id), check.name)?;
-            for finding in findings.iter().filter(|finding| finding.check == check.name) {
+            write!(
+                out,
+                r#"    <testcase classname="{}" name="{}">"#,
+                Xml(id),
+                check.name
+            )?;
+            for finding in findings
+                .iter()
+                .filter(|finding| finding.check == check.name)
+            {
                 match finding.severity {
                     Severity::Error => {
                         let text = finding.to_string();
@@ -148,12 +170,18 @@ fn write_junit(out: &mut String, reports: &[Report]) -> fmt::Result {
                         )?;
                     }
                     Severity::Warning => {
-                        write!(out, "<system-out>{}</system-out>", Xml(&finding.to_string()))?;
+                        write!(
+                            out,
+                            "<system-out>{}</system-out>",
+                            Xml(&finding.to_string())
+                        )?;
                     }
                 }
             }
-            let excuse =
-                excused.iter().find(|excused| excused.check == check.name).map(|excused| excused.reason);
+            let excuse = excused
+                .iter()
+                .find(|excused| excused.check == check.name)
+                .map(|excused| excused.reason);
             let skip = skipped.iter().find(|skipped| skipped.check == check.name);
             if let Some(reason) = excuse.or(skip.map(|skipped| &*skipped.reason)) {
                 write!(out, r#"<skipped message="{}"/>"#, Xml(reason))?;
@@ -195,13 +223,31 @@ mod tests {
             why: "it hurts",
             mend: "do not",
         };
-        let warning = Finding { check: "described", severity: Severity::Warning, ..finding.clone() };
-        let skipped = vec![Skipped { check: "render-modes", reason: "no painter".into() }];
-        let excused = vec![Excused { check: "any-thread", reason: "one window" }];
-        let report =
-            |id: &str, findings| Report { id: id.into(), findings, excused: vec![], skipped: vec![] };
+        let warning = Finding {
+            check: "described",
+            severity: Severity::Warning,
+            ..finding.clone()
+        };
+        let skipped = vec![Skipped {
+            check: "render-modes",
+            reason: "no painter".into(),
+        }];
+        let excused = vec![Excused {
+            check: "any-thread",
+            reason: "one window",
+        }];
+        let report = |id: &str, findings| Report {
+            id: id.into(),
+            findings,
+            excused: vec![],
+            skipped: vec![],
+        };
         vec![
-            Report { excused, skipped, ..report("a/Good-v0", vec![]) },
+            Report {
+                excused,
+                skipped,
+                ..report("a/Good-v0", vec![])
+            },
             report("a/Fair-v0", vec![warning]),
             report("a/Bad-v0", vec![finding]),
         ]
@@ -210,13 +256,17 @@ mod tests {
     #[test]
     fn text() {
         let text = Format::Text.write(&sample());
+        assert!(text.starts_with(
+            "a/Good-v0: ok\n  excused: any-thread: one window\na/Fair-v0: ok, with warnings\n"
+        ));
         assert!(
-            text.starts_with(
-                "a/Good-v0: ok\n  excused: any-thread: one window\na/Fair-v0: ok, with warnings\n"
-            )
+            text.contains("a/Bad-v0: BROKEN\n  error: reward-finite: seed 0"),
+            "{text}"
         );
-        assert!(text.contains("a/Bad-v0: BROKEN\n  error: reward-finite: seed 0"), "{text}");
-        assert!(text.contains("    why: it hurts\n    mend: do not\n"), "{text}");
+        assert!(
+            text.contains("    why: it hurts\n    mend: do not\n"),
+            "{text}"
+        );
         let last = format!("3 environments, {} checks each, 1 broken\n", CHECKS.len());
         assert!(text.ends_with(&last), "{text}");
     }
@@ -231,15 +281,30 @@ mod tests {
     #[test]
     fn junit_is_escaped_and_complete() {
         let xml = Format::Junit.write(&sample());
-        assert!(xml.contains(r#"<failure message="seed 0: &quot;&lt;NaN&gt;&quot; &amp; more">"#), "{xml}");
+        assert!(
+            xml.contains(r#"<failure message="seed 0: &quot;&lt;NaN&gt;&quot; &amp; more">"#),
+            "{xml}"
+        );
         assert_eq!(xml.matches("<testcase").count(), 3 * CHECKS.len());
-        assert_eq!((xml.matches("<failure").count(), xml.matches("<skipped").count()), (1, 2));
+        assert_eq!(
+            (
+                xml.matches("<failure").count(),
+                xml.matches("<skipped").count()
+            ),
+            (1, 2)
+        );
         assert!(Xml("\u{1b}[0m").to_string().starts_with('\u{fffd}'));
     }
 
     #[test]
     fn formats_have_names() {
         assert_eq!("junit".parse::<Format>().unwrap(), Format::Junit);
-        assert!("xml".parse::<Format>().unwrap_err().to_string().contains("text, json and junit"));
+        assert!(
+            "xml"
+                .parse::<Format>()
+                .unwrap_err()
+                .to_string()
+                .contains("text, json and junit")
+        );
     }
 }

@@ -25,7 +25,10 @@ pub fn check(make: impl Fn() -> Result<BoxEnv>) -> Vec<Finding> {
     match bare(&make) {
         Some(spec) => {
             let make = || spec.make();
-            run(&Subject::of_spec(&make, spec.clone()), |long| eprintln!("{}: {long}", spec.id)).0
+            run(&Subject::of_spec(&make, spec.clone()), |long| {
+                eprintln!("{}: {long}", spec.id)
+            })
+            .0
         }
         None => run(&Subject::new(&make), |long| eprintln!("{long}")).0,
     }
@@ -79,7 +82,11 @@ enum Long {
 impl fmt::Display for Long {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Runs(check) => write!(f, "the check {check} takes longer than {} s", LONG.as_secs()),
+            Self::Runs(check) => write!(
+                f,
+                "the check {check} takes longer than {} s",
+                LONG.as_secs()
+            ),
             Self::Ended(slow) => slow.fmt(f),
         }
     }
@@ -101,7 +108,10 @@ impl fmt::Display for Slow {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { check, took, reset } = self;
         let [took, reset] = [took, reset].map(Duration::as_secs_f64);
-        write!(f, "the check {check} took {took:.0} s; to make and reset the environment takes {reset:.3} s")
+        write!(
+            f,
+            "the check {check} took {took:.0} s; to make and reset the environment takes {reset:.3} s"
+        )
     }
 }
 
@@ -145,12 +155,27 @@ fn run(subject: &Subject<'_>, tell: impl Fn(&Long) + Sync) -> (Vec<Finding>, Vec
     let (mut findings, mut skipped, mut passed) = (Vec::new(), Vec::new(), Vec::new());
     let (mut errors, mut panics) = (Vec::new(), Vec::new());
     let finding = |check: &Check, message: String| {
-        let Check { name, severity, why, mend, .. } = *check;
-        Finding { check: name, severity, message, why, mend }
+        let Check {
+            name,
+            severity,
+            why,
+            mend,
+            ..
+        } = *check;
+        Finding {
+            check: name,
+            severity,
+            message,
+            why,
+            mend,
+        }
     };
     for check in CHECKS {
         if let Some(needed) = check.needs.iter().find(|needed| !passed.contains(*needed)) {
-            skipped.push(Skipped { check: check.name, reason: format!("it depends on {needed}") });
+            skipped.push(Skipped {
+                check: check.name,
+                reason: format!("it depends on {needed}"),
+            });
             continue;
         }
         let started = Instant::now();
@@ -161,7 +186,11 @@ fn run(subject: &Subject<'_>, tell: impl Fn(&Long) + Sync) -> (Vec<Finding>, Vec
         );
         let took = started.elapsed();
         if took > LONG {
-            tell(&Long::Ended(Slow { check: check.name, took, reset }));
+            tell(&Long::Ended(Slow {
+                check: check.name,
+                took,
+                reset,
+            }));
         }
         let panicked = match outcome {
             Ok(verdict) => match verdict {
@@ -178,7 +207,10 @@ fn run(subject: &Subject<'_>, tell: impl Fn(&Long) + Sync) -> (Vec<Finding>, Vec
                     if !(REPEATABLE.contains(&check.name) && subject.is_nondeterministic()) {
                         passed.push(check.name);
                     }
-                    skipped.push(Skipped { check: check.name, reason });
+                    skipped.push(Skipped {
+                        check: check.name,
+                        reason,
+                    });
                     continue;
                 }
                 Err(Trouble::Error(error)) => {
@@ -192,15 +224,25 @@ fn run(subject: &Subject<'_>, tell: impl Fn(&Long) + Sync) -> (Vec<Finding>, Vec
     }
     // A panic anywhere breaks one and the same rule.
     if let (Some((check, panicked)), Some(no_panic)) = (panics.first(), CHECKS.last())
-        && findings.iter().all(|finding| finding.check != no_panic.name)
+        && findings
+            .iter()
+            .all(|finding| finding.check != no_panic.name)
     {
-        findings.push(finding(no_panic, format!("during {}: {panicked}", check.name)));
+        findings.push(finding(
+            no_panic,
+            format!("during {}: {panicked}", check.name),
+        ));
     }
     // The check of a call reports its failure; calls without a check are reported here.
-    let is_explained = findings.iter().any(|finding| finding.severity == Severity::Error);
+    let is_explained = findings
+        .iter()
+        .any(|finding| finding.severity == Severity::Error);
     for (check, error) in errors {
         if is_explained {
-            skipped.push(Skipped { check: check.name, reason: error.to_string() });
+            skipped.push(Skipped {
+                check: check.name,
+                reason: error.to_string(),
+            });
         } else {
             findings.push(finding(check, format!("it cannot be checked: {error}")));
         }
@@ -222,20 +264,38 @@ pub fn reports(ids: &[String]) -> Result<Vec<Report>> {
 /// # Errors
 /// The faults of an id.
 pub fn reports_with(ids: &[String], tell: impl Fn(Progress<'_>) + Sync) -> Result<Vec<Report>> {
-    let specs = ids.iter().map(|id| registry::resolve(id)?.0.spec()).collect::<Result<Vec<_>>>()?;
-    let workers = thread::available_parallelism().map_or(1, usize::from).min(specs.len().max(1));
+    let specs = ids
+        .iter()
+        .map(|id| registry::resolve(id)?.0.spec())
+        .collect::<Result<Vec<_>>>()?;
+    let workers = thread::available_parallelism()
+        .map_or(1, usize::from)
+        .min(specs.len().max(1));
     // A free thread takes the next one: some take a hundred times as long as others. It takes the last one, because those
     // in a namespace, such as `rapier/CarRacing-v3`, take longest.
     let queue = Mutex::new(specs.iter().enumerate());
-    let take = || queue.lock().unwrap_or_else(PoisonError::into_inner).next_back();
+    let take = || {
+        queue
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .next_back()
+    };
     let work = || {
         let mut reports = Vec::new();
         loop {
-            let Some((i, spec)) = take() else { return reports };
+            let Some((i, spec)) = take() else {
+                return reports;
+            };
             tell(Progress::Begins { id: &spec.id });
             let long = |long: &Long| match long {
-                Long::Runs(check) => tell(Progress::Runs { id: &spec.id, check }),
-                Long::Ended(slow) => tell(Progress::Slow { id: &spec.id, slow: slow.clone() }),
+                Long::Runs(check) => tell(Progress::Runs {
+                    id: &spec.id,
+                    check,
+                }),
+                Long::Ended(slow) => tell(Progress::Slow {
+                    id: &spec.id,
+                    slow: slow.clone(),
+                }),
             };
             reports.push((i, report(spec, long)));
         }
@@ -253,7 +313,11 @@ pub fn reports_with(ids: &[String], tell: impl Fn(Progress<'_>) + Sync) -> Resul
 
 /// The environment without the wrappers that hide faults.
 fn bare_spec(spec: &EnvSpec) -> EnvSpec {
-    EnvSpec { order_enforce: false, disable_env_checker: true, ..spec.clone() }
+    EnvSpec {
+        order_enforce: false,
+        disable_env_checker: true,
+        ..spec.clone()
+    }
 }
 
 fn report(spec: &EnvSpec, tell: impl Fn(&Long) + Sync) -> Report {
@@ -268,10 +332,18 @@ fn report(spec: &EnvSpec, tell: impl Fn(&Long) + Sync) -> Report {
         reason.is_none()
     });
     // those of single arguments, which their check leaves out
-    let exceptions = subject.registration.as_ref().map_or(&[][..], |registration| registration.exceptions);
+    let exceptions = subject
+        .registration
+        .as_ref()
+        .map_or(&[][..], |registration| registration.exceptions);
     let of_parts = exceptions.iter().filter(|(check, _)| check.contains('.'));
     excused.extend(of_parts.map(|&(check, reason)| Excused { check, reason }));
-    Report { id: spec.id.clone(), findings, excused, skipped }
+    Report {
+        id: spec.id.clone(),
+        findings,
+        excused,
+        skipped,
+    }
 }
 
 #[cfg(test)]
@@ -282,7 +354,11 @@ mod tests {
     fn work_that_takes_long_is_told_while_it_goes_on() {
         let (told, hears) = mpsc::channel();
         // it ends when it was told, and not before
-        watched(Duration::ZERO, || told.send(()).unwrap(), || hears.recv().unwrap());
+        watched(
+            Duration::ZERO,
+            || told.send(()).unwrap(),
+            || hears.recv().unwrap(),
+        );
         // it ends at once, without waiting for the time to pass
         let answer = watched(Duration::MAX, || panic!("told"), || 3);
         assert_eq!(answer, 3);

@@ -12,11 +12,18 @@ const SOON: usize = 5;
 
 pub(crate) fn resets(subject: &Subject<'_>) -> Verdict {
     let mut env = subject.make()?;
-    let large: Seed = "1427247692705959881058285969449495136382746631".parse().map_err(Error::from)?; // 2^150 + 7
+    let large: Seed = "1427247692705959881058285969449495136382746631"
+        .parse()
+        .map_err(Error::from)?; // 2^150 + 7
     for seed in [Some(0.into()), Some(u64::MAX.into()), Some(large), None] {
-        let what =
-            seed.as_ref().map_or_else(|| "without a seed".to_owned(), |seed| format!("with the seed {seed}"));
-        if let Err(error) = env.reset(Reset { seed, ..Reset::default() }) {
+        let what = seed.as_ref().map_or_else(
+            || "without a seed".to_owned(),
+            |seed| format!("with the seed {seed}"),
+        );
+        if let Err(error) = env.reset(Reset {
+            seed,
+            ..Reset::default()
+        }) {
             return broken(format!("`reset` {what}: {error}"));
         }
     }
@@ -31,12 +38,24 @@ pub(crate) fn same_seed(subject: &Subject<'_>) -> Verdict {
     subject.repeatable()?;
     let roll = |seed| roll_out(&mut subject.make()?, seed, STEPS);
     SEEDS.into_iter().try_for_each(|seed| {
-        same(&roll(seed)?, &roll(seed)?, "a second environment with the same seed and actions")?;
+        same(
+            &roll(seed)?,
+            &roll(seed)?,
+            "a second environment with the same seed and actions",
+        )?;
         let what = "a second environment with resets in the middle of an episode, seeded once,";
-        same(&interrupted(subject, seed)?, &interrupted(subject, seed)?, what)
+        same(
+            &interrupted(subject, seed)?,
+            &interrupted(subject, seed)?,
+            what,
+        )
     })?;
     let again = roll_out(&mut subject.make()?, SEEDS[0], subject.longest()?)?;
-    same(subject.first_run()?, &again, "a later environment with the same seed and actions, in a long run,")
+    same(
+        subject.first_run()?,
+        &again,
+        "a later environment with the same seed and actions, in a long run,",
+    )
 }
 
 /// Episodes after an abandoned seeded one, and after one that was not begun.
@@ -61,7 +80,11 @@ fn forgets(subject: &Subject<'_>) -> Verdict {
         // abandon it in the middle of another episode
         roll_out(&mut env, seed + 1, 7)?;
         let second = roll_out(&mut env, seed, STEPS)?;
-        same(&first, &second, "a used environment with the same seed and actions")?;
+        same(
+            &first,
+            &second,
+            "a used environment with the same seed and actions",
+        )?;
     }
     // counters that continue over episodes or resets show late
     let (seed, steps) = (SEEDS[0], subject.longest()?);
@@ -106,7 +129,9 @@ pub(crate) fn other_seed(subject: &Subject<'_>) -> Verdict {
             return seeds_count(subject, &mut env);
         }
     }
-    broken(format!("{TRIES} seeds give the same episode, although it is random"))
+    broken(format!(
+        "{TRIES} seeds give the same episode, although it is random"
+    ))
 }
 
 /// Every bit of a seed decides, and without a seed chance does.
@@ -114,17 +139,28 @@ fn seeds_count(subject: &Subject<'_>, env: &mut BoxEnv) -> Verdict {
     let seeded = |env: &mut BoxEnv, seed: u64, steps| episode_of(env, Reset::seed(seed), steps);
     let other = |env: &mut BoxEnv, seed: u128, steps| {
         let seed: Seed = seed.to_string().parse().map_err(Error::from)?;
-        episode_of(env, Reset { seed: Some(seed), ..Reset::default() }, steps)
+        episode_of(
+            env,
+            Reset {
+                seed: Some(seed),
+                ..Reset::default()
+            },
+            steps,
+        )
     };
     // the highest bits, the remainder of powers of 10, and two hashes
     let bits = [31, 32, 48, 53, 63, 64, 100].map(|bit| (1u128 << bit, format!("2^{bit}")));
     let others = [10u128.pow(18), (1 << 31) - 1, (1 << 32) - 1].map(|by| (by, by.to_string()));
     for (by, name) in bits.into_iter().chain(others) {
         let what = format!("a seed and the one {name} above it always give the same episode");
-        not_always(env, &what, seeded, |env, seed, steps| other(env, by + u128::from(seed), steps))?;
+        not_always(env, &what, seeded, |env, seed, steps| {
+            other(env, by + u128::from(seed), steps)
+        })?;
     }
     let what = "an even seed and the next always give the same episode";
-    not_always(env, what, seeded, |env, seed, steps| other(env, u128::from(seed ^ 1), steps))?;
+    not_always(env, what, seeded, |env, seed, steps| {
+        other(env, u128::from(seed ^ 1), steps)
+    })?;
     let what = "environments whose first reset has no seed always begin with the same episode";
     let first = episode(&mut subject.make()?, Reset::default())?;
     let fresh = |_: &mut BoxEnv, _| Ok(episode(&mut subject.make()?, Reset::default())? == first);
@@ -172,7 +208,11 @@ fn not_always_true(
         distinct += u64::from(plain(env, seed + 3, STEPS)? != plain(env, seed, STEPS)?);
     }
     // if few episodes differ, it is chance
-    if distinct * 2 > TRIES { broken(what) } else { Ok(()) }
+    if distinct * 2 > TRIES {
+        broken(what)
+    } else {
+        Ok(())
+    }
 }
 
 pub(crate) fn carries_on(subject: &Subject<'_>) -> Verdict {
@@ -188,20 +228,30 @@ pub(crate) fn carries_on(subject: &Subject<'_>) -> Verdict {
                 env.reset(seed)?;
                 episode_of(env, Reset::default(), steps)
             };
-            let next = |env: &mut BoxEnv, seed: u64, steps| episode_of(env, Reset::seed(seed + 1), steps);
+            let next =
+                |env: &mut BoxEnv, seed: u64, steps| episode_of(env, Reset::seed(seed + 1), steps);
             not_always(&mut env, what, next, unseeded)?;
             return never_alternates(&mut env);
         }
     }
-    broken(format!("{TRIES} resets without a seed repeat the episode of the last seed"))
+    broken(format!(
+        "{TRIES} resets without a seed repeat the episode of the last seed"
+    ))
 }
 
 /// Whether resets without a seed give more than a few episodes in turn.
 fn never_alternates(env: &mut BoxEnv) -> Verdict {
     let mut is_periodic = |resets: u64, steps: usize| -> Result<bool> {
         env.reset(0)?;
-        let episodes = (0..resets).map(|_| one_episode(env, steps)).collect::<Result<Vec<_>>>()?;
-        Ok((1..=2).any(|period| episodes.iter().zip(&episodes[period..]).all(|(a, b)| a == b)))
+        let episodes = (0..resets)
+            .map(|_| one_episode(env, steps))
+            .collect::<Result<Vec<_>>>()?;
+        Ok((1..=2).any(|period| {
+            episodes
+                .iter()
+                .zip(&episodes[period..])
+                .all(|(a, b)| a == b)
+        }))
     };
     // few starts may seem to take turns by chance
     if is_periodic(6, SOON)? && is_periodic(2 * TRIES, STEPS)? {
@@ -242,8 +292,7 @@ pub(crate) fn generator_lent(subject: &Subject<'_>) -> Verdict {
         (false, _) => broken("resets with one seed leave `generator` in different states"),
         (_, true) => broken("resets with different seeds leave `generator` in the same state"),
         _ => {
-            let what =
-                "a number drawn from the generator that is lent never changes the next episode: it is a copy";
+            let what = "a number drawn from the generator that is lent never changes the next episode: it is a copy";
             let undrawn = |env: &mut BoxEnv, seed: u64, steps| {
                 env.reset(seed)?;
                 episode_of(env, Reset::default(), steps)
@@ -268,7 +317,11 @@ fn lent_always(subject: &Subject<'_>) -> Verdict {
     for step in 1..=STEPS {
         let is_over = env.step(&actions.sample())?.done();
         if env.generator().is_none() {
-            let end = if is_over { ", the last of an episode" } else { "" };
+            let end = if is_over {
+                ", the last of an episode"
+            } else {
+                ""
+            };
             return broken(format!("`generator` is None after step {step}{end}"));
         }
         if is_over {

@@ -10,7 +10,11 @@ const NORMAL: f64 = 1.0;
 /// Calls `visit` with both spaces and each inner space, and its place.
 fn each(subject: &Subject<'_>, mut visit: impl FnMut(&str, &Space) -> Verdict) -> Verdict {
     let env = subject.make()?;
-    within("the observation space", &env.observation_space(), &mut visit)?;
+    within(
+        "the observation space",
+        &env.observation_space(),
+        &mut visit,
+    )?;
     within("the action space", &env.action_space(), &mut visit)
 }
 
@@ -31,10 +35,16 @@ fn within(place: &str, space: &Space, visit: &mut dyn FnMut(&str, &Space) -> Ver
             .iter()
             .enumerate()
             .try_for_each(|(i, space)| within(&format!("{place}[{i}]"), space, visit)),
-        Space::Sequence(space) => within(&format!("each item of {place}"), space.feature_space(), visit),
+        Space::Sequence(space) => within(
+            &format!("each item of {place}"),
+            space.feature_space(),
+            visit,
+        ),
         Space::Graph(space) => {
             within(&format!("each node of {place}"), space.node_space(), visit)?;
-            space.edge_space().map_or(Ok(()), |edge| within(&format!("each edge of {place}"), edge, visit))
+            space.edge_space().map_or(Ok(()), |edge| {
+                within(&format!("each edge of {place}"), edge, visit)
+            })
         }
         _ => Ok(()),
     }
@@ -48,13 +58,19 @@ pub(crate) fn not_empty(subject: &Subject<'_>) -> Verdict {
             Space::Text(space) => space.max_length() == 0,
             _ => space.shape().is_some_and(|shape| shape.contains(&0)),
         };
-        if is_empty { broken(format!("{place} is {space}, which has no elements")) } else { Ok(()) }
+        if is_empty {
+            broken(format!("{place} is {space}, which has no elements"))
+        } else {
+            Ok(())
+        }
     })
 }
 
 pub(crate) fn width(subject: &Subject<'_>) -> Verdict {
     each(subject, |place, space| {
-        let Space::Box(space) = space else { return Ok(()) };
+        let Space::Box(space) = space else {
+            return Ok(());
+        };
         let mut bounds = space.low().iter_f64().zip(space.high().iter_f64());
         match bounds.position(|(low, high)| low == high) {
             Some(i) => broken(format!("element {i} of {place}, {space}, has equal bounds")),
@@ -65,18 +81,24 @@ pub(crate) fn width(subject: &Subject<'_>) -> Verdict {
 
 pub(crate) fn bounded(subject: &Subject<'_>) -> Verdict {
     each(subject, |place, space| match space {
-        Space::Box(space) if !space.is_bounded() => broken(format!("{place}, {space}, has infinite bounds")),
+        Space::Box(space) if !space.is_bounded() => {
+            broken(format!("{place}, {space}, has infinite bounds"))
+        }
         _ => Ok(()),
     })
 }
 
 /// Gymnasium asks this of vectors alone.
 pub(crate) fn action_normalised(subject: &Subject<'_>) -> Verdict {
-    let Space::Box(space) = subject.make()?.action_space() else { return Ok(()) };
+    let Space::Box(space) = subject.make()?.action_space() else {
+        return Ok(());
+    };
     let mut bounds = space.low().iter_f64().zip(space.high().iter_f64());
     let is_normal = |(low, high): (f64, f64)| -low == high && high <= NORMAL;
     if space.shape().len() == 1 && !bounds.all(is_normal) {
-        return broken(format!("the action space, {space}, is not symmetric or goes beyond -1 and 1"));
+        return broken(format!(
+            "the action space, {space}, is not symmetric or goes beyond -1 and 1"
+        ));
     }
     Ok(())
 }
@@ -89,7 +111,9 @@ pub(crate) fn constant(subject: &Subject<'_>) -> Verdict {
         let parts = ["the observation space", "the action space"];
         for ((part, before), now) in parts.into_iter().zip(&first).zip(spaces(env)) {
             if *before != now {
-                return broken(format!("{part} is {before} at first and {now} after step {step}"));
+                return broken(format!(
+                    "{part} is {before} at first and {now} after step {step}"
+                ));
             }
         }
         Ok(())
@@ -112,8 +136,11 @@ mod tests {
         let two = || Space::discrete(2);
         let line = || Space::boxed([0.0], [1.0]);
         let graph = GraphSpace::new(line(), Some(two())).unwrap();
-        let dict =
-            DictSpace::new([("a", two()), ("b", OneOfSpace::new([two(), line()]).unwrap().into())]).unwrap();
+        let dict = DictSpace::new([
+            ("a", two()),
+            ("b", OneOfSpace::new([two(), line()]).unwrap().into()),
+        ])
+        .unwrap();
         let tuple = TupleSpace::new([two(), SequenceSpace::new(dict).into(), graph.into()]);
         let mut places = Vec::new();
         let visited = within("it", &tuple.into(), &mut |place, _| {

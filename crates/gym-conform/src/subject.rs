@@ -6,8 +6,8 @@ use crate::damaged::Damaged;
 use crate::long::LongRuns;
 use crate::verdict::{Trouble, Verdict, broken, skipped};
 use gym_core::{
-    BoxEnv, Element, Env, EnvExt, EnvSpec, Info, Kwargs, Registration, Reset, Result, Space, Step, Value,
-    registry,
+    BoxEnv, Element, Env, EnvExt, EnvSpec, Info, Kwargs, Registration, Reset, Result, Space, Step,
+    Value, registry,
 };
 
 /// Episodes are compared over this many steps, through several resets if they are short.
@@ -52,7 +52,15 @@ impl<'a> Subject<'a> {
     ) -> Self {
         let (first_run, events) = (OnceCell::new(), OnceCell::new());
         let (long_runs, damaged) = (OnceCell::new(), OnceCell::new());
-        Self { make, first_run, events, long_runs, damaged, spec, registration }
+        Self {
+            make,
+            first_run,
+            events,
+            long_runs,
+            damaged,
+            spec,
+            registration,
+        }
     }
 
     /// A fresh environment.
@@ -64,9 +72,12 @@ impl<'a> Subject<'a> {
     pub(crate) fn unlimited(&self) -> Result<BoxEnv> {
         match &self.spec {
             // the wrapped environment may need the limit
-            Some(spec) if self.registration.is_some() => {
-                EnvSpec { max_episode_steps: None, ..spec.clone() }.make().or_else(|_| self.make())
+            Some(spec) if self.registration.is_some() => EnvSpec {
+                max_episode_steps: None,
+                ..spec.clone()
             }
+            .make()
+            .or_else(|_| self.make()),
             _ => self.make(),
         }
     }
@@ -92,8 +103,16 @@ impl<'a> Subject<'a> {
 
     /// The number of steps of a long comparison: to the time limit, within reason.
     pub(crate) fn long(&self) -> Result<usize> {
-        let limit = self.spec.as_ref().and_then(|spec| spec.max_episode_steps).unwrap_or(1000);
-        Ok(if self.shows_pictures()? { 400 } else { limit.clamp(400, 1600) as usize })
+        let limit = self
+            .spec
+            .as_ref()
+            .and_then(|spec| spec.max_episode_steps)
+            .unwrap_or(1000);
+        Ok(if self.shows_pictures()? {
+            400
+        } else {
+            limit.clamp(400, 1600) as usize
+        })
     }
 
     /// Hundreds of pictures fill the memory.
@@ -107,7 +126,9 @@ impl<'a> Subject<'a> {
 
     /// The steps of the longest comparisons.
     pub(crate) fn longest(&self) -> Result<usize> {
-        Ok(self.long()?.max(if self.shows_pictures()? { 0 } else { 1000 }))
+        Ok(self
+            .long()?
+            .max(if self.shows_pictures()? { 0 } else { 1000 }))
     }
 
     /// The steps from each of many states.
@@ -131,7 +152,9 @@ impl<'a> Subject<'a> {
             return Ok(events);
         }
         let mut env = self.make()?;
-        let events = SEEDS.into_iter().map(|seed| Ok((seed, roll_out(&mut env, seed, STEPS)?)));
+        let events = SEEDS
+            .into_iter()
+            .map(|seed| Ok((seed, roll_out(&mut env, seed, STEPS)?)));
         let events = events.collect::<Result<_>>()?;
         Ok(self.events.get_or_init(|| events))
     }
@@ -149,7 +172,9 @@ impl<'a> Subject<'a> {
     pub(crate) fn arguments(&self) -> Option<(EnvSpec, Kwargs)> {
         let (spec, registration) = (self.spec.as_ref()?, self.registration.as_ref()?);
         let table = registration.arguments().ok()?.into_iter();
-        let mut kwargs: Kwargs = table.map(|argument| (argument.name.to_owned(), argument.default)).collect();
+        let mut kwargs: Kwargs = table
+            .map(|argument| (argument.name.to_owned(), argument.default))
+            .collect();
         kwargs.extend(spec.kwargs.clone());
         Some((spec.clone(), kwargs))
     }
@@ -168,7 +193,9 @@ impl<'a> Subject<'a> {
     /// The reason why the registration allows a check to fail.
     pub(crate) fn exception(&self, check: &str) -> Option<&'static str> {
         let exceptions = self.registration.as_ref()?.exceptions;
-        exceptions.iter().find_map(|(name, reason)| (*name == check).then_some(*reason))
+        exceptions
+            .iter()
+            .find_map(|(name, reason)| (*name == check).then_some(*reason))
     }
 
     /// Whether the same seed may give different episodes.
@@ -178,7 +205,11 @@ impl<'a> Subject<'a> {
 
     /// Skips a comparison where the same seed may give different episodes.
     pub(crate) fn repeatable(&self) -> Verdict {
-        if self.is_nondeterministic() { skipped("it is registered as nondeterministic") } else { Ok(()) }
+        if self.is_nondeterministic() {
+            skipped("it is registered as nondeterministic")
+        } else {
+            Ok(())
+        }
     }
 }
 
@@ -252,7 +283,10 @@ pub(crate) fn info(env: &BoxEnv) -> Info {
 }
 
 /// Calls `visit` with each event of an episode for each seed, and the place to name it by.
-pub(crate) fn each_event(subject: &Subject<'_>, mut visit: impl FnMut(&Shown, &str) -> Verdict) -> Verdict {
+pub(crate) fn each_event(
+    subject: &Subject<'_>,
+    mut visit: impl FnMut(&Shown, &str) -> Verdict,
+) -> Verdict {
     for (seed, events) in subject.events()? {
         for (i, shown) in events.iter().enumerate() {
             visit(shown, &format!("seed {seed}, event {i}"))?;
@@ -265,7 +299,10 @@ pub(crate) fn each_event(subject: &Subject<'_>, mut visit: impl FnMut(&Shown, &s
 pub(crate) fn same(a: &[Shown], b: &[Shown], what: &str) -> Verdict {
     match a.iter().zip(b).position(|(a, b)| !alike(a, b)) {
         None => Ok(()),
-        Some(i) => broken(format!("{what} differs at event {i}: {:?} and {:?}", a[i], b[i])),
+        Some(i) => broken(format!(
+            "{what} differs at event {i}: {:?} and {:?}",
+            a[i], b[i]
+        )),
     }
 }
 

@@ -9,8 +9,11 @@ use crate::run::{Progress, reports_with};
 pub fn ids_of(crate_name: &str) -> Vec<String> {
     let underscored = crate_name.replace('-', "_");
     let all = registry::all();
-    let own = all.iter().filter(|registration| registration.source.package.replace('-', "_") == underscored);
-    own.map(|registration| registration.id().to_owned()).collect()
+    let own = all
+        .iter()
+        .filter(|registration| registration.source.package.replace('-', "_") == underscored);
+    own.map(|registration| registration.id().to_owned())
+        .collect()
 }
 
 /// The function that [`suite!`](crate::suite) calls.

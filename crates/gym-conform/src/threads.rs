@@ -16,19 +16,30 @@ pub(crate) fn any_thread(subject: &Subject<'_>) -> Verdict {
             clones.map(run).map(join)
         });
         for shown in there {
-            same(&here, &shown?, "one of two environments on threads of their own")?;
+            same(
+                &here,
+                &shown?,
+                "one of two environments on threads of their own",
+            )?;
         }
         let mut stayed = env.clone();
         roll_out(&mut stayed, seed, 5)?;
         let mut moved = stayed.clone();
-        let there = thread::scope(|scope| join(scope.spawn(move || carry_on(&mut moved, seed, STEPS))))?;
+        let there =
+            thread::scope(|scope| join(scope.spawn(move || carry_on(&mut moved, seed, STEPS))))?;
         let here = carry_on(&mut stayed, seed, STEPS)?;
-        same(&here, &there, "an environment that moved to another thread in the middle of an episode")?;
+        same(
+            &here,
+            &there,
+            "an environment that moved to another thread in the middle of an episode",
+        )?;
     }
     Ok(())
 }
 
 /// A panic over there is one here.
 fn join<T>(handle: thread::ScopedJoinHandle<'_, T>) -> T {
-    handle.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
+    handle
+        .join()
+        .unwrap_or_else(|panic| std::panic::resume_unwind(panic))
 }

@@ -27,9 +27,12 @@ use serde_json::{Number, Value as Json, json, value::RawValue};
 
 use gym_core::registry::EnvBuilder;
 use gym_core::render::{RenderMode, Rendered};
-use gym_core::vector::{Autoreset, Columns, Seeds, VectorEnv, VectorEnvExt, VectorKind, VectorReset};
+use gym_core::vector::{
+    Autoreset, Columns, Seeds, VectorEnv, VectorEnvExt, VectorKind, VectorReset,
+};
 use gym_core::{
-    BoxEnv, DType, Env, EnvExt, Error, Info, Kwargs, Reset, Result, Seed, Value, WrapperSpec, builder,
+    BoxEnv, DType, Env, EnvExt, Error, Info, Kwargs, Reset, Result, Seed, Value, WrapperSpec,
+    builder,
 };
 
 /// The resets and steps of one environment, or of one vector.
@@ -104,9 +107,26 @@ recorded! {
 impl From<Recorded> for Trace {
     fn from(recorded: Recorded) -> Self {
         let Recorded {
-            id, kwargs, wrappers, vector, render_mode, frame_mask, observation_mask, events, ..
+            id,
+            kwargs,
+            wrappers,
+            vector,
+            render_mode,
+            frame_mask,
+            observation_mask,
+            events,
+            ..
         } = recorded;
-        Self { id, kwargs, wrappers, vector, render_mode, frame_mask, observation_mask, events }
+        Self {
+            id,
+            kwargs,
+            wrappers,
+            vector,
+            render_mode,
+            frame_mask,
+            observation_mask,
+            events,
+        }
     }
 }
 
@@ -185,8 +205,14 @@ pub struct ResetRequest {
 
 impl From<&Reset> for ResetRequest {
     fn from(reset: &Reset) -> Self {
-        let seed = reset.seed.as_ref().and_then(|seed| RawValue::from_string(seed.to_string()).ok());
-        Self { seed, options: (!reset.options.is_empty()).then(|| reset.options.clone()) }
+        let seed = reset
+            .seed
+            .as_ref()
+            .and_then(|seed| RawValue::from_string(seed.to_string()).ok());
+        Self {
+            seed,
+            options: (!reset.options.is_empty()).then(|| reset.options.clone()),
+        }
     }
 }
 
@@ -194,8 +220,15 @@ impl TryFrom<&ResetRequest> for Reset {
     type Error = Error;
 
     fn try_from(request: &ResetRequest) -> Result<Self> {
-        let seed = request.seed.as_ref().map(|digits| digits.get().parse::<Seed>()).transpose()?;
-        Ok(Self { seed, options: request.options.clone().unwrap_or_default() })
+        let seed = request
+            .seed
+            .as_ref()
+            .map(|digits| digits.get().parse::<Seed>())
+            .transpose()?;
+        Ok(Self {
+            seed,
+            options: request.options.clone().unwrap_or_default(),
+        })
     }
 }
 
@@ -203,19 +236,31 @@ impl TryFrom<&ResetRequest> for VectorReset {
     type Error = Error;
 
     fn try_from(request: &ResetRequest) -> Result<Self> {
-        let invalid = |error: serde_json::Error| Error::custom(format!("the reset of a vector: {error}"));
+        let invalid =
+            |error: serde_json::Error| Error::custom(format!("the reset of a vector: {error}"));
         let seeds = match &request.seed {
             None => Seeds::None,
             Some(list) if list.get().starts_with('[') => {
-                let list: Vec<Option<&RawValue>> = serde_json::from_str(list.get()).map_err(invalid)?;
-                let seeds = list.into_iter().map(|seed| seed.map(|digits| digits.get().parse()).transpose());
+                let list: Vec<Option<&RawValue>> =
+                    serde_json::from_str(list.get()).map_err(invalid)?;
+                let seeds = list
+                    .into_iter()
+                    .map(|seed| seed.map(|digits| digits.get().parse()).transpose());
                 Seeds::Each(seeds.collect::<Result<_, _>>()?)
             }
             Some(digits) => Seeds::From(digits.get().parse()?),
         };
         let mut options = request.options.clone().unwrap_or_default();
-        let mask = options.remove("reset_mask").map(serde_json::from_value).transpose().map_err(invalid)?;
-        Ok(Self { seeds, options, mask })
+        let mask = options
+            .remove("reset_mask")
+            .map(serde_json::from_value)
+            .transpose()
+            .map_err(invalid)?;
+        Ok(Self {
+            seeds,
+            options,
+            mask,
+        })
     }
 }
 
@@ -236,14 +281,18 @@ impl Trace {
             let mut env = self.make()?;
             self.replay_events(|event| event.replay(self, &mut env, &state))
         };
-        Ok(Self { events: events?, ..self.clone() })
+        Ok(Self {
+            events: events?,
+            ..self.clone()
+        })
     }
 
     fn replay_events(&self, mut replay: impl FnMut(&Event) -> Result<Event>) -> Result<Vec<Event>> {
         let has_clock = !self.wrappers.is_empty() || self.vector.is_some();
         let mut events = Vec::with_capacity(self.events.len());
         for (i, event) in self.events.iter().enumerate() {
-            let mut answer = replay(event).map_err(|error| Error::custom(format!("event {i}: {error}")))?;
+            let mut answer =
+                replay(event).map_err(|error| Error::custom(format!("event {i}: {error}")))?;
             if let Some(info) = answer.info.as_mut()
                 && has_clock
             {
@@ -268,12 +317,22 @@ impl Trace {
     /// The errors of [`make_vec`](gym_core::make_vec), and errors for an unknown wrapper and if this is the trace of a single
     /// environment.
     pub fn make_vector(&self) -> Result<Box<dyn VectorEnv>> {
-        let Some(VectorRequest { num_envs, autoreset_mode, kind, wrappers }) = &self.vector else {
-            return Err(Error::custom("this is the trace of one environment, not of a vector"));
+        let Some(VectorRequest {
+            num_envs,
+            autoreset_mode,
+            kind,
+            wrappers,
+        }) = &self.vector
+        else {
+            return Err(Error::custom(
+                "this is the trace of one environment, not of a vector",
+            ));
         };
         let vector = self.builder().vector(*num_envs).autoreset(*autoreset_mode);
         let envs = vector.kind(kind.unwrap_or(VectorKind::Sync)).build()?;
-        wrappers.iter().try_fold(envs, |envs, wrapper| wrapper.wrap_vector(envs))
+        wrappers
+            .iter()
+            .try_fold(envs, |envs, wrapper| wrapper.wrap_vector(envs))
     }
 
     fn builder(&self) -> EnvBuilder {
@@ -281,7 +340,10 @@ impl Trace {
         if let Some(mode) = self.render_mode {
             builder = builder.render_mode(mode);
         }
-        self.wrappers.iter().cloned().fold(builder, EnvBuilder::wrap)
+        self.wrappers
+            .iter()
+            .cloned()
+            .fold(builder, EnvBuilder::wrap)
     }
 
     /// The first difference from another trace of the same calls: the event, the part of it, and
@@ -290,22 +352,33 @@ impl Trace {
     /// A part of the answers that no event of this trace records, such as `info`, is not compared.
     pub fn first_difference(&self, other: &Self) -> Option<String> {
         if self.events.len() != other.events.len() {
-            return Some(format!("{} events for {}", other.events.len(), self.events.len()));
+            return Some(format!(
+                "{} events for {}",
+                other.events.len(),
+                self.events.len()
+            ));
         }
         let mut recorded = PARTS.to_vec();
         recorded.retain(|(_, part)| self.events.iter().any(|event| part(event).is_some()));
         // a masked checksum counts instead of the other
-        for (masked, plain) in [("frame_masked", "frame"), ("observation_masked", "observation_crc32")] {
+        for (masked, plain) in [
+            ("frame_masked", "frame"),
+            ("observation_masked", "observation_crc32"),
+        ] {
             if recorded.iter().any(|(name, _)| *name == masked) {
                 recorded.retain(|(name, _)| *name != plain);
             }
         }
-        self.events.iter().zip(&other.events).enumerate().find_map(|(i, (a, b))| {
-            recorded.iter().find_map(|(name, part)| {
-                let [a, b] = [a, b].map(|event| part(event).unwrap_or(&Json::Null));
-                (!same(a, b)).then(|| format!("event {i}, {name}: {b} for {a}"))
+        self.events
+            .iter()
+            .zip(&other.events)
+            .enumerate()
+            .find_map(|(i, (a, b))| {
+                recorded.iter().find_map(|(name, part)| {
+                    let [a, b] = [a, b].map(|event| part(event).unwrap_or(&Json::Null));
+                    (!same(a, b)).then(|| format!("event {i}, {name}: {b} for {a}"))
+                })
             })
-        })
     }
 }
 
@@ -322,8 +395,12 @@ const PARTS: [Part; 10] = [
     ("state", |event| event.state.as_ref()),
     ("frame", |event| event.frame.as_ref()),
     ("frame_masked", |event| event.frame_masked.as_ref()),
-    ("observation_crc32", |event| event.observation_crc32.as_ref()),
-    ("observation_masked", |event| event.observation_masked.as_ref()),
+    ("observation_crc32", |event| {
+        event.observation_crc32.as_ref()
+    }),
+    ("observation_masked", |event| {
+        event.observation_masked.as_ref()
+    }),
 ];
 
 impl Event {
@@ -378,7 +455,10 @@ impl Event {
 
     /// An observation in the form of this event's: its numbers, or their checksum.
     fn recorded(&self, observation: &Value) -> Json {
-        let as_checksum = self.observation.as_ref().is_some_and(|recorded| recorded.get("crc32").is_some());
+        let as_checksum = self
+            .observation
+            .as_ref()
+            .is_some_and(|recorded| recorded.get("crc32").is_some());
         match observation {
             Value::Array(array) if as_checksum && array.dtype() == DType::U8 => {
                 let bytes = array.as_slice::<u8>().unwrap_or_default();
@@ -390,7 +470,11 @@ impl Event {
     }
 
     fn replay_vector(&self, envs: &mut dyn VectorEnv, columns: &mut Columns) -> Result<Self> {
-        let mut answer = Self { reset: self.reset.clone(), step: self.step.clone(), ..Self::default() };
+        let mut answer = Self {
+            reset: self.reset.clone(),
+            step: self.step.clone(),
+            ..Self::default()
+        };
         match (&self.reset, &self.step) {
             (Some(request), None) => envs.reset_into(&request.try_into()?, columns)?,
             (None, Some(actions)) => {
@@ -408,7 +492,9 @@ impl Event {
 }
 
 fn plain(info: Info) -> Json {
-    info.into_iter().map(|(key, value)| (key, value.to_json())).collect()
+    info.into_iter()
+        .map(|(key, value)| (key, value.to_json()))
+        .collect()
 }
 
 /// The checksum of an image of 3 bytes per pixel, with the rectangles blackened.
@@ -416,7 +502,10 @@ fn masked(pixels: &[u8], width: usize, rectangles: &[[usize; 4]]) -> Option<Json
     let mut pixels = pixels.to_vec();
     for (y, row) in pixels.chunks_exact_mut((3 * width).max(3)).enumerate() {
         for (x, pixel) in row.chunks_exact_mut(3).enumerate() {
-            if rectangles.iter().any(|[l, t, r, b]| (l..=r).contains(&&x) && (t..=b).contains(&&y)) {
+            if rectangles
+                .iter()
+                .any(|[l, t, r, b]| (l..=r).contains(&&x) && (t..=b).contains(&&y))
+            {
                 pixel.fill(0);
             }
         }
@@ -446,16 +535,24 @@ fn remove_clock(info: &mut Json) {
 fn same(a: &Json, b: &Json) -> bool {
     match (a, b) {
         (Json::Number(x), Json::Number(y)) => same_number(x, y),
-        (Json::Array(x), Json::Array(y)) => x.len() == y.len() && x.iter().zip(y).all(|(x, y)| same(x, y)),
+        (Json::Array(x), Json::Array(y)) => {
+            x.len() == y.len() && x.iter().zip(y).all(|(x, y)| same(x, y))
+        }
         (Json::Object(x), Json::Object(y)) => {
-            x.len() == y.len() && x.iter().all(|(key, x)| y.get(key).is_some_and(|y| same(x, y)))
+            x.len() == y.len()
+                && x.iter()
+                    .all(|(key, x)| y.get(key).is_some_and(|y| same(x, y)))
         }
         _ => a == b,
     }
 }
 
 fn same_number(x: &Number, y: &Number) -> bool {
-    let integer = |n: &Number| n.as_i64().map(i128::from).or_else(|| n.as_u64().map(i128::from));
+    let integer = |n: &Number| {
+        n.as_i64()
+            .map(i128::from)
+            .or_else(|| n.as_u64().map(i128::from))
+    };
     let real = |n: &Number| n.as_f64().unwrap_or(f64::NAN);
     match (integer(x), integer(y)) {
         (Some(x), Some(y)) => x == y,
@@ -477,8 +574,12 @@ mod tests {
 
     #[test]
     fn numbers_are_compared_to_the_last_bit() {
-        let same =
-            |a: &str, b: &str| same(&serde_json::from_str(a).unwrap(), &serde_json::from_str(b).unwrap());
+        let same = |a: &str, b: &str| {
+            same(
+                &serde_json::from_str(a).unwrap(),
+                &serde_json::from_str(b).unwrap(),
+            )
+        };
         for (a, b) in [
             ("1", "1.0"),
             ("0", "0.0"),
@@ -510,21 +611,37 @@ mod tests {
 
     #[test]
     fn every_recorded_part_is_compared() {
-        let reset =
-            json!({ "reset": { "seed": 1, "options": null }, "observation": [0.5], "info": { "a": 1 } });
+        let reset = json!({ "reset": { "seed": 1, "options": null }, "observation": [0.5], "info": { "a": 1 } });
         let step = json!({ "step": 0, "observation": [0.5], "reward": 1.0, "terminated": false, "truncated": false,
             "info": {}, "state": [1] });
         let recorded = trace(json!([reset, step]));
         assert_eq!(recorded.first_difference(&recorded), None);
-        for part in ["observation", "reward", "terminated", "truncated", "info", "state"] {
+        for part in [
+            "observation",
+            "reward",
+            "terminated",
+            "truncated",
+            "info",
+            "state",
+        ] {
             let mut other = step.clone();
             other[part] = json!("another");
-            let difference = recorded.first_difference(&trace(json!([reset, other]))).unwrap();
-            assert!(difference.starts_with(&format!("event 1, {part}")), "{difference}");
+            let difference = recorded
+                .first_difference(&trace(json!([reset, other])))
+                .unwrap();
+            assert!(
+                difference.starts_with(&format!("event 1, {part}")),
+                "{difference}"
+            );
             // a part that one event leaves out is not compared
             let mut lacking = step.clone();
             lacking.as_object_mut().unwrap().remove(part);
-            assert!(recorded.first_difference(&trace(json!([reset, lacking]))).is_some(), "{part}");
+            assert!(
+                recorded
+                    .first_difference(&trace(json!([reset, lacking])))
+                    .is_some(),
+                "{part}"
+            );
             let mut both = json!([reset, lacking, step]);
             let recorded = trace(both.clone());
             both[1][part] = json!("surplus");
@@ -544,8 +661,18 @@ mod tests {
         };
         let masked = event(1, Some(5));
         assert_eq!(masked.first_difference(&event(2, Some(5))), None);
-        assert!(masked.first_difference(&event(1, Some(6))).unwrap().starts_with("event 0, frame_masked"));
-        assert!(event(1, None).first_difference(&event(2, None)).unwrap().starts_with("event 0, frame:"));
+        assert!(
+            masked
+                .first_difference(&event(1, Some(6)))
+                .unwrap()
+                .starts_with("event 0, frame_masked")
+        );
+        assert!(
+            event(1, None)
+                .first_difference(&event(2, None))
+                .unwrap()
+                .starts_with("event 0, frame:")
+        );
     }
 
     #[test]
@@ -562,8 +689,16 @@ mod tests {
         );
         assert_eq!(trace.unwrap().kwargs["a"], 1);
         for misspelt in ["wrapers", "kwarg", "vectors", "frame_masks", "extra"] {
-            let error = read(&format!(r#"{{"id": "None-v0", "{misspelt}": [], "events": []}}"#)).unwrap_err();
-            assert!(error.to_string().contains(&format!("unknown field `{misspelt}`")), "{error}");
+            let error = read(&format!(
+                r#"{{"id": "None-v0", "{misspelt}": [], "events": []}}"#
+            ))
+            .unwrap_err();
+            assert!(
+                error
+                    .to_string()
+                    .contains(&format!("unknown field `{misspelt}`")),
+                "{error}"
+            );
         }
     }
 }

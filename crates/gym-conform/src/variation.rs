@@ -20,7 +20,10 @@ pub(crate) struct Variant {
 
 impl Variant {
     /// The same with other arguments.
-    pub(crate) fn with_arguments(mut self, arguments: impl IntoIterator<Item = (String, Json)>) -> Self {
+    pub(crate) fn with_arguments(
+        mut self,
+        arguments: impl IntoIterator<Item = (String, Json)>,
+    ) -> Self {
         self.spec.kwargs.extend(arguments);
         self
     }
@@ -54,7 +57,12 @@ pub(crate) struct Search {
 
 impl Search {
     pub(crate) fn new(subject: &Subject<'_>, surroundings: Vec<Variant>) -> Result<Self> {
-        Ok(Self { surroundings, plays: BTreeMap::new(), long: subject.long()?, few: subject.few()? })
+        Ok(Self {
+            surroundings,
+            plays: BTreeMap::new(),
+            long: subject.long()?,
+            few: subject.few()?,
+        })
     }
 
     /// The effect of some changes, each of which makes a variant of a surrounding, or none.
@@ -71,7 +79,9 @@ impl Search {
                             Entry::Occupied(entry) => entry.into_mut(),
                             Entry::Vacant(entry) => entry.insert(Play::start(surrounding, seed)),
                         };
-                        let (Ok(play), Ok(mut other)) = (play, Play::start(&variant, seed)) else { break };
+                        let (Ok(play), Ok(mut other)) = (play, Play::start(&variant, seed)) else {
+                            break;
+                        };
                         effect = Effect::None;
                         if play.differs(&mut other, steps) {
                             return Effect::Seen;
@@ -82,7 +92,9 @@ impl Search {
         }
         let is_seen = self.surroundings.iter().any(|surrounding| {
             let mut variants = changes.iter().filter_map(|change| change(surrounding));
-            variants.any(|variant| differ_elsewhere(surrounding, &variant, seed, self.few).unwrap_or(false))
+            variants.any(|variant| {
+                differ_elsewhere(surrounding, &variant, seed, self.few).unwrap_or(false)
+            })
         });
         if is_seen { Effect::Seen } else { effect }
     }
@@ -101,11 +113,26 @@ struct Play {
 impl Play {
     fn start(Variant { spec, options }: &Variant, seed: u64) -> Result<Self> {
         let mut env = spec.make()?;
-        let observation = env.reset(Reset { options: options.clone(), ..Reset::seed(seed) })?;
+        let observation = env.reset(Reset {
+            options: options.clone(),
+            ..Reset::seed(seed)
+        })?;
         let spaces = [env.observation_space(), env.action_space()];
-        let look = format!("{} {} {:?} {}", spaces[0], spaces[1], env.metadata(), drawing(&env));
+        let look = format!(
+            "{} {} {:?} {}",
+            spaces[0],
+            spaces[1],
+            env.metadata(),
+            drawing(&env)
+        );
         let shown = vec![Shown::Reset(observation, info(&env))];
-        Ok(Self { actions: env.action_sampler(seed)?, options: options.clone(), env, look, shown })
+        Ok(Self {
+            actions: env.action_sampler(seed)?,
+            options: options.clone(),
+            env,
+            look,
+            shown,
+        })
     }
 
     /// The visible results of a reset or step.
@@ -114,7 +141,13 @@ impl Play {
             let shown = match self.shown.last() {
                 Some(Shown::Step(step, _)) if step.done() => {
                     let options = self.options.clone();
-                    Shown::Reset(self.env.reset(Reset { options, ..Reset::default() })?, info(&self.env))
+                    Shown::Reset(
+                        self.env.reset(Reset {
+                            options,
+                            ..Reset::default()
+                        })?,
+                        info(&self.env),
+                    )
                 }
                 _ => Shown::Step(self.env.step(&self.actions.sample())?, info(&self.env)),
             };
@@ -154,21 +187,30 @@ fn differ_elsewhere(a: &Variant, b: &Variant, seed: u64, steps: usize) -> Result
     for play in [&mut a, &mut b] {
         play.event(START)?;
     }
-    let [mut at_a, mut at_b] = [a.env.snapshot()?.get::<Json>()?, b.env.snapshot()?.get::<Json>()?];
+    let [mut at_a, mut at_b] = [
+        a.env.snapshot()?.get::<Json>()?,
+        b.env.snapshot()?.get::<Json>()?,
+    ];
     // the difference is the change itself
-    let moves = moves(&at_a).into_iter().filter(|to| to.is_same(&at_a, &at_b));
+    let moves = moves(&at_a)
+        .into_iter()
+        .filter(|to| to.is_same(&at_a, &at_b));
     for to in moves.take(MAX).collect::<Vec<_>>() {
         let restored = |env: &BoxEnv, json: &mut Json| {
             let mut env = env.clone();
-            to.done_to(json, |json| env.restore(&Snapshot::of(json)?)).map(|()| env)
+            to.done_to(json, |json| env.restore(&Snapshot::of(json)?))
+                .map(|()| env)
         };
-        let (Ok(mut a), Ok(mut b)) = (restored(&a.env, &mut at_a), restored(&b.env, &mut at_b)) else {
+        let (Ok(mut a), Ok(mut b)) = (restored(&a.env, &mut at_a), restored(&b.env, &mut at_b))
+        else {
             continue;
         };
         let mut actions = a.action_sampler(seed)?;
         for _ in 0..steps {
             let action = actions.sample();
-            let (Ok(step), Ok(other)) = (a.step(&action), b.step(&action)) else { break };
+            let (Ok(step), Ok(other)) = (a.step(&action), b.step(&action)) else {
+                break;
+            };
             if !alike(&step, &other) || !alike(&info(&a), &info(&b)) {
                 return Ok(true);
             }

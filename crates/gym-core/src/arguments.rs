@@ -93,30 +93,63 @@ pub fn table<C: Arguments>(defaults: &C, version: u32) -> Vec<Argument> {
 pub fn read<C: Arguments>(defaults: &C, version: u32, given: &Kwargs, whose: &str) -> Result<C> {
     check_names(&C::table(), version, given)
         .and_then(|()| merge(serde_json::to_value(defaults), given))
-        .and_then(|all| parse(all).map_err(|error| explain(&error, given, |one| parse::<C>(one).is_err())))
+        .and_then(|all| {
+            parse(all).map_err(|error| explain(&error, given, |one| parse::<C>(one).is_err()))
+        })
         .map_err(|reason| Error::argument(whose, reason))
 }
 
 // the functions below are compiled once, and `parse` once for each type, instead of at each use
 
 /// An error text that names the argument missing from the table, for this version.
-fn check_names(table: &[Argument], version: u32, given: &Kwargs) -> std::result::Result<(), String> {
-    let taken = || table.iter().filter(|argument| argument.is_taken(version)).map(|argument| argument.name);
-    let Some(unknown) = given.keys().find(|name| taken().all(|taken| taken != *name)) else { return Ok(()) };
+fn check_names(
+    table: &[Argument],
+    version: u32,
+    given: &Kwargs,
+) -> std::result::Result<(), String> {
+    let taken = || {
+        table
+            .iter()
+            .filter(|argument| argument.is_taken(version))
+            .map(|argument| argument.name)
+    };
+    let Some(unknown) = given
+        .keys()
+        .find(|name| taken().all(|taken| taken != *name))
+    else {
+        return Ok(());
+    };
     let near = crate::registry::nearest(unknown, taken());
-    let near = near.map(|near| format!(": did you mean `{near}`?")).unwrap_or_default();
-    Err(match taken().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ") {
-        none if none.is_empty() => format!("unknown argument `{unknown}`: it takes no arguments"),
-        all => format!("unknown argument `{unknown}`{near} (known are {all})"),
-    })
+    let near = near
+        .map(|near| format!(": did you mean `{near}`?"))
+        .unwrap_or_default();
+    Err(
+        match taken()
+            .map(|name| format!("`{name}`"))
+            .collect::<Vec<_>>()
+            .join(", ")
+        {
+            none if none.is_empty() => {
+                format!("unknown argument `{unknown}`: it takes no arguments")
+            }
+            all => format!("unknown argument `{unknown}`{near} (known are {all})"),
+        },
+    )
 }
 
 /// The default values, overridden by the given ones.
-fn merge(defaults: serde_json::Result<Json>, given: &Kwargs) -> std::result::Result<Kwargs, String> {
+fn merge(
+    defaults: serde_json::Result<Json>,
+    given: &Kwargs,
+) -> std::result::Result<Kwargs, String> {
     let Json::Object(mut all) = defaults.map_err(|error| error.to_string())? else {
         return Err("arguments are a JSON object".into());
     };
-    all.extend(given.iter().map(|(name, value)| (name.clone(), value.clone())));
+    all.extend(
+        given
+            .iter()
+            .map(|(name, value)| (name.clone(), value.clone())),
+    );
     Ok(all)
 }
 
@@ -127,9 +160,12 @@ fn parse<C: Arguments>(arguments: Kwargs) -> std::result::Result<C, String> {
 
 /// serde's message, with the name of the failing argument, which serde does not give.
 fn explain(error: &str, given: &Kwargs, fails: fn(Kwargs) -> bool) -> String {
-    let mut alone =
-        given.iter().map(|(name, value)| (name, Kwargs::from_iter([(name.clone(), value.clone())])));
-    let wrong = alone.find_map(|(name, one)| fails(one).then(|| format!("`{name}`: "))).unwrap_or_default();
+    let mut alone = given
+        .iter()
+        .map(|(name, value)| (name, Kwargs::from_iter([(name.clone(), value.clone())])));
+    let wrong = alone
+        .find_map(|(name, one)| fails(one).then(|| format!("`{name}`: ")))
+        .unwrap_or_default();
     let hint = if error.contains("invalid type: null") {
         " (NaN and infinite numbers become null: give a finite number)"
     } else {
@@ -382,13 +418,33 @@ mod tests {
     fn the_table_says_each_fact() {
         let table = table(&Config::default(), 5);
         let row = |i: usize| {
-            let Argument { name, kind, unit, meaning, versions, default, .. } = &table[i];
+            let Argument {
+                name,
+                kind,
+                unit,
+                meaning,
+                versions,
+                default,
+                ..
+            } = &table[i];
             json!([name, kind, unit, meaning, versions, default])
         };
-        assert_eq!(row(0), json!(["gravity", "number", "m/s²", "Gravity.", "", -9.8]));
-        assert_eq!(row(1), json!(["desc", "list of strings or null", "", "The map.", "", null]));
-        assert_eq!(row(2), json!(["width", "integer", "px", "Width of the picture.", "4..", 64]));
-        assert_eq!(row(3), json!(["camera", "integer or null", "", "The camera.", "2..", null]));
+        assert_eq!(
+            row(0),
+            json!(["gravity", "number", "m/s²", "Gravity.", "", -9.8])
+        );
+        assert_eq!(
+            row(1),
+            json!(["desc", "list of strings or null", "", "The map.", "", null])
+        );
+        assert_eq!(
+            row(2),
+            json!(["width", "integer", "px", "Width of the picture.", "4..", 64])
+        );
+        assert_eq!(
+            row(3),
+            json!(["camera", "integer or null", "", "The camera.", "2..", null])
+        );
         assert_eq!(row(4)[1], json!("list of 3 numbers"));
         assert_eq!(table.len(), 5);
     }
@@ -396,24 +452,51 @@ mod tests {
     #[test]
     fn versions_decide_what_is_taken() {
         let names = |version| {
-            table(&Config::default(), version).iter().map(|argument| argument.name).collect::<Vec<_>>()
+            table(&Config::default(), version)
+                .iter()
+                .map(|argument| argument.name)
+                .collect::<Vec<_>>()
         };
         assert_eq!(names(1), ["gravity", "desc", "rewards"]);
         assert_eq!(names(3), ["gravity", "desc", "camera", "rewards"]);
-        let names: Vec<_> =
-            Picture::table().into_iter().filter(|row| row.is_taken(4)).map(|row| row.name).collect();
-        assert_eq!(names, ["width"], "flattening elsewhere changes nothing here");
+        let names: Vec<_> = Picture::table()
+            .into_iter()
+            .filter(|row| row.is_taken(4))
+            .map(|row| row.name)
+            .collect();
+        assert_eq!(
+            names,
+            ["width"],
+            "flattening elsewhere changes nothing here"
+        );
     }
 
     fn given(json: &Json) -> Result<Config> {
         let given = json.as_object().expect("an object").clone();
-        read(&Config { gravity: 1.0, ..Config::default() }, 4, &given, "`A-v4`")
+        read(
+            &Config {
+                gravity: 1.0,
+                ..Config::default()
+            },
+            4,
+            &given,
+            "`A-v4`",
+        )
     }
 
     #[test]
     fn what_is_given_goes_before_the_defaults() {
         let config = given(&json!({"camera": 2, "desc": ["S"]})).unwrap();
-        assert_eq!((config.gravity, config.picture), (1.0, Picture { width: 64, camera: Some(2) }));
+        assert_eq!(
+            (config.gravity, config.picture),
+            (
+                1.0,
+                Picture {
+                    width: 64,
+                    camera: Some(2)
+                }
+            )
+        );
         assert_eq!(config.desc, Some(vec!["S".to_owned()]));
         let stored = serde_json::to_value(&config).unwrap();
         assert_eq!(stored["width"], 64, "flat in JSON too");
@@ -429,12 +512,20 @@ mod tests {
             "{unknown}"
         );
         let kind = message(json!({"gravity": 1.0, "width": "wide"}));
-        assert!(kind.contains("`A-v4`") && kind.contains("`width`: invalid type: string"), "{kind}");
+        assert!(
+            kind.contains("`A-v4`") && kind.contains("`width`: invalid type: string"),
+            "{kind}"
+        );
         let null = message(json!({"gravity": null}));
         assert!(null.contains("NaN"), "{null}");
         assert!(serde_json::from_value::<Config>(json!({"gravty": 1.0})).is_err());
-        let old = read(&Picture::default(), 1, &given_one("width"), "`A-v1`").unwrap_err().to_string();
-        assert!(old.contains("unknown argument `width`: it takes no arguments"), "{old}");
+        let old = read(&Picture::default(), 1, &given_one("width"), "`A-v1`")
+            .unwrap_err()
+            .to_string();
+        assert!(
+            old.contains("unknown argument `width`: it takes no arguments"),
+            "{old}"
+        );
     }
 
     #[test]

@@ -18,13 +18,19 @@ pub struct Array {
 impl Default for Array {
     /// No numbers: shape `[0]`, `float32`.
     fn default() -> Self {
-        Self { shape: vec![0], data: Data::F32(Vec::new()) }
+        Self {
+            shape: vec![0],
+            data: Data::F32(Vec::new()),
+        }
     }
 }
 
 impl Clone for Array {
     fn clone(&self) -> Self {
-        Self { shape: self.shape.clone(), data: self.data.clone() }
+        Self {
+            shape: self.shape.clone(),
+            data: self.data.clone(),
+        }
     }
 
     fn clone_from(&mut self, source: &Self) {
@@ -36,7 +42,10 @@ impl Clone for Array {
 impl<T: Scalar> From<Vec<T>> for Array {
     /// A one-dimensional array.
     fn from(values: Vec<T>) -> Self {
-        Self { shape: vec![values.len()], data: T::into_data(values) }
+        Self {
+            shape: vec![values.len()],
+            data: T::into_data(values),
+        }
     }
 }
 
@@ -60,7 +69,10 @@ pub(crate) fn element_count(shape: &[usize]) -> Option<usize> {
     if shape.len() > MAX_AXES {
         return None;
     }
-    let axes = shape.iter().filter(|n| **n > 0).try_fold(1usize, |product, n| product.checked_mul(*n))?;
+    let axes = shape
+        .iter()
+        .filter(|n| **n > 0)
+        .try_fold(1usize, |product, n| product.checked_mul(*n))?;
     match shape.contains(&0) {
         true => (axes <= MAX_ELEMENTS).then_some(0),
         false => Some(axes),
@@ -76,7 +88,10 @@ impl Array {
         let shape = shape.into();
         match element_count(&shape) {
             Some(len) if len == data.len() => Ok(Self { shape, data }),
-            _ => Err(Error::custom(format!("shape {shape:?} does not hold {} numbers", data.len()))),
+            _ => Err(Error::custom(format!(
+                "shape {shape:?} does not hold {} numbers",
+                data.len()
+            ))),
         }
     }
 
@@ -177,7 +192,10 @@ impl Array {
         if N != self.shape.len() || index.iter().zip(&self.shape).any(|(i, n)| i >= n) {
             return None;
         }
-        let flat = index.iter().zip(&self.shape).fold(0, |flat, (i, n)| flat * n + i);
+        let flat = index
+            .iter()
+            .zip(&self.shape)
+            .fold(0, |flat, (i, n)| flat * n + i);
         Some(self.data.get_f64(flat))
     }
 
@@ -188,7 +206,9 @@ impl Array {
     pub fn assign_cast(&mut self, source: &Self) -> Result<()> {
         if self.len() != source.len() {
             let [from, to] = [source.len(), self.len()];
-            return Err(Error::Contract(format!("an array has {from} numbers and should have {to}")));
+            return Err(Error::Contract(format!(
+                "an array has {from} numbers and should have {to}"
+            )));
         }
         with_type!(self.dtype(), T => {
             let numbers = self.as_mut_slice::<T>().unwrap_or_default();
@@ -269,7 +289,10 @@ impl<'a> IntoIterator for &'a Array {
     type IntoIter = Numbers<'a>;
 
     fn into_iter(self) -> Numbers<'a> {
-        Numbers { data: &self.data, range: 0..self.len() }
+        Numbers {
+            data: &self.data,
+            range: 0..self.len(),
+        }
     }
 }
 
@@ -297,7 +320,12 @@ impl ExactSizeIterator for Numbers<'_> {}
 /// Like numpy's `str`, without its alignment: `[0.1 0.2]`, `[[1 2] [3 4]]`.
 impl fmt::Display for Array {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        fn rows(array: &Array, axis: usize, start: usize, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fn rows(
+            array: &Array,
+            axis: usize,
+            start: usize,
+            f: &mut fmt::Formatter<'_>,
+        ) -> fmt::Result {
             let Some((&n, inner)) = array.shape[axis..].split_first() else {
                 return f.write_str(&numpy_fmt::scalar(&array.data, start));
             };

@@ -22,7 +22,10 @@ pub struct BoxEnv {
 impl BoxEnv {
     /// Erases the type of an environment.
     pub fn new<E: Env>(env: E) -> Self {
-        Self { env: Box::new(Layer(env)), moves: 0 }
+        Self {
+            env: Box::new(Layer(env)),
+            moves: 0,
+        }
     }
 
     /// Replaces this environment by another. A vector that holds it keeps its own record of the episode, such as a
@@ -39,7 +42,10 @@ impl BoxEnv {
 
 impl Clone for BoxEnv {
     fn clone(&self) -> Self {
-        Self { env: self.env.clone_box(), moves: self.moves }
+        Self {
+            env: self.env.clone_box(),
+            moves: self.moves,
+        }
     }
 }
 
@@ -80,7 +86,9 @@ impl<E: Env> Erased for Layer<E> {
     }
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
-        E::Observation::fill(observation, |observation| self.0.reset_into(reset, observation))
+        E::Observation::fill(observation, |observation| {
+            self.0.reset_into(reset, observation)
+        })
     }
 
     fn step_into(&mut self, action: &Value, observation: &mut Value) -> Result<Outcome> {
@@ -89,11 +97,13 @@ impl<E: Env> Erased for Layer<E> {
         // CPU, for 8 % of a step of CartPole
         let mut failed = None;
         let outcome = E::Action::with(action, |action| {
-            E::Observation::fill(observation, |observation| match env.step_into(action, observation) {
-                Ok(outcome) => outcome,
-                Err(error) => {
-                    failed = Some(error);
-                    Outcome::default()
+            E::Observation::fill(observation, |observation| {
+                match env.step_into(action, observation) {
+                    Ok(outcome) => outcome,
+                    Err(error) => {
+                        failed = Some(error);
+                        Outcome::default()
+                    }
                 }
             })
         });

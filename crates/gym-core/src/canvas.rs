@@ -181,39 +181,65 @@ pub struct Transform {
 
 impl Transform {
     /// No change.
-    pub const IDENTITY: Self = Self { x: [1.0, 0.0], y: [0.0, 1.0], origin: [0.0, 0.0] };
+    pub const IDENTITY: Self = Self {
+        x: [1.0, 0.0],
+        y: [0.0, 1.0],
+        origin: [0.0, 0.0],
+    };
 
     /// Moves the origin.
     pub const fn translate(dx: f64, dy: f64) -> Self {
-        Self { origin: [dx, dy], ..Self::IDENTITY }
+        Self {
+            origin: [dx, dy],
+            ..Self::IDENTITY
+        }
     }
 
     /// Scales both axes about the origin.
     pub const fn scale(sx: f64, sy: f64) -> Self {
-        Self { x: [sx, 0.0], y: [0.0, sy], ..Self::IDENTITY }
+        Self {
+            x: [sx, 0.0],
+            y: [0.0, sy],
+            ..Self::IDENTITY
+        }
     }
 
     /// Turns about the origin, from x towards y.
     pub fn rotate(radians: f64) -> Self {
         let (sin, cos) = math::sin_cos(radians);
-        Self { x: [cos, sin], y: [-sin, cos], origin: [0.0, 0.0] }
+        Self {
+            x: [cos, sin],
+            y: [-sin, cos],
+            origin: [0.0, 0.0],
+        }
     }
 
     /// y up, with the origin at the bottom left of a picture of that height.
     pub const fn y_up(height: f64) -> Self {
-        Self { x: [1.0, 0.0], y: [0.0, -1.0], origin: [0.0, height] }
+        Self {
+            x: [1.0, 0.0],
+            y: [0.0, -1.0],
+            origin: [0.0, height],
+        }
     }
 
     /// `inner` within `self`.
     #[must_use]
     pub fn then(self, inner: Self) -> Self {
         let vector = |[a, b]: Point| [self.x[0] * a + self.y[0] * b, self.x[1] * a + self.y[1] * b];
-        Self { x: vector(inner.x), y: vector(inner.y), origin: self.apply(inner.origin) }
+        Self {
+            x: vector(inner.x),
+            y: vector(inner.y),
+            origin: self.apply(inner.origin),
+        }
     }
 
     /// The outer coordinates of an inner point.
     pub fn apply(self, [a, b]: Point) -> Point {
-        [self.x[0] * a + self.y[0] * b + self.origin[0], self.x[1] * a + self.y[1] * b + self.origin[1]]
+        [
+            self.x[0] * a + self.y[0] * b + self.origin[0],
+            self.x[1] * a + self.y[1] * b + self.origin[1],
+        ]
     }
 }
 
@@ -267,7 +293,14 @@ pub trait Canvas {
 
     /// Fills a rectangle with sharp corners.
     fn rect(&mut self, min: Point, size: Point, color: Color) {
-        self.fill(Shape::Rect { min, size, corner: 0.0 }, color);
+        self.fill(
+            Shape::Rect {
+                min,
+                size,
+                corner: 0.0,
+            },
+            color,
+        );
     }
 
     /// Fills a rectangle with round corners.
@@ -281,7 +314,11 @@ pub fn smooth<C: Canvas + ?Sized>(canvas: &mut C, primitive: Primitive<'_>, colo
     const THIN: f64 = 1.0;
     match primitive {
         Primitive::HLine { x1, x2, y } => {
-            canvas.stroke(Shape::Polyline(&[[x1 - 0.5, y], [x2 + 0.5, y]]), THIN, color);
+            canvas.stroke(
+                Shape::Polyline(&[[x1 - 0.5, y], [x2 + 0.5, y]]),
+                THIN,
+                color,
+            );
         }
         Primitive::VLine { x, y1, y2 } => {
             let [y1, y2] = [y1.min(y2) - 0.5, y1.max(y2) + 0.5];
@@ -293,21 +330,51 @@ pub fn smooth<C: Canvas + ?Sized>(canvas: &mut C, primitive: Primitive<'_>, colo
             canvas.fill(Shape::Polygon(points), color);
             canvas.stroke(Shape::Polygon(points), THIN, color);
         }
-        Primitive::AaPolygon(points) | Primitive::AaLines { points, closed: true } => {
+        Primitive::AaPolygon(points)
+        | Primitive::AaLines {
+            points,
+            closed: true,
+        } => {
             canvas.stroke(Shape::Polygon(points), THIN, color);
         }
-        Primitive::AaLines { points, closed: false } => canvas.stroke(Shape::Polyline(points), THIN, color),
-        Primitive::Lines { points, closed, width } => {
-            let shape = if closed { Shape::Polygon(points) } else { Shape::Polyline(points) };
+        Primitive::AaLines {
+            points,
+            closed: false,
+        } => canvas.stroke(Shape::Polyline(points), THIN, color),
+        Primitive::Lines {
+            points,
+            closed,
+            width,
+        } => {
+            let shape = if closed {
+                Shape::Polygon(points)
+            } else {
+                Shape::Polyline(points)
+            };
             canvas.stroke(shape, f64::from(width), color);
         }
         // the outline that always comes with a filled circle; it is drawn with that one
         Primitive::AaCircle { .. } => {}
         Primitive::FilledCircle { center, radius } => {
-            canvas.fill(Shape::Circle { center, radius: radius + 0.5 }, color);
+            canvas.fill(
+                Shape::Circle {
+                    center,
+                    radius: radius + 0.5,
+                },
+                color,
+            );
         }
-        Primitive::Circle { center: [x, y], radius } => {
-            canvas.fill(Shape::Circle { center: [x - 0.5, y - 0.5], radius }, color);
+        Primitive::Circle {
+            center: [x, y],
+            radius,
+        } => {
+            canvas.fill(
+                Shape::Circle {
+                    center: [x - 0.5, y - 0.5],
+                    radius,
+                },
+                color,
+            );
         }
     }
 }
@@ -330,7 +397,10 @@ impl Canvas for Blank {
 pub fn arc<const N: usize>(center: Point, radius: f64, start: f64, end: f64) -> [Point; N] {
     std::array::from_fn(|i| {
         let angle = start + (end - start) * i as f64 / (N.max(2) - 1) as f64;
-        [center[0] + radius * math::cos(angle), center[1] + radius * math::sin(angle)]
+        [
+            center[0] + radius * math::cos(angle),
+            center[1] + radius * math::sin(angle),
+        ]
     })
 }
 
@@ -353,7 +423,10 @@ impl Label {
 
 impl Write for Label {
     fn write_str(&mut self, piece: &str) -> fmt::Result {
-        let free = self.bytes.get_mut(self.len..self.len + piece.len()).ok_or(fmt::Error)?;
+        let free = self
+            .bytes
+            .get_mut(self.len..self.len + piece.len())
+            .ok_or(fmt::Error)?;
         free.copy_from_slice(piece.as_bytes());
         self.len += piece.len();
         Ok(())
@@ -391,7 +464,15 @@ mod tests {
         fn stroke(&mut self, shape: Shape<'_>, width: f64, _color: Color) {
             self.0.push(told(shape, Some(width)));
         }
-        fn text(&mut self, _text: &str, _position: Point, _size: f64, _align: Align, _color: Color) {}
+        fn text(
+            &mut self,
+            _text: &str,
+            _position: Point,
+            _size: f64,
+            _align: Align,
+            _color: Color,
+        ) {
+        }
         fn push(&mut self, _transform: Transform) {}
         fn pop(&mut self) {}
     }
@@ -406,26 +487,82 @@ mod tests {
         let upright = Shape::Polyline(&[[1.0, 1.5], [1.0, 5.5]]);
         for (primitive, expected) in [
             (
-                Primitive::HLine { x1: 1.0, x2: 4.0, y: 2.0 },
+                Primitive::HLine {
+                    x1: 1.0,
+                    x2: 4.0,
+                    y: 2.0,
+                },
                 &[(Shape::Polyline(&[[0.5, 2.0], [4.5, 2.0]]), Some(1.0))][..],
             ),
-            (Primitive::VLine { x: 1.0, y1: 2.0, y2: 5.0 }, &[(upright, Some(1.0))]),
-            (Primitive::VLine { x: 1.0, y1: 5.0, y2: 2.0 }, &[(upright, Some(1.0))]),
+            (
+                Primitive::VLine {
+                    x: 1.0,
+                    y1: 2.0,
+                    y2: 5.0,
+                },
+                &[(upright, Some(1.0))],
+            ),
+            (
+                Primitive::VLine {
+                    x: 1.0,
+                    y1: 5.0,
+                    y2: 2.0,
+                },
+                &[(upright, Some(1.0))],
+            ),
             (Primitive::FilledPolygon(points), &[(polygon, None)]),
-            (Primitive::Polygon(points), &[(polygon, None), (polygon, Some(1.0))]),
+            (
+                Primitive::Polygon(points),
+                &[(polygon, None), (polygon, Some(1.0))],
+            ),
             (Primitive::AaPolygon(points), &[(polygon, Some(1.0))]),
-            (Primitive::AaLines { points, closed: true }, &[(polygon, Some(1.0))]),
-            (Primitive::AaLines { points, closed: false }, &[(line, Some(1.0))]),
-            (Primitive::Lines { points, closed: true, width: 2 }, &[(polygon, Some(2.0))]),
-            (Primitive::Lines { points, closed: false, width: 3 }, &[(line, Some(3.0))]),
-            (Primitive::FilledCircle { center, radius }, &[(circle(center, 3.5), None)]),
-            (Primitive::Circle { center, radius }, &[(circle([4.5, 4.5], 3.0), None)]),
+            (
+                Primitive::AaLines {
+                    points,
+                    closed: true,
+                },
+                &[(polygon, Some(1.0))],
+            ),
+            (
+                Primitive::AaLines {
+                    points,
+                    closed: false,
+                },
+                &[(line, Some(1.0))],
+            ),
+            (
+                Primitive::Lines {
+                    points,
+                    closed: true,
+                    width: 2,
+                },
+                &[(polygon, Some(2.0))],
+            ),
+            (
+                Primitive::Lines {
+                    points,
+                    closed: false,
+                    width: 3,
+                },
+                &[(line, Some(3.0))],
+            ),
+            (
+                Primitive::FilledCircle { center, radius },
+                &[(circle(center, 3.5), None)],
+            ),
+            (
+                Primitive::Circle { center, radius },
+                &[(circle([4.5, 4.5], 3.0), None)],
+            ),
             // it comes with a filled one
             (Primitive::AaCircle { center, radius }, &[]),
         ] {
             let mut drawn = Drawn::default();
             smooth(&mut drawn, primitive, Color::rgb(0, 0, 0));
-            let expected: Vec<_> = expected.iter().map(|(shape, width)| told(*shape, *width)).collect();
+            let expected: Vec<_> = expected
+                .iter()
+                .map(|(shape, width)| told(*shape, *width))
+                .collect();
             assert_eq!(drawn.0, expected, "{primitive:?}");
         }
     }
@@ -433,7 +570,10 @@ mod tests {
     #[test]
     fn labels_hold_what_fits() {
         assert_eq!(&*Label::new(format_args!("{:04.0} m", 12.3)), "0012 m");
-        assert_eq!(&*Label::new(format_args!("{}{}", "x".repeat(20), "12345")), "x".repeat(20));
+        assert_eq!(
+            &*Label::new(format_args!("{}{}", "x".repeat(20), "12345")),
+            "x".repeat(20)
+        );
         assert_eq!(&*Label::default(), "");
     }
 }

@@ -43,7 +43,9 @@ impl<const N: usize> Continuous<N> {
     /// Whether all numbers are finite.
     #[inline(always)]
     pub fn is_finite(&self) -> bool {
-        self.numbers.iter().fold(true, |finite, x| finite & x.is_finite())
+        self.numbers
+            .iter()
+            .fold(true, |finite, x| finite & x.is_finite())
     }
 }
 
@@ -55,14 +57,20 @@ impl<const N: usize> From<[f32; N]> for Continuous<N> {
         for (x, y) in wide.iter_mut().zip(numbers) {
             *x = f64::from(y);
         }
-        Self { numbers: wide, precision: Precision::Single }
+        Self {
+            numbers: wide,
+            precision: Precision::Single,
+        }
     }
 }
 
 impl<const N: usize> From<[f64; N]> for Continuous<N> {
     #[inline(always)]
     fn from(numbers: [f64; N]) -> Self {
-        Self { numbers, precision: Precision::Double }
+        Self {
+            numbers,
+            precision: Precision::Double,
+        }
     }
 }
 
@@ -96,7 +104,10 @@ impl<const N: usize> Element for Continuous<N> {
                 Data::F64(numbers) => Self::from(<[f64; N]>::try_from(numbers.as_slice()).ok()?),
                 _ => {
                     let mut numbers = [0.0; N];
-                    numbers.iter_mut().zip(array.iter_f64()).for_each(|(x, y)| *x = y);
+                    numbers
+                        .iter_mut()
+                        .zip(array.iter_f64())
+                        .for_each(|(x, y)| *x = y);
                     Self::from(numbers)
                 }
             }),
@@ -105,7 +116,10 @@ impl<const N: usize> Element for Continuous<N> {
                 for (x, item) in numbers.iter_mut().zip(items) {
                     *x = item.as_float()?;
                 }
-                Some(Self { numbers, precision: Precision::Python })
+                Some(Self {
+                    numbers,
+                    precision: Precision::Python,
+                })
             }
             _ => None,
         }
@@ -116,7 +130,10 @@ impl<const N: usize> Element for Continuous<N> {
             (Precision::Single, _) => self.numbers.map(|x| x as f32).write(out),
             (Precision::Double, _) => self.numbers.write(out),
             (Precision::Python, Value::Tuple(items)) if items.len() == N => {
-                items.iter_mut().zip(self.numbers).for_each(|(item, x)| *item = Value::Float(x));
+                items
+                    .iter_mut()
+                    .zip(self.numbers)
+                    .for_each(|(item, x)| *item = Value::Float(x));
             }
             (Precision::Python, _) => *out = Value::Tuple(self.numbers.map(Value::Float).to_vec()),
         }
@@ -132,13 +149,20 @@ mod tests {
         for action in [
             Continuous::from([0.1_f32, -3.0]),
             Continuous::from([0.1, -3.0]),
-            Continuous { numbers: [0.1, -3.0], precision: Precision::Python },
+            Continuous {
+                numbers: [0.1, -3.0],
+                precision: Precision::Python,
+            },
         ] {
             assert_eq!(Continuous::from_value(&action.to_value()), Some(action));
         }
         let integers = Continuous::<2>::from_value(&Value::Array([1_i64, -3].into()));
         assert_eq!(integers, Some(Continuous::from([1.0, -3.0])));
-        for other in [Value::Array([0.1_f32].into()), Value::Int(1), Value::Tuple(vec![Value::Null; 2])] {
+        for other in [
+            Value::Array([0.1_f32].into()),
+            Value::Int(1),
+            Value::Tuple(vec![Value::Null; 2]),
+        ] {
             assert_eq!(Continuous::<2>::from_value(&other), None, "{other}");
         }
     }

@@ -127,7 +127,11 @@ pub trait Env: Clone + Send + 'static {
     /// # Errors
     /// [`Error::ResetNeeded`] before the first reset, [`Error::InvalidAction`] for an action that cannot be
     /// executed. The state is then unchanged, except in wrappers that document otherwise.
-    fn step_into(&mut self, action: &Self::Action, observation: &mut Self::Observation) -> Result<Outcome>;
+    fn step_into(
+        &mut self,
+        action: &Self::Action,
+        observation: &mut Self::Observation,
+    ) -> Result<Outcome>;
 
     /// The whole state, generator included, in a form that can be stored.
     ///
@@ -194,7 +198,8 @@ pub trait Env: Clone + Send + 'static {
         Err(Error::UnsupportedMode {
             target: self.describe(),
             mode: "anything".into(),
-            reason: "it was made without a render mode: add `.render_mode(RenderMode::RgbArray)`".into(),
+            reason: "it was made without a render mode: add `.render_mode(RenderMode::RgbArray)`"
+                .into(),
         })
     }
 
@@ -211,12 +216,20 @@ pub trait Env: Clone + Send + 'static {
     /// The outermost layer of a type: a wrapper or the environment itself.
     /// [`wrapper`](crate::EnvExt::wrapper) and [`unwrapped`](crate::EnvExt::unwrapped) call it.
     fn layer(&self, layer: TypeId) -> Option<&dyn Any> {
-        if layer == TypeId::of::<Self>() { Some(self) } else { None }
+        if layer == TypeId::of::<Self>() {
+            Some(self)
+        } else {
+            None
+        }
     }
 
     /// As [`layer`](Self::layer), mutable.
     fn layer_mut(&mut self, layer: TypeId) -> Option<&mut dyn Any> {
-        if layer == TypeId::of::<Self>() { Some(self) } else { None }
+        if layer == TypeId::of::<Self>() {
+            Some(self)
+        } else {
+            None
+        }
     }
 
     /// The generator that the environment draws from, once it was reset: Gymnasium's `np_random`.
@@ -233,7 +246,9 @@ pub trait Env: Clone + Send + 'static {
 
 /// The error of an environment without [`Env::snapshot`] and [`Env::restore`].
 fn no_snapshots(env: &str) -> Error {
-    Error::Snapshot(format!("{env} has no snapshots: implement `Env::snapshot` and `Env::restore`"))
+    Error::Snapshot(format!(
+        "{env} has no snapshots: implement `Env::snapshot` and `Env::restore`"
+    ))
 }
 
 /// The result of a step.

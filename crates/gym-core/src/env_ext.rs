@@ -24,8 +24,17 @@ pub trait EnvExt: Env {
     /// The errors of [`step_into`](Env::step_into).
     fn step(&mut self, action: &Self::Action) -> Result<Step<Self::Observation>> {
         let mut observation = Self::Observation::empty();
-        let Outcome { reward, terminated, truncated } = self.step_into(action, &mut observation)?;
-        Ok(Step { observation, reward, terminated, truncated })
+        let Outcome {
+            reward,
+            terminated,
+            truncated,
+        } = self.step_into(action, &mut observation)?;
+        Ok(Step {
+            observation,
+            reward,
+            terminated,
+            truncated,
+        })
     }
 
     /// The frame or text of the render mode.

@@ -94,7 +94,12 @@ pub trait Equations:
 
     /// Adds the parts of a state that only scalar environments keep.
     #[inline(always)]
-    fn finish(&self, before: &Self::State, action: Self::Action, transition: &mut Transition<Self::State>) {
+    fn finish(
+        &self,
+        before: &Self::State,
+        action: Self::Action,
+        transition: &mut Transition<Self::State>,
+    ) {
         let _ = (before, action, transition);
     }
 }
@@ -127,7 +132,8 @@ pub struct Next<R: Real, E: Equations> {
 
 impl<E, const K: usize, const A: usize, const P: usize, const O: usize> Dynamics for E
 where
-    E: Equations<Numbers = [f64; K], Input = [f64; A], Constants = [f64; P]> + Task<Observation = [f32; O]>,
+    E: Equations<Numbers = [f64; K], Input = [f64; A], Constants = [f64; P]>
+        + Task<Observation = [f32; O]>,
 {
     #[inline]
     fn transition(
@@ -186,7 +192,11 @@ where
                 step_in_place::<E, Emulated, K, A, P, O>(self, state, *action, rng, observation)
             },
         );
-        Ok(Outcome { reward, terminated, truncated: false })
+        Ok(Outcome {
+            reward,
+            terminated,
+            truncated: false,
+        })
     }
 }
 
@@ -228,13 +238,15 @@ fn step_in_place<E, F: Fma, const K: usize, const A: usize, const P: usize, cons
     observation: &mut [f32; O],
 ) -> (f64, bool)
 where
-    E: Equations<Numbers = [f64; K], Input = [f64; A], Constants = [f64; P]> + Task<Observation = [f32; O]>,
+    E: Equations<Numbers = [f64; K], Input = [f64; A], Constants = [f64; P]>
+        + Task<Observation = [f32; O]>,
 {
     with_constants(
         equations,
         #[inline(always)]
         |constants| {
-            let (transition, seen) = step_one::<E, F, K, A, P, O>(equations, constants, state, action, rng);
+            let (transition, seen) =
+                step_one::<E, F, K, A, P, O>(equations, constants, state, action, rng);
             *observation = seen;
             *state = transition.state;
             (transition.reward, transition.terminated)
@@ -252,14 +264,20 @@ fn step_one<E, F: Fma, const K: usize, const A: usize, const P: usize, const O: 
     rng: &mut Generator,
 ) -> (Transition<E::State>, [f32; O])
 where
-    E: Equations<Numbers = [f64; K], Input = [f64; A], Constants = [f64; P]> + Task<Observation = [f32; O]>,
+    E: Equations<Numbers = [f64; K], Input = [f64; A], Constants = [f64; P]>
+        + Task<Observation = [f32; O]>,
 {
     let mut input = equations.input(action);
     if E::IS_NOISY {
         E::disturb(&constants, &mut input, rng);
     }
     let numbers = E::complete(ones::<F, K>(equations.numbers(state)));
-    let next = equations.advance(ones(constants), numbers, equations.is_fresh(state), ones(input));
+    let next = equations.advance(
+        ones(constants),
+        numbers,
+        equations.is_fresh(state),
+        ones(input),
+    );
     let mut transition = Transition {
         state: equations.state(values(next.state), false),
         reward: next.reward.value(),

@@ -18,7 +18,9 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 #[non_exhaustive]
 pub enum Error {
     /// The id does not follow the grammar `[namespace/]name[-vN]`.
-    #[error("malformed environment id `{0}`: ids have the form [namespace/]name[-vN], as in `CartPole-v1`")]
+    #[error(
+        "malformed environment id `{0}`: ids have the form [namespace/]name[-vN], as in `CartPole-v1`"
+    )]
     MalformedId(String),
 
     /// No environment of that namespace is linked.
@@ -178,17 +180,26 @@ impl Error {
 
     /// [`Error::InvalidArgument`] from its two parts.
     pub fn argument(target: impl Into<String>, reason: impl Into<String>) -> Self {
-        Self::InvalidArgument { target: target.into(), reason: reason.into() }
+        Self::InvalidArgument {
+            target: target.into(),
+            reason: reason.into(),
+        }
     }
 
     /// [`Error::SubEnvironment`] of an environment's own error.
     pub fn at_env(self, index: usize) -> Self {
-        Self::SubEnvironment { index, source: Box::new(self) }
+        Self::SubEnvironment {
+            index,
+            source: Box::new(self),
+        }
     }
 
     /// [`Error::Io`] of a file.
     pub fn io(path: &std::path::Path, source: std::io::Error) -> Self {
-        Self::Io { path: path.display().to_string(), source: Arc::new(source) }
+        Self::Io {
+            path: path.display().to_string(),
+            source: Arc::new(source),
+        }
     }
 }
 
@@ -201,7 +212,9 @@ impl fmt::Debug for Error {
 
 fn version_not_found(name: &str, version: Option<u32>, available: &str) -> String {
     match version {
-        Some(version) => format!("environment `{name}` has no version {version}: it provides {available}"),
+        Some(version) => {
+            format!("environment `{name}` has no version {version}: it provides {available}")
+        }
         None => format!("environment `{name}` has versions: ask for one of {available}"),
     }
 }
@@ -235,7 +248,9 @@ impl From<SeedError> for Error {
 /// The remedy, if one is known.
 fn advice(source: &std::io::Error) -> &'static str {
     match source.kind() {
-        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => ": free some space, or choose another place",
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
+            ": free some space, or choose another place"
+        }
         _ => "",
     }
 }
@@ -249,7 +264,9 @@ mod tests {
     #[test]
     fn a_full_disk_says_what_to_do() {
         let message = |kind: ErrorKind| Error::io(Path::new("a.gif"), kind.into()).to_string();
-        assert!(message(ErrorKind::StorageFull).ends_with(": free some space, or choose another place"));
+        assert!(
+            message(ErrorKind::StorageFull).ends_with(": free some space, or choose another place")
+        );
         assert!(!message(ErrorKind::NotFound).contains("space"));
     }
 }

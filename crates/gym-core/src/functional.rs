@@ -9,7 +9,9 @@ use serde_json::Value as Json;
 use crate::arguments;
 use crate::canvas::Canvas;
 use crate::render::Metadata;
-use crate::{Arguments, Element, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Space, Value};
+use crate::{
+    Arguments, Element, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Space, Value,
+};
 
 /// A task without its dynamics: arguments, spaces, starts and drawing.
 ///
@@ -45,7 +47,10 @@ pub trait Task: Clone + fmt::Debug + Send + 'static {
     /// has changed.
     fn assign(&mut self, config: Self::Config) -> Result<()> {
         let _ = config;
-        Err(Error::argument(Self::NAME, "its arguments are fixed: make a new environment"))
+        Err(Error::argument(
+            Self::NAME,
+            "its arguments are fixed: make a new environment",
+        ))
     }
 
     /// The space that every observation lies in.
@@ -212,11 +217,19 @@ pub trait Dynamics: Task {
         rng: &mut Generator,
         observation: &mut Self::Observation,
     ) -> Result<Outcome> {
-        let Transition { state: next, reward, terminated } = self.transition(state, action, rng)?;
+        let Transition {
+            state: next,
+            reward,
+            terminated,
+        } = self.transition(state, action, rng)?;
         self.observe_into(&next, observation);
         let truncated = self.truncates(&next);
         *state = next;
-        Ok(Outcome { reward, terminated, truncated })
+        Ok(Outcome {
+            reward,
+            terminated,
+            truncated,
+        })
     }
 }
 
@@ -235,7 +248,11 @@ impl<S> Transition<S> {
     /// No change: the same state, without a reward.
     #[inline(always)]
     pub fn stay(state: S) -> Self {
-        Self { state, reward: 0.0, terminated: false }
+        Self {
+            state,
+            reward: 0.0,
+            terminated: false,
+        }
     }
 }
 
@@ -258,7 +275,10 @@ impl<D: Dynamics> Stateful<D> {
     /// # Errors
     /// [`Error::InvalidArgument`] for an argument out of range.
     pub fn new(config: D::Config) -> Result<Self> {
-        D::new(config).map(|dynamics| Self { dynamics, episode: None })
+        D::new(config).map(|dynamics| Self {
+            dynamics,
+            episode: None,
+        })
     }
 
     /// The pure functions, for planning.
@@ -277,7 +297,12 @@ impl<D: Dynamics> Stateful<D> {
     /// The errors of [`Task::assign`], and [`Error::InvalidArgument`] for a name or a value that does not fit.
     pub fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
         let given = [(name.to_owned(), value)].into_iter().collect();
-        self.dynamics.assign(arguments::read(self.dynamics.config(), u32::MAX, &given, D::NAME)?)
+        self.dynamics.assign(arguments::read(
+            self.dynamics.config(),
+            u32::MAX,
+            &given,
+            D::NAME,
+        )?)
     }
 
     /// The current state; `None` before the first reset.
@@ -288,7 +313,10 @@ impl<D: Dynamics> Stateful<D> {
 
 impl<D: Dynamics> fmt::Debug for Stateful<D> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct(D::NAME).field("dynamics", &self.dynamics).field("state", &self.state()).finish()
+        f.debug_struct(D::NAME)
+            .field("dynamics", &self.dynamics)
+            .field("state", &self.state())
+            .finish()
     }
 }
 
@@ -313,8 +341,14 @@ impl<D: Dynamics> Env for Stateful<D> {
     }
 
     #[inline]
-    fn step_into(&mut self, action: &D::Action, observation: &mut D::Observation) -> Result<Outcome> {
-        let Some(Episode { state, rng }) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
+    fn step_into(
+        &mut self,
+        action: &D::Action,
+        observation: &mut D::Observation,
+    ) -> Result<Outcome> {
+        let Some(Episode { state, rng }) = &mut self.episode else {
+            return Err(Error::ResetNeeded("step"));
+        };
         self.dynamics.step(state, action, rng, observation)
     }
 

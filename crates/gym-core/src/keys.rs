@@ -29,19 +29,33 @@ pub enum Idle {
 impl Keys {
     /// Keys by name, as in `json!({"Left": 0, "Right": 2})`; the environment waits while none is down.
     pub fn new(actions: Json) -> Self {
-        let Json::Object(actions) = actions else { return Self { actions: Vec::new(), idle: Idle::Wait } };
-        Self { actions: actions.into_iter().collect(), idle: Idle::Wait }
+        let Json::Object(actions) = actions else {
+            return Self {
+                actions: Vec::new(),
+                idle: Idle::Wait,
+            };
+        };
+        Self {
+            actions: actions.into_iter().collect(),
+            idle: Idle::Wait,
+        }
     }
 
     /// While no key is down, the last action again.
     #[must_use]
     pub fn repeat(self) -> Self {
-        Self { idle: Idle::Repeat, ..self }
+        Self {
+            idle: Idle::Repeat,
+            ..self
+        }
     }
 
     /// While no key is down, this action.
     #[must_use]
     pub fn idle(self, action: Json) -> Self {
-        Self { idle: Idle::Action(action), ..self }
+        Self {
+            idle: Idle::Action(action),
+            ..self
+        }
     }
 }

@@ -34,7 +34,8 @@ pub mod wrappers;
 pub mod prelude {
     #[doc(no_inline)]
     pub use crate::{
-        BoxEnv, Env, EnvExt, Reset, Result, Space, Value, VectorEnv, VectorEnvExt, builder, make, make_vec,
+        BoxEnv, Env, EnvExt, Reset, Result, Space, Value, VectorEnv, VectorEnvExt, builder, make,
+        make_vec,
     };
 }
 
@@ -55,7 +56,9 @@ pub use functional::{Dynamics, Stateful, Task, Transition};
 pub use gym_numerics::{Generator, Seed, math, rng};
 pub use keys::Keys;
 pub use policy::Policy;
-pub use registry::{Configure, EnvSpec, NoArguments, Registration, WrapperSpec, builder, make, make_vec};
+pub use registry::{
+    Configure, EnvSpec, NoArguments, Registration, WrapperSpec, builder, make, make_vec,
+};
 pub use reset::{Kwargs, Reset};
 pub use snapshot::Snapshot;
 pub use spaces::{Sampler, Space};

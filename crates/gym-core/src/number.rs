@@ -253,7 +253,14 @@ mod tests {
     #[test]
     fn casts_are_safe() {
         use DType::*;
-        for (from, to) in [(I16, F32), (I64, F64), (U64, F64), (U8, I16), (F32, F64), (I32, I64)] {
+        for (from, to) in [
+            (I16, F32),
+            (I64, F64),
+            (U64, F64),
+            (U8, I16),
+            (F32, F64),
+            (I32, I64),
+        ] {
             assert!(can_cast(from, to) && !can_cast(to, from), "{from} {to}");
         }
         assert!(!can_cast(U64, I64) && !can_cast(I64, U64) && !can_cast(I32, F32));
@@ -264,7 +271,11 @@ mod tests {
         assert!(Number::Int(i128::from(u64::MAX)) > Number::Int(i128::from(u64::MAX) - 1));
         assert!(Number::Int(1) < Number::Float(1.5));
         assert_eq!(Number::Int(2), Number::Float(2.0));
-        assert!(Number::Float(f64::NAN).partial_cmp(&Number::Int(0)).is_none());
+        assert!(
+            Number::Float(f64::NAN)
+                .partial_cmp(&Number::Int(0))
+                .is_none()
+        );
 
         assert!(Number::Int(255).fits(DType::U8) && !Number::Int(256).fits(DType::U8));
         assert!(!Number::Int(-1).fits(DType::U64));

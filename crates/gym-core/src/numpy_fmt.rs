@@ -34,20 +34,37 @@ pub(crate) fn array(data: &Data, shape: &[usize]) -> String {
     let summarise = len > THRESHOLD;
     let mut shown = Vec::new();
     corners(shape, summarise, 0, &mut shown);
-    Layout { shape, summarise, data, style: Style::of(data, &shown) }.rows(0, 0, LINE_WIDTH)
+    Layout {
+        shape,
+        summarise,
+        data,
+        style: Style::of(data, &shown),
+    }
+    .rows(0, 0, LINE_WIDTH)
 }
 
 /// A shape as Python prints a tuple: `()`, `(3,)`, `(2, 3)`.
 pub(crate) fn shape(shape: &[usize]) -> String {
     match shape {
         [n] => format!("({n},)"),
-        _ => format!("({})", shape.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")),
+        _ => format!(
+            "({})",
+            shape
+                .iter()
+                .map(ToString::to_string)
+                .collect::<Vec<_>>()
+                .join(", ")
+        ),
     }
 }
 
 /// Text as Python's `repr` quotes it.
 pub(crate) fn quoted(text: &str) -> String {
-    let quote = if text.contains('\'') && !text.contains('"') { '"' } else { '\'' };
+    let quote = if text.contains('\'') && !text.contains('"') {
+        '"'
+    } else {
+        '\''
+    };
     let mut out = String::from(quote);
     for c in text.chars() {
         match c {
@@ -79,11 +96,19 @@ pub(crate) fn scalar(data: &Data, index: usize) -> String {
     }
     if x == 0.0 || (1e-4..end).contains(&x.abs()) {
         let text = positional(data, index, usize::MAX);
-        return if text.ends_with('.') { text + "0" } else { text };
+        return if text.ends_with('.') {
+            text + "0"
+        } else {
+            text
+        };
     }
     let text = scientific(data, index, usize::MAX);
     let (mantissa, exponent) = split_exponent(&text);
-    format!("{}{}", mantissa.trim_end_matches('.'), pad_exponent(exponent, 2))
+    format!(
+        "{}{}",
+        mantissa.trim_end_matches('.'),
+        pad_exponent(exponent, 2)
+    )
 }
 
 fn integer(data: &Data, index: usize) -> i128 {
@@ -132,8 +157,13 @@ enum Style {
 impl Style {
     fn of(data: &Data, shown: &[usize]) -> Self {
         if !data.dtype().is_float() {
-            let width = shown.iter().map(|&i| integer(data, i).to_string().len()).max();
-            return Self::Integer { width: width.unwrap_or(0) };
+            let width = shown
+                .iter()
+                .map(|&i| integer(data, i).to_string().len())
+                .max();
+            return Self::Integer {
+                width: width.unwrap_or(0),
+            };
         }
         let (finite, other): (Vec<usize>, Vec<usize>) =
             shown.iter().partition(|&&i| data.get_f64(i).is_finite());
@@ -146,17 +176,35 @@ impl Style {
             };
             let (number, exponent) = split_exponent(&text);
             let (whole, fraction) = number.split_once('.').unwrap_or((number, ""));
-            (whole.len(), fraction.len(), pad_exponent(exponent, 2).len() - 2)
+            (
+                whole.len(),
+                fraction.len(),
+                pad_exponent(exponent, 2).len() - 2,
+            )
         };
-        let (mut left, right, exponent) =
-            finite.iter().map(parts).fold((0, 0, 0), |a, b| (a.0.max(b.0), a.1.max(b.1), a.2.max(b.2)));
+        let (mut left, right, exponent) = finite
+            .iter()
+            .map(parts)
+            .fold((0, 0, 0), |a, b| (a.0.max(b.0), a.1.max(b.1), a.2.max(b.2)));
         // `inf` and `-inf` may stick out to the left.
-        let after_point = if needs_exponent { exponent + 2 + right } else { right };
-        if let Some(longest) = other.iter().map(|&i| non_finite(data.get_f64(i)).len()).max() {
+        let after_point = if needs_exponent {
+            exponent + 2 + right
+        } else {
+            right
+        };
+        if let Some(longest) = other
+            .iter()
+            .map(|&i| non_finite(data.get_f64(i)).len())
+            .max()
+        {
             left = left.max(longest.saturating_sub(after_point + 1));
         }
         if needs_exponent {
-            Self::Scientific { left, digits: right, exponent }
+            Self::Scientific {
+                left,
+                digits: right,
+                exponent,
+            }
         } else {
             Self::Positional { left, right }
         }
@@ -166,17 +214,27 @@ impl Style {
         let (left, total) = match *self {
             Self::Integer { width } => return format!("{:>width$}", integer(data, index)),
             Self::Positional { left, right } => (left, left + 1 + right),
-            Self::Scientific { left, digits, exponent } => (left, left + 1 + digits + exponent + 2),
+            Self::Scientific {
+                left,
+                digits,
+                exponent,
+            } => (left, left + 1 + digits + exponent + 2),
         };
         let x = data.get_f64(index);
         if !x.is_finite() {
             return format!("{:>total$}", non_finite(x));
         }
         let text = match *self {
-            Self::Scientific { digits, exponent, .. } => {
+            Self::Scientific {
+                digits, exponent, ..
+            } => {
                 let text = shortest(data, index);
                 let is_exact = fraction_len(&text) == digits;
-                let text = if is_exact { text } else { format!("{x:.digits$e}") };
+                let text = if is_exact {
+                    text
+                } else {
+                    format!("{x:.digits$e}")
+                };
                 let (mantissa, power) = split_exponent(&text);
                 let point = if digits == 0 { "." } else { "" };
                 format!("{mantissa}{point}{}", pad_exponent(power, exponent))
@@ -193,8 +251,13 @@ impl Style {
 fn needs_exponent(data: &Data, finite: &[usize]) -> bool {
     macro_rules! spread {
         ($values:expr, $type:ty, $end:expr) => {{
-            let sizes = finite.iter().map(|&i| $values[i].abs()).filter(|&x| x != 0.0);
-            let (min, max) = sizes.fold((<$type>::INFINITY, 0.0), |(min, max), x| (x.min(min), x.max(max)));
+            let sizes = finite
+                .iter()
+                .map(|&i| $values[i].abs())
+                .filter(|&x| x != 0.0);
+            let (min, max) = sizes.fold((<$type>::INFINITY, 0.0), |(min, max), x| {
+                (x.min(min), x.max(max))
+            });
             max > 0.0 && (max >= $end || min < 0.0001 || max / min > 1000.0)
         }};
     }
@@ -221,19 +284,32 @@ fn positional(data: &Data, index: usize, places: usize) -> String {
     let exponent: i32 = split_exponent(&text).1.parse().unwrap_or(0);
     let shortest_places = usize::try_from(fraction_len(&text) as i32 - exponent).unwrap_or(0);
     if shortest_places > places {
-        return format!("{:.places$}", data.get_f64(index)).trim_end_matches('0').to_owned();
+        return format!("{:.places$}", data.get_f64(index))
+            .trim_end_matches('0')
+            .to_owned();
     }
     let point = if shortest_places == 0 { "." } else { "" };
-    format!("{:.shortest_places$}{point}", text.parse::<f64>().unwrap_or(f64::NAN))
+    format!(
+        "{:.shortest_places$}{point}",
+        text.parse::<f64>().unwrap_or(f64::NAN)
+    )
 }
 
 /// With an exponent and the fewest digits, at most `places` after the point: `1.5e-5`, `3.e10`.
 fn scientific(data: &Data, index: usize, places: usize) -> String {
     let text = shortest(data, index);
     let is_cut = fraction_len(&text) > places;
-    let text = if is_cut { format!("{:.places$e}", data.get_f64(index)) } else { text };
+    let text = if is_cut {
+        format!("{:.places$e}", data.get_f64(index))
+    } else {
+        text
+    };
     let (mantissa, exponent) = split_exponent(&text);
-    let mantissa = if is_cut { mantissa.trim_end_matches('0') } else { mantissa };
+    let mantissa = if is_cut {
+        mantissa.trim_end_matches('0')
+    } else {
+        mantissa
+    };
     let point = if mantissa.contains('.') { "" } else { "." };
     format!("{mantissa}{point}e{exponent}")
 }
@@ -245,7 +321,11 @@ fn shortest(data: &Data, index: usize) -> String {
     fn even<T: LowerExp + FromStr + PartialEq + Copy>(x: T, exact: f64) -> String {
         let text = format!("{x:e}");
         let rounded = format!("{exact:.*e}", fraction_len(&text));
-        if rounded.parse().is_ok_and(|rounded: T| rounded == x) { rounded } else { text }
+        if rounded.parse().is_ok_and(|rounded: T| rounded == x) {
+            rounded
+        } else {
+            text
+        }
     }
     match data {
         Data::F32(values) => even(values[index], values[index].into()),
@@ -255,7 +335,10 @@ fn shortest(data: &Data, index: usize) -> String {
 
 /// The number of digits between the point and the exponent.
 fn fraction_len(text: &str) -> usize {
-    split_exponent(text).0.split_once('.').map_or(0, |(_, fraction)| fraction.len())
+    split_exponent(text)
+        .0
+        .split_once('.')
+        .map_or(0, |(_, fraction)| fraction.len())
 }
 
 fn split_exponent(text: &str) -> (&str, &str) {
@@ -264,7 +347,9 @@ fn split_exponent(text: &str) -> (&str, &str) {
 
 /// `e-05` for `-5`.
 fn pad_exponent(exponent: &str, digits: usize) -> String {
-    let (sign, power) = exponent.strip_prefix('-').map_or(('+', exponent), |power| ('-', power));
+    let (sign, power) = exponent
+        .strip_prefix('-')
+        .map_or(('+', exponent), |power| ('-', power));
     format!("e{sign}{power:0>digits$}")
 }
 
@@ -299,7 +384,9 @@ impl Layout<'_> {
             fill(items, &indent, width.saturating_sub(1))
         } else {
             let blank_lines = "\n".repeat(self.shape.len() - axis - 1);
-            items.collect::<Vec<_>>().join(&format!("{blank_lines}{indent}"))
+            items
+                .collect::<Vec<_>>()
+                .join(&format!("{blank_lines}{indent}"))
         };
         format!("[{body}]")
     }
@@ -355,7 +442,10 @@ mod tests {
         assert_eq!(f64s([0.1, 0.123_456_789_123]), "[0.1        0.12345679]");
         assert_eq!(f64s([-0.0, 1.0, f64::NAN]), "[-0.  1. nan]");
         assert_eq!(f64s([f64::INFINITY, f64::NEG_INFINITY]), "[ inf -inf]");
-        assert_eq!(f32s([-f32::INFINITY, 0.0, -1.0, -f32::INFINITY]), "[-inf   0.  -1. -inf]");
+        assert_eq!(
+            f32s([-f32::INFINITY, 0.0, -1.0, -f32::INFINITY]),
+            "[-inf   0.  -1. -inf]"
+        );
     }
 
     #[test]
@@ -363,7 +453,10 @@ mod tests {
         assert_eq!(f64s([1e-5, 1.0]), "[1.e-05 1.e+00]");
         assert_eq!(f64s([1e8, -2.5]), "[ 1.0e+08 -2.5e+00]");
         assert_eq!(f32s([1e6, 1e6]), "[1.e+06 1.e+06]");
-        assert_eq!(f64s([1e100, 2.0, f64::INFINITY]), "[1.e+100 2.e+000     inf]");
+        assert_eq!(
+            f64s([1e100, 2.0, f64::INFINITY]),
+            "[1.e+100 2.e+000     inf]"
+        );
         // Digits beyond the shortest are those of the exact value.
         assert_eq!(f32s([4.8, 3_402_823.5]), "[4.8000002e+00 3.4028235e+06]");
     }
@@ -387,11 +480,19 @@ mod tests {
     #[test]
     fn axes_and_summaries() {
         let table = Array::from((0..6).collect::<Vec<i64>>());
-        assert_eq!(array(&table.clone().reshape([2, 3]).unwrap()), "[[0 1 2]\n [3 4 5]]");
-        assert_eq!(array(&table.reshape([2, 1, 3]).unwrap()), "[[[0 1 2]]\n\n [[3 4 5]]]");
+        assert_eq!(
+            array(&table.clone().reshape([2, 3]).unwrap()),
+            "[[0 1 2]\n [3 4 5]]"
+        );
+        assert_eq!(
+            array(&table.reshape([2, 1, 3]).unwrap()),
+            "[[[0 1 2]]\n\n [[3 4 5]]]"
+        );
         let long = Array::from((0..1001).collect::<Vec<i64>>());
         assert_eq!(array(&long), "[   0    1    2 ...  998  999 1000]");
-        let wide = Array::from((0..1001).collect::<Vec<i64>>()).reshape([7, 143]).unwrap();
+        let wide = Array::from((0..1001).collect::<Vec<i64>>())
+            .reshape([7, 143])
+            .unwrap();
         assert_eq!(
             array(&wide),
             "[[   0    1    2 ...  140  141  142]\n [ 143  144  145 ...  283  284  285]\n \

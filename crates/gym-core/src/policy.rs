@@ -23,13 +23,22 @@ enum Source {
 
 impl Policy {
     /// Rules: `start` returns the controller of one episode, or `None` if the rules do not fit the arguments.
-    pub const fn rules(description: &'static str, start: fn(&BoxEnv) -> Option<Controller>) -> Self {
-        Self { description, source: Source::Rules(start) }
+    pub const fn rules(
+        description: &'static str,
+        start: fn(&BoxEnv) -> Option<Controller>,
+    ) -> Self {
+        Self {
+            description,
+            source: Source::Rules(start),
+        }
     }
 
     /// A network that `gym-ppo` trained and its command `export` wrote, in JSON.
     pub const fn network(json: &'static str) -> Self {
-        Self { description: "is a network that `gym-ppo` trained", source: Source::Network(json) }
+        Self {
+            description: "is a network that `gym-ppo` trained",
+            source: Source::Network(json),
+        }
     }
 
     /// The controller of one episode; `None` if the policy does not fit the environment's arguments.
@@ -45,8 +54,12 @@ impl Policy {
 }
 
 /// A controller that depends only on the observation.
-pub fn reflex<O: Element, A: Element>(mut act: impl FnMut(&O) -> A + 'static) -> Option<Controller> {
-    Some(Box::new(move |_, seen| O::with(seen, |seen| act(seen).to_value())))
+pub fn reflex<O: Element, A: Element>(
+    mut act: impl FnMut(&O) -> A + 'static,
+) -> Option<Controller> {
+    Some(Box::new(move |_, seen| {
+        O::with(seen, |seen| act(seen).to_value())
+    }))
 }
 
 /// Added to the variance, as by the wrapper `NormalizeObservation`.
@@ -60,28 +73,49 @@ fn network(json: &str, env: &BoxEnv) -> Result<Controller> {
         .map_err(|error| wrong(format!("`network`: {error}")))?;
     let numbers = |name: &str| -> Result<Option<Vec<f64>>> {
         let numbers = stored.pointer(&format!("/normalization/moments/F64/{name}"));
-        let numbers = numbers.map(|numbers| serde_json::from_value(numbers.clone())).transpose();
+        let numbers = numbers
+            .map(|numbers| serde_json::from_value(numbers.clone()))
+            .transpose();
         numbers.map_err(|error| wrong(format!("`{name}`: {error}")))
     };
     let moments = numbers("mean")?.zip(numbers("var")?);
     let Space::Box(space) = env.action_space() else {
         return Err(wrong("actions are not in a Box".into()));
     };
-    let bounds: Vec<(f64, f64)> = space.low().iter_f64().zip(space.high().iter_f64()).collect();
-    let mut width = env.observation_space().shape().map_or(0, |shape| shape.iter().product::<usize>());
-    if moments.as_ref().is_some_and(|(mean, var)| mean.len() != width || var.len() != width) {
-        return Err(wrong(format!("its input does not fit observations of {width} numbers")));
+    let bounds: Vec<(f64, f64)> = space
+        .low()
+        .iter_f64()
+        .zip(space.high().iter_f64())
+        .collect();
+    let mut width = env
+        .observation_space()
+        .shape()
+        .map_or(0, |shape| shape.iter().product::<usize>());
+    if moments
+        .as_ref()
+        .is_some_and(|(mean, var)| mean.len() != width || var.len() != width)
+    {
+        return Err(wrong(format!(
+            "its input does not fit observations of {width} numbers"
+        )));
     }
     for layer in layers.chunks(2) {
-        let [weights, bias] = layer else { return Err(wrong("a layer has weights without a bias".into())) };
+        let [weights, bias] = layer else {
+            return Err(wrong("a layer has weights without a bias".into()));
+        };
         if weights.len() != width * bias.len() {
             let [given, outputs] = [weights.len(), bias.len()];
-            return Err(wrong(format!("a layer from {width} to {outputs} numbers has {given} weights")));
+            return Err(wrong(format!(
+                "a layer from {width} to {outputs} numbers has {given} weights"
+            )));
         }
         width = bias.len();
     }
     if width != bounds.len() {
-        return Err(wrong(format!("its output has {width} numbers, and an action {}", bounds.len())));
+        return Err(wrong(format!(
+            "its output has {width} numbers, and an action {}",
+            bounds.len()
+        )));
     }
     Ok(Box::new(move |_, seen| {
         let seen = seen.as_array()?.iter_f64();
@@ -93,8 +127,9 @@ fn network(json: &str, env: &BoxEnv) -> Result<Controller> {
             None => seen.map(|x| x as f32).collect(),
         };
         let action = forward(&layers, x).into_iter().zip(&bounds);
-        let clipped: Vec<f32> =
-            action.map(|(a, (low, high))| f64::from(a).clamp(*low, *high) as f32).collect();
+        let clipped: Vec<f32> = action
+            .map(|(a, (low, high))| f64::from(a).clamp(*low, *high) as f32)
+            .collect();
         Some(Value::Array(clipped.into()))
     }))
 }
@@ -104,10 +139,18 @@ fn forward(layers: &[Vec<f32>], mut x: Vec<f32>) -> Vec<f32> {
     for (i, layer) in layers.chunks(2).enumerate() {
         let [weights, bias] = layer else { return x };
         let outputs = bias.len();
-        let sum =
-            |j: usize| bias[j] + x.iter().enumerate().map(|(i, x)| x * weights[i * outputs + j]).sum::<f32>();
+        let sum = |j: usize| {
+            bias[j]
+                + x.iter()
+                    .enumerate()
+                    .map(|(i, x)| x * weights[i * outputs + j])
+                    .sum::<f32>()
+        };
         let last = 2 * (i + 1) == layers.len();
-        x = (0..outputs).map(sum).map(|y| if last { y } else { math::tanh(y.into()) as f32 }).collect();
+        x = (0..outputs)
+            .map(sum)
+            .map(|y| if last { y } else { math::tanh(y.into()) as f32 })
+            .collect();
     }
     x
 }
@@ -119,8 +162,16 @@ mod tests {
     #[test]
     fn a_network_is_layers_with_tanh_between() {
         // two numbers in, two hidden, one out
-        let layers = [vec![1.0, 0.0, 0.0, 2.0], vec![0.0, 0.5], vec![3.0, 1.0], vec![-1.0]];
+        let layers = [
+            vec![1.0, 0.0, 0.0, 2.0],
+            vec![0.0, 0.5],
+            vec![3.0, 1.0],
+            vec![-1.0],
+        ];
         let y = forward(&layers, vec![0.5, 0.25]);
-        assert!((y[0] - (3.0 * math::tanh(0.5) + math::tanh(1.0) - 1.0) as f32).abs() < 1e-6, "{y:?}");
+        assert!(
+            (y[0] - (3.0 * math::tanh(0.5) + math::tanh(1.0) - 1.0) as f32).abs() < 1e-6,
+            "{y:?}"
+        );
     }
 }

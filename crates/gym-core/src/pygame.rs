@@ -14,7 +14,10 @@ use crate::canvas::{Canvas, Color, Point, Primitive, Transform};
 
 /// The coordinates of a surface of that height, in pixels, that is turned upside down at the end.
 pub const fn flipped(height: f64) -> Transform {
-    Transform { origin: [0.5, height - 0.5], ..Transform::y_up(0.0) }
+    Transform {
+        origin: [0.5, height - 0.5],
+        ..Transform::y_up(0.0)
+    }
 }
 
 /// The coordinates of a surface that is not turned, in pixels.
@@ -83,9 +86,13 @@ mod tests {
 
     #[test]
     fn quarter_turns_are_exact() {
-        for (quarters, expected) in
-            [(0, [3.0, 1.0]), (1, [-1.0, 3.0]), (2, [-3.0, -1.0]), (3, [1.0, -3.0]), (4, [3.0, 1.0])]
-        {
+        for (quarters, expected) in [
+            (0, [3.0, 1.0]),
+            (1, [-1.0, 3.0]),
+            (2, [-3.0, -1.0]),
+            (3, [1.0, -3.0]),
+            (4, [3.0, 1.0]),
+        ] {
             for turn in [-2.0, 0.0, 5.0] {
                 let angle = f64::from(quarters) * FRAC_PI_2 + turn * TAU;
                 assert_eq!(rotate_rad([3.0, 1.0], angle), expected, "{quarters} {turn}");

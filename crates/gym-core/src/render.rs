@@ -27,7 +27,13 @@ pub enum RenderMode {
 
 impl RenderMode {
     /// Every mode.
-    pub const ALL: [Self; 5] = [Self::Human, Self::RgbArray, Self::RgbArrayList, Self::Ansi, Self::AnsiList];
+    pub const ALL: [Self; 5] = [
+        Self::Human,
+        Self::RgbArray,
+        Self::RgbArrayList,
+        Self::Ansi,
+        Self::AnsiList,
+    ];
 
     /// Gymnasium's name, as in `rgb_array`.
     pub const fn name(self) -> &'static str {
@@ -65,10 +71,16 @@ impl FromStr for RenderMode {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        Self::ALL.into_iter().find(|mode| mode.name() == text).ok_or_else(|| {
-            let names = Self::ALL.map(Self::name).join(", ");
-            Error::argument("render_mode", format!("unknown mode `{text}`: the modes are {names}"))
-        })
+        Self::ALL
+            .into_iter()
+            .find(|mode| mode.name() == text)
+            .ok_or_else(|| {
+                let names = Self::ALL.map(Self::name).join(", ");
+                Error::argument(
+                    "render_mode",
+                    format!("unknown mode `{text}`: the modes are {names}"),
+                )
+            })
     }
 }
 
@@ -87,7 +99,11 @@ pub struct Metadata {
 impl Metadata {
     /// Drawn, without a text form.
     pub const fn drawn(render_fps: u32, render_size: (u32, u32)) -> Self {
-        Self { render_modes: &[RenderMode::Human, RenderMode::RgbArray], render_fps, render_size }
+        Self {
+            render_modes: &[RenderMode::Human, RenderMode::RgbArray],
+            render_fps,
+            render_size,
+        }
     }
 
     /// Drawn, and with a text form.
@@ -103,7 +119,11 @@ impl Metadata {
 impl Default for Metadata {
     /// No render modes.
     fn default() -> Self {
-        Self { render_modes: &[], render_fps: 30, render_size: (600, 400) }
+        Self {
+            render_modes: &[],
+            render_fps: 30,
+            render_size: (600, 400),
+        }
     }
 }
 
@@ -127,7 +147,13 @@ struct StoredFrame {
 impl TryFrom<StoredFrame> for Frame {
     type Error = Error;
 
-    fn try_from(StoredFrame { width, height, pixels }: StoredFrame) -> Result<Self> {
+    fn try_from(
+        StoredFrame {
+            width,
+            height,
+            pixels,
+        }: StoredFrame,
+    ) -> Result<Self> {
         let bytes = u128::from(width) * u128::from(height) * 3;
         if pixels.len() as u128 != bytes {
             return Err(Error::custom(format!(
@@ -135,7 +161,11 @@ impl TryFrom<StoredFrame> for Frame {
                 pixels.len()
             )));
         }
-        Ok(Self { width, height, pixels })
+        Ok(Self {
+            width,
+            height,
+            pixels,
+        })
     }
 }
 
@@ -147,8 +177,14 @@ impl Frame {
     pub fn new(width: u32, height: u32) -> Result<Self> {
         let bytes = usize::try_from(u128::from(width) * u128::from(height) * 3).ok();
         match bytes.and_then(|bytes| Data::zeros(DType::U8, bytes)) {
-            Some(Data::U8(pixels)) => Ok(Self { width, height, pixels }),
-            _ => Err(Error::custom(format!("a frame of {width}x{height} does not fit in memory"))),
+            Some(Data::U8(pixels)) => Ok(Self {
+                width,
+                height,
+                pixels,
+            }),
+            _ => Err(Error::custom(format!(
+                "a frame of {width}x{height} does not fit in memory"
+            ))),
         }
     }
 
@@ -198,17 +234,29 @@ pub enum Rendered {
 impl Rendered {
     /// The frame of the mode `rgb_array`.
     pub fn into_frame(self) -> Option<Frame> {
-        if let Self::Frame(frame) = self { Some(frame) } else { None }
+        if let Self::Frame(frame) = self {
+            Some(frame)
+        } else {
+            None
+        }
     }
 
     /// The frames of the mode `rgb_array_list`.
     pub fn into_frames(self) -> Option<Vec<Frame>> {
-        if let Self::Frames(frames) = self { Some(frames) } else { None }
+        if let Self::Frames(frames) = self {
+            Some(frames)
+        } else {
+            None
+        }
     }
 
     /// The text of the mode `ansi`.
     pub fn into_text(self) -> Option<String> {
-        if let Self::Text(text) = self { Some(text) } else { None }
+        if let Self::Text(text) = self {
+            Some(text)
+        } else {
+            None
+        }
     }
 }
 
@@ -230,7 +278,10 @@ inventory::collect!(PainterProvider);
 
 /// A painter of the linked rendering crate; `None` if none is linked.
 pub fn painter() -> Option<Box<dyn Painter>> {
-    inventory::iter::<PainterProvider>.into_iter().next().map(|provider| (provider.new)())
+    inventory::iter::<PainterProvider>
+        .into_iter()
+        .next()
+        .map(|provider| (provider.new)())
 }
 
 /// A live window. A rendering crate submits a [`ScreenProvider`].
@@ -254,7 +305,10 @@ inventory::collect!(ScreenProvider);
 
 /// The provider of windows; `None` if no crate that opens windows is linked.
 pub fn open_screen() -> Option<OpenScreen> {
-    inventory::iter::<ScreenProvider>.into_iter().next().map(|provider| provider.open)
+    inventory::iter::<ScreenProvider>
+        .into_iter()
+        .next()
+        .map(|provider| provider.open)
 }
 
 #[cfg(test)]
@@ -263,19 +317,32 @@ mod tests {
 
     #[test]
     fn a_stored_frame_has_the_pixels_of_its_size() {
-        for (width, height) in [(u32::MAX, u32::MAX), (1 << 31, 1 << 31), (u32::MAX, 1 << 20)] {
+        for (width, height) in [
+            (u32::MAX, u32::MAX),
+            (1 << 31, 1 << 31),
+            (u32::MAX, 1 << 20),
+        ] {
             let error = Frame::new(width, height).unwrap_err().to_string();
             assert!(error.ends_with("does not fit in memory"), "{error}");
         }
         let frame = Frame::new(2, 1).unwrap();
         let json = serde_json::to_string(&frame).unwrap();
         assert_eq!(serde_json::from_str::<Frame>(&json).unwrap(), frame);
-        for (width, height, pixels) in
-            [(2, 1, "0,0,0"), (2, 1, ""), (0, 0, "0"), (u32::MAX, u32::MAX, "0,0,0"), (1, 1, "0,0,0,0")]
-        {
+        for (width, height, pixels) in [
+            (2, 1, "0,0,0"),
+            (2, 1, ""),
+            (0, 0, "0"),
+            (u32::MAX, u32::MAX, "0,0,0"),
+            (1, 1, "0,0,0,0"),
+        ] {
             let json = format!(r#"{{"width": {width}, "height": {height}, "pixels": [{pixels}]}}"#);
-            let error = serde_json::from_str::<Frame>(&json).unwrap_err().to_string();
-            assert!(error.contains(&format!("a frame of {width}x{height} has")), "{error}");
+            let error = serde_json::from_str::<Frame>(&json)
+                .unwrap_err()
+                .to_string();
+            assert!(
+                error.contains(&format!("a frame of {width}x{height} has")),
+                "{error}"
+            );
         }
     }
 }

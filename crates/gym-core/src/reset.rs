@@ -28,7 +28,10 @@ pub struct Reset {
 impl Reset {
     /// A reset that seeds the generator.
     pub fn seed(seed: impl Into<Seed>) -> Self {
-        Self { seed: Some(seed.into()), options: Kwargs::new() }
+        Self {
+            seed: Some(seed.into()),
+            options: Kwargs::new(),
+        }
     }
 
     /// Adds an option.
@@ -81,6 +84,9 @@ impl From<Seed> for Reset {
 
 impl From<Option<u64>> for Reset {
     fn from(seed: Option<u64>) -> Self {
-        Self { seed: seed.map(Seed::from), options: Kwargs::new() }
+        Self {
+            seed: seed.map(Seed::from),
+            options: Kwargs::new(),
+        }
     }
 }

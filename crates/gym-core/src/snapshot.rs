@@ -19,14 +19,20 @@ impl Snapshot {
     /// # Errors
     /// [`Error::Snapshot`] if the state contains a map whose keys are not strings.
     pub fn of<T: Serialize>(state: &T) -> Result<Self> {
-        exact::write(state).map(Self).map_err(|error| Error::Snapshot(error.to_string()))
+        exact::write(state)
+            .map(Self)
+            .map_err(|error| Error::Snapshot(error.to_string()))
     }
 
     /// The snapshot of an environment: its name, the arguments that it was built with, and its episode.
     ///
     /// # Errors
     /// The errors of [`of`](Self::of).
-    pub fn with_config<C: Serialize, T: Serialize>(env: &str, config: &C, episode: &T) -> Result<Self> {
+    pub fn with_config<C: Serialize, T: Serialize>(
+        env: &str,
+        config: &C,
+        episode: &T,
+    ) -> Result<Self> {
         /// The form that [`Snapshot::for_config`] reads.
         #[derive(Serialize)]
         struct Stored<'a, C, T> {
@@ -35,7 +41,11 @@ impl Snapshot {
             episode: &'a T,
         }
 
-        Self::of(&Stored { env, config, episode })
+        Self::of(&Stored {
+            env,
+            config,
+            episode,
+        })
     }
 
     /// The name of the environment inside all wrappers, if [`with_config`](Self::with_config) took
@@ -78,16 +88,24 @@ impl Snapshot {
         if let Some(other) = self.env()
             && other != env
         {
-            return Err(Error::Snapshot(format!("this is a snapshot of {other}, not of {env}")));
+            return Err(Error::Snapshot(format!(
+                "this is a snapshot of {other}, not of {env}"
+            )));
         }
-        let Stored::<C, E> { config: taken_with, episode, .. } = self.get()?;
+        let Stored::<C, E> {
+            config: taken_with,
+            episode,
+            ..
+        } = self.get()?;
         if taken_with != *config {
-            return Err(Error::Snapshot(format!("it was taken from a {env} with other arguments")));
+            return Err(Error::Snapshot(format!(
+                "it was taken from a {env} with other arguments"
+            )));
         }
         match episode {
-            Some(episode) if !is_valid(&episode) => {
-                Err(Error::Snapshot(format!("its content is not a state of this {env}")))
-            }
+            Some(episode) if !is_valid(&episode) => Err(Error::Snapshot(format!(
+                "its content is not a state of this {env}"
+            ))),
             episode => Ok(episode),
         }
     }
@@ -117,8 +135,10 @@ mod tests {
         let inner = Snapshot::of(&[f64::INFINITY, 0.5]).unwrap();
         let outer = Snapshot::of(&(&inner, 7)).unwrap();
         let stored = serde_json::to_string(&outer).unwrap();
-        let (read, count): (Snapshot, u32) =
-            serde_json::from_str::<Snapshot>(&stored).unwrap().get().unwrap();
+        let (read, count): (Snapshot, u32) = serde_json::from_str::<Snapshot>(&stored)
+            .unwrap()
+            .get()
+            .unwrap();
         assert_eq!((&read, count), (&inner, 7));
         assert_eq!(read.get::<[f64; 2]>().unwrap(), [f64::INFINITY, 0.5]);
     }

@@ -93,7 +93,11 @@ pub struct GraphInstance {
 impl Value {
     /// The whole number of an `Int`.
     pub fn as_int(&self) -> Option<i64> {
-        if let Self::Int(i) = self { Some(*i) } else { None }
+        if let Self::Int(i) = self {
+            Some(*i)
+        } else {
+            None
+        }
     }
 
     /// The number of a `Float` or an `Int`.
@@ -107,17 +111,29 @@ impl Value {
 
     /// The truth value of a `Bool`.
     pub fn as_bool(&self) -> Option<bool> {
-        if let Self::Bool(b) = self { Some(*b) } else { None }
+        if let Self::Bool(b) = self {
+            Some(*b)
+        } else {
+            None
+        }
     }
 
     /// The text of a `Text`.
     pub fn as_text(&self) -> Option<&str> {
-        if let Self::Text(text) = self { Some(text) } else { None }
+        if let Self::Text(text) = self {
+            Some(text)
+        } else {
+            None
+        }
     }
 
     /// The array of an `Array`.
     pub fn as_array(&self) -> Option<&Array> {
-        if let Self::Array(array) = self { Some(array) } else { None }
+        if let Self::Array(array) = self {
+            Some(array)
+        } else {
+            None
+        }
     }
 
     /// The numbers of an `Array` of that type, in row-major order.
@@ -127,13 +143,21 @@ impl Value {
 
     /// The members of a `Tuple`.
     pub fn as_tuple(&self) -> Option<&[Value]> {
-        if let Self::Tuple(items) = self { Some(items) } else { None }
+        if let Self::Tuple(items) = self {
+            Some(items)
+        } else {
+            None
+        }
     }
 
     /// The member of a `Dict` under a key.
     pub fn get(&self, key: &str) -> Option<&Value> {
-        let Self::Dict(entries) = self else { return None };
-        entries.iter().find_map(|(name, value)| (name == key).then_some(value))
+        let Self::Dict(entries) = self else {
+            return None;
+        };
+        entries
+            .iter()
+            .find_map(|(name, value)| (name == key).then_some(value))
     }
 
     /// Whether every number within is finite.
@@ -371,7 +395,9 @@ impl Element for Array {
         if !matches!(out, Value::Array(_)) {
             *out = Value::Array(Self::default());
         }
-        let Value::Array(array) = out else { unreachable!("`out` was just made an array") };
+        let Value::Array(array) = out else {
+            unreachable!("`out` was just made an array")
+        };
         f(array)
     }
 }

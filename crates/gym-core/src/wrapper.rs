@@ -5,7 +5,9 @@ use std::any::{Any, TypeId};
 use crate::canvas::Canvas;
 use crate::env::short_type_name;
 use crate::render::{Metadata, RenderMode, Rendered};
-use crate::{Element, Env, EnvSpec, Generator, Outcome, Reset, Result, Snapshot, Space, Value, WrapperSpec};
+use crate::{
+    Element, Env, EnvSpec, Generator, Outcome, Reset, Result, Snapshot, Space, Value, WrapperSpec,
+};
 
 /// An environment around another one that changes some of its behaviour: Gymnasium's `Wrapper`.
 ///
@@ -86,7 +88,11 @@ pub trait Wrapper: Clone + Send + 'static {
     ///
     /// # Errors
     /// The inner environment's errors and the wrapper's own.
-    fn step_into(&mut self, action: &Self::Action, observation: &mut Self::Observation) -> Result<Outcome>;
+    fn step_into(
+        &mut self,
+        action: &Self::Action,
+        observation: &mut Self::Observation,
+    ) -> Result<Outcome>;
 
     /// The name and arguments of this wrapper in a spec; `None` if it has no stored form, such as a
     /// wrapper around a function.
@@ -109,18 +115,29 @@ pub trait Wrapper: Clone + Send + 'static {
     /// As [`Env::describe`]: the wrapper's [name](Self::name) around the inner description.
     fn describe(&self) -> String {
         let inner = self.inner().describe();
-        let inner = inner.strip_prefix('<').and_then(|text| text.strip_suffix('>')).unwrap_or(&inner);
+        let inner = inner
+            .strip_prefix('<')
+            .and_then(|text| text.strip_suffix('>'))
+            .unwrap_or(&inner);
         format!("<{}<{inner}>>", self.name())
     }
 
     /// As [`Env::layer`]: the wrapper itself, or a layer within.
     fn layer(&self, layer: TypeId) -> Option<&dyn Any> {
-        if layer == TypeId::of::<Self>() { Some(self) } else { self.inner().layer(layer) }
+        if layer == TypeId::of::<Self>() {
+            Some(self)
+        } else {
+            self.inner().layer(layer)
+        }
     }
 
     /// As [`Env::layer_mut`]: the wrapper itself, or a layer within.
     fn layer_mut(&mut self, layer: TypeId) -> Option<&mut dyn Any> {
-        if layer == TypeId::of::<Self>() { Some(self) } else { self.inner_mut().layer_mut(layer) }
+        if layer == TypeId::of::<Self>() {
+            Some(self)
+        } else {
+            self.inner_mut().layer_mut(layer)
+        }
     }
 
     /// As [`Env::restore`].
@@ -197,7 +214,11 @@ impl<W: Wrapper> Env for W {
     }
 
     #[inline(always)]
-    fn step_into(&mut self, action: &W::Action, observation: &mut W::Observation) -> Result<Outcome> {
+    fn step_into(
+        &mut self,
+        action: &W::Action,
+        observation: &mut W::Observation,
+    ) -> Result<Outcome> {
         Wrapper::step_into(self, action, observation)
     }
 

@@ -3,7 +3,9 @@
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use gym_core::canvas::Canvas;
-use gym_core::render::{Frame, Metadata, Painter, PainterProvider, RenderMode, Screen, ScreenProvider};
+use gym_core::render::{
+    Frame, Metadata, Painter, PainterProvider, RenderMode, Screen, ScreenProvider,
+};
 use gym_core::wrappers::Render;
 use gym_core::{Env, EnvExt, Error, Outcome, Reset, Result, Space};
 

@@ -51,8 +51,12 @@ fn main() -> Result<(), Error> {
             let start = Instant::now();
             let outcome = env.step_into(&action, &mut observation)?;
             total += start.elapsed();
-            let Some(simulated) = simulated(&env) else { continue };
-            let (m, Some(d)) = (&*simulated.simulation().model, simulated.data()) else { continue };
+            let Some(simulated) = simulated(&env) else {
+                continue;
+            };
+            let (m, Some(d)) = (&*simulated.simulation().model, simulated.data()) else {
+                continue;
+            };
             rows += d.efc.nefc();
             if i % 20 == 0 {
                 let mut d = d.clone();
@@ -65,7 +69,11 @@ fn main() -> Result<(), Error> {
                 env.reset_into(&().into(), &mut observation)?;
             }
         }
-        println!("{id}: {:?} a step, {:.1} rows", total / STEPS, rows as f64 / f64::from(STEPS));
+        println!(
+            "{id}: {:?} a step, {:.1} rows",
+            total / STEPS,
+            rows as f64 / f64::from(STEPS)
+        );
         for (sum, (name, _)) in stages.iter().zip(STAGES) {
             println!("  {name:22} {:?}", *sum / (STEPS / 20));
         }

@@ -135,15 +135,31 @@ impl Serialize for Data {
     fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
         let state = self.state();
         let before = (self.last.is_some() && self.before != state).then(|| self.before.clone());
-        Stored { last: self.last, contact_forces: self.contact_forces, state, before }.serialize(serializer)
+        Stored {
+            last: self.last,
+            contact_forces: self.contact_forces,
+            state,
+            before,
+        }
+        .serialize(serializer)
     }
 }
 
 impl<'de> Deserialize<'de> for Data {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
-        let Stored { last, contact_forces, state, before } = Stored::deserialize(deserializer)?;
+        let Stored {
+            last,
+            contact_forces,
+            state,
+            before,
+        } = Stored::deserialize(deserializer)?;
         let before = before.unwrap_or_else(|| state.clone());
-        let mut data = Self { last, contact_forces, before, ..Self::default() };
+        let mut data = Self {
+            last,
+            contact_forces,
+            before,
+            ..Self::default()
+        };
         data.set(state);
         Ok(data)
     }
@@ -255,7 +271,13 @@ impl Data {
     }
 
     fn set(&mut self, state: State) {
-        let State { time, qpos, qvel, ctrl, qacc_warmstart } = state;
+        let State {
+            time,
+            qpos,
+            qvel,
+            ctrl,
+            qacc_warmstart,
+        } = state;
         self.time = time;
         (self.qpos, self.qvel, self.ctrl, self.qacc_warmstart) = (qpos, qvel, ctrl, qacc_warmstart);
     }
@@ -279,7 +301,10 @@ impl Data {
     /// [`Error::Data`] if an array of the state has another length than the model's, or a number exceeds the
     /// engine's bounds.
     pub fn check(&self, m: &Model) -> Result<()> {
-        for state in [self.last.map(|_| &self.before), Some(&self.state())].into_iter().flatten() {
+        for state in [self.last.map(|_| &self.before), Some(&self.state())]
+            .into_iter()
+            .flatten()
+        {
             for (name, numbers, length, most) in [
                 ("qpos", &state.qpos, m.nq(), MAXVAL),
                 ("qvel", &state.qvel, m.nv(), MAXVAL),
@@ -288,10 +313,14 @@ impl Data {
             ] {
                 if numbers.len() != length {
                     let have = numbers.len();
-                    return Err(Error::Data(format!("{name} has {have} elements, the model needs {length}")));
+                    return Err(Error::Data(format!(
+                        "{name} has {have} elements, the model needs {length}"
+                    )));
                 }
                 if let Some(x) = numbers.iter().find(|x| x.is_nan() || x.abs() > most) {
-                    return Err(Error::Data(format!("{name} has {x}: numbers must lie within ±{most:e}")));
+                    return Err(Error::Data(format!(
+                        "{name} has {x}: numbers must lie within ±{most:e}"
+                    )));
                 }
             }
         }

@@ -24,6 +24,6 @@ pub use error::{Error, Result};
 pub use model::{CompiledModel, Model};
 pub use physics::{forward, step};
 pub use tasks::{
-    Ant, HalfCheetah, Hopper, Humanoid, HumanoidStandup, InvertedDoublePendulum, InvertedPendulum, Pusher,
-    Reacher, Simulated, Swimmer, Walker2d, simulated, simulated_mut,
+    Ant, HalfCheetah, Hopper, Humanoid, HumanoidStandup, InvertedDoublePendulum, InvertedPendulum,
+    Pusher, Reacher, Simulated, Swimmer, Walker2d, simulated, simulated_mut,
 };

@@ -48,22 +48,28 @@ pub fn answer(recording: &Map<String, Value>, folder: &Path) -> Result<Map<Strin
     let wrong = |what: &str| Error::Data(format!("the recording has {what}"));
     let m = model(recording, folder)?;
     let mut answer = recording.clone();
-    let (side, run): (_, fn(&Model, &mut Data) -> Value) = match recording.get("kind").and_then(Value::as_str)
-    {
-        Some("steps") => ("after", after_step),
-        Some("forward") => ("out", after_forward),
-        Some(kind) => {
-            return Err(wrong(&format!("the kind {kind:?}: the kinds are \"steps\" and \"forward\"")));
-        }
-        None => {
-            let figures =
-                m.figures().into_iter().filter(|(key, _)| key != "model" && recording.contains_key(key));
-            answer.extend(figures);
-            return Ok(answer);
-        }
-    };
-    let cases =
-        answer.get_mut("cases").and_then(Value::as_array_mut).ok_or_else(|| wrong("no list of cases"))?;
+    let (side, run): (_, fn(&Model, &mut Data) -> Value) =
+        match recording.get("kind").and_then(Value::as_str) {
+            Some("steps") => ("after", after_step),
+            Some("forward") => ("out", after_forward),
+            Some(kind) => {
+                return Err(wrong(&format!(
+                    "the kind {kind:?}: the kinds are \"steps\" and \"forward\""
+                )));
+            }
+            None => {
+                let figures = m
+                    .figures()
+                    .into_iter()
+                    .filter(|(key, _)| key != "model" && recording.contains_key(key));
+                answer.extend(figures);
+                return Ok(answer);
+            }
+        };
+    let cases = answer
+        .get_mut("cases")
+        .and_then(Value::as_array_mut)
+        .ok_or_else(|| wrong("no list of cases"))?;
     for (i, case) in cases.iter_mut().enumerate() {
         let state = State::deserialize(&*case)
             .map_err(|error| wrong(&format!("a case {i} that is not a state: {error}")))?;
@@ -87,7 +93,9 @@ fn model(recording: &Map<String, Value>, folder: &Path) -> Result<Arc<Model>> {
             tasks::load(&format!("{name}.xml"))
                 .map_err(|error| Error::Data(format!("the recording's model: {error}")))
         }
-        (None, None) => Err(Error::Data("the recording has neither `model` nor `xml`".into())),
+        (None, None) => Err(Error::Data(
+            "the recording has neither `model` nor `xml`".into(),
+        )),
     }
 }
 
@@ -137,7 +145,11 @@ fn constraints(m: &Model, d: &Data) -> Value {
     let jacobian = rows(&efc.full_jacobian(m.nv()), m.nv());
     // libmujoco leaves here what Newton's method saw last before it took the islands apart: the rows without constraint forces
     let active: Vec<u8> = match m.opt.solver {
-        Solver::PGS => efc.force.iter().map(|force| u8::from(*force > 0.0)).collect(),
+        Solver::PGS => efc
+            .force
+            .iter()
+            .map(|force| u8::from(*force > 0.0))
+            .collect(),
         Solver::Newton => efc.b.iter().map(|b| u8::from(*b < 0.0)).collect(),
     };
     json!({
@@ -161,6 +173,12 @@ fn rows(matrix: &[f64], width: usize) -> Vec<Vec<f64>> {
 
 /// The positions or velocities of the actuators' joints, times their gear.
 fn along_joints(m: &Model, numbers: &[f64], addresses: &[usize]) -> Vec<f64> {
-    let joints = m.actuator_trnid.iter().map(|id| usize::try_from(id[0]).unwrap_or(0));
-    joints.zip(&m.actuator_gear).map(|(joint, gear)| gear[0] * numbers[addresses[joint]]).collect()
+    let joints = m
+        .actuator_trnid
+        .iter()
+        .map(|id| usize::try_from(id[0]).unwrap_or(0));
+    joints
+        .zip(&m.actuator_gear)
+        .map(|(joint, gear)| gear[0] * numbers[addresses[joint]])
+        .collect()
 }

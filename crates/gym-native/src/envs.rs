@@ -60,7 +60,12 @@ impl<D: Native> NativeVectorEnv<D> {
         max_episode_steps: Option<u32>,
         autoreset: Autoreset,
     ) -> Result<Self> {
-        let refuse = |reason: String| Err(Error::argument(format!("a native vector of {}", D::NAME), reason));
+        let refuse = |reason: String| {
+            Err(Error::argument(
+                format!("a native vector of {}", D::NAME),
+                reason,
+            ))
+        };
         let limit = match max_episode_steps.map(u16::try_from) {
             None => NO_LIMIT,
             Some(Ok(limit)) if (1..NO_LIMIT).contains(&limit) => limit,
@@ -71,7 +76,8 @@ impl<D: Native> NativeVectorEnv<D> {
                 ));
             }
         };
-        let (observation_space, action_space) = (dynamics.observation_space(), dynamics.action_space());
+        let (observation_space, action_space) =
+            (dynamics.observation_space(), dynamics.action_space());
         let bytes = size_of::<Block<D>>() / LANES + size_of::<D::Stream>();
         parts::check_size(num_envs, &observation_space, &action_space, bytes)?;
         Ok(Self {
@@ -102,8 +108,12 @@ impl<D: Native> NativeVectorEnv<D> {
     /// [`Error::InvalidArgument`] for an unknown name, an invalid value, a list of another length, and values that
     /// change a space.
     pub fn with_each(self, each: &BTreeMap<String, Each>) -> Result<Self> {
-        each.iter().try_for_each(|(name, each)| each.check(name, self.num_envs))?;
-        Ok(Self { varied: Varied::new(&self.dynamics, each, self.num_envs)?, ..self })
+        each.iter()
+            .try_for_each(|(name, each)| each.check(name, self.num_envs))?;
+        Ok(Self {
+            varied: Varied::new(&self.dynamics, each, self.num_envs)?,
+            ..self
+        })
     }
 
     /// The arguments that differ between environments, with this environment's values, by name.
@@ -116,24 +126,39 @@ impl<D: Native> NativeVectorEnv<D> {
 
     /// Sets the spec and the reset options of its registered id.
     pub(crate) fn registered(self, spec: VectorSpec, reset_options: ResetOptions) -> Self {
-        Self { spec: Some(spec), reset_options, ..self }
+        Self {
+            spec: Some(spec),
+            reset_options,
+            ..self
+        }
     }
 
     /// The same vector with only the baseline instructions of this kind of CPU: slower, with the same bits,
     /// as tests check.
     #[must_use]
     pub fn baseline(self) -> Self {
-        Self { level: Level::baseline(), ..self }
+        Self {
+            level: Level::baseline(),
+            ..self
+        }
     }
 
     /// The state of an environment; `None` if the index is too large, or it was never reset.
     pub fn state(&self, index: usize) -> Option<D::State> {
-        let block = self.blocks.get(index / LANES).filter(|_| index < self.num_envs)?;
-        (block.unset >> (index % LANES) & 1 == 0).then(|| block.state(&self.dynamics, index % LANES))
+        let block = self
+            .blocks
+            .get(index / LANES)
+            .filter(|_| index < self.num_envs)?;
+        (block.unset >> (index % LANES) & 1 == 0)
+            .then(|| block.state(&self.dynamics, index % LANES))
     }
 
     pub(crate) fn check_open(&self, call: &'static str) -> Result<()> {
-        if self.closed { Err(Error::Closed(call)) } else { Ok(()) }
+        if self.closed {
+            Err(Error::Closed(call))
+        } else {
+            Ok(())
+        }
     }
 
     /// Makes blocks and streams for all environments, marked as never reset.
@@ -146,7 +171,13 @@ impl<D: Native> NativeVectorEnv<D> {
         let (mut blocks, mut streams, mut finals) = (Vec::new(), Vec::new(), Vec::new());
         blocks.try_reserve_exact(n).map_err(full)?;
         streams.try_reserve_exact(n * LANES).map_err(full)?;
-        let block = Block { states: state.splat(), steps: [0; LANES], due: 0, unset: u32::MAX, ended: 0 };
+        let block = Block {
+            states: state.splat(),
+            steps: [0; LANES],
+            due: 0,
+            unset: u32::MAX,
+            ended: 0,
+        };
         blocks.resize(n, block);
         if let (Some(last), rest @ 1..) = (blocks.last_mut(), self.num_envs % LANES) {
             last.unset >>= LANES - rest;
@@ -165,7 +196,9 @@ impl<D: Native> NativeVectorEnv<D> {
     fn cast_actions(&mut self, actions: &Value) -> Result<Value> {
         self.action_space.check_actions(actions, self.num_envs)?;
         if let Value::Tuple(items) = actions
-            && let Some(i) = items.iter().position(|item| D::Action::from_value(item).is_none())
+            && let Some(i) = items
+                .iter()
+                .position(|item| D::Action::from_value(item).is_none())
         {
             return Err(self.action_space.refuse_action(&items[i]).at_env(i));
         }
@@ -212,7 +245,10 @@ impl<D: Native> NativeVectorEnv<D> {
         let due = |i: usize| self.blocks[i / LANES].due >> (i % LANES) & 1 == 1;
         let action = |i: usize| D::Action::item(actions, i);
         match (0..self.num_envs).find(|i| !D::Action::is_valid(action(*i)) && !due(*i)) {
-            Some(i) => Err(self.single_action_space().refuse_action(&action(i)).at_env(i)),
+            Some(i) => Err(self
+                .single_action_space()
+                .refuse_action(&action(i))
+                .at_env(i)),
             None => Ok(()),
         }
     }
@@ -252,8 +288,17 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
             self.reset_options.check(&spec.env.id, &reset.options)?;
         }
         columns.prepare(&self.observation_space, self.num_envs)?;
-        let Columns { observations, rewards, terminated, truncated, has_final, progress, .. } = columns;
-        let mut rows = D::Observation::rows(observations).ok_or_else(|| mismatch::<D>("observations"))?;
+        let Columns {
+            observations,
+            rewards,
+            terminated,
+            truncated,
+            has_final,
+            progress,
+            ..
+        } = columns;
+        let mut rows =
+            D::Observation::rows(observations).ok_or_else(|| mismatch::<D>("observations"))?;
 
         for block in &mut self.blocks {
             block.ended = 0;
@@ -268,7 +313,10 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
                 continue;
             }
             let start = reset.of(i).unwrap_or_default();
-            let unset = self.blocks.get(at).is_none_or(|block| block.unset >> lane & 1 == 1);
+            let unset = self
+                .blocks
+                .get(at)
+                .is_none_or(|block| block.unset >> lane & 1 == 1);
             let mut stream = match &start.seed {
                 Some(seed) => D::Stream::new(Generator::new(seed)),
                 None if unset => D::Stream::new(Generator::from_os()?),
@@ -348,7 +396,8 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
             limit: self.limit,
             actions: items,
             num_envs: self.num_envs,
-            observations: D::Observation::rows(observations).ok_or_else(|| mismatch::<D>("observations"))?,
+            observations: D::Observation::rows(observations)
+                .ok_or_else(|| mismatch::<D>("observations"))?,
             rewards,
             terminated,
             truncated,
@@ -362,9 +411,23 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
         let (blocks, streams) = (&mut self.blocks, &mut self.streams);
         // two functions, because one would need the stack of both without optimisation
         let result = if is_usual {
-            widest(level, Run::<D, true> { step, blocks, streams })
+            widest(
+                level,
+                Run::<D, true> {
+                    step,
+                    blocks,
+                    streams,
+                },
+            )
         } else {
-            widest(level, Run::<D, false> { step, blocks, streams })
+            widest(
+                level,
+                Run::<D, false> {
+                    step,
+                    blocks,
+                    streams,
+                },
+            )
         };
         self.keep(cast);
         result
@@ -384,12 +447,16 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
         if let (Some(block), Some(last)) = (self.blocks.get(index / LANES), self.finals.get(index))
             && block.ended >> (index % LANES) & 1 == 1
         {
-            self.dynamics.info(&self.dynamics.unpack(*last, false), visit);
+            self.dynamics
+                .info(&self.dynamics.unpack(*last, false), visit);
         }
     }
 
     fn metadata(&self) -> Metadata {
-        Metadata { render_modes: &[], ..self.dynamics.metadata() }
+        Metadata {
+            render_modes: &[],
+            ..self.dynamics.metadata()
+        }
     }
 
     fn spec(&self) -> Option<VectorSpec> {
@@ -397,7 +464,11 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
     }
 
     fn describe(&self) -> String {
-        parts::describe("NativeVectorEnv", self.spec.clone().map(|spec| spec.env), self.num_envs)
+        parts::describe(
+            "NativeVectorEnv",
+            self.spec.clone().map(|spec| spec.env),
+            self.num_envs,
+        )
     }
 
     fn snapshot(&self) -> Result<Snapshot> {

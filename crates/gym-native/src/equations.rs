@@ -9,7 +9,8 @@ use crate::{ActionColumn, LANES, Many, Native};
 
 impl<E, const K: usize, const A: usize, const P: usize, const O: usize> Native for E
 where
-    E: Equations<Numbers = [f64; K], Input = [f64; A], Constants = [f64; P]> + Task<Observation = [f32; O]>,
+    E: Equations<Numbers = [f64; K], Input = [f64; A], Constants = [f64; P]>
+        + Task<Observation = [f32; O]>,
 {
     type Packed = [f64; K];
     type Stream = WordStream;
@@ -27,7 +28,10 @@ where
             if !config.set_number(name, *value) {
                 return Err(Error::argument(
                     name,
-                    format!("{} has no argument of this name that is a number", Self::NAME),
+                    format!(
+                        "{} has no argument of this name that is a number",
+                        Self::NAME
+                    ),
                 ));
             }
         }
@@ -139,7 +143,11 @@ fn splat<R: Real, const N: usize>(token: R::Token, numbers: [f64; N]) -> [R; N] 
 
 /// The numbers of some environments, from `first` on.
 #[inline(always)]
-fn registers<R: Real, const N: usize>(token: R::Token, columns: &[[f64; LANES]; N], first: usize) -> [R; N] {
+fn registers<R: Real, const N: usize>(
+    token: R::Token,
+    columns: &[[f64; LANES]; N],
+    first: usize,
+) -> [R; N] {
     let mut registers = [R::get(token, &[0.0; LANES]); N];
     for (x, column) in registers.iter_mut().zip(columns) {
         *x = R::get(token, &column[first..]);

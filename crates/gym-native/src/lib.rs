@@ -130,17 +130,38 @@ pub trait Native:
 /// [`Error::InvalidArgument`] for arguments that the task refuses or [does not
 /// support](Native::supports) here, and as [`NativeVectorEnv::new`].
 pub fn entry_point<D: Native>(spec: &VectorSpec) -> Result<Box<dyn VectorEnv>> {
-    let VectorSpec { env, num_envs, autoreset_mode, .. } = spec;
+    let VectorSpec {
+        env,
+        num_envs,
+        autoreset_mode,
+        ..
+    } = spec;
     let refuse = |reason: String| Error::argument(format!("`{}`", env.id), reason);
     let registration = find(&env.id)?;
     let whose = format!("`{}`", env.id);
-    let config = arguments::read(&D::Config::default(), registration.rules(), &env.kwargs, &whose)?;
-    D::supports(&config)
-        .map_err(|reason| refuse(format!("{reason} in a native vector: make a sync or async one")))?;
-    let envs = NativeVectorEnv::new(D::new(config)?, *num_envs, env.max_episode_steps, *autoreset_mode)?;
+    let config = arguments::read(
+        &D::Config::default(),
+        registration.rules(),
+        &env.kwargs,
+        &whose,
+    )?;
+    D::supports(&config).map_err(|reason| {
+        refuse(format!(
+            "{reason} in a native vector: make a sync or async one"
+        ))
+    })?;
+    let envs = NativeVectorEnv::new(
+        D::new(config)?,
+        *num_envs,
+        env.max_episode_steps,
+        *autoreset_mode,
+    )?;
     let mut spec = spec.clone();
     spec.vectorization_mode = VectorKind::Native;
-    Ok(Box::new(envs.with_each(&spec.each)?.registered(spec, ResetOptions(registration.reset_options))))
+    Ok(Box::new(envs.with_each(&spec.each)?.registered(
+        spec,
+        ResetOptions(registration.reset_options),
+    )))
 }
 
 /// The example of the README, compiled and run.

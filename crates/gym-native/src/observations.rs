@@ -18,7 +18,11 @@ pub trait ObservationColumn: Element + Copy {
 }
 
 fn numbers<T: Scalar>(column: &mut Value) -> Option<&mut [T]> {
-    if let Value::Array(array) = column { array.as_mut_slice() } else { None }
+    if let Value::Array(array) = column {
+        array.as_mut_slice()
+    } else {
+        None
+    }
 }
 
 impl<T: Scalar, const N: usize> ObservationColumn for [T; N] {
@@ -43,7 +47,8 @@ impl ObservationColumn for usize {
 
     #[inline(always)]
     fn write_rows(rows: &mut Self::Rows<'_>, first: usize, observations: &[Self]) {
-        zip(&mut rows[first..][..observations.len()], observations).for_each(|(row, x)| *row = *x as i64);
+        zip(&mut rows[first..][..observations.len()], observations)
+            .for_each(|(row, x)| *row = *x as i64);
     }
 }
 
@@ -51,8 +56,12 @@ impl ObservationColumn for (usize, usize, usize) {
     type Rows<'a> = [&'a mut [i64]; 3];
 
     fn rows(column: &mut Value) -> Option<Self::Rows<'_>> {
-        let Value::Tuple(columns) = column else { return None };
-        let [a, b, c] = columns.as_mut_slice() else { return None };
+        let Value::Tuple(columns) = column else {
+            return None;
+        };
+        let [a, b, c] = columns.as_mut_slice() else {
+            return None;
+        };
         Some([numbers(a)?, numbers(b)?, numbers(c)?])
     }
 

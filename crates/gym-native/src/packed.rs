@@ -103,9 +103,14 @@ where
 
     fn take(bytes: &mut &[u8]) -> Option<Self> {
         let (len, rest) = bytes.split_first_chunk()?;
-        let (text, rest) = rest.split_at_checked(usize::try_from(u64::from_le_bytes(*len)).ok()?)?;
+        let (text, rest) =
+            rest.split_at_checked(usize::try_from(u64::from_le_bytes(*len)).ok()?)?;
         *bytes = rest;
-        serde_json::from_slice::<Snapshot>(text).ok()?.get().ok().map(Self)
+        serde_json::from_slice::<Snapshot>(text)
+            .ok()?
+            .get()
+            .ok()
+            .map(Self)
     }
 }
 
@@ -128,8 +133,14 @@ mod tests {
     fn a_state_without_a_stored_form_is_an_error() {
         let mut bytes = Vec::new();
         let error = Whole(Secret).put(&mut bytes).unwrap_err();
-        assert!(matches!(&error, Error::Snapshot(reason) if reason == "it is secret"), "{error}");
+        assert!(
+            matches!(&error, Error::Snapshot(reason) if reason == "it is secret"),
+            "{error}"
+        );
         Whole((3, true)).put(&mut bytes).unwrap();
-        assert_eq!(Whole::take(&mut &*bytes).map(|Whole(state)| state), Some((3, true)));
+        assert_eq!(
+            Whole::take(&mut &*bytes).map(|Whole(state)| state),
+            Some((3, true))
+        );
     }
 }

@@ -75,15 +75,25 @@ impl<D: Native> NativeVectorEnv<D> {
             due: self.blocks.iter().map(|block| block.due).collect(),
             unset: self.blocks.iter().map(|block| block.unset).collect(),
             left_out: self.left_out.clone(),
-            drawn: self.varied.as_ref().map(|varied| varied.drawn().to_vec()).unwrap_or_default(),
+            drawn: self
+                .varied
+                .as_ref()
+                .map(|varied| varied.drawn().to_vec())
+                .unwrap_or_default(),
         };
         Snapshot::of(&self.stored(Some(numbers))?)
     }
 
     pub(crate) fn read(&mut self, snapshot: &Snapshot) -> Result<()> {
         self.check_open("restore")?;
-        let Stored { name, config, num_envs, autoreset, limit, numbers } =
-            snapshot.get::<Stored<D::Stream>>()?;
+        let Stored {
+            name,
+            config,
+            num_envs,
+            autoreset,
+            limit,
+            numbers,
+        } = snapshot.get::<Stored<D::Stream>>()?;
         let own = self.stored(None)?;
         if (&name, &config) != (&own.name, &own.config) {
             let reason = format!(
@@ -115,7 +125,9 @@ impl<D: Native> NativeVectorEnv<D> {
             }
         }
         let states = self.check(&numbers, varied.as_ref())?;
-        let (Some(state), Some(stream)) = (states.last(), numbers.streams.last()) else { return Ok(()) };
+        let (Some(state), Some(stream)) = (states.last(), numbers.streams.last()) else {
+            return Ok(());
+        };
         self.make_room(*state, stream)?;
         for (i, state) in states.into_iter().enumerate() {
             let (block, lane) = (&mut self.blocks[i / LANES], i % LANES);
@@ -132,10 +144,27 @@ impl<D: Native> NativeVectorEnv<D> {
     }
 
     /// The states, if all numbers are valid.
-    fn check(&self, numbers: &Numbers<D::Stream>, varied: Option<&Varied<D>>) -> Result<Vec<D::Packed>> {
+    fn check(
+        &self,
+        numbers: &Numbers<D::Stream>,
+        varied: Option<&Varied<D>>,
+    ) -> Result<Vec<D::Packed>> {
         let n = self.num_envs;
-        let refuse = |what: &str| Err(Error::Snapshot(format!("its {what} do not fit {}", D::NAME)));
-        let Numbers { states, streams, steps, due, unset, left_out, drawn: _ } = numbers;
+        let refuse = |what: &str| {
+            Err(Error::Snapshot(format!(
+                "its {what} do not fit {}",
+                D::NAME
+            )))
+        };
+        let Numbers {
+            states,
+            streams,
+            steps,
+            due,
+            unset,
+            left_out,
+            drawn: _,
+        } = numbers;
         let mut bytes = states.as_slice();
         if streams.len() != n || steps.len() != n || !(left_out.is_empty() || left_out.len() == n) {
             return refuse("columns");
@@ -149,7 +178,11 @@ impl<D: Native> NativeVectorEnv<D> {
             if len == LANES { 0 } else { u32::MAX << len }
         };
         let fits = |flags: &[u32]| {
-            flags.len() == blocks && flags.iter().enumerate().all(|(i, flags)| flags & beyond(i) == 0)
+            flags.len() == blocks
+                && flags
+                    .iter()
+                    .enumerate()
+                    .all(|(i, flags)| flags & beyond(i) == 0)
         };
         let never_due = self.autoreset == Autoreset::SameStep;
         if !fits(due) || !fits(unset) || never_due && due.iter().any(|due| *due != 0) {
@@ -157,7 +190,9 @@ impl<D: Native> NativeVectorEnv<D> {
         }
         let mut states = Vec::with_capacity(n);
         for (i, steps) in steps.iter().enumerate() {
-            let Some(state) = D::Packed::take(&mut bytes) else { return refuse("states") };
+            let Some(state) = D::Packed::take(&mut bytes) else {
+                return refuse("states");
+            };
             let dynamics = match varied {
                 Some(varied) => &varied.dynamics(i, &self.dynamics)?,
                 None => &self.dynamics,
@@ -169,6 +204,10 @@ impl<D: Native> NativeVectorEnv<D> {
             // numbers that follow from others are recomputed
             states.push(self.dynamics.pack(&state));
         }
-        if bytes.is_empty() { Ok(states) } else { refuse("states") }
+        if bytes.is_empty() {
+            Ok(states)
+        } else {
+            refuse("states")
+        }
     }
 }

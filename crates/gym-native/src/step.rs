@@ -90,7 +90,10 @@ impl<D: Native> Step<'_, D> {
             let len = LANES.min(num_envs - first);
             let actions = D::Action::block(self.actions, first, len, &mut room);
             let mut many = Many {
-                constants: self.varied.as_ref().map_or(self.constants, |varied| varied.block(i)),
+                constants: self
+                    .varied
+                    .as_ref()
+                    .map_or(self.constants, |varied| varied.block(i)),
                 states: &mut block.states,
                 steps: &block.steps,
                 due: block.due,
@@ -108,7 +111,12 @@ impl<D: Native> Step<'_, D> {
             let done = count(block, &mut results, self.limit) & (u32::MAX >> (LANES - len));
             self.reset(block, streams, done, first, &mut results)?;
 
-            let Results { observations, rewards, terminated, truncated } = &results;
+            let Results {
+                observations,
+                rewards,
+                terminated,
+                truncated,
+            } = &results;
             if len == LANES {
                 // the length is known to the compiler
                 D::Observation::write_rows(&mut self.observations, first, observations);
@@ -133,21 +141,23 @@ impl<D: Native> Step<'_, D> {
         results: &mut Results<D::Observation>,
     ) -> Result<()> {
         let reset = Reset::default();
-        let mut start =
-            |block: &mut Block<D>, results: &mut Results<D::Observation>, lane: usize| -> Result<()> {
-                let state = streams[lane].lend(|rng| {
-                    if let Some(varied) = &mut self.varied
-                        && let Some(own) = varied.draw(first + lane, self.dynamics, rng)?
-                    {
-                        varied.keep(first + lane, &own);
-                    }
-                    self.dynamics.start(&reset, rng)
-                });
-                let state = state.map_err(|error| error.at_env(first + lane))?;
-                block.start(self.dynamics, lane, &state);
-                results.observations[lane] = self.dynamics.observe(&state);
-                Ok(())
-            };
+        let mut start = |block: &mut Block<D>,
+                         results: &mut Results<D::Observation>,
+                         lane: usize|
+         -> Result<()> {
+            let state = streams[lane].lend(|rng| {
+                if let Some(varied) = &mut self.varied
+                    && let Some(own) = varied.draw(first + lane, self.dynamics, rng)?
+                {
+                    varied.keep(first + lane, &own);
+                }
+                self.dynamics.start(&reset, rng)
+            });
+            let state = state.map_err(|error| error.at_env(first + lane))?;
+            block.start(self.dynamics, lane, &state);
+            results.observations[lane] = self.dynamics.observe(&state);
+            Ok(())
+        };
         match self.autoreset {
             Autoreset::NextStep => {
                 for lane in lanes(block.due) {
@@ -166,7 +176,11 @@ impl<D: Native> Step<'_, D> {
                         *last = D::Packed::get(&block.states, lane);
                     }
                     let observation = [results.observations[lane]];
-                    D::Observation::write_rows(&mut self.final_observations, first + lane, &observation);
+                    D::Observation::write_rows(
+                        &mut self.final_observations,
+                        first + lane,
+                        &observation,
+                    );
                     self.has_final[first + lane] = true;
                     start(block, results, lane)?;
                 }

@@ -24,14 +24,26 @@ impl<D: Native> Varied<D> {
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for values that a native vector does not support, such as spaces that differ.
-    pub(crate) fn new(dynamics: &D, each: &BTreeMap<String, Each>, num_envs: usize) -> Result<Option<Self>> {
+    pub(crate) fn new(
+        dynamics: &D,
+        each: &BTreeMap<String, Each>,
+        num_envs: usize,
+    ) -> Result<Option<Self>> {
         if each.is_empty() {
             return Ok(None);
         }
-        let each: Vec<_> = each.iter().map(|(name, each)| (name.clone(), each.clone())).collect();
+        let each: Vec<_> = each
+            .iter()
+            .map(|(name, each)| (name.clone(), each.clone()))
+            .collect();
         let values = each.iter().map(|(name, _)| (name.clone(), 0.0)).collect();
         let blocks = vec![dynamics.constants().splat(); num_envs.div_ceil(LANES)];
-        let mut varied = Self { each, values, drawn: Vec::new(), blocks };
+        let mut varied = Self {
+            each,
+            values,
+            drawn: Vec::new(),
+            blocks,
+        };
         varied.drawn = vec![0.0; num_envs * varied.ranges()];
         for end in [|(low, _): (f64, f64)| low, |(_, high)| high] {
             for i in 0..num_envs {
@@ -44,7 +56,10 @@ impl<D: Native> Varied<D> {
                         "the values of {} must give all environments the same spaces",
                         names.join(", ")
                     );
-                    return Err(Error::argument(format!("a native vector of {}", D::NAME), reason));
+                    return Err(Error::argument(
+                        format!("a native vector of {}", D::NAME),
+                        reason,
+                    ));
                 }
             }
         }
@@ -61,8 +76,15 @@ impl<D: Native> Varied<D> {
     pub(crate) fn of(&self, index: usize) -> Vec<(String, f64)> {
         let mut drawn = self.drawn_of(index).iter();
         let value = |(name, each): &(String, Each)| {
-            let drawn = if each.range().is_some() { drawn.next().copied() } else { None };
-            (name.clone(), each.number(index).or(drawn).unwrap_or(f64::NAN))
+            let drawn = if each.range().is_some() {
+                drawn.next().copied()
+            } else {
+                None
+            };
+            (
+                name.clone(),
+                each.number(index).or(drawn).unwrap_or(f64::NAN),
+            )
         };
         self.each.iter().map(value).collect()
     }
@@ -74,26 +96,43 @@ impl<D: Native> Varied<D> {
 
     /// The number of arguments that are ranges.
     fn ranges(&self) -> usize {
-        self.each.iter().filter(|(_, each)| each.range().is_some()).count()
+        self.each
+            .iter()
+            .filter(|(_, each)| each.range().is_some())
+            .count()
     }
 
     /// Draws new values for an environment, to be [kept](Self::keep) if it starts; `None` if nothing is drawn.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for values that are out of range together.
-    pub(crate) fn draw(&mut self, index: usize, dynamics: &D, rng: &mut Generator) -> Result<Option<D>> {
+    pub(crate) fn draw(
+        &mut self,
+        index: usize,
+        dynamics: &D,
+        rng: &mut Generator,
+    ) -> Result<Option<D>> {
         if self.drawn.is_empty() {
             return Ok(None);
         }
-        self.choose(index, dynamics, |(low, high)| rng.uniform(low, high)).map(Some)
+        self.choose(index, dynamics, |(low, high)| rng.uniform(low, high))
+            .map(Some)
     }
 
     /// Stores the last chosen values, which made these dynamics, for an environment.
     pub(crate) fn keep(&mut self, index: usize, own: &D) {
-        own.constants().set(&mut self.blocks[index / LANES], index % LANES);
-        let chosen = self.each.iter().zip(&self.values).filter(|((_, each), _)| each.range().is_some());
+        own.constants()
+            .set(&mut self.blocks[index / LANES], index % LANES);
+        let chosen = self
+            .each
+            .iter()
+            .zip(&self.values)
+            .filter(|((_, each), _)| each.range().is_some());
         let ranges = chosen.clone().count();
-        for (drawn, (_, (_, value))) in self.drawn[index * ranges..][..ranges].iter_mut().zip(chosen) {
+        for (drawn, (_, (_, value))) in self.drawn[index * ranges..][..ranges]
+            .iter_mut()
+            .zip(chosen)
+        {
             *drawn = *value;
         }
     }
@@ -108,7 +147,12 @@ impl<D: Native> Varied<D> {
     /// # Errors
     /// [`Error::Snapshot`] if they are outside these ranges.
     pub(crate) fn restore(&mut self, dynamics: &D, drawn: &[f64], num_envs: usize) -> Result<()> {
-        let refuse = || Error::Snapshot(format!("its arguments are outside the ranges of this {}", D::NAME));
+        let refuse = || {
+            Error::Snapshot(format!(
+                "its arguments are outside the ranges of this {}",
+                D::NAME
+            ))
+        };
         if drawn.len() != self.drawn.len() {
             return Err(refuse());
         }
@@ -130,7 +174,12 @@ impl<D: Native> Varied<D> {
     }
 
     /// The dynamics of an environment, with a value of each range from `choose`.
-    fn choose(&mut self, index: usize, dynamics: &D, mut choose: impl FnMut((f64, f64)) -> f64) -> Result<D> {
+    fn choose(
+        &mut self,
+        index: usize,
+        dynamics: &D,
+        mut choose: impl FnMut((f64, f64)) -> f64,
+    ) -> Result<D> {
         for ((name, each), (_, value)) in self.each.iter().zip(&mut self.values) {
             *value = match (each.range(), each.number(index)) {
                 (Some(range), _) => choose(range),

@@ -47,13 +47,17 @@ fn exp(x: &BigInt) -> BigInt {
 /// The sine of x below 1.
 fn sin(x: &BigInt) -> BigInt {
     let square = product(x, x);
-    series(x.clone(), |term, k| -product(term, &square) / (2 * k * (2 * k + 1)))
+    series(x.clone(), |term, k| {
+        -product(term, &square) / (2 * k * (2 * k + 1))
+    })
 }
 
 /// The cosine of x below 1.
 fn cos(x: &BigInt) -> BigInt {
     let square = product(x, x);
-    series(one(), |term, k| -product(term, &square) / (2 * k * (2 * k - 1)))
+    series(one(), |term, k| {
+        -product(term, &square) / (2 * k * (2 * k - 1))
+    })
 }
 
 /// The natural logarithm, by the series of the inverse hyperbolic tangent of (x - 1) / (x + 1).
@@ -108,7 +112,11 @@ fn round(x: &BigInt, places: i64) -> BigInt {
     let magnitude = BigInt::from(x.magnitude().clone());
     let rounded: BigInt = ((magnitude >> (drop - 1)) + 1) >> 1;
     let rounded: BigInt = rounded << drop;
-    if x.sign() == num_bigint::Sign::Minus { -rounded } else { rounded }
+    if x.sign() == num_bigint::Sign::Minus {
+        -rounded
+    } else {
+        rounded
+    }
 }
 
 /// The nearest double, which must be normal, and what it leaves.
@@ -121,26 +129,57 @@ fn nearest(x: &BigInt) -> (u64, BigInt) {
     let magnitude = rounded.magnitude();
     let exponent = magnitude.bits() as i64 - 1 - i64::from(PLACES);
     let shift = magnitude.bits() as i64 - 53;
-    let mantissa = if shift >= 0 { magnitude >> shift } else { magnitude << -shift };
+    let mantissa = if shift >= 0 {
+        magnitude >> shift
+    } else {
+        magnitude << -shift
+    };
     let mantissa = u64::try_from(mantissa).unwrap_or_default() & ((1 << 52) - 1);
     let sign = u64::from(rounded.sign() == num_bigint::Sign::Minus) << 63;
-    (sign | ((exponent + 1023) as u64) << 52 | mantissa, x - rounded)
+    (
+        sign | ((exponent + 1023) as u64) << 52 | mantissa,
+        x - rounded,
+    )
 }
 
 fn hex(bits: u64) -> String {
     let part = |shift: u32| bits >> shift & 0xffff;
-    format!("0x{:04x}_{:04x}_{:04x}_{:04x}", part(48), part(32), part(16), part(0))
+    format!(
+        "0x{:04x}_{:04x}_{:04x}_{:04x}",
+        part(48),
+        part(32),
+        part(16),
+        part(0)
+    )
 }
 
 /// Writes a table of rows.
 fn table<const N: usize>(out: &mut String, name: &str, doc: &str, kind: &str, rows: &[[u64; N]]) {
-    let row_type = if N == 1 { kind.to_owned() } else { format!("[{kind}; {N}]") };
+    let row_type = if N == 1 {
+        kind.to_owned()
+    } else {
+        format!("[{kind}; {N}]")
+    };
     let _ = writeln!(out, "\n{doc}\n#[rustfmt::skip]");
-    let _ = writeln!(out, "pub(super) static {name}: [{row_type}; {}] = [", rows.len());
-    let number = |bits: u64| if kind == "f64" { format!("f({})", hex(bits)) } else { hex(bits) };
+    let _ = writeln!(
+        out,
+        "pub(super) static {name}: [{row_type}; {}] = [",
+        rows.len()
+    );
+    let number = |bits: u64| {
+        if kind == "f64" {
+            format!("f({})", hex(bits))
+        } else {
+            hex(bits)
+        }
+    };
     for row in rows {
         let row = row.map(number).join(", ");
-        let _ = if N == 1 { writeln!(out, "    {row},") } else { writeln!(out, "    [{row}],") };
+        let _ = if N == 1 {
+            writeln!(out, "    {row},")
+        } else {
+            writeln!(out, "    [{row}],")
+        };
     }
     let _ = writeln!(out, "];");
 }
@@ -174,7 +213,13 @@ pub(crate) fn generate() -> String {
             [u64::try_from(word).unwrap_or_default()]
         })
         .collect();
-    table(&mut out, "TWO_OVER_PI", "/// 2 / pi in base 2^64.", "u64", &words);
+    table(
+        &mut out,
+        "TWO_OVER_PI",
+        "/// 2 / pi in base 2^64.",
+        "u64",
+        &words,
+    );
 
     let ln2 = ln(&(one() * 2));
     let rows: Vec<[u64; 2]> = (0..128u64)
@@ -189,14 +234,21 @@ pub(crate) fn generate() -> String {
                /// the place of the exponent.";
     table(&mut out, "EXP", doc, "u64", &rows);
 
-    let rows: Vec<[u64; 1]> =
-        (0..32u64).map(|i| [nearest(&exp(&(&ln2 * i / 32))).0.wrapping_sub(i << 47)]).collect();
-    let doc = "/// 2^(i / 32): the bits of the nearest double minus i / 32 in the place of the exponent.";
+    let rows: Vec<[u64; 1]> = (0..32u64)
+        .map(|i| [nearest(&exp(&(&ln2 * i / 32))).0.wrapping_sub(i << 47)])
+        .collect();
+    let doc =
+        "/// 2^(i / 32): the bits of the nearest double minus i / 32 in the place of the exponent.";
     table(&mut out, "EXP2F", doc, "u64", &rows);
 
     let rows: Vec<[u64; 2]> = LOG_RECIPROCALS
         .iter()
-        .map(|reciprocal| [*reciprocal, nearest(&round(&-ln(&exact(*reciprocal)), 43)).0])
+        .map(|reciprocal| {
+            [
+                *reciprocal,
+                nearest(&round(&-ln(&exact(*reciprocal)), 43)).0,
+            ]
+        })
         .collect();
     let doc = "/// A reciprocal for each 128th of an octave, and minus its logarithm to 43 binary places.";
     table(&mut out, "LOG", doc, "f64", &rows);
@@ -212,7 +264,11 @@ pub(crate) fn generate() -> String {
             let reciprocal = round(&quotient, 0) / parts;
             let log = -ln(&reciprocal);
             let high = round(&log, 43);
-            [nearest(&reciprocal).0, nearest(&high).0, nearest(&(log - high)).0]
+            [
+                nearest(&reciprocal).0,
+                nearest(&high).0,
+                nearest(&(log - high)).0,
+            ]
         })
         .collect();
     let doc = "/// For pow: a reciprocal for each 128th of an octave, minus its logarithm to 43 binary places, and\n\
@@ -226,7 +282,8 @@ pub(crate) fn generate() -> String {
             [*reciprocal, nearest(&log2).0]
         })
         .collect();
-    let doc = "/// For powf: a reciprocal for each 16th of an octave, and minus its logarithm to base 2.";
+    let doc =
+        "/// For powf: a reciprocal for each 16th of an octave, and minus its logarithm to base 2.";
     table(&mut out, "POWF_LOG2", doc, "f64", &rows);
     out
 }

@@ -6,5 +6,8 @@ mod tables;
 
 #[test]
 fn tables_are_what_their_program_prints() {
-    assert!(tables::generate() == include_str!("../src/math/tables.rs"), "run `examples/tables.rs`");
+    assert!(
+        tables::generate() == include_str!("../src/math/tables.rs"),
+        "run `examples/tables.rs`"
+    );
 }

@@ -31,9 +31,19 @@ pub(crate) struct StoredAdam {
 
 impl Adam {
     pub(crate) fn new(variables: Vec<Var>) -> Result<Self> {
-        let zeros = || variables.iter().map(|variable| variable.zeros_like()).collect::<Result<Vec<_>>>();
+        let zeros = || {
+            variables
+                .iter()
+                .map(|variable| variable.zeros_like())
+                .collect::<Result<Vec<_>>>()
+        };
         let (first, second) = (zeros()?, zeros()?);
-        Ok(Self { variables, first, second, steps: 0 })
+        Ok(Self {
+            variables,
+            first,
+            second,
+            steps: 0,
+        })
     }
 
     /// Moves the variables against their gradients.
@@ -42,7 +52,9 @@ impl Adam {
         let [scale_1, scale_2] = [BETA_1, BETA_2].map(|beta| 1.0 / (1.0 - beta.powi(self.steps)));
         let moments = self.first.iter_mut().zip(&mut self.second);
         for (variable, (first, second)) in self.variables.iter().zip(moments) {
-            let Some(gradient) = gradients.get(variable) else { continue };
+            let Some(gradient) = gradients.get(variable) else {
+                continue;
+            };
             *first = ((&*first * BETA_1)? + (gradient * (1.0 - BETA_1))?)?.detach();
             *second = ((&*second * BETA_2)? + (gradient.sqr()? * (1.0 - BETA_2))?)?.detach();
             let deviation = ((&*second * scale_2)?.sqrt()? + EPSILON)?;
@@ -53,9 +65,13 @@ impl Adam {
     }
 
     pub(crate) fn store(&self) -> Result<StoredAdam> {
-        let numbers = |tensors: &[Tensor]| tensors.iter().map(numbers::of).collect::<Result<Vec<_>>>();
-        let variables: Vec<Tensor> =
-            self.variables.iter().map(|variable| variable.as_tensor().clone()).collect();
+        let numbers =
+            |tensors: &[Tensor]| tensors.iter().map(numbers::of).collect::<Result<Vec<_>>>();
+        let variables: Vec<Tensor> = self
+            .variables
+            .iter()
+            .map(|variable| variable.as_tensor().clone())
+            .collect();
         Ok(StoredAdam {
             variables: numbers(&variables)?,
             first: numbers(&self.first)?,
@@ -79,8 +95,11 @@ impl Adam {
                 .map(|(numbers, variable)| numbers::tensor(numbers, variable))
                 .collect()
         };
-        let (variables, first, second) =
-            (tensors(&stored.variables)?, tensors(&stored.first)?, tensors(&stored.second)?);
+        let (variables, first, second) = (
+            tensors(&stored.variables)?,
+            tensors(&stored.first)?,
+            tensors(&stored.second)?,
+        );
         for (variable, tensor) in self.variables.iter().zip(&variables) {
             variable.set(tensor)?;
         }

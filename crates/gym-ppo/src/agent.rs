@@ -51,7 +51,11 @@ enum Head {
 
 impl Agent {
     /// An agent for the observations and the actions of these spaces.
-    pub(crate) fn new(observation: &Space, action: &Space, rng: &mut Generator) -> anyhow::Result<Self> {
+    pub(crate) fn new(
+        observation: &Space,
+        action: &Space,
+        rng: &mut Generator,
+    ) -> anyhow::Result<Self> {
         let (outputs, head) = match action {
             Space::Discrete(space) => (space.n() as usize, Head::Discrete),
             Space::Box(space) if space.dtype() == gym::DType::F32 && space.shape().len() == 1 => {
@@ -59,7 +63,9 @@ impl Agent {
                 (space.shape()[0], Head::Gaussian { log_std })
             }
             other => {
-                bail!("the actions are {other}: this example needs a Discrete or a row of float32 numbers")
+                bail!(
+                    "the actions are {other}: this example needs a Discrete or a row of float32 numbers"
+                )
             }
         };
         let network = Network::new(observation, outputs, rng)?;
@@ -69,9 +75,17 @@ impl Agent {
         }
         // one for each core; candle's own number is for a single product
         let cores = available_parallelism().map_or(1, NonZero::get);
-        let threads =
-            ThreadPoolBuilder::new().num_threads(if network.portion().is_some() { cores } else { 1 });
-        Ok(Self { network, head, optimizer: Adam::new(variables)?, threads: threads.build()? })
+        let threads = ThreadPoolBuilder::new().num_threads(if network.portion().is_some() {
+            cores
+        } else {
+            1
+        });
+        Ok(Self {
+            network,
+            head,
+            optimizer: Adam::new(variables)?,
+            threads: threads.build()?,
+        })
     }
 
     pub(crate) fn store(&self) -> Result<StoredAdam> {
@@ -105,15 +119,22 @@ impl Agent {
             Head::Gaussian { log_std } => {
                 let std = log_std.exp()?.to_vec1::<f32>()?;
                 let rows = outputs.to_vec2::<f32>()?;
-                let drawn = rows.iter().flat_map(|row| zip(row, &std)).map(|(mean, std)| {
-                    let noise = rng.standard_normal() as f32;
-                    mean + std * noise
-                });
+                let drawn = rows
+                    .iter()
+                    .flat_map(|row| zip(row, &std))
+                    .map(|(mean, std)| {
+                        let noise = rng.standard_normal() as f32;
+                        mean + std * noise
+                    });
                 matrix_value(drawn.collect(), &[rows.len(), std.len()])
             }
         };
         let (log_probabilities, _) = self.judge(&outputs, &tensor(&actions)?)?;
-        Ok(Sample { actions, log_probabilities: log_probabilities.to_vec1()?, values: values.to_vec1()? })
+        Ok(Sample {
+            actions,
+            log_probabilities: log_probabilities.to_vec1()?,
+            values: values.to_vec1()?,
+        })
     }
 
     /// The most likely action for each observation, as a batch.
@@ -137,7 +158,10 @@ impl Agent {
             Head::Discrete => {
                 let all = log_softmax(outputs, D::Minus1)?;
                 let chosen = all.gather(&actions.unsqueeze(1)?, 1)?.squeeze(1)?;
-                Ok((chosen, (all.exp()? * &all)?.sum(D::Minus1)?.mean_all()?.neg()?))
+                Ok((
+                    chosen,
+                    (all.exp()? * &all)?.sum(D::Minus1)?.mean_all()?.neg()?,
+                ))
             }
             Head::Gaussian { log_std } => {
                 let log_std = log_std.as_tensor();
@@ -171,7 +195,10 @@ impl Agent {
             for indices in order.chunks(settings.minibatch) {
                 let indices = Tensor::from_slice(indices, indices.len(), &Device::Cpu)?;
                 let minibatch = batch.select(&indices)?;
-                let minibatch = Batch { advantages: normalized(&minibatch.advantages)?, ..minibatch };
+                let minibatch = Batch {
+                    advantages: normalized(&minibatch.advantages)?,
+                    ..minibatch
+                };
                 let mut gradients = self.gradients(&minibatch, settings)?;
                 self.clip(&mut gradients)?;
                 self.optimizer.step(&gradients, learning_rate)?;
@@ -186,19 +213,27 @@ impl Agent {
         let len = batch.len();
         let portion = self.network.portion().unwrap_or(len);
         if len <= portion {
-            return self.network.gradients(&batch.observations, |outputs, values| {
-                self.loss(batch, outputs, values, settings)
-            });
+            return self
+                .network
+                .gradients(&batch.observations, |outputs, values| {
+                    self.loss(batch, outputs, values, settings)
+                });
         }
         let starts: Vec<usize> = (0..len).step_by(portion).collect();
         let portion_gradients = |start| {
             let batch = batch.narrow(start, portion.min(len - start))?;
             let share = batch.len() as f64 / len as f64;
-            self.network.gradients(&batch.observations, |outputs, values| {
-                self.loss(&batch, outputs, values, settings)? * share
-            })
+            self.network
+                .gradients(&batch.observations, |outputs, values| {
+                    self.loss(&batch, outputs, values, settings)? * share
+                })
         };
-        let portions = || starts.into_par_iter().map(portion_gradients).collect::<Result<Vec<_>>>();
+        let portions = || {
+            starts
+                .into_par_iter()
+                .map(portion_gradients)
+                .collect::<Result<Vec<_>>>()
+        };
         let mut portions = self.threads.install(portions)?.into_iter();
         let mut sum = portions.next().expect("a batch is not empty");
         for gradients in portions {
@@ -212,11 +247,19 @@ impl Agent {
     }
 
     /// Schulman et al. (2017), equation 9, to be made small. The advantages of the batch are normalized.
-    fn loss(&self, batch: &Batch, outputs: &Tensor, values: &Tensor, settings: &Settings) -> Result<Tensor> {
+    fn loss(
+        &self,
+        batch: &Batch,
+        outputs: &Tensor,
+        values: &Tensor,
+        settings: &Settings,
+    ) -> Result<Tensor> {
         let (chosen, entropy) = self.judge(outputs, &batch.actions)?;
         let ratio = (chosen - &batch.log_probabilities)?.exp()?;
         let clipped = ratio.clamp(1.0 - settings.clip, 1.0 + settings.clip)?;
-        let surrogate = (ratio * &batch.advantages)?.minimum(&(clipped * &batch.advantages)?)?.mean_all()?;
+        let surrogate = (ratio * &batch.advantages)?
+            .minimum(&(clipped * &batch.advantages)?)?
+            .mean_all()?;
         let value_loss = (values - &batch.returns)?.sqr()?.mean_all()?;
         (value_loss * VALUE_COEFFICIENT)? - surrogate - (entropy * settings.entropy_coefficient)?
     }
@@ -243,8 +286,11 @@ impl Agent {
 
 /// The numbers of a value as a tensor of the same shape and type.
 pub(crate) fn tensor(value: &Value) -> Result<Tensor> {
-    let refuse =
-        || candle_core::Error::Msg(format!("{value} is not an array of float32, int64 or uint8 numbers"));
+    let refuse = || {
+        candle_core::Error::Msg(format!(
+            "{value} is not an array of float32, int64 or uint8 numbers"
+        ))
+    };
     let array = value.as_array().ok_or_else(refuse)?;
     let shape = array.shape();
     if let Some(numbers) = array.as_slice::<f32>() {
@@ -252,13 +298,21 @@ pub(crate) fn tensor(value: &Value) -> Result<Tensor> {
     } else if let Some(numbers) = array.as_slice::<i64>() {
         Tensor::from_slice(numbers, shape, &Device::Cpu)
     } else {
-        Tensor::from_slice(array.as_slice::<u8>().ok_or_else(refuse)?, shape, &Device::Cpu)
+        Tensor::from_slice(
+            array.as_slice::<u8>().ok_or_else(refuse)?,
+            shape,
+            &Device::Cpu,
+        )
     }
 }
 
 fn matrix_value(numbers: Vec<f32>, shape: &[usize; 2]) -> Value {
     // as many numbers as the shape has
-    Value::Array(Array::from(numbers).reshape(shape.as_slice()).unwrap_or_default())
+    Value::Array(
+        Array::from(numbers)
+            .reshape(shape.as_slice())
+            .unwrap_or_default(),
+    )
 }
 
 /// Draws an index by the logarithms of its probabilities.
@@ -269,7 +323,11 @@ fn choose(log_probabilities: &[f32], rng: &mut Generator) -> usize {
         sum += log_probability.exp();
         sum <= draw
     };
-    log_probabilities.iter().take_while(below).count().min(log_probabilities.len() - 1)
+    log_probabilities
+        .iter()
+        .take_while(below)
+        .count()
+        .min(log_probabilities.len() - 1)
 }
 
 /// Mean 0 and deviation 1.

@@ -26,7 +26,10 @@ impl Batch {
         self.map(|tensor| tensor.narrow(0, start, len))
     }
 
-    fn map(&self, select: impl Fn(&Tensor) -> candle_core::Result<Tensor>) -> candle_core::Result<Self> {
+    fn map(
+        &self,
+        select: impl Fn(&Tensor) -> candle_core::Result<Tensor>,
+    ) -> candle_core::Result<Self> {
         Ok(Self {
             observations: select(&self.observations)?,
             actions: select(&self.actions)?,

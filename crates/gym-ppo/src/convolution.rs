@@ -20,8 +20,13 @@ pub(crate) fn blocks_of_bytes(pictures: &Tensor, side: usize) -> Result<Tensor> 
 pub(crate) fn blocks(x: &Tensor, side: usize) -> Result<Tensor> {
     let (n, height, width, channels) = x.dims4()?;
     let (rows, columns) = (height / side, width / side);
-    let x = x.narrow(1, 0, rows * side)?.narrow(2, 0, columns * side)?.contiguous()?;
-    let x = x.reshape((n, rows, side, columns, side * channels))?.transpose(2, 3)?;
+    let x = x
+        .narrow(1, 0, rows * side)?
+        .narrow(2, 0, columns * side)?
+        .contiguous()?;
+    let x = x
+        .reshape((n, rows, side, columns, side * channels))?
+        .transpose(2, 3)?;
     x.reshape((n, rows, columns, side * side * channels))
 }
 
@@ -29,9 +34,12 @@ pub(crate) fn blocks(x: &Tensor, side: usize) -> Result<Tensor> {
 pub(crate) fn picture(blocks: &Tensor, side: usize, shape: &Shape) -> Result<Tensor> {
     let (n, height, width, channels) = shape.dims4()?;
     let (rows, columns) = (height / side, width / side);
-    let x = blocks.reshape((n, rows, columns, side, side * channels))?.transpose(2, 3)?;
+    let x = blocks
+        .reshape((n, rows, columns, side, side * channels))?
+        .transpose(2, 3)?;
     let x = x.reshape((n, rows * side, columns * side, channels))?;
-    x.pad_with_zeros(1, 0, height - rows * side)?.pad_with_zeros(2, 0, width - columns * side)
+    x.pad_with_zeros(1, 0, height - rows * side)?
+        .pad_with_zeros(2, 0, width - columns * side)
 }
 
 /// Convolves blocks, `[n, rows, columns, size]`, to `[n, rows - 1, columns - 1, channels]`, none of them negative.
@@ -40,8 +48,12 @@ pub(crate) fn picture(blocks: &Tensor, side: usize, shape: &Shape) -> Result<Ten
 /// left and at the bottom right. The bias is `[channels]`.
 pub(crate) fn convolve(blocks: &Tensor, weights: &Tensor, bias: &Tensor) -> Result<Tensor> {
     let (n, rows, columns, size) = blocks.dims4()?;
-    let parts = blocks.reshape((n * rows * columns, size))?.matmul(weights)?;
-    parts.reshape((n, rows, columns, weights.dim(1)?))?.apply_op2_no_bwd(bias, &Overlap)
+    let parts = blocks
+        .reshape((n * rows * columns, size))?
+        .matmul(weights)?;
+    parts
+        .reshape((n, rows, columns, weights.dim(1)?))?
+        .apply_op2_no_bwd(bias, &Overlap)
 }
 
 /// The gradients of what [`convolve`] was given, from the gradient of its result.
@@ -56,8 +68,15 @@ impl Gradients {
     pub(crate) fn new(blocks: &Tensor, result: &Tensor, gradient: &Tensor) -> Result<Self> {
         let (n, rows, columns, size) = blocks.dims4()?;
         let (parts, bias) = spread(rows, columns, result, &gradient.contiguous()?)?;
-        let weights = blocks.reshape((n * rows * columns, size))?.t()?.matmul(&parts)?;
-        Ok(Self { parts, weights, bias })
+        let weights = blocks
+            .reshape((n * rows * columns, size))?
+            .t()?
+            .matmul(&parts)?;
+        Ok(Self {
+            parts,
+            weights,
+            bias,
+        })
     }
 
     /// Those of the blocks.
@@ -77,8 +96,12 @@ impl CustomOp1 for BlocksOfBytes {
 
     fn cpu_fwd(&self, storage: &CpuStorage, layout: &Layout) -> Result<(CpuStorage, Shape)> {
         let (n, channels, height, width) = layout.shape().dims4()?;
-        let CpuStorage::U8(bytes) = storage else { bail!("the images are not bytes") };
-        let Some((start, end)) = layout.contiguous_offsets() else { bail!("the images are not contiguous") };
+        let CpuStorage::U8(bytes) = storage else {
+            bail!("the images are not bytes")
+        };
+        let Some((start, end)) = layout.contiguous_offsets() else {
+            bail!("the images are not contiguous")
+        };
         let side = self.side;
         let (rows, columns) = (height / side, width / side);
         let size = channels * side * side;
@@ -129,17 +152,26 @@ impl CustomOp2 for Overlap {
             for (y, x) in outputs(rows, columns) {
                 let [a, b, c, d] = [0, 1, 2, 3].map(|quarter| {
                     let (down, right) = QUARTERS[quarter];
-                    &picture[((y + down) * columns + x + right) * size + quarter * channels..][..channels]
+                    &picture[((y + down) * columns + x + right) * size + quarter * channels..]
+                        [..channels]
                 });
                 sums.extend((0..channels).map(|i| (bias[i] + a[i] + b[i] + c[i] + d[i]).max(0.0)));
             }
         }
-        Ok((CpuStorage::F32(sums), (n, rows - 1, columns - 1, channels).into()))
+        Ok((
+            CpuStorage::F32(sums),
+            (n, rows - 1, columns - 1, channels).into(),
+        ))
     }
 }
 
 /// The opposite of [`Overlap`]: the gradients of its parts, in rows, and of its bias, from its result and the gradient of it.
-fn spread(rows: usize, columns: usize, sums: &Tensor, gradient: &Tensor) -> Result<(Tensor, Tensor)> {
+fn spread(
+    rows: usize,
+    columns: usize,
+    sums: &Tensor,
+    gradient: &Tensor,
+) -> Result<(Tensor, Tensor)> {
     let (n, _, _, channels) = sums.dims4()?;
     let size = 4 * channels;
     let (gradient, gradient_layout) = gradient.storage_and_layout();

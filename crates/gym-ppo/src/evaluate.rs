@@ -12,8 +12,19 @@ use crate::agent::{Agent, tensor};
 use crate::policy::Policy;
 
 pub(crate) fn evaluate(evaluation: &Evaluation) -> anyhow::Result<()> {
-    let Evaluation { policy, episodes, seed, video, size, frames } = evaluation;
-    let Policy { env: spec, normalization, network } = Policy::find(policy)?;
+    let Evaluation {
+        policy,
+        episodes,
+        seed,
+        video,
+        size,
+        frames,
+    } = evaluation;
+    let Policy {
+        env: spec,
+        normalization,
+        network,
+    } = Policy::find(policy)?;
 
     let mut env = EnvBuilder::from_spec(spec.clone());
     if video.is_some() {
@@ -39,14 +50,20 @@ pub(crate) fn evaluate(evaluation: &Evaluation) -> anyhow::Result<()> {
         env = BoxEnv::new(env.clip_action()?);
     }
     if let Some(statistics) = normalization {
-        let mut normalized =
-            wrappers::NormalizeObservation::new(env, wrappers::normalize_observation::Config::default())?;
+        let mut normalized = wrappers::NormalizeObservation::new(
+            env,
+            wrappers::normalize_observation::Config::default(),
+        )?;
         normalized.set_statistics(statistics)?;
         normalized.update_running_mean(false);
         env = BoxEnv::new(normalized);
     }
 
-    let mut agent = Agent::new(&env.observation_space(), &env.action_space(), &mut Generator::from(0))?;
+    let mut agent = Agent::new(
+        &env.observation_space(),
+        &env.action_space(),
+        &mut Generator::from(0),
+    )?;
     agent.set_policy(&network)?;
     let mut returns = Vec::new();
     for episode in 0..*episodes {
@@ -54,7 +71,11 @@ pub(crate) fn evaluate(evaluation: &Evaluation) -> anyhow::Result<()> {
         let mut total = 0.0;
         loop {
             let actions = agent.best(&tensor(&observation)?.unsqueeze(0)?)?;
-            let action = env.action_space().iterate(&actions)?.next().context("an action")?;
+            let action = env
+                .action_space()
+                .iterate(&actions)?
+                .next()
+                .context("an action")?;
             let step = env.step(&action)?;
             total += step.reward;
             if step.done() {

@@ -32,7 +32,10 @@ use clap::Parser;
 use crate::policy::Policy;
 
 #[derive(Parser)]
-#[command(about = "Trains an agent by proximal policy optimization", args_conflicts_with_subcommands = true)]
+#[command(
+    about = "Trains an agent by proximal policy optimization",
+    args_conflicts_with_subcommands = true
+)]
 struct Arguments {
     #[command(subcommand)]
     command: Option<Command>,

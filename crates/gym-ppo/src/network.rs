@@ -27,7 +27,11 @@ pub(crate) struct Network {
 
 impl Network {
     /// A network for observations of a space, with this many outputs of the policy.
-    pub(crate) fn new(observation: &Space, outputs: usize, rng: &mut Generator) -> anyhow::Result<Self> {
+    pub(crate) fn new(
+        observation: &Space,
+        outputs: usize,
+        rng: &mut Generator,
+    ) -> anyhow::Result<Self> {
         // a policy that begins without preferences explores
         let (policy_gain, value_gain) = (0.01, 1.0);
         match observation {
@@ -48,7 +52,11 @@ impl Network {
                 let width = space.shape()[0];
                 let policy = Layers::new([width, HIDDEN, HIDDEN, outputs], policy_gain, rng)?;
                 let value = Layers::new([width, HIDDEN, HIDDEN, 1], value_gain, rng)?;
-                Ok(Self { eyes: None, policy, value })
+                Ok(Self {
+                    eyes: None,
+                    policy,
+                    value,
+                })
             }
             other => bail!(
                 "the observations are {other}: this example needs a row of float32 numbers, or bytes in the form \
@@ -69,7 +77,9 @@ impl Network {
 
     /// The value of each observation.
     pub(crate) fn values(&self, observations: &Tensor) -> Result<Tensor> {
-        self.value.forward(&self.features(observations)?)?.squeeze(1)
+        self.value
+            .forward(&self.features(observations)?)?
+            .squeeze(1)
     }
 
     fn features(&self, observations: &Tensor) -> Result<Tensor> {
@@ -80,7 +90,10 @@ impl Network {
     }
 
     fn judge(&self, features: &Tensor) -> Result<(Tensor, Tensor)> {
-        Ok((self.policy.forward(features)?, self.value.forward(features)?.squeeze(1)?))
+        Ok((
+            self.policy.forward(features)?,
+            self.value.forward(features)?.squeeze(1)?,
+        ))
     }
 
     /// The gradients of a loss, which is a function of the policy's outputs and the values.
@@ -93,12 +106,15 @@ impl Network {
             let (outputs, values) = self.judge(features)?;
             loss(&outputs, &values)?.backward()
         };
-        let Some(eyes) = &self.eyes else { return gradients(observations) };
+        let Some(eyes) = &self.eyes else {
+            return gradients(observations);
+        };
         let seen = eyes.look(observations)?;
         let features = Var::from_tensor(&seen.features)?;
         let mut gradients = gradients(&features)?;
         if let Some(of_features) = gradients.remove(&features) {
-            for (variable, gradient) in zip(eyes.variables(), eyes.gradients(&seen, &of_features)?) {
+            for (variable, gradient) in zip(eyes.variables(), eyes.gradients(&seen, &of_features)?)
+            {
                 gradients.insert(variable, gradient);
             }
         }
@@ -107,7 +123,10 @@ impl Network {
 
     /// The variables that the policy needs.
     pub(crate) fn policy_variables(&self) -> impl Iterator<Item = &Var> {
-        self.eyes.iter().flat_map(Eyes::variables).chain(self.policy.variables())
+        self.eyes
+            .iter()
+            .flat_map(Eyes::variables)
+            .chain(self.policy.variables())
     }
 
     /// All variables, those of the policy first.
@@ -118,7 +137,10 @@ impl Network {
     /// Takes over the variables of the policy.
     pub(crate) fn set_policy(&self, network: &[Numbers]) -> anyhow::Result<()> {
         let (given, needed) = (network.len(), self.policy_variables().count());
-        ensure!(given == needed, "the policy has {given} lists of numbers, and the network {needed}");
+        ensure!(
+            given == needed,
+            "the policy has {given} lists of numbers, and the network {needed}"
+        );
         for (variable, numbers) in zip(self.policy_variables(), network) {
             variable.set(&numbers::tensor(numbers, variable)?)?;
         }
@@ -142,13 +164,22 @@ impl Layer {
     fn new(weights: Vec<f32>, inputs: usize, outputs: usize) -> Result<Self> {
         let weights = Tensor::from_vec(weights, (inputs, outputs), &Device::Cpu)?;
         let bias = Var::zeros(outputs, DType::F32, &Device::Cpu)?;
-        Ok(Self { weights: Var::from_tensor(&weights)?, bias })
+        Ok(Self {
+            weights: Var::from_tensor(&weights)?,
+            bias,
+        })
     }
 
     /// With normally distributed weights.
     fn normal(inputs: usize, outputs: usize, gain: f64, rng: &mut Generator) -> Result<Self> {
         let scale = gain / (inputs as f64).sqrt();
-        Self::new((0..inputs * outputs).map(|_| rng.normal(0.0, scale) as f32).collect(), inputs, outputs)
+        Self::new(
+            (0..inputs * outputs)
+                .map(|_| rng.normal(0.0, scale) as f32)
+                .collect(),
+            inputs,
+            outputs,
+        )
     }
 
     /// With orthogonal weights (Saxe et al., 2014).
@@ -159,7 +190,8 @@ impl Layer {
     }
 
     fn forward(&self, x: &Tensor) -> Result<Tensor> {
-        x.matmul(self.weights.as_tensor())?.broadcast_add(self.bias.as_tensor())
+        x.matmul(self.weights.as_tensor())?
+            .broadcast_add(self.bias.as_tensor())
     }
 
     fn variables(&self) -> [&Var; 2] {
@@ -210,8 +242,11 @@ impl Eyes {
     /// For images with these numbers of channels, rows and columns.
     fn new([channels, height, width]: [usize; 3], rng: &mut Generator) -> anyhow::Result<Self> {
         let [(side, first), (second_side, second)] = CONVOLUTIONS;
-        let size =
-            |pixels: usize| ((pixels / side).checked_sub(1)? / second_side).checked_sub(1).filter(|n| *n > 0);
+        let size = |pixels: usize| {
+            ((pixels / side).checked_sub(1)? / second_side)
+                .checked_sub(1)
+                .filter(|n| *n > 0)
+        };
         let (Some(rows), Some(columns)) = (size(height), size(width)) else {
             bail!("images of {height}x{width} are too small for the convolutions");
         };
@@ -221,29 +256,51 @@ impl Eyes {
             let kernels = orthogonal(outputs, 4 * size, gain, rng);
             let weights = (0..size).flat_map(|i| {
                 let kernels = &kernels;
-                (0..4).flat_map(move |quarter| kernels.iter().map(move |kernel| kernel[quarter * size + i]))
+                (0..4).flat_map(move |quarter| {
+                    kernels.iter().map(move |kernel| kernel[quarter * size + i])
+                })
             });
             let weights = Tensor::from_vec(weights.collect(), (size, 4 * outputs), &Device::Cpu)?;
             let bias = Var::zeros(outputs, DType::F32, &Device::Cpu)?;
-            Ok::<_, candle_core::Error>(Layer { weights: Var::from_tensor(&weights)?, bias })
+            Ok::<_, candle_core::Error>(Layer {
+                weights: Var::from_tensor(&weights)?,
+                bias,
+            })
         };
         let convolutions = [
             convolution(channels * side * side, first)?,
             convolution(first * second_side * second_side, second)?,
         ];
         let dense = Layer::orthogonal(rows * columns * second, FEATURES, gain, rng)?;
-        Ok(Self { convolutions, dense })
+        Ok(Self {
+            convolutions,
+            dense,
+        })
     }
 
     fn look(&self, pictures: &Tensor) -> Result<Seen> {
         let [(side, _), (second_side, _)] = CONVOLUTIONS;
-        let [(first, first_bias), (second, second_bias), (dense, dense_bias)] = self.tensors();
+        let [
+            (first, first_bias),
+            (second, second_bias),
+            (dense, dense_bias),
+        ] = self.tensors();
         let first_blocks = blocks_of_bytes(pictures, side)?;
         let first = convolve(&first_blocks, &first, &first_bias)?;
         let second_blocks = blocks(&first, second_side)?;
         let second = convolve(&second_blocks, &second, &second_bias)?;
-        let features = second.flatten_from(1)?.matmul(&dense)?.broadcast_add(&dense_bias)?.relu()?;
-        Ok(Seen { first_blocks, first, second_blocks, second, features })
+        let features = second
+            .flatten_from(1)?
+            .matmul(&dense)?
+            .broadcast_add(&dense_bias)?
+            .relu()?;
+        Ok(Seen {
+            first_blocks,
+            first,
+            second_blocks,
+            second,
+            features,
+        })
     }
 
     /// The gradients of the variables, from those of the features. candle could derive them, but would add each to a
@@ -253,12 +310,21 @@ impl Eyes {
         let [_, (second, _), (dense, _)] = self.tensors();
         let of_features = (of_features * seen.features.gt(0f32)?.to_dtype(DType::F32)?)?;
         let of_dense = seen.second.flatten_from(1)?.t()?.matmul(&of_features)?;
-        let of_second = of_features.matmul(&dense.t()?)?.reshape(seen.second.shape())?;
+        let of_second = of_features
+            .matmul(&dense.t()?)?
+            .reshape(seen.second.shape())?;
         let of_second = convolution::Gradients::new(&seen.second_blocks, &seen.second, &of_second)?;
         let of_first = picture(&of_second.blocks(&second)?, second_side, seen.first.shape())?;
         let of_first = convolution::Gradients::new(&seen.first_blocks, &seen.first, &of_first)?;
         let of_dense_bias = of_features.sum(0)?;
-        Ok([of_first.weights, of_first.bias, of_second.weights, of_second.bias, of_dense, of_dense_bias])
+        Ok([
+            of_first.weights,
+            of_first.bias,
+            of_second.weights,
+            of_second.bias,
+            of_dense,
+            of_dense_bias,
+        ])
     }
 
     /// Weights and bias of each layer, of which candle derives nothing.
@@ -268,7 +334,10 @@ impl Eyes {
     }
 
     fn variables(&self) -> impl Iterator<Item = &Var> {
-        self.convolutions.iter().chain([&self.dense]).flat_map(Layer::variables)
+        self.convolutions
+            .iter()
+            .chain([&self.dense])
+            .flat_map(Layer::variables)
     }
 }
 
@@ -286,7 +355,9 @@ struct Seen {
 fn orthogonal(count: usize, length: usize, gain: f64, rng: &mut Generator) -> Vec<Vec<f32>> {
     if count > length {
         let components = orthogonal(length, count, gain, rng);
-        return (0..count).map(|i| components.iter().map(|component| component[i]).collect()).collect();
+        return (0..count)
+            .map(|i| components.iter().map(|component| component[i]).collect())
+            .collect();
     }
     let mut vectors: Vec<Vec<f64>> = Vec::with_capacity(count);
     for _ in 0..count {
@@ -300,7 +371,10 @@ fn orthogonal(count: usize, length: usize, gain: f64, rng: &mut Generator) -> Ve
         vector.iter_mut().for_each(|x| *x /= norm);
         vectors.push(vector);
     }
-    vectors.iter().map(|vector| vector.iter().map(|x| (gain * x) as f32).collect()).collect()
+    vectors
+        .iter()
+        .map(|vector| vector.iter().map(|x| (gain * x) as f32).collect())
+        .collect()
 }
 
 #[cfg(test)]
@@ -311,7 +385,9 @@ mod tests {
 
     fn pictures(rng: &mut Generator) -> Tensor {
         // pixels are left over on both sides, and in one direction in the second convolution too
-        let bytes: Vec<u8> = (0..3 * 2 * 34 * 37).map(|_| rng.integers(0, 256) as u8).collect();
+        let bytes: Vec<u8> = (0..3 * 2 * 34 * 37)
+            .map(|_| rng.integers(0, 256) as u8)
+            .collect();
         Tensor::from_vec(bytes, (3, 2, 34, 37), &Device::Cpu).unwrap()
     }
 
@@ -330,21 +406,37 @@ mod tests {
         {
             let (_, channels, height, width) = x.dims4()?;
             // candle refuses to go back where pixels are left over
-            let x_used = x.narrow(2, 0, height / side * side)?.narrow(3, 0, width / side * side)?;
+            let x_used = x
+                .narrow(2, 0, height / side * side)?
+                .narrow(3, 0, width / side * side)?;
             let mut sizes = [0; 3];
             (sizes[channel], sizes[row], sizes[column]) = (channels, side, side);
             // [.., .., .., down, right, output] to [output, channel, down, y, right, x]
-            let kernels = layer.weights.reshape((sizes[0], sizes[1], sizes[2], 2, 2, outputs))?;
+            let kernels = layer
+                .weights
+                .reshape((sizes[0], sizes[1], sizes[2], 2, 2, outputs))?;
             let kernels = kernels.permute([5, channel, 3, row, 4, column])?;
             let kernels = kernels.reshape((outputs, channels, 2 * side, 2 * side))?;
             let bias = layer.bias.reshape((1, outputs, 1, 1))?;
-            x = x_used.conv2d(&kernels, 0, side, 1, 1)?.broadcast_add(&bias)?.relu()?;
+            x = x_used
+                .conv2d(&kernels, 0, side, 1, 1)?
+                .broadcast_add(&bias)?
+                .relu()?;
         }
-        eyes.dense.forward(&x.permute([0, 2, 3, 1])?.flatten_from(1)?)?.relu()
+        eyes.dense
+            .forward(&x.permute([0, 2, 3, 1])?.flatten_from(1)?)?
+            .relu()
     }
 
     fn largest(x: &Tensor) -> f32 {
-        x.abs().unwrap().flatten_all().unwrap().max(0).unwrap().to_scalar().unwrap()
+        x.abs()
+            .unwrap()
+            .flatten_all()
+            .unwrap()
+            .max(0)
+            .unwrap()
+            .to_scalar()
+            .unwrap()
     }
 
     #[test]
@@ -353,7 +445,9 @@ mod tests {
         let (network, pictures) = (network(&mut rng), pictures(&mut rng));
         for variable in network.variables().filter(|variable| variable.rank() == 1) {
             let bias = (0..variable.elem_count()).map(|_| rng.normal(0.0, 0.1) as f32);
-            variable.set(&Tensor::from_iter(bias, &Device::Cpu).unwrap()).unwrap();
+            variable
+                .set(&Tensor::from_iter(bias, &Device::Cpu).unwrap())
+                .unwrap();
         }
         let loss = |outputs: &Tensor, values: &Tensor| {
             (outputs.sqr()? * 1e4)?.sum_all()? + values.sqr()?.sum_all()?
@@ -367,9 +461,16 @@ mod tests {
         assert!(largest(&(&our_values - &values).unwrap()) < 1e-4 * largest(&values));
         let expected = loss(&outputs, &values).unwrap().backward().unwrap();
         for variable in network.variables() {
-            let (ours, candles) = (gradients.get(variable).unwrap(), expected.get(variable).unwrap());
+            let (ours, candles) = (
+                gradients.get(variable).unwrap(),
+                expected.get(variable).unwrap(),
+            );
             assert!(largest(candles) > 0.0);
-            assert!(largest(&(ours - candles).unwrap()) < 1e-4 * largest(candles), "{:?}", variable.shape());
+            assert!(
+                largest(&(ours - candles).unwrap()) < 1e-4 * largest(candles),
+                "{:?}",
+                variable.shape()
+            );
         }
     }
 
@@ -379,10 +480,21 @@ mod tests {
             let vectors = orthogonal(count, length, 3.0, &mut Generator::from(1));
             assert_eq!((vectors.len(), vectors[0].len()), (count, length));
             let small = count.min(length);
-            let component = |i: usize, j: usize| if count < length { vectors[i][j] } else { vectors[j][i] };
+            let component = |i: usize, j: usize| {
+                if count < length {
+                    vectors[i][j]
+                } else {
+                    vectors[j][i]
+                }
+            };
             for (i, j) in (0..small).flat_map(|i| (0..small).map(move |j| (i, j))) {
-                let dot: f32 = (0..count.max(length)).map(|k| component(i, k) * component(j, k)).sum();
-                assert!((dot - if i == j { 9.0 } else { 0.0 }).abs() < 1e-4, "{i} {j}: {dot}");
+                let dot: f32 = (0..count.max(length))
+                    .map(|k| component(i, k) * component(j, k))
+                    .sum();
+                assert!(
+                    (dot - if i == j { 9.0 } else { 0.0 }).abs() < 1e-4,
+                    "{i} {j}: {dot}"
+                );
             }
         }
     }
@@ -395,7 +507,10 @@ mod tests {
             (vec![3], gym::DType::F64, "this example needs"),
         ] {
             let space = Space::Box(BoxSpace::uniform(0.0, 1.0, shape, dtype).unwrap());
-            let error = Network::new(&space, 2, &mut Generator::from(0)).err().unwrap().to_string();
+            let error = Network::new(&space, 2, &mut Generator::from(0))
+                .err()
+                .unwrap()
+                .to_string();
             assert!(error.contains(message), "{error}");
         }
     }

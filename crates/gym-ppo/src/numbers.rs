@@ -14,6 +14,9 @@ pub(crate) fn of(tensor: &Tensor) -> candle_core::Result<Numbers> {
 /// A tensor of these numbers in the form of another one.
 pub(crate) fn tensor(numbers: &[f32], form: &Tensor) -> Result<Tensor> {
     let (given, needed) = (numbers.len(), form.elem_count());
-    ensure!(given == needed, "{given} numbers are stored where the agent has {needed}");
+    ensure!(
+        given == needed,
+        "{given} numbers are stored where the agent has {needed}"
+    );
     Ok(Tensor::from_slice(numbers, form.shape(), &Device::Cpu)?)
 }

@@ -28,19 +28,35 @@ impl Policy {
     pub(crate) fn of(checkpoint: &Checkpoint) -> Result<Self> {
         let mut vector = checkpoint.spec.make()?;
         vector.restore(&checkpoint.envs)?;
-        let normalization =
-            vector.wrapper::<NormalizeObservation<BoxVector>>().map(|wrapper| wrapper.statistics().clone());
-        let (observation, action) = (vector.single_observation_space(), vector.single_action_space());
+        let normalization = vector
+            .wrapper::<NormalizeObservation<BoxVector>>()
+            .map(|wrapper| wrapper.statistics().clone());
+        let (observation, action) = (
+            vector.single_observation_space(),
+            vector.single_action_space(),
+        );
         let count = Agent::new(&observation, &action, &mut Generator::from(0))?.policy_variables();
-        let network = checkpoint.agent.variables.iter().take(count).cloned().collect();
-        Ok(Self { env: checkpoint.spec.env.clone(), normalization, network })
+        let network = checkpoint
+            .agent
+            .variables
+            .iter()
+            .take(count)
+            .cloned()
+            .collect();
+        Ok(Self {
+            env: checkpoint.spec.env.clone(),
+            normalization,
+            network,
+        })
     }
 
     /// The policy of a checkpoint's folder, or one in a file.
     pub(crate) fn find(path: &Path) -> Result<Self> {
         if path.is_dir() || !path.exists() {
             let checkpoint = Checkpoint::find(path)?;
-            return Self::of(&checkpoint.with_context(|| format!("{}: no checkpoint", path.display()))?);
+            return Self::of(
+                &checkpoint.with_context(|| format!("{}: no checkpoint", path.display()))?,
+            );
         }
         let text = std::fs::read_to_string(path).with_context(|| path.display().to_string())?;
         serde_json::from_str(&text).with_context(|| path.display().to_string())
@@ -48,7 +64,11 @@ impl Policy {
 
     /// Writes the policy to a file, with a line for each layer.
     pub(crate) fn write(&self, path: &Path) -> Result<()> {
-        let lines: Vec<String> = self.network.iter().map(serde_json::to_string).collect::<Result<_, _>>()?;
+        let lines: Vec<String> = self
+            .network
+            .iter()
+            .map(serde_json::to_string)
+            .collect::<Result<_, _>>()?;
         let text = format!(
             "{{\"env\": {},\n\"normalization\": {},\n\"network\": [\n{}\n]}}\n",
             serde_json::to_string(&self.env)?,

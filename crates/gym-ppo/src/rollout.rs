@@ -26,7 +26,9 @@ impl Rollout {
     /// Makes room for `steps` steps of the environments.
     pub(crate) fn new(envs: &dyn VectorEnv, steps: usize) -> gym::Result<Self> {
         Ok(Self {
-            columns: (0..=steps).map(|_| envs.columns()).collect::<gym::Result<_>>()?,
+            columns: (0..=steps)
+                .map(|_| envs.columns())
+                .collect::<gym::Result<_>>()?,
             actions: vec![Value::Null; steps],
             values: vec![Vec::new(); steps + 1],
             log_probabilities: vec![Vec::new(); steps],
@@ -47,7 +49,11 @@ impl Rollout {
 
     /// The observations that the next actions answer.
     pub(crate) fn observations(&mut self) -> Numbers {
-        let numbers = self.last_columns().observations.as_array().map(Array::iter_f64);
+        let numbers = self
+            .last_columns()
+            .observations
+            .as_array()
+            .map(Array::iter_f64);
         numbers.into_iter().flatten().map(|x| x as f32).collect()
     }
 
@@ -77,8 +83,11 @@ impl Rollout {
         // go on from where the last rollout ended
         self.columns.swap(0, steps);
         for t in 0..steps {
-            let Sample { actions, log_probabilities, values } =
-                agent.sample(&tensor(&self.columns[t].observations)?, rng)?;
+            let Sample {
+                actions,
+                log_probabilities,
+                values,
+            } = agent.sample(&tensor(&self.columns[t].observations)?, rng)?;
             (self.actions[t], self.log_probabilities[t], self.values[t]) =
                 (actions, log_probabilities, values);
 
@@ -87,7 +96,9 @@ impl Rollout {
             self.env_time += started.elapsed();
             each(envs);
         }
-        self.values[steps] = agent.values(&tensor(&self.columns[steps].observations)?)?.to_vec1()?;
+        self.values[steps] = agent
+            .values(&tensor(&self.columns[steps].observations)?)?
+            .to_vec1()?;
         Ok(())
     }
 
@@ -101,9 +112,19 @@ impl Rollout {
         let mut advantages = vec![vec![0f32; n]; steps];
         let mut carried = vec![0f32; n];
         for t in (0..steps).rev() {
-            let Columns { rewards, terminated, truncated, final_observations, .. } = &self.columns[t + 1];
+            let Columns {
+                rewards,
+                terminated,
+                truncated,
+                final_observations,
+                ..
+            } = &self.columns[t + 1];
             let cut_off = (0..n).any(|i| truncated[i] && !terminated[i]);
-            let last = if cut_off { agent.values(&tensor(final_observations)?)?.to_vec1()? } else { vec![] };
+            let last = if cut_off {
+                agent.values(&tensor(final_observations)?)?.to_vec1()?
+            } else {
+                vec![]
+            };
             for i in 0..n {
                 let next = match (terminated[i], truncated[i]) {
                     (true, _) => 0.0,
@@ -112,7 +133,11 @@ impl Rollout {
                 };
                 let error = rewards[i] as f32 + settings.discount * next - self.values[t][i];
                 let ended = terminated[i] || truncated[i];
-                let rest = if ended { 0.0 } else { settings.discount * settings.gae_lambda * carried[i] };
+                let rest = if ended {
+                    0.0
+                } else {
+                    settings.discount * settings.gae_lambda * carried[i]
+                };
                 carried[i] = error + rest;
                 advantages[t][i] = carried[i];
             }
@@ -120,9 +145,15 @@ impl Rollout {
         let rows = |rows: &[Vec<f32>]| Tensor::new(rows.concat(), &Device::Cpu);
         let advantages = rows(&advantages)?;
         let returns = (&advantages + rows(&self.values[..steps])?)?;
-        let observations = self.columns[..steps].iter().map(|columns| tensor(&columns.observations));
+        let observations = self.columns[..steps]
+            .iter()
+            .map(|columns| tensor(&columns.observations));
         let observations = observations.collect::<candle_core::Result<Vec<_>>>()?;
-        let actions = self.actions.iter().map(tensor).collect::<candle_core::Result<Vec<_>>>()?;
+        let actions = self
+            .actions
+            .iter()
+            .map(tensor)
+            .collect::<candle_core::Result<Vec<_>>>()?;
         Ok(Batch {
             observations: Tensor::cat(&observations, 0)?,
             actions: Tensor::cat(&actions, 0)?,

@@ -104,15 +104,25 @@ impl Settings {
             ..lander
         };
         if id.starts_with("Pendulum") {
-            return Self { learning_rate: 1e-3, discount: 0.9, ..continuous };
+            return Self {
+                learning_rate: 1e-3,
+                discount: 0.9,
+                ..continuous
+            };
         }
         if id.starts_with("Hopper") {
             // without a little entropy it learns to stand
-            return Self { entropy_coefficient: 0.002, ..continuous };
+            return Self {
+                entropy_coefficient: 0.002,
+                ..continuous
+            };
         }
         if id.starts_with("Swimmer") {
             // a stroke pays much later
-            return Self { discount: 0.9999, ..continuous };
+            return Self {
+                discount: 0.9999,
+                ..continuous
+            };
         }
         continuous
     }
@@ -121,16 +131,30 @@ impl Settings {
     pub(crate) fn with(&self, given: &[String]) -> Result<Self> {
         let mut all = serde_json::to_value(self)?;
         for text in given {
-            let (name, value) = text.split_once('=').with_context(|| format!("{text} is not NAME=NUMBER"))?;
-            let known: Vec<&str> =
-                all.as_object().into_iter().flat_map(|all| all.keys()).map(String::as_str).collect();
+            let (name, value) = text
+                .split_once('=')
+                .with_context(|| format!("{text} is not NAME=NUMBER"))?;
+            let known: Vec<&str> = all
+                .as_object()
+                .into_iter()
+                .flat_map(|all| all.keys())
+                .map(String::as_str)
+                .collect();
             let known = known.join(", ");
-            let setting =
-                all.get_mut(name).with_context(|| format!("unknown setting {name}: known are {known}"))?;
-            *setting = serde_json::from_str::<Value>(value).with_context(|| format!("{name}: {value}"))?;
+            let setting = all
+                .get_mut(name)
+                .with_context(|| format!("unknown setting {name}: known are {known}"))?;
+            *setting =
+                serde_json::from_str::<Value>(value).with_context(|| format!("{name}: {value}"))?;
         }
         let settings: Self = serde_json::from_value(all).context("a setting is out of range")?;
-        let Self { envs, steps, minibatch, epochs, .. } = settings;
+        let Self {
+            envs,
+            steps,
+            minibatch,
+            epochs,
+            ..
+        } = settings;
         ensure!(
             [envs, steps, minibatch, epochs].iter().all(|n| *n > 0),
             "a setting that counts must be at least 1"

@@ -41,7 +41,9 @@ impl Checkpoint {
             return Ok(None);
         }
         let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
-        serde_json::from_str(&text).map(Some).with_context(|| path.display().to_string())
+        serde_json::from_str(&text)
+            .map(Some)
+            .with_context(|| path.display().to_string())
     }
 
     /// Replaces the checkpoint in a folder atomically.

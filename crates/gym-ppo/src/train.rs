@@ -28,7 +28,9 @@ const LINES: u64 = 40;
 fn spec(id: &str, settings: &Settings, task: Task) -> gym::Result<VectorSpec> {
     let mut env = builder(id);
     if task == Task::Atari {
-        env = env.arg("frameskip", 1).wrap(WrapperSpec::new("AtariPreprocessing"));
+        env = env
+            .arg("frameskip", 1)
+            .wrap(WrapperSpec::new("AtariPreprocessing"));
         env = env.wrap(WrapperSpec::new("FrameStackObservation").arg("stack_size", FRAMES));
     }
     let mut vector = env.vector(settings.envs).autoreset(Autoreset::SameStep);
@@ -41,13 +43,24 @@ fn spec(id: &str, settings: &Settings, task: Task) -> gym::Result<VectorSpec> {
     }
     if settings.normalize {
         wrappers.push(WrapperSpec::new("NormalizeObservation"));
-        wrappers.push(WrapperSpec::new("NormalizeReward").arg("gamma", f64::from(settings.discount)));
+        wrappers
+            .push(WrapperSpec::new("NormalizeReward").arg("gamma", f64::from(settings.discount)));
     }
-    let bound = if task == Task::Atari { Some(1.0) } else { settings.normalize.then_some(10.0) };
+    let bound = if task == Task::Atari {
+        Some(1.0)
+    } else {
+        settings.normalize.then_some(10.0)
+    };
     if let Some(bound) = bound {
-        wrappers.push(WrapperSpec::new("ClipReward").arg("min_reward", -bound).arg("max_reward", bound));
+        wrappers.push(
+            WrapperSpec::new("ClipReward")
+                .arg("min_reward", -bound)
+                .arg("max_reward", bound),
+        );
     }
-    Ok(wrappers.into_iter().fold(vector.spec()?, VectorSpec::wrapped))
+    Ok(wrappers
+        .into_iter()
+        .fold(vector.spec()?, VectorSpec::wrapped))
 }
 
 /// A training as it stands between two rounds of learning.
@@ -67,9 +80,23 @@ impl Run {
     fn new(spec: VectorSpec, settings: Settings, seed: u64) -> anyhow::Result<Self> {
         let envs = spec.make()?;
         let mut rng = Generator::from(seed);
-        let agent = Agent::new(&envs.single_observation_space(), &envs.single_action_space(), &mut rng)?;
+        let agent = Agent::new(
+            &envs.single_observation_space(),
+            &envs.single_action_space(),
+            &mut rng,
+        )?;
         let rollout = Rollout::new(&*envs, settings.steps)?;
-        Ok(Self { spec, settings, envs, agent, rollout, rng, seed, steps: 0, returns: Vec::new() })
+        Ok(Self {
+            spec,
+            settings,
+            envs,
+            agent,
+            rollout,
+            rng,
+            seed,
+            steps: 0,
+            returns: Vec::new(),
+        })
     }
 
     fn start(id: &str, seed: u64, set: &[String]) -> anyhow::Result<Self> {
@@ -81,12 +108,27 @@ impl Run {
     }
 
     fn resume(checkpoint: Checkpoint) -> anyhow::Result<Self> {
-        let Checkpoint { seed, settings, spec, envs, observations, agent, rng, steps, returns } = checkpoint;
+        let Checkpoint {
+            seed,
+            settings,
+            spec,
+            envs,
+            observations,
+            agent,
+            rng,
+            steps,
+            returns,
+        } = checkpoint;
         let mut run = Self::new(spec, settings, seed)?;
         run.envs.restore(&envs)?;
         run.rollout.set_observations(&observations)?;
         run.agent.restore(&agent)?;
-        Ok(Self { rng, steps, returns, ..run })
+        Ok(Self {
+            rng,
+            steps,
+            returns,
+            ..run
+        })
     }
 
     fn checkpoint(&mut self) -> anyhow::Result<Checkpoint> {
@@ -106,12 +148,23 @@ impl Run {
     /// The mean return of the last episodes, and how many these are.
     fn recent(&self) -> (f64, usize) {
         let recent = &self.returns[self.returns.len().saturating_sub(WINDOW)..];
-        (recent.iter().sum::<f64>() / recent.len().max(1) as f64, recent.len())
+        (
+            recent.iter().sum::<f64>() / recent.len().max(1) as f64,
+            recent.len(),
+        )
     }
 
     /// A rollout and the batch to learn from.
     fn round(&mut self, total: u64) -> anyhow::Result<()> {
-        let Self { settings, envs, agent, rollout, rng, returns, .. } = self;
+        let Self {
+            settings,
+            envs,
+            agent,
+            rollout,
+            rng,
+            returns,
+            ..
+        } = self;
         rollout.collect(&mut **envs, agent, rng, |envs| {
             if let Some(statistics) = envs.wrapper::<RecordEpisodeStatistics<BoxVector>>() {
                 let ended = (0..envs.num_envs()).filter_map(|index| statistics.ended(index));
@@ -130,20 +183,34 @@ impl Run {
             if let Some(folder) = path.parent() {
                 fs::create_dir_all(folder)?;
             }
-            Ok(Plot::new(format!("{}, PPO, seed {}", self.spec.env.id, self.seed))
-                .x_label("episode")
-                .y_label("return")
-                .series("return", &self.returns)
-                .moving_average(WINDOW)
-                .write_svg(path)?)
+            Ok(
+                Plot::new(format!("{}, PPO, seed {}", self.spec.env.id, self.seed))
+                    .x_label("episode")
+                    .y_label("return")
+                    .series("return", &self.returns)
+                    .moving_average(WINDOW)
+                    .write_svg(path)?,
+            )
         };
         written().with_context(|| format!("the plot {}", path.display()))
     }
 }
 
 pub(crate) fn train(training: &Training) -> anyhow::Result<()> {
-    let Training { id, seed, steps, plot, checkpoint: folder, save_every, set } = training;
-    let found = folder.as_deref().map(Checkpoint::find).transpose()?.flatten();
+    let Training {
+        id,
+        seed,
+        steps,
+        plot,
+        checkpoint: folder,
+        save_every,
+        set,
+    } = training;
+    let found = folder
+        .as_deref()
+        .map(Checkpoint::find)
+        .transpose()?
+        .flatten();
     let mut run = match found {
         Some(checkpoint) => {
             let (made, with) = (&checkpoint.spec.env.id, checkpoint.seed);
@@ -180,11 +247,18 @@ pub(crate) fn train(training: &Training) -> anyhow::Result<()> {
         if run.steps * LINES / steps > before_round * LINES / steps {
             let (seconds, (mean, window)) = (started.elapsed().as_secs(), run.recent());
             bar.suspend(|| {
-                println!("{} steps, {seconds} s: mean return {mean:.1} over {window} episodes", run.steps);
+                println!(
+                    "{} steps, {seconds} s: mean return {mean:.1} over {window} episodes",
+                    run.steps
+                );
             });
         }
         bar.set_position(run.steps);
-        bar.set_message(format!("{} episodes, mean return {:.1}", run.returns.len(), run.recent().0));
+        bar.set_message(format!(
+            "{} episodes, mean return {:.1}",
+            run.returns.len(),
+            run.recent().0
+        ));
     }
     bar.abandon();
     if let Some(folder) = folder {
@@ -210,7 +284,9 @@ pub(crate) fn train(training: &Training) -> anyhow::Result<()> {
 #[cfg(test)]
 mod tests {
     use gym::spaces::BoxSpace;
-    use gym::{Array, DType, Dynamics, NoArguments, Registration, Reset, Space, Stateful, Task, Transition};
+    use gym::{
+        Array, DType, Dynamics, NoArguments, Registration, Reset, Space, Stateful, Task, Transition,
+    };
 
     use super::*;
 
@@ -245,7 +321,10 @@ mod tests {
             Answer::space()
         }
         fn start(&self, _reset: &Reset, rng: &mut Generator) -> gym::Result<(bool, usize)> {
-            Ok((rng.random() < 0.5, rng.integers(4, SIDE as i64 - 6) as usize))
+            Ok((
+                rng.random() < 0.5,
+                rng.integers(4, SIDE as i64 - 6) as usize,
+            ))
         }
         fn is_valid(&self, (_, place): &(bool, usize)) -> bool {
             *place < SIDE - 2
@@ -260,14 +339,24 @@ mod tests {
             _rng: &mut Generator,
         ) -> gym::Result<Transition<(bool, usize)>> {
             let right = bar.0 == (*action == Answer::Standing);
-            Ok(Transition { state: *bar, reward: if right { 1.0 } else { 0.0 }, terminated: true })
+            Ok(Transition {
+                state: *bar,
+                reward: if right { 1.0 } else { 0.0 },
+                terminated: true,
+            })
         }
         fn observe(&self, (standing, place): &(bool, usize)) -> Array {
             let pixel = |i: usize| {
                 let across = if *standing { i % SIDE } else { i / SIDE };
-                if (*place..place + 2).contains(&across) { 255u8 } else { 40 }
+                if (*place..place + 2).contains(&across) {
+                    255u8
+                } else {
+                    40
+                }
             };
-            Array::from((0..SIDE * SIDE).map(pixel).collect::<Vec<_>>()).reshape([1, SIDE, SIDE]).unwrap()
+            Array::from((0..SIDE * SIDE).map(pixel).collect::<Vec<_>>())
+                .reshape([1, SIDE, SIDE])
+                .unwrap()
         }
     }
 

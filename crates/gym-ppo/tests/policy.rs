@@ -8,7 +8,10 @@ fn stored() -> PathBuf {
 }
 
 fn run(arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_gym-ppo")).args(arguments).output().unwrap()
+    Command::new(env!("CARGO_BIN_EXE_gym-ppo"))
+        .args(arguments)
+        .output()
+        .unwrap()
 }
 
 fn said(bytes: &[u8]) -> String {
@@ -21,8 +24,10 @@ fn the_stored_policy_runs() {
     let output = run(&["evaluate", path.to_str().unwrap(), "--episodes", "2"]);
     let text = said(&output.stdout);
     assert!(output.status.success(), "{text}{}", said(&output.stderr));
-    let returns: Vec<f64> =
-        text.lines().filter_map(|line| line.split_once(": return ")?.1.parse().ok()).collect();
+    let returns: Vec<f64> = text
+        .lines()
+        .filter_map(|line| line.split_once(": return ")?.1.parse().ok())
+        .collect();
     assert_eq!(returns.len(), 2, "{text}");
     assert!(returns.iter().all(|x| *x > 4000.0), "{text}");
     assert!(text.contains("HalfCheetah-v5: mean return"), "{text}");
@@ -35,8 +40,16 @@ fn a_policy_of_another_form_is_refused() {
     let path = folder.path().join("policy.json");
     for (from, to, message) in [
         ("HalfCheetah-v5", "Hopper-v5", "a row has 11"),
-        ("\"network\": [\n[", "\"network\": [\n[0.5,", "numbers are stored where"),
-        ("\"network\": [\n[", "\"network\": [\n[0.5],\n[", "lists of numbers"),
+        (
+            "\"network\": [\n[",
+            "\"network\": [\n[0.5,",
+            "numbers are stored where",
+        ),
+        (
+            "\"network\": [\n[",
+            "\"network\": [\n[0.5],\n[",
+            "lists of numbers",
+        ),
         ("\"env\"", "\"environment\"", "missing field `env`"),
     ] {
         assert!(text.contains(from), "{from}");
@@ -59,6 +72,9 @@ fn settings_are_checked() {
     ] {
         let output = run(&["CartPole-v1", "--steps", "1", "--set", set]);
         let error = said(&output.stderr);
-        assert!(!output.status.success() && error.contains(message), "{set}: {error}");
+        assert!(
+            !output.status.success() && error.contains(message),
+            "{set}: {error}"
+        );
     }
 }

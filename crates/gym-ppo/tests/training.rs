@@ -9,14 +9,27 @@ use serde_json::Value as Json;
 
 fn program(folder: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_gym-ppo"));
-    command.current_dir(folder).stdout(Stdio::null()).stderr(Stdio::null());
+    command
+        .current_dir(folder)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null());
     command
 }
 
 fn training(folder: &Path, id: &str, steps: u64, checkpoint: &str) -> Command {
     let mut command = program(folder);
     let steps = steps.to_string();
-    command.args([id, "--steps", &steps, "--seed", "3", "--save-every", "1", "--plot", "ppo.svg"]);
+    command.args([
+        id,
+        "--steps",
+        &steps,
+        "--seed",
+        "3",
+        "--save-every",
+        "1",
+        "--plot",
+        "ppo.svg",
+    ]);
     command.args(["--checkpoint", checkpoint]);
     command
 }
@@ -46,7 +59,12 @@ fn steps(checkpoint: &Json) -> u64 {
 
 fn killed_and_resumed(id: &str, total: u64) {
     let folder = tempfile::tempdir().unwrap();
-    assert!(training(folder.path(), id, total, "whole").status().unwrap().success());
+    assert!(
+        training(folder.path(), id, total, "whole")
+            .status()
+            .unwrap()
+            .success()
+    );
     let whole = checkpoint(&folder.path().join("whole")).unwrap();
     assert!(steps(&whole) >= total, "{id}");
 
@@ -54,7 +72,9 @@ fn killed_and_resumed(id: &str, total: u64) {
     let (mut kills, started) = (0, Instant::now());
     loop {
         let before = checkpoint(&resumed).map_or(0, |checkpoint| steps(&checkpoint));
-        let mut child = training(folder.path(), id, total, "killed").spawn().unwrap();
+        let mut child = training(folder.path(), id, total, "killed")
+            .spawn()
+            .unwrap();
         // twice it dies as soon as it has come further
         let killed = loop {
             if child.try_wait().unwrap().is_some() {
@@ -76,7 +96,10 @@ fn killed_and_resumed(id: &str, total: u64) {
     }
     assert!(kills > 0, "{id}: it was too fast to be killed");
     let resumed = checkpoint(&resumed).unwrap();
-    assert!(resumed == whole, "{id}: after {kills} kills the training is another one");
+    assert!(
+        resumed == whole,
+        "{id}: after {kills} kills the training is another one"
+    );
 
     let video = folder.path().join("videos");
     let output = program(folder.path())
@@ -85,7 +108,10 @@ fn killed_and_resumed(id: &str, total: u64) {
         .output()
         .unwrap();
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(output.status.success() && text.contains("episode 1: return"), "{id}: {text}");
+    assert!(
+        output.status.success() && text.contains("episode 1: return"),
+        "{id}: {text}"
+    );
     assert_eq!(std::fs::read_dir(video).unwrap().count(), 2, "{id}");
 }
 
@@ -102,11 +128,26 @@ fn continuous_actions_with_normalization_resume() {
 #[test]
 fn a_checkpoint_of_another_training_is_refused() {
     let folder = tempfile::tempdir().unwrap();
-    assert!(training(folder.path(), "CartPole-v1", 256, "run").status().unwrap().success());
-    let other = training(folder.path(), "Pendulum-v1", 256, "run").stderr(Stdio::piped()).output().unwrap();
+    assert!(
+        training(folder.path(), "CartPole-v1", 256, "run")
+            .status()
+            .unwrap()
+            .success()
+    );
+    let other = training(folder.path(), "Pendulum-v1", 256, "run")
+        .stderr(Stdio::piped())
+        .output()
+        .unwrap();
     let text = String::from_utf8_lossy(&other.stderr).into_owned();
-    assert!(!other.status.success() && text.contains("CartPole-v1 with seed 3"), "{text}");
-    let none = program(folder.path()).args(["evaluate", "nowhere"]).stderr(Stdio::piped()).output().unwrap();
+    assert!(
+        !other.status.success() && text.contains("CartPole-v1 with seed 3"),
+        "{text}"
+    );
+    let none = program(folder.path())
+        .args(["evaluate", "nowhere"])
+        .stderr(Stdio::piped())
+        .output()
+        .unwrap();
     assert!(String::from_utf8_lossy(&none.stderr).contains("no checkpoint"));
 }
 
@@ -114,11 +155,21 @@ fn a_checkpoint_of_another_training_is_refused() {
 fn cart_pole_is_balanced_after_some_thousand_steps() {
     let folder = tempfile::tempdir().unwrap();
     let mut program = program(folder.path());
-    program.args(["CartPole-v1", "--steps", "20000"]).stdout(Stdio::piped()).stderr(Stdio::piped());
+    program
+        .args(["CartPole-v1", "--steps", "20000"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped());
     let output = program.output().unwrap();
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(output.status.success(), "{text}{}", String::from_utf8_lossy(&output.stderr));
-    let last = text.lines().find_map(|line| line.strip_prefix("CartPole-v1: mean return ")).unwrap();
+    assert!(
+        output.status.success(),
+        "{text}{}",
+        String::from_utf8_lossy(&output.stderr)
+    );
+    let last = text
+        .lines()
+        .find_map(|line| line.strip_prefix("CartPole-v1: mean return "))
+        .unwrap();
     let mean: f64 = last.split(' ').next().unwrap().parse().unwrap();
     assert!(mean > 150.0, "a random policy has 22: {text}");
     let plot = std::fs::read_to_string(folder.path().join("target/ppo.svg")).unwrap();
@@ -130,8 +181,17 @@ fn a_plot_that_cannot_be_written_is_told_before_the_training() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("file"), "").unwrap();
     let mut program = program(folder.path());
-    program.args(["CartPole-v1", "--steps", "1000000000", "--plot", "file/ppo.svg"]);
+    program.args([
+        "CartPole-v1",
+        "--steps",
+        "1000000000",
+        "--plot",
+        "file/ppo.svg",
+    ]);
     let output = program.stderr(Stdio::piped()).output().unwrap();
     let error = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(!output.status.success() && error.contains("the plot file/ppo.svg"), "{error}");
+    assert!(
+        !output.status.success() && error.contains("the plot file/ppo.svg"),
+        "{error}"
+    );
 }

@@ -81,21 +81,36 @@ impl Ale {
     /// The file of the ROM; a lone name if there is none, because the ROM was given from memory.
     fn rom_file(&self, py: Python<'_>) -> PyResult<PathBuf> {
         self.0.get().with_atari(py, |env| {
-            let folder = env.config().rom_dir.clone().map(RomDir::new).or_else(RomDir::find);
-            Ok(folder.unwrap_or_else(|| RomDir::new("")).file(env.ale().game()))
+            let folder = env
+                .config()
+                .rom_dir
+                .clone()
+                .map(RomDir::new)
+                .or_else(RomDir::find);
+            Ok(folder
+                .unwrap_or_else(|| RomDir::new(""))
+                .file(env.ale().game()))
         })
     }
 
     /// Plays a frame: its reward.
     fn act(&self, py: Python<'_>, action: i64, paddle_strength: f32) -> PyResult<i32> {
-        let Some(&action) = usize::try_from(action).ok().and_then(|number| Action::ALL.get(number)) else {
+        let Some(&action) = usize::try_from(action)
+            .ok()
+            .and_then(|number| Action::ALL.get(number))
+        else {
             let reason = format!(
                 "{action} is not an action of the Atari 2600: the actions are 0 to {}",
                 Action::ALL.len() - 1
             );
             return Err(Error::argument("act", reason)).or_raise();
         };
-        self.with(py, |game| Ok(game.act(gym::atari::Command { action, paddle_strength })))
+        self.with(py, |game| {
+            Ok(game.act(gym::atari::Command {
+                action,
+                paddle_strength,
+            }))
+        })
     }
 
     /// Starts an episode.
@@ -118,7 +133,13 @@ impl Ale {
     fn progress(&self, py: Python<'_>) -> PyResult<(i32, bool, bool, u32, u32)> {
         self.with(py, |game| {
             let over = (game.game_over(), game.is_truncated());
-            Ok((game.lives(), over.0, over.1, game.frame_number(), game.episode_frame_number()))
+            Ok((
+                game.lives(),
+                over.0,
+                over.1,
+                game.frame_number(),
+                game.episode_frame_number(),
+            ))
         })
     }
 
@@ -126,20 +147,37 @@ impl Ale {
     fn facts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         self.with(py, |game| {
             let game = game.game();
-            let indices =
-                |actions: &[Action]| actions.iter().map(|action| *action as usize).collect::<Vec<_>>();
+            let indices = |actions: &[Action]| {
+                actions
+                    .iter()
+                    .map(|action| *action as usize)
+                    .collect::<Vec<_>>()
+            };
             let modes: Vec<u16> = game.modes.iter().map(|(mode, _)| *mode).collect();
             let (legal, minimal) = (indices(game.legal), indices(game.minimal));
             // (Python would get bytes for `u8`)
             let difficulties: Vec<u16> = game.difficulties.iter().copied().map(u16::from).collect();
-            (game.name, game.display.rows, legal, minimal, modes, difficulties).into_pyobject(py)
+            (
+                game.name,
+                game.display.rows,
+                legal,
+                minimal,
+                modes,
+                difficulties,
+            )
+                .into_pyobject(py)
         })
     }
 
     /// Mode, difficulty and most frames of the episodes that follow.
     fn settings(&self, py: Python<'_>) -> PyResult<(Option<u16>, Option<u8>, Option<u32>)> {
         self.with(py, |game| {
-            let Settings { mode, difficulty, max_frames, .. } = game.settings();
+            let Settings {
+                mode,
+                difficulty,
+                max_frames,
+                ..
+            } = game.settings();
             Ok((mode, difficulty, max_frames))
         })
     }
@@ -160,7 +198,12 @@ impl Ale {
             if difficulty.is_some_and(|difficulty| !known.difficulties.contains(&difficulty)) {
                 return Err(PyRuntimeError::new_err("Invalid difficulty requested"));
             }
-            game.configure(Settings { mode, difficulty, max_frames, ..game.settings() });
+            game.configure(Settings {
+                mode,
+                difficulty,
+                max_frames,
+                ..game.settings()
+            });
             Ok(())
         })
     }
@@ -188,7 +231,9 @@ impl Ale {
                         .zip(pixels)
                         .for_each(|(gray, index)| *gray = display.gray()[usize::from(*index)]);
                 }),
-                _ => bytes(py, buffer, &[rows, width], |out| out.copy_from_slice(pixels)),
+                _ => bytes(py, buffer, &[rows, width], |out| {
+                    out.copy_from_slice(pixels)
+                }),
             }
         })
     }
@@ -200,7 +245,9 @@ impl Ale {
         py: Python<'py>,
         buffer: Option<PyReadwriteArrayDyn<'py, u8>>,
     ) -> PyResult<Option<Bound<'py, PyAny>>> {
-        self.with(py, |game| bytes(py, buffer, &[128], |out| out.copy_from_slice(game.ram().0)))
+        self.with(py, |game| {
+            bytes(py, buffer, &[128], |out| out.copy_from_slice(game.ram().0))
+        })
     }
 
     /// Changes a byte of the RAM.
@@ -232,7 +279,11 @@ impl Ale {
                 return Err(Error::Snapshot("it was taken from another game".into())).or_raise();
             }
             let (mode, difficulty) = (Some(state.mode), Some(state.difficulty));
-            game.configure(Settings { mode, difficulty, ..game.settings() });
+            game.configure(Settings {
+                mode,
+                difficulty,
+                ..game.settings()
+            });
             Ok(())
         })
     }
@@ -253,7 +304,9 @@ impl AleState {
     }
 
     fn read(&self) -> PyResult<State> {
-        serde_json::from_str(&self.state).map_err(|error| Error::Snapshot(error.to_string())).or_raise()
+        serde_json::from_str(&self.state)
+            .map_err(|error| Error::Snapshot(error.to_string()))
+            .or_raise()
     }
 }
 
@@ -262,8 +315,9 @@ impl AleState {
     /// The state that `__reduce__` took apart.
     #[new]
     fn new(state: &str, include_rng: bool, mode: u16, difficulty: u8) -> PyResult<Self> {
-        let state: State =
-            serde_json::from_str(state).map_err(|error| Error::Snapshot(error.to_string())).or_raise()?;
+        let state: State = serde_json::from_str(state)
+            .map_err(|error| Error::Snapshot(error.to_string()))
+            .or_raise()?;
         Self::of(&state, include_rng, mode, difficulty)
     }
 
@@ -303,7 +357,12 @@ impl AleState {
 
     fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, StateParts)> {
         let state = slf.get();
-        let parts = (state.state.clone(), state.include_rng, state.mode, state.difficulty);
+        let parts = (
+            state.state.clone(),
+            state.include_rng,
+            state.mode,
+            state.difficulty,
+        );
         Ok((slf.get_type().into_any(), parts))
     }
 }

@@ -36,7 +36,10 @@ pub(crate) fn new_array<'py, T: Element + Copy>(
     // SAFETY: the array was just allocated for that many numbers, and no other code has a reference to it.
     unsafe {
         let array = PyArray::<T, IxDyn>::new(py, shape, false);
-        array.as_slice_mut().expect("a new array is contiguous").copy_from_slice(numbers);
+        array
+            .as_slice_mut()
+            .expect("a new array is contiguous")
+            .copy_from_slice(numbers);
         array.into_any()
     }
 }
@@ -56,7 +59,10 @@ pub(crate) fn to_python<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'
         Value::Text(text) => PyString::new(py, text).into_any(),
         Value::Array(numbers) => array(py, numbers),
         Value::Tuple(items) => {
-            let items = items.iter().map(|item| to_python(py, item)).collect::<PyResult<Vec<_>>>()?;
+            let items = items
+                .iter()
+                .map(|item| to_python(py, item))
+                .collect::<PyResult<Vec<_>>>()?;
             PyTuple::new(py, items)?.into_any()
         }
         Value::Dict(entries) => {
@@ -68,12 +74,20 @@ pub(crate) fn to_python<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'
         }
         Value::Graph(graph) => {
             let part = |part: &Option<Array>| part.as_ref().map(|numbers| array(py, numbers));
-            let fields = (array(py, &graph.nodes), part(&graph.edges), part(&graph.edge_links));
-            py.import("gymnasium.spaces")?.getattr("GraphInstance")?.call1(fields)?
+            let fields = (
+                array(py, &graph.nodes),
+                part(&graph.edges),
+                part(&graph.edge_links),
+            );
+            py.import("gymnasium.spaces")?
+                .getattr("GraphInstance")?
+                .call1(fields)?
         }
-        Value::OneOf(index, value) => {
-            (numpy(py)?.getattr("int64")?.call1((*index,))?, to_python(py, value)?).into_bound_py_any(py)?
-        }
+        Value::OneOf(index, value) => (
+            numpy(py)?.getattr("int64")?.call1((*index,))?,
+            to_python(py, value)?,
+        )
+            .into_bound_py_any(py)?,
     })
 }
 
@@ -103,12 +117,21 @@ pub(crate) fn refill<'py>(
 
 /// The result of `render`.
 pub(crate) fn rendered<'py>(py: Python<'py>, rendered: &Rendered) -> PyResult<Bound<'py, PyAny>> {
-    let frame =
-        |frame: &Frame| new_array(py, &[frame.height() as usize, frame.width() as usize, 3], frame.pixels());
+    let frame = |frame: &Frame| {
+        new_array(
+            py,
+            &[frame.height() as usize, frame.width() as usize, 3],
+            frame.pixels(),
+        )
+    };
     match rendered {
         Rendered::Shown => Ok(py.None().into_bound(py)),
         Rendered::Frame(picture) => Ok(frame(picture)),
-        Rendered::Frames(pictures) => pictures.iter().map(frame).collect::<Vec<_>>().into_bound_py_any(py),
+        Rendered::Frames(pictures) => pictures
+            .iter()
+            .map(frame)
+            .collect::<Vec<_>>()
+            .into_bound_py_any(py),
         Rendered::Text(text) => text.into_bound_py_any(py),
         Rendered::Texts(texts) => texts.into_bound_py_any(py),
     }
@@ -133,7 +156,13 @@ pub(crate) fn action_from_python(
         return read_array(object, DType::F32, Some(&shape)).map(Value::Array);
     }
     let array = numpy(object.py())?.call_method1("asarray", (object,))?;
-    let single = ["f", "e"].contains(&array.getattr("dtype")?.getattr("char")?.extract::<String>()?.as_str());
+    let single = ["f", "e"].contains(
+        &array
+            .getattr("dtype")?
+            .getattr("char")?
+            .extract::<String>()?
+            .as_str(),
+    );
     let dtype = if single { DType::F32 } else { DType::F64 };
     let numbers = read_array(&array, dtype, Some(&shape))?;
     if dtype == DType::F32 || !is_list_of_numbers(object)? {
@@ -144,14 +173,21 @@ pub(crate) fn action_from_python(
     let numbers: Vec<Value> = numbers.iter_f64().map(Value::Float).collect();
     Ok(Value::Tuple(match n {
         None => numbers,
-        Some(_) => numbers.chunks(row).map(|row| Value::Tuple(row.to_vec())).collect(),
+        Some(_) => numbers
+            .chunks(row)
+            .map(|row| Value::Tuple(row.to_vec()))
+            .collect(),
     }))
 }
 
 /// Whether an object is a list or tuple, perhaps of such, whose first number is of Python's own type.
 fn is_list_of_numbers(object: &Bound<'_, PyAny>) -> PyResult<bool> {
     if object.is_instance_of::<PyList>() || object.is_instance_of::<PyTuple>() {
-        return if object.len()? == 0 { Ok(false) } else { is_list_of_numbers(&object.get_item(0)?) };
+        return if object.len()? == 0 {
+            Ok(false)
+        } else {
+            is_list_of_numbers(&object.get_item(0)?)
+        };
     }
     Ok(object.is_exact_instance_of::<PyFloat>() || object.is_exact_instance_of::<PyInt>())
 }
@@ -169,7 +205,11 @@ pub(crate) fn from_python(space: &Space, object: &Bound<'_, PyAny>) -> PyResult<
         Space::Text(_) => object.extract().map(Value::Text),
         Space::Tuple(space) => {
             let items = members(object, space.spaces().len())?;
-            let items = space.spaces().iter().zip(&items).map(|(space, item)| from_python(space, item));
+            let items = space
+                .spaces()
+                .iter()
+                .zip(&items)
+                .map(|(space, item)| from_python(space, item));
             items.collect::<PyResult<_>>().map(Value::Tuple)
         }
         Space::Dict(space) => {
@@ -180,14 +220,18 @@ pub(crate) fn from_python(space: &Space, object: &Bound<'_, PyAny>) -> PyResult<
             entries.collect::<PyResult<_>>().map(Value::Dict)
         }
         Space::Sequence(space) => {
-            let items = object.try_iter()?.map(|item| from_python(space.feature_space(), &item?));
+            let items = object
+                .try_iter()?
+                .map(|item| from_python(space.feature_space(), &item?));
             items.collect::<PyResult<_>>().map(Value::Tuple)
         }
         Space::Graph(space) => {
             let part = |name: &str, dtype: Option<DType>| -> PyResult<Option<Array>> {
                 let numbers = object.getattr(name)?;
                 match dtype {
-                    Some(dtype) if !numbers.is_none() => read_array(&numbers, dtype, None).map(Some),
+                    Some(dtype) if !numbers.is_none() => {
+                        read_array(&numbers, dtype, None).map(Some)
+                    }
                     _ => Ok(None),
                 }
             };
@@ -207,7 +251,10 @@ pub(crate) fn from_python(space: &Space, object: &Bound<'_, PyAny>) -> PyResult<
                     space.spaces().len()
                 ))
             })?;
-            Ok(Value::OneOf(index, Box::new(from_python(chosen, &items[1])?)))
+            Ok(Value::OneOf(
+                index,
+                Box::new(from_python(chosen, &items[1])?),
+            ))
         }
     }
 }
@@ -218,7 +265,10 @@ fn members<'py>(object: &Bound<'py, PyAny>, n: usize) -> PyResult<Vec<Bound<'py,
     if items.len() == n {
         return Ok(items);
     }
-    Err(PyValueError::new_err(format!("{} members were given and {n} are needed", items.len())))
+    Err(PyValueError::new_err(format!(
+        "{} members were given and {n} are needed",
+        items.len()
+    )))
 }
 
 /// The numbers of an array, list or number.
@@ -250,11 +300,17 @@ fn wrap<T: gym::array::Scalar>(numbers: Vec<T>) -> Data {
 fn convert<'py>(object: &Bound<'py, PyAny>, dtype: DType) -> PyResult<Bound<'py, PyAny>> {
     let py = object.py();
     let options = [("order", "C"), ("casting", "same_kind")].into_py_dict(py)?;
-    numpy(py)?.call_method1("asarray", (object,))?.call_method("astype", (dtype.name(),), Some(&options))
+    numpy(py)?.call_method1("asarray", (object,))?.call_method(
+        "astype",
+        (dtype.name(),),
+        Some(&options),
+    )
 }
 
 /// The module numpy.
 pub(crate) fn numpy(py: Python<'_>) -> PyResult<&Bound<'_, PyModule>> {
     static NUMPY: PyOnceLock<Py<PyModule>> = PyOnceLock::new();
-    Ok(NUMPY.get_or_try_init(py, || py.import("numpy").map(Bound::unbind))?.bind(py))
+    Ok(NUMPY
+        .get_or_try_init(py, || py.import("numpy").map(Bound::unbind))?
+        .bind(py))
 }

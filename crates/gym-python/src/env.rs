@@ -8,8 +8,8 @@ use gym::mujoco::simulated_mut;
 use gym::registry::find;
 use gym::render::{RenderMode, Rendered};
 use gym::{
-    BoxEnv, Env as _, EnvExt as _, EnvSpec, Error, Kwargs, Outcome, Reset, Result, Seed, Snapshot, Space,
-    Value,
+    BoxEnv, Env as _, EnvExt as _, EnvSpec, Error, Kwargs, Outcome, Reset, Result, Seed, Snapshot,
+    Space, Value,
 };
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
@@ -73,7 +73,11 @@ impl Core {
     /// The whole state, as JSON.
     fn snapshot(&self) -> PyResult<String> {
         guard(|| {
-            let snapshot: Json = self.env.snapshot().and_then(|snapshot| snapshot.get()).or_raise()?;
+            let snapshot: Json = self
+                .env
+                .snapshot()
+                .and_then(|snapshot| snapshot.get())
+                .or_raise()?;
             Ok(snapshot.to_string())
         })
     }
@@ -95,8 +99,17 @@ impl Core {
 impl Env {
     fn make(id: &str, kwargs: &str, render_mode: Option<&str>, wrappers: &str) -> PyResult<Self> {
         let map: Kwargs = from_json(id, kwargs)?;
-        let env = guard(|| registry::bare(id, map, render_mode, from_json(id, wrappers)?).or_raise())?;
-        Ok(Self::holding(env, id, kwargs, render_mode, wrappers, false, Value::Null))
+        let env =
+            guard(|| registry::bare(id, map, render_mode, from_json(id, wrappers)?).or_raise())?;
+        Ok(Self::holding(
+            env,
+            id,
+            kwargs,
+            render_mode,
+            wrappers,
+            false,
+            Value::Null,
+        ))
     }
 
     fn holding(
@@ -116,7 +129,12 @@ impl Env {
             wrappers: wrappers.to_owned(),
             action_space: env.action_space(),
             is_slow: is_slow || render_mode == Some("human"),
-            core: Mutex::new(Core { env, observation, frame: Rendered::Shown, is_running }),
+            core: Mutex::new(Core {
+                env,
+                observation,
+                frame: Rendered::Shown,
+                is_running,
+            }),
             origin: Origin::here(),
         }
     }
@@ -126,7 +144,15 @@ impl Env {
         let kwargs = Json::Object(spec.kwargs.clone()).to_string();
         let render_mode = spec.render_mode.map(RenderMode::name);
         let wrappers = json!(spec.additional_wrappers).to_string();
-        Self::holding(env, &spec.id, &kwargs, render_mode, &wrappers, true, Value::Null)
+        Self::holding(
+            env,
+            &spec.id,
+            &kwargs,
+            render_mode,
+            &wrappers,
+            true,
+            Value::Null,
+        )
     }
 
     /// Runs something with the game of an Atari environment.
@@ -154,20 +180,34 @@ impl Env {
             Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
             Err(TryLockError::WouldBlock) => {
                 self.origin.check("environment")?;
-                Ok(self.core.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner))
+                Ok(self
+                    .core
+                    .lock_py_attached(py)
+                    .unwrap_or_else(PoisonError::into_inner))
             }
         }
     }
 
     /// Runs a long computation without the GIL.
-    fn run<T: Send>(&self, py: Python<'_>, core: &mut Core, f: impl FnOnce(&mut Core) -> T + Send) -> T {
-        if self.is_slow { py.detach(|| f(core)) } else { f(core) }
+    fn run<T: Send>(
+        &self,
+        py: Python<'_>,
+        core: &mut Core,
+        f: impl FnOnce(&mut Core) -> T + Send,
+    ) -> T {
+        if self.is_slow {
+            py.detach(|| f(core))
+        } else {
+            f(core)
+        }
     }
 
     fn action(&self, action: &Bound<'_, PyAny>) -> PyResult<Value> {
         action_from_python(&self.action_space, None, action).map_err(|error| {
             let py = action.py();
-            let shown = action.repr().map_or_else(|_| "?".to_owned(), |text| text.to_string());
+            let shown = action
+                .repr()
+                .map_or_else(|_| "?".to_owned(), |text| text.to_string());
             let text = format!(
                 "invalid action {shown}: the action space is {} ({})",
                 self.action_space,
@@ -202,11 +242,26 @@ impl Env {
     }
 
     /// Takes a step: observation, reward, terminated, truncated, info.
-    fn step<'py>(&self, py: Python<'py>, action: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyTuple>> {
+    fn step<'py>(
+        &self,
+        py: Python<'py>,
+        action: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyTuple>> {
         let action = self.action(action)?;
         let mut core = self.lock(py)?;
-        let Outcome { reward, terminated, truncated } = self.run(py, &mut core, |core| core.step(&action))?;
-        (to_python(py, &core.observation)?, reward, terminated, truncated, core.info(py)?).into_pyobject(py)
+        let Outcome {
+            reward,
+            terminated,
+            truncated,
+        } = self.run(py, &mut core, |core| core.step(&action))?;
+        (
+            to_python(py, &core.observation)?,
+            reward,
+            terminated,
+            truncated,
+            core.info(py)?,
+        )
+            .into_pyobject(py)
     }
 
     /// The picture or text of the render mode.
@@ -253,13 +308,17 @@ impl Env {
     /// The state of the generator as JSON; `None` before the first reset, or where there is none.
     fn generator(&self, py: Python<'_>) -> PyResult<Option<String>> {
         let mut core = self.lock(py)?;
-        Ok(core.env.generator().and_then(|generator| serde_json::to_string(generator).ok()))
+        Ok(core
+            .env
+            .generator()
+            .and_then(|generator| serde_json::to_string(generator).ok()))
     }
 
     /// Sets the state of the generator.
     fn set_generator(&self, py: Python<'_>, state: &str) -> PyResult<()> {
-        let state =
-            serde_json::from_str(state).map_err(|error| Error::Snapshot(error.to_string())).or_raise()?;
+        let state = serde_json::from_str(state)
+            .map_err(|error| Error::Snapshot(error.to_string()))
+            .or_raise()?;
         let mut core = self.lock(py)?;
         if core.env.generator().is_none() {
             // an environment has a generator once it was reset; the next reset carries that one on
@@ -269,7 +328,12 @@ impl Env {
         }
         match core.env.generator() {
             Some(generator) => *generator = state,
-            None => return Err(Error::custom("this environment has no random number generator")).or_raise(),
+            None => {
+                return Err(Error::custom(
+                    "this environment has no random number generator",
+                ))
+                .or_raise();
+            }
         }
         Ok(())
     }
@@ -283,7 +347,8 @@ impl Env {
     /// The arguments as they are, as JSON; those it was made with, where they cannot be set.
     fn arguments(&self, py: Python<'_>) -> PyResult<String> {
         let core = self.lock(py)?;
-        Ok(peek::arguments(&core.env).map_or_else(|| self.kwargs.clone(), |arguments| arguments.to_string()))
+        Ok(peek::arguments(&core.env)
+            .map_or_else(|| self.kwargs.clone(), |arguments| arguments.to_string()))
     }
 
     /// Sets an argument: a JSON object of its name and value.
@@ -292,7 +357,8 @@ impl Env {
             .map_err(|error| Error::argument(&self.id, error.to_string()))
             .or_raise()?;
         let mut core = self.lock(py)?;
-        let mut set = |(name, value): (String, Json)| peek::set_argument(&mut core.env, &name, value);
+        let mut set =
+            |(name, value): (String, Json)| peek::set_argument(&mut core.env, &name, value);
         guard(|| argument.into_iter().try_for_each(&mut set).or_raise())
     }
 
@@ -338,7 +404,9 @@ impl Env {
         let glyphs = ScoreGlyphs::parse(glyphs).or_raise()?;
         match self.lock(py)?.env.unwrapped_mut::<CarRacing>() {
             Some(env) => env.set_score_glyphs(glyphs),
-            None => return Err(Error::custom(format!("{} does not draw a score", self.id))).or_raise(),
+            None => {
+                return Err(Error::custom(format!("{} does not draw a score", self.id))).or_raise();
+            }
         }
         Ok(())
     }
@@ -356,9 +424,23 @@ impl Env {
     /// An independent copy.
     fn __copy__(&self, py: Python<'_>) -> PyResult<Self> {
         let core = guard(|| Ok(self.lock(py)?.clone()))?;
-        let Self { id, kwargs, render_mode, wrappers, .. } = self;
+        let Self {
+            id,
+            kwargs,
+            render_mode,
+            wrappers,
+            ..
+        } = self;
         let render_mode = render_mode.as_deref();
-        Ok(Self::holding(core.env, id, kwargs, render_mode, wrappers, core.is_running, core.observation))
+        Ok(Self::holding(
+            core.env,
+            id,
+            kwargs,
+            render_mode,
+            wrappers,
+            core.is_running,
+            core.observation,
+        ))
     }
 
     /// An independent copy.
@@ -367,24 +449,42 @@ impl Env {
     }
 
     /// The constructor's arguments, and a snapshot to continue from.
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+    fn __reduce__<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
         let (py, env) = (slf.py(), slf.get());
         let (snapshot, is_running, observation) = {
             let core = env.lock(py)?;
             let space = core.env.observation_space();
-            let observation = space.to_json(&core.observation).map(|json| json.to_string()).ok();
+            let observation = space
+                .to_json(&core.observation)
+                .map(|json| json.to_string())
+                .ok();
             (core.snapshot()?, core.is_running, observation)
         };
         let arguments = env.arguments(py)?;
-        let made_of =
-            (&env.id, arguments, &env.render_mode, &env.wrappers, snapshot, is_running, observation);
-        Ok((slf.get_type().getattr("rebuild")?, made_of.into_pyobject(py)?))
+        let made_of = (
+            &env.id,
+            arguments,
+            &env.render_mode,
+            &env.wrappers,
+            snapshot,
+            is_running,
+            observation,
+        );
+        Ok((
+            slf.get_type().getattr("rebuild")?,
+            made_of.into_pyobject(py)?,
+        ))
     }
 
     /// The environment that `__reduce__` took apart.
     #[staticmethod]
     #[pyo3(signature = (id, kwargs, render_mode, wrappers, snapshot, is_running, observation))]
-    #[expect(clippy::too_many_arguments, reason = "they are what `__reduce__` gives")]
+    #[expect(
+        clippy::too_many_arguments,
+        reason = "they are what `__reduce__` gives"
+    )]
     fn rebuild(
         py: Python<'_>,
         id: &str,
@@ -421,9 +521,8 @@ pub(crate) fn from_json<T: DeserializeOwned>(id: &str, json: &str) -> PyResult<T
 pub(crate) fn reset_of(seed: Option<&str>, options: Option<&str>) -> Result<Reset> {
     let seed = seed.map(str::parse::<Seed>).transpose()?;
     let options = match options {
-        Some(json) => {
-            serde_json::from_str(json).map_err(|error| Error::argument("options", error.to_string()))?
-        }
+        Some(json) => serde_json::from_str(json)
+            .map_err(|error| Error::argument("options", error.to_string()))?,
         None => Kwargs::new(),
     };
     Ok(Reset { seed, options })

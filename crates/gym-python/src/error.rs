@@ -24,7 +24,8 @@ pub(crate) fn guard<T>(f: impl FnOnce() -> PyResult<T>) -> PyResult<T> {
 /// The message of a panic.
 fn message(panic: &(dyn Any + Send)) -> &str {
     let text = panic.downcast_ref::<String>().map(String::as_str);
-    text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message")
+    text.or_else(|| panic.downcast_ref::<&str>().copied())
+        .unwrap_or("no message")
 }
 
 /// A `Result` of ours as one of Python's.
@@ -42,31 +43,53 @@ impl<T> OrRaise<T> for Result<T> {
 /// The text of an error, as Python's users know things.
 fn text(error: &Error) -> String {
     match error {
-        Error::SubEnvironment { index, source } => format!("sub-environment {index}: {}", text(source)),
+        Error::SubEnvironment { index, source } => {
+            format!("sub-environment {index}: {}", text(source))
+        }
         Error::ResetNeeded(call) => {
             format!("cannot call `{call}` before `reset`: call `reset(seed=0)` first")
         }
         Error::InvalidArgument { .. } => {
-            let text = TYPES.iter().fold(error.to_string(), |text, (types, words)| {
-                types.iter().fold(text, |text, name| text.replace(&format!("expected {name}"), words))
-            });
-            WORDS.iter().fold(text, |text, (ours, words)| text.replace(ours, words))
+            let text = TYPES
+                .iter()
+                .fold(error.to_string(), |text, (types, words)| {
+                    types.iter().fold(text, |text, name| {
+                        text.replace(&format!("expected {name}"), words)
+                    })
+                });
+            WORDS
+                .iter()
+                .fold(text, |text, (ours, words)| text.replace(ours, words))
         }
         // how to link crates is for Rust's
-        _ => error.to_string().split(" (linked crates").next().unwrap_or_default().to_owned(),
+        _ => error
+            .to_string()
+            .split(" (linked crates")
+            .next()
+            .unwrap_or_default()
+            .to_owned(),
     }
 }
 
 /// Types of Rust that JSON's errors speak of, in words.
 const TYPES: [(&[&str], &str); 3] = [
-    (&["usize", "u64", "u32", "u16", "u8"], "expected a whole number, zero or greater"),
-    (&["isize", "i64", "i32", "i16", "i8"], "expected a whole number"),
+    (
+        &["usize", "u64", "u32", "u16", "u8"],
+        "expected a whole number, zero or greater",
+    ),
+    (
+        &["isize", "i64", "i32", "i16", "i8"],
+        "expected a whole number",
+    ),
     (&["f64", "f32"], "expected a number"),
 ];
 
 /// Words of JSON, of Rust and of the operating system, in Python's.
 const WORDS: [(&str, &str); 14] = [
-    (" (NaN and infinite numbers become null: give a finite number)", ""),
+    (
+        " (NaN and infinite numbers become null: give a finite number)",
+        "",
+    ),
     ("invalid type: null", "invalid type: None"),
     ("expected a sequence", "expected a list"),
     ("expected an array of length", "expected a list of length"),
@@ -98,7 +121,9 @@ fn exception(py: Python<'_>, error: &Error) -> PyErr {
 
 /// The exception `gymnasium.error.NAME`.
 pub(crate) fn gymnasium(py: Python<'_>, name: &str, text: String) -> PyErr {
-    let raised = py.import("gymnasium.error").and_then(|module| module.getattr(name)?.call1((text,)));
+    let raised = py
+        .import("gymnasium.error")
+        .and_then(|module| module.getattr(name)?.call1((text,)));
     raised.map_or_else(|error| error, PyErr::from_value)
 }
 

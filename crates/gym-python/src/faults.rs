@@ -1,7 +1,8 @@
 //! An environment that panics on request, to test the handling of panics.
 
 use gym::{
-    Dynamics, Error, Generator, NoArguments, Registration, Reset, Result, Space, Stateful, Task, Transition,
+    Dynamics, Error, Generator, NoArguments, Registration, Reset, Result, Space, Stateful, Task,
+    Transition,
 };
 
 gym::discrete! {
@@ -45,7 +46,10 @@ impl Task for Panics {
     }
 
     fn start(&self, reset: &Reset, _rng: &mut Generator) -> Result<i64> {
-        assert!(!reset.options.contains_key("panic"), "asked to panic at a reset");
+        assert!(
+            !reset.options.contains_key("panic"),
+            "asked to panic at a reset"
+        );
         Ok(0)
     }
 
@@ -55,9 +59,18 @@ impl Task for Panics {
 }
 
 impl Dynamics for Panics {
-    fn transition(&self, state: &i64, action: &Action, _rng: &mut Generator) -> Result<Transition<i64>> {
+    fn transition(
+        &self,
+        state: &i64,
+        action: &Action,
+        _rng: &mut Generator,
+    ) -> Result<Transition<i64>> {
         match action {
-            Action::Wait => Ok(Transition { state: state + 1, reward: 0.0, terminated: false }),
+            Action::Wait => Ok(Transition {
+                state: state + 1,
+                reward: 0.0,
+                terminated: false,
+            }),
             Action::Panic => panic!("asked to panic at step {state}"),
             Action::Refuse => Err(Error::custom("asked to refuse")),
         }

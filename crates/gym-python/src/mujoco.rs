@@ -9,7 +9,9 @@ use pyo3::types::PyDict;
 
 /// The arrays of the state under MuJoCo's names, before the first reset of the initial one; `None` for other environments.
 pub(crate) fn data<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound<'py, PyDict>>> {
-    let Some(env) = simulated(env) else { return Ok(None) };
+    let Some(env) = simulated(env) else {
+        return Ok(None);
+    };
     let initial;
     let data = match env.data() {
         Some(data) => data,
@@ -41,16 +43,28 @@ pub(crate) fn data<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound<
     Ok(Some(arrays))
 }
 
-fn matrix<'py, const N: usize>(py: Python<'py>, rows: &[[f64; N]]) -> PyResult<Bound<'py, PyArray2<f64>>> {
+fn matrix<'py, const N: usize>(
+    py: Python<'py>,
+    rows: &[[f64; N]],
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
     PyArray1::from_slice(py, rows.as_flattened()).reshape([rows.len(), N])
 }
 
 /// The parts of the model, and its stepping: its source, the text of a built-in one, initial positions, number
 /// of velocities, names of bodies, timestep. `None` for other environments.
 pub(crate) fn model<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound<'py, PyDict>>> {
-    let Some(env) = simulated(env) else { return Ok(None) };
-    let Simulation { model, xml_file, frame_skip, .. } = env.simulation();
-    let text = tasks::models().find(|(name, _)| name == xml_file).map(|(_, text)| text);
+    let Some(env) = simulated(env) else {
+        return Ok(None);
+    };
+    let Simulation {
+        model,
+        xml_file,
+        frame_skip,
+        ..
+    } = env.simulation();
+    let text = tasks::models()
+        .find(|(name, _)| name == xml_file)
+        .map(|(_, text)| text);
     let facts = PyDict::new(py);
     facts.set_item("xml_file", xml_file)?;
     facts.set_item("xml", text)?;

@@ -75,14 +75,17 @@ macro_rules! where_settable {
 
 /// The arguments as they are, as JSON, where they can be set.
 pub(crate) fn arguments(env: &BoxEnv) -> Option<Json> {
-    where_settable!(env, unwrapped, |env| serde_json::to_value(env.config()).ok());
+    where_settable!(env, unwrapped, |env| serde_json::to_value(env.config())
+        .ok());
     None
 }
 
 /// Sets an argument, where that can be done.
 pub(crate) fn set_argument(env: &mut BoxEnv, name: &str, value: Json) -> Result<()> {
     where_settable!(env, unwrapped_mut, |env| env.set_argument(name, value));
-    Err(Error::custom("the arguments of this environment cannot be changed"))
+    Err(Error::custom(
+        "the arguments of this environment cannot be changed",
+    ))
 }
 
 /// Gymnasium's `P` and `initial_state_distrib`, for environments that have them.
@@ -116,9 +119,12 @@ fn both<'py>(py: Python<'py>, p: &Table, initial: &[f64]) -> PyResult<Bound<'py,
         let actions = PyDict::new(py);
         for action in 0..p.actions() {
             let outcomes = p.outcomes(state, action).iter();
-            let outcomes =
-                outcomes.map(|o| (o.probability, o.next, o.reward, o.terminated).into_bound_py_any(py));
-            actions.set_item(action, PyList::new(py, outcomes.collect::<PyResult<Vec<_>>>()?)?)?;
+            let outcomes = outcomes
+                .map(|o| (o.probability, o.next, o.reward, o.terminated).into_bound_py_any(py));
+            actions.set_item(
+                action,
+                PyList::new(py, outcomes.collect::<PyResult<Vec<_>>>()?)?,
+            )?;
         }
         states.set_item(state, actions)?;
     }

@@ -12,11 +12,19 @@ use crate::error::{OrRaise, guard};
 #[pyfunction]
 pub(crate) fn specs() -> PyResult<String> {
     let row = |registration: gym::Registration| -> Result<Json> {
-        let EnvSpec { id, kwargs, reward_threshold, max_episode_steps, nondeterministic, .. } =
-            registration.spec()?;
+        let EnvSpec {
+            id,
+            kwargs,
+            reward_threshold,
+            max_episode_steps,
+            nondeterministic,
+            ..
+        } = registration.spec()?;
         let table = registration.arguments()?;
-        let defaults: Kwargs =
-            table.iter().map(|argument| (argument.name.to_owned(), argument.default.clone())).collect();
+        let defaults: Kwargs = table
+            .iter()
+            .map(|argument| (argument.name.to_owned(), argument.default.clone()))
+            .collect();
         let documented = table.iter().map(|argument| {
             json!({"name": argument.name, "type": argument.kind, "unit": argument.unit, "meaning": argument.meaning})
         });
@@ -34,9 +42,15 @@ pub(crate) fn specs() -> PyResult<String> {
             "native_vector": registration.vector_entry_point.is_some(),
         }))
     };
-    let is_built = |row: &gym::Registration| cfg!(feature = "rapier") || !row.id().starts_with("rapier/");
+    let is_built =
+        |row: &gym::Registration| cfg!(feature = "rapier") || !row.id().starts_with("rapier/");
     guard(|| {
-        let rows = all().into_iter().filter(is_built).map(row).collect::<Result<Vec<_>>>().or_raise()?;
+        let rows = all()
+            .into_iter()
+            .filter(is_built)
+            .map(row)
+            .collect::<Result<Vec<_>>>()
+            .or_raise()?;
         Ok(Json::Array(rows).to_string())
     })
 }

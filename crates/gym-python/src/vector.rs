@@ -6,7 +6,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
 use gym::registry::{Each, EnvBuilder};
 use gym::vector::{
-    AsyncVectorEnv, Autoreset, Columns, Seeds, VectorEnv, VectorEnvExt, VectorKind, VectorReset, VectorSpec,
+    AsyncVectorEnv, Autoreset, Columns, Seeds, VectorEnv, VectorEnvExt, VectorKind, VectorReset,
+    VectorSpec,
 };
 use gym::{BoxEnv, Error, Info, Kwargs, Seed, Snapshot, Space, Value, WrapperSpec, builder};
 use numpy::{PyArray1, PyArrayMethods};
@@ -89,7 +90,10 @@ impl Vector {
             Err(TryLockError::Poisoned(poisoned)) => Ok(poisoned.into_inner()),
             Err(TryLockError::WouldBlock) => {
                 self.origin.check("vector")?;
-                Ok(self.core.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner))
+                Ok(self
+                    .core
+                    .lock_py_attached(py)
+                    .unwrap_or_else(PoisonError::into_inner))
             }
         }
     }
@@ -98,7 +102,10 @@ impl Vector {
     fn actions(&self, n: usize, batch: &Space, actions: &Bound<'_, PyAny>) -> PyResult<Value> {
         action_from_python(&self.action, Some((n, batch)), actions).map_err(|error| {
             let py = actions.py();
-            let text = format!("invalid actions: the action space is {batch} ({})", error.value(py));
+            let text = format!(
+                "invalid actions: the action space is {batch} ({})",
+                error.value(py)
+            );
             gymnasium(py, "InvalidAction", text)
         })
     }
@@ -107,7 +114,9 @@ impl Vector {
 impl Core {
     /// Observations, rewards and flags as arrays: new arrays, or the arrays of the step before last.
     fn arrays<'py>(&mut self, py: Python<'py>) -> PyResult<[Bound<'py, PyAny>; 4]> {
-        let Self { columns, spares, .. } = self;
+        let Self {
+            columns, spares, ..
+        } = self;
         let old = spares.as_mut().and_then(|spares| {
             spares.swap(0, 1);
             spares[0].take().map(|old| old.into_bound(py))
@@ -176,7 +185,11 @@ fn copy_into<'py, T: numpy::Element + Copy>(
     array: Bound<'py, PyAny>,
     numbers: &[T],
 ) -> PyResult<Bound<'py, PyAny>> {
-    array.cast::<PyArray1<T>>()?.try_readwrite()?.as_slice_mut()?.copy_from_slice(numbers);
+    array
+        .cast::<PyArray1<T>>()?
+        .try_readwrite()?
+        .as_slice_mut()?
+        .copy_from_slice(numbers);
     Ok(array)
 }
 
@@ -208,7 +221,11 @@ impl Vector {
                 .or_raise()?;
             let mut env = builder(id).args(map);
             if let Some(steps) = max_episode_steps {
-                env = env.args([("max_episode_steps".to_owned(), json!(steps))].into_iter().collect());
+                env = env.args(
+                    [("max_episode_steps".to_owned(), json!(steps))]
+                        .into_iter()
+                        .collect(),
+                );
             }
             if let Some(mode) = render_mode {
                 env = env.render_mode(mode.parse().or_raise()?);
@@ -248,14 +265,20 @@ impl Vector {
     ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyDict>)> {
         let one = crate::env::reset_of(seed, options).or_raise()?;
         let each = seeds.map(|seeds| {
-            let seeds = seeds.into_iter().map(|seed| seed.map(|seed| Ok(seed.parse::<Seed>()?)).transpose());
+            let seeds = seeds
+                .into_iter()
+                .map(|seed| seed.map(|seed| Ok(seed.parse::<Seed>()?)).transpose());
             seeds.collect::<gym::Result<Vec<_>>>()
         });
         let seeds = match each.transpose().or_raise()? {
             Some(seeds) => Seeds::Each(seeds),
             None => one.seed.map_or(Seeds::None, Seeds::From),
         };
-        let reset = VectorReset { seeds, options: one.options, mask };
+        let reset = VectorReset {
+            seeds,
+            options: one.options,
+            mask,
+        };
         let mut core = self.lock(py)?;
         let Core { envs, columns, .. } = &mut *core;
         py.detach(|| guard(|| envs.as_dyn().reset_into(&reset, columns).or_raise()))?;
@@ -264,17 +287,31 @@ impl Vector {
     }
 
     /// Takes a step in each: observations, rewards, terminated, truncated, infos.
-    fn step<'py>(&self, py: Python<'py>, actions: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyTuple>> {
+    fn step<'py>(
+        &self,
+        py: Python<'py>,
+        actions: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyTuple>> {
         let actions = self.actions(self.spec.num_envs, &self.actions, actions)?;
         let mut core = self.lock(py)?;
         let Core { envs, columns, .. } = &mut *core;
         py.detach(|| guard(|| envs.as_dyn().step_into(&actions, columns).or_raise()))?;
         let [observations, rewards, terminated, truncated] = core.arrays(py)?;
-        (observations, rewards, terminated, truncated, core.infos(py)?).into_pyobject(py)
+        (
+            observations,
+            rewards,
+            terminated,
+            truncated,
+            core.infos(py)?,
+        )
+            .into_pyobject(py)
     }
 
     /// Lets some take a step, without waiting for them.
-    #[expect(clippy::needless_pass_by_value, reason = "Python lends no slice of them")]
+    #[expect(
+        clippy::needless_pass_by_value,
+        reason = "Python lends no slice of them"
+    )]
     fn send(&self, py: Python<'_>, actions: &Bound<'_, PyAny>, ids: Vec<usize>) -> PyResult<()> {
         let batch = self.action.batch(ids.len().max(1)).or_raise()?;
         let actions = self.actions(ids.len(), &batch, actions)?;
@@ -311,7 +348,10 @@ impl Vector {
         let mut core = self.lock(py)?;
         let envs = &mut core.envs;
         let frames = py.detach(|| guard(|| envs.as_dyn().render().or_raise()))?;
-        let frames = frames.iter().map(|frame| rendered(py, frame)).collect::<PyResult<Vec<_>>>()?;
+        let frames = frames
+            .iter()
+            .map(|frame| rendered(py, frame))
+            .collect::<PyResult<Vec<_>>>()?;
         PyTuple::new(py, frames)
     }
 
@@ -332,7 +372,9 @@ impl Vector {
     /// Whether each environment's episode ended in the last step.
     fn done<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let core = self.lock(py)?;
-        let done: Vec<bool> = (0..core.columns.len()).map(|i| core.columns.done(i)).collect();
+        let done: Vec<bool> = (0..core.columns.len())
+            .map(|i| core.columns.done(i))
+            .collect();
         Ok(new_array(py, &[done.len()], &done))
     }
 
@@ -345,13 +387,24 @@ impl Vector {
     /// Copies of the environments, wrappers included.
     fn envs(&self, py: Python<'_>) -> PyResult<Vec<Env>> {
         let mut core = self.lock(py)?;
-        let copies = guard(|| core.envs.as_dyn().call(|_, env: &mut BoxEnv| env.clone()).or_raise())?;
-        Ok(copies.into_iter().map(|env| Env::of_vector(env, &self.spec.env)).collect())
+        let copies = guard(|| {
+            core.envs
+                .as_dyn()
+                .call(|_, env: &mut BoxEnv| env.clone())
+                .or_raise()
+        })?;
+        Ok(copies
+            .into_iter()
+            .map(|env| Env::of_vector(env, &self.spec.env))
+            .collect())
     }
 
     /// Puts environments in the place of the vector's own.
     fn set_envs(&self, py: Python<'_>, envs: Vec<Bound<'_, Env>>) -> PyResult<()> {
-        let copies = envs.into_iter().map(|env| env.get().inner(py)).collect::<PyResult<Vec<_>>>()?;
+        let copies = envs
+            .into_iter()
+            .map(|env| env.get().inner(py))
+            .collect::<PyResult<Vec<_>>>()?;
         let mut core = self.lock(py)?;
         let mut copies = copies.into_iter();
         core.envs
@@ -366,19 +419,27 @@ impl Vector {
     }
 
     /// The constructor's arguments, and a snapshot to continue from.
-    fn __reduce__<'py>(slf: &Bound<'py, Self>) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
+    fn __reduce__<'py>(
+        slf: &Bound<'py, Self>,
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyTuple>)> {
         let (py, vector) = (slf.py(), slf.get());
         let mut core = vector.lock(py)?;
         let copy = core.spares.is_none();
         let envs = &mut core.envs;
         let (spec, snapshot) = py.detach(|| {
             guard(|| {
-                let snapshot: Json =
-                    envs.as_dyn().snapshot().and_then(|snapshot| snapshot.get()).or_raise()?;
+                let snapshot: Json = envs
+                    .as_dyn()
+                    .snapshot()
+                    .and_then(|snapshot| snapshot.get())
+                    .or_raise()?;
                 Ok((json!(vector.spec).to_string(), snapshot.to_string()))
             })
         })?;
-        Ok((slf.get_type().getattr("rebuild")?, (spec, copy, snapshot).into_pyobject(py)?))
+        Ok((
+            slf.get_type().getattr("rebuild")?,
+            (spec, copy, snapshot).into_pyobject(py)?,
+        ))
     }
 
     /// The vector that `__reduce__` took apart.
@@ -416,17 +477,32 @@ impl Vector {
 
 impl Vector {
     fn holding(mut envs: Envs, spec: VectorSpec, copy: bool) -> PyResult<Self> {
-        let (action, actions) =
-            (envs.as_dyn().single_action_space(), envs.as_dyn().action_space().or_raise()?);
+        let (action, actions) = (
+            envs.as_dyn().single_action_space(),
+            envs.as_dyn().action_space().or_raise()?,
+        );
         let spares = (!copy).then(Default::default);
-        let core = Mutex::new(Core { envs, columns: Columns::default(), spares });
-        Ok(Self { core: ManuallyDrop::new(core), spec, action, actions, origin: Origin::here() })
+        let core = Mutex::new(Core {
+            envs,
+            columns: Columns::default(),
+            spares,
+        });
+        Ok(Self {
+            core: ManuallyDrop::new(core),
+            spec,
+            action,
+            actions,
+            origin: Origin::here(),
+        })
     }
 }
 
 fn make(spec: &VectorSpec) -> PyResult<Envs> {
     match spec.vectorization_mode {
-        VectorKind::Async => spec.make_async().or_raise().map(|vector| Envs::Async(Box::new(vector))),
+        VectorKind::Async => spec
+            .make_async()
+            .or_raise()
+            .map(|vector| Envs::Async(Box::new(vector))),
         _ => spec.make().or_raise().map(Envs::Here),
     }
 }

@@ -39,10 +39,16 @@ impl CartPole {
         canvas.clear(Color::WHITE);
         canvas.line([0.0, 300.0], [600.0, 300.0], 1.0, Color::BLACK);
         canvas.push(Transform::translate(300.0 + 125.0 * self.x, 300.0));
-        canvas.polygon(&[[-25.0, -15.0], [25.0, -15.0], [25.0, 15.0], [-25.0, 15.0]], Color::BLACK);
+        canvas.polygon(
+            &[[-25.0, -15.0], [25.0, -15.0], [25.0, 15.0], [-25.0, 15.0]],
+            Color::BLACK,
+        );
         canvas.push(Transform::translate(0.0, -7.5));
         canvas.push(Transform::rotate(self.theta));
-        canvas.polygon(&[[-5.0, 5.0], [5.0, 5.0], [5.0, -120.0], [-5.0, -120.0]], Color::rgb(202, 152, 101));
+        canvas.polygon(
+            &[[-5.0, 5.0], [5.0, 5.0], [5.0, -120.0], [-5.0, -120.0]],
+            Color::rgb(202, 152, 101),
+        );
         canvas.pop();
         canvas.circle([0.0, 0.0], 5.0, Color::rgb(129, 132, 203));
         canvas.pop();
@@ -51,11 +57,17 @@ impl CartPole {
 }
 
 fn main() -> gym_core::Result<()> {
-    let path =
-        std::env::args_os().nth(1).map_or_else(|| std::env::temp_dir().join("speed.gif"), PathBuf::from);
+    let path = std::env::args_os()
+        .nth(1)
+        .map_or_else(|| std::env::temp_dir().join("speed.gif"), PathBuf::from);
     let mut raster = Raster::new();
     let mut frame = Frame::new(SIZE.0, SIZE.1)?;
-    let mut env = CartPole { x: 0.03, x_dot: -0.02, theta: 0.04, theta_dot: 0.01 };
+    let mut env = CartPole {
+        x: 0.03,
+        x_dot: -0.02,
+        theta: 0.04,
+        theta_dot: 0.01,
+    };
     let mut paint = |frame: &mut Frame| {
         env.step();
         raster.paint(SIZE, &mut |canvas| env.draw(canvas), frame);
@@ -72,11 +84,18 @@ fn main() -> gym_core::Result<()> {
     frames.iter().try_for_each(|frame| writer.write(frame))?;
     writer.finish()?;
     let bytes = std::fs::metadata(&path).map_or(0, |file| file.len());
-    println!("{FRAMES} frames: {:.3} s, {bytes} bytes, {}", start.elapsed().as_secs_f64(), path.display());
+    println!(
+        "{FRAMES} frames: {:.3} s, {bytes} bytes, {}",
+        start.elapsed().as_secs_f64(),
+        path.display()
+    );
 
     let count = 20_000;
     let start = Instant::now();
     (0..count).for_each(|_| paint(&mut frame));
-    println!("drawing: {:.0} frames/s", f64::from(count) / start.elapsed().as_secs_f64());
+    println!(
+        "drawing: {:.0} frames/s",
+        f64::from(count) / start.elapsed().as_secs_f64()
+    );
     Ok(())
 }

@@ -71,7 +71,11 @@ impl<W: Write + Seek> Apng<W> {
         apng.writer.write_all(&SIGNATURE)?;
         let [width, height] = [frame.width(), frame.height()].map(u32::to_be_bytes);
         // 8 bits of red, green and blue; the usual compression and filters; not interlaced
-        chunk(&mut apng.writer, *b"IHDR", &[&width, &height, &[8, 2, 0, 0, 0]])?;
+        chunk(
+            &mut apng.writer,
+            *b"IHDR",
+            &[&width, &height, &[8, 2, 0, 0, 0]],
+        )?;
         apng.write_count()?;
         Ok(apng)
     }
@@ -95,7 +99,8 @@ impl<W: Write + Seek> Apng<W> {
     fn finish(mut self) -> io::Result<W> {
         self.write_pending()?;
         chunk(&mut self.writer, *b"IEND", &[])?;
-        self.writer.seek(SeekFrom::Start(SIGNATURE.len() as u64 + CHUNK + HEADER))?;
+        self.writer
+            .seek(SeekFrom::Start(SIGNATURE.len() as u64 + CHUNK + HEADER))?;
         self.write_count()?;
         self.writer.flush()?;
         Ok(self.writer)
@@ -103,7 +108,11 @@ impl<W: Write + Seek> Apng<W> {
 
     /// The chunk with the number of images, looping forever.
     fn write_count(&mut self) -> io::Result<()> {
-        chunk(&mut self.writer, *b"acTL", &[&self.pictures.to_be_bytes(), &[0; 4]])
+        chunk(
+            &mut self.writer,
+            *b"acTL",
+            &[&self.pictures.to_be_bytes(), &[0; 4]],
+        )
     }
 
     fn write_pending(&mut self) -> io::Result<()> {
@@ -112,7 +121,8 @@ impl<W: Write + Seek> Apng<W> {
         let row = self.pending.width() as usize * 3;
         for y in rows.clone() {
             let (start, end) = (y * row + columns.start * 3, y * row + columns.end * 3);
-            self.pixels.extend_from_slice(&self.pending.pixels()[start..end]);
+            self.pixels
+                .extend_from_slice(&self.pending.pixels()[start..end]);
         }
         let (width, height) = (columns.len() as u32, rows.len() as u32);
         self.file.clear();
@@ -121,15 +131,23 @@ impl<W: Write + Seek> Apng<W> {
         let place = [width, height, columns.start as u32, rows.start as u32].map(u32::to_be_bytes);
         let delay = [self.repeats as u16, self.fps as u16].map(u16::to_be_bytes);
         // kept afterwards; replaces the old content
-        let parts: [&[u8]; 4] =
-            [&self.sequence.to_be_bytes(), place.as_flattened(), delay.as_flattened(), &[0, 0]];
+        let parts: [&[u8]; 4] = [
+            &self.sequence.to_be_bytes(),
+            place.as_flattened(),
+            delay.as_flattened(),
+            &[0, 0],
+        ];
         chunk(&mut self.writer, *b"fcTL", &parts)?;
         self.sequence += 1;
         for data in image_data(&self.file) {
             if self.pictures == 0 {
                 chunk(&mut self.writer, *b"IDAT", &[data])?;
             } else {
-                chunk(&mut self.writer, *b"fdAT", &[&self.sequence.to_be_bytes(), data])?;
+                chunk(
+                    &mut self.writer,
+                    *b"fdAT",
+                    &[&self.sequence.to_be_bytes(), data],
+                )?;
                 self.sequence += 1;
             }
         }
@@ -196,7 +214,9 @@ mod tests {
 
     fn encode(fps: u32, frames: &[Frame]) -> Vec<u8> {
         let mut apng = Apng::start(Cursor::new(Vec::new()), fps, &frames[0]).unwrap();
-        frames[1..].iter().for_each(|frame| apng.write(frame).unwrap());
+        frames[1..]
+            .iter()
+            .for_each(|frame| apng.write(frame).unwrap());
         apng.finish().unwrap().into_inner()
     }
 
@@ -212,7 +232,12 @@ mod tests {
             let info = reader.next_frame(&mut pixels).unwrap();
             pixels.truncate(info.buffer_size());
             let control = *reader.info().frame_control().unwrap();
-            let area = [control.x_offset, control.y_offset, control.width, control.height];
+            let area = [
+                control.x_offset,
+                control.y_offset,
+                control.width,
+                control.height,
+            ];
             ((control.delay_num, control.delay_den), area, pixels)
         };
         (0..control.num_frames).map(picture).collect()
@@ -235,7 +260,10 @@ mod tests {
 
     #[test]
     fn a_single_frame_is_an_animation_too() {
-        assert_eq!(decode(&encode(1, &[plain(7)])), [((1, 1), [0, 0, 5, 4], vec![7; 60])]);
+        assert_eq!(
+            decode(&encode(1, &[plain(7)])),
+            [((1, 1), [0, 0, 5, 4], vec![7; 60])]
+        );
     }
 
     #[test]
@@ -248,7 +276,11 @@ mod tests {
             apng.finish().map(|_| ())
         };
         for room in 0..size {
-            assert_eq!(write(room).unwrap_err().kind(), io::ErrorKind::StorageFull, "{room}");
+            assert_eq!(
+                write(room).unwrap_err().kind(),
+                io::ErrorKind::StorageFull,
+                "{room}"
+            );
         }
         write(size).unwrap();
     }

@@ -66,7 +66,12 @@ impl AtomicFile {
                     temporary(&std::env::temp_dir().join(path.file_name().unwrap_or_default()))?
                 }
             };
-            Ok(Self { path: path.to_owned(), destination, file: BufWriter::new(file), temporary })
+            Ok(Self {
+                path: path.to_owned(),
+                destination,
+                file: BufWriter::new(file),
+                temporary,
+            })
         };
         create().map_err(|error| Error::io(path, error))
     }
@@ -81,7 +86,12 @@ impl AtomicFile {
     /// # Errors
     /// [`Error::Io`] if the rest cannot be written; then no file remains.
     pub fn commit(self) -> Result<()> {
-        let Self { path, destination, file, temporary } = self;
+        let Self {
+            path,
+            destination,
+            file,
+            temporary,
+        } = self;
         let commit = || {
             let mut file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
             match destination {
@@ -110,9 +120,14 @@ fn destination(path: &Path) -> io::Result<Destination> {
         _ => {}
     }
     for _ in 0..=MAX_LINKS {
-        let Ok(target) = fs::read_link(&path) else { return Ok(Destination::Replace(path)) };
+        let Ok(target) = fs::read_link(&path) else {
+            return Ok(Destination::Replace(path));
+        };
         // an open file of this program, such as `/dev/stdout`, which others write to as well
-        if folder(&path).canonicalize().is_ok_and(|folder| folder.starts_with("/proc")) {
+        if folder(&path)
+            .canonicalize()
+            .is_ok_and(|folder| folder.starts_with("/proc"))
+        {
             return Ok(Destination::Append(path));
         }
         path = folder(&path).join(target);
@@ -122,7 +137,9 @@ fn destination(path: &Path) -> io::Result<Destination> {
 
 /// The folder of a path.
 fn folder(path: &Path) -> &Path {
-    path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."))
+    path.parent()
+        .filter(|folder| *folder != Path::new(""))
+        .unwrap_or(Path::new("."))
 }
 
 /// The end of the names of temporary files.
@@ -137,9 +154,17 @@ fn temporary(path: &Path) -> io::Result<(File, TemporaryPath)> {
     loop {
         let mut hidden = std::ffi::OsString::from(".");
         hidden.push(name);
-        hidden.push(format!(".{}{SUFFIX}", COUNT.fetch_add(1, Ordering::Relaxed)));
+        hidden.push(format!(
+            ".{}{SUFFIX}",
+            COUNT.fetch_add(1, Ordering::Relaxed)
+        ));
         let hidden = folder(path).join(hidden);
-        let file = match OpenOptions::new().read(true).write(true).create_new(true).open(&hidden) {
+        let file = match OpenOptions::new()
+            .read(true)
+            .write(true)
+            .create_new(true)
+            .open(&hidden)
+        {
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => continue,
             opened => opened?,
         };
@@ -171,11 +196,20 @@ fn lock(file: &File) {
 /// files would read the folder for each.
 fn remove_leftovers(folder: &Path) {
     static CLEANED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
-    let Ok(folder) = folder.canonicalize() else { return };
-    if cfg!(not(unix)) || !CLEANED.lock().unwrap_or_else(PoisonError::into_inner).insert(folder.clone()) {
+    let Ok(folder) = folder.canonicalize() else {
+        return;
+    };
+    if cfg!(not(unix))
+        || !CLEANED
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .insert(folder.clone())
+    {
         return;
     }
-    let Ok(entries) = fs::read_dir(folder) else { return };
+    let Ok(entries) = fs::read_dir(folder) else {
+        return;
+    };
     for entry in entries.flatten() {
         let name = entry.file_name();
         let is_file = entry.file_type().is_ok_and(|kind| kind.is_file());
@@ -216,7 +250,8 @@ impl Seek for AtomicFile {
 pub fn write(path: impl AsRef<Path>, bytes: &[u8]) -> Result<()> {
     let path = path.as_ref();
     let mut file = AtomicFile::create(path)?;
-    file.write_all(bytes).map_err(|error| Error::io(path, error))?;
+    file.write_all(bytes)
+        .map_err(|error| Error::io(path, error))?;
     file.commit()
 }
 
@@ -230,7 +265,8 @@ mod tests {
 
     /// The names of the files in a folder, hidden ones too.
     fn names(folder: &TempDir) -> Vec<String> {
-        let name = |entry: io::Result<fs::DirEntry>| entry.unwrap().file_name().into_string().unwrap();
+        let name =
+            |entry: io::Result<fs::DirEntry>| entry.unwrap().file_name().into_string().unwrap();
         fs::read_dir(folder.path()).unwrap().map(name).collect()
     }
 
@@ -260,8 +296,10 @@ mod tests {
     fn two_writers_of_one_file_do_not_disturb_each_other() {
         let folder = TempDir::new().unwrap();
         let path = folder.path().join("a.txt");
-        let (mut first, mut second) =
-            (AtomicFile::create(&path).unwrap(), AtomicFile::create(&path).unwrap());
+        let (mut first, mut second) = (
+            AtomicFile::create(&path).unwrap(),
+            AtomicFile::create(&path).unwrap(),
+        );
         first.write_all(b"first").unwrap();
         second.write_all(b"second").unwrap();
         second.commit().unwrap();
@@ -275,9 +313,12 @@ mod tests {
     #[test]
     fn what_a_killed_run_left_behind_is_removed_by_the_next() {
         let folder = TempDir::new().unwrap();
-        for name in
-            [".a.txt.Xy12Zw.gym-partial", ".b.gif.Xy12Zw.gym-partial", "a.gym-partial", ".a.txt.backup.tmp"]
-        {
+        for name in [
+            ".a.txt.Xy12Zw.gym-partial",
+            ".b.gif.Xy12Zw.gym-partial",
+            "a.gym-partial",
+            ".a.txt.backup.tmp",
+        ] {
             fs::write(folder.path().join(name), "half").unwrap();
         }
         let running = temporary(&folder.path().join("c.txt"));
@@ -285,7 +326,11 @@ mod tests {
         assert!(running.unwrap().1.0.exists());
         let mut left = names(&folder);
         left.sort();
-        assert_eq!(left, [".a.txt.backup.tmp", "a.gym-partial", "a.txt"], "files of other programs stay");
+        assert_eq!(
+            left,
+            [".a.txt.backup.tmp", "a.gym-partial", "a.txt"],
+            "files of other programs stay"
+        );
     }
 
     const WRITER: &str = "GYM_RENDER_TESTS_WRITER";
@@ -294,7 +339,9 @@ mod tests {
     #[cfg(unix)]
     #[test]
     fn writer() {
-        let Some(path) = std::env::var_os(WRITER) else { return };
+        let Some(path) = std::env::var_os(WRITER) else {
+            return;
+        };
         for letter in (b'b'..=b'z').cycle() {
             write(&path, &vec![letter; 1 << 20]).unwrap();
         }
@@ -326,7 +373,11 @@ mod tests {
             child.kill().unwrap();
             child.wait().unwrap();
             let left = fs::read(&path).unwrap();
-            assert!(left.len() == 1 << 20 && left.iter().all(|letter| *letter == left[0]), "{}", left.len());
+            assert!(
+                left.len() == 1 << 20 && left.iter().all(|letter| *letter == left[0]),
+                "{}",
+                left.len()
+            );
             assert!(names(&folder).len() <= 2, "{:?}", names(&folder));
             write(&path, b"next").unwrap();
             assert_eq!(
@@ -364,7 +415,10 @@ mod tests {
         assert_eq!(fs::read(path("there/target")).unwrap(), b"new");
         assert_eq!(fs::read(path("there/new")).unwrap(), b"first");
         for name in ["relative", "twice", "dangling"] {
-            assert!(fs::symlink_metadata(path(name)).unwrap().is_symlink(), "{name}");
+            assert!(
+                fs::symlink_metadata(path(name)).unwrap().is_symlink(),
+                "{name}"
+            );
         }
         // as many as Linux follows, and one more
         symlink("there/target", path("link1")).unwrap();
@@ -388,10 +442,16 @@ mod tests {
             fs::write(&path, "old").unwrap();
             fs::set_permissions(&path, fs::Permissions::from_mode(mode)).unwrap();
             let file = AtomicFile::create(&path).unwrap();
-            let half = fs::metadata(file.temporary_path()).unwrap().permissions().mode();
+            let half = fs::metadata(file.temporary_path())
+                .unwrap()
+                .permissions()
+                .mode();
             assert_eq!(half & 0o777, mode, "a secret is one from the start");
             file.commit().unwrap();
-            assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, mode);
+            assert_eq!(
+                fs::metadata(&path).unwrap().permissions().mode() & 0o777,
+                mode
+            );
         }
     }
 
@@ -402,17 +462,31 @@ mod tests {
         use std::os::unix::fs::{FileTypeExt, symlink};
         let folder = TempDir::new().unwrap();
         // without root rights no test can destroy the node itself
-        assert_eq!(destination(Path::new("/dev/full")).unwrap(), Destination::Append("/dev/full".into()));
+        assert_eq!(
+            destination(Path::new("/dev/full")).unwrap(),
+            Destination::Append("/dev/full".into())
+        );
         write("/dev/null", b"gone").unwrap();
         let full = write("/dev/full", b"too much").unwrap_err();
         assert!(
             matches!(&full, Error::Io { source, .. } if source.kind() == io::ErrorKind::StorageFull),
             "{full}"
         );
-        assert!(fs::metadata("/dev/full").unwrap().file_type().is_char_device());
+        assert!(
+            fs::metadata("/dev/full")
+                .unwrap()
+                .file_type()
+                .is_char_device()
+        );
 
         let pipe = folder.path().join("pipe");
-        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        assert!(
+            std::process::Command::new("mkfifo")
+                .arg(&pipe)
+                .status()
+                .unwrap()
+                .success()
+        );
         let reader = std::thread::spawn({
             let pipe = pipe.clone();
             move || fs::read(pipe).unwrap()
@@ -429,7 +503,11 @@ mod tests {
         symlink(descriptor, folder.path().join("stdout")).unwrap();
         write(folder.path().join("stdout"), b"through").unwrap();
         assert_eq!(fs::read(&log).unwrap(), b"before through");
-        assert_eq!(names(&folder).len(), 3, "nothing else is left in the folder");
+        assert_eq!(
+            names(&folder).len(),
+            3,
+            "nothing else is left in the folder"
+        );
     }
 
     #[cfg(unix)]
@@ -437,7 +515,12 @@ mod tests {
     fn a_file_has_the_permissions_of_any_other() {
         use std::os::unix::fs::PermissionsExt;
         let folder = TempDir::new().unwrap();
-        let mode = |name: &str| fs::metadata(folder.path().join(name)).unwrap().permissions().mode();
+        let mode = |name: &str| {
+            fs::metadata(folder.path().join(name))
+                .unwrap()
+                .permissions()
+                .mode()
+        };
         fs::write(folder.path().join("plain"), "").unwrap();
         write(folder.path().join("atomic"), b"").unwrap();
         assert_eq!(mode("atomic"), mode("plain"));
@@ -446,10 +529,16 @@ mod tests {
     #[test]
     fn failures_are_errors_and_leave_nothing() {
         let folder = TempDir::new().unwrap();
-        assert!(matches!(write(folder.path().join("no/a.txt"), b""), Err(Error::Io { .. })));
+        assert!(matches!(
+            write(folder.path().join("no/a.txt"), b""),
+            Err(Error::Io { .. })
+        ));
         assert!(matches!(write("/", b""), Err(Error::Io { .. })));
         fs::create_dir_all(folder.path().join("taken/full")).unwrap();
-        assert!(matches!(write(folder.path().join("taken"), b"x"), Err(Error::Io { .. })));
+        assert!(matches!(
+            write(folder.path().join("taken"), b"x"),
+            Err(Error::Io { .. })
+        ));
         assert_eq!(names(&folder), ["taken"]);
     }
 }

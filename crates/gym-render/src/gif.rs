@@ -103,7 +103,10 @@ impl GifEncoder {
     pub fn new(fps: u32, first: &Frame) -> Result<Self> {
         check(fps, first)?;
         let animation = Animation::start(io::Cursor::default(), fps, first).map_err(failed)?;
-        Ok(Self { size: (first.width(), first.height()), animation })
+        Ok(Self {
+            size: (first.width(), first.height()),
+            animation,
+        })
     }
 
     /// Appends a frame.
@@ -112,7 +115,10 @@ impl GifEncoder {
     /// `Error::InvalidArgument` for a frame of another size than the first; it is left out.
     pub fn write(&mut self, frame: &Frame) -> Result<()> {
         if (frame.width(), frame.height()) != self.size {
-            return Err(Error::argument("GifEncoder", "all frames must have one size"));
+            return Err(Error::argument(
+                "GifEncoder",
+                "all frames must have one size",
+            ));
         }
         self.animation.write(frame).map_err(failed)
     }
@@ -122,7 +128,10 @@ impl GifEncoder {
     /// # Errors
     /// If the last frame cannot be encoded.
     pub fn finish(self) -> Result<Vec<u8>> {
-        self.animation.finish().map(io::Cursor::into_inner).map_err(failed)
+        self.animation
+            .finish()
+            .map(io::Cursor::into_inner)
+            .map_err(failed)
     }
 }
 
@@ -144,7 +153,9 @@ fn failed(error: io::Error) -> Error {
 /// Writes all frames as a GIF, to something else than a file.
 pub(crate) fn encode<W: Write + Seek>(writer: W, fps: u32, frames: &[Frame]) -> Result<W> {
     let invalid = |reason: &str| Error::argument("GifWriter", reason);
-    let [first, rest @ ..] = frames else { return Err(invalid("there is no frame: give at least one")) };
+    let [first, rest @ ..] = frames else {
+        return Err(invalid("there is no frame: give at least one"));
+    };
     let size = |frame: &Frame| (frame.width(), frame.height());
     check(fps, first)?;
     if rest.iter().any(|frame| size(frame) != size(first)) {
@@ -197,7 +208,8 @@ impl Format for Animation<AtomicFile> {
 impl<W: Write + Seek> Animation<W> {
     fn start(writer: W, fps: u32, frame: &Frame) -> io::Result<Self> {
         let (width, height) = (frame.width() as u16, frame.height() as u16);
-        let mut encoder = Encoder::new(writer, width, height, &[0; ENTRIES * 3]).map_err(io_error)?;
+        let mut encoder =
+            Encoder::new(writer, width, height, &[0; ENTRIES * 3]).map_err(io_error)?;
         encoder.set_repeat(Repeat::Infinite).map_err(io_error)?;
         Ok(Self {
             encoder,
@@ -251,7 +263,13 @@ impl<W: Write + Seek> Animation<W> {
     fn write_pending(&mut self, until: u64) -> io::Result<()> {
         let (columns, rows) = changed(self.shown.as_ref(), &self.pending);
         self.pixels.clear();
-        gather(self.shown.as_ref(), &self.pending, columns.clone(), rows.clone(), &mut self.pixels);
+        gather(
+            self.shown.as_ref(),
+            &self.pending,
+            columns.clone(),
+            rows.clone(),
+            &mut self.pixels,
+        );
         let mut own = self.table();
         let mut picture = compressed(&self.entries);
         let mut filled = own.clone();
@@ -272,7 +290,9 @@ impl<W: Write + Seek> Animation<W> {
         let mut ticks = until - self.since;
         loop {
             picture.delay = u16::try_from(ticks).unwrap_or(u16::MAX);
-            self.encoder.write_lzw_pre_encoded_frame(&picture).map_err(io_error)?;
+            self.encoder
+                .write_lzw_pre_encoded_frame(&picture)
+                .map_err(io_error)?;
             ticks -= u64::from(picture.delay);
             if ticks == 0 {
                 return Ok(());
@@ -308,7 +328,11 @@ impl<W: Write + Seek> std::fmt::Debug for Animation<W> {
 /// An image of these entries, not yet placed.
 fn compressed(entries: &[u8]) -> gif::Frame<'_> {
     let buffer = Cow::Borrowed(entries);
-    let mut picture = gif::Frame { transparent: Some(TRANSPARENT), buffer, ..gif::Frame::default() };
+    let mut picture = gif::Frame {
+        transparent: Some(TRANSPARENT),
+        buffer,
+        ..gif::Frame::default()
+    };
     picture.make_lzw_pre_encoded();
     picture
 }
@@ -392,7 +416,10 @@ mod tests {
                 delay: picture.delay,
                 area: [picture.left, picture.top, picture.width, picture.height],
                 own_table: picture.palette.is_some(),
-                transparent: picture.buffer.iter().any(|&entry| Some(entry) == picture.transparent),
+                transparent: picture
+                    .buffer
+                    .iter()
+                    .any(|&entry| Some(entry) == picture.transparent),
                 screen: screen.clone(),
             });
         }
@@ -401,7 +428,9 @@ mod tests {
     }
 
     fn encode(fps: u32, frames: &[Frame]) -> Vec<u8> {
-        super::encode(Cursor::new(Vec::new()), fps, frames).unwrap().into_inner()
+        super::encode(Cursor::new(Vec::new()), fps, frames)
+            .unwrap()
+            .into_inner()
     }
 
     fn delays(pictures: &[Picture]) -> Vec<u16> {
@@ -424,7 +453,9 @@ mod tests {
             (0..4, 0..4) => [255, step as u8, 0],
             _ => [0, (x / 5) as u8, (y / 5) as u8],
         };
-        (0..count).map(|step| frame(60, 10, |x, y| color(step, x, y))).collect()
+        (0..count)
+            .map(|step| frame(60, 10, |x, y| color(step, x, y)))
+            .collect()
     }
 
     #[test]
@@ -440,27 +471,45 @@ mod tests {
         assert_eq!(pictures[0].area, [0, 0, 60, 10]);
         assert_eq!(pictures[1].area, [0, 3, 5, 4]);
         assert_eq!(pictures[9].area, [8, 3, 5, 4]);
-        assert_eq!(bytes, encode(50, &frames), "the same frames give the same file");
+        assert_eq!(
+            bytes,
+            encode(50, &frames),
+            "the same frames give the same file"
+        );
     }
 
     /// Viewers show a frame of less than two hundredths for a tenth of a second.
     #[test]
     fn the_last_frame_is_not_too_short() {
-        let frames: Vec<_> = (0..4).map(|red| frame(2, 2, move |_, _| [red, 0, 0])).collect();
+        let frames: Vec<_> = (0..4)
+            .map(|red| frame(2, 2, move |_, _| [red, 0, 0]))
+            .collect();
         for (fps, count) in [(1000, 1), (1000, 4), (100, 3), (60, 4), (50, 4), (10, 2)] {
             let pictures = decode(&encode(fps, &frames[..count]));
-            let delays: Vec<_> = pictures.iter().map(|picture| u64::from(picture.delay)).collect();
-            assert!(delays.iter().all(|delay| *delay >= SHORTEST_DELAY), "{fps}, {count}: {delays:?}");
+            let delays: Vec<_> = pictures
+                .iter()
+                .map(|picture| u64::from(picture.delay))
+                .collect();
+            assert!(
+                delays.iter().all(|delay| *delay >= SHORTEST_DELAY),
+                "{fps}, {count}: {delays:?}"
+            );
             // as long as the frames take, to a hundredth, and no longer than the shortest delay asks for
             let whole = (100 * count as u64).div_ceil(u64::from(fps));
             let sum: u64 = delays.iter().sum();
-            assert!(sum.abs_diff(whole) <= SHORTEST_DELAY, "{fps}, {count}: {delays:?}");
+            assert!(
+                sum.abs_diff(whole) <= SHORTEST_DELAY,
+                "{fps}, {count}: {delays:?}"
+            );
         }
     }
 
     #[test]
     fn the_shared_table_holds_the_colours_in_order_and_no_others() {
-        let frames = [frame(2, 1, |x, _| [x as u8, 9, 9]), frame(2, 1, |_, _| [7, 7, 7])];
+        let frames = [
+            frame(2, 1, |x, _| [x as u8, 9, 9]),
+            frame(2, 1, |_, _| [7, 7, 7]),
+        ];
         let bytes = encode(10, &frames);
         let table = &bytes[TABLE_OFFSET as usize..][..ENTRIES * 3];
         assert_eq!(table[..12], [0, 0, 0, 0, 9, 9, 1, 9, 9, 7, 7, 7]);
@@ -474,7 +523,10 @@ mod tests {
         let pictures = decode(&encode(10, &frames));
         let own: Vec<bool> = pictures.iter().map(|picture| picture.own_table).collect();
         assert_eq!(own, [false, true, false]);
-        pictures.iter().zip(&frames).for_each(|(picture, frame)| assert_eq!(picture.screen, frame.pixels()));
+        pictures
+            .iter()
+            .zip(&frames)
+            .for_each(|(picture, frame)| assert_eq!(picture.screen, frame.pixels()));
     }
 
     #[test]
@@ -482,22 +534,43 @@ mod tests {
         let noise = |x: u32, y: u32| (x * x + 3 * y * y + x * y).is_multiple_of(3);
         let plain = |shade| frame(40, 40, move |_, _| [shade; 3]);
         // the last images have their own tables, because each has 251 colours
-        let ramp =
-            |x: u32, y: u32, other: u8| if y < 7 { [(y * 40 + x).min(251) as u8, other, 0] } else { [9; 3] };
+        let ramp = |x: u32, y: u32, other: u8| {
+            if y < 7 {
+                [(y * 40 + x).min(251) as u8, other, 0]
+            } else {
+                [9; 3]
+            }
+        };
         let noisy = frame(40, 40, |x, y| [if noise(x, y) { 9 } else { 8 }; 3]);
         let frames = [
             noisy.clone(),
             plain(9), // as a whole it is one run
             frame(40, 40, |x, y| if x == y { [8; 3] } else { [9; 3] }),
             frame(40, 40, |x, y| ramp(x, y, 1)),
-            frame(40, 40, |x, y| if noise(x, y) { [9; 3] } else { ramp(x, y, 2) }),
+            frame(
+                40,
+                40,
+                |x, y| if noise(x, y) { [9; 3] } else { ramp(x, y, 2) },
+            ),
             frame(40, 40, |x, y| ramp(x, y, 2)),
         ];
         let pictures = decode(&encode(10, &frames));
-        pictures.iter().zip(&frames).for_each(|(picture, frame)| assert_eq!(picture.screen, frame.pixels()));
-        let seen: Vec<_> = pictures.iter().map(|picture| (picture.own_table, picture.transparent)).collect();
-        let expected =
-            [(false, false), (false, false), (false, true), (false, false), (true, false), (true, true)];
+        pictures
+            .iter()
+            .zip(&frames)
+            .for_each(|(picture, frame)| assert_eq!(picture.screen, frame.pixels()));
+        let seen: Vec<_> = pictures
+            .iter()
+            .map(|picture| (picture.own_table, picture.transparent))
+            .collect();
+        let expected = [
+            (false, false),
+            (false, false),
+            (false, true),
+            (false, false),
+            (true, false),
+            (true, true),
+        ];
         assert_eq!(seen, expected);
     }
 
@@ -507,7 +580,10 @@ mod tests {
         let pictures = decode(&encode(10, &frames));
         let screen = &pictures[0].screen;
         assert!(screen.chunks_exact(3).collect::<HashSet<_>>().len() <= 255);
-        let differences = screen.iter().zip(frames[0].pixels()).map(|(a, b)| u64::from(a.abs_diff(*b)));
+        let differences = screen
+            .iter()
+            .zip(frames[0].pixels())
+            .map(|(a, b)| u64::from(a.abs_diff(*b)));
         let mean = differences.sum::<u64>() as f64 / screen.len() as f64;
         assert!(mean < 8.0, "{mean}");
     }
@@ -515,9 +591,15 @@ mod tests {
     #[test]
     fn times_are_true_on_average() {
         let frames = moving(31);
-        assert_eq!(delays(&decode(&encode(30, &frames[..6]))), [3, 4, 3, 3, 4, 3]);
+        assert_eq!(
+            delays(&decode(&encode(30, &frames[..6]))),
+            [3, 4, 3, 3, 4, 3]
+        );
         let total = |fps| {
-            delays(&decode(&encode(fps, &frames[..30]))).iter().map(|&delay| u64::from(delay)).sum::<u64>()
+            delays(&decode(&encode(fps, &frames[..30])))
+                .iter()
+                .map(|&delay| u64::from(delay))
+                .sum::<u64>()
         };
         assert_eq!([30, 24, 7, 1].map(total), [100, 125, 429, 3000]);
     }
@@ -537,10 +619,20 @@ mod tests {
     #[test]
     fn a_frame_that_changes_nothing_prolongs_the_one_before() {
         let [a, b] = [0, 9].map(|red| frame(3, 3, |_, _| [red, 0, 0]));
-        let run = [a.clone(), a.clone(), a.clone(), b.clone(), b.clone(), a.clone()];
+        let run = [
+            a.clone(),
+            a.clone(),
+            a.clone(),
+            b.clone(),
+            b.clone(),
+            a.clone(),
+        ];
         assert_eq!(delays(&decode(&encode(20, &run))), [15, 10, 5]);
         // A change that is undone before it could be seen.
-        assert_eq!(delays(&decode(&encode(100, &[a.clone(), a.clone(), b, a]))), [2, 2]);
+        assert_eq!(
+            delays(&decode(&encode(100, &[a.clone(), a.clone(), b, a]))),
+            [2, 2]
+        );
     }
 
     #[test]
@@ -557,13 +649,17 @@ mod tests {
         let folder = TempDir::new().unwrap();
         let path = folder.path().join("a.gif");
         let mut writer = GifWriter::create(&path, 50).unwrap();
-        moving(3).iter().for_each(|frame| writer.write(frame).unwrap());
+        moving(3)
+            .iter()
+            .for_each(|frame| writer.write(frame).unwrap());
         assert!(!path.exists());
         writer.finish().unwrap();
         assert_eq!(fs::read(&path).unwrap(), encode(50, &moving(3)));
 
         let mut dropped = GifWriter::create(folder.path().join("b.gif"), 50).unwrap();
-        moving(3).iter().for_each(|frame| dropped.write(frame).unwrap());
+        moving(3)
+            .iter()
+            .for_each(|frame| dropped.write(frame).unwrap());
         drop(dropped);
         write_gif(folder.path().join("c.gif"), 50, &moving(3)).unwrap();
         assert_eq!(names(&folder), ["a.gif", "b.gif", "c.gif"]);
@@ -577,7 +673,9 @@ mod tests {
     fn an_animation_in_memory_equals_the_file() {
         let frames = moving(12);
         let mut encoder = GifEncoder::new(50, &frames[0]).unwrap();
-        frames[1..].iter().for_each(|frame| encoder.write(frame).unwrap());
+        frames[1..]
+            .iter()
+            .for_each(|frame| encoder.write(frame).unwrap());
         assert!(encoder.write(&Frame::new(3, 3).unwrap()).is_err());
         assert_eq!(encoder.finish().unwrap(), encode(50, &frames));
         assert!(
@@ -597,8 +695,15 @@ mod tests {
         assert!(refused(write_gif(&path, 1, &[])));
         assert!(refused(write_gif(&path, 1, &mixed)));
         assert!(refused(write_gif(&path, 1, &[Frame::new(0, 2).unwrap()])));
-        assert!(refused(write_gif(&path, 1, &[Frame::new(65536, 1).unwrap()])));
-        assert!(matches!(GifWriter::create(folder.path().join("no/a.gif"), 1), Err(Error::Io { .. })));
+        assert!(refused(write_gif(
+            &path,
+            1,
+            &[Frame::new(65536, 1).unwrap()]
+        )));
+        assert!(matches!(
+            GifWriter::create(folder.path().join("no/a.gif"), 1),
+            Err(Error::Io { .. })
+        ));
         drop(GifWriter::create(&path, 1).unwrap());
         assert_eq!(names(&folder), [""; 0]);
 
@@ -617,11 +722,17 @@ mod tests {
         let write = |room: usize| {
             let writer = Full::new(room);
             let mut animation = Animation::start(writer, 50, &frames[0])?;
-            frames[1..].iter().try_for_each(|frame| animation.write(frame))?;
+            frames[1..]
+                .iter()
+                .try_for_each(|frame| animation.write(frame))?;
             animation.finish().map(|_| ())
         };
         for room in 0..size {
-            assert_eq!(write(room).unwrap_err().kind(), io::ErrorKind::StorageFull, "{room}");
+            assert_eq!(
+                write(room).unwrap_err().kind(),
+                io::ErrorKind::StorageFull,
+                "{room}"
+            );
         }
         write(size).unwrap();
     }
@@ -634,7 +745,10 @@ mod tests {
         // The folder is gone when the file is to get its name.
         fs::remove_dir_all(folder.path()).unwrap();
         assert!(matches!(writer.0.finish(), Err(Error::Io { .. })));
-        assert!(matches!(writer.write(&Frame::new(2, 2).unwrap()), Err(Error::Io { .. })));
+        assert!(matches!(
+            writer.write(&Frame::new(2, 2).unwrap()),
+            Err(Error::Io { .. })
+        ));
         assert!(matches!(writer.finish(), Err(Error::Io { .. })));
     }
 }

@@ -36,7 +36,10 @@ impl Inline {
     /// # Errors
     /// The errors of [`write_png`](crate::write_png).
     pub fn frame(frame: &Frame) -> Result<Self> {
-        Ok(Self { mime: "image/png", content: STANDARD.encode(png::bytes(frame)?) })
+        Ok(Self {
+            mime: "image/png",
+            content: STANDARD.encode(png::bytes(frame)?),
+        })
     }
 
     /// An animation, as GIF.
@@ -46,13 +49,22 @@ impl Inline {
     pub fn gif(fps: u32, frames: &[Frame]) -> Result<Self> {
         let bytes = gif::encode(Cursor::new(Vec::new()), fps, frames)?.into_inner();
         // inside HTML, because nbconvert shows no content of type image/gif
-        let content = format!(r#"<img src="data:image/gif;base64,{}">"#, STANDARD.encode(bytes));
-        Ok(Self { mime: "text/html", content })
+        let content = format!(
+            r#"<img src="data:image/gif;base64,{}">"#,
+            STANDARD.encode(bytes)
+        );
+        Ok(Self {
+            mime: "text/html",
+            content,
+        })
     }
 
     /// A plot, as SVG.
     pub fn plot(plot: &Plot) -> Self {
-        Self { mime: "image/svg+xml", content: crate::svg(plot.size(), |canvas| plot.draw(canvas)) }
+        Self {
+            mime: "image/svg+xml",
+            content: crate::svg(plot.size(), |canvas| plot.draw(canvas)),
+        }
     }
 
     /// Shows it; the notebook's kernel calls this.
@@ -61,7 +73,10 @@ impl Inline {
     }
 
     fn marked(&self) -> String {
-        format!("EVCXR_BEGIN_CONTENT {}\n{}\nEVCXR_END_CONTENT", self.mime, self.content)
+        format!(
+            "EVCXR_BEGIN_CONTENT {}\n{}\nEVCXR_END_CONTENT",
+            self.mime, self.content
+        )
     }
 }
 
@@ -81,16 +96,26 @@ mod tests {
         let frames = [Frame::new(2, 1).unwrap(), Frame::new(2, 1).unwrap()];
         let content = |inline: &Inline, mime: &str| {
             let marked = inline.marked();
-            let content = marked.strip_prefix(&format!("EVCXR_BEGIN_CONTENT {mime}\n")).unwrap();
-            content.strip_suffix("\nEVCXR_END_CONTENT").unwrap().to_owned()
+            let content = marked
+                .strip_prefix(&format!("EVCXR_BEGIN_CONTENT {mime}\n"))
+                .unwrap();
+            content
+                .strip_suffix("\nEVCXR_END_CONTENT")
+                .unwrap()
+                .to_owned()
         };
         let frame = content(&Inline::frame(&frames[0]).unwrap(), "image/png");
         assert!(STANDARD.decode(frame).unwrap().starts_with(b"\x89PNG"));
         let image = content(&Inline::gif(10, &frames).unwrap(), "text/html");
-        let data =
-            image.strip_prefix(r#"<img src="data:image/gif;base64,"#).unwrap().strip_suffix("\">").unwrap();
+        let data = image
+            .strip_prefix(r#"<img src="data:image/gif;base64,"#)
+            .unwrap()
+            .strip_suffix("\">")
+            .unwrap();
         assert!(STANDARD.decode(data).unwrap().starts_with(b"GIF89a"));
         assert!(content(&Inline::plot(&Plot::new("t")), "image/svg+xml").starts_with("<svg"));
-        assert!(Inline::frame(&Frame::new(0, 1).unwrap()).is_err() && Inline::gif(10, &[]).is_err());
+        assert!(
+            Inline::frame(&Frame::new(0, 1).unwrap()).is_err() && Inline::gif(10, &[]).is_err()
+        );
     }
 }

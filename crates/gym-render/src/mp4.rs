@@ -37,7 +37,13 @@ impl Format for Mp4 {
 
     fn available() -> Result<()> {
         let [stdin, stdout, stderr] = std::array::from_fn(|_| Stdio::null());
-        match Command::new(PROGRAM).arg("-version").stdin(stdin).stdout(stdout).stderr(stderr).status() {
+        match Command::new(PROGRAM)
+            .arg("-version")
+            .stdin(stdin)
+            .stdout(stdout)
+            .stderr(stderr)
+            .status()
+        {
             Ok(status) if status.success() => Ok(()),
             _ => Err(Error::argument(
                 Self::NAME,
@@ -51,16 +57,35 @@ impl Format for Mp4 {
         let size = format!("{}x{}", frame.width(), frame.height());
         let ffmpeg = Command::new(PROGRAM)
             .args(["-loglevel", "error", "-xerror"])
-            .args(["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", &size, "-r", &fps.to_string(), "-i", "-"])
+            .args([
+                "-f",
+                "rawvideo",
+                "-pix_fmt",
+                "rgb24",
+                "-s",
+                &size,
+                "-r",
+                &fps.to_string(),
+                "-i",
+                "-",
+            ])
             // players want colours at half resolution, and so even sizes
-            .args(["-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white", "-pix_fmt", "yuv420p"])
+            .args([
+                "-vf",
+                "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white",
+                "-pix_fmt",
+                "yuv420p",
+            ])
             .args(["-movflags", "+faststart", "-f", "mp4", "-y"])
             .arg(file.temporary_path())
             .stdin(Stdio::piped())
             .stdout(Stdio::null())
             .stderr(Stdio::piped())
             .spawn()?;
-        let mut mp4 = Self { ffmpeg: Ffmpeg(ffmpeg), file };
+        let mut mp4 = Self {
+            ffmpeg: Ffmpeg(ffmpeg),
+            file,
+        };
         mp4.write(frame)?;
         Ok(mp4)
     }
@@ -70,7 +95,8 @@ impl Format for Mp4 {
             return Err(io::Error::other("the pipe to `ffmpeg` is closed"));
         };
         // A broken pipe has no reason; `ffmpeg`'s output does.
-        pipe.write_all(frame.pixels()).or_else(|error| self.wait().and(Err(error)))
+        pipe.write_all(frame.pixels())
+            .or_else(|error| self.wait().and(Err(error)))
     }
 
     fn finish(mut self) -> io::Result<AtomicFile> {
@@ -91,7 +117,14 @@ impl Mp4 {
             return Ok(());
         }
         let is_full = message.contains("No space left on device");
-        let kind = if is_full { io::ErrorKind::StorageFull } else { io::ErrorKind::Other };
-        Err(io::Error::new(kind, format!("`ffmpeg` failed: {}", message.trim())))
+        let kind = if is_full {
+            io::ErrorKind::StorageFull
+        } else {
+            io::ErrorKind::Other
+        };
+        Err(io::Error::new(
+            kind,
+            format!("`ffmpeg` failed: {}", message.trim()),
+        ))
     }
 }

@@ -11,7 +11,11 @@ pub(crate) struct Decimal<const N: usize>(pub(crate) f64);
 impl<const N: usize> fmt::Display for Decimal<N> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let text = format!("{:.N$}", self.0);
-        let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };
+        let text = if text.contains('.') {
+            text.trim_end_matches('0').trim_end_matches('.')
+        } else {
+            &text
+        };
         f.write_str(if text == "-0" { "0" } else { text })
     }
 }

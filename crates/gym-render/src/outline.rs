@@ -21,8 +21,16 @@ pub(crate) fn outline(shape: Shape<'_>, emit: &mut impl FnMut(Segment)) {
             emit(Segment::Close);
         }
         Shape::Polyline(points) => polyline(points, emit),
-        Shape::Circle { center: [x, y], radius } => {
-            rounded([x - radius, y - radius], [x + radius, y + radius], radius, emit);
+        Shape::Circle {
+            center: [x, y],
+            radius,
+        } => {
+            rounded(
+                [x - radius, y - radius],
+                [x + radius, y + radius],
+                radius,
+                emit,
+            );
         }
         Shape::Rect { min, size, corner } => {
             let max = [min[0] + size[0], min[1] + size[1]];
@@ -74,22 +82,39 @@ mod tests {
     #[test]
     fn the_middle_of_a_quarter_lies_on_the_circle() {
         let from = [1.0, 0.0];
-        let Segment::Cubic(a, b, to) = quarter(from, [1.0, 1.0], [0.0, 1.0]) else { panic!() };
+        let Segment::Cubic(a, b, to) = quarter(from, [1.0, 1.0], [0.0, 1.0]) else {
+            panic!()
+        };
         let middle = [0, 1].map(|i| (from[i] + 3.0 * a[i] + 3.0 * b[i] + to[i]) / 8.0);
-        assert!((middle[0].hypot(middle[1]) - 1.0).abs() < 1e-12, "{middle:?}");
+        assert!(
+            (middle[0].hypot(middle[1]) - 1.0).abs() < 1e-12,
+            "{middle:?}"
+        );
     }
 
     #[test]
     fn polygons_close_and_polylines_do_not() {
         let points = [[0.0, 0.0], [1.0, 0.0]];
-        assert_eq!(segments(Shape::Polyline(&points)), [Segment::Move(points[0]), Segment::Line(points[1])]);
-        assert_eq!(segments(Shape::Polygon(&points)).last(), Some(&Segment::Close));
+        assert_eq!(
+            segments(Shape::Polyline(&points)),
+            [Segment::Move(points[0]), Segment::Line(points[1])]
+        );
+        assert_eq!(
+            segments(Shape::Polygon(&points)).last(),
+            Some(&Segment::Close)
+        );
         assert_eq!(segments(Shape::Polyline(&[])), []);
     }
 
     #[test]
     fn corners_are_no_larger_than_the_rectangle() {
-        let rect = |corner| segments(Shape::Rect { min: [0.0, 0.0], size: [4.0, 2.0], corner });
+        let rect = |corner| {
+            segments(Shape::Rect {
+                min: [0.0, 0.0],
+                size: [4.0, 2.0],
+                corner,
+            })
+        };
         assert_eq!(rect(9.0), rect(1.0));
         assert_eq!(rect(9.0)[0], Segment::Move([1.0, 0.0]));
         assert_eq!(rect(0.0).len(), 5);

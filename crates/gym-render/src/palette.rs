@@ -26,7 +26,10 @@ pub(crate) struct Palette {
 
 impl Palette {
     pub(crate) fn new() -> Self {
-        Self { table: vec![[0; 3]], index: HashMap::new() }
+        Self {
+            table: vec![[0; 3]],
+            index: HashMap::new(),
+        }
     }
 
     /// The bytes of the colour table: entry 0, then the colours.
@@ -73,7 +76,9 @@ impl Palette {
         let mut last = (None, TRANSPARENT);
         for (&entry, color) in entries.iter().zip(colors) {
             if entry == TRANSPARENT && last.0 != Some(color) {
-                let found = self.entry(*color).filter(|entry| self.table[usize::from(*entry)] == *color);
+                let found = self
+                    .entry(*color)
+                    .filter(|entry| self.table[usize::from(*entry)] == *color);
                 let Some(entry) = found else {
                     self.forget(known);
                     return false;
@@ -127,7 +132,10 @@ impl Palette {
         entries.clear();
         entries.extend(pixels.iter().map(|pixel| {
             pixel.map_or(TRANSPARENT, |color| {
-                *palette.index.entry(color).or_insert_with(|| (first + network.index_of(&rgba(color))) as u8)
+                *palette
+                    .index
+                    .entry(color)
+                    .or_insert_with(|| (first + network.index_of(&rgba(color))) as u8)
             })
         }));
         palette
@@ -171,13 +179,23 @@ mod tests {
         let mut palette = Palette::new();
         let mut entries = Vec::new();
         let colors = [[9, 9, 9], [0, 0, 0], [9, 9, 9], [9, 9, 9]];
-        assert!(palette.translate(&[Some(colors[0]), Some(colors[1]), None, None], &mut entries));
+        assert!(palette.translate(
+            &[Some(colors[0]), Some(colors[1]), None, None],
+            &mut entries
+        ));
         let mut filled = Vec::new();
         assert!(palette.fill(&entries, colors.iter(), &mut filled));
         assert_eq!(filled, [1, 2, 1, 1]);
-        assert!(palette.fill(&[1, TRANSPARENT], [[9, 9, 9], [7, 7, 7]].iter(), &mut filled));
+        assert!(palette.fill(
+            &[1, TRANSPARENT],
+            [[9, 9, 9], [7, 7, 7]].iter(),
+            &mut filled
+        ));
         assert_eq!((&filled[..], palette.bytes().len()), (&[1, 3][..], 4 * 3));
-        assert!(!palette.fill(&[1, 2], colors.iter(), &mut filled), "nothing is transparent");
+        assert!(
+            !palette.fill(&[1, 2], colors.iter(), &mut filled),
+            "nothing is transparent"
+        );
     }
 
     #[test]
@@ -185,12 +203,22 @@ mod tests {
         let (mut entries, mut filled) = (Vec::new(), Vec::new());
         let mut full = Palette::new();
         assert!(full.translate(&shades(0..254), &mut entries));
-        assert!(!full.fill(&[TRANSPARENT; 2], [[7, 7, 7], [8, 8, 8]].iter(), &mut filled));
+        assert!(!full.fill(
+            &[TRANSPARENT; 2],
+            [[7, 7, 7], [8, 8, 8]].iter(),
+            &mut filled
+        ));
         assert_eq!(full.bytes().len(), 255 * 3);
 
-        let shades: Vec<_> = (0..64).flat_map(|r| (0..64).map(move |g| Some([r * 4, g * 4, 0]))).collect();
+        let shades: Vec<_> = (0..64)
+            .flat_map(|r| (0..64).map(move |g| Some([r * 4, g * 4, 0])))
+            .collect();
         let mut reduced = Palette::reduce(&shades, &mut entries);
-        let near = shades.iter().flatten().find(|color| !reduced.table.contains(color)).unwrap();
+        let near = shades
+            .iter()
+            .flatten()
+            .find(|color| !reduced.table.contains(color))
+            .unwrap();
         assert!(!reduced.fill(&[TRANSPARENT], [*near].iter(), &mut filled));
     }
 
@@ -205,20 +233,37 @@ mod tests {
         let palette = Palette::reduce(&pixels, &mut entries);
         let distance = |(pixel, entry): (&Option<Rgb>, &u8)| {
             let near = palette.table[usize::from(*entry)];
-            pixel.map_or(0, |color| color.iter().zip(near).map(|(a, b)| a.abs_diff(b)).max().unwrap_or(0))
+            pixel.map_or(0, |color| {
+                color
+                    .iter()
+                    .zip(near)
+                    .map(|(a, b)| a.abs_diff(b))
+                    .max()
+                    .unwrap_or(0)
+            })
         };
         let worst = |range: std::ops::Range<usize>| {
-            pixels[range.clone()].iter().zip(&entries[range]).map(distance).max().unwrap_or(0)
+            pixels[range.clone()]
+                .iter()
+                .zip(&entries[range])
+                .map(distance)
+                .max()
+                .unwrap_or(0)
         };
         assert!(worst(0..150) <= 4, "{}", worst(0..150));
-        let exact = pixels.iter().zip(&entries).filter(|pair| distance(*pair) == 0).count();
+        let exact = pixels
+            .iter()
+            .zip(&entries)
+            .filter(|pair| distance(*pair) == 0)
+            .count();
         assert!(exact >= 30 * COMMON, "{exact}");
     }
 
     #[test]
     fn a_reduced_palette_is_near() {
-        let pixels: Vec<_> =
-            (0..4096).map(|i| (i % 7 > 0).then_some([(i % 64 * 4) as u8, (i / 64 * 4) as u8, 40])).collect();
+        let pixels: Vec<_> = (0..4096)
+            .map(|i| (i % 7 > 0).then_some([(i % 64 * 4) as u8, (i / 64 * 4) as u8, 40]))
+            .collect();
         let mut entries = Vec::new();
         let palette = Palette::reduce(&pixels, &mut entries);
         assert_eq!(palette.bytes().len(), 256 * 3);
@@ -228,7 +273,10 @@ mod tests {
                 continue;
             };
             let near = palette.table[usize::from(entry)];
-            assert!(color.iter().zip(near).all(|(a, b)| a.abs_diff(b) < 40), "{color:?} {near:?}");
+            assert!(
+                color.iter().zip(near).all(|(a, b)| a.abs_diff(b) < 40),
+                "{color:?} {near:?}"
+            );
         }
     }
 }

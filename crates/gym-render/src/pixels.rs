@@ -27,7 +27,12 @@ pub(crate) fn fill_box(frame: &mut Frame, min: Point, max: Point, color: Color) 
         for y in rows {
             let row = row(frame, y);
             for (columns, share_x) in &columns {
-                blend_run(row, columns.clone(), color, (share_x * share_y * 255.0).round() as u8);
+                blend_run(
+                    row,
+                    columns.clone(),
+                    color,
+                    (share_x * share_y * 255.0).round() as u8,
+                );
             }
         }
     }
@@ -43,7 +48,11 @@ fn shares(min: f64, max: f64, count: usize) -> [(Range<usize>, f64); 3] {
     let (first, last) = (min as usize, max as usize);
     if first == last {
         // A NaN ends here too, as 0..0.
-        return [(first..(first + 1).min(count), max - min), (0..0, 0.0), (0..0, 0.0)];
+        return [
+            (first..(first + 1).min(count), max - min),
+            (0..0, 0.0),
+            (0..0, 0.0),
+        ];
     }
     [
         (first..first + 1, (first + 1) as f64 - min),
@@ -64,7 +73,8 @@ pub(crate) fn blend_run(row: &mut [u8], pixels: Range<usize>, color: Color, cove
         fill_run(row, pixels, color);
     } else {
         let run = &mut row[pixels.start * RGB..pixels.end * RGB];
-        run.chunks_exact_mut(RGB).for_each(|pixel| blend(pixel, color, coverage));
+        run.chunks_exact_mut(RGB)
+            .for_each(|pixel| blend(pixel, color, coverage));
     }
 }
 
@@ -83,7 +93,10 @@ pub(crate) fn fill_run(row: &mut [u8], pixels: Range<usize>, Color { r, g, b, ..
             pixels.copy_from_slice(&word.to_ne_bytes());
         }
     }
-    groups.into_remainder().chunks_exact_mut(RGB).for_each(|pixel| pixel.copy_from_slice(&[r, g, b]));
+    groups
+        .into_remainder()
+        .chunks_exact_mut(RGB)
+        .for_each(|pixel| pixel.copy_from_slice(&[r, g, b]));
 }
 
 /// `color` over `pixel`, weighed by the coverage.
@@ -118,7 +131,10 @@ mod tests {
     #[test]
     fn edges_move_to_quarters_of_a_pixel() {
         assert_eq!(shares(0.6, 2.1, 4), [(0..1, 0.5), (1..2, 1.0), (2..3, 0.0)]);
-        assert_eq!(shares(1.9, -0.3, 4), [(0..1, 1.0), (1..2, 1.0), (2..3, 0.0)]);
+        assert_eq!(
+            shares(1.9, -0.3, 4),
+            [(0..1, 1.0), (1..2, 1.0), (2..3, 0.0)]
+        );
     }
 
     #[test]

@@ -103,25 +103,37 @@ impl Plot {
         window: usize,
         runs: impl IntoIterator<Item = (&'a str, &'a [f64], &'a [f64])>,
     ) -> Self {
-        let plots = [Self::new(title).y_label("return"), Self::new("").y_label("length")];
+        let plots = [
+            Self::new(title).y_label("return"),
+            Self::new("").y_label("length"),
+        ];
         let [returns, lengths] = plots.map(|plot| plot.moving_average(window));
-        let both = runs.into_iter().fold((returns, lengths), |(above, below), (name, returns, lengths)| {
-            // one legend is enough
-            (above.series(name, returns), below.series("", lengths))
-        });
+        let both = runs.into_iter().fold(
+            (returns, lengths),
+            |(above, below), (name, returns, lengths)| {
+                // one legend is enough
+                (above.series(name, returns), below.series("", lengths))
+            },
+        );
         both.0.below(both.1)
     }
 
     /// The unit counted from 1 along the horizontal axis; the default is `episode`.
     #[must_use]
     pub fn x_label(self, label: impl Into<String>) -> Self {
-        Self { x_label: label.into(), ..self }
+        Self {
+            x_label: label.into(),
+            ..self
+        }
     }
 
     /// The meaning of the values.
     #[must_use]
     pub fn y_label(self, label: impl Into<String>) -> Self {
-        Self { y_label: label.into(), ..self }
+        Self {
+            y_label: label.into(),
+            ..self
+        }
     }
 
     /// Adds a run: its name for the legend (may be empty) and its values in order. Non-finite
@@ -155,7 +167,10 @@ impl Plot {
 
     /// Width and height of the drawing.
     pub fn size(&self) -> (u32, u32) {
-        (WIDTH, self.all().map(Self::height).fold(0, u32::saturating_add))
+        (
+            WIDTH,
+            self.all().map(Self::height).fold(0, u32::saturating_add),
+        )
     }
 
     /// Draws everything.
@@ -207,7 +222,11 @@ impl Plot {
     }
 
     fn area_top(&self) -> u32 {
-        let title = if self.title.is_empty() { 0 } else { TITLE_HEIGHT };
+        let title = if self.title.is_empty() {
+            0
+        } else {
+            TITLE_HEIGHT
+        };
         TOP + title + LEGEND_HEIGHT * self.legend().len() as u32
     }
 
@@ -217,7 +236,9 @@ impl Plot {
         area.draw_axes(canvas);
         let series = || self.series.iter().map(|(_, values)| values).zip(colors());
         if self.window > 1 {
-            series().for_each(|(values, color)| area.draw_line(canvas, values, 1.0, color.alpha(FAINT)));
+            series().for_each(|(values, color)| {
+                area.draw_line(canvas, values, 1.0, color.alpha(FAINT))
+            });
             for (values, color) in series() {
                 area.draw_line(canvas, &moving_average(values, self.window), 2.0, color);
             }
@@ -226,35 +247,75 @@ impl Plot {
         }
         let middle = |axis: usize| f64::midpoint(area.min[axis], area.max[axis]);
         let title_line = f64::from(TOP) + TITLE_SIZE;
-        canvas.text(&self.title, [middle(0), title_line], TITLE_SIZE, Align::Center, INK);
-        canvas.text(&self.x_label, [middle(0), bottom - 16.0], LABEL_SIZE, Align::Center, INK);
+        canvas.text(
+            &self.title,
+            [middle(0), title_line],
+            TITLE_SIZE,
+            Align::Center,
+            INK,
+        );
+        canvas.text(
+            &self.x_label,
+            [middle(0), bottom - 16.0],
+            LABEL_SIZE,
+            Align::Center,
+            INK,
+        );
         // A quarter turn: the text runs upwards.
-        canvas.push(Transform { x: [0.0, -1.0], y: [1.0, 0.0], origin: [25.0, middle(1)] });
+        canvas.push(Transform {
+            x: [0.0, -1.0],
+            y: [1.0, 0.0],
+            origin: [25.0, middle(1)],
+        });
         canvas.text(&self.y_label, [0.0, 0.0], LABEL_SIZE, Align::Center, INK);
         canvas.pop();
         for (row, line) in self.legend().iter().rev().zip(1_u32..) {
-            draw_legend_row(canvas, row, middle(0), top - f64::from(line * LEGEND_HEIGHT));
+            draw_legend_row(
+                canvas,
+                row,
+                middle(0),
+                top - f64::from(line * LEGEND_HEIGHT),
+            );
         }
     }
 
     /// The ranges of both axes, and the space between them.
     fn area(&self, top: f64) -> Area {
-        let count = self.series.iter().map(|(_, values)| values.len()).max().unwrap_or(0).max(2) as f64;
+        let count = self
+            .series
+            .iter()
+            .map(|(_, values)| values.len())
+            .max()
+            .unwrap_or(0)
+            .max(2) as f64;
         let space = PADDING[0] * (count - 1.0);
         let x = Axis::new(1.0 - space, count + space, 1.0);
         let (min, max) = padded(self.series.iter().flat_map(|(_, values)| values).copied());
         let y = Axis::new(min, max, 0.0);
-        let labels = y.ticks().map(|tick| font::text_width(&y.label(tick), TICK_SIZE)).fold(0.0, f64::max);
+        let labels = y
+            .ticks()
+            .map(|tick| font::text_width(&y.label(tick), TICK_SIZE))
+            .fold(0.0, f64::max);
         // Whole numbers keep the grid lines sharp.
         let left = (LEFT + labels + TICK_GAP).ceil();
-        Area { min: [left, top], max: [f64::from(WIDTH) - RIGHT, top + f64::from(AREA_HEIGHT)], x, y }
+        Area {
+            min: [left, top],
+            max: [f64::from(WIDTH) - RIGHT, top + f64::from(AREA_HEIGHT)],
+            x,
+            y,
+        }
     }
 
     /// The names and colours of the series, in rows that fit the width.
     fn legend(&self) -> Vec<Vec<(&str, Color)>> {
         let mut rows: Vec<Vec<_>> = Vec::new();
         let mut free = 0.0;
-        for ((name, _), color) in self.series.iter().zip(colors()).filter(|((name, _), _)| !name.is_empty()) {
+        for ((name, _), color) in self
+            .series
+            .iter()
+            .zip(colors())
+            .filter(|((name, _), _)| !name.is_empty())
+        {
             free -= legend_width(name);
             match rows.last_mut() {
                 Some(row) if free >= 0.0 => row.push((name.as_str(), color)),
@@ -298,7 +359,9 @@ fn is_drawn(value: f64) -> bool {
 fn padded(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let (min, max) = values
         .filter(|&value| is_drawn(value))
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), value| (min.min(value), max.max(value)));
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(min, max), value| {
+            (min.min(value), max.max(value))
+        });
     if min > max {
         return (0.0, 1.0);
     }
@@ -321,7 +384,11 @@ fn padded(values: impl Iterator<Item = f64>) -> (f64, f64) {
 /// ends, and the part in the block before. Blocks are as long as the window.
 fn moving_average(values: &[f64], window: usize) -> Vec<f64> {
     let add = |(sum, count): (f64, f64), &value: &f64| {
-        if is_drawn(value) { (sum + value, count + 1.0) } else { (sum, count) }
+        if is_drawn(value) {
+            (sum + value, count + 1.0)
+        } else {
+            (sum, count)
+        }
     };
     let sums = |total: &mut (f64, f64), value| {
         *total = add(*total, value);
@@ -354,12 +421,22 @@ impl Axis {
     fn new(min: f64, max: f64, smallest: f64) -> Self {
         let wanted = (max - min) / TICKS;
         let power = 10_f64.powf(wanted.log10().floor());
-        let factor = [1.0, 2.0, 5.0].into_iter().find(|factor| factor * power >= wanted).unwrap_or(10.0);
-        Self { min, max, step: (factor * power).max(smallest) }
+        let factor = [1.0, 2.0, 5.0]
+            .into_iter()
+            .find(|factor| factor * power >= wanted)
+            .unwrap_or(10.0);
+        Self {
+            min,
+            max,
+            step: (factor * power).max(smallest),
+        }
     }
 
     fn ticks(self) -> impl Iterator<Item = f64> {
-        let (first, last) = ((self.min / self.step).ceil() as i64, (self.max / self.step).floor() as i64);
+        let (first, last) = (
+            (self.min / self.step).ceil() as i64,
+            (self.max / self.step).floor() as i64,
+        );
         (first..=last).map(move |index| index as f64 * self.step)
     }
 
@@ -389,7 +466,8 @@ struct Area {
 
 impl Area {
     fn place(&self, [x, y]: Point) -> Point {
-        let between = |axis: usize, part: f64| self.min[axis] + part * (self.max[axis] - self.min[axis]);
+        let between =
+            |axis: usize, part: f64| self.min[axis] + part * (self.max[axis] - self.min[axis]);
         [between(0, self.x.part(x)), between(1, 1.0 - self.y.part(y))]
     }
 
@@ -413,9 +491,16 @@ impl Area {
 
     /// Draws values in order, interrupted at non-finite ones.
     fn draw_line(&self, canvas: &mut dyn Canvas, values: &[f64], width: f64, color: Color) {
-        let points: Vec<Point> = (1_u32..).zip(values).map(|(x, &y)| [f64::from(x), y]).collect();
+        let points: Vec<Point> = (1_u32..)
+            .zip(values)
+            .map(|(x, &y)| [f64::from(x), y])
+            .collect();
         for run in points.split(|&[_, y]| !is_drawn(y)) {
-            let run: Vec<Point> = self.thin(run).into_iter().map(|point| self.place(point)).collect();
+            let run: Vec<Point> = self
+                .thin(run)
+                .into_iter()
+                .map(|point| self.place(point))
+                .collect();
             match run[..] {
                 [] => {}
                 [only] => canvas.circle(only, width, color),
@@ -437,7 +522,11 @@ impl Area {
                 low = if point[1] < low[1] { point } else { low };
                 high = if point[1] > high[1] { point } else { high };
             }
-            if low[0] < high[0] { [low, high] } else { [high, low] }
+            if low[0] < high[0] {
+                [low, high]
+            } else {
+                [high, low]
+            }
         };
         points.chunks(group).flat_map(extremes).collect()
     }
@@ -488,15 +577,19 @@ pop
             max: [5.0, 5.0],
         };
         let columns = 5.0 * f64::from(PNG_SCALE);
-        let points: Vec<Point> =
-            (0..1000).map(|i| [f64::from(i), f64::from(i * 7919 % 1009) - 1000.0]).collect();
+        let points: Vec<Point> = (0..1000)
+            .map(|i| [f64::from(i), f64::from(i * 7919 % 1009) - 1000.0])
+            .collect();
         let thin = area.thin(&points);
         let group = (1000.0 / columns) as usize;
         let expected: Vec<Point> = points
             .chunks(group)
             .flat_map(|group| {
                 let by_height = |a: &&Point, b: &&Point| a[1].total_cmp(&b[1]);
-                let ends = [group.iter().min_by(by_height), group.iter().max_by(by_height)];
+                let ends = [
+                    group.iter().min_by(by_height),
+                    group.iter().max_by(by_height),
+                ];
                 let mut ends = ends.map(|end| *end.unwrap());
                 ends.sort_by(|a, b| a[0].total_cmp(&b[0]));
                 ends
@@ -514,15 +607,32 @@ pop
     fn ticks_are_round() {
         assert_eq!(ticks(-5.0, 525.0), ["0", "100", "200", "300", "400", "500"]);
         assert_eq!(ticks(0.0, 1.0), ["0", "0.2", "0.4", "0.6", "0.8", "1"]);
-        assert_eq!(ticks(-0.02, 0.03), ["-0.02", "-0.01", "0", "0.01", "0.02", "0.03"]);
-        assert_eq!(ticks(1e7, 1.5e7), ["1.0e7", "1.1e7", "1.2e7", "1.3e7", "1.4e7", "1.5e7"]);
-        assert_eq!(ticks(0.0, 3e-6), ["0", "5e-7", "1.0e-6", "1.5e-6", "2.0e-6", "2.5e-6", "3.0e-6"]);
-        assert_eq!(Axis::new(1.0, 3.0, 1.0).ticks().collect::<Vec<_>>(), [1.0, 2.0, 3.0]);
+        assert_eq!(
+            ticks(-0.02, 0.03),
+            ["-0.02", "-0.01", "0", "0.01", "0.02", "0.03"]
+        );
+        assert_eq!(
+            ticks(1e7, 1.5e7),
+            ["1.0e7", "1.1e7", "1.2e7", "1.3e7", "1.4e7", "1.5e7"]
+        );
+        assert_eq!(
+            ticks(0.0, 3e-6),
+            [
+                "0", "5e-7", "1.0e-6", "1.5e-6", "2.0e-6", "2.5e-6", "3.0e-6"
+            ]
+        );
+        assert_eq!(
+            Axis::new(1.0, 3.0, 1.0).ticks().collect::<Vec<_>>(),
+            [1.0, 2.0, 3.0]
+        );
     }
 
     #[test]
     fn the_range_has_space_around_the_values() {
-        assert_eq!(padded([0.0, f64::NAN, 100.0, f64::INFINITY].into_iter()), (-5.0, 105.0));
+        assert_eq!(
+            padded([0.0, f64::NAN, 100.0, f64::INFINITY].into_iter()),
+            (-5.0, 105.0)
+        );
         assert_eq!(padded([4.0, 4.0].into_iter()), (2.0, 6.0));
         assert_eq!(padded([0.0].into_iter()), (-1.0, 1.0));
         assert_eq!(padded([f64::NAN].into_iter()), (0.0, 1.0));
@@ -530,7 +640,10 @@ pop
 
     #[test]
     fn the_average_looks_back() {
-        assert_eq!(moving_average(&[1.0, 2.0, 6.0, f64::NAN, 4.0], 2), [1.0, 1.5, 4.0, 6.0, 4.0]);
+        assert_eq!(
+            moving_average(&[1.0, 2.0, 6.0, f64::NAN, 4.0], 2),
+            [1.0, 1.5, 4.0, 6.0, 4.0]
+        );
         assert!(moving_average(&[f64::NAN], 3)[0].is_nan());
         assert_eq!(moving_average(&[], 3), [0.0; 0]);
     }
@@ -538,18 +651,33 @@ pop
     #[test]
     fn the_average_is_the_mean_of_each_window() {
         // whole numbers, whose sums are exact in each order
-        let values: Vec<f64> =
-            (0..40).map(|i| if i % 7 == 3 { f64::NAN } else { f64::from(i * i % 31) }).collect();
+        let values: Vec<f64> = (0..40)
+            .map(|i| {
+                if i % 7 == 3 {
+                    f64::NAN
+                } else {
+                    f64::from(i * i % 31)
+                }
+            })
+            .collect();
         for window in [1, 2, 3, 5, 13, 39, 40, 41, usize::MAX] {
             let expected: Vec<f64> = (0..values.len())
                 .map(|end| {
                     let last = &values[(end + 1).saturating_sub(window)..=end];
-                    let drawn: Vec<f64> = last.iter().copied().filter(|value| !value.is_nan()).collect();
+                    let drawn: Vec<f64> = last
+                        .iter()
+                        .copied()
+                        .filter(|value| !value.is_nan())
+                        .collect();
                     drawn.iter().sum::<f64>() / drawn.len() as f64
                 })
                 .collect();
             let means = moving_average(&values, window);
-            assert_eq!(format!("{means:?}"), format!("{expected:?}"), "a window of {window}");
+            assert_eq!(
+                format!("{means:?}"),
+                format!("{expected:?}"),
+                "a window of {window}"
+            );
         }
     }
 
@@ -562,10 +690,15 @@ pop
 
     #[test]
     fn long_runs_are_thinned_but_keep_their_extremes() {
-        let area =
-            Area { min: [0.0; 2], max: [10.0; 2], x: Axis::new(0.0, 1.0, 0.0), y: Axis::new(0.0, 1.0, 0.0) };
-        let points: Vec<Point> =
-            (0..1000).map(|i| [f64::from(i), if i == 537 { 9.0 } else { f64::from(i % 2) }]).collect();
+        let area = Area {
+            min: [0.0; 2],
+            max: [10.0; 2],
+            x: Axis::new(0.0, 1.0, 0.0),
+            y: Axis::new(0.0, 1.0, 0.0),
+        };
+        let points: Vec<Point> = (0..1000)
+            .map(|i| [f64::from(i), if i == 537 { 9.0 } else { f64::from(i % 2) }])
+            .collect();
         let thin = area.thin(&points);
         assert_eq!(thin.len(), 40);
         assert!(thin.contains(&[537.0, 9.0]) && thin.is_sorted_by(|a, b| a[0] < b[0]));
@@ -574,13 +707,19 @@ pop
 
     #[test]
     fn plots_draw_their_series_in_their_places() {
-        let plot = Plot::new("t").series("a", &[0.0, 10.0, 5.0]).series("", &[1.0, f64::NAN, 2.0, 3.0]);
+        let plot = Plot::new("t")
+            .series("a", &[0.0, 10.0, 5.0])
+            .series("", &[1.0, f64::NAN, 2.0, 3.0]);
         let text = Recording::of(|canvas| plot.draw(canvas)).to_string();
         // The space between the axes starts at 20 + 34 + 22 and is 310 high, from 10.5 to -0.5.
         let y = Decimal::<3>(76.0 + 310.0 * 0.5 / 11.0);
         assert!(text.contains(&format!(",{y} ")), "{text}");
         assert_eq!(text.matches("#0072b2").count(), 2, "line and legend");
-        assert_eq!(text.matches("#d55e00").count(), 2, "a dot and the rest of the line");
+        assert_eq!(
+            text.matches("#d55e00").count(),
+            2,
+            "a dot and the rest of the line"
+        );
         assert_eq!(text.matches("fill circle").count(), 1);
         assert!(
             text.contains("text \"episode\"")
@@ -592,7 +731,10 @@ pop
     /// A plot call by call: after an intended change, look at one before keeping the new calls.
     #[test]
     fn axes_have_their_lines_and_labels() {
-        let plot = Plot::new("title").x_label("across").y_label("up").series("a", &[0.0, 1.0, 2.0]);
+        let plot = Plot::new("title")
+            .x_label("across")
+            .y_label("up")
+            .series("a", &[0.0, 1.0, 2.0]);
         let text = Recording::of(|canvas| plot.draw(canvas)).to_string();
         assert_eq!(text, AXES);
     }
@@ -601,7 +743,10 @@ pop
     fn plots_stack() {
         let plot = || Plot::new("").series("a", &[1.0]);
         let (width, height) = plot().size();
-        assert_eq!(plot().below(plot()).below(plot()).size(), (width, 3 * height));
+        assert_eq!(
+            plot().below(plot()).below(plot()).size(),
+            (width, 3 * height)
+        );
         let text = Recording::of(|canvas| plot().below(plot()).draw(canvas)).to_string();
         assert!(text.contains(&format!("origin=0,{height}")) && text.matches("clear").count() == 1);
     }
@@ -610,11 +755,13 @@ pop
     #[test]
     fn a_picture_of_many_plots_is_one_of_each() {
         let folder = tempfile::TempDir::new().unwrap();
-        let plot = |seed: i32| Plot::new(format!("{seed}")).series("a", &[f64::from(seed), 3.0, 1.0]);
+        let plot =
+            |seed: i32| Plot::new(format!("{seed}")).series("a", &[f64::from(seed), 3.0, 1.0]);
         let pixels = |name: &str, plot: &Plot| {
             let path = folder.path().join(name);
             plot.write_png(&path).unwrap();
-            let decoder = png::Decoder::new(std::io::BufReader::new(std::fs::File::open(path).unwrap()));
+            let decoder =
+                png::Decoder::new(std::io::BufReader::new(std::fs::File::open(path).unwrap()));
             let mut reader = decoder.read_info().unwrap();
             let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
             reader.next_frame(&mut pixels).unwrap();
@@ -633,20 +780,36 @@ pop
 
     #[test]
     fn episodes_show_returns_above_lengths() {
-        let runs = [("one", &[1.0, 2.0][..], &[10.0, 20.0][..]), ("two", &[3.0, 4.0], &[30.0, 40.0])];
+        let runs = [
+            ("one", &[1.0, 2.0][..], &[10.0, 20.0][..]),
+            ("two", &[3.0, 4.0], &[30.0, 40.0]),
+        ];
         let plot = Plot::episodes("t", 2, runs);
         let text = Recording::of(|canvas| plot.draw(canvas)).to_string();
         let place = |what: &str| text.find(what).unwrap_or_else(|| panic!("{what}: {text}"));
         assert!(place("\"return\"") < place("\"length\""));
-        assert_eq!((text.matches("\"one\"").count(), text.matches("\"two\"").count()), (1, 1));
+        assert_eq!(
+            (
+                text.matches("\"one\"").count(),
+                text.matches("\"two\"").count()
+            ),
+            (1, 1)
+        );
         // legend, faint line and average above; line and average below
         assert_eq!(text.matches("#0072b2").count(), 5);
     }
 
     #[test]
     fn the_legend_wraps_and_leaves_out_the_nameless() {
-        let plot = (0..30).fold(Plot::new(""), |plot, i| plot.series(format!("seed {i}"), &[1.0]));
-        let rows = plot.series("", &[1.0]).legend().iter().map(Vec::len).collect::<Vec<_>>();
+        let plot = (0..30).fold(Plot::new(""), |plot, i| {
+            plot.series(format!("seed {i}"), &[1.0])
+        });
+        let rows = plot
+            .series("", &[1.0])
+            .legend()
+            .iter()
+            .map(Vec::len)
+            .collect::<Vec<_>>();
         assert_eq!(rows.iter().sum::<usize>(), 30);
         assert!(rows.len() > 2 && rows[0] > 5, "{rows:?}");
         assert_eq!(Plot::new("").series("", &[1.0]).legend().len(), 0);
@@ -654,11 +817,19 @@ pop
 
     #[test]
     fn odd_plots_do_not_fail() {
-        for values in
-            [&[][..], &[f64::NAN], &[f64::MAX, f64::MIN], &[1e300, -1e300], &[1e17, 1e17 + 16.0], &[5e-324]]
-        {
+        for values in [
+            &[][..],
+            &[f64::NAN],
+            &[f64::MAX, f64::MIN],
+            &[1e300, -1e300],
+            &[1e17, 1e17 + 16.0],
+            &[5e-324],
+        ] {
             let plot = Plot::new("").series("x", values).moving_average(0);
-            assert!(Recording::of(|canvas| plot.draw(canvas)).to_string().len() < 20_000, "{values:?}");
+            assert!(
+                Recording::of(|canvas| plot.draw(canvas)).to_string().len() < 20_000,
+                "{values:?}"
+            );
         }
         Recording::of(|canvas| Plot::new("").draw(canvas));
     }

@@ -46,7 +46,10 @@ fn encode(writer: impl Write, frame: &Frame) -> std::result::Result<(), Encoding
 }
 
 fn refused(frame: &Frame, error: &EncodingError) -> Error {
-    Error::argument("write_png", format!("{frame:?} cannot be written as PNG: {error}"))
+    Error::argument(
+        "write_png",
+        format!("{frame:?} cannot be written as PNG: {error}"),
+    )
 }
 
 /// Writes frames to `frame-0000.png`, `frame-0001.png` and so on in a folder, which is made if it
@@ -121,7 +124,10 @@ mod tests {
         let mut reader = decoder.read_info().unwrap();
         let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
         let info = reader.next_frame(&mut pixels).unwrap();
-        assert_eq!((info.color_type, info.bit_depth), (ColorType::Rgb, BitDepth::Eight));
+        assert_eq!(
+            (info.color_type, info.bit_depth),
+            (ColorType::Rgb, BitDepth::Eight)
+        );
         (info.width, info.height, pixels)
     }
 
@@ -133,7 +139,10 @@ mod tests {
         let paths = write_png_sequence(folder.path().join("run"), &frames).unwrap();
         assert!(paths[1].ends_with("run/frame-0001.png"));
         for (path, frame) in paths.iter().zip(&frames) {
-            assert_eq!(read(path), (frame.width(), frame.height(), frame.pixels().to_vec()));
+            assert_eq!(
+                read(path),
+                (frame.width(), frame.height(), frame.pixels().to_vec())
+            );
         }
         assert_eq!(names(&folder), ["run"]);
     }
@@ -143,7 +152,10 @@ mod tests {
         let folder = TempDir::new().unwrap();
         let error = write_png(folder.path().join("a.png"), &Frame::new(0, 3).unwrap()).unwrap_err();
         assert!(matches!(error, Error::InvalidArgument { .. }), "{error}");
-        assert!(matches!(write_png(folder.path().join("no/a.png"), &plain(1, 1, 0)), Err(Error::Io { .. })));
+        assert!(matches!(
+            write_png(folder.path().join("no/a.png"), &plain(1, 1, 0)),
+            Err(Error::Io { .. })
+        ));
         assert_eq!(names(&folder), [""; 0]);
     }
 
@@ -160,6 +172,11 @@ mod tests {
     #[test]
     fn odd_contact_sheets() {
         assert_eq!(contact_sheet(&[], 3).unwrap().pixels().len(), 8 * 4 * 3);
-        assert_eq!(contact_sheet(&[plain(1, 1, 0), Frame::new(0, 0).unwrap()], 0).unwrap().height(), 14);
+        assert_eq!(
+            contact_sheet(&[plain(1, 1, 0), Frame::new(0, 0).unwrap()], 0)
+                .unwrap()
+                .height(),
+            14
+        );
     }
 }

@@ -31,7 +31,11 @@ pub struct Raster {
 impl Raster {
     /// A painter without buffers yet.
     pub fn new() -> Self {
-        Self { transforms: Transforms::new(), sheet: Sheet::default(), skia: Skia::default() }
+        Self {
+            transforms: Transforms::new(),
+            sheet: Sheet::default(),
+            skia: Skia::default(),
+        }
     }
 }
 
@@ -42,12 +46,26 @@ impl Default for Raster {
 }
 
 impl Painter for Raster {
-    fn paint(&mut self, size: (u32, u32), draw: &mut dyn FnMut(&mut dyn Canvas), frame: &mut Frame) {
+    fn paint(
+        &mut self,
+        size: (u32, u32),
+        draw: &mut dyn FnMut(&mut dyn Canvas),
+        frame: &mut Frame,
+    ) {
         let (width, height) = (frame.width(), frame.height());
         let scale = |pixels: u32, units: u32| f64::from(pixels) / f64::from(units.max(1));
-        self.transforms.restart(Transform::scale(scale(width, size.0), scale(height, size.1)));
+        self.transforms.restart(Transform::scale(
+            scale(width, size.0),
+            scale(height, size.1),
+        ));
         let is_own_size = (width, height) == size;
-        let mut surface = Surface { raster: self, frame, is_own_size, is_blank: true, sheet: None };
+        let mut surface = Surface {
+            raster: self,
+            frame,
+            is_own_size,
+            is_blank: true,
+            sheet: None,
+        };
         draw(&mut surface);
         surface.finish();
     }
@@ -97,8 +115,10 @@ impl Surface<'_> {
             self.raster.sheet.finish(self.frame);
             let scale = |to: u32, from: usize| f64::from(to) / from as f64;
             let (width, height) = self.raster.sheet.size();
-            let scale =
-                Transform::scale(scale(self.frame.width(), width), scale(self.frame.height(), height));
+            let scale = Transform::scale(
+                scale(self.frame.width(), width),
+                scale(self.frame.height(), height),
+            );
             self.raster.transforms.rebase(depth, scale);
         }
     }
@@ -121,7 +141,11 @@ impl Surface<'_> {
         let Transform { x, y, origin } = self.raster.transforms.current();
         let left = UPRIGHT.origin[0] - origin[0];
         let flipped = y == pygame::flipped(height).y;
-        let bottom = if flipped { pygame::flipped(height) } else { UPRIGHT };
+        let bottom = if flipped {
+            pygame::flipped(height)
+        } else {
+            UPRIGHT
+        };
         let placed = x == UPRIGHT.x && y == bottom.y && origin[1] == bottom.origin[1];
         let whole = left >= 0.0 && left <= f64::from(i16::MAX) && left.fract() == 0.0;
         (placed && whole && (left == 0.0 || self.sheet.is_none())).then_some((left as i32, flipped))
@@ -145,11 +169,20 @@ impl Canvas for Surface<'_> {
         self.start_smooth();
         let transform = self.raster.transforms.current();
         let upright = transform.x[1] == 0.0 && transform.y[0] == 0.0;
-        if let Shape::Rect { min, size, corner: 0.0 } = shape
+        if let Shape::Rect {
+            min,
+            size,
+            corner: 0.0,
+        } = shape
             && upright
         {
             let max = [min[0] + size[0], min[1] + size[1]];
-            pixels::fill_box(self.frame, transform.apply(min), transform.apply(max), color);
+            pixels::fill_box(
+                self.frame,
+                transform.apply(min),
+                transform.apply(max),
+                color,
+            );
         } else {
             self.raster.skia.fill(self.frame, shape, transform, color);
         }
@@ -157,14 +190,23 @@ impl Canvas for Surface<'_> {
 
     fn stroke(&mut self, shape: Shape<'_>, width: f64, color: Color) {
         self.start_smooth();
-        let Raster { transforms, skia, .. } = &mut *self.raster;
+        let Raster {
+            transforms, skia, ..
+        } = &mut *self.raster;
         skia.stroke(self.frame, shape, width, transforms.current(), color);
     }
 
     fn text(&mut self, text: &str, position: Point, size: f64, align: Align, color: Color) {
         self.start_smooth();
-        let Raster { transforms, skia, .. } = &mut *self.raster;
-        skia.text(self.frame, (text, position, size, align), transforms.current(), color);
+        let Raster {
+            transforms, skia, ..
+        } = &mut *self.raster;
+        skia.text(
+            self.frame,
+            (text, position, size, align),
+            transforms.current(),
+            color,
+        );
     }
 
     fn push(&mut self, transform: Transform) {
@@ -172,7 +214,10 @@ impl Canvas for Surface<'_> {
     }
 
     fn pop(&mut self) {
-        if self.sheet.is_some_and(|depth| self.raster.transforms.depth() == depth) {
+        if self
+            .sheet
+            .is_some_and(|depth| self.raster.transforms.depth() == depth)
+        {
             self.finish();
         }
         self.raster.transforms.pop();
@@ -185,7 +230,11 @@ impl Canvas for Surface<'_> {
                 if self.sheet.is_some() {
                     self.raster.sheet.push(&primitive, color, flipped);
                 } else {
-                    paint(&mut RgbPixels::new(self.frame, left, flipped), &primitive, color);
+                    paint(
+                        &mut RgbPixels::new(self.frame, left, flipped),
+                        &primitive,
+                        color,
+                    );
                 }
             }
             _ => match primitive {
@@ -236,12 +285,20 @@ mod tests {
     /// The red of each pixel of a row.
     fn row(frame: &Frame, y: u32) -> Vec<u8> {
         let width = frame.width() as usize * 3;
-        frame.pixels()[y as usize * width..][..width].iter().step_by(3).copied().collect()
+        frame.pixels()[y as usize * width..][..width]
+            .iter()
+            .step_by(3)
+            .copied()
+            .collect()
     }
 
     fn pixel(frame: &Frame, x: u32, y: u32) -> [u8; 3] {
         let at = (y * frame.width() + x) as usize * 3;
-        [frame.pixels()[at], frame.pixels()[at + 1], frame.pixels()[at + 2]]
+        [
+            frame.pixels()[at],
+            frame.pixels()[at + 1],
+            frame.pixels()[at + 2],
+        ]
     }
 
     #[test]
@@ -249,8 +306,15 @@ mod tests {
         let square = [[10.0, 10.0], [30.0, 10.0], [30.0, 30.0], [10.0, 30.0]];
         let shapes: [Shape<'_>; 3] = [
             Shape::Polygon(&square),
-            Shape::Circle { center: [20.0, 20.0], radius: 10.0 },
-            Shape::Rect { min: [10.0, 10.0], size: [20.0, 20.0], corner: 3.0 },
+            Shape::Circle {
+                center: [20.0, 20.0],
+                radius: 10.0,
+            },
+            Shape::Rect {
+                min: [10.0, 10.0],
+                size: [20.0, 20.0],
+                corner: 3.0,
+            },
         ];
         for shape in shapes {
             let frame = frame((40, 40), |canvas| {
@@ -269,7 +333,10 @@ mod tests {
     #[test]
     fn edges_are_anti_aliased() {
         let frame = frame((6, 3), |canvas| {
-            canvas.polygon(&[[1.5, 0.0], [4.25, 0.0], [4.25, 3.0], [1.5, 3.0]], Color::WHITE);
+            canvas.polygon(
+                &[[1.5, 0.0], [4.25, 0.0], [4.25, 3.0], [1.5, 3.0]],
+                Color::WHITE,
+            );
         });
         assert_eq!(row(&frame, 1), [0, 128, 255, 255, 64, 0]);
     }
@@ -279,21 +346,34 @@ mod tests {
         let square = |min: f64, max: f64| {
             let corners = [[min, min], [max, min], [max, max], [min, max]];
             std::array::from_fn::<_, 4, _>(|i| {
-                if i == 0 { Segment::Move(corners[0]) } else { Segment::Line(corners[i]) }
+                if i == 0 {
+                    Segment::Move(corners[0])
+                } else {
+                    Segment::Line(corners[i])
+                }
             })
         };
         let [outer, inner] = [square(0.0, 9.0), square(3.0, 6.0)];
         let both = [&outer[..], &inner[..]].concat();
-        let image = frame((9, 9), |canvas| canvas.fill(Shape::Path(&both), Color::WHITE));
+        let image = frame((9, 9), |canvas| {
+            canvas.fill(Shape::Path(&both), Color::WHITE)
+        });
         assert_eq!(row(&image, 4), [255; 9]);
     }
 
     #[test]
     fn strokes_have_their_width_butt_ends_and_round_joins() {
         let image = frame((20, 20), |canvas| {
-            canvas.stroke(Shape::Polyline(&[[4.0, 15.0], [12.0, 15.0], [12.0, 4.0]]), 4.0, Color::WHITE);
+            canvas.stroke(
+                Shape::Polyline(&[[4.0, 15.0], [12.0, 15.0], [12.0, 4.0]]),
+                4.0,
+                Color::WHITE,
+            );
         });
-        assert_eq!([12, 13, 16, 17].map(|y| pixel(&image, 6, y)[0]), [0, 255, 255, 0]);
+        assert_eq!(
+            [12, 13, 16, 17].map(|y| pixel(&image, 6, y)[0]),
+            [0, 255, 255, 0]
+        );
         assert_eq!([3, 4].map(|x| pixel(&image, x, 15)[0]), [0, 255]);
         // The outer corner of a round join is cut off, but not as far as a bevel's.
         assert!(pixel(&image, 13, 16)[0] < 128 && pixel(&image, 12, 16)[0] > 200);
@@ -301,7 +381,9 @@ mod tests {
 
     #[test]
     fn thin_lines_fade_instead_of_breaking() {
-        let image = frame((8, 3), |canvas| canvas.line([0.0, 1.5], [8.0, 1.5], 0.2, Color::WHITE));
+        let image = frame((8, 3), |canvas| {
+            canvas.line([0.0, 1.5], [8.0, 1.5], 0.2, Color::WHITE)
+        });
         assert_eq!(row(&image, 1), [51; 8]);
         assert_eq!(row(&image, 0), [0; 8]);
     }
@@ -314,7 +396,10 @@ mod tests {
         };
         let mut image = Frame::new(12, 2).unwrap();
         Raster::new().paint((4, 1), &mut |canvas| draw(canvas), &mut image);
-        assert_eq!(row(&image, 1), [0, 0, 0, 255, 255, 255, 200, 200, 200, 0, 0, 0]);
+        assert_eq!(
+            row(&image, 1),
+            [0, 0, 0, 255, 255, 255, 200, 200, 200, 0, 0, 0]
+        );
     }
 
     #[test]
@@ -324,15 +409,24 @@ mod tests {
             canvas.push(Transform::translate(10.0, 5.0));
             canvas.push(Transform::rotate(TURN / 4.0));
             // Along x, which now points up in the picture.
-            canvas.polygon(&[[0.0, -1.0], [8.0, -1.0], [8.0, 1.0], [0.0, 1.0]], Color::WHITE);
+            canvas.polygon(
+                &[[0.0, -1.0], [8.0, -1.0], [8.0, 1.0], [0.0, 1.0]],
+                Color::WHITE,
+            );
             canvas.pop();
             canvas.rect([0.0, -2.0], [3.0, 1.0], RED);
             canvas.pop();
             canvas.pop();
             canvas.rect([0.0, 0.0], [1.0, 1.0], RED);
         });
-        assert_eq!([6, 7, 14, 15].map(|y| pixel(&image, 10, y)[0]), [0, 255, 255, 0]);
-        assert_eq!(row(&image, 16), [[0; 10].as_slice(), &[200; 3], &[0; 7]].concat());
+        assert_eq!(
+            [6, 7, 14, 15].map(|y| pixel(&image, 10, y)[0]),
+            [0, 255, 255, 0]
+        );
+        assert_eq!(
+            row(&image, 16),
+            [[0; 10].as_slice(), &[200; 3], &[0; 7]].concat()
+        );
         assert_eq!(pixel(&image, 0, 0), [200, 0, 0]);
     }
 
@@ -341,8 +435,14 @@ mod tests {
         let image = frame((40, 40), |canvas| {
             canvas.text("I", [20.0, 30.0], 16.0, Align::Center, Color::WHITE);
         });
-        assert_eq!([12, 15, 29, 32].map(|y| pixel(&image, 20, y)[0]), [0, 255, 255, 0]);
-        assert_eq!([18, 19, 20, 21].map(|x| pixel(&image, x, 20)[0]), [0, 255, 255, 0]);
+        assert_eq!(
+            [12, 15, 29, 32].map(|y| pixel(&image, 20, y)[0]),
+            [0, 255, 255, 0]
+        );
+        assert_eq!(
+            [18, 19, 20, 21].map(|x| pixel(&image, x, 20)[0]),
+            [0, 255, 255, 0]
+        );
     }
 
     #[test]
@@ -379,16 +479,40 @@ mod tests {
     fn the_bytes_are_the_same_everywhere() {
         let image = frame((64, 48), |canvas| {
             canvas.clear(Color::rgb(240, 240, 250));
-            canvas.push(Transform { x: [0.8, 0.6], y: [-0.6, 0.8], origin: [20.0, 5.0] });
+            canvas.push(Transform {
+                x: [0.8, 0.6],
+                y: [-0.6, 0.8],
+                origin: [20.0, 5.0],
+            });
             canvas.rect([1.0, 2.0], [20.0, 9.0], RED.alpha(100));
-            canvas.stroke(Shape::Circle { center: [15.0, 15.0], radius: 9.5 }, 2.5, Color::BLACK);
+            canvas.stroke(
+                Shape::Circle {
+                    center: [15.0, 15.0],
+                    radius: 9.5,
+                },
+                2.5,
+                Color::BLACK,
+            );
             canvas.pop();
-            let curve = [Segment::Move([2.0, 40.0]), Segment::Cubic([20.0, 0.0], [30.0, 60.0], [60.0, 8.0])];
+            let curve = [
+                Segment::Move([2.0, 40.0]),
+                Segment::Cubic([20.0, 0.0], [30.0, 60.0], [60.0, 8.0]),
+            ];
             canvas.stroke(Shape::Path(&curve), 0.7, Color::rgb(0, 90, 0));
-            canvas.text("Gym 0.1", [4.0, 44.0], 8.0, Align::Left, Color::BLACK.alpha(200));
+            canvas.text(
+                "Gym 0.1",
+                [4.0, 44.0],
+                8.0,
+                Align::Left,
+                Color::BLACK.alpha(200),
+            );
         });
-        let hash = |hash: u64, &byte: &u8| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
-        assert_eq!(image.pixels().iter().fold(0xcbf2_9ce4_8422_2325, hash), 0xe042_ae4f_d295_ac5b);
+        let hash =
+            |hash: u64, &byte: &u8| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+        assert_eq!(
+            image.pixels().iter().fold(0xcbf2_9ce4_8422_2325, hash),
+            0xe042_ae4f_d295_ac5b
+        );
     }
 
     #[test]

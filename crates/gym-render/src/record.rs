@@ -63,7 +63,12 @@ impl Canvas for Recording {
     }
 
     fn stroke(&mut self, shape: Shape<'_>, width: f64, color: Color) {
-        self.line(format_args!("stroke {} width={} {}", Geometry(shape), Decimal::<3>(width), Rgba(color)));
+        self.line(format_args!(
+            "stroke {} width={} {}",
+            Geometry(shape),
+            Decimal::<3>(width),
+            Rgba(color)
+        ));
     }
 
     fn text(&mut self, text: &str, position: Point, size: f64, align: Align, color: Color) {
@@ -73,16 +78,27 @@ impl Canvas for Recording {
             Align::Right => "right",
         };
         let (position, size) = (Pair(position), Decimal::<3>(size));
-        self.line(format_args!("text {text:?} {position} size={size} {align} {}", Rgba(color)));
+        self.line(format_args!(
+            "text {text:?} {position} size={size} {align} {}",
+            Rgba(color)
+        ));
     }
 
     fn push(&mut self, Transform { x, y, origin }: Transform) {
-        self.line(format_args!("push x={} y={} origin={}", Pair(x), Pair(y), Pair(origin)));
+        self.line(format_args!(
+            "push x={} y={} origin={}",
+            Pair(x),
+            Pair(y),
+            Pair(origin)
+        ));
         self.depth += 1;
     }
 
     fn push_smoothscaled(&mut self, from: (u32, u32), to: (u32, u32)) {
-        self.line(format_args!("push smoothscaled {}x{} to {}x{}", from.0, from.1, to.0, to.1));
+        self.line(format_args!(
+            "push smoothscaled {}x{} to {}x{}",
+            from.0, from.1, to.0, to.1
+        ));
         self.depth += 1;
     }
 
@@ -103,7 +119,11 @@ impl fmt::Display for Rgba {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let color = self.0;
         write!(f, "{}", Rgb(color))?;
-        if color.a == 255 { Ok(()) } else { write!(f, "{:02x}", color.a) }
+        if color.a == 255 {
+            Ok(())
+        } else {
+            write!(f, "{:02x}", color.a)
+        }
     }
 }
 
@@ -119,7 +139,11 @@ impl fmt::Display for Geometry<'_> {
             }
             Shape::Rect { min, size, corner } => {
                 write!(f, "rect {} size={}", Pair(min), Pair(size))?;
-                if corner == 0.0 { Ok(()) } else { write!(f, " corner={}", Decimal::<3>(corner)) }
+                if corner == 0.0 {
+                    Ok(())
+                } else {
+                    write!(f, " corner={}", Decimal::<3>(corner))
+                }
             }
             Shape::Path(segments) => {
                 f.write_str("path")?;
@@ -127,7 +151,9 @@ impl fmt::Display for Geometry<'_> {
                     Segment::Move(to) => write!(f, " move {}", Pair(to)),
                     Segment::Line(to) => write!(f, " line {}", Pair(to)),
                     Segment::Quad(control, to) => write!(f, " quad {} {}", Pair(control), Pair(to)),
-                    Segment::Cubic(a, b, to) => write!(f, " cubic {} {} {}", Pair(a), Pair(b), Pair(to)),
+                    Segment::Cubic(a, b, to) => {
+                        write!(f, " cubic {} {} {}", Pair(a), Pair(b), Pair(to))
+                    }
                     Segment::Close => write!(f, " close"),
                 })
             }
@@ -157,7 +183,11 @@ impl fmt::Display for Call<'_> {
             Primitive::AaCircle { center, radius } => disc(f, "aacircle", center, radius),
             Primitive::FilledCircle { center, radius } => disc(f, "filled_circle", center, radius),
             Primitive::Circle { center, radius } => disc(f, "circle", center, radius),
-            Primitive::Lines { points, closed, width } => {
+            Primitive::Lines {
+                points,
+                closed,
+                width,
+            } => {
                 list(f, if closed { "closed lines" } else { "lines" }, points)?;
                 write!(f, " width={width}")
             }
@@ -170,7 +200,9 @@ impl fmt::Display for Call<'_> {
 
 fn list(f: &mut fmt::Formatter<'_>, name: &str, points: &[Point]) -> fmt::Result {
     f.write_str(name)?;
-    points.iter().try_for_each(|&point| write!(f, " {}", Pair(point)))
+    points
+        .iter()
+        .try_for_each(|&point| write!(f, " {}", Pair(point)))
 }
 
 #[cfg(test)]
@@ -183,7 +215,10 @@ mod tests {
             canvas.clear(Color::WHITE);
             canvas.push(Transform::y_up(400.0));
             canvas.push(Transform::rotate(0.5));
-            canvas.polygon(&[[0.0, 0.0], [1.0, 0.000_49], [1.0, -0.000_49]], Color::rgb(129, 132, 203));
+            canvas.polygon(
+                &[[0.0, 0.0], [1.0, 0.000_49], [1.0, -0.000_49]],
+                Color::rgb(129, 132, 203),
+            );
             canvas.pop();
             canvas.circle([1.5, 2.0], 3.0, Color::BLACK);
             canvas.pop();

@@ -67,8 +67,17 @@ impl<V: VectorEnv> RecordVectorVideo<V> {
     /// [`Error::Io`] if the folder cannot be made, [`Error::UnsupportedMode`] if the spec of the
     /// sub-environments has no render mode, or one without frames.
     pub fn new(envs: V, folder: impl AsRef<Path>) -> Result<Self> {
-        let common = Common { video_folder: folder.as_ref().to_owned(), ..Common::default() };
-        Self::with_config(envs, Config { common, ..Config::default() })
+        let common = Common {
+            video_folder: folder.as_ref().to_owned(),
+            ..Common::default()
+        };
+        Self::with_config(
+            envs,
+            Config {
+                common,
+                ..Config::default()
+            },
+        )
     }
 
     /// Records `envs` with all arguments at once.
@@ -79,9 +88,18 @@ impl<V: VectorEnv> RecordVectorVideo<V> {
         if let Some(spec) = envs.spec() {
             check_known_mode(envs.describe(), spec.env.render_mode)?;
         }
-        let Config { common, video_aspect_ratio: aspect_ratio, record_first_only: first_only } = config;
+        let Config {
+            common,
+            video_aspect_ratio: aspect_ratio,
+            record_first_only: first_only,
+        } = config;
         let tape = Tape::new(common, envs.metadata().render_fps)?;
-        Ok(Self { envs, tape, aspect_ratio, first_only })
+        Ok(Self {
+            envs,
+            tape,
+            aspect_ratio,
+            first_only,
+        })
     }
 
     tape_options!();
@@ -89,13 +107,19 @@ impl<V: VectorEnv> RecordVectorVideo<V> {
     /// Sets the ratio of the grid's width to its height, approximately; the default is 1.
     #[must_use]
     pub fn aspect_ratio(self, aspect_ratio: f64) -> Self {
-        Self { aspect_ratio, ..self }
+        Self {
+            aspect_ratio,
+            ..self
+        }
     }
 
     /// Records only the first sub-environment.
     #[must_use]
     pub fn first_only(self) -> Self {
-        Self { first_only: true, ..self }
+        Self {
+            first_only: true,
+            ..self
+        }
     }
 
     /// The inner vector.
@@ -125,8 +149,12 @@ impl<V: VectorEnv> RecordVectorVideo<V> {
             other => Err(not_frames(&self.envs.describe(), &other)),
         };
         rendered.truncate(if self.first_only { 1 } else { usize::MAX });
-        let frames = rendered.into_iter().map(frame).collect::<Result<Vec<Frame>>>()?;
-        self.tape.write(&tile(&frames, columns(&frames, self.aspect_ratio), 0)?);
+        let frames = rendered
+            .into_iter()
+            .map(frame)
+            .collect::<Result<Vec<Frame>>>()?;
+        self.tape
+            .write(&tile(&frames, columns(&frames, self.aspect_ratio), 0)?);
         Ok(())
     }
 }
@@ -135,14 +163,20 @@ impl<V: VectorEnv> RecordVectorVideo<V> {
 /// `_get_concat_frame_shape`, which has no more rows than columns.
 fn columns(frames: &[Frame], aspect_ratio: f64) -> usize {
     let n = frames.len();
-    let Some(first) = frames.first() else { return 1 };
+    let Some(first) = frames.first() else {
+        return 1;
+    };
     let [width, height] = [first.width(), first.height()].map(f64::from);
     let distance = |columns: usize| {
         let rows = (n / columns) as f64;
         (columns as f64 * width / (rows * height) - aspect_ratio).abs()
     };
-    let grids = (1..=n).filter(|rows| n.is_multiple_of(*rows) && rows * rows <= n).map(|rows| n / rows);
-    grids.min_by(|a, b| distance(*a).total_cmp(&distance(*b))).unwrap_or(n)
+    let grids = (1..=n)
+        .filter(|rows| n.is_multiple_of(*rows) && rows * rows <= n)
+        .map(|rows| n / rows);
+    grids
+        .min_by(|a, b| distance(*a).total_cmp(&distance(*b)))
+        .unwrap_or(n)
 }
 
 impl<V: VectorEnv> gym_core::VectorWrapper for RecordVectorVideo<V> {
@@ -160,7 +194,14 @@ impl<V: VectorEnv> gym_core::VectorWrapper for RecordVectorVideo<V> {
 
     fn wrapper_spec(&self) -> Option<WrapperSpec> {
         let (video_aspect_ratio, record_first_only) = (self.aspect_ratio, self.first_only);
-        Some(Config { common: self.tape.stored()?, video_aspect_ratio, record_first_only }.spec())
+        Some(
+            Config {
+                common: self.tape.stored()?,
+                video_aspect_ratio,
+                record_first_only,
+            }
+            .spec(),
+        )
     }
 
     fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
@@ -169,7 +210,11 @@ impl<V: VectorEnv> gym_core::VectorWrapper for RecordVectorVideo<V> {
         if columns.progress.first() == Some(&Progress::Started) {
             self.tape.episode();
         }
-        if columns.any_progress() { result.and(self.capture()) } else { result }
+        if columns.any_progress() {
+            result.and(self.capture())
+        } else {
+            result
+        }
     }
 
     fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
@@ -222,7 +267,11 @@ mod tests {
             (8, 600, 400, 1.0, 4),
         ];
         for (n, width, height, aspect_ratio, expected) in cases {
-            assert_eq!(columns(&vec![Frame::new(width, height).unwrap(); n], aspect_ratio), expected, "{n}");
+            assert_eq!(
+                columns(&vec![Frame::new(width, height).unwrap(); n], aspect_ratio),
+                expected,
+                "{n}"
+            );
         }
         assert_eq!(columns(&vec![Frame::new(10, 10).unwrap(); 7], 1.0), 7);
     }

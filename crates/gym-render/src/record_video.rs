@@ -60,7 +60,13 @@ impl<E: Env> RecordVideo<E> {
     /// [`Error::Io`] if the folder cannot be made, [`Error::UnsupportedMode`] if the environment was made
     /// without a render mode, or with one without frames.
     pub fn new(env: E, folder: impl AsRef<Path>) -> Result<Self> {
-        Self::with_config(env, Config { video_folder: folder.as_ref().to_owned(), ..Config::default() })
+        Self::with_config(
+            env,
+            Config {
+                video_folder: folder.as_ref().to_owned(),
+                ..Config::default()
+            },
+        )
     }
 
     /// Records `env` with all arguments at once.
@@ -70,7 +76,12 @@ impl<E: Env> RecordVideo<E> {
     pub fn with_config(env: E, config: Config) -> Result<Self> {
         check_mode(&env)?;
         let tape = Tape::new(config, env.metadata().render_fps)?;
-        Ok(Self { env, tape, list: Vec::new(), rendered: Rendered::Shown })
+        Ok(Self {
+            env,
+            tape,
+            list: Vec::new(),
+            rendered: Rendered::Shown,
+        })
     }
 
     tape_options!();
@@ -131,7 +142,11 @@ impl<E: Env> gym_core::Wrapper for RecordVideo<E> {
         self.capture()
     }
 
-    fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
+    fn step_into(
+        &mut self,
+        action: &E::Action,
+        observation: &mut E::Observation,
+    ) -> Result<Outcome> {
         let outcome = self.env.step_into(action, observation)?;
         self.tape.step();
         self.capture()?;

@@ -61,7 +61,12 @@ impl Recorder {
     /// The errors of [`VideoWriter::create`].
     pub fn with_fps(path: impl AsRef<Path>, fps: u32) -> Result<Self> {
         let video = VideoWriter::create(path, fps)?;
-        Ok(Self { video, rendered: Rendered::Shown, frames: 0, max_frames: u64::MAX })
+        Ok(Self {
+            video,
+            rendered: Rendered::Shown,
+            frames: 0,
+            max_frames: u64::MAX,
+        })
     }
 
     /// Records that many frames and ignores the rest.
@@ -121,7 +126,9 @@ pub(crate) fn not_frames(target: &str, rendered: &Rendered) -> Error {
     Error::UnsupportedMode {
         target: target.to_owned(),
         mode: "frames to record".into(),
-        reason: format!("its render mode is {mode}: make it with `.render_mode(RenderMode::RgbArray)`"),
+        reason: format!(
+            "its render mode is {mode}: make it with `.render_mode(RenderMode::RgbArray)`"
+        ),
     }
 }
 

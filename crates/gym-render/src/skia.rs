@@ -46,7 +46,13 @@ impl Skia {
     const MOST: usize = 1 << 18;
 
     /// Fills a shape.
-    pub(crate) fn fill(&mut self, frame: &mut Frame, shape: Shape<'_>, transform: Transform, color: Color) {
+    pub(crate) fn fill(
+        &mut self,
+        frame: &mut Frame,
+        shape: Shape<'_>,
+        transform: Transform,
+        color: Color,
+    ) {
         self.key.clear();
         self.key.push(0);
         self.place(frame, transform);
@@ -67,7 +73,9 @@ impl Skia {
         transform: Transform,
         color: Color,
     ) {
-        let Some((width, color)) = visible(width, transform, color) else { return };
+        let Some((width, color)) = visible(width, transform, color) else {
+            return;
+        };
         self.key.clear();
         self.key.extend([1, width.to_bits()]);
         self.place(frame, transform);
@@ -87,15 +95,19 @@ impl Skia {
         transform: Transform,
         color: Color,
     ) {
-        let Some((width, color)) = visible(size * font::WEIGHT, transform, color) else { return };
+        let Some((width, color)) = visible(size * font::WEIGHT, transform, color) else {
+            return;
+        };
         self.key.clear();
-        self.key.extend([2, size.to_bits(), align as u64, text.len() as u64]);
+        self.key
+            .extend([2, size.to_bits(), align as u64, text.len() as u64]);
         self.key.extend(text.bytes().map(u64::from));
         self.points(&[position]);
         self.place(frame, transform);
         self.draw(frame, color, |frame, emit| {
-            let strokes =
-                path(|emit| font::outline(text, position, size, align, &mut |segment| emit(segment)));
+            let strokes = path(|emit| {
+                font::outline(text, position, size, align, &mut |segment| emit(segment))
+            });
             if let Some(path) = strokes {
                 stroke_path(frame, &path, width, LineCap::Round, transform, emit);
             }
@@ -104,13 +116,15 @@ impl Skia {
 
     /// Adds to the key where a shape is drawn.
     fn place(&mut self, frame: &Frame, Transform { x, y, origin }: Transform) {
-        self.key.push(u64::from(frame.width()) << 32 | u64::from(frame.height()));
+        self.key
+            .push(u64::from(frame.width()) << 32 | u64::from(frame.height()));
         self.points(&[x, y, origin]);
     }
 
     /// Adds points to the key.
     fn points(&mut self, points: &[Point]) {
-        self.key.extend(points.as_flattened().iter().map(|x| x.to_bits()));
+        self.key
+            .extend(points.as_flattened().iter().map(|x| x.to_bits()));
     }
 
     /// Adds a shape to the key.
@@ -148,7 +162,12 @@ impl Skia {
     }
 
     /// Blends a colour into the shape of a key; `cover` computes its runs, if they are not cached.
-    fn draw(&mut self, frame: &mut Frame, color: Color, cover: impl FnOnce(&Frame, &mut dyn FnMut(Run))) {
+    fn draw(
+        &mut self,
+        frame: &mut Frame,
+        color: Color,
+        cover: impl FnOnce(&Frame, &mut dyn FnMut(Run)),
+    ) {
         if let Some(runs) = self.known.get(&self.key[..]) {
             return lay(frame, runs, color);
         }
@@ -168,7 +187,13 @@ impl Skia {
 /// Lays colour over runs of pixels.
 fn lay(frame: &mut Frame, runs: &[Run], color: Color) {
     let bytes = frame.width() as usize * pixels::RGB;
-    for &Run { x, y, len, coverage } in runs {
+    for &Run {
+        x,
+        y,
+        len,
+        coverage,
+    } in runs
+    {
         let (x, y, len) = (usize::from(x), usize::from(y), usize::from(len));
         let row = &mut frame.pixels_mut()[y * bytes..][..bytes];
         pixels::blend_run(row, x..x + len, color, coverage);
@@ -186,8 +211,11 @@ impl Hasher for WordHasher {
 
     fn write(&mut self, bytes: &[u8]) {
         let (words, rest) = bytes.as_chunks::<8>();
-        words.iter().for_each(|word| self.write_u64(u64::from_ne_bytes(*word)));
-        rest.iter().for_each(|byte| self.write_u64(u64::from(*byte)));
+        words
+            .iter()
+            .for_each(|word| self.write_u64(u64::from_ne_bytes(*word)));
+        rest.iter()
+            .for_each(|byte| self.write_u64(u64::from(*byte)));
     }
 
     fn write_u64(&mut self, word: u64) {
@@ -212,7 +240,9 @@ fn path(draw: impl FnOnce(&mut dyn FnMut(Segment))) -> Option<Path> {
         Segment::Move(to) => path.move_to(xy(to).0, xy(to).1),
         Segment::Line(to) => path.line_to(xy(to).0, xy(to).1),
         Segment::Quad(a, to) => path.quad_to(xy(a).0, xy(a).1, xy(to).0, xy(to).1),
-        Segment::Cubic(a, b, to) => path.cubic_to(xy(a).0, xy(a).1, xy(b).0, xy(b).1, xy(to).0, xy(to).1),
+        Segment::Cubic(a, b, to) => {
+            path.cubic_to(xy(a).0, xy(a).1, xy(b).0, xy(b).1, xy(to).0, xy(to).1)
+        }
         Segment::Close => path.close(),
     });
     path.finish()
@@ -220,7 +250,9 @@ fn path(draw: impl FnOnce(&mut dyn FnMut(Segment))) -> Option<Path> {
 
 /// The number of pixels per unit of the drawing.
 pub(crate) fn scale(transform: Transform) -> f64 {
-    (transform.x[0] * transform.y[1] - transform.x[1] * transform.y[0]).abs().sqrt()
+    (transform.x[0] * transform.y[1] - transform.x[1] * transform.y[0])
+        .abs()
+        .sqrt()
 }
 
 /// The width and colour of a line, if it is visible. A line thinner than a pixel is drawn a pixel wide
@@ -233,7 +265,10 @@ fn visible(width: f64, transform: Transform, color: Color) -> Option<(f64, Color
         return None;
     }
     Some(if pixels < 1.0 {
-        (1.0 / scale, color.alpha((f64::from(color.a) * pixels).round() as u8))
+        (
+            1.0 / scale,
+            color.alpha((f64::from(color.a) * pixels).round() as u8),
+        )
     } else {
         (width, color)
     })
@@ -247,7 +282,12 @@ fn stroke_path(
     transform: Transform,
     emit: &mut dyn FnMut(Run),
 ) {
-    let stroke = Stroke { width: width as f32, line_cap, line_join: LineJoin::Round, ..Stroke::default() };
+    let stroke = Stroke {
+        width: width as f32,
+        line_cap,
+        line_join: LineJoin::Round,
+        ..Stroke::default()
+    };
     if let Some(path) = path.stroke(&stroke, scale(transform) as f32) {
         fill_path(frame, path.transform(skia(transform)), emit);
     }
@@ -262,14 +302,18 @@ fn fill_path(frame: &Frame, path: Option<Path>, emit: &mut dyn FnMut(Run)) {
         return;
     }
     let place = |x: f32, size: u32| x.clamp(0.0, size as f32) as u32;
-    let (left, top) =
-        (place(bounds.left().floor(), frame.width()), place(bounds.top().floor(), frame.height()));
+    let (left, top) = (
+        place(bounds.left().floor(), frame.width()),
+        place(bounds.top().floor(), frame.height()),
+    );
     let right = place(bounds.right().ceil(), frame.width());
     let bottom = place(bounds.bottom().ceil(), frame.height());
     for top in (top..bottom).step_by(LARGEST as usize) {
         for left in (left..right).step_by(LARGEST as usize) {
             let size = ((right - left).min(LARGEST), (bottom - top).min(LARGEST));
-            let Some(mut mask) = Mask::new(size.0, size.1) else { continue };
+            let Some(mut mask) = Mask::new(size.0, size.1) else {
+                continue;
+            };
             let place = tiny_skia::Transform::from_translate(-(left as f32), -(top as f32));
             mask.fill_path(&path, FillRule::Winding, true, place);
             for (y, row) in (top..).zip(mask.data().chunks_exact(size.0 as usize)) {
@@ -277,7 +321,12 @@ fn fill_path(frame: &Frame, path: Option<Path>, emit: &mut dyn FnMut(Run)) {
                 for run in row.chunk_by(|a, b| a == b) {
                     if run[0] != 0 {
                         // nothing lies beyond `REACH`
-                        emit(Run { x: x as u16, y: y as u16, len: run.len() as u16, coverage: run[0] });
+                        emit(Run {
+                            x: x as u16,
+                            y: y as u16,
+                            len: run.len() as u16,
+                            coverage: run[0],
+                        });
                     }
                     x += run.len() as u32;
                 }
@@ -293,7 +342,10 @@ mod tests {
     #[test]
     fn what_is_kept_is_bounded_and_gives_the_same_picture() {
         let circle = |skia: &mut Skia, frame: &mut Frame, i: u32| {
-            let shape = Shape::Circle { center: [40.0, 40.0 + f64::from(i) / 1024.0], radius: 39.5 };
+            let shape = Shape::Circle {
+                center: [40.0, 40.0 + f64::from(i) / 1024.0],
+                radius: 39.5,
+            };
             skia.fill(frame, shape, Transform::IDENTITY, Color::WHITE);
         };
         let mut skia = Skia::default();
@@ -319,22 +371,43 @@ mod tests {
     fn shapes_are_told_apart_by_all_that_decides_them() {
         let points = [[1.0, 1.0], [7.0, 2.0], [6.0, 7.0]];
         let [polygon, polyline] = [Shape::Polygon(&points), Shape::Polyline(&points)];
-        let turned = Transform { x: [0.0, 1.0], y: [1.0, 0.0], ..Transform::IDENTITY };
+        let turned = Transform {
+            x: [0.0, 1.0],
+            y: [1.0, 0.0],
+            ..Transform::IDENTITY
+        };
         let draw = |skia: &mut Skia, frame: &mut Frame, i: u32| match i {
             0 => skia.fill(frame, polygon, Transform::IDENTITY, Color::WHITE),
             1 => skia.fill(frame, polygon, turned, Color::WHITE),
             2 => skia.stroke(frame, polygon, 1.0, Transform::IDENTITY, Color::WHITE),
             3 => skia.stroke(frame, polyline, 1.0, Transform::IDENTITY, Color::WHITE),
             4 => skia.stroke(frame, polyline, 2.0, Transform::IDENTITY, Color::WHITE),
-            5 => skia.text(frame, ("a", [1.0, 7.0], 6.0, Align::Left), Transform::IDENTITY, Color::WHITE),
-            6 => skia.text(frame, ("b", [1.0, 7.0], 6.0, Align::Left), Transform::IDENTITY, Color::WHITE),
-            _ => skia.text(frame, ("b", [5.0, 7.0], 6.0, Align::Center), Transform::IDENTITY, Color::WHITE),
+            5 => skia.text(
+                frame,
+                ("a", [1.0, 7.0], 6.0, Align::Left),
+                Transform::IDENTITY,
+                Color::WHITE,
+            ),
+            6 => skia.text(
+                frame,
+                ("b", [1.0, 7.0], 6.0, Align::Left),
+                Transform::IDENTITY,
+                Color::WHITE,
+            ),
+            _ => skia.text(
+                frame,
+                ("b", [5.0, 7.0], 6.0, Align::Center),
+                Transform::IDENTITY,
+                Color::WHITE,
+            ),
         };
         let mut skia = Skia::default();
         let pictures = [8, 9].map(|side| {
             [0, 1, 2, 3, 4, 5, 6, 7].map(|i| {
-                let (mut frame, mut fresh) =
-                    (Frame::new(side, side).unwrap(), Frame::new(side, side).unwrap());
+                let (mut frame, mut fresh) = (
+                    Frame::new(side, side).unwrap(),
+                    Frame::new(side, side).unwrap(),
+                );
                 draw(&mut skia, &mut frame, i);
                 draw(&mut Skia::default(), &mut fresh, i);
                 assert!(frame == fresh, "{i}");

@@ -54,11 +54,18 @@ enum State<F> {
 impl<F: Format> Stream<F> {
     pub(crate) fn create(path: &Path, fps: u32) -> Result<Self> {
         if !(1..=F::MAX_FPS).contains(&fps) {
-            let reason = format!("fps is {fps}: give the frames per second, 1 to {}", F::MAX_FPS);
+            let reason = format!(
+                "fps is {fps}: give the frames per second, 1 to {}",
+                F::MAX_FPS
+            );
             return Err(Error::argument(F::NAME, reason));
         }
         F::available()?;
-        Ok(Self { path: path.to_owned(), fps, state: State::Created(AtomicFile::create(path)?) })
+        Ok(Self {
+            path: path.to_owned(),
+            fps,
+            state: State::Created(AtomicFile::create(path)?),
+        })
     }
 
     pub(crate) fn write(&mut self, frame: &Frame) -> Result<()> {
@@ -66,10 +73,16 @@ impl<F: Format> Stream<F> {
         let sides = 1..=F::MAX_SIDE;
         let refusal = match self.state {
             State::Running { size: first, .. } if size != first => {
-                format!("{frame:?} cannot follow {}x{}: all frames must have one size", first.0, first.1)
+                format!(
+                    "{frame:?} cannot follow {}x{}: all frames must have one size",
+                    first.0, first.1
+                )
             }
             State::Created(_) if !(sides.contains(&size.0) && sides.contains(&size.1)) => {
-                format!("{frame:?} does not fit: width and height must be 1 to {} pixels", F::MAX_SIDE)
+                format!(
+                    "{frame:?} does not fit: width and height must be 1 to {} pixels",
+                    F::MAX_SIDE
+                )
             }
             _ => String::new(),
         };
@@ -88,12 +101,14 @@ impl<F: Format> Stream<F> {
 
     pub(crate) fn finish(&mut self) -> Result<()> {
         match std::mem::replace(&mut self.state, State::Over) {
-            State::Created(_) => {
-                Err(Error::argument(F::NAME, "no frame was written: write one before `finish`"))
-            }
-            State::Running { format, .. } => {
-                format.finish().map_err(|error| Error::io(&self.path, error))?.commit()
-            }
+            State::Created(_) => Err(Error::argument(
+                F::NAME,
+                "no frame was written: write one before `finish`",
+            )),
+            State::Running { format, .. } => format
+                .finish()
+                .map_err(|error| Error::io(&self.path, error))?
+                .commit(),
             State::Over => Err(Error::io(&self.path, failed_before())),
         }
     }

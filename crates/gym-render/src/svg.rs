@@ -26,7 +26,11 @@ pub struct Svg {
 impl Svg {
     /// An empty document of that width and height.
     pub fn new(size: (u32, u32)) -> Self {
-        Self { size, body: String::new(), transforms: Transforms::new() }
+        Self {
+            size,
+            body: String::new(),
+            transforms: Transforms::new(),
+        }
     }
 
     /// The document.
@@ -45,7 +49,8 @@ impl Svg {
         let _ = write!(self.body, "  <{element} {style}");
         if transform != Transform::IDENTITY {
             let Transform { x, y, origin } = transform;
-            let [a, b, c, d, e, f] = [x[0], x[1], y[0], y[1], origin[0], origin[1]].map(Decimal::<6>);
+            let [a, b, c, d, e, f] =
+                [x[0], x[1], y[0], y[1], origin[0], origin[1]].map(Decimal::<6>);
             let _ = write!(self.body, " transform=\"matrix({a} {b} {c} {d} {e} {f})\"");
         }
         self.body.push_str("/>\n");
@@ -57,7 +62,11 @@ impl Canvas for Svg {
         if color.a == 255 {
             self.body.clear();
         }
-        let _ = writeln!(self.body, "  <rect width=\"100%\" height=\"100%\" {}/>", paint("fill", color));
+        let _ = writeln!(
+            self.body,
+            "  <rect width=\"100%\" height=\"100%\" {}/>",
+            paint("fill", color)
+        );
     }
 
     fn fill(&mut self, shape: Shape<'_>, color: Color) {
@@ -70,7 +79,9 @@ impl Canvas for Svg {
 
     fn text(&mut self, text: &str, position: Point, size: f64, align: Align, color: Color) {
         let mut segments = Vec::new();
-        font::outline(text, position, size, align, &mut |segment| segments.push(segment));
+        font::outline(text, position, size, align, &mut |segment| {
+            segments.push(segment)
+        });
         let style = stroke(size * font::WEIGHT, color) + " stroke-linecap=\"round\"";
         self.element(&path(&segments), &style);
     }
@@ -105,14 +116,23 @@ pub fn svg(size: (u32, u32), draw: impl FnOnce(&mut dyn Canvas)) -> String {
 ///
 /// # Errors
 /// [`Error::Io`](gym_core::Error::Io) if the file cannot be written.
-pub fn write_svg(path: impl AsRef<Path>, size: (u32, u32), draw: impl FnOnce(&mut dyn Canvas)) -> Result<()> {
+pub fn write_svg(
+    path: impl AsRef<Path>,
+    size: (u32, u32),
+    draw: impl FnOnce(&mut dyn Canvas),
+) -> Result<()> {
     file::write(path, svg(size, draw).as_bytes())
 }
 
 /// Element name and geometry of a shape.
 fn geometry(shape: Shape<'_>) -> String {
-    let list =
-        |points: &[Point]| points.iter().map(|&point| Pair(point).to_string()).collect::<Vec<_>>().join(" ");
+    let list = |points: &[Point]| {
+        points
+            .iter()
+            .map(|&point| Pair(point).to_string())
+            .collect::<Vec<_>>()
+            .join(" ")
+    };
     match shape {
         Shape::Polygon(points) => format!("polygon points=\"{}\"", list(points)),
         Shape::Polyline(points) => format!("polyline points=\"{}\"", list(points)),
@@ -122,8 +142,11 @@ fn geometry(shape: Shape<'_>) -> String {
         }
         Shape::Rect { min, size, corner } => {
             let [x, y, width, height] = [min[0], min[1], size[0], size[1]].map(Decimal::<3>);
-            let rounding =
-                if corner > 0.0 { format!(" rx=\"{}\"", Decimal::<3>(corner)) } else { String::new() };
+            let rounding = if corner > 0.0 {
+                format!(" rx=\"{}\"", Decimal::<3>(corner))
+            } else {
+                String::new()
+            };
             format!("rect x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{height}\"{rounding}")
         }
         Shape::Path(segments) => path(segments),
@@ -150,12 +173,20 @@ fn paint(what: &str, color: Color) -> String {
     let opacity = f64::from(color.a) / 255.0;
     match color.a {
         255 => format!("{what}=\"{}\"", Rgb(color)),
-        _ => format!("{what}=\"{}\" {what}-opacity=\"{}\"", Rgb(color), Decimal::<3>(opacity)),
+        _ => format!(
+            "{what}=\"{}\" {what}-opacity=\"{}\"",
+            Rgb(color),
+            Decimal::<3>(opacity)
+        ),
     }
 }
 
 fn stroke(width: f64, color: Color) -> String {
-    format!("fill=\"none\" {} stroke-width=\"{}\"", paint("stroke", color), Decimal::<3>(width))
+    format!(
+        "fill=\"none\" {} stroke-width=\"{}\"",
+        paint("stroke", color),
+        Decimal::<3>(width)
+    )
 }
 
 #[cfg(test)]
@@ -171,7 +202,11 @@ mod tests {
             canvas.line([0.0, 10.0], [60.0, 10.123_46], 1.5, Color::BLACK);
             canvas.pop();
             canvas.round_rect([1.0, 2.0], [3.0, 4.0], 0.5, Color::rgb(255, 0, 0).alpha(51));
-            let triangle = [Segment::Move([0.0, 0.0]), Segment::Quad([1.0, 0.0], [1.0, 1.0]), Segment::Close];
+            let triangle = [
+                Segment::Move([0.0, 0.0]),
+                Segment::Quad([1.0, 0.0], [1.0, 1.0]),
+                Segment::Close,
+            ];
             canvas.fill(Shape::Path(&triangle), Color::BLACK);
             canvas.text("l", [0.0, 20.0], 20.0, Align::Left, Color::BLACK);
         });

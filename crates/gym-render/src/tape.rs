@@ -51,7 +51,8 @@ pub(crate) struct Recording {
 impl Tape {
     /// Makes the folder if it does not exist.
     pub(crate) fn new(config: Config, fps: u32) -> Result<Self> {
-        fs::create_dir_all(&config.video_folder).map_err(|error| Error::io(&config.video_folder, error))?;
+        fs::create_dir_all(&config.video_folder)
+            .map_err(|error| Error::io(&config.video_folder, error))?;
         Ok(Self {
             config,
             fps,
@@ -93,7 +94,11 @@ impl Tape {
     pub(crate) fn step(&mut self) {
         let step = self.steps;
         self.steps += 1;
-        if self.step_trigger.as_mut().is_some_and(|trigger| trigger(step)) {
+        if self
+            .step_trigger
+            .as_mut()
+            .is_some_and(|trigger| trigger(step))
+        {
             self.start("step", step);
         }
     }
@@ -108,7 +113,13 @@ impl Tape {
     /// Starts a recording in place of one that is running.
     fn start(&mut self, kind: &str, number: u64) {
         self.stop();
-        let Config { video_folder, name_prefix, fps, extension, .. } = &self.config;
+        let Config {
+            video_folder,
+            name_prefix,
+            fps,
+            extension,
+            ..
+        } = &self.config;
         let path = video_folder.join(format!("{name_prefix}-{kind}-{number}.{extension}"));
         match VideoWriter::create(path, fps.unwrap_or(self.fps)) {
             Ok(video) => self.recording = Some(Recording { video, frames: 0 }),
@@ -118,7 +129,9 @@ impl Tape {
 
     /// Records a frame.
     pub(crate) fn write(&mut self, frame: &Frame) {
-        let Some(recording) = &mut self.recording else { return };
+        let Some(recording) = &mut self.recording else {
+            return;
+        };
         let written = recording.video.write(frame);
         recording.frames += 1;
         if let Err(error) = written {
@@ -175,7 +188,10 @@ macro_rules! tape_options {
     () => {
         /// Records the episodes that `trigger` accepts, by their number.
         #[must_use]
-        pub fn episode_trigger(mut self, trigger: impl FnMut(u64) -> bool + Send + 'static) -> Self {
+        pub fn episode_trigger(
+            mut self,
+            trigger: impl FnMut(u64) -> bool + Send + 'static,
+        ) -> Self {
             self.tape.episode_trigger = Some(Box::new(trigger));
             self
         }

@@ -7,8 +7,9 @@ use tempfile::TempDir;
 /// The names of the files in a folder, hidden ones too.
 pub(crate) fn names(folder: &TempDir) -> Vec<String> {
     let entries = std::fs::read_dir(folder.path()).unwrap();
-    let mut names: Vec<String> =
-        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    let mut names: Vec<String> = entries
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
     names.sort();
     names
 }
@@ -25,7 +26,11 @@ impl Full {
 impl Write for Full {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let end = self.0.position() as usize + bytes.len();
-        if end > self.1 { Err(io::ErrorKind::StorageFull.into()) } else { self.0.write(bytes) }
+        if end > self.1 {
+            Err(io::ErrorKind::StorageFull.into())
+        } else {
+            self.0.write(bytes)
+        }
     }
 
     fn flush(&mut self) -> io::Result<()> {

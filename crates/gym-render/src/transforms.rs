@@ -12,7 +12,10 @@ pub(crate) struct Transforms {
 impl Transforms {
     /// An empty stack.
     pub(crate) const fn new() -> Self {
-        Self { current: Transform::IDENTITY, outer: Vec::new() }
+        Self {
+            current: Transform::IDENTITY,
+            outer: Vec::new(),
+        }
     }
 
     /// Empties the stack and starts from `base`.

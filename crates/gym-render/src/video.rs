@@ -45,8 +45,10 @@ impl VideoWriter {
             Some("png" | "apng") => Kind::Png(Stream::create(path, fps)?),
             Some("mp4") => Kind::Mp4(Stream::create(path, fps)?),
             _ => {
-                let reason =
-                    format!("`{}` has no known extension: use .gif, .png, .apng or .mp4", path.display());
+                let reason = format!(
+                    "`{}` has no known extension: use .gif, .png, .apng or .mp4",
+                    path.display()
+                );
                 return Err(Error::argument("VideoWriter", reason));
             }
         }))

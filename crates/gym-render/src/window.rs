@@ -60,13 +60,18 @@ impl Window {
             scale_mode: ScaleMode::AspectRatioStretch,
             ..WindowOptions::default()
         };
-        let mut window =
-            minifb::Window::new(title, size.0, size.1, options).map_err(|error| no_window(&error))?;
+        let mut window = minifb::Window::new(title, size.0, size.1, options)
+            .map_err(|error| no_window(&error))?;
         window.set_target_fps(UPDATES);
         window.set_background_color(232, 232, 232);
         let pressed = Pressed::default();
         window.set_input_callback(Box::new(pressed.clone()));
-        Ok(Self { window, pixels: vec![0; size.0 * size.1], size, pressed })
+        Ok(Self {
+            window,
+            pixels: vec![0; size.0 * size.1],
+            size,
+            pressed,
+        })
     }
 
     /// Shows a frame; one of another size than the window was opened for is left out.
@@ -83,7 +88,11 @@ impl Window {
     /// Handles the user's input, and shows the last frame again. Waits for a sixtieth of a second
     /// since the last call.
     pub fn update(&mut self) {
-        if self.window.update_with_buffer(&self.pixels, self.size.0, self.size.1).is_err() {
+        if self
+            .window
+            .update_with_buffer(&self.pixels, self.size.0, self.size.1)
+            .is_err()
+        {
             self.window.update();
         }
     }
@@ -111,7 +120,9 @@ impl Window {
 
 impl fmt::Debug for Window {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Window").field("size", &self.size).finish_non_exhaustive()
+        f.debug_struct("Window")
+            .field("size", &self.size)
+            .finish_non_exhaustive()
     }
 }
 
@@ -119,7 +130,9 @@ fn no_window(reason: &dyn fmt::Display) -> Error {
     Error::UnsupportedMode {
         target: "this system".into(),
         mode: "human".into(),
-        reason: format!("no window could be opened ({reason}): is there a display? `rgb_array` needs none"),
+        reason: format!(
+            "no window could be opened ({reason}): is there a display? `rgb_array` needs none"
+        ),
     }
 }
 
@@ -144,16 +157,26 @@ impl Live {
         if cfg!(target_os = "macos") {
             return Err(no_window(&"macOS has windows on the main thread only"));
         }
-        let shared = Arc::new(Shared { frame: Mutex::new(None), open: AtomicBool::new(true) });
+        let shared = Arc::new(Shared {
+            frame: Mutex::new(None),
+            open: AtomicBool::new(true),
+        });
         let (answer, opened) = mpsc::channel();
         let (theirs, title) = (shared.clone(), title.to_owned());
         let thread = thread::Builder::new()
             .name("gym window".into())
             .spawn(move || serve(&title, size, &theirs, &answer))
             .map_err(|error| no_window(&error))?;
-        opened.recv().map_err(|_| no_window(&"the window's thread ended"))??;
+        opened
+            .recv()
+            .map_err(|_| no_window(&"the window's thread ended"))??;
         let period = Duration::from_secs(1) / fps.max(1);
-        Ok(Self { shared, thread: Some(thread), due: Instant::now(), period })
+        Ok(Self {
+            shared,
+            thread: Some(thread),
+            due: Instant::now(),
+            period,
+        })
     }
 }
 
@@ -165,7 +188,11 @@ fn serve(title: &str, size: (u32, u32), shared: &Shared, answer: &Sender<Result<
         Ok(mut window) => {
             let _ = answer.send(Ok(()));
             while window.is_open() && shared.open.load(Ordering::Relaxed) {
-                let frame = shared.frame.lock().unwrap_or_else(PoisonError::into_inner).take();
+                let frame = shared
+                    .frame
+                    .lock()
+                    .unwrap_or_else(PoisonError::into_inner)
+                    .take();
                 match frame {
                     Some(frame) => window.show(&frame),
                     None => window.update(),
@@ -179,7 +206,10 @@ fn serve(title: &str, size: (u32, u32), shared: &Shared, answer: &Sender<Result<
 impl Screen for Live {
     fn show(&mut self, frame: &Frame) -> bool {
         // A thread that panicked does not report that the window is gone.
-        let alive = self.thread.as_ref().is_some_and(|thread| !thread.is_finished());
+        let alive = self
+            .thread
+            .as_ref()
+            .is_some_and(|thread| !thread.is_finished());
         if !alive || !self.shared.open.load(Ordering::Relaxed) {
             return false;
         }
@@ -187,7 +217,11 @@ impl Screen for Live {
         thread::sleep(self.due.saturating_duration_since(now));
         // After a pause the rhythm restarts.
         self.due = self.due.max(now) + self.period;
-        *self.shared.frame.lock().unwrap_or_else(PoisonError::into_inner) = Some(frame.clone());
+        *self
+            .shared
+            .frame
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner) = Some(frame.clone());
         true
     }
 }

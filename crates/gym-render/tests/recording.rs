@@ -37,7 +37,11 @@ impl Env for Count {
     fn step_into(&mut self, _action: &i64, observation: &mut i64) -> Result<Outcome> {
         self.0 += 1;
         *observation = self.0;
-        Ok(Outcome { reward: 1.0, terminated: self.0 == 3, truncated: false })
+        Ok(Outcome {
+            reward: 1.0,
+            terminated: self.0 == 3,
+            truncated: false,
+        })
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
@@ -73,7 +77,8 @@ fn play<E: Env>(env: &mut E, episodes: u32) {
 
 /// The names of the files in a folder, hidden ones too.
 fn names(folder: &Path) -> Vec<String> {
-    let name = |entry: std::io::Result<fs::DirEntry>| entry.unwrap().file_name().into_string().unwrap();
+    let name =
+        |entry: std::io::Result<fs::DirEntry>| entry.unwrap().file_name().into_string().unwrap();
     let mut names: Vec<_> = fs::read_dir(folder).unwrap().map(name).collect();
     names.sort();
     names
@@ -87,7 +92,12 @@ fn counts(path: &Path) -> Vec<usize> {
     let mut row = [255; 8];
     let mut counts = Vec::new();
     while let Some(picture) = decoder.read_next_frame().unwrap() {
-        for (x, pixel) in picture.buffer.chunks(4).take(usize::from(picture.width)).enumerate() {
+        for (x, pixel) in picture
+            .buffer
+            .chunks(4)
+            .take(usize::from(picture.width))
+            .enumerate()
+        {
             if pixel[3] > 0 {
                 row[usize::from(picture.left) + x] = pixel[0];
             }
@@ -137,8 +147,14 @@ fn a_recorder_stops_at_its_maximum_and_refuses_other_modes() {
     assert_eq!(recorder.finish().unwrap(), 3);
     assert_eq!(counts(&path), [0, 1, 2]);
     let mut recorder = Recorder::new(folder.path().join("b.gif"), &env).unwrap();
-    assert!(matches!(recorder.capture(&mut Count::default()), Err(Error::UnsupportedMode { .. })));
-    assert!(matches!(recorder.finish(), Err(Error::InvalidArgument { .. })));
+    assert!(matches!(
+        recorder.capture(&mut Count::default()),
+        Err(Error::UnsupportedMode { .. })
+    ));
+    assert!(matches!(
+        recorder.finish(),
+        Err(Error::InvalidArgument { .. })
+    ));
     // before the first frame already
     let refused = Recorder::new(folder.path().join("c.gif"), &Count::default());
     assert!(matches!(refused, Err(Error::UnsupportedMode { .. })));
@@ -148,7 +164,10 @@ fn a_recorder_stops_at_its_maximum_and_refuses_other_modes() {
 #[test]
 fn cubes_are_recorded() {
     let recorded: Vec<_> = (0..3001).filter(|&episode| capped_cubic(episode)).collect();
-    assert_eq!(recorded, [0, 1, 8, 27, 64, 125, 216, 343, 512, 729, 1000, 2000, 3000]);
+    assert_eq!(
+        recorded,
+        [0, 1, 8, 27, 64, 125, 216, 343, 512, 729, 1000, 2000, 3000]
+    );
     let folder = TempDir::new().unwrap();
     let videos = folder.path().join("new/videos");
     let mut env = RecordVideo::new(drawn(), &videos).unwrap();
@@ -169,7 +188,10 @@ fn triggers_length_and_prefix() {
     play(&mut env, 4);
     assert!(!env.is_recording());
     assert_eq!(names(folder.path()), ["try-step-4.gif"]);
-    assert_eq!(counts(&folder.path().join("try-step-4.gif")), [2, 3, 0, 1, 2]);
+    assert_eq!(
+        counts(&folder.path().join("try-step-4.gif")),
+        [2, 3, 0, 1, 2]
+    );
 
     let mut both = RecordVideo::new(drawn(), folder.path())
         .unwrap()
@@ -177,7 +199,11 @@ fn triggers_length_and_prefix() {
         .episode_trigger(|episode| episode == 0)
         .extension("png");
     play(&mut both, 2);
-    let expected = ["rl-video-episode-0.png", "rl-video-step-1.png", "try-step-4.gif"];
+    let expected = [
+        "rl-video-episode-0.png",
+        "rl-video-step-1.png",
+        "try-step-4.gif",
+    ];
     assert_eq!(names(folder.path()), expected);
 }
 
@@ -192,7 +218,10 @@ fn a_file_is_finished_by_close_drop_and_into_inner() {
         env.step(&0).unwrap();
         assert!(names(folder.path())[0].starts_with('.'));
         end(env);
-        assert_eq!(counts(&folder.path().join("rl-video-episode-0.gif")), [0, 1]);
+        assert_eq!(
+            counts(&folder.path().join("rl-video-episode-0.gif")),
+            [0, 1]
+        );
     }
 }
 
@@ -213,7 +242,10 @@ fn recording_is_no_part_of_clones_and_snapshots() {
     drop(env);
     assert_eq!(names(folder.path()), ["rl-video-episode-0.gif"]);
     // 0, 1, and after the restore 1 and 2
-    assert_eq!(counts(&folder.path().join("rl-video-episode-0.gif")), [0, 1, 2]);
+    assert_eq!(
+        counts(&folder.path().join("rl-video-episode-0.gif")),
+        [0, 1, 2]
+    );
 }
 
 #[test]
@@ -225,14 +257,20 @@ fn the_list_of_frames_stays_complete() {
         assert_eq!(env.render().unwrap().into_frames().unwrap().len(), 4);
         assert_eq!(env.render().unwrap().into_frames().unwrap().len(), 0);
     }
-    assert_eq!(counts(&folder.path().join("rl-video-episode-1.gif")), [0, 1, 2, 3]);
+    assert_eq!(
+        counts(&folder.path().join("rl-video-episode-1.gif")),
+        [0, 1, 2, 3]
+    );
 }
 
 #[test]
 fn an_environment_without_frames_is_refused() {
     let folder = TempDir::new().unwrap();
     let refused = RecordVideo::new(Count::default(), folder.path());
-    assert!(matches!(refused, Err(Error::UnsupportedMode { .. })), "it is told before the training");
+    assert!(
+        matches!(refused, Err(Error::UnsupportedMode { .. })),
+        "it is told before the training"
+    );
 }
 
 #[test]
@@ -256,7 +294,11 @@ fn formats_go_by_the_extension() {
     let mut env = RenderCollection::new(drawn());
     play(&mut env, 1);
     let frames = env.render().unwrap().into_frames().unwrap();
-    for (name, signature) in [("a.gif", &b"GIF89a"[..]), ("b.PNG", b"\x89PNG"), ("c.apng", b"\x89PNG")] {
+    for (name, signature) in [
+        ("a.gif", &b"GIF89a"[..]),
+        ("b.PNG", b"\x89PNG"),
+        ("c.apng", b"\x89PNG"),
+    ] {
         let path = folder.path().join(name);
         write_video(&path, 10, &frames).unwrap();
         assert!(fs::read(path).unwrap().starts_with(signature), "{name}");
@@ -269,13 +311,21 @@ fn formats_go_by_the_extension() {
     // nothing stays of what fails half-way: frames of different sizes
     let mixed = [frames[0].clone(), Frame::new(1, 1).unwrap()];
     for name in ["e.gif", "e.png"] {
-        assert!(write_video(folder.path().join(name), 10, &mixed).is_err(), "{name}");
+        assert!(
+            write_video(folder.path().join(name), 10, &mixed).is_err(),
+            "{name}"
+        );
     }
     // as do sizes that the format cannot hold
     for (width, height) in [(65_536, 1), (1, 65_536), (0, 1), (1, 0)] {
         let frame = Frame::new(width, height).unwrap();
-        let error = write_video(folder.path().join("f.gif"), 10, &[frame]).unwrap_err().to_string();
-        assert!(error.contains("width and height must be 1 to 65535 pixels"), "{error}");
+        let error = write_video(folder.path().join("f.gif"), 10, &[frame])
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains("width and height must be 1 to 65535 pixels"),
+            "{error}"
+        );
     }
     assert_eq!(names(folder.path()), ["a.gif", "b.PNG", "c.apng"]);
 }
@@ -287,7 +337,11 @@ fn mp4_needs_ffmpeg_and_says_so() {
     let mut env = RenderCollection::new(drawn());
     play(&mut env, 1);
     let frames = env.render().unwrap().into_frames().unwrap();
-    let installed = Command::new("ffmpeg").arg("-version").stdout(Stdio::null()).status().is_ok();
+    let installed = Command::new("ffmpeg")
+        .arg("-version")
+        .stdout(Stdio::null())
+        .status()
+        .is_ok();
     let written = write_video(&path, 10, &frames);
     if installed {
         written.unwrap();
@@ -297,7 +351,12 @@ fn mp4_needs_ffmpeg_and_says_so() {
         given_up.abandon();
         assert_eq!(names(folder.path()), ["a.mp4"]);
     } else {
-        assert!(written.unwrap_err().to_string().contains("`ffmpeg`, which was not found"));
+        assert!(
+            written
+                .unwrap_err()
+                .to_string()
+                .contains("`ffmpeg`, which was not found")
+        );
         assert_eq!(names(folder.path()), [""; 0]);
     }
 }
@@ -307,9 +366,13 @@ const FOLDER: &str = "GYM_RENDER_TEST_FOLDER";
 /// Records until it is killed; does nothing unless the test below starts it.
 #[test]
 fn endless_recording() {
-    let Some(folder) = std::env::var_os(FOLDER) else { return };
+    let Some(folder) = std::env::var_os(FOLDER) else {
+        return;
+    };
     let env = RecordVideo::new(drawn(), folder).unwrap();
-    let mut env = env.episode_trigger(|episode| episode == 0).video_length(u64::MAX);
+    let mut env = env
+        .episode_trigger(|episode| episode == 0)
+        .video_length(u64::MAX);
     loop {
         play(&mut env, 1);
     }
@@ -324,8 +387,11 @@ fn a_killed_recording_leaves_only_a_hidden_file() {
         .stdout(Stdio::null())
         .spawn()
         .unwrap();
-    let written =
-        || names(folder.path()).iter().any(|name| folder.path().join(name).metadata().unwrap().len() > 0);
+    let written = || {
+        names(folder.path())
+            .iter()
+            .any(|name| folder.path().join(name).metadata().unwrap().len() > 0)
+    };
     let start = Instant::now();
     while !written() && start.elapsed() < Duration::from_secs(20) {
         std::thread::sleep(Duration::from_millis(5));
@@ -333,5 +399,8 @@ fn a_killed_recording_leaves_only_a_hidden_file() {
     child.kill().unwrap();
     child.wait().unwrap();
     let names = names(folder.path());
-    assert!(names.len() == 1 && names[0].starts_with(".rl-video-episode-0.gif"), "{names:?}");
+    assert!(
+        names.len() == 1 && names[0].starts_with(".rl-video-episode-0.gif"),
+        "{names:?}"
+    );
 }

@@ -31,7 +31,10 @@ pub(crate) fn person(canvas: &mut dyn Canvas, feet: Point, facing: Facing, color
             canvas.line([shoulder, -22.0], [hand, -11.0], 5.5, color);
         }
     }
-    canvas.polygon(&[[-8.0, -25.0], [8.0, -25.0], [10.0, -5.0], [-10.0, -5.0]], color);
+    canvas.polygon(
+        &[[-8.0, -25.0], [8.0, -25.0], [10.0, -5.0], [-10.0, -5.0]],
+        color,
+    );
     if profile {
         canvas.line([0.0, -20.0], [4.0, -11.0], 5.0, INK);
     }

@@ -23,7 +23,8 @@ use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::spaces::TupleSpace;
 use gym_core::{
-    Dynamics, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task, Transition,
+    Dynamics, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task,
+    Transition,
 };
 use gym_native::{Many, Native, Whole};
 use serde::{Deserialize, Serialize};
@@ -69,7 +70,12 @@ pub struct Hand {
 impl Hand {
     /// 21 aces and the card that goes over.
     const MAX_LEN: usize = 22;
-    const EMPTY: Self = Self { cards: [0; Self::MAX_LEN], len: 0, hard_sum: 0, has_ace: false };
+    const EMPTY: Self = Self {
+        cards: [0; Self::MAX_LEN],
+        len: 0,
+        hard_sum: 0,
+        has_ace: false,
+    };
 
     fn draw(rng: &mut Generator) -> Self {
         let mut hand = Self::EMPTY;
@@ -136,7 +142,11 @@ impl TryFrom<Vec<u8>> for Hand {
     fn try_from(cards: Vec<u8>) -> Result<Self, String> {
         let possible = cards.len() >= 2
             && cards.iter().all(|card| (1..=10).contains(card))
-            && cards[..cards.len() - 1].iter().map(|card| usize::from(*card)).sum::<usize>() <= 21;
+            && cards[..cards.len() - 1]
+                .iter()
+                .map(|card| usize::from(*card))
+                .sum::<usize>()
+                <= 21;
         if !possible {
             return Err(format!("{cards:?} is not a hand of blackjack"));
         }
@@ -197,7 +207,11 @@ impl BlackjackDynamics {
                 state.player.draw_card(rng);
             }
             let terminated = state.player.is_bust();
-            return Transition { state, reward: if terminated { -1.0 } else { 0.0 }, terminated };
+            return Transition {
+                state,
+                reward: if terminated { -1.0 } else { 0.0 },
+                terminated,
+            };
         }
         while state.dealer.sum() < 17 {
             state.dealer.draw_card(rng);
@@ -206,10 +220,17 @@ impl BlackjackDynamics {
         let reward = f64::from(player.score().cmp(&dealer.score()) as i8);
         let reward = match self.config {
             Config { sab: true, .. } if player.is_natural() && !dealer.is_natural() => 1.0,
-            Config { sab: false, natural: true } if player.is_natural() && reward == 1.0 => 1.5,
+            Config {
+                sab: false,
+                natural: true,
+            } if player.is_natural() && reward == 1.0 => 1.5,
             _ => reward,
         };
-        Transition { state, reward, terminated: true }
+        Transition {
+            state,
+            reward,
+            terminated: true,
+        }
     }
 }
 
@@ -242,8 +263,14 @@ impl Task for BlackjackDynamics {
         let player = Hand::draw(rng);
         // drawing the card consumes random numbers
         let suit = SUITS[rng.choice(SUITS.len())];
-        let face = (dealer.cards()[0] == 10).then(|| [Face::Jack, Face::Queen, Face::King][rng.choice(3)]);
-        Ok(State { dealer, player, suit, face })
+        let face =
+            (dealer.cards()[0] == 10).then(|| [Face::Jack, Face::Queen, Face::King][rng.choice(3)]);
+        Ok(State {
+            dealer,
+            player,
+            suit,
+            face,
+        })
     }
 
     fn is_valid(&self, state: &State) -> bool {
@@ -255,16 +282,31 @@ impl Task for BlackjackDynamics {
     }
 
     fn draw(&self, state: &State, canvas: &mut dyn Canvas) {
-        let State { dealer, player, suit, face } = state;
+        let State {
+            dealer,
+            player,
+            suit,
+            face,
+        } = state;
         canvas.clear(FELT);
-        let edge = Shape::Rect { min: [10.0, 10.0], size: [364.0, 356.0], corner: 16.0 };
+        let edge = Shape::Rect {
+            min: [10.0, 10.0],
+            size: [364.0, 356.0],
+            corner: 16.0,
+        };
         canvas.stroke(edge, 2.0, FELT_LINE);
 
         let open = dealer.cards()[0];
         canvas.text("DEALER", [32.0, 46.0], 12.0, Align::Left, Color::WHITE);
         card(canvas, [32.0, 58.0], open, *face, *suit);
         back(canvas, [124.0, 58.0]);
-        canvas.text(&Label::new(format_args!("{open}")), [296.0, 134.0], 40.0, Align::Center, Color::WHITE);
+        canvas.text(
+            &Label::new(format_args!("{open}")),
+            [296.0, 134.0],
+            40.0,
+            Align::Center,
+            Color::WHITE,
+        );
 
         canvas.text("PLAYER", [32.0, 210.0], 12.0, Align::Left, Color::WHITE);
         let hidden = player.cards().len() - 1;
@@ -291,13 +333,22 @@ impl Task for BlackjackDynamics {
 }
 
 impl Dynamics for BlackjackDynamics {
-    fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
+    fn transition(
+        &self,
+        state: &State,
+        action: &Action,
+        rng: &mut Generator,
+    ) -> Result<Transition<State>> {
         Ok(self.play(state, *action, rng))
     }
 
     fn observe(&self, state: &State) -> (usize, usize, usize) {
         let State { dealer, player, .. } = state;
-        (player.sum().into(), dealer.cards()[0].into(), player.usable_ace().into())
+        (
+            player.sum().into(),
+            dealer.cards()[0].into(),
+            player.usable_ace().into(),
+        )
     }
 }
 
@@ -310,7 +361,11 @@ const BACK: Color = Color::rgb(56, 84, 150);
 
 /// A card, open.
 fn card(canvas: &mut dyn Canvas, corner: Point, value: u8, face: Option<Face>, suit: Suit) {
-    let color = if matches!(suit, Suit::Hearts | Suit::Diamonds) { RED } else { BLACK };
+    let color = if matches!(suit, Suit::Hearts | Suit::Diamonds) {
+        RED
+    } else {
+        BLACK
+    };
     let rank = match (value, face) {
         (1, _) => Label::new(format_args!("A")),
         (_, Some(Face::Jack)) => Label::new(format_args!("J")),
@@ -359,12 +414,22 @@ fn pips(value: u8) -> (&'static [f64], &'static [f64]) {
 /// A suit's sign of a height; of a negative one, on its head.
 fn pip(canvas: &mut dyn Canvas, suit: Suit, center: Point, height: f64, color: Color) {
     let half = height / 2.0;
-    canvas.push(Transform { x: [half, 0.0], y: [0.0, half], origin: center });
+    canvas.push(Transform {
+        x: [half, 0.0],
+        y: [0.0, half],
+        origin: center,
+    });
     match suit {
-        Suit::Diamonds => canvas.polygon(&[[0.0, -1.0], [0.75, 0.0], [0.0, 1.0], [-0.75, 0.0]], color),
+        Suit::Diamonds => {
+            canvas.polygon(&[[0.0, -1.0], [0.75, 0.0], [0.0, 1.0], [-0.75, 0.0]], color)
+        }
         Suit::Hearts => heart(canvas, color),
         Suit::Spades => {
-            canvas.push(Transform { x: [1.0, 0.0], y: [0.0, -0.8], origin: [0.0, -0.2] });
+            canvas.push(Transform {
+                x: [1.0, 0.0],
+                y: [0.0, -0.8],
+                origin: [0.0, -0.2],
+            });
             heart(canvas, color);
             canvas.pop();
             stem(canvas, color);
@@ -407,17 +472,30 @@ fn stem(canvas: &mut dyn Canvas, color: Color) {
 fn back(canvas: &mut dyn Canvas, corner: Point) {
     blank(canvas, corner);
     let [x, y] = corner;
-    canvas.round_rect([x + 6.0, y + 6.0], [CARD[0] - 12.0, CARD[1] - 12.0], 4.0, BACK);
+    canvas.round_rect(
+        [x + 6.0, y + 6.0],
+        [CARD[0] - 12.0, CARD[1] - 12.0],
+        4.0,
+        BACK,
+    );
     for row in 0..6 {
         for col in 0..4 {
-            let center = [x + 16.0 + 16.0 * f64::from(col), y + 16.0 + 16.0 * f64::from(row)];
+            let center = [
+                x + 16.0 + 16.0 * f64::from(col),
+                y + 16.0 + 16.0 * f64::from(row),
+            ];
             pip(canvas, Suit::Diamonds, center, 12.0, Color::WHITE);
         }
     }
 }
 
 fn blank(canvas: &mut dyn Canvas, corner: Point) {
-    canvas.round_rect([corner[0] - 1.0, corner[1] - 1.0], [CARD[0] + 2.0, CARD[1] + 2.0], 8.0, FELT_LINE);
+    canvas.round_rect(
+        [corner[0] - 1.0, corner[1] - 1.0],
+        [CARD[0] + 2.0, CARD[1] + 2.0],
+        8.0,
+        FELT_LINE,
+    );
     canvas.round_rect(corner, CARD, 7.0, Color::WHITE);
 }
 
@@ -470,10 +548,16 @@ gym_core::register!(
         .light_step()
         .actions(Action::VARIANTS)
         .keys(|_| Keys::new(json!({"S": 0, "Down": 0, "H": 1, "Up": 1})))
-        .policy(Policy::rules("is the basic strategy of Sutton and Barto's figure 5.2", |_| reflex(
-            basic_strategy
-        )))
-        .clip(Clip { seeds: 0..12, every: 1, frames: 24, size: (192, 188) }),
+        .policy(Policy::rules(
+            "is the basic strategy of Sutton and Barto's figure 5.2",
+            |_| reflex(basic_strategy)
+        ))
+        .clip(Clip {
+            seeds: 0..12,
+            every: 1,
+            frames: 24,
+            size: (192, 188)
+        }),
 );
 
 #[cfg(test)]
@@ -496,7 +580,12 @@ mod tests {
         ] {
             let mut env = Blackjack::new(Config::default()).unwrap();
             env.reset(seed).unwrap();
-            let state = State { dealer: hand(&dealer), player: hand(&player), suit, face };
+            let state = State {
+                dealer: hand(&dealer),
+                player: hand(&player),
+                suit,
+                face,
+            };
             assert_eq!(env.state(), Some(&state));
         }
     }
@@ -511,23 +600,40 @@ mod tests {
             (&[10, 10, 1], 21, false),
             (&[10, 10, 2], 22, false),
         ] {
-            assert_eq!((hand(cards).sum(), hand(cards).usable_ace()), (sum, usable), "{cards:?}");
+            assert_eq!(
+                (hand(cards).sum(), hand(cards).usable_ace()),
+                (sum, usable),
+                "{cards:?}"
+            );
         }
     }
 
     /// The reward of sticking with a hand, for a dealer who takes no more cards.
     fn reward(config: Config, player: &[u8], dealer: &[u8]) -> f64 {
-        let state =
-            State { dealer: hand(dealer), player: hand(player), suit: Suit::Clubs, face: Some(Face::King) };
+        let state = State {
+            dealer: hand(dealer),
+            player: hand(player),
+            suit: Suit::Clubs,
+            face: Some(Face::King),
+        };
         let blackjack = BlackjackDynamics::new(config).unwrap();
-        blackjack.transition(&state, &Action::Stick, &mut Generator::from(0)).unwrap().reward
+        blackjack
+            .transition(&state, &Action::Stick, &mut Generator::from(0))
+            .unwrap()
+            .reward
     }
 
     #[test]
     fn naturals_pay_by_the_rules_chosen() {
         let plain = Config::default();
-        let natural = Config { natural: true, ..plain };
-        let sab = Config { natural: true, sab: true };
+        let natural = Config {
+            natural: true,
+            ..plain
+        };
+        let sab = Config {
+            natural: true,
+            sab: true,
+        };
         for (player, dealer, rewards) in [
             (&[10, 1], &[10, 9][..], [1.0, 1.5, 1.0]),
             (&[10, 1], &[10, 5, 6], [0.0, 0.0, 1.0]),
@@ -535,7 +641,10 @@ mod tests {
             (&[10, 9], &[10, 1], [-1.0, -1.0, -1.0]),
             (&[10, 9], &[10, 6, 10], [1.0, 1.0, 1.0]),
         ] {
-            assert_eq!([plain, natural, sab].map(|config| reward(config, player, dealer)), rewards);
+            assert_eq!(
+                [plain, natural, sab].map(|config| reward(config, player, dealer)),
+                rewards
+            );
         }
     }
 
@@ -545,17 +654,33 @@ mod tests {
         let rng = &mut Generator::from(0);
         let mut state = blackjack.start(&Reset::default(), rng).unwrap();
         while !state.player.is_bust() {
-            state = blackjack.transition(&state, &Action::Hit, rng).unwrap().state;
+            state = blackjack
+                .transition(&state, &Action::Hit, rng)
+                .unwrap()
+                .state;
         }
         let again = blackjack.transition(&state, &Action::Hit, rng).unwrap();
-        assert_eq!((again.state, again.reward, again.terminated), (state, -1.0, true));
+        assert_eq!(
+            (again.state, again.reward, again.terminated),
+            (state, -1.0, true)
+        );
     }
 
     #[test]
     fn a_stored_hand_must_be_possible() {
         let longest = hand(&[1; Hand::MAX_LEN]);
-        assert_eq!(Snapshot::of(&longest).unwrap().get::<Hand>().unwrap(), longest);
-        for cards in [&[][..], &[5], &[0, 5], &[11, 5], &[10, 10, 2, 1], &[1; Hand::MAX_LEN + 1]] {
+        assert_eq!(
+            Snapshot::of(&longest).unwrap().get::<Hand>().unwrap(),
+            longest
+        );
+        for cards in [
+            &[][..],
+            &[5],
+            &[0, 5],
+            &[11, 5],
+            &[10, 10, 2, 1],
+            &[1; Hand::MAX_LEN + 1],
+        ] {
             assert!(Hand::try_from(cards.to_vec()).is_err(), "{cards:?}");
         }
     }

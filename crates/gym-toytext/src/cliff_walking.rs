@@ -23,7 +23,8 @@ use gym_core::registry::Clip;
 use gym_core::render::{Metadata, RenderMode};
 use gym_core::rng::{Stream, WordStream};
 use gym_core::{
-    Dynamics, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task, Transition, Value,
+    Dynamics, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task,
+    Transition, Value,
 };
 use gym_native::{Many, Native};
 use serde::{Deserialize, Serialize};
@@ -104,11 +105,28 @@ impl CliffWalkingDynamics {
 impl CliffWalkingDynamics {
     /// The next state and outcome; `None` if the state does not exist.
     #[inline(always)]
-    fn advance(&self, state: &State, action: Action, rng: &mut impl Stream) -> Option<Transition<State>> {
-        let Outcome { probability, next, reward, terminated } =
-            self.p.sample(state.cell, action as usize, rng)?;
-        let state = State { cell: next, last_action: Some(action), probability };
-        Some(Transition { state, reward, terminated })
+    fn advance(
+        &self,
+        state: &State,
+        action: Action,
+        rng: &mut impl Stream,
+    ) -> Option<Transition<State>> {
+        let Outcome {
+            probability,
+            next,
+            reward,
+            terminated,
+        } = self.p.sample(state.cell, action as usize, rng)?;
+        let state = State {
+            cell: next,
+            last_action: Some(action),
+            probability,
+        };
+        Some(Transition {
+            state,
+            reward,
+            terminated,
+        })
     }
 }
 
@@ -134,14 +152,26 @@ impl Task for CliffWalkingDynamics {
                     Action::Left => (row, col.saturating_sub(1)),
                 };
                 match row * COLUMNS + col {
-                    cell if is_cliff(cell) => {
-                        Outcome { probability, next: START, reward: -100.0, terminated: false }
-                    }
-                    next => Outcome { probability, next, reward: -1.0, terminated: next == GOAL },
+                    cell if is_cliff(cell) => Outcome {
+                        probability,
+                        next: START,
+                        reward: -100.0,
+                        terminated: false,
+                    },
+                    next => Outcome {
+                        probability,
+                        next,
+                        reward: -1.0,
+                        terminated: next == GOAL,
+                    },
                 }
             }));
         });
-        Ok(Self { config, p, initial: Distribution::uniform(CELLS, |cell| cell == START) })
+        Ok(Self {
+            config,
+            p,
+            initial: Distribution::uniform(CELLS, |cell| cell == START),
+        })
     }
 
     fn config(&self) -> &Config {
@@ -157,7 +187,11 @@ impl Task for CliffWalkingDynamics {
     }
 
     fn start(&self, _reset: &Reset, rng: &mut Generator) -> Result<State> {
-        Ok(State { cell: self.initial.sample(rng), last_action: None, probability: 1.0 })
+        Ok(State {
+            cell: self.initial.sample(rng),
+            last_action: None,
+            probability: 1.0,
+        })
     }
 
     fn is_valid(&self, state: &State) -> bool {
@@ -167,12 +201,22 @@ impl Task for CliffWalkingDynamics {
     fn info(&self, state: &State, visit: &mut dyn FnMut(&str, Value)) {
         // Gymnasium's reset returns an integer, as the batched infos of a vector show
         let is_start = state.last_action.is_none();
-        visit("prob", if is_start { Value::Int(1) } else { Value::Float(state.probability) });
+        visit(
+            "prob",
+            if is_start {
+                Value::Int(1)
+            } else {
+                Value::Float(state.probability)
+            },
+        );
     }
 
     fn metadata(&self) -> Metadata {
         const MODES: [RenderMode; 3] = [RenderMode::Human, RenderMode::RgbArray, RenderMode::Ansi];
-        Metadata { render_modes: &MODES, ..Metadata::drawn_and_text(4, (768, 256)) }
+        Metadata {
+            render_modes: &MODES,
+            ..Metadata::drawn_and_text(4, (768, 256))
+        }
     }
 
     /// The grid: `x` is the agent, `T` the goal, `C` the cliff.
@@ -185,14 +229,23 @@ impl Task for CliffWalkingDynamics {
                 cell if is_cliff(cell) => 'C',
                 _ => 'o',
             });
-            text += if (cell + 1) % COLUMNS == 0 { "\n" } else { "  " };
+            text += if (cell + 1) % COLUMNS == 0 {
+                "\n"
+            } else {
+                "  "
+            };
         }
         text.push('\n');
         Some(text)
     }
 
     fn draw(&self, state: &State, canvas: &mut dyn Canvas) {
-        let at = |cell: usize| [64.0 * (cell % COLUMNS) as f64, 64.0 * (cell / COLUMNS) as f64];
+        let at = |cell: usize| {
+            [
+                64.0 * (cell % COLUMNS) as f64,
+                64.0 * (cell / COLUMNS) as f64,
+            ]
+        };
         canvas.clear(GRASS);
         for cell in 0..CELLS {
             let [x, y] = at(cell);
@@ -229,8 +282,14 @@ impl Task for CliffWalkingDynamics {
 
 impl Dynamics for CliffWalkingDynamics {
     #[inline]
-    fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
-        self.advance(state, *action, rng).ok_or_else(|| self.p.no_such_state(state.cell))
+    fn transition(
+        &self,
+        state: &State,
+        action: &Action,
+        rng: &mut Generator,
+    ) -> Result<Transition<State>> {
+        self.advance(state, *action, rng)
+            .ok_or_else(|| self.p.no_such_state(state.cell))
     }
 
     #[inline]
@@ -285,20 +344,28 @@ impl Native for CliffWalkingDynamics {
 
     #[inline(always)]
     fn pack(&self, state: &State) -> Cell {
-        Cell { state: state.cell as u32, probability: state.probability }
+        Cell {
+            state: state.cell as u32,
+            probability: state.probability,
+        }
     }
 
     /// The restored state does not know the last action.
     #[inline(always)]
     fn unpack(&self, cell: Cell, fresh: bool) -> State {
         let last_action = if fresh { None } else { Some(Action::Up) };
-        State { cell: cell.state as usize, last_action, probability: cell.probability }
+        State {
+            cell: cell.state as usize,
+            last_action,
+            probability: cell.probability,
+        }
     }
 
     #[inline(always)]
     fn step_block<R: Real>(&self, _: R::Token, block: &mut Many<'_, Self>) {
         block.each(self, |state, action, rng| {
-            self.advance(state, action, rng).unwrap_or(Transition::stay(*state))
+            self.advance(state, action, rng)
+                .unwrap_or(Transition::stay(*state))
         });
     }
 }
@@ -320,7 +387,12 @@ const fn cliff(id: &'static str) -> Registration {
 #[cfg(not(test))]
 gym_core::register!(
     cliff("CliffWalking-v0"),
-    cliff("CliffWalking-v1").clip(Clip { seeds: 0..1, every: 1, frames: 40, size: (384, 128) }),
+    cliff("CliffWalking-v1").clip(Clip {
+        seeds: 0..1,
+        every: 1,
+        frames: 40,
+        size: (384, 128)
+    }),
     cliff("CliffWalkingSlippery-v1")
         .description("Walk along a slippery cliff without falling off.")
         .kwargs(r#"{"is_slippery": true}"#),
@@ -334,12 +406,20 @@ mod tests {
 
     fn next(is_slippery: bool, cell: usize, action: Action) -> Vec<usize> {
         let cliff = CliffWalkingDynamics::new(Config { is_slippery }).unwrap();
-        cliff.p().outcomes(cell, action as usize).iter().map(|outcome| outcome.next).collect()
+        cliff
+            .p()
+            .outcomes(cell, action as usize)
+            .iter()
+            .map(|outcome| outcome.next)
+            .collect()
     }
 
     #[test]
     fn moves_stop_at_the_border_and_slip_to_both_sides() {
-        assert_eq!(Action::ALL.map(|action| next(false, 14, action)), [[2], [15], [26], [13]]);
+        assert_eq!(
+            Action::ALL.map(|action| next(false, 14, action)),
+            [[2], [15], [26], [13]]
+        );
         assert_eq!(next(false, 0, Action::Up), [0]);
         assert_eq!(next(false, 11, Action::Right), [11]);
         assert_eq!(next(true, 14, Action::Up), [13, 2, 15]);
@@ -348,9 +428,19 @@ mod tests {
     #[test]
     fn the_cliff_throws_back_and_the_goal_ends() {
         let cliff = CliffWalkingDynamics::new(Config::default()).unwrap();
-        let fall = Outcome { probability: 1.0, next: START, reward: -100.0, terminated: false };
+        let fall = Outcome {
+            probability: 1.0,
+            next: START,
+            reward: -100.0,
+            terminated: false,
+        };
         assert_eq!(cliff.p().outcomes(START, Action::Right as usize), [fall]);
-        let goal = Outcome { probability: 1.0, next: GOAL, reward: -1.0, terminated: true };
+        let goal = Outcome {
+            probability: 1.0,
+            next: GOAL,
+            reward: -1.0,
+            terminated: true,
+        };
         assert_eq!(cliff.p().outcomes(35, Action::Down as usize), [goal]);
     }
 

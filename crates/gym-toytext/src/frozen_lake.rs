@@ -24,8 +24,8 @@ use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::rng::{Stream, WordStream};
 use gym_core::{
-    Dynamics, Error, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task, Transition,
-    Value,
+    Dynamics, Error, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task,
+    Transition, Value,
 };
 use gym_native::{Many, Native};
 use serde::{Deserialize, Serialize};
@@ -62,7 +62,10 @@ const MAPS: [(&str, &[&str]); 2] = [
     ("4x4", &["SFFF", "FHFH", "FFFH", "HFFG"]),
     (
         "8x8",
-        &["SFFFFFFF", "FFFFFFFF", "FFFHFFFF", "FFFFFHFF", "FFFHFFFF", "FHHFFFHF", "FHFFHFHF", "FFFHFFFG"],
+        &[
+            "SFFFFFFF", "FFFFFFFF", "FFFHFFFF", "FFFFFHFF", "FFFHFFFF", "FHHFFFHF", "FHFFHFHF",
+            "FFFHFFFG",
+        ],
     ),
 ];
 
@@ -126,11 +129,28 @@ impl FrozenLakeDynamics {
 impl FrozenLakeDynamics {
     /// The next state and outcome; `None` if the state does not exist.
     #[inline(always)]
-    fn advance(&self, state: &State, action: Action, rng: &mut impl Stream) -> Option<Transition<State>> {
-        let Outcome { probability, next, reward, terminated } =
-            self.p.sample(state.cell, action as usize, rng)?;
-        let state = State { cell: next, last_action: Some(action), probability };
-        Some(Transition { state, reward, terminated })
+    fn advance(
+        &self,
+        state: &State,
+        action: Action,
+        rng: &mut impl Stream,
+    ) -> Option<Transition<State>> {
+        let Outcome {
+            probability,
+            next,
+            reward,
+            terminated,
+        } = self.p.sample(state.cell, action as usize, rng)?;
+        let state = State {
+            cell: next,
+            last_action: Some(action),
+            probability,
+        };
+        Some(Transition {
+            state,
+            reward,
+            terminated,
+        })
     }
 }
 
@@ -149,12 +169,25 @@ impl Task for FrozenLakeDynamics {
             (None, None) => generate_random_map(8, 0.8, None)?,
         };
         // a random map becomes part of the arguments, so that they describe this lake
-        let config =
-            Config { desc: config.map_name.is_none().then(|| desc.clone()).or(config.desc), ..config };
-        let Config { is_slippery, success_rate, reward_schedule, .. } = config;
+        let config = Config {
+            desc: config
+                .map_name
+                .is_none()
+                .then(|| desc.clone())
+                .or(config.desc),
+            ..config
+        };
+        let Config {
+            is_slippery,
+            success_rate,
+            reward_schedule,
+            ..
+        } = config;
         check_map(&desc)?;
         if !(0.0..=1.0).contains(&success_rate) {
-            return Err(invalid(format!("success_rate is {success_rate}: a probability is between 0 and 1")));
+            return Err(invalid(format!(
+                "success_rate is {success_rate}: a probability is between 0 and 1"
+            )));
         }
         if !reward_schedule.iter().all(|reward| reward.is_finite()) {
             return Err(invalid(format!(
@@ -173,32 +206,54 @@ impl Task for FrozenLakeDynamics {
         let [goal, hole, other] = reward_schedule;
         let fail_rate = (1.0 - success_rate) / 2.0;
         // the turn of each outcome from the action, and how likely it is
-        let turns: &[(usize, f64)] =
-            if is_slippery { &[(3, fail_rate), (0, success_rate), (1, fail_rate)] } else { &[(0, 1.0)] };
-        let p = Table::build(letters.len(), Action::ALL.len(), |cell, action, outcomes| {
-            if matches!(letters[cell], b'G' | b'H') {
-                outcomes.push(Outcome { probability: 1.0, next: cell, reward: 0.0, terminated: true });
-                return;
-            }
-            let (row, col) = (cell / ncol, cell % ncol);
-            outcomes.extend(turns.iter().map(|&(turn, probability)| {
-                let (row, col) = match Action::ALL[(action + turn) % 4] {
-                    Action::Left => (row, col.saturating_sub(1)),
-                    Action::Down => ((row + 1).min(nrow - 1), col),
-                    Action::Right => (row, (col + 1).min(ncol - 1)),
-                    Action::Up => (row.saturating_sub(1), col),
-                };
-                let next = row * ncol + col;
-                let (reward, terminated) = match letters[next] {
-                    b'G' => (goal, true),
-                    b'H' => (hole, true),
-                    _ => (other, false),
-                };
-                Outcome { probability, next, reward, terminated }
-            }));
-        });
+        let turns: &[(usize, f64)] = if is_slippery {
+            &[(3, fail_rate), (0, success_rate), (1, fail_rate)]
+        } else {
+            &[(0, 1.0)]
+        };
+        let p = Table::build(
+            letters.len(),
+            Action::ALL.len(),
+            |cell, action, outcomes| {
+                if matches!(letters[cell], b'G' | b'H') {
+                    outcomes.push(Outcome {
+                        probability: 1.0,
+                        next: cell,
+                        reward: 0.0,
+                        terminated: true,
+                    });
+                    return;
+                }
+                let (row, col) = (cell / ncol, cell % ncol);
+                outcomes.extend(turns.iter().map(|&(turn, probability)| {
+                    let (row, col) = match Action::ALL[(action + turn) % 4] {
+                        Action::Left => (row, col.saturating_sub(1)),
+                        Action::Down => ((row + 1).min(nrow - 1), col),
+                        Action::Right => (row, (col + 1).min(ncol - 1)),
+                        Action::Up => (row.saturating_sub(1), col),
+                    };
+                    let next = row * ncol + col;
+                    let (reward, terminated) = match letters[next] {
+                        b'G' => (goal, true),
+                        b'H' => (hole, true),
+                        _ => (other, false),
+                    };
+                    Outcome {
+                        probability,
+                        next,
+                        reward,
+                        terminated,
+                    }
+                }));
+            },
+        );
         let initial = Distribution::uniform(letters.len(), |cell| letters[cell] == b'S');
-        Ok(Self { config: config.into(), desc: desc.into(), p, initial })
+        Ok(Self {
+            config: config.into(),
+            desc: desc.into(),
+            p,
+            initial,
+        })
     }
 
     fn config(&self) -> &Config {
@@ -214,7 +269,11 @@ impl Task for FrozenLakeDynamics {
     }
 
     fn start(&self, _reset: &Reset, rng: &mut Generator) -> Result<State> {
-        Ok(State { cell: self.initial.sample(rng), last_action: None, probability: 1.0 })
+        Ok(State {
+            cell: self.initial.sample(rng),
+            last_action: None,
+            probability: 1.0,
+        })
     }
 
     fn is_valid(&self, state: &State) -> bool {
@@ -224,17 +283,29 @@ impl Task for FrozenLakeDynamics {
     fn info(&self, state: &State, visit: &mut dyn FnMut(&str, Value)) {
         // Gymnasium's reset returns an integer, as the batched infos of a vector show
         let is_start = state.last_action.is_none();
-        visit("prob", if is_start { Value::Int(1) } else { Value::Float(state.probability) });
+        visit(
+            "prob",
+            if is_start {
+                Value::Int(1)
+            } else {
+                Value::Float(state.probability)
+            },
+        );
     }
 
     fn metadata(&self) -> Metadata {
         let (nrow, ncol) = self.shape();
-        Metadata::drawn_and_text(4, ((64 * ncol).min(512) as u32, (64 * nrow).min(512) as u32))
+        Metadata::drawn_and_text(
+            4,
+            ((64 * ncol).min(512) as u32, (64 * nrow).min(512) as u32),
+        )
     }
 
     /// The last action, and the map with the agent's cell on red.
     fn ansi(&self, state: &State) -> Option<String> {
-        let mut text = state.last_action.map_or_else(String::new, |action| format!("  ({action:?})"));
+        let mut text = state
+            .last_action
+            .map_or_else(String::new, |action| format!("  ({action:?})"));
         text.push('\n');
         let (_, ncol) = self.shape();
         for (cell, letter) in self.desc.concat().char_indices() {
@@ -253,13 +324,20 @@ impl Task for FrozenLakeDynamics {
     fn draw(&self, state: &State, canvas: &mut dyn Canvas) {
         let (nrow, ncol) = self.shape();
         let (width, height) = self.metadata().render_size;
-        let [w, h] = [f64::from(width) / ncol as f64, f64::from(height) / nrow as f64];
+        let [w, h] = [
+            f64::from(width) / ncol as f64,
+            f64::from(height) / nrow as f64,
+        ];
         let scale = w.min(h) / 64.0;
         canvas.clear(SHADE);
         for (cell, letter) in self.desc.iter().flat_map(|row| row.bytes()).enumerate() {
             let (row, col) = (cell / ncol, cell % ncol);
             let corner = [w * col as f64, h * row as f64];
-            canvas.rect([corner[0] + scale, corner[1] + scale], [w - 2.0 * scale, h - 2.0 * scale], ICE);
+            canvas.rect(
+                [corner[0] + scale, corner[1] + scale],
+                [w - 2.0 * scale, h - 2.0 * scale],
+                ICE,
+            );
             // from here on the cell's centre is the origin, and its shorter side 64
             let center = Transform::translate(corner[0] + w / 2.0, corner[1] + h / 2.0);
             canvas.push(center.then(Transform::scale(scale, scale)));
@@ -279,8 +357,14 @@ impl Task for FrozenLakeDynamics {
 
 impl Dynamics for FrozenLakeDynamics {
     #[inline]
-    fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
-        self.advance(state, *action, rng).ok_or_else(|| self.p.no_such_state(state.cell))
+    fn transition(
+        &self,
+        state: &State,
+        action: &Action,
+        rng: &mut Generator,
+    ) -> Result<Transition<State>> {
+        self.advance(state, *action, rng)
+            .ok_or_else(|| self.p.no_such_state(state.cell))
     }
 
     #[inline]
@@ -352,18 +436,29 @@ fn invalid(reason: String) -> Error {
 }
 
 fn named_map(name: &str) -> Result<Vec<String>> {
-    let rows = MAPS.iter().find_map(|(known, rows)| (*known == name).then_some(*rows)).ok_or_else(|| {
-        let names = MAPS.map(|(name, _)| name).join(", ");
-        invalid(format!("unknown map_name `{name}`: the maps are {names}; others can be given as `desc`"))
-    })?;
+    let rows = MAPS
+        .iter()
+        .find_map(|(known, rows)| (*known == name).then_some(*rows))
+        .ok_or_else(|| {
+            let names = MAPS.map(|(name, _)| name).join(", ");
+            invalid(format!(
+                "unknown map_name `{name}`: the maps are {names}; others can be given as `desc`"
+            ))
+        })?;
     Ok(rows.iter().map(|row| (*row).to_owned()).collect())
 }
 
 fn check_map(desc: &[String]) -> Result<()> {
     let Some(ncol) = desc.first().map(String::len).filter(|ncol| *ncol > 0) else {
-        return Err(invalid("desc is empty: give a string for each row, as [\"SFFF\", \"FHFG\"]".to_owned()));
+        return Err(invalid(
+            "desc is empty: give a string for each row, as [\"SFFF\", \"FHFG\"]".to_owned(),
+        ));
     };
-    if let Some(letter) = desc.concat().chars().find(|letter| !"SFHG".contains(*letter)) {
+    if let Some(letter) = desc
+        .concat()
+        .chars()
+        .find(|letter| !"SFHG".contains(*letter))
+    {
         return Err(invalid(format!(
             "desc has the letter {letter:?}: use S (start), F (frozen), H (hole) and G (goal)"
         )));
@@ -393,10 +488,14 @@ const MAX_DRAWS: usize = 100_000_000;
 pub fn generate_random_map(size: usize, p: f64, seed: Option<u64>) -> Result<Vec<String>> {
     let invalid = |reason: String| Error::argument("generate_random_map", reason);
     if size < 2 {
-        return Err(invalid(format!("size is {size}: the smallest map is 2 by 2")));
+        return Err(invalid(format!(
+            "size is {size}: the smallest map is 2 by 2"
+        )));
     }
     if !(p > 0.0 && p <= 1.0) {
-        return Err(invalid(format!("p is {p}: the probability of a frozen cell is above 0, at most 1")));
+        return Err(invalid(format!(
+            "p is {p}: the probability of a frozen cell is above 0, at most 1"
+        )));
     }
     let mut rng = seed.map_or_else(Generator::from_os, |seed| Ok(Generator::from(seed)))?;
     for _ in 0..MAX_DRAWS / size.saturating_mul(size) {
@@ -407,10 +506,15 @@ pub fn generate_random_map(size: usize, p: f64, seed: Option<u64>) -> Result<Vec
         board[0][0] = b'S';
         board[size - 1][size - 1] = b'G';
         if has_path(&board) {
-            return Ok(board.into_iter().map(|row| row.into_iter().map(char::from).collect()).collect());
+            return Ok(board
+                .into_iter()
+                .map(|row| row.into_iter().map(char::from).collect())
+                .collect());
         }
     }
-    Err(invalid(format!("no map of size {size} with p {p} had a path: choose a larger p or a smaller size")))
+    Err(invalid(format!(
+        "no map of size {size} with p {p} had a path: choose a larger p or a smaller size"
+    )))
 }
 
 /// Whether a square board can be crossed from the top left to the bottom right, by depth-first search.
@@ -446,9 +550,11 @@ impl Native for FrozenLakeDynamics {
 
     fn supports(config: &Config) -> Result<(), &'static str> {
         match config {
-            Config { desc: None, map_name: None, .. } => {
-                Err("there are no random maps, one for each environment,")
-            }
+            Config {
+                desc: None,
+                map_name: None,
+                ..
+            } => Err("there are no random maps, one for each environment,"),
             _ => Ok(()),
         }
     }
@@ -459,20 +565,28 @@ impl Native for FrozenLakeDynamics {
 
     #[inline(always)]
     fn pack(&self, state: &State) -> Cell {
-        Cell { state: state.cell as u32, probability: state.probability }
+        Cell {
+            state: state.cell as u32,
+            probability: state.probability,
+        }
     }
 
     /// The restored state does not know the last action.
     #[inline(always)]
     fn unpack(&self, cell: Cell, fresh: bool) -> State {
         let last_action = if fresh { None } else { Some(Action::Left) };
-        State { cell: cell.state as usize, last_action, probability: cell.probability }
+        State {
+            cell: cell.state as usize,
+            last_action,
+            probability: cell.probability,
+        }
     }
 
     #[inline(always)]
     fn step_block<R: Real>(&self, _: R::Token, block: &mut Many<'_, Self>) {
         block.each(self, |state, action, rng| {
-            self.advance(state, action, rng).unwrap_or(Transition::stay(*state))
+            self.advance(state, action, rng)
+                .unwrap_or(Transition::stay(*state))
         });
     }
 }
@@ -485,7 +599,9 @@ const fn lake(id: &'static str) -> Registration {
         .light_step()
         .actions(Action::VARIANTS)
         .keys(|_| Keys::new(json!({"Left": 0, "Down": 1, "Right": 2, "Up": 3})))
-        .policy(Policy::rules(planning::DESCRIPTION, |env| planning::controller(env, FrozenLakeDynamics::p)))
+        .policy(Policy::rules(planning::DESCRIPTION, |env| {
+            planning::controller(env, FrozenLakeDynamics::p)
+        }))
 }
 
 #[cfg(not(test))]
@@ -495,7 +611,12 @@ gym_core::register!(
         .kwargs(r#"{"map_name": "4x4"}"#)
         .max_episode_steps(100)
         .reward_threshold(0.70)
-        .clip(Clip { seeds: 12..13, every: 1, frames: 40, size: (192, 192) }),
+        .clip(Clip {
+            seeds: 12..13,
+            every: 1,
+            frames: 40,
+            size: (192, 192)
+        }),
     lake("FrozenLake8x8-v1")
         .description("Cross a larger frozen lake without falling into a hole.")
         .kwargs(r#"{"map_name": "8x8"}"#)
@@ -514,7 +635,10 @@ mod tests {
     }
 
     fn on(desc: &[&str]) -> Config {
-        Config { desc: Some(desc.iter().map(|row| (*row).to_owned()).collect()), ..Config::default() }
+        Config {
+            desc: Some(desc.iter().map(|row| (*row).to_owned()).collect()),
+            ..Config::default()
+        }
     }
 
     fn refusal(config: Config) -> String {
@@ -524,7 +648,11 @@ mod tests {
     /// A way may lead up and to the left as well.
     #[test]
     fn paths_lead_in_every_direction() {
-        let board = |rows: &[&str]| rows.iter().map(|row| row.as_bytes().to_vec()).collect::<Vec<_>>();
+        let board = |rows: &[&str]| {
+            rows.iter()
+                .map(|row| row.as_bytes().to_vec())
+                .collect::<Vec<_>>()
+        };
         let up = ["SHFFF", "FHFHF", "FHFHF", "FFFHF", "HHHHG"];
         let left = ["SFFFF", "HHHHF", "FFFFF", "FHHHH", "FFFFG"];
         assert!(has_path(&board(&up)) && has_path(&board(&left)));
@@ -536,19 +664,37 @@ mod tests {
         let lake = lake(Config::default());
         let rows = lake.p().outcomes(14, Action::Right as usize);
         let expected = [(14, 0.0, false), (15, 1.0, true), (10, 0.0, false)];
-        assert_eq!(rows.iter().map(|o| (o.next, o.reward, o.terminated)).collect::<Vec<_>>(), expected);
+        assert_eq!(
+            rows.iter()
+                .map(|o| (o.next, o.reward, o.terminated))
+                .collect::<Vec<_>>(),
+            expected
+        );
         let probabilities: Vec<f64> = rows.iter().map(|o| o.probability).collect();
         // (1 - 1/3) / 2 is not 1/3
-        assert_eq!(probabilities, [0.33333333333333337, 1.0 / 3.0, 0.33333333333333337]);
+        assert_eq!(
+            probabilities,
+            [0.33333333333333337, 1.0 / 3.0, 0.33333333333333337]
+        );
     }
 
     #[test]
     fn rows_sum_to_one_and_the_end_is_absorbing() {
         for config in [
             Config::default(),
-            Config { is_slippery: false, ..Config::default() },
-            Config { success_rate: 0.0, ..on(&["SFFG", "HFHF"]) },
-            Config { success_rate: 1.0, map_name: Some("8x8".to_owned()), ..Config::default() },
+            Config {
+                is_slippery: false,
+                ..Config::default()
+            },
+            Config {
+                success_rate: 0.0,
+                ..on(&["SFFG", "HFHF"])
+            },
+            Config {
+                success_rate: 1.0,
+                map_name: Some("8x8".to_owned()),
+                ..Config::default()
+            },
         ] {
             let lake = lake(config);
             let letters = lake.desc().concat().into_bytes();
@@ -558,7 +704,12 @@ mod tests {
                     let row = lake.p().outcomes(cell, action);
                     assert!((row.iter().map(|o| o.probability).sum::<f64>() - 1.0).abs() < 1e-15);
                     if matches!(letter, b'G' | b'H') {
-                        let stay = Outcome { probability: 1.0, next: cell, reward: 0.0, terminated: true };
+                        let stay = Outcome {
+                            probability: 1.0,
+                            next: cell,
+                            reward: 0.0,
+                            terminated: true,
+                        };
                         assert_eq!(row, [stay]);
                     }
                 }
@@ -568,7 +719,11 @@ mod tests {
 
     #[test]
     fn rewards_follow_the_schedule() {
-        let config = Config { reward_schedule: [5.0, -2.0, -0.5], is_slippery: false, ..on(&["HSG", "FFF"]) };
+        let config = Config {
+            reward_schedule: [5.0, -2.0, -0.5],
+            is_slippery: false,
+            ..on(&["HSG", "FFF"])
+        };
         let lake = lake(config);
         let rewards = Action::ALL.map(|action| lake.p().outcomes(1, action as usize)[0].reward);
         assert_eq!(rewards, [-2.0, -0.5, 5.0, -0.5]);
@@ -577,7 +732,10 @@ mod tests {
     #[test]
     fn all_starts_are_alike() {
         let lake = lake(on(&["SFS", "SSG"]));
-        assert_eq!(lake.initial_state_distribution(), [0.25, 0.0, 0.25, 0.25, 0.25, 0.0]);
+        assert_eq!(
+            lake.initial_state_distribution(),
+            [0.25, 0.0, 0.25, 0.25, 0.25, 0.0]
+        );
     }
 
     #[test]
@@ -596,13 +754,31 @@ mod tests {
                 "{error}"
             );
         }
-        let error = refusal(Config { map_name: Some("5x5".to_owned()), ..Config::default() });
-        assert!(error.contains("unknown map_name `5x5`: the maps are 4x4, 8x8"), "{error}");
+        let error = refusal(Config {
+            map_name: Some("5x5".to_owned()),
+            ..Config::default()
+        });
+        assert!(
+            error.contains("unknown map_name `5x5`: the maps are 4x4, 8x8"),
+            "{error}"
+        );
         for success_rate in [-0.1, 1.1, f64::NAN] {
-            assert!(refusal(Config { success_rate, ..Config::default() }).contains("between 0 and 1"));
+            assert!(
+                refusal(Config {
+                    success_rate,
+                    ..Config::default()
+                })
+                .contains("between 0 and 1")
+            );
         }
         let reward_schedule = [1.0, f64::INFINITY, 0.0];
-        assert!(refusal(Config { reward_schedule, ..Config::default() }).contains("finite"));
+        assert!(
+            refusal(Config {
+                reward_schedule,
+                ..Config::default()
+            })
+            .contains("finite")
+        );
     }
 
     /// Gymnasium's `generate_random_map(4, 0.8, seed)`.
@@ -620,16 +796,28 @@ mod tests {
 
     #[test]
     fn an_impossible_random_map_is_an_error() {
-        for (size, p) in
-            [(1, 0.8), (4, 0.0), (4, -1.0), (4, 1.5), (4, f64::NAN), (usize::MAX, 0.8), (50, 1e-9)]
-        {
+        for (size, p) in [
+            (1, 0.8),
+            (4, 0.0),
+            (4, -1.0),
+            (4, 1.5),
+            (4, f64::NAN),
+            (usize::MAX, 0.8),
+            (50, 1e-9),
+        ] {
             assert!(generate_random_map(size, p, Some(0)).is_err(), "{size} {p}");
         }
     }
 
     #[test]
     fn a_snapshot_fits_its_own_map_alone() {
-        let random = || FrozenLake::new(Config { map_name: None, ..Config::default() }).unwrap();
+        let random = || {
+            FrozenLake::new(Config {
+                map_name: None,
+                ..Config::default()
+            })
+            .unwrap()
+        };
         let (mut one, mut other) = (random(), random());
         one.reset(0).unwrap();
         let snapshot = one.snapshot().unwrap();
@@ -640,7 +828,11 @@ mod tests {
 
     #[test]
     fn ansi_is_gymnasiums() {
-        let mut env = FrozenLake::new(Config { is_slippery: false, ..on(&["SF", "FG"]) }).unwrap();
+        let mut env = FrozenLake::new(Config {
+            is_slippery: false,
+            ..on(&["SF", "FG"])
+        })
+        .unwrap();
         env.reset(0).unwrap();
         assert_eq!(env.ansi().unwrap(), "\n\x1b[41mS\x1b[0mF\nFG\n");
         env.step(&Action::Right).unwrap();

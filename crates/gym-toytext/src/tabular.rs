@@ -29,8 +29,10 @@ use gym_core::{Error, Generator, Result};
 use gym_native::{LANES, Packed};
 
 /// Why a table's `info` may change its type.
-pub(crate) const WHOLE_AT_RESET: (&str, &str) =
-    ("info-constant", "`prob` is the whole number 1 after a reset and a float after a step, as in Gymnasium");
+pub(crate) const WHOLE_AT_RESET: (&str, &str) = (
+    "info-constant",
+    "`prob` is the whole number 1 after a reset and a float after a step, as in Gymnasium",
+);
 
 /// One way in which an action can turn out: an entry of `P[state][action]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,7 +73,12 @@ impl Table {
             }
         }
         let lottery = Lottery::new(&outcomes, &rows).into();
-        Self { actions, outcomes: outcomes.into(), rows: rows.into(), lottery }
+        Self {
+            actions,
+            outcomes: outcomes.into(),
+            rows: rows.into(),
+            lottery,
+        }
     }
 
     /// The number of states.
@@ -102,7 +109,12 @@ impl Table {
     /// probabilities exceeds `random()`, or the first of all if rounding leaves that sum short.
     /// `None`, and no draw, if there is no such state.
     #[inline(always)]
-    pub(crate) fn sample(&self, state: usize, action: usize, rng: &mut impl Stream) -> Option<Outcome> {
+    pub(crate) fn sample(
+        &self,
+        state: usize,
+        action: usize,
+        rng: &mut impl Stream,
+    ) -> Option<Outcome> {
         // a state beyond all could otherwise wrap around to a row that there is
         if state >= MAX_STATES {
             return None;
@@ -112,7 +124,10 @@ impl Table {
 
     #[cold]
     pub(crate) fn no_such_state(&self, state: usize) -> Error {
-        Error::custom(format!("there is no state {state}: the states are 0 to {}", self.states() - 1))
+        Error::custom(format!(
+            "there is no state {state}: the states are 0 to {}",
+            self.states() - 1
+        ))
     }
 }
 
@@ -153,20 +168,35 @@ impl Lottery {
     fn new(outcomes: &[Outcome], rows: &[usize]) -> Self {
         let mut kinds = Vec::new();
         let mut ticket = |outcome: &Outcome| {
-            let kind = Outcome { next: 0, ..*outcome };
-            let index = kinds.iter().position(|known| *known == kind).unwrap_or_else(|| {
-                kinds.push(kind);
-                kinds.len() - 1
-            });
-            debug_assert!(outcome.next < MAX_STATES && index < 256, "it does not fit a ticket");
+            let kind = Outcome {
+                next: 0,
+                ..*outcome
+            };
+            let index = kinds
+                .iter()
+                .position(|known| *known == kind)
+                .unwrap_or_else(|| {
+                    kinds.push(kind);
+                    kinds.len() - 1
+                });
+            debug_assert!(
+                outcome.next < MAX_STATES && index < 256,
+                "it does not fit a ticket"
+            );
             (outcome.next << 8 | index) as Ticket
         };
-        let rows = || rows.windows(2).map(|bounds| &outcomes[bounds[0]..bounds[1]]);
+        let rows = || {
+            rows.windows(2)
+                .map(|bounds| &outcomes[bounds[0]..bounds[1]])
+        };
         let rows = if rows().all(|row| row.len() == 1) {
             Rows::Certain(outcomes.iter().map(ticket).collect())
         } else {
             let row = |outcomes: &[Outcome]| {
-                debug_assert!((1..=MAX_OUTCOMES).contains(&outcomes.len()), "a row holds up to three");
+                debug_assert!(
+                    (1..=MAX_OUTCOMES).contains(&outcomes.len()),
+                    "a row holds up to three"
+                );
                 let mut row = Row {
                     sums: [f64::INFINITY; MAX_OUTCOMES],
                     tickets: [ticket(&outcomes[0]); MAX_OUTCOMES + 1],
@@ -196,12 +226,18 @@ impl Lottery {
                 let row = rows.get(row)?;
                 let r = rng.random();
                 // without a branch, which no processor could predict
-                let passed = row.sums.iter().fold(0, |passed, sum| passed + usize::from(*sum <= r));
+                let passed = row
+                    .sums
+                    .iter()
+                    .fold(0, |passed, sum| passed + usize::from(*sum <= r));
                 row.tickets[passed]
             }
         };
         let kind = self.kinds.get((ticket & 0xff) as usize)?;
-        Some(Outcome { next: (ticket >> 8) as usize, ..*kind })
+        Some(Outcome {
+            next: (ticket >> 8) as usize,
+            ..*kind
+        })
     }
 }
 
@@ -223,12 +259,18 @@ impl Packed for Cell {
     type Block = Cells;
 
     fn splat(self) -> Cells {
-        Cells { states: [self.state; LANES], probabilities: [self.probability; LANES] }
+        Cells {
+            states: [self.state; LANES],
+            probabilities: [self.probability; LANES],
+        }
     }
 
     #[inline(always)]
     fn get(cells: &Cells, lane: usize) -> Self {
-        Self { state: cells.states[lane], probability: cells.probabilities[lane] }
+        Self {
+            state: cells.states[lane],
+            probability: cells.probabilities[lane],
+        }
     }
 
     #[inline(always)]
@@ -248,7 +290,10 @@ impl Packed for Cell {
         let (probability, rest) = rest.split_first_chunk()?;
         *bytes = rest;
         let probability = f64::from_le_bytes(*probability);
-        Some(Self { state: u32::from_le_bytes(*state), probability })
+        Some(Self {
+            state: u32::from_le_bytes(*state),
+            probability,
+        })
     }
 }
 
@@ -266,8 +311,15 @@ impl Distribution {
     /// The same probability for each state for which `possible` is true.
     pub(crate) fn uniform(states: usize, possible: impl Fn(usize) -> bool) -> Self {
         let count = (0..states).filter(|state| possible(*state)).count();
-        let probabilities: Arc<[f64]> =
-            (0..states).map(|state| if possible(state) { 1.0 / count as f64 } else { 0.0 }).collect();
+        let probabilities: Arc<[f64]> = (0..states)
+            .map(|state| {
+                if possible(state) {
+                    1.0 / count as f64
+                } else {
+                    0.0
+                }
+            })
+            .collect();
         let mut sum = 0.0;
         let cumulative = probabilities
             .iter()
@@ -276,8 +328,16 @@ impl Distribution {
                 sum
             })
             .collect();
-        let only = if count == 1 { (0..states).find(|state| possible(*state)) } else { None };
-        Self { probabilities, cumulative, only }
+        let only = if count == 1 {
+            (0..states).find(|state| possible(*state))
+        } else {
+            None
+        };
+        Self {
+            probabilities,
+            cumulative,
+            only,
+        }
     }
 
     pub(crate) fn probabilities(&self) -> &[f64] {
@@ -293,7 +353,11 @@ impl Distribution {
             return state;
         }
         let state = self.cumulative.partition_point(|sum| *sum <= r);
-        if state < self.cumulative.len() { state } else { 0 }
+        if state < self.cumulative.len() {
+            state
+        } else {
+            0
+        }
     }
 }
 
@@ -304,7 +368,12 @@ mod tests {
     fn coin(probability: f64) -> Table {
         Table::build(2, 1, |state, _, row| {
             for next in 0..2 {
-                row.push(Outcome { probability, next, reward: state as f64, terminated: false });
+                row.push(Outcome {
+                    probability,
+                    next,
+                    reward: state as f64,
+                    terminated: false,
+                });
             }
         })
     }
@@ -314,7 +383,12 @@ mod tests {
         let table = coin(0.5);
         assert_eq!((table.states(), table.actions()), (2, 1));
         assert_eq!(table.outcomes(1, 0).len(), 2);
-        assert!(table.outcomes(1, 0).iter().all(|outcome| outcome.reward == 1.0));
+        assert!(
+            table
+                .outcomes(1, 0)
+                .iter()
+                .all(|outcome| outcome.reward == 1.0)
+        );
         assert!(table.outcomes(2, 0).is_empty() && table.outcomes(0, 1).is_empty());
         assert!(table.outcomes(usize::MAX, 0).is_empty());
     }
@@ -324,16 +398,28 @@ mod tests {
         let (table, mut rng) = (coin(0.5), Generator::from(0));
         assert_eq!(table.sample(2, 0, &mut rng), None);
         assert_eq!(rng, Generator::from(0), "nothing was drawn");
-        assert_eq!(table.no_such_state(2).to_string(), "there is no state 2: the states are 0 to 1");
+        assert_eq!(
+            table.no_such_state(2).to_string(),
+            "there is no state 2: the states are 0 to 1"
+        );
     }
 
     /// `random()` of seed 42 begins 0.774, 0.439.
     #[test]
     fn the_first_sum_above_the_draw_is_chosen() {
         let rng = &mut Generator::from(42);
-        assert_eq!([(); 2].map(|()| coin(0.5).sample(0, 0, rng).unwrap().next), [1, 0]);
+        assert_eq!(
+            [(); 2].map(|()| coin(0.5).sample(0, 0, rng).unwrap().next),
+            [1, 0]
+        );
         // both sums stay below the draw
-        assert_eq!(coin(0.3).sample(0, 0, &mut Generator::from(42)).unwrap().next, 0);
+        assert_eq!(
+            coin(0.3)
+                .sample(0, 0, &mut Generator::from(42))
+                .unwrap()
+                .next,
+            0
+        );
     }
 
     #[test]
@@ -341,7 +427,10 @@ mod tests {
         let distribution = Distribution::uniform(500, |state| state % 5 > 1);
         let (mut fast, mut slow) = (Generator::from(1), Generator::from(1));
         for _ in 0..1000 {
-            assert_eq!(distribution.sample(&mut fast), slow.categorical(distribution.probabilities()));
+            assert_eq!(
+                distribution.sample(&mut fast),
+                slow.categorical(distribution.probabilities())
+            );
         }
     }
 }

@@ -24,8 +24,8 @@ use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::rng::{Stream, WordStream};
 use gym_core::{
-    Array, Dynamics, Error, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task,
-    Transition, Value,
+    Array, Dynamics, Error, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful,
+    Task, Transition, Value,
 };
 use gym_native::{Many, Native};
 use serde::{Deserialize, Serialize};
@@ -57,8 +57,15 @@ gym_core::arguments! {
 }
 
 /// Cells `(r, c)` are at `MAP[1 + r][1 + 2 * c]`; beside them a `|` is a wall, a `:` is none.
-const MAP: [&str; 7] =
-    ["+---------+", "|R: | : :G|", "| : | : : |", "| : : : : |", "| | : | : |", "|Y| : |B: |", "+---------+"];
+const MAP: [&str; 7] = [
+    "+---------+",
+    "|R: | : :G|",
+    "| : | : : |",
+    "| : : : : |",
+    "| | : | : |",
+    "|Y| : |B: |",
+    "+---------+",
+];
 const SIZE: usize = 5;
 /// Row and column of the stands: red, green, yellow, blue.
 const STANDS: [(usize, usize); 4] = [(0, 0), (0, 4), (4, 0), (4, 3)];
@@ -125,7 +132,10 @@ pub fn action_mask(state: usize) -> [i8; 6] {
 
 /// The neighbouring cell, or the same one behind a wall or the border.
 fn drive(row: usize, col: usize, heading: Action) -> (usize, usize) {
-    let open = |column: usize| MAP.get(1 + row).is_some_and(|line| line.as_bytes()[column] == b':');
+    let open = |column: usize| {
+        MAP.get(1 + row)
+            .is_some_and(|line| line.as_bytes()[column] == b':')
+    };
     match heading {
         Action::South => ((row + 1).min(SIZE - 1), col),
         Action::North => (row.saturating_sub(1), col),
@@ -168,11 +178,28 @@ impl TaxiDynamics {
 impl TaxiDynamics {
     /// The next state and outcome; `None` if the state does not exist.
     #[inline(always)]
-    fn advance(&self, state: &State, action: Action, rng: &mut impl Stream) -> Option<Transition<State>> {
-        let Outcome { probability, next, reward, terminated } =
-            self.p.sample(state.encoded, action as usize, rng)?;
-        let heading = if matches!(action, Action::Pickup | Action::Dropoff) { state.heading } else { action };
-        let changed = if state.fickle_step { change_of_mind(state.encoded, next, rng) } else { None };
+    fn advance(
+        &self,
+        state: &State,
+        action: Action,
+        rng: &mut impl Stream,
+    ) -> Option<Transition<State>> {
+        let Outcome {
+            probability,
+            next,
+            reward,
+            terminated,
+        } = self.p.sample(state.encoded, action as usize, rng)?;
+        let heading = if matches!(action, Action::Pickup | Action::Dropoff) {
+            state.heading
+        } else {
+            action
+        };
+        let changed = if state.fickle_step {
+            change_of_mind(state.encoded, next, rng)
+        } else {
+            None
+        };
         let state = State {
             encoded: changed.unwrap_or(next),
             fickle_step: state.fickle_step && changed.is_none(),
@@ -180,7 +207,11 @@ impl TaxiDynamics {
             heading,
             probability,
         };
-        Some(Transition { state, reward, terminated })
+        Some(Transition {
+            state,
+            reward,
+            terminated,
+        })
     }
 }
 
@@ -191,7 +222,12 @@ fn change_of_mind(before: usize, after: usize, rng: &mut impl Stream) -> Option<
     let (next_row, next_col, next_passenger, _) = decode(after);
     (passenger == IN_TAXI && (row, col) != (next_row, next_col)).then(|| {
         let other = rng.lend(|rng| rng.choice(STANDS.len() - 1));
-        encode(next_row, next_col, next_passenger, other + usize::from(other >= destination))
+        encode(
+            next_row,
+            next_col,
+            next_passenger,
+            other + usize::from(other >= destination),
+        )
     })
 }
 
@@ -219,22 +255,35 @@ impl Task for TaxiDynamics {
             let (row, col, passenger, destination) = decode(state);
             let mut push = |probability, (row, col), passenger, reward, terminated| {
                 let next = encode(row, col, passenger, destination);
-                outcomes.push(Outcome { probability, next, reward, terminated });
+                outcomes.push(Outcome {
+                    probability,
+                    next,
+                    reward,
+                    terminated,
+                });
             };
             let here = (row, col);
             let stand = STANDS.iter().position(|stand| *stand == here);
             match (Action::ALL[action], stand) {
-                (Action::Pickup, Some(stand)) if stand == passenger => push(1.0, here, IN_TAXI, -1.0, false),
+                (Action::Pickup, Some(stand)) if stand == passenger => {
+                    push(1.0, here, IN_TAXI, -1.0, false)
+                }
                 (Action::Dropoff, Some(stand)) if passenger == IN_TAXI && stand == destination => {
                     push(1.0, here, stand, 20.0, true);
                 }
-                (Action::Dropoff, Some(stand)) if passenger == IN_TAXI => push(1.0, here, stand, -1.0, false),
+                (Action::Dropoff, Some(stand)) if passenger == IN_TAXI => {
+                    push(1.0, here, stand, -1.0, false)
+                }
                 (Action::Pickup | Action::Dropoff, _) => push(1.0, here, passenger, -10.0, false),
                 (heading, _) if config.is_rainy => {
                     let there = drive(row, col, heading);
                     push(ahead, there, passenger, -1.0, false);
                     for side in sides(heading) {
-                        let drift = if there == here { here } else { drive(row, col, side) };
+                        let drift = if there == here {
+                            here
+                        } else {
+                            drive(row, col, side)
+                        };
                         push(aside, drift, passenger, -1.0, false);
                     }
                 }
@@ -264,7 +313,8 @@ impl Task for TaxiDynamics {
         Ok(State {
             encoded: self.initial.sample(rng),
             // drawn only if needed, because the stream continues from here
-            fickle_step: self.config.fickle_passenger && rng.random() < self.config.fickle_probability,
+            fickle_step: self.config.fickle_passenger
+                && rng.random() < self.config.fickle_probability,
             last_action: None,
             heading: Action::South,
             probability: 1.0,
@@ -280,7 +330,10 @@ impl Task for TaxiDynamics {
 
     fn info(&self, state: &State, visit: &mut dyn FnMut(&str, Value)) {
         visit("prob", Value::Float(state.probability));
-        visit("action_mask", Value::Array(Array::from(action_mask(state.encoded))));
+        visit(
+            "action_mask",
+            Value::Array(Array::from(action_mask(state.encoded))),
+        );
     }
 
     fn metadata(&self) -> Metadata {
@@ -293,7 +346,10 @@ impl Task for TaxiDynamics {
         let (row, col, passenger, destination) = decode(state.encoded);
         let mut cells = MAP.map(|line| line.chars().map(String::from).collect::<Vec<_>>());
         let mut colorize = |(row, col): (usize, usize), code: &str| {
-            if let Some(cell) = cells.get_mut(1 + row).and_then(|line| line.get_mut(1 + 2 * col)) {
+            if let Some(cell) = cells
+                .get_mut(1 + row)
+                .and_then(|line| line.get_mut(1 + 2 * col))
+            {
                 if code == "42" && cell == " " {
                     "_".clone_into(cell);
                 }
@@ -308,7 +364,9 @@ impl Task for TaxiDynamics {
         }
         colorize(STANDS[destination], "35");
         let map = cells.map(|line| line.concat()).join("\n");
-        let action = state.last_action.map_or_else(String::new, |action| format!("  ({action:?})"));
+        let action = state
+            .last_action
+            .map_or_else(String::new, |action| format!("  ({action:?})"));
         Some(format!("{map}\n{action}\n"))
     }
 
@@ -326,7 +384,10 @@ impl Task for TaxiDynamics {
         }
 
         let [x, y] = corner((row, col));
-        canvas.push(Transform { origin: [x + 48.0, y + 40.0], ..ahead(state.heading) });
+        canvas.push(Transform {
+            origin: [x + 48.0, y + 40.0],
+            ..ahead(state.heading)
+        });
         car(canvas, passenger == IN_TAXI);
         canvas.pop();
 
@@ -341,8 +402,14 @@ impl Task for TaxiDynamics {
 
 impl Dynamics for TaxiDynamics {
     #[inline]
-    fn transition(&self, state: &State, action: &Action, rng: &mut Generator) -> Result<Transition<State>> {
-        self.advance(state, *action, rng).ok_or_else(|| self.p.no_such_state(state.encoded))
+    fn transition(
+        &self,
+        state: &State,
+        action: &Action,
+        rng: &mut Generator,
+    ) -> Result<Transition<State>> {
+        self.advance(state, *action, rng)
+            .ok_or_else(|| self.p.no_such_state(state.encoded))
     }
 
     #[inline]
@@ -359,8 +426,12 @@ const COAT: Color = Color::rgb(124, 86, 160);
 const YELLOW: Color = Color::rgb(248, 196, 50);
 const GREEN: Color = Color::rgb(84, 220, 110);
 /// Of the stands.
-const COLORS: [Color; 4] =
-    [Color::rgb(214, 62, 62), Color::rgb(44, 150, 92), Color::rgb(226, 160, 40), Color::rgb(58, 110, 186)];
+const COLORS: [Color; 4] = [
+    Color::rgb(214, 62, 62),
+    Color::rgb(44, 150, 92),
+    Color::rgb(226, 160, 40),
+    Color::rgb(58, 110, 186),
+];
 /// Around the cells, which are 96 by 80.
 const MARGIN: f64 = 28.0;
 
@@ -398,7 +469,11 @@ fn ahead(heading: Action) -> Transform {
         Action::West => ([-1.0, 0.0], [0.0, 1.0]),
         _ => ([1.0, 0.0], [0.0, 1.0]),
     };
-    Transform { x, y, origin: [0.0, 0.0] }
+    Transform {
+        x,
+        y,
+        origin: [0.0, 0.0],
+    }
 }
 
 /// A taxi from above, its front to the right; the sign on its roof is green while it is taken.
@@ -415,7 +490,11 @@ fn car(canvas: &mut dyn Canvas, taken: bool) {
         canvas.rect([-36.0, y], [3.0, 7.0], COLORS[0]);
     }
     canvas.rect([-13.0, -10.0], [15.0, 20.0], INK);
-    canvas.rect([-11.0, -8.0], [11.0, 16.0], if taken { GREEN } else { Color::WHITE });
+    canvas.rect(
+        [-11.0, -8.0],
+        [11.0, 16.0],
+        if taken { GREEN } else { Color::WHITE },
+    );
 }
 
 /// A chequered flag.
@@ -423,7 +502,11 @@ fn finish(canvas: &mut dyn Canvas, foot: Point) {
     let [x, y] = foot;
     canvas.rect([x, y - 42.0], [24.0, 18.0], Color::WHITE);
     for (col, row) in [(0, 0), (2, 0), (1, 1), (3, 1), (0, 2), (2, 2)] {
-        canvas.rect([x + 6.0 * f64::from(col), y - 42.0 + 6.0 * f64::from(row)], [6.0, 6.0], INK);
+        canvas.rect(
+            [x + 6.0 * f64::from(col), y - 42.0 + 6.0 * f64::from(row)],
+            [6.0, 6.0],
+            INK,
+        );
     }
     canvas.rect([x - 3.0, y - 42.0], [3.0, 42.0], INK);
 }
@@ -436,7 +519,11 @@ impl Native for TaxiDynamics {
     const INFO: bool = true;
 
     fn supports(config: &Config) -> Result<(), &'static str> {
-        if config.fickle_passenger { Err("there are no fickle passengers") } else { Ok(()) }
+        if config.fickle_passenger {
+            Err("there are no fickle passengers")
+        } else {
+            Ok(())
+        }
     }
 
     fn constants(&self) -> [f64; 0] {
@@ -445,7 +532,10 @@ impl Native for TaxiDynamics {
 
     #[inline(always)]
     fn pack(&self, state: &State) -> Cell {
-        Cell { state: state.encoded as u32, probability: state.probability }
+        Cell {
+            state: state.encoded as u32,
+            probability: state.probability,
+        }
     }
 
     #[inline(always)]
@@ -462,7 +552,8 @@ impl Native for TaxiDynamics {
     #[inline(always)]
     fn step_block<R: Real>(&self, _: R::Token, block: &mut Many<'_, Self>) {
         block.each(self, |state, action, rng| {
-            self.advance(state, action, rng).unwrap_or(Transition::stay(*state))
+            self.advance(state, action, rng)
+                .unwrap_or(Transition::stay(*state))
         });
     }
 }
@@ -487,7 +578,12 @@ const fn taxi(id: &'static str) -> Registration {
 #[cfg(not(test))]
 gym_core::register!(
     taxi("Taxi-v3"),
-    taxi("Taxi-v4").clip(Clip { seeds: 0..3, every: 1, frames: 40, size: (268, 228) }),
+    taxi("Taxi-v4").clip(Clip {
+        seeds: 0..3,
+        every: 1,
+        frames: 40,
+        size: (268, 228)
+    }),
 );
 
 #[cfg(test)]
@@ -515,7 +611,11 @@ mod tests {
         let taxi = taxi(Config::default());
         for state in 0..STATES {
             for (action, mask) in action_mask(state).into_iter().enumerate() {
-                assert_eq!(mask == 1, taxi.p().outcomes(state, action)[0].next != state, "{state} {action}");
+                assert_eq!(
+                    mask == 1,
+                    taxi.p().outcomes(state, action)[0].next != state,
+                    "{state} {action}"
+                );
             }
         }
     }
@@ -523,7 +623,11 @@ mod tests {
     #[test]
     fn rows_sum_to_one() {
         for is_rainy in [false, true] {
-            let taxi = taxi(Config { is_rainy, rainy_probability: 0.3, ..Config::default() });
+            let taxi = taxi(Config {
+                is_rainy,
+                rainy_probability: 0.3,
+                ..Config::default()
+            });
             assert_eq!((taxi.p().states(), taxi.p().actions()), (500, 6));
             for row in (0..500 * 6).map(|i| taxi.p().outcomes(i / 6, i % 6)) {
                 assert!((row.iter().map(|o| o.probability).sum::<f64>() - 1.0).abs() < 1e-15);
@@ -534,15 +638,30 @@ mod tests {
     #[test]
     fn every_start_has_somewhere_to_go() {
         let taxi = taxi(Config::default());
-        let starts = taxi.initial_state_distribution().iter().filter(|p| **p > 0.0).count();
-        assert_eq!((starts, taxi.initial_state_distribution()[encode(0, 0, 0, 0)]), (300, 0.0));
+        let starts = taxi
+            .initial_state_distribution()
+            .iter()
+            .filter(|p| **p > 0.0)
+            .count();
+        assert_eq!(
+            (
+                starts,
+                taxi.initial_state_distribution()[encode(0, 0, 0, 0)]
+            ),
+            (300, 0.0)
+        );
     }
 
     #[test]
     fn pickup_and_dropoff() {
-        let taxi = taxi(Config { is_rainy: true, ..Config::default() });
+        let taxi = taxi(Config {
+            is_rainy: true,
+            ..Config::default()
+        });
         let outcome = |state, action| {
-            let [outcome] = taxi.p().outcomes(state, action as usize) else { panic!("one outcome") };
+            let [outcome] = taxi.p().outcomes(state, action as usize) else {
+                panic!("one outcome")
+            };
             (outcome.next, outcome.reward, outcome.terminated)
         };
         let (waiting, aboard) = (encode(0, 4, 1, 2), encode(0, 4, IN_TAXI, 2));
@@ -551,12 +670,18 @@ mod tests {
         assert_eq!(outcome(aboard, Action::Pickup), (aboard, -10.0, false));
         assert_eq!(outcome(waiting, Action::Dropoff), (waiting, -10.0, false));
         let arrived = encode(4, 0, IN_TAXI, 2);
-        assert_eq!(outcome(arrived, Action::Dropoff), (encode(4, 0, 2, 2), 20.0, true));
+        assert_eq!(
+            outcome(arrived, Action::Dropoff),
+            (encode(4, 0, 2, 2), 20.0, true)
+        );
     }
 
     #[test]
     fn rain_drifts_aside_unless_the_way_is_blocked() {
-        let taxi = taxi(Config { is_rainy: true, ..Config::default() });
+        let taxi = taxi(Config {
+            is_rainy: true,
+            ..Config::default()
+        });
         let cells = |row, col, action| {
             let outcomes = taxi.p().outcomes(encode(row, col, 0, 1), action as usize);
             assert_eq!(
@@ -589,7 +714,14 @@ mod tests {
     fn a_fickle_passenger_changes_the_destination_once() {
         for seed in 0..50 {
             let fickle = |fickle_probability| {
-                destinations(Config { fickle_passenger: true, fickle_probability, ..Config::default() }, seed)
+                destinations(
+                    Config {
+                        fickle_passenger: true,
+                        fickle_probability,
+                        ..Config::default()
+                    },
+                    seed,
+                )
             };
             assert_eq!(fickle(0.0), [1; 4]);
             let [picked_up, waited, moved, later] = fickle(1.0);
@@ -601,41 +733,84 @@ mod tests {
     #[test]
     fn probabilities_are_checked() {
         for bad in [-0.1, 1.5, f64::NAN] {
-            let rainy = TaxiDynamics::new(Config { rainy_probability: bad, ..Config::default() });
-            let fickle = TaxiDynamics::new(Config { fickle_probability: bad, ..Config::default() });
-            assert!(rainy.unwrap_err().to_string().contains("rainy_probability is"));
-            assert!(fickle.unwrap_err().to_string().contains("fickle_probability is"));
+            let rainy = TaxiDynamics::new(Config {
+                rainy_probability: bad,
+                ..Config::default()
+            });
+            let fickle = TaxiDynamics::new(Config {
+                fickle_probability: bad,
+                ..Config::default()
+            });
+            assert!(
+                rainy
+                    .unwrap_err()
+                    .to_string()
+                    .contains("rainy_probability is")
+            );
+            assert!(
+                fickle
+                    .unwrap_err()
+                    .to_string()
+                    .contains("fickle_probability is")
+            );
         }
     }
 
     #[test]
     fn states_of_another_task_are_refused() {
         let taxi = taxi(Config::default());
-        let state = taxi.start(&Reset::default(), &mut Generator::from(0)).unwrap();
+        let state = taxi
+            .start(&Reset::default(), &mut Generator::from(0))
+            .unwrap();
         assert!(taxi.is_valid(&state));
         for bad in [
-            State { encoded: 500, ..state },
-            State { fickle_step: true, ..state },
-            State { heading: Action::Pickup, ..state },
-            State { probability: 1.5, ..state },
+            State {
+                encoded: 500,
+                ..state
+            },
+            State {
+                fickle_step: true,
+                ..state
+            },
+            State {
+                heading: Action::Pickup,
+                ..state
+            },
+            State {
+                probability: 1.5,
+                ..state
+            },
         ] {
             assert!(!taxi.is_valid(&bad));
         }
         assert!(
-            taxi.transition(&State { encoded: 500, ..state }, &Action::North, &mut Generator::from(0))
-                .is_err()
+            taxi.transition(
+                &State {
+                    encoded: 500,
+                    ..state
+                },
+                &Action::North,
+                &mut Generator::from(0)
+            )
+            .is_err()
         );
     }
 
     #[test]
     fn ansi_is_gymnasiums() {
         let taxi = taxi(Config::default());
-        let mut state = taxi.start(&Reset::default(), &mut Generator::from(0)).unwrap();
+        let mut state = taxi
+            .start(&Reset::default(), &mut Generator::from(0))
+            .unwrap();
         state.encoded = encode(0, 0, 0, 3);
         let waiting = "+---------+\n|\x1b[34;1m\x1b[43mR\x1b[0m\x1b[0m: | : :G|\n| : | : : |\n| : : : : |\n\
             | | : | : |\n|Y| : |\x1b[35mB\x1b[0m: |\n+---------+\n\n";
         assert_eq!(taxi.ansi(&state).unwrap(), waiting);
-        state = State { encoded: encode(1, 0, IN_TAXI, 3), last_action: Some(Action::South), ..state };
+        state = State {
+            encoded: encode(1, 0, IN_TAXI, 3),
+            last_action: Some(Action::South),
+            ..state
+        };
         let aboard = "+---------+\n|R: | : :G|\n|\x1b[42m_\x1b[0m: | : : |\n| : : : : |\n\
             | | : | : |\n|Y| : |\x1b[35mB\x1b[0m: |\n+---------+\n  (South)\n";
         assert_eq!(taxi.ansi(&state).unwrap(), aboard);

@@ -7,9 +7,22 @@ use gym_toytext::{CliffWalking, Taxi};
 /// Also after a snapshot. (100 is not a multiple of a block.)
 #[test]
 fn native_vectors_equal_scalar_environments() {
-    for id in ["Blackjack-v1", "CliffWalking-v1", "FrozenLake-v1", "FrozenLake8x8-v1", "Taxi-v3"] {
+    for id in [
+        "Blackjack-v1",
+        "CliffWalking-v1",
+        "FrozenLake-v1",
+        "FrozenLake8x8-v1",
+        "Taxi-v3",
+    ] {
         for autoreset in [Autoreset::NextStep, Autoreset::SameStep] {
-            let make = |kind| builder(id).vector(100).kind(kind).autoreset(autoreset).build().unwrap();
+            let make = |kind| {
+                builder(id)
+                    .vector(100)
+                    .kind(kind)
+                    .autoreset(autoreset)
+                    .build()
+                    .unwrap()
+            };
             let [mut native, mut sync] = [VectorKind::Native, VectorKind::Sync].map(make);
             let [mut fast, mut exact] = [native.columns().unwrap(), sync.columns().unwrap()];
             let mut actions = native.action_space().unwrap().sampler(7);
@@ -25,11 +38,27 @@ fn native_vectors_equal_scalar_environments() {
                 let actions = actions.sample();
                 native.step_into(&actions, &mut fast).unwrap();
                 sync.step_into(&actions, &mut exact).unwrap();
-                assert_eq!(fast.observations, exact.observations, "{id}, {autoreset:?}: step {step}");
-                assert_eq!(fast.rewards, exact.rewards, "{id}, {autoreset:?}: step {step}");
-                assert_eq!(fast.terminated, exact.terminated, "{id}, {autoreset:?}: step {step}");
-                assert_eq!(fast.truncated, exact.truncated, "{id}, {autoreset:?}: step {step}");
-                assert_eq!(native.infos(&fast), sync.infos(&exact), "{id}, {autoreset:?}: step {step}");
+                assert_eq!(
+                    fast.observations, exact.observations,
+                    "{id}, {autoreset:?}: step {step}"
+                );
+                assert_eq!(
+                    fast.rewards, exact.rewards,
+                    "{id}, {autoreset:?}: step {step}"
+                );
+                assert_eq!(
+                    fast.terminated, exact.terminated,
+                    "{id}, {autoreset:?}: step {step}"
+                );
+                assert_eq!(
+                    fast.truncated, exact.truncated,
+                    "{id}, {autoreset:?}: step {step}"
+                );
+                assert_eq!(
+                    native.infos(&fast),
+                    sync.infos(&exact),
+                    "{id}, {autoreset:?}: step {step}"
+                );
             }
         }
     }
@@ -40,10 +69,17 @@ fn older_versions_take_no_arguments() {
     let mut cliff = builder("CliffWalking-v0").build().unwrap();
     assert_eq!(cliff.reset(0).unwrap().as_int(), Some(36));
     assert!(cliff.unwrapped::<CliffWalking>().is_some());
-    assert!(builder("Taxi-v3").build().unwrap().unwrapped::<Taxi>().is_some());
-    for (older, newer, argument) in
-        [("CliffWalking-v0", "CliffWalking-v1", "is_slippery"), ("Taxi-v3", "Taxi-v4", "is_rainy")]
-    {
+    assert!(
+        builder("Taxi-v3")
+            .build()
+            .unwrap()
+            .unwrapped::<Taxi>()
+            .is_some()
+    );
+    for (older, newer, argument) in [
+        ("CliffWalking-v0", "CliffWalking-v1", "is_slippery"),
+        ("Taxi-v3", "Taxi-v4", "is_rainy"),
+    ] {
         let error = builder(older).arg(argument, false).build().unwrap_err();
         assert!(error.to_string().contains("takes no arguments"), "{error}");
         builder(newer).arg(argument, true).build().unwrap();

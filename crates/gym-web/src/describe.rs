@@ -58,7 +58,9 @@ pub(crate) fn arguments(registration: &Registration) -> Result<Json> {
 /// A space: its kind and what the page needs of it, with Gymnasium's text.
 pub(crate) fn space(space: &Space) -> Json {
     let mut description = match space {
-        Space::Discrete(space) => json!({"kind": "Discrete", "n": space.n(), "start": space.start()}),
+        Space::Discrete(space) => {
+            json!({"kind": "Discrete", "n": space.n(), "start": space.start()})
+        }
         Space::Box(space) => json!({
             "kind": "Box",
             "shape": space.shape(),
@@ -74,7 +76,10 @@ pub(crate) fn space(space: &Space) -> Json {
             json!({"kind": "Tuple", "spaces": space.spaces().iter().map(self::space).collect::<Vec<_>>()})
         }
         Space::Dict(space) => {
-            let spaces = space.spaces().iter().map(|(name, space)| json!([name, self::space(space)]));
+            let spaces = space
+                .spaces()
+                .iter()
+                .map(|(name, space)| json!([name, self::space(space)]));
             json!({"kind": "Dict", "spaces": spaces.collect::<Vec<_>>()})
         }
         _ => json!({"kind": "other"}),
@@ -85,7 +90,13 @@ pub(crate) fn space(space: &Space) -> Json {
 
 /// The numbers of an array, if there are not too many. Numbers that JSON lacks become text.
 fn numbers(array: &Array) -> Option<Vec<Json>> {
-    let number = |x: f64| if x.is_finite() { json!(x) } else { json!(x.to_string()) };
+    let number = |x: f64| {
+        if x.is_finite() {
+            json!(x)
+        } else {
+            json!(x.to_string())
+        }
+    };
     (array.len() <= MOST_NUMBERS).then(|| array.iter_f64().map(number).collect())
 }
 
@@ -96,9 +107,12 @@ pub(crate) fn value(value: &Value) -> Json {
             json!({"shape": array.shape(), "dtype": array.dtype().name()})
         }
         Value::Tuple(parts) => parts.iter().map(self::value).collect(),
-        Value::Dict(parts) => {
-            Json::Object(parts.iter().map(|(name, part)| (name.clone(), self::value(part))).collect())
-        }
+        Value::Dict(parts) => Json::Object(
+            parts
+                .iter()
+                .map(|(name, part)| (name.clone(), self::value(part)))
+                .collect(),
+        ),
         _ => value.to_json(),
     }
 }
@@ -106,7 +120,10 @@ pub(crate) fn value(value: &Value) -> Json {
 /// Writes a picture of 3 bytes or 1 byte a pixel as the 4 bytes a pixel that a canvas takes.
 pub(crate) fn to_rgba(pixels: &[u8], bytes_per_pixel: usize, rgba: &mut Vec<u8>) {
     rgba.resize(pixels.len() / bytes_per_pixel * 4, 255);
-    for (pixel, rgba) in pixels.chunks_exact(bytes_per_pixel).zip(rgba.chunks_exact_mut(4)) {
+    for (pixel, rgba) in pixels
+        .chunks_exact(bytes_per_pixel)
+        .zip(rgba.chunks_exact_mut(4))
+    {
         match *pixel {
             [r, g, b] => rgba[..3].copy_from_slice(&[r, g, b]),
             [gray] => rgba[..3].fill(gray),

@@ -28,10 +28,15 @@ impl Learner {
     /// A new learner.
     pub(crate) fn new(id: &str, kwargs: Kwargs, seed: u64, lesson: Lesson) -> Result<Self> {
         // the page's way of showing changes nothing in the learner
-        let env = gym::builder(id).args(kwargs).disable_env_checker(true).build()?;
+        let env = gym::builder(id)
+            .args(kwargs)
+            .disable_env_checker(true)
+            .build()?;
         let seed = Seed::from(seed);
         Ok(match lesson {
-            Lesson::Tabular(parameters) => Self::Tabular(Tabular::new(env, seed, parameters)?.into()),
+            Lesson::Tabular(parameters) => {
+                Self::Tabular(Tabular::new(env, seed, parameters)?.into())
+            }
             Lesson::CrossEntropy(parameters) => {
                 Self::CrossEntropy(CrossEntropy::new(env, seed, parameters)?.into())
             }
@@ -41,9 +46,17 @@ impl Learner {
     /// Goes on with other parameters.
     pub(crate) fn tune(&mut self, lesson: Lesson) -> Result<()> {
         match (self, lesson) {
-            (Self::Tabular(learner), Lesson::Tabular(parameters)) => learner.parameters = parameters,
-            (Self::CrossEntropy(learner), Lesson::CrossEntropy(parameters)) => learner.tune(parameters),
-            _ => return Err(Error::custom("a learner cannot change its method: open another")),
+            (Self::Tabular(learner), Lesson::Tabular(parameters)) => {
+                learner.parameters = parameters
+            }
+            (Self::CrossEntropy(learner), Lesson::CrossEntropy(parameters)) => {
+                learner.tune(parameters)
+            }
+            _ => {
+                return Err(Error::custom(
+                    "a learner cannot change its method: open another",
+                ));
+            }
         }
         Ok(())
     }

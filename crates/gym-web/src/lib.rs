@@ -39,7 +39,9 @@ thread_local! {
 #[expect(unsafe_code, reason = "JavaScript calls it by name")]
 #[unsafe(no_mangle)]
 pub extern "C" fn start() {
-    std::panic::set_hook(Box::new(|info| PANIC.with_borrow_mut(|text| *text = info.to_string())));
+    std::panic::set_hook(Box::new(|info| {
+        PANIC.with_borrow_mut(|text| *text = info.to_string())
+    }));
 }
 
 /// Room for a request of that many bytes.
@@ -57,12 +59,19 @@ pub extern "C" fn input(length: usize) -> *mut u8 {
 #[expect(unsafe_code, reason = "JavaScript calls it by name")]
 #[unsafe(no_mangle)]
 pub extern "C" fn call(json: usize) -> usize {
-    BUFFERS.with_borrow_mut(|Buffers { input, output, attachment, session }| {
-        let (request, bytes) = input.split_at(json.min(input.len()));
-        attachment.clear();
-        *output = session.call(request, bytes, attachment);
-        output.len()
-    })
+    BUFFERS.with_borrow_mut(
+        |Buffers {
+             input,
+             output,
+             attachment,
+             session,
+         }| {
+            let (request, bytes) = input.split_at(json.min(input.len()));
+            attachment.clear();
+            *output = session.call(request, bytes, attachment);
+            output.len()
+        },
+    )
 }
 
 /// The address of the answer.

@@ -71,9 +71,13 @@ impl CrossEntropy {
                 first: space.start(),
                 count: usize::try_from(space.n()).unwrap_or_default(),
             },
-            Space::Box(space) => {
-                Outputs::Numbers(space.low().iter_f64().zip(space.high().iter_f64()).collect())
-            }
+            Space::Box(space) => Outputs::Numbers(
+                space
+                    .low()
+                    .iter_f64()
+                    .zip(space.high().iter_f64())
+                    .collect(),
+            ),
             space => return Err(unfit(format!("its actions are {space}"))),
         };
         let mut learner = Self {
@@ -128,21 +132,33 @@ impl CrossEntropy {
     }
 
     fn action(&self, weights: &[f64], observation: &Value) -> Result<Value> {
-        let seen = observation
-            .as_array()
-            .ok_or_else(|| Error::Contract(format!("{observation} is not an observation of {}", self.env)))?;
+        let seen = observation.as_array().ok_or_else(|| {
+            Error::Contract(format!(
+                "{observation} is not an observation of {}",
+                self.env
+            ))
+        })?;
         let rows = weights.chunks_exact(self.inputs + 1);
-        let output =
-            |row: &[f64]| seen.iter_f64().zip(row).map(|(x, w)| x * w).sum::<f64>() + row[self.inputs];
+        let output = |row: &[f64]| {
+            seen.iter_f64().zip(row).map(|(x, w)| x * w).sum::<f64>() + row[self.inputs]
+        };
         let outputs: Vec<f64> = rows.map(output).collect();
         Ok(match &self.outputs {
             Outputs::Choice { first, .. } => {
-                let greater =
-                    |best: usize, other: usize| if outputs[other] > outputs[best] { other } else { best };
+                let greater = |best: usize, other: usize| {
+                    if outputs[other] > outputs[best] {
+                        other
+                    } else {
+                        best
+                    }
+                };
                 Value::Int(first + (0..outputs.len()).reduce(greater).unwrap_or_default() as i64)
             }
             Outputs::Numbers(bounds) => {
-                let clipped = outputs.iter().zip(bounds).map(|(x, (low, high))| x.clamp(*low, *high) as f32);
+                let clipped = outputs
+                    .iter()
+                    .zip(bounds)
+                    .map(|(x, (low, high))| x.clamp(*low, *high) as f32);
                 Value::Array(clipped.collect::<Vec<_>>().into())
             }
         })
@@ -158,15 +174,31 @@ impl CrossEntropy {
                 Some(trial) => trial,
                 None => {
                     let (rng, pairs) = (&mut self.rng, self.mean.iter().zip(&self.deviation));
-                    let weights = pairs.map(|(mean, deviation)| rng.normal(*mean, *deviation)).collect();
-                    Trial { weights, total: 0.0, played: 0, running: None }
+                    let weights = pairs
+                        .map(|(mean, deviation)| rng.normal(*mean, *deviation))
+                        .collect();
+                    Trial {
+                        weights,
+                        total: 0.0,
+                        played: 0,
+                        running: None,
+                    }
                 }
             };
             let (mut episode, mut observation) = match trial.running.take() {
                 Some(running) => running,
                 None => {
-                    let reset = Reset { seed: self.seed.take(), ..Reset::default() };
-                    (Episode { episode_return: 0.0, length: 0 }, self.env.reset(reset)?)
+                    let reset = Reset {
+                        seed: self.seed.take(),
+                        ..Reset::default()
+                    };
+                    (
+                        Episode {
+                            episode_return: 0.0,
+                            length: 0,
+                        },
+                        self.env.reset(reset)?,
+                    )
                 }
             };
             let action = self.action(&trial.weights, &observation)?;
@@ -185,7 +217,8 @@ impl CrossEntropy {
                 self.trial = Some(trial);
                 continue;
             }
-            self.tried.push((trial.total / f64::from(trial.played), trial.weights));
+            self.tried
+                .push((trial.total / f64::from(trial.played), trial.weights));
             if self.tried.len() >= self.parameters.population {
                 self.next_generation();
             }
@@ -203,8 +236,11 @@ impl CrossEntropy {
         let extra = noise / f64::from(self.generation);
         for i in 0..self.mean.len() {
             let mean = best.iter().map(|(_, weights)| weights[i]).sum::<f64>() / count as f64;
-            let variance =
-                best.iter().map(|(_, weights)| (weights[i] - mean).powi(2)).sum::<f64>() / count as f64;
+            let variance = best
+                .iter()
+                .map(|(_, weights)| (weights[i] - mean).powi(2))
+                .sum::<f64>()
+                / count as f64;
             (self.mean[i], self.deviation[i]) = (mean, variance.sqrt() + extra);
         }
         self.tried.clear();
@@ -217,16 +253,22 @@ mod tests {
 
     #[test]
     fn a_linear_policy_learns_to_balance() {
-        let parameters = r#"{"population": 20, "elite": 0.2, "spread": 1.0, "noise": 0.2, "episodes": 1}"#;
+        let parameters =
+            r#"{"population": 20, "elite": 0.2, "spread": 1.0, "noise": 0.2, "episodes": 1}"#;
         let parameters = serde_json::from_str(parameters).unwrap();
         let mut learner =
-            CrossEntropy::new(gym::make("CartPole-v1").unwrap(), Seed::from(0), parameters).unwrap();
+            CrossEntropy::new(gym::make("CartPole-v1").unwrap(), Seed::from(0), parameters)
+                .unwrap();
         let mut last = Vec::new();
         while learner.generation() < 15 {
             last.extend(learner.train(3, 50).unwrap());
         }
         let tail = &last[last.len() - 20..];
-        let mean = tail.iter().map(|episode| episode.episode_return).sum::<f64>() / 20.0;
+        let mean = tail
+            .iter()
+            .map(|episode| episode.episode_return)
+            .sum::<f64>()
+            / 20.0;
         assert!(mean > 400.0, "{mean}");
     }
 }

@@ -8,7 +8,8 @@ use gym::render::{RenderMode, Rendered};
 use gym::rendering::GifEncoder;
 use gym::trace::{Event, Trace};
 use gym::{
-    BoxEnv, Env, EnvExt, Error, Keys, Kwargs, Reset, Result, Sampler, Seed, Snapshot, Value, registry,
+    BoxEnv, Env, EnvExt, Error, Keys, Kwargs, Reset, Result, Sampler, Seed, Snapshot, Value,
+    registry,
 };
 use serde_json::{Value as Json, json};
 
@@ -54,7 +55,9 @@ pub(crate) struct Player {
 impl Player {
     /// Makes the environment. Its pictures have their own size, or fit into a square.
     pub(crate) fn new(id: &str, kwargs: &Kwargs, fit: Option<u32>) -> Result<Self> {
-        let builder = gym::builder(id).args(kwargs.clone()).render_mode(RenderMode::RgbArray);
+        let builder = gym::builder(id)
+            .args(kwargs.clone())
+            .render_mode(RenderMode::RgbArray);
         let mut env = builder.clone().build()?;
         let (width, height) = env.metadata().render_size;
         let longest = width.max(height);
@@ -109,7 +112,8 @@ impl Player {
 
     /// Starts an episode.
     pub(crate) fn reset(&mut self, seed: Seed) -> Result<()> {
-        self.env.reset_into(&Reset::from(seed.clone()), &mut self.observation)?;
+        self.env
+            .reset_into(&Reset::from(seed.clone()), &mut self.observation)?;
         self.sampler = Some(self.env.action_space().sampler(seed.clone()));
         self.controller = None;
         self.seed = Some(seed);
@@ -153,8 +157,12 @@ impl Player {
 
     /// The action of the good policy.
     fn good(&mut self) -> Result<Value> {
-        let missing =
-            || Error::custom(format!("no good policy is known for {} with these arguments", self.env));
+        let missing = || {
+            Error::custom(format!(
+                "no good policy is known for {} with these arguments",
+                self.env
+            ))
+        };
         let mut controller = match self.controller.take() {
             Some(controller) => controller,
             None => {
@@ -165,7 +173,10 @@ impl Player {
         let action = controller(&self.env, &self.observation);
         self.controller = Some(controller);
         action.ok_or_else(|| {
-            Error::Contract(format!("{} is not an observation of {}", self.observation, self.env))
+            Error::Contract(format!(
+                "{} is not an observation of {}",
+                self.observation, self.env
+            ))
         })
     }
 
@@ -189,7 +200,8 @@ impl Player {
             }
             None => {
                 let seed = self.seed.clone().ok_or(Error::ResetNeeded("step"))?;
-                self.env.reset_into(&Reset::from(seed), &mut self.observation)?;
+                self.env
+                    .reset_into(&Reset::from(seed), &mut self.observation)?;
                 (self.reward, self.terminated, self.truncated) = (0.0, false, false);
                 0
             }
@@ -209,7 +221,9 @@ impl Player {
 
     /// The sum of rewards so far.
     pub(crate) fn episode_return(&self) -> f64 {
-        self.position.checked_sub(1).map_or(0.0, |last| self.returns[last])
+        self.position
+            .checked_sub(1)
+            .map_or(0.0, |last| self.returns[last])
     }
 
     /// The observation.
@@ -225,8 +239,10 @@ impl Player {
     /// The data shown beside the picture.
     pub(crate) fn state(&self) -> Json {
         let info = self.env.info_map();
-        let info: serde_json::Map<_, _> =
-            info.iter().map(|(name, value)| (name.clone(), describe::value(value))).collect();
+        let info: serde_json::Map<_, _> = info
+            .iter()
+            .map(|(name, value)| (name.clone(), describe::value(value)))
+            .collect();
         json!({
             "observation": describe::value(&self.observation),
             "action": self.position.checked_sub(1).map(|last| describe::value(&self.actions[last])),
@@ -263,8 +279,10 @@ impl Player {
 
     /// The observation as a picture, if it is one.
     pub(crate) fn sight(&self, rgba: &mut Vec<u8>) -> Json {
-        let picture =
-            self.observation.as_array().and_then(|array| Some((array.shape(), array.as_slice::<u8>()?)));
+        let picture = self
+            .observation
+            .as_array()
+            .and_then(|array| Some((array.shape(), array.as_slice::<u8>()?)));
         match picture {
             Some((&[height, width, 3], pixels)) => {
                 describe::to_rgba(pixels, 3, rgba);
@@ -281,7 +299,10 @@ impl Player {
     /// The actions of the episode so far.
     pub(crate) fn actions(&self) -> Result<Json> {
         let space = self.env.action_space();
-        self.actions[..self.position].iter().map(|action| space.to_json(action)).collect()
+        self.actions[..self.position]
+            .iter()
+            .map(|action| space.to_json(action))
+            .collect()
     }
 
     /// The episode as a trace, which `cargo xtask replay` compares.
@@ -300,9 +321,18 @@ impl Player {
         }];
         for action in &self.actions[..self.position] {
             let step = Some(space.to_json(action)?);
-            events.push(Event { step, observation: observation.clone(), ..Event::default() });
+            events.push(Event {
+                step,
+                observation: observation.clone(),
+                ..Event::default()
+            });
         }
-        let asked = Trace { id: self.id.clone(), kwargs: self.kwargs.clone(), events, ..Trace::default() };
+        let asked = Trace {
+            id: self.id.clone(),
+            kwargs: self.kwargs.clone(),
+            events,
+            ..Trace::default()
+        };
         asked.replay(|_| None)
     }
 
@@ -319,7 +349,10 @@ impl Player {
             }
         };
         let mut encoder = GifEncoder::new(fps, &picture(&mut player)?)?;
-        for action in self.actions[..self.position].iter().take(frames.saturating_sub(1)) {
+        for action in self.actions[..self.position]
+            .iter()
+            .take(frames.saturating_sub(1))
+        {
             player.apply(action)?;
             encoder.write(&picture(&mut player)?)?;
         }

@@ -27,13 +27,24 @@ enum Request {
     /// The arguments of an environment.
     Arguments { id: String },
     /// Opens an environment, whose pictures fit into a square of that many pixels.
-    Make { env: u32, id: String, kwargs: Kwargs, fit: Option<u32> },
+    Make {
+        env: u32,
+        id: String,
+        kwargs: Kwargs,
+        fit: Option<u32>,
+    },
     /// Closes it.
     Close { env: u32 },
     /// Starts an episode from a seed, in decimal digits of any number.
     Reset { env: u32, seed: String },
     /// Takes up to `count` steps, which end with the episode.
-    Step { env: u32, by: Who, action: Option<Json>, learner: Option<u32>, count: u32 },
+    Step {
+        env: u32,
+        by: Who,
+        action: Option<Json>,
+        learner: Option<u32>,
+        count: u32,
+    },
     /// Takes these actions, one after the other, while the episode lasts.
     Act { env: u32, actions: Vec<Json> },
     /// Goes to the state after that many steps of the episode.
@@ -55,11 +66,21 @@ enum Request {
     /// Provides an Atari ROM, whose bytes are attached.
     Rom,
     /// Opens a learner.
-    Learn { learner: u32, id: String, kwargs: Kwargs, seed: u64, lesson: Lesson },
+    Learn {
+        learner: u32,
+        id: String,
+        kwargs: Kwargs,
+        seed: u64,
+        lesson: Lesson,
+    },
     /// Changes the parameters of a learner.
     Tune { learner: u32, lesson: Lesson },
     /// Learns for that many episodes or steps, whichever comes first.
-    Train { learner: u32, episodes: u32, steps: u32 },
+    Train {
+        learner: u32,
+        episodes: u32,
+        steps: u32,
+    },
     /// The learned numbers, attached as `f64`.
     Learned { learner: u32 },
 }
@@ -76,7 +97,12 @@ enum Who {
 
 impl std::fmt::Debug for Session {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "Session({} environments, {} learners)", self.players.len(), self.learners.len())
+        write!(
+            f,
+            "Session({} environments, {} learners)",
+            self.players.len(),
+            self.learners.len()
+        )
     }
 }
 
@@ -94,18 +120,27 @@ impl Session {
     }
 
     fn player(&mut self, env: u32) -> Result<&mut Player> {
-        self.players.get_mut(&env).ok_or_else(|| Error::custom(format!("environment {env} is not open")))
+        self.players
+            .get_mut(&env)
+            .ok_or_else(|| Error::custom(format!("environment {env} is not open")))
     }
 
     fn learner(&mut self, learner: u32) -> Result<&mut Learner> {
-        self.learners.get_mut(&learner).ok_or_else(|| Error::custom(format!("learner {learner} is not open")))
+        self.learners
+            .get_mut(&learner)
+            .ok_or_else(|| Error::custom(format!("learner {learner} is not open")))
     }
 
     fn answer(&mut self, request: Request, bytes: &[u8], attachment: &mut Vec<u8>) -> Result<Json> {
         Ok(match request {
             Request::List => registry::all().iter().map(describe::entry).collect(),
             Request::Arguments { id } => describe::arguments(&registry::find(&id)?)?,
-            Request::Make { env, id, kwargs, fit } => {
+            Request::Make {
+                env,
+                id,
+                kwargs,
+                fit,
+            } => {
                 let player = Player::new(&id, &kwargs, fit)?;
                 let description = player.describe();
                 self.players.insert(env, player);
@@ -117,17 +152,25 @@ impl Session {
                 player.reset(seed.parse::<Seed>()?)?;
                 player.state()
             }
-            Request::Step { env, by, action, learner, count } => {
+            Request::Step {
+                env,
+                by,
+                action,
+                learner,
+                count,
+            } => {
                 for _ in 0..count {
                     let learner = learner.and_then(|learner| self.learners.get(&learner));
                     let player = self.players.get_mut(&env);
-                    let player =
-                        player.ok_or_else(|| Error::custom(format!("environment {env} is not open")))?;
+                    let player = player
+                        .ok_or_else(|| Error::custom(format!("environment {env} is not open")))?;
                     let by = match (&by, &action, learner) {
                         (Who::Random, _, _) => By::Random,
                         (Who::Good, _, _) => By::Good,
                         (Who::Action, Some(action), _) => By::Action(player.action(action)?),
-                        (Who::Learner, _, Some(learner)) => By::Action(learner.act(player.observation())?),
+                        (Who::Learner, _, Some(learner)) => {
+                            By::Action(learner.act(player.observation())?)
+                        }
                         _ => return Err(Error::custom("a step needs an action or a learner")),
                     };
                     player.step(by)?;
@@ -161,7 +204,8 @@ impl Session {
             Request::Actions { env } => self.player(env)?.actions()?,
             Request::Trace { env } => {
                 let trace = self.player(env)?.trace()?;
-                *attachment = serde_json::to_vec(&trace).map_err(|error| Error::custom(error.to_string()))?;
+                *attachment =
+                    serde_json::to_vec(&trace).map_err(|error| Error::custom(error.to_string()))?;
                 Json::Null
             }
             Request::Gif { env, frames } => {
@@ -175,7 +219,13 @@ impl Session {
                 json!({"events": trace.events.len(), "difference": trace.first_difference(&answers)})
             }
             Request::Rom => provide(bytes)?,
-            Request::Learn { learner, id, kwargs, seed, lesson } => {
+            Request::Learn {
+                learner,
+                id,
+                kwargs,
+                seed,
+                lesson,
+            } => {
                 let opened = Learner::new(&id, kwargs, seed, lesson)?;
                 let description = opened.describe();
                 self.learners.insert(learner, opened);
@@ -185,12 +235,21 @@ impl Session {
                 self.learner(learner)?.tune(lesson)?;
                 Json::Null
             }
-            Request::Train { learner, episodes, steps } => {
+            Request::Train {
+                learner,
+                episodes,
+                steps,
+            } => {
                 json!(self.learner(learner)?.train(episodes, steps)?)
             }
             Request::Learned { learner } => {
                 let learner = self.learner(learner)?;
-                attachment.extend(learner.learned().iter().flat_map(|number| number.to_le_bytes()));
+                attachment.extend(
+                    learner
+                        .learned()
+                        .iter()
+                        .flat_map(|number| number.to_le_bytes()),
+                );
                 learner.describe()
             }
         })
@@ -219,7 +278,8 @@ fn state(env: &gym::BoxEnv) -> Option<Json> {
     if let Some(data) = gym::mujoco::simulated(env).and_then(|env| env.data()) {
         return Some(json!({"qpos": data.qpos, "qvel": data.qvel}));
     }
-    env.unwrapped::<gym::box2d::CarRacing>().and_then(|car| serde_json::to_value(car.state()).ok())
+    env.unwrapped::<gym::box2d::CarRacing>()
+        .and_then(|car| serde_json::to_value(car.state()).ok())
 }
 
 #[cfg(not(feature = "families"))]

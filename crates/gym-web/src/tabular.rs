@@ -67,9 +67,12 @@ impl Tabular {
         let (Space::Discrete(observed), Space::Discrete(chosen)) =
             (env.observation_space(), env.action_space())
         else {
-            return Err(Error::custom(format!("{env} has no table: its states or actions are not numbered")));
+            return Err(Error::custom(format!(
+                "{env} has no table: its states or actions are not numbered"
+            )));
         };
-        let [states, actions] = [observed.n(), chosen.n()].map(|n| usize::try_from(n).unwrap_or_default());
+        let [states, actions] =
+            [observed.n(), chosen.n()].map(|n| usize::try_from(n).unwrap_or_default());
         Ok(Self {
             rng: Generator::new(&seed.plus(1)),
             values: vec![parameters.initial_value; states * actions],
@@ -114,7 +117,11 @@ impl Tabular {
             if ended.len() >= episodes as usize {
                 break;
             }
-            let Running { state, action, mut episode } = match self.running {
+            let Running {
+                state,
+                action,
+                mut episode,
+            } = match self.running {
                 Some(running) => running,
                 None => self.start(&mut observation)?,
             };
@@ -122,16 +129,32 @@ impl Tabular {
             let outcome = self.env.step_into(&choice, &mut observation)?;
             let next = self.state(&observation)?;
             let next_action = self.choose(next);
-            let future = if outcome.terminated { 0.0 } else { self.value(next, next_action) };
-            let Parameters { step_size, discount, .. } = self.parameters;
+            let future = if outcome.terminated {
+                0.0
+            } else {
+                self.value(next, next_action)
+            };
+            let Parameters {
+                step_size,
+                discount,
+                ..
+            } = self.parameters;
             let value = &mut self.values[state * self.actions + action];
             *value += step_size * (outcome.reward + discount * future - *value);
             episode.episode_return += outcome.reward;
             episode.length += 1;
-            self.running = (!outcome.done()).then_some(Running { state: next, action: next_action, episode });
+            self.running = (!outcome.done()).then_some(Running {
+                state: next,
+                action: next_action,
+                episode,
+            });
             if outcome.done() {
                 ended.push(episode);
-                let Parameters { epsilon_decay, epsilon_min, .. } = self.parameters;
+                let Parameters {
+                    epsilon_decay,
+                    epsilon_min,
+                    ..
+                } = self.parameters;
                 self.epsilon = (self.epsilon * epsilon_decay).max(epsilon_min);
             }
         }
@@ -139,10 +162,23 @@ impl Tabular {
     }
 
     fn start(&mut self, observation: &mut Value) -> Result<Running> {
-        self.env.reset_into(&Reset { seed: self.seed.take(), ..Reset::default() }, observation)?;
+        self.env.reset_into(
+            &Reset {
+                seed: self.seed.take(),
+                ..Reset::default()
+            },
+            observation,
+        )?;
         let state = self.state(observation)?;
-        let episode = Episode { episode_return: 0.0, length: 0 };
-        Ok(Running { state, action: self.choose(state), episode })
+        let episode = Episode {
+            episode_return: 0.0,
+            length: 0,
+        };
+        Ok(Running {
+            state,
+            action: self.choose(state),
+            episode,
+        })
     }
 
     /// The value of a state whose next action is known.
@@ -168,7 +204,11 @@ impl Tabular {
         let greatest = row[best(row)];
         let ties = row.iter().filter(|value| **value == greatest).count();
         let chosen = if ties > 1 { self.rng.choice(ties) } else { 0 };
-        let mut equal = self.row(state).iter().enumerate().filter(|(_, value)| **value == greatest);
+        let mut equal = self
+            .row(state)
+            .iter()
+            .enumerate()
+            .filter(|(_, value)| **value == greatest);
         equal.nth(chosen).map_or(0, |(action, _)| action)
     }
 
@@ -177,7 +217,9 @@ impl Tabular {
     }
 
     fn state(&self, observation: &Value) -> Result<usize> {
-        let state = observation.as_int().and_then(|state| usize::try_from(state - self.first_state).ok());
+        let state = observation
+            .as_int()
+            .and_then(|state| usize::try_from(state - self.first_state).ok());
         state
             .filter(|state| *state < self.states)
             .ok_or_else(|| Error::Contract(format!("{observation} is not a state of {}", self.env)))

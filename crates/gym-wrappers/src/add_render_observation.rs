@@ -54,23 +54,38 @@ impl<E: Env> AddRenderObservation<E> {
         let inner_space = env.observation_space();
         let extends_dict = matches!(inner_space, Space::Dict(_));
         let refuse = |error: Error| Config::refuse(error.to_string());
-        let Config { render_only, render_key, obs_key } = &config;
+        let Config {
+            render_only,
+            render_key,
+            obs_key,
+        } = &config;
         let space = match inner_space {
             _ if *render_only => pixels,
             Space::Dict(space) => {
-                let members =
-                    std::iter::once((render_key.clone(), pixels)).chain(space.spaces().iter().cloned());
+                let members = std::iter::once((render_key.clone(), pixels))
+                    .chain(space.spaces().iter().cloned());
                 dict_like(&space, members.collect()).map_err(refuse)?.into()
             }
-            space => DictSpace::new([(obs_key, space), (render_key, pixels)]).map_err(refuse)?.into(),
+            space => DictSpace::new([(obs_key, space), (render_key, pixels)])
+                .map_err(refuse)?
+                .into(),
         };
-        Ok(Self { inner: env, config, space, shape, extends_dict, seen: Value::Null })
+        Ok(Self {
+            inner: env,
+            config,
+            space,
+            shape,
+            extends_dict,
+            seen: Value::Null,
+        })
     }
 
     fn observe(&mut self, _is_reset: bool, out: &mut Value) -> Result<()> {
         let frame = frame(&mut self.inner)?;
         if [frame.height() as usize, frame.width() as usize] != self.shape[..2] {
-            return Err(Error::Contract("the size of the rendered frame has changed".into()));
+            return Err(Error::Contract(
+                "the size of the rendered frame has changed".into(),
+            ));
         }
         let Space::Dict(space) = &self.space else {
             self.draw_into(&frame, out);
@@ -92,7 +107,10 @@ impl<E: Env> AddRenderObservation<E> {
 
     fn draw_into(&self, frame: &Frame, out: &mut Value) {
         let array = array_of(out, DType::U8, &self.shape);
-        array.as_mut_slice::<u8>().unwrap_or_default().copy_from_slice(frame.pixels());
+        array
+            .as_mut_slice::<u8>()
+            .unwrap_or_default()
+            .copy_from_slice(frame.pixels());
     }
 }
 
@@ -102,7 +120,8 @@ fn frame<E: Env>(env: &mut E) -> Result<Frame> {
         _ => Err(Error::UnsupportedMode {
             target: Config::NAME.into(),
             mode: "an observation".into(),
-            reason: "it needs single frames: make the environment with `RenderMode::RgbArray`".into(),
+            reason: "it needs single frames: make the environment with `RenderMode::RgbArray`"
+                .into(),
         }),
     }
 }

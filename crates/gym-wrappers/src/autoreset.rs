@@ -1,6 +1,8 @@
 //! Resets by itself.
 
-use gym_core::{BoxEnv, Env, Outcome, Reset, Result, Snapshot, WrapperSpec, registry::WrapperConfig};
+use gym_core::{
+    BoxEnv, Env, Outcome, Reset, Result, Snapshot, WrapperSpec, registry::WrapperConfig,
+};
 
 /// Resets automatically: the step after the end of an episode ignores its action, starts the next
 /// episode and returns its first observation, with a reward of 0 and no flag set.
@@ -24,7 +26,10 @@ reach!(Autoreset<E>);
 impl<E: Env> Autoreset<E> {
     /// Resets `env` where its episodes end.
     pub fn new(env: E) -> Self {
-        Self { inner: env, reset_is_due: false }
+        Self {
+            inner: env,
+            reset_is_due: false,
+        }
     }
 }
 
@@ -40,7 +45,11 @@ impl<E: Env> gym_core::Wrapper for Autoreset<E> {
         Ok(())
     }
 
-    fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
+    fn step_into(
+        &mut self,
+        action: &E::Action,
+        observation: &mut E::Observation,
+    ) -> Result<Outcome> {
         if self.reset_is_due {
             Env::reset_into(self, &Reset::default(), observation)?;
             return Ok(Outcome::default());

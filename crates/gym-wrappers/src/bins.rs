@@ -87,7 +87,9 @@ pub(crate) struct Grid {
 impl Grid {
     pub(crate) fn new(inner: &BoxSpace, bins: &Bins) -> Result<Self> {
         if !inner.is_bounded() {
-            return Err(Error::custom(format!("bins need finite bounds, and the space is {inner}")));
+            return Err(Error::custom(format!(
+                "bins need finite bounds, and the space is {inner}"
+            )));
         }
         let len = inner.low().len();
         let counts = match bins {
@@ -95,10 +97,15 @@ impl Grid {
             Bins::Each(counts) => counts.clone(),
         };
         if counts.len() != len {
-            return Err(Error::custom(format!("bins are given for {} of {len} elements", counts.len())));
+            return Err(Error::custom(format!(
+                "bins are given for {} of {len} elements",
+                counts.len()
+            )));
         }
         if counts.contains(&0) {
-            return Err(Error::custom("bins is 0 for an element: it must be at least 1"));
+            return Err(Error::custom(
+                "bins is 0 for an element: it must be at least 1",
+            ));
         }
         if let Some(n) = counts.iter().find(|n| **n as usize > MAX_ELEMENTS) {
             return Err(Error::custom(format!(
@@ -106,8 +113,13 @@ impl Grid {
             )));
         }
         let bounds = inner.low().iter_f64().zip(inner.high().iter_f64());
-        let edges = bounds.zip(&counts).map(|((low, high), n)| linspace(low, high, *n, inner.dtype()));
-        Ok(Self { inner: inner.clone(), edges: edges.collect() })
+        let edges = bounds
+            .zip(&counts)
+            .map(|((low, high), n)| linspace(low, high, *n, inner.dtype()));
+        Ok(Self {
+            inner: inner.clone(),
+            edges: edges.collect(),
+        })
     }
 
     /// `Discrete` over all combinations, or one integer for each element.
@@ -117,7 +129,9 @@ impl Grid {
             return Ok(MultiDiscrete::new(counts.collect::<Vec<i64>>())?.into());
         }
         let n = counts.try_fold(1i64, i64::checked_mul);
-        let n = n.ok_or_else(|| Error::custom("the number of combinations of bins does not fit int64"))?;
+        let n = n.ok_or_else(|| {
+            Error::custom("the number of combinations of bins does not fit int64")
+        })?;
         Ok(Discrete::new(n)?.into())
     }
 
@@ -133,7 +147,10 @@ impl Grid {
 
     /// The bin that the element `i` falls in with value `x`; beyond the bounds, an outer one.
     pub(crate) fn index(&self, i: usize, x: f64) -> i64 {
-        let (low, high) = (self.inner.low().data().get_f64(i), self.inner.high().data().get_f64(i));
+        let (low, high) = (
+            self.inner.low().data().get_f64(i),
+            self.inner.high().data().get_f64(i),
+        );
         // Gymnasium's margin, lost in float32 unless the bound is small
         const MARGIN: f64 = 1e-8;
         let high = match self.inner.dtype() {
@@ -144,7 +161,10 @@ impl Grid {
         let x = if x > high { high } else { x };
         let edges = &self.edges[i];
         // numpy's `digitize`: the number of inner edges that are not above; NaN is above all
-        edges[1..edges.len() - 1].iter().filter(|edge| x >= **edge || x.is_nan()).count() as i64
+        edges[1..edges.len() - 1]
+            .iter()
+            .filter(|edge| x >= **edge || x.is_nan())
+            .count() as i64
     }
 
     /// The edges of a bin of the element `i`; a bin that does not exist counts as the nearest.
@@ -180,7 +200,10 @@ impl Grid {
             }
             value => {
                 let bins = value.as_slice::<i64>().unwrap_or_default();
-                bins.iter().take(self.len()).enumerate().for_each(|(i, bin)| visit(i, *bin));
+                bins.iter()
+                    .take(self.len())
+                    .enumerate()
+                    .for_each(|(i, bin)| visit(i, *bin));
             }
         }
     }
@@ -190,7 +213,9 @@ impl Grid {
         if let Space::MultiDiscrete(space) = space {
             let array = array_of(out, space.dtype(), space.shape());
             let bins = array.as_mut_slice::<i64>().unwrap_or_default();
-            bins.iter_mut().enumerate().for_each(|(i, out)| *out = bin(i));
+            bins.iter_mut()
+                .enumerate()
+                .for_each(|(i, out)| *out = bin(i));
         } else {
             *out = Value::Int((0..self.len()).fold(0, |flat, i| flat * self.count(i) + bin(i)));
         }
@@ -204,14 +229,23 @@ fn linspace(low: f64, high: f64, bins: u32, dtype: DType) -> Vec<f64> {
             return high;
         }
         if dtype == DType::F32 {
-            let (low, delta, i, bins) = (low as f32, high as f32 - low as f32, i as f32, bins as f32);
+            let (low, delta, i, bins) =
+                (low as f32, high as f32 - low as f32, i as f32, bins as f32);
             let step = delta / bins;
-            let offset = if step == 0.0 { i / bins * delta } else { i * step };
+            let offset = if step == 0.0 {
+                i / bins * delta
+            } else {
+                i * step
+            };
             return f64::from(offset + low);
         }
         let (delta, i, bins) = (high - low, f64::from(i), f64::from(bins));
         let step = delta / bins;
-        let offset = if step == 0.0 { i / bins * delta } else { i * step };
+        let offset = if step == 0.0 {
+            i / bins * delta
+        } else {
+            i * step
+        };
         offset + low
     };
     (0..=bins).map(point).collect()
@@ -222,16 +256,31 @@ mod tests {
     use super::*;
 
     fn grid(bins: impl Into<Bins>) -> Grid {
-        Grid::new(&BoxSpace::new([0.0f32, -1.0], [1.0, 1.0]).unwrap(), &bins.into()).unwrap()
+        Grid::new(
+            &BoxSpace::new([0.0f32, -1.0], [1.0, 1.0]).unwrap(),
+            &bins.into(),
+        )
+        .unwrap()
     }
 
     #[test]
     fn bins_are_numpys() {
         // np.linspace(np.float32(-1.2), np.float32(0.6), 8)
-        let expected =
-            [-1.2f32, -0.94285715, -0.6857143, -0.42857146, -0.17142856, 0.08571434, 0.34285712, 0.6];
+        let expected = [
+            -1.2f32,
+            -0.94285715,
+            -0.6857143,
+            -0.42857146,
+            -0.17142856,
+            0.08571434,
+            0.34285712,
+            0.6,
+        ];
         let low = f64::from(-1.2f32);
-        assert_eq!(linspace(low, f64::from(0.6f32), 7, DType::F32), expected.map(f64::from));
+        assert_eq!(
+            linspace(low, f64::from(0.6f32), 7, DType::F32),
+            expected.map(f64::from)
+        );
         let grid = grid([4, 1]);
         let indices = [-7.0, 0.0, 0.25, 0.3, 1.0, 7.0, f64::NAN].map(|x| grid.index(0, x));
         assert_eq!(indices, [0, 0, 1, 1, 3, 3, 3]);
@@ -251,7 +300,10 @@ mod tests {
             grid.join(|i| bins[i], &space, &mut joined);
             assert_eq!(joined, Value::Int(flat));
         }
-        assert_eq!(grid.space(true).unwrap().to_string(), "MultiDiscrete([4 3])");
+        assert_eq!(
+            grid.space(true).unwrap().to_string(),
+            "MultiDiscrete([4 3])"
+        );
         let space = BoxSpace::new([0.0f32; 2], [f32::INFINITY; 2]).unwrap();
         assert!(Grid::new(&space, &Bins::All(2)).is_err());
     }

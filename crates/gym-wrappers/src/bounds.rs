@@ -66,7 +66,9 @@ impl Bound {
             }
             Self::Array(array) => {
                 let [actual, expected] = [array.shape(), space.shape()];
-                Err(Error::custom(format!("{name} has shape {actual:?} and should have {expected:?}")))
+                Err(Error::custom(format!(
+                    "{name} has shape {actual:?} and should have {expected:?}"
+                )))
             }
         }
     }
@@ -145,9 +147,9 @@ impl TryFrom<Nested> for Bound {
         let mut numbers = Vec::new();
         match nested.flatten(&mut numbers)? {
             shape if shape.is_empty() => Ok(Self::Scalar(numbers[0])),
-            shape => {
-                Array::new(shape, Data::F64(numbers)).map(Self::Array).map_err(|error| error.to_string())
-            }
+            shape => Array::new(shape, Data::F64(numbers))
+                .map(Self::Array)
+                .map_err(|error| error.to_string()),
         }
     }
 }

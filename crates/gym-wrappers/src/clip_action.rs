@@ -37,7 +37,13 @@ impl ActionMap for Clip {
             wide.assign_cast(bound).map(|()| wide)
         };
         let wide = [wide(bounds.low())?, wide(bounds.high())?];
-        Ok((Self { bounds: bounds.clone(), wide }, space.into()))
+        Ok((
+            Self {
+                bounds: bounds.clone(),
+                wide,
+            },
+            space.into(),
+        ))
     }
 
     fn map<'a>(&self, action: &'a mut Value, _: &'a mut Value) -> &'a Value {

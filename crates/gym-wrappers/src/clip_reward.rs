@@ -21,7 +21,10 @@ gym_core::arguments! {
 
 impl<A: Into<Option<f64>>, B: Into<Option<f64>>> From<(A, B)> for Config {
     fn from((min, max): (A, B)) -> Self {
-        Self { min_reward: min.into().map(Bound::Scalar), max_reward: max.into().map(Bound::Scalar) }
+        Self {
+            min_reward: min.into().map(Bound::Scalar),
+            max_reward: max.into().map(Bound::Scalar),
+        }
     }
 }
 
@@ -39,16 +42,24 @@ impl RewardMap for Clip {
         let bound = |bound: &Option<Bound>, unbounded: f64| match bound {
             None => Ok(unbounded),
             Some(Bound::Scalar(x)) => Ok(*x),
-            Some(Bound::Array(_)) => Err(Config::refuse("a reward has one bound, not an array of them")),
+            Some(Bound::Array(_)) => Err(Config::refuse(
+                "a reward has one bound, not an array of them",
+            )),
         };
-        let (min, max) =
-            (bound(&config.min_reward, f64::NEG_INFINITY)?, bound(&config.max_reward, f64::INFINITY)?);
+        let (min, max) = (
+            bound(&config.min_reward, f64::NEG_INFINITY)?,
+            bound(&config.max_reward, f64::INFINITY)?,
+        );
         if config.min_reward.is_none() && config.max_reward.is_none() {
-            return Err(Config::refuse("neither min_reward nor max_reward is given: give at least one"));
+            return Err(Config::refuse(
+                "neither min_reward nor max_reward is given: give at least one",
+            ));
         }
         match min <= max {
             true => Ok(Self { min, max }),
-            false => Err(Config::refuse(format!("min_reward {min} must not be above max_reward {max}"))),
+            false => Err(Config::refuse(format!(
+                "min_reward {min} must not be above max_reward {max}"
+            ))),
         }
     }
 

@@ -1,7 +1,8 @@
 //! Observations some steps late.
 
 use gym_core::{
-    BoxEnv, Element, Env, Error, Outcome, Reset, Result, Snapshot, WrapperSpec, registry::WrapperConfig,
+    BoxEnv, Element, Env, Error, Outcome, Reset, Result, Snapshot, WrapperSpec,
+    registry::WrapperConfig,
 };
 use serde_json::Value as Json;
 
@@ -43,12 +44,21 @@ impl<E: Env> DelayObservation<E> {
     /// beyond the memory.
     pub fn new(env: E, config: impl Into<Config>) -> Result<Self> {
         let (config, zero) = (config.into(), env.observation_space().zero()?);
-        let zero = E::Observation::from_value(&zero)
-            .ok_or_else(|| Error::Contract(format!("{zero} does not fit the type of the observations")))?;
-        let ring = Ring::new(config.delay, &zero).ok_or_else(|| {
-            Config::refuse(format!("delay = {} observations do not fit in memory", config.delay))
+        let zero = E::Observation::from_value(&zero).ok_or_else(|| {
+            Error::Contract(format!("{zero} does not fit the type of the observations"))
         })?;
-        Ok(Self { inner: env, config, zero, ring })
+        let ring = Ring::new(config.delay, &zero).ok_or_else(|| {
+            Config::refuse(format!(
+                "delay = {} observations do not fit in memory",
+                config.delay
+            ))
+        })?;
+        Ok(Self {
+            inner: env,
+            config,
+            zero,
+            ring,
+        })
     }
 }
 
@@ -65,14 +75,21 @@ impl<E: Env> gym_core::Wrapper for DelayObservation<E> {
         Ok(())
     }
 
-    fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
+    fn step_into(
+        &mut self,
+        action: &E::Action,
+        observation: &mut E::Observation,
+    ) -> Result<Outcome> {
         let outcome = self.inner.step_into(action, observation)?;
         self.ring.exchange(observation);
         Ok(outcome)
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::of(&(self.inner.snapshot()?, self.ring.to_json(&self.inner.observation_space())?))
+        Snapshot::of(&(
+            self.inner.snapshot()?,
+            self.ring.to_json(&self.inner.observation_space())?,
+        ))
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {

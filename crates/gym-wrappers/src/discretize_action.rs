@@ -31,9 +31,16 @@ impl ActionMap for Discretize {
 
     fn new(config: &Config, inner: &Space) -> Result<(Self, Space)> {
         let refuse = |error: Error| Config::refuse(error.to_string());
-        let grid = Grid::new(expect_box::<Config>("action", inner)?, &config.bins).map_err(refuse)?;
+        let grid =
+            Grid::new(expect_box::<Config>("action", inner)?, &config.bins).map_err(refuse)?;
         let space = grid.space(config.multidiscrete).map_err(refuse)?;
-        Ok((Self { space: space.clone(), grid }, space))
+        Ok((
+            Self {
+                space: space.clone(),
+                grid,
+            },
+            space,
+        ))
     }
 
     fn map<'a>(&self, action: &'a mut Value, buffer: &'a mut Value) -> &'a Value {
@@ -57,7 +64,9 @@ impl<T> DiscretizeAction<T> {
         };
         let nearest = |i: usize| {
             let distance = |bin: &i64| (grid.center(i, *bin) - array.data().get_f64(i)).abs();
-            (0..grid.count(i)).min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(0)
+            (0..grid.count(i))
+                .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+                .unwrap_or(0)
         };
         let mut out = Value::Null;
         grid.join(nearest, space, &mut out);

@@ -11,7 +11,11 @@ use crate::within::{expect_box, not_an_array};
 /// integer or one for each element.
 pub type DiscretizeObservation<T = BoxEnv> = MapObservation<T, Discretize>;
 
-bins_config!("DiscretizeObservation", "cuts observations into uniform bins", DiscretizeObservation::new);
+bins_config!(
+    "DiscretizeObservation",
+    "cuts observations into uniform bins",
+    DiscretizeObservation::new
+);
 
 /// The bins of [`DiscretizeObservation`].
 #[derive(Clone, Debug)]
@@ -25,15 +29,26 @@ impl ObservationMap for Discretize {
 
     fn new(config: &Config, inner: &Space) -> Result<(Self, Space)> {
         let refuse = |error: Error| Config::refuse(error.to_string());
-        let grid = Grid::new(expect_box::<Config>("observation", inner)?, &config.bins).map_err(refuse)?;
+        let grid =
+            Grid::new(expect_box::<Config>("observation", inner)?, &config.bins).map_err(refuse)?;
         let space = grid.space(config.multidiscrete).map_err(refuse)?;
-        Ok((Self { space: space.clone(), grid }, space))
+        Ok((
+            Self {
+                space: space.clone(),
+                grid,
+            },
+            space,
+        ))
     }
 
     fn map(&self, inner: &Value, out: &mut Value) -> Result<()> {
         match inner {
             Value::Array(array) if array.len() == self.grid.len() => {
-                self.grid.join(|i| self.grid.index(i, array.data().get_f64(i)), &self.space, out);
+                self.grid.join(
+                    |i| self.grid.index(i, array.data().get_f64(i)),
+                    &self.space,
+                    out,
+                );
                 Ok(())
             }
             other => Err(not_an_array(other)),
@@ -50,9 +65,12 @@ impl<T> DiscretizeObservation<T> {
         let Discretize { space, grid } = self.map();
         space.check(observation)?;
         let (mut lows, mut highs) = (vec![0.0; grid.len()], vec![0.0; grid.len()]);
-        grid.split(observation, |i, bin| (lows[i], highs[i]) = grid.edges(i, bin));
-        let array =
-            |numbers: Vec<f64>| Array::new([grid.len()], Data::from_f64(grid.inner().dtype(), numbers));
+        grid.split(observation, |i, bin| {
+            (lows[i], highs[i]) = grid.edges(i, bin)
+        });
+        let array = |numbers: Vec<f64>| {
+            Array::new([grid.len()], Data::from_f64(grid.inner().dtype(), numbers))
+        };
         Ok((array(lows)?, array(highs)?))
     }
 }

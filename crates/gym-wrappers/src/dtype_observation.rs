@@ -45,10 +45,15 @@ impl ObservationMap for Cast {
             }
             Space::MultiDiscrete(space) => {
                 let array = |numbers: &[i64]| {
-                    Array::new(space.shape(), Data::from_i64(DType::I64, numbers.iter().copied()))
+                    Array::new(
+                        space.shape(),
+                        Data::from_i64(DType::I64, numbers.iter().copied()),
+                    )
                 };
                 let nvec = MultiDiscrete::new(array(space.nvec())?)?;
-                nvec.with_start(array(space.start())?)?.with_dtype(dtype)?.into()
+                nvec.with_start(array(space.start())?)?
+                    .with_dtype(dtype)?
+                    .into()
             }
             Space::MultiBinary(space) => BoxSpace::uniform(0.0, 1.0, space.shape(), dtype)?.into(),
             space => {
@@ -77,7 +82,10 @@ fn cast_bound(bound: &Array, dtype: DType) -> Result<Array> {
     if dtype.is_float() || !bound.dtype().is_float() {
         return Ok(bound.clone());
     }
-    Array::new(bound.shape(), Data::from_f64(DType::F64, bound.iter_f64().map(f64::trunc)))
+    Array::new(
+        bound.shape(),
+        Data::from_f64(DType::F64, bound.iter_f64().map(f64::trunc)),
+    )
 }
 
 gym_core::register_wrapper!(

@@ -44,13 +44,17 @@ impl Default for FilterKeys {
 
 impl<const N: usize> From<[&str; N]> for Config {
     fn from(names: [&str; N]) -> Self {
-        Self { filter_keys: FilterKeys::Names(names.map(str::to_owned).into()) }
+        Self {
+            filter_keys: FilterKeys::Names(names.map(str::to_owned).into()),
+        }
     }
 }
 
 impl<const N: usize> From<[usize; N]> for Config {
     fn from(indices: [usize; N]) -> Self {
-        Self { filter_keys: FilterKeys::Indices(indices.into()) }
+        Self {
+            filter_keys: FilterKeys::Indices(indices.into()),
+        }
     }
 }
 
@@ -68,7 +72,8 @@ impl ObservationMap for Filter {
     const TAKES_BATCHES: bool = true;
 
     fn new(Config { filter_keys }: &Config, inner: &Space) -> Result<(Self, Space)> {
-        let missing = |key: &dyn fmt::Display| Config::refuse(format!("there is no member {key} in {inner}"));
+        let missing =
+            |key: &dyn fmt::Display| Config::refuse(format!("there is no member {key} in {inner}"));
         let is_empty = match filter_keys {
             FilterKeys::Names(names) => names.is_empty(),
             FilterKeys::Indices(indices) => indices.is_empty(),
@@ -78,30 +83,45 @@ impl ObservationMap for Filter {
         }
         match (inner, filter_keys) {
             (Space::Dict(space), FilterKeys::Names(names)) => {
-                let member =
-                    |name: &String| Ok((name.clone(), space.get(name).ok_or_else(|| missing(name))?.clone()));
+                let member = |name: &String| {
+                    Ok((
+                        name.clone(),
+                        space.get(name).ok_or_else(|| missing(name))?.clone(),
+                    ))
+                };
                 let members: Vec<_> = names.iter().map(member).collect::<Result<_>>()?;
-                let space = dict_like(space, members).map_err(|error| Config::refuse(error.to_string()))?;
+                let space =
+                    dict_like(space, members).map_err(|error| Config::refuse(error.to_string()))?;
                 let keys = space.spaces().iter().map(|(key, _)| key.clone()).collect();
                 Ok((Self::Dict(keys), space.into()))
             }
             (Space::Tuple(space), FilterKeys::Indices(indices)) => {
                 if (1..indices.len()).any(|i| indices[..i].contains(&indices[i])) {
-                    return Err(Config::refuse(format!("an index occurs twice in {indices:?}")));
+                    return Err(Config::refuse(format!(
+                        "an index occurs twice in {indices:?}"
+                    )));
                 }
                 let member = |i: &usize| space.spaces().get(*i).cloned().ok_or_else(|| missing(i));
                 let members = indices.iter().map(member).collect::<Result<Vec<_>>>()?;
-                Ok((Self::Tuple(indices.clone()), TupleSpace::new(members).into()))
+                Ok((
+                    Self::Tuple(indices.clone()),
+                    TupleSpace::new(members).into(),
+                ))
             }
             _ => {
-                let reason = format!("names need a Dict and indices a Tuple, and the space is {inner}");
+                let reason =
+                    format!("names need a Dict and indices a Tuple, and the space is {inner}");
                 Err(Config::refuse(reason))
             }
         }
     }
 
     fn map(&self, inner: &Value, out: &mut Value) -> Result<()> {
-        let lacking = || Error::Contract(format!("the observation {inner} lacks a member of its space"));
+        let lacking = || {
+            Error::Contract(format!(
+                "the observation {inner} lacks a member of its space"
+            ))
+        };
         match self {
             Self::Dict(keys) => {
                 for (key, value) in keys.iter().zip(entries(keys.iter(), out)) {
@@ -113,7 +133,9 @@ impl ObservationMap for Filter {
                 if !matches!(out, Value::Tuple(items) if items.len() == indices.len()) {
                     *out = Value::Tuple(vec![Value::Null; indices.len()]);
                 }
-                let Value::Tuple(items) = out else { return Err(lacking()) };
+                let Value::Tuple(items) = out else {
+                    return Err(lacking());
+                };
                 for (item, i) in items.iter_mut().zip(indices) {
                     item.clone_from(members.get(*i).ok_or_else(lacking)?);
                 }
@@ -126,7 +148,11 @@ impl ObservationMap for Filter {
 /// A dict of other members. Its keys are sorted if the keys of `space` are.
 pub(crate) fn dict_like(space: &DictSpace, members: Vec<(String, Space)>) -> Result<DictSpace> {
     let is_sorted = space.spaces().is_sorted_by(|(a, _), (b, _)| a <= b);
-    if is_sorted { DictSpace::new(members) } else { DictSpace::in_order(members) }
+    if is_sorted {
+        DictSpace::new(members)
+    } else {
+        DictSpace::in_order(members)
+    }
 }
 
 /// The values of the dict in `out`, which is replaced unless it has these keys.
@@ -137,7 +163,11 @@ pub(crate) fn entries<'a>(
     if !matches!(out, Value::Dict(entries) if entries.len() == keys.len()) {
         *out = Value::Dict(keys.clone().map(|key| (key.clone(), Value::Null)).collect());
     }
-    let entries = if let Value::Dict(entries) = out { entries.as_mut_slice() } else { Default::default() };
+    let entries = if let Value::Dict(entries) = out {
+        entries.as_mut_slice()
+    } else {
+        Default::default()
+    };
     entries.iter_mut().zip(keys).map(|((name, value), key)| {
         name.clone_from(key);
         value

@@ -1,6 +1,8 @@
 //! The last few observations at once.
 
-use gym_core::{BoxEnv, Element, Env, Result, Snapshot, Space, Value, WrapperSpec, registry::WrapperConfig};
+use gym_core::{
+    BoxEnv, Element, Env, Result, Snapshot, Space, Value, WrapperSpec, registry::WrapperConfig,
+};
 use serde_json::Value as Json;
 
 use crate::ring::Ring;
@@ -63,9 +65,20 @@ impl<E: Env> FrameStackObservation<E> {
             }
         };
         let stack = Ring::new(config.stack_size, &zero).ok_or_else(|| {
-            Config::refuse(format!("stack_size = {} observations do not fit in memory", config.stack_size))
+            Config::refuse(format!(
+                "stack_size = {} observations do not fit in memory",
+                config.stack_size
+            ))
         })?;
-        Ok(Self { inner: env, config, space, inner_space, padding, stack, seen: Value::Null })
+        Ok(Self {
+            inner: env,
+            config,
+            space,
+            inner_space,
+            padding,
+            stack,
+            seen: Value::Null,
+        })
     }
 
     /// Adds the last observation to the stack, and observes the stack.
@@ -88,7 +101,10 @@ impl<E: Env> gym_core::Wrapper for FrameStackObservation<E> {
     observes!(E, seen);
 
     fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::of(&(self.inner.snapshot()?, self.stack.to_json(&self.inner_space)?))
+        Snapshot::of(&(
+            self.inner.snapshot()?,
+            self.stack.to_json(&self.inner_space)?,
+        ))
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {

@@ -35,11 +35,19 @@ impl ObservationMap for Grayscale {
 
     fn new(config: &Config, inner: &Space) -> Result<(Self, Space)> {
         let &[height, width, 3] = expect_picture::<Config>(inner)?.shape() else {
-            let reason = format!("it needs images of shape (height, width, 3), and the space is {inner}");
+            let reason =
+                format!("it needs images of shape (height, width, 3), and the space is {inner}");
             return Err(Config::refuse(reason));
         };
-        let shape = if config.keep_dim { vec![height, width, 1] } else { vec![height, width] };
-        Ok((Self, BoxSpace::uniform(0.0, 255.0, shape, DType::U8)?.into()))
+        let shape = if config.keep_dim {
+            vec![height, width, 1]
+        } else {
+            vec![height, width]
+        };
+        Ok((
+            Self,
+            BoxSpace::uniform(0.0, 255.0, shape, DType::U8)?.into(),
+        ))
     }
 
     fn map(&self, inner: &Value, out: &mut Value) -> Result<()> {

@@ -54,17 +54,26 @@ impl<E: Env> MaxAndSkipObservation<E> {
     pub fn new(env: E, config: impl Into<Config>) -> Result<Self> {
         let (config, space) = (config.into(), env.observation_space());
         if config.skip < 2 {
-            return Err(Config::refuse(format!("skip is {}: it must be at least 2", config.skip)));
+            return Err(Config::refuse(format!(
+                "skip is {}: it must be at least 2",
+                config.skip
+            )));
         }
         let zero = match (&space, space.dtype(), space.shape()) {
             (Space::Discrete(_), ..) => Value::Int(0),
             (_, Some(dtype), Some(shape)) => Value::Array(Array::zeros(dtype, shape)?),
             _ => {
-                let reason = format!("it needs observations with a shape, and the space is {space}");
+                let reason =
+                    format!("it needs observations with a shape, and the space is {space}");
                 return Err(Config::refuse(reason));
             }
         };
-        Ok(Self { inner: env, config, last: [zero.clone(), zero], seen: Value::Null })
+        Ok(Self {
+            inner: env,
+            config,
+            last: [zero.clone(), zero],
+            seen: Value::Null,
+        })
     }
 }
 
@@ -75,18 +84,28 @@ impl<E: Env> gym_core::Wrapper for MaxAndSkipObservation<E> {
     env_within!(E);
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
-        E::Observation::fill(observation, |observation| self.inner.reset_into(reset, observation))
+        E::Observation::fill(observation, |observation| {
+            self.inner.reset_into(reset, observation)
+        })
     }
 
     fn step_into(&mut self, action: &E::Action, observation: &mut Value) -> Result<Outcome> {
-        let Self { inner, config, last, seen } = self;
+        let Self {
+            inner,
+            config,
+            last,
+            seen,
+        } = self;
         let mut total = Outcome::default();
         for left in (0..config.skip).rev() {
             let outcome = E::Observation::fill(seen, |seen| inner.step_into(action, seen))?;
             if left < 2 {
                 last[1 - left as usize].clone_from(seen);
             }
-            total = Outcome { reward: total.reward + outcome.reward, ..outcome };
+            total = Outcome {
+                reward: total.reward + outcome.reward,
+                ..outcome
+            };
             if total.done() {
                 break;
             }
@@ -103,7 +122,11 @@ impl<E: Env> gym_core::Wrapper for MaxAndSkipObservation<E> {
     fn snapshot(&self) -> Result<Snapshot> {
         let space = self.inner.observation_space();
         let [earlier, later] = &self.last;
-        Snapshot::of(&(self.inner.snapshot()?, space.to_json(earlier)?, space.to_json(later)?))
+        Snapshot::of(&(
+            self.inner.snapshot()?,
+            space.to_json(earlier)?,
+            space.to_json(later)?,
+        ))
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {

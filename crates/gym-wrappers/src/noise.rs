@@ -93,7 +93,10 @@ impl<E: Env, P: Pattern> Noise<E, P> {
     pub fn new(env: E, config: impl Into<P>) -> Result<Self> {
         let pattern = config.into();
         pattern.check()?;
-        Ok(Self { inner: env, pattern })
+        Ok(Self {
+            inner: env,
+            pattern,
+        })
     }
 }
 
@@ -104,7 +107,11 @@ impl<E: Env, P: Pattern> gym_core::Wrapper for Noise<E, P> {
     env_within!(E);
     reset_within!(E);
 
-    fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
+    fn step_into(
+        &mut self,
+        action: &E::Action,
+        observation: &mut E::Observation,
+    ) -> Result<Outcome> {
         self.inner.step_into(action, observation)
     }
 
@@ -114,7 +121,8 @@ impl<E: Env, P: Pattern> gym_core::Wrapper for Noise<E, P> {
             return Err(Error::UnsupportedMode {
                 target: P::NAME.into(),
                 mode: "noise".into(),
-                reason: "it needs single frames: make the environment with `RenderMode::RgbArray`".into(),
+                reason: "it needs single frames: make the environment with `RenderMode::RgbArray`"
+                    .into(),
             });
         };
         self.pattern.cover(lend::<P>(&mut self.inner)?, frame);
@@ -126,19 +134,26 @@ impl<E: Env, P: Pattern> gym_core::Wrapper for Noise<E, P> {
 
 impl Pattern for add_white_noise::Config {
     fn check(&self) -> Result<()> {
-        check_share::<Self>("probability_of_noise_per_pixel", self.probability_of_noise_per_pixel)
+        check_share::<Self>(
+            "probability_of_noise_per_pixel",
+            self.probability_of_noise_per_pixel,
+        )
     }
 
     fn cover(&self, rng: &mut Generator, frame: &mut Frame) {
         let white = white(rng, frame, self.is_noise_grayscale);
-        cover(frame, &white, |_| rng.random() < self.probability_of_noise_per_pixel);
+        cover(frame, &white, |_| {
+            rng.random() < self.probability_of_noise_per_pixel
+        });
     }
 }
 
 impl Pattern for obstruct_view::Config {
     fn check(&self) -> Result<()> {
         if self.obstruction_width == 0 {
-            return Err(Self::refuse("obstruction_width is 0: it must be at least 1"));
+            return Err(Self::refuse(
+                "obstruction_width is 0: it must be at least 1",
+            ));
         }
         check_share::<Self>("obstructed_pixels_ratio", self.obstructed_pixels_ratio)
     }
@@ -166,7 +181,9 @@ impl Pattern for obstruct_view::Config {
 fn check_share<C: WrapperConfig>(name: &str, share: f64) -> Result<()> {
     match (0.0..1.0).contains(&share) {
         true => Ok(()),
-        false => Err(C::refuse(format!("{name} is {share}: it must be in [0, 1)"))),
+        false => Err(C::refuse(format!(
+            "{name} is {share}: it must be in [0, 1)"
+        ))),
     }
 }
 
@@ -193,7 +210,10 @@ fn white(rng: &mut Generator, frame: &Frame, is_grayscale: bool) -> Vec<u8> {
 
 /// Replaces the pixels where `mask` is true.
 fn cover(frame: &mut Frame, noise: &[u8], mut mask: impl FnMut(usize) -> bool) {
-    let pixels = frame.pixels_mut().chunks_exact_mut(3).zip(noise.chunks_exact(3));
+    let pixels = frame
+        .pixels_mut()
+        .chunks_exact_mut(3)
+        .zip(noise.chunks_exact(3));
     for (i, (pixel, noise)) in pixels.enumerate() {
         if mask(i) {
             pixel.copy_from_slice(noise);

@@ -4,7 +4,9 @@ use gym_core::registry::WrapperConfig;
 use gym_core::spaces::{BoxSpace, array_of};
 use gym_core::vector::parts::numbers;
 use gym_core::vector::{Columns, Progress};
-use gym_core::{Array, BoxEnv, DType, Element, Env, Result, Snapshot, Space, Value, VectorEnv, WrapperSpec};
+use gym_core::{
+    Array, BoxEnv, DType, Element, Env, Result, Snapshot, Space, Value, VectorEnv, WrapperSpec,
+};
 
 use crate::map::{Seen, Within};
 use crate::statistics::{Normalizer, RunningMeanStd, normalizes};
@@ -64,22 +66,36 @@ impl<T> NormalizeObservation<T> {
         };
         let space = BoxSpace::uniform(f64::NEG_INFINITY, f64::INFINITY, shape, DType::F32)?;
         let len = space.low().len();
-        let Config { epsilon, update_running_mean } = config;
-        let normalizer = Normalizer::new::<Config>(RunningMeanStd::new(len), epsilon, update_running_mean)?;
+        let Config {
+            epsilon,
+            update_running_mean,
+        } = config;
+        let normalizer =
+            Normalizer::new::<Config>(RunningMeanStd::new(len), epsilon, update_running_mean)?;
         let shown = vec![0.0; inner.count() * len];
-        Ok(Self { inner, config, space: space.into(), normalizer, seen: Seen::default(), shown })
+        Ok(Self {
+            inner,
+            config,
+            space: space.into(),
+            normalizer,
+            seen: Seen::default(),
+            shown,
+        })
     }
 
     fn observe(&mut self, _is_reset: bool, out: &mut Value) -> Result<()> {
         let shape = self.space.shape().unwrap_or_default();
-        let out = array_of(out, DType::F32, shape).as_mut_slice::<f32>().unwrap_or_default();
+        let out = array_of(out, DType::F32, shape)
+            .as_mut_slice::<f32>()
+            .unwrap_or_default();
         match &self.seen.observations {
             Value::Array(array) if array.len() == out.len() => {
                 let numbers = (0..array.len()).map(|i| array.data().get_f64(i));
                 self.normalizer.row(array.dtype(), numbers, out);
             }
             Value::Int(i) if out.len() == 1 => {
-                self.normalizer.row(DType::I64, std::iter::once(*i as f64), out);
+                self.normalizer
+                    .row(DType::I64, std::iter::once(*i as f64), out);
             }
             other => return Err(not_an_array(other)),
         }
@@ -89,13 +105,22 @@ impl<T> NormalizeObservation<T> {
     /// Updates the estimate with the observations of the sub-environments that were stepped or reset, and normalizes them.
     fn observe_columns(&mut self, n: usize, columns: &mut Columns) -> Result<()> {
         columns.prepare(&self.space, n)?;
-        let Self { normalizer, seen, shown, .. } = self;
+        let Self {
+            normalizer,
+            seen,
+            shown,
+            ..
+        } = self;
         let goes_on = |index: usize| columns.progress[index] != Progress::Unchanged;
-        let Value::Array(observations) = &seen.observations else { return Ok(()) };
+        let Value::Array(observations) = &seen.observations else {
+            return Ok(());
+        };
         normalizer.take_in(observations, n, goes_on);
         normalizer.normalize(observations, n, shown, goes_on);
         if let Value::Array(out) = &mut columns.observations {
-            out.as_mut_slice().unwrap_or_default().copy_from_slice(shown);
+            out.as_mut_slice()
+                .unwrap_or_default()
+                .copy_from_slice(shown);
         }
         if let (Value::Array(finals), Value::Array(out)) =
             (&seen.final_observations, &mut columns.final_observations)
@@ -111,7 +136,11 @@ impl<E: Env> gym_core::Wrapper for NormalizeObservation<E> {
     observes!(E, seen.observations);
 
     fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::of(&(self.inner.snapshot()?, &self.normalizer.statistics, self.normalizer.updates))
+        Snapshot::of(&(
+            self.inner.snapshot()?,
+            &self.normalizer.statistics,
+            self.normalizer.updates,
+        ))
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
@@ -135,16 +164,30 @@ impl<V: VectorEnv> gym_core::VectorWrapper for NormalizeObservation<V> {
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
-        let Normalizer { statistics, updates, .. } = &self.normalizer;
-        Snapshot::of(&(self.inner.snapshot()?, statistics, updates, Array::from(self.shown.clone())))
+        let Normalizer {
+            statistics,
+            updates,
+            ..
+        } = &self.normalizer;
+        Snapshot::of(&(
+            self.inner.snapshot()?,
+            statistics,
+            updates,
+            Array::from(self.shown.clone()),
+        ))
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        let (inner, statistics, updates, shown): (_, RunningMeanStd, bool, Array) = snapshot.get()?;
+        let (inner, statistics, updates, shown): (_, RunningMeanStd, bool, Array) =
+            snapshot.get()?;
         let shown = numbers(&shown, self.shown.len())?;
         self.normalizer.check(&statistics)?;
         self.inner.restore(&inner)?;
-        (self.normalizer.statistics, self.normalizer.updates, self.shown) = (statistics, updates, shown);
+        (
+            self.normalizer.statistics,
+            self.normalizer.updates,
+            self.shown,
+        ) = (statistics, updates, shown);
         Ok(())
     }
 

@@ -3,7 +3,9 @@
 use gym_core::registry::WrapperConfig;
 use gym_core::vector::parts::numbers;
 use gym_core::vector::{Autoreset, Columns, Progress, VectorReset};
-use gym_core::{Array, BoxEnv, DType, Env, Outcome, Result, Snapshot, Value, VectorEnv, WrapperSpec};
+use gym_core::{
+    Array, BoxEnv, DType, Env, Outcome, Result, Snapshot, Value, VectorEnv, WrapperSpec,
+};
 
 use crate::map::Within;
 use crate::statistics::{Normalizer, RunningMeanStd, normalizes};
@@ -56,19 +58,34 @@ impl<T> NormalizeReward<T> {
         T: Within<Kind>,
     {
         let config = config.into();
-        let Config { gamma, epsilon, update_running_mean } = config;
+        let Config {
+            gamma,
+            epsilon,
+            update_running_mean,
+        } = config;
         if !(0.0..=1.0).contains(&gamma) {
-            return Err(Config::refuse(format!("gamma is {gamma}: it must be in [0, 1]")));
+            return Err(Config::refuse(format!(
+                "gamma is {gamma}: it must be in [0, 1]"
+            )));
         }
         let statistics = RunningMeanStd::new_f64(1);
         let normalizer = Normalizer::new::<Config>(statistics, epsilon, update_running_mean)?;
         let returns = vec![0.0; inner.count()];
-        Ok(Self { inner, config, normalizer, returns })
+        Ok(Self {
+            inner,
+            config,
+            normalizer,
+            returns,
+        })
     }
 
     /// The part of a snapshot beside the inner one.
     fn state(&self) -> (&RunningMeanStd, bool, Array) {
-        (&self.normalizer.statistics, self.normalizer.updates, self.returns.clone().into())
+        (
+            &self.normalizer.statistics,
+            self.normalizer.updates,
+            self.returns.clone().into(),
+        )
     }
 
     /// Continues from a snapshot, after the inner environment was restored.
@@ -77,11 +94,16 @@ impl<T> NormalizeReward<T> {
         snapshot: &Snapshot,
         restore: impl FnOnce(&mut T, &Snapshot) -> Result<()>,
     ) -> Result<()> {
-        let (inner, (statistics, updates, returns)): (_, (RunningMeanStd, bool, Array)) = snapshot.get()?;
+        let (inner, (statistics, updates, returns)): (_, (RunningMeanStd, bool, Array)) =
+            snapshot.get()?;
         self.normalizer.check(&statistics)?;
         let returns = numbers(&returns, self.returns.len())?;
         restore(&mut self.inner, &inner)?;
-        (self.normalizer.statistics, self.normalizer.updates, self.returns) = (statistics, updates, returns);
+        (
+            self.normalizer.statistics,
+            self.normalizer.updates,
+            self.returns,
+        ) = (statistics, updates, returns);
         Ok(())
     }
 }
@@ -93,16 +115,25 @@ impl<E: Env> gym_core::Wrapper for NormalizeReward<E> {
     env_within!(E);
     reset_within!(E);
 
-    fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
+    fn step_into(
+        &mut self,
+        action: &E::Action,
+        observation: &mut E::Observation,
+    ) -> Result<Outcome> {
         let outcome = self.inner.step_into(action, observation)?;
         let keep = f64::from(!outcome.terminated);
         for discounted in &mut self.returns {
             *discounted = *discounted * self.config.gamma * keep + outcome.reward;
             if self.normalizer.updates {
-                self.normalizer.statistics.update_row(DType::F64, std::iter::once(*discounted));
+                self.normalizer
+                    .statistics
+                    .update_row(DType::F64, std::iter::once(*discounted));
             }
         }
-        Ok(Outcome { reward: outcome.reward / self.normalizer.deviation(), ..outcome })
+        Ok(Outcome {
+            reward: outcome.reward / self.normalizer.deviation(),
+            ..outcome
+        })
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
@@ -137,20 +168,34 @@ impl<V: VectorEnv> gym_core::VectorWrapper for NormalizeReward<V> {
         let result = self.inner.step_into(actions, columns);
         // the reward of a step that was a reset counts for nothing
         let stepped = |index: usize| columns.progress.get(index) == Some(&Progress::Stepped);
-        for (index, discounted) in self.returns.iter_mut().enumerate().filter(|(index, _)| stepped(*index)) {
+        for (index, discounted) in self
+            .returns
+            .iter_mut()
+            .enumerate()
+            .filter(|(index, _)| stepped(*index))
+        {
             // the product with gamma is float32, and the rest float64
             let kept = f64::from(*discounted as f32 * self.config.gamma as f32);
             let kept = kept * f64::from(!columns.terminated[index]);
             *discounted = f64::from((kept + columns.rewards[index]) as f32);
         }
         if self.normalizer.updates {
-            let returns = self.returns.iter().enumerate().filter(|(index, _)| stepped(*index));
-            self.normalizer.take_in_numbers(returns.map(|(_, discounted)| *discounted as f32));
+            let returns = self
+                .returns
+                .iter()
+                .enumerate()
+                .filter(|(index, _)| stepped(*index));
+            self.normalizer
+                .take_in_numbers(returns.map(|(_, discounted)| *discounted as f32));
         }
         let deviation = self.normalizer.deviation();
         let same_step = self.inner.autoreset() == Autoreset::SameStep;
         for (index, discounted) in self.returns.iter_mut().enumerate() {
-            if columns.progress.get(index).is_some_and(|progress| *progress != Progress::Unchanged) {
+            if columns
+                .progress
+                .get(index)
+                .is_some_and(|progress| *progress != Progress::Unchanged)
+            {
                 columns.rewards[index] /= deviation;
                 if same_step && columns.done(index) {
                     *discounted = 0.0;

@@ -48,11 +48,18 @@ impl<E: Env> gym_core::Wrapper for RepeatAction<E> {
     env_within!(E);
     reset_within!(E);
 
-    fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
+    fn step_into(
+        &mut self,
+        action: &E::Action,
+        observation: &mut E::Observation,
+    ) -> Result<Outcome> {
         let mut total = Outcome::default();
         for _ in 0..self.config.num_repeats {
             let outcome = self.inner.step_into(action, observation)?;
-            total = Outcome { reward: total.reward + outcome.reward, ..outcome };
+            total = Outcome {
+                reward: total.reward + outcome.reward,
+                ..outcome
+            };
             if total.done() {
                 break;
             }

@@ -24,7 +24,10 @@ gym_core::arguments! {
 
 impl<A: Into<Bound>, B: Into<Bound>> From<(A, B)> for Config {
     fn from((min, max): (A, B)) -> Self {
-        Self { min_action: min.into(), max_action: max.into() }
+        Self {
+            min_action: min.into(),
+            max_action: max.into(),
+        }
     }
 }
 
@@ -41,7 +44,11 @@ impl ActionMap for Rescale {
         let inner = expect_box::<Config>("action", inner)?;
         let (map, space) = Affine::new(inner, &config.min_action, &config.max_action)
             .map_err(|error| Config::refuse(error.to_string()))?;
-        let equal = space.low().iter_f64().zip(space.high().iter_f64()).find(|(low, high)| low == high);
+        let equal = space
+            .low()
+            .iter_f64()
+            .zip(space.high().iter_f64())
+            .find(|(low, high)| low == high);
         if let Some((bound, _)) = equal {
             let reason = format!("the bounds of an element are both {bound}: they must differ");
             return Err(Config::refuse(reason));

@@ -24,7 +24,10 @@ gym_core::arguments! {
 
 impl<A: Into<Bound>, B: Into<Bound>> From<(A, B)> for Config {
     fn from((min, max): (A, B)) -> Self {
-        Self { min_obs: min.into(), max_obs: max.into() }
+        Self {
+            min_obs: min.into(),
+            max_obs: max.into(),
+        }
     }
 }
 

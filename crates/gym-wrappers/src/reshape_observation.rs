@@ -20,7 +20,9 @@ gym_core::arguments! {
 
 impl<const N: usize> From<[usize; N]> for Config {
     fn from(shape: [usize; N]) -> Self {
-        Self { shape: shape.into() }
+        Self {
+            shape: shape.into(),
+        }
     }
 }
 
@@ -35,10 +37,17 @@ impl ObservationMap for Reshape {
     fn new(Config { shape }: &Config, inner: &Space) -> Result<(Self, Space)> {
         let inner = expect_box::<Config>("observation", inner)?;
         let reshape = |bound: &Array| {
-            let misfit = |_| Config::refuse(format!("shape {shape:?} does not hold the elements of {inner}"));
+            let misfit = |_| {
+                Config::refuse(format!(
+                    "shape {shape:?} does not hold the elements of {inner}"
+                ))
+            };
             bound.clone().reshape(shape.clone()).map_err(misfit)
         };
-        Ok((Self, BoxSpace::new(reshape(inner.low())?, reshape(inner.high())?)?.into()))
+        Ok((
+            Self,
+            BoxSpace::new(reshape(inner.low())?, reshape(inner.high())?)?.into(),
+        ))
     }
 
     fn map(&self, inner: &Value, out: &mut Value) -> Result<()> {

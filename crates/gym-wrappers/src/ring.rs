@@ -28,7 +28,11 @@ impl<O: Element> Ring<O> {
     pub(crate) fn exchange(&mut self, item: &mut O) {
         if let Some(oldest) = self.items.get_mut(self.oldest) {
             std::mem::swap(oldest, item);
-            self.oldest = if self.oldest + 1 == self.items.len() { 0 } else { self.oldest + 1 };
+            self.oldest = if self.oldest + 1 == self.items.len() {
+                0
+            } else {
+                self.oldest + 1
+            };
         }
     }
 
@@ -40,16 +44,25 @@ impl<O: Element> Ring<O> {
 
     /// The stored form of the observations, which have the form of a space.
     pub(crate) fn to_json(&self, space: &Space) -> Result<Vec<Json>> {
-        self.iter().map(|item| space.to_json(&item.to_value())).collect()
+        self.iter()
+            .map(|item| space.to_json(&item.to_value()))
+            .collect()
     }
 
     /// A ring of this many observations, from the result of [`to_json`](Self::to_json).
     pub(crate) fn read(&self, space: &Space, stored: &[Json]) -> Result<Self> {
         if stored.len() != self.items.len() {
-            let reason = format!("it has {} observations, not {}", stored.len(), self.items.len());
+            let reason = format!(
+                "it has {} observations, not {}",
+                stored.len(),
+                self.items.len()
+            );
             return Err(Error::Snapshot(reason));
         }
-        let items = stored.iter().map(|json| element(space, json)).collect::<Result<_>>()?;
+        let items = stored
+            .iter()
+            .map(|json| element(space, json))
+            .collect::<Result<_>>()?;
         Ok(Self { items, oldest: 0 })
     }
 }

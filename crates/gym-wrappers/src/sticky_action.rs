@@ -3,7 +3,8 @@
 use std::ops::RangeInclusive;
 
 use gym_core::{
-    BoxEnv, Element, Env, Error, Outcome, Reset, Result, Snapshot, WrapperSpec, registry::WrapperConfig,
+    BoxEnv, Element, Env, Error, Outcome, Reset, Result, Snapshot, WrapperSpec,
+    registry::WrapperConfig,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
@@ -37,7 +38,10 @@ positional!(repeat_action_probability: f64);
 
 impl<D: Into<Duration>> From<(f64, D)> for Config {
     fn from((repeat_action_probability, duration): (f64, D)) -> Self {
-        Self { repeat_action_probability, repeat_action_duration: duration.into() }
+        Self {
+            repeat_action_probability,
+            repeat_action_duration: duration.into(),
+        }
     }
 }
 
@@ -100,9 +104,13 @@ impl<E: Env> StickyAction<E> {
     /// [`Error::InvalidArgument`] for a probability outside `[0, 1)`, an empty range or one that contains 0.
     pub fn new(env: E, config: impl Into<Config>) -> Result<Self> {
         let config = config.into();
-        let Config { repeat_action_probability: probability, repeat_action_duration: duration } = config;
+        let Config {
+            repeat_action_probability: probability,
+            repeat_action_duration: duration,
+        } = config;
         if !(0.0..1.0).contains(&probability) {
-            let reason = format!("repeat_action_probability is {probability}: it must be in [0, 1)");
+            let reason =
+                format!("repeat_action_probability is {probability}: it must be in [0, 1)");
             return Err(Config::refuse(reason));
         }
         let (low, high) = duration.ends();
@@ -111,14 +119,25 @@ impl<E: Env> StickyAction<E> {
                 "repeat_action_duration is {low} to {high}: the first must be at least 1, the second no smaller"
             )));
         }
-        Ok(Self { inner: env, config, last: E::Action::empty(), state: Stickiness::default() })
+        Ok(Self {
+            inner: env,
+            config,
+            last: E::Action::empty(),
+            state: Stickiness::default(),
+        })
     }
 
     /// Whether the next step repeats the last action, and the state after it.
     fn draw(&mut self) -> Result<(bool, Stickiness)> {
         let mut state = self.state;
         if !state.has_last {
-            return Ok((false, Stickiness { has_last: true, ..state }));
+            return Ok((
+                false,
+                Stickiness {
+                    has_last: true,
+                    ..state
+                },
+            ));
         }
         let rng = lend::<Config>(&mut self.inner)?;
         let repeats = state.is_stuck || rng.random() < self.config.repeat_action_probability;
@@ -149,10 +168,16 @@ impl<E: Env> gym_core::Wrapper for StickyAction<E> {
         Ok(())
     }
 
-    fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
+    fn step_into(
+        &mut self,
+        action: &E::Action,
+        observation: &mut E::Observation,
+    ) -> Result<Outcome> {
         let before = self.inner.generator().cloned();
         let (repeats, state) = self.draw()?;
-        let outcome = self.inner.step_into(if repeats { &self.last } else { action }, observation);
+        let outcome = self
+            .inner
+            .step_into(if repeats { &self.last } else { action }, observation);
         match &outcome {
             Ok(_) => {
                 self.state = state;
@@ -185,7 +210,9 @@ impl<E: Env> gym_core::Wrapper for StickyAction<E> {
             false => E::Action::empty(),
         };
         if state.is_stuck != (state.repeats_taken < state.num_repeats) {
-            return Err(Error::Snapshot("StickyAction: the repeats do not add up".into()));
+            return Err(Error::Snapshot(
+                "StickyAction: the repeats do not add up".into(),
+            ));
         }
         self.inner.restore(&inner)?;
         (self.last, self.state) = (last, state);

@@ -2,7 +2,9 @@
 
 use gym_core::registry::WrapperConfig;
 use gym_core::spaces::{BoxSpace, DictSpace, TupleSpace, array_of};
-use gym_core::{Array, BoxEnv, DType, Element, Env, Error, Result, Snapshot, Space, Value, WrapperSpec};
+use gym_core::{
+    Array, BoxEnv, DType, Element, Env, Error, Result, Snapshot, Space, Value, WrapperSpec,
+};
 
 use crate::filter_observation::dict_like;
 
@@ -62,18 +64,32 @@ impl<E: Env> TimeAwareObservation<E> {
             let reason = format!("a time limit of {max_timesteps} does not fit an int32 above 0");
             return Err(Config::refuse(reason));
         }
-        let (dtype, limit) =
-            if config.normalize_time { (DType::F32, 1.0) } else { (DType::I32, f64::from(max_timesteps)) };
+        let (dtype, limit) = if config.normalize_time {
+            (DType::F32, 1.0)
+        } else {
+            (DType::I32, f64::from(max_timesteps))
+        };
         let time = Space::from(BoxSpace::uniform(0.0, limit, [1], dtype)?);
         let zero = Value::Array(Array::zeros(dtype, [1])?);
         let key = &config.dict_time_key;
         let (full_space, full) = match env.observation_space() {
             Space::Dict(space) => {
-                let members = std::iter::once((key.clone(), time)).chain(space.spaces().iter().cloned());
+                let members =
+                    std::iter::once((key.clone(), time)).chain(space.spaces().iter().cloned());
                 let space = dict_like(&space, members.collect())
                     .map_err(|error| Config::refuse(error.to_string()))?;
-                let value = |name: &String| if name == key { zero.clone() } else { Value::Null };
-                let full = space.spaces().iter().map(|(name, _)| (name.clone(), value(name))).collect();
+                let value = |name: &String| {
+                    if name == key {
+                        zero.clone()
+                    } else {
+                        Value::Null
+                    }
+                };
+                let full = space
+                    .spaces()
+                    .iter()
+                    .map(|(name, _)| (name.clone(), value(name)))
+                    .collect();
                 (Space::from(space), Value::Dict(full))
             }
             Space::Tuple(space) => {
@@ -84,18 +100,42 @@ impl<E: Env> TimeAwareObservation<E> {
             }
             space => {
                 let full = vec![("obs".to_owned(), Value::Null), ("time".to_owned(), zero)];
-                (DictSpace::new([("obs", space), ("time", time)])?.into(), Value::Dict(full))
+                (
+                    DictSpace::new([("obs", space), ("time", time)])?.into(),
+                    Value::Dict(full),
+                )
             }
         };
-        let space = if config.flatten { full_space.flatten_space()? } else { full_space.clone() };
+        let space = if config.flatten {
+            full_space.flatten_space()?
+        } else {
+            full_space.clone()
+        };
         let (timesteps, seen) = (0, Value::Null);
-        Ok(Self { inner: env, config, max_timesteps, timesteps, full_space, space, full, seen })
+        Ok(Self {
+            inner: env,
+            config,
+            max_timesteps,
+            timesteps,
+            full_space,
+            space,
+            full,
+            seen,
+        })
     }
 
     fn observe(&mut self, is_reset: bool, out: &mut Value) -> Result<()> {
-        self.timesteps = if is_reset { 0 } else { self.timesteps.saturating_add(1) };
+        self.timesteps = if is_reset {
+            0
+        } else {
+            self.timesteps.saturating_add(1)
+        };
         let time = f64::from(self.timesteps);
-        let time = if self.config.normalize_time { time / f64::from(self.max_timesteps) } else { time };
+        let time = if self.config.normalize_time {
+            time / f64::from(self.max_timesteps)
+        } else {
+            time
+        };
         let set_time = |value: &mut Value| {
             if let Value::Array(array) = value {
                 array.set_f64(0, time);
@@ -113,15 +153,22 @@ impl<E: Env> TimeAwareObservation<E> {
                 }
             }
             (Value::Tuple(entries), Value::Tuple(members)) => {
-                let [entries @ .., last] = entries.as_mut_slice() else { return Err(lacking()) };
+                let [entries @ .., last] = entries.as_mut_slice() else {
+                    return Err(lacking());
+                };
                 if entries.len() != members.len() {
                     return Err(lacking());
                 }
-                entries.iter_mut().zip(members).for_each(|(entry, member)| entry.clone_from(member));
+                entries
+                    .iter_mut()
+                    .zip(members)
+                    .for_each(|(entry, member)| entry.clone_from(member));
                 set_time(last);
             }
             (Value::Dict(entries), seen) => {
-                let [(_, obs), (_, last)] = entries.as_mut_slice() else { return Err(lacking()) };
+                let [(_, obs), (_, last)] = entries.as_mut_slice() else {
+                    return Err(lacking());
+                };
                 obs.clone_from(seen);
                 set_time(last);
             }
@@ -131,7 +178,9 @@ impl<E: Env> TimeAwareObservation<E> {
             Space::Box(space) if self.config.flatten => {
                 let array = array_of(out, space.dtype(), space.shape());
                 let broken = |error: Error| Error::Contract(error.to_string());
-                self.full_space.flatten_into(&self.full, array).map_err(broken)?;
+                self.full_space
+                    .flatten_into(&self.full, array)
+                    .map_err(broken)?;
             }
             _ if self.config.flatten => *out = self.full_space.flatten(&self.full)?,
             _ => out.clone_from(&self.full),

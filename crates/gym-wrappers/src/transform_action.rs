@@ -24,7 +24,12 @@ impl<T, F, A> TransformAction<T, F, A> {
     where
         F: Fn(&A) -> B,
     {
-        Self { inner, func, space: space.into(), action: PhantomData }
+        Self {
+            inner,
+            func,
+            space: space.into(),
+            action: PhantomData,
+        }
     }
 }
 
@@ -41,7 +46,9 @@ where
     reset_within!(E);
 
     fn action_space(&self) -> Space {
-        self.space.clone().unwrap_or_else(|| self.inner.action_space())
+        self.space
+            .clone()
+            .unwrap_or_else(|| self.inner.action_space())
     }
 
     fn step_into(&mut self, action: &A, observation: &mut E::Observation) -> Result<Outcome> {
@@ -55,25 +62,41 @@ impl<V: VectorEnv, F: Fn(&Value) -> Value + Send + 'static> gym_core::VectorWrap
     vector_within!();
 
     fn single_action_space(&self) -> Space {
-        self.space.clone().unwrap_or_else(|| self.inner.single_action_space())
+        self.space
+            .clone()
+            .unwrap_or_else(|| self.inner.single_action_space())
     }
 
     fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
-        gym_core::VectorWrapper::single_action_space(self).check_batch(actions, self.inner.num_envs())?;
+        gym_core::VectorWrapper::single_action_space(self)
+            .check_batch(actions, self.inner.num_envs())?;
         self.inner.step_into(&(self.func)(actions), columns)
     }
 }
 
 impl<T: Clone, F: Clone, A> Clone for TransformAction<T, F, A> {
     fn clone(&self) -> Self {
-        let Self { inner, func, space, action } = self;
-        Self { inner: inner.clone(), func: func.clone(), space: space.clone(), action: *action }
+        let Self {
+            inner,
+            func,
+            space,
+            action,
+        } = self;
+        Self {
+            inner: inner.clone(),
+            func: func.clone(),
+            space: space.clone(),
+            action: *action,
+        }
     }
 }
 
 impl<T: fmt::Debug, F, A> fmt::Debug for TransformAction<T, F, A> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut debug = f.debug_struct("TransformAction");
-        debug.field("inner", &self.inner).field("space", &self.space).finish_non_exhaustive()
+        debug
+            .field("inner", &self.inner)
+            .field("space", &self.space)
+            .finish_non_exhaustive()
     }
 }

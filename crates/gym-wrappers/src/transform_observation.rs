@@ -27,7 +27,12 @@ impl<T, F, S> TransformObservation<T, F, S> {
         T: Within<Kind, Buffer = S>,
         F: Fn(&<T as Within<Kind>>::Observation) -> O,
     {
-        Self { inner, func, space: space.into(), seen: T::buffer() }
+        Self {
+            inner,
+            func,
+            space: space.into(),
+            seen: T::buffer(),
+        }
     }
 }
 
@@ -43,7 +48,9 @@ where
     env_within!(E);
 
     fn observation_space(&self) -> Space {
-        self.space.clone().unwrap_or_else(|| self.inner.observation_space())
+        self.space
+            .clone()
+            .unwrap_or_else(|| self.inner.observation_space())
     }
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut O) -> Result<()> {
@@ -83,13 +90,18 @@ where
     observes_columns!();
 
     fn single_observation_space(&self) -> Space {
-        self.space.clone().unwrap_or_else(|| self.inner.single_observation_space())
+        self.space
+            .clone()
+            .unwrap_or_else(|| self.inner.single_observation_space())
     }
 }
 
 impl<T: fmt::Debug, F, S> fmt::Debug for TransformObservation<T, F, S> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let mut debug = f.debug_struct("TransformObservation");
-        debug.field("inner", &self.inner).field("space", &self.space).finish_non_exhaustive()
+        debug
+            .field("inner", &self.inner)
+            .field("space", &self.space)
+            .finish_non_exhaustive()
     }
 }

@@ -23,20 +23,31 @@ impl<T, F: Fn(f64) -> f64 + Send + 'static> TransformReward<T, F> {
     }
 }
 
-impl<E: Env, F: Fn(f64) -> f64 + Clone + Send + 'static> gym_core::Wrapper for TransformReward<E, F> {
+impl<E: Env, F: Fn(f64) -> f64 + Clone + Send + 'static> gym_core::Wrapper
+    for TransformReward<E, F>
+{
     type Observation = E::Observation;
     type Action = E::Action;
 
     env_within!(E);
     reset_within!(E);
 
-    fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
+    fn step_into(
+        &mut self,
+        action: &E::Action,
+        observation: &mut E::Observation,
+    ) -> Result<Outcome> {
         let outcome = self.inner.step_into(action, observation)?;
-        Ok(Outcome { reward: (self.func)(outcome.reward), ..outcome })
+        Ok(Outcome {
+            reward: (self.func)(outcome.reward),
+            ..outcome
+        })
     }
 }
 
-impl<V: VectorEnv, F: Fn(f64) -> f64 + Send + 'static> gym_core::VectorWrapper for TransformReward<V, F> {
+impl<V: VectorEnv, F: Fn(f64) -> f64 + Send + 'static> gym_core::VectorWrapper
+    for TransformReward<V, F>
+{
     vector_within!();
 
     fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
@@ -46,6 +57,8 @@ impl<V: VectorEnv, F: Fn(f64) -> f64 + Send + 'static> gym_core::VectorWrapper f
 
 impl<T: fmt::Debug, F> fmt::Debug for TransformReward<T, F> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("TransformReward").field("inner", &self.inner).finish_non_exhaustive()
+        f.debug_struct("TransformReward")
+            .field("inner", &self.inner)
+            .finish_non_exhaustive()
     }
 }

@@ -169,7 +169,11 @@ macro_rules! observes_columns {
             let Self { inner, seen, .. } = self;
             let (result, goes_on) = seen.fill(columns, |columns| inner.reset_into(reset, columns));
             let n = self.inner.num_envs();
-            if goes_on { result.and(self.observe_columns(n, columns)) } else { result }
+            if goes_on {
+                result.and(self.observe_columns(n, columns))
+            } else {
+                result
+            }
         }
 
         fn step_into(
@@ -180,7 +184,11 @@ macro_rules! observes_columns {
             let Self { inner, seen, .. } = self;
             let (result, goes_on) = seen.fill(columns, |columns| inner.step_into(actions, columns));
             let n = self.inner.num_envs();
-            if goes_on { result.and(self.observe_columns(n, columns)) } else { result }
+            if goes_on {
+                result.and(self.observe_columns(n, columns))
+            } else {
+                result
+            }
         }
     };
 }
@@ -241,10 +249,15 @@ macro_rules! positional {
 }
 
 /// The box that a wrapper needs for a space.
-pub(crate) fn expect_box<'a, C: WrapperConfig>(kind: &str, space: &'a Space) -> Result<&'a BoxSpace> {
+pub(crate) fn expect_box<'a, C: WrapperConfig>(
+    kind: &str,
+    space: &'a Space,
+) -> Result<&'a BoxSpace> {
     match space {
         Space::Box(space) => Ok(space),
-        _ => Err(C::refuse(format!("it needs a Box {kind} space, and this one is {space}"))),
+        _ => Err(C::refuse(format!(
+            "it needs a Box {kind} space, and this one is {space}"
+        ))),
     }
 }
 
@@ -257,7 +270,9 @@ pub(crate) fn expect_picture<C: WrapperConfig>(space: &Space) -> Result<&BoxSpac
     if is_picture {
         return Ok(space);
     }
-    Err(C::refuse(format!("it needs uint8 observations from 0 to 255, and the space is {space}")))
+    Err(C::refuse(format!(
+        "it needs uint8 observations from 0 to 255, and the space is {space}"
+    )))
 }
 
 /// The error of an observation that is none of the space's type.
@@ -278,12 +293,18 @@ pub(crate) fn lend<C: WrapperConfig>(env: &mut impl Env) -> Result<&mut Generato
 
 /// The typed element of a space that was stored as JSON.
 pub(crate) fn element<T: Element>(space: &Space, json: &Json) -> Result<T> {
-    let value = space.from_json(json).map_err(|error| Error::Snapshot(error.to_string()))?;
+    let value = space
+        .from_json(json)
+        .map_err(|error| Error::Snapshot(error.to_string()))?;
     T::from_value(&value).ok_or_else(|| Error::Snapshot(format!("{value} has the wrong type")))
 }
 
 /// Takes a step with the typed form of an action.
-pub(crate) fn act<E: Env>(env: &mut E, action: &Value, observation: &mut E::Observation) -> Result<Outcome> {
+pub(crate) fn act<E: Env>(
+    env: &mut E,
+    action: &Value,
+    observation: &mut E::Observation,
+) -> Result<Outcome> {
     E::Action::with(action, |action| env.step_into(action, observation))
         .unwrap_or_else(|| Err(env.action_space().refuse_action(action)))
 }

@@ -174,7 +174,10 @@ pub trait VectorWrap: VectorEnv + Sized {
     }
 
     /// [`TransformReward`].
-    fn transform_reward<F: Fn(f64) -> f64 + Send + 'static>(self, func: F) -> TransformReward<Self, F> {
+    fn transform_reward<F: Fn(f64) -> f64 + Send + 'static>(
+        self,
+        func: F,
+    ) -> TransformReward<Self, F> {
         TransformReward::new(self, func)
     }
 }

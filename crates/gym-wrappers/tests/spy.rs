@@ -8,8 +8,8 @@ use gym_core::canvas::{Blank, Canvas};
 use gym_core::render::{Frame, Metadata, RenderMode, Rendered};
 use gym_core::spaces::{BoxSpace, DictSpace};
 use gym_core::{
-    Array, BoxEnv, DType, Env, EnvExt, EnvSpec, Generator, Outcome, Reset, Result, Snapshot, Space, Value,
-    WrapperSpec, registry,
+    Array, BoxEnv, DType, Env, EnvExt, EnvSpec, Generator, Outcome, Reset, Result, Snapshot, Space,
+    Value, WrapperSpec, registry,
 };
 use gym_wrappers::*;
 use serde_json::json;
@@ -25,7 +25,11 @@ struct Spy {
 impl Spy {
     fn new(observation_space: impl Into<Space>) -> Self {
         let calls = Arc::default();
-        Self { calls, observation_space: observation_space.into(), rng: Generator::from(0) }
+        Self {
+            calls,
+            observation_space: observation_space.into(),
+            rng: Generator::from(0),
+        }
     }
 
     fn note(&self, method: &'static str) {
@@ -80,7 +84,10 @@ impl Env for Spy {
 
     fn metadata(&self) -> Metadata {
         self.note("metadata");
-        Metadata { render_modes: &[RenderMode::Ansi, RenderMode::RgbArray], ..Metadata::default() }
+        Metadata {
+            render_modes: &[RenderMode::Ansi, RenderMode::RgbArray],
+            ..Metadata::default()
+        }
     }
 
     fn draw(&self, _canvas: &mut dyn Canvas) {
@@ -105,7 +112,10 @@ impl Env for Spy {
 
     fn spec(&self) -> Option<EnvSpec> {
         self.note("spec");
-        serde_json::from_str(r#"{"id": "Spy-v0", "max_episode_steps": 9, "render_mode": "rgb_array"}"#).ok()
+        serde_json::from_str(
+            r#"{"id": "Spy-v0", "max_episode_steps": 9, "render_mode": "rgb_array"}"#,
+        )
+        .ok()
     }
 
     fn start_rendering(&mut self) {
@@ -153,8 +163,12 @@ const CALLS: &[Call] = &[
         drop(env.step(&action).unwrap());
     }),
     ("snapshot", |env| drop(env.snapshot().unwrap())),
-    ("restore", |env| env.restore(&env.snapshot().unwrap()).unwrap()),
-    ("info", |env| assert_eq!(env.info_map()["spy"], Value::Int(7))),
+    ("restore", |env| {
+        env.restore(&env.snapshot().unwrap()).unwrap()
+    }),
+    ("info", |env| {
+        assert_eq!(env.info_map()["spy"], Value::Int(7))
+    }),
     ("metadata", |env| assert!(env.metadata().render_fps > 0)),
     ("draw", |env| env.draw(&mut Blank)),
     ("ansi", |env| assert_eq!(env.ansi().as_deref(), Some("spy"))),
@@ -165,7 +179,9 @@ const CALLS: &[Call] = &[
     ("spec", |env| drop(env.spec())),
     ("describe", |env| assert!(env.describe().contains("Spy"))),
     ("layer", |env| assert!(env.unwrapped::<Spy>().is_some())),
-    ("layer_mut", |env| assert!(env.unwrapped_mut::<Spy>().is_some())),
+    ("layer_mut", |env| {
+        assert!(env.unwrapped_mut::<Spy>().is_some())
+    }),
     ("generator", |env| assert!(env.generator().is_some())),
     ("close", |env| env.close()),
 ];
@@ -176,13 +192,19 @@ fn methods() -> BTreeSet<&'static str> {
     let (_, body) = source.split_once("pub trait Env:").unwrap();
     let (body, _) = body.split_once("\n}\n").unwrap();
     let functions = body.lines().filter_map(|line| line.strip_prefix("    fn "));
-    functions.map(|line| line.split(['(', '<']).next().unwrap()).collect()
+    functions
+        .map(|line| line.split(['(', '<']).next().unwrap())
+        .collect()
 }
 
 #[test]
 fn every_method_is_called() {
     let called: BTreeSet<_> = CALLS.iter().map(|(method, _)| *method).collect();
-    assert_eq!(called, methods(), "a method of `Env` is missing here, or no longer there");
+    assert_eq!(
+        called,
+        methods(),
+        "a method of `Env` is missing here, or no longer there"
+    );
 }
 
 /// A wrapper around a spy, and the methods that it answers itself.
@@ -190,12 +212,16 @@ fn wrapped(name: &str, spy: &Spy) -> Option<(BoxEnv, &'static [&'static str])> {
     let spy = || spy.clone();
     let registered = |name: &str, kwargs: serde_json::Value| {
         let kwargs = kwargs.as_object().expect("arguments").clone();
-        WrapperSpec { name: name.into(), kwargs }.wrap(BoxEnv::new(spy())).unwrap()
+        WrapperSpec {
+            name: name.into(),
+            kwargs,
+        }
+        .wrap(BoxEnv::new(spy()))
+        .unwrap()
     };
     let seen = ["observation_space"].as_slice();
     let done = ["action_space"].as_slice();
-    let pair =
-        |name: &str, low: f64, high: f64| json!({format!("min_{name}"): low, format!("max_{name}"): high});
+    let pair = |name: &str, low: f64, high: f64| json!({format!("min_{name}"): low, format!("max_{name}"): high});
     let (kwargs, own): (_, &[&str]) = match name {
         "AddRenderObservation"
         | "FlattenObservation"
@@ -203,7 +229,10 @@ fn wrapped(name: &str, spy: &Spy) -> Option<(BoxEnv, &'static [&'static str])> {
         | "NormalizeObservation"
         | "TimeAwareObservation" => (json!({}), seen),
         "AddWhiteNoise" => (json!({"probability_of_noise_per_pixel": 0.5}), &[]),
-        "ObstructView" => (json!({"obstructed_pixels_ratio": 0.5, "obstruction_width": 1}), &[]),
+        "ObstructView" => (
+            json!({"obstructed_pixels_ratio": 0.5, "obstruction_width": 1}),
+            &[],
+        ),
         "Autoreset"
         | "NormalizeReward"
         | "OrderEnforcing"
@@ -237,15 +266,23 @@ fn unregistered(name: &str, spy: &Spy) -> Option<(BoxEnv, &'static [&'static str
     let spy = || spy.clone();
     Some(match name {
         // it makes texts from `ansi`, even if the environment renders by itself
-        "Render" => {
-            (BoxEnv::new(Render::new(spy(), RenderMode::Ansi).unwrap()), &["render_mode", "render_into"])
-        }
+        "Render" => (
+            BoxEnv::new(Render::new(spy(), RenderMode::Ansi).unwrap()),
+            &["render_mode", "render_into"],
+        ),
         // a function has no stored form
-        "TransformAction" => (BoxEnv::new(TransformAction::new(spy(), Value::clone, None)), &["spec"]),
-        "TransformObservation" => {
-            (BoxEnv::new(TransformObservation::new(spy(), Value::clone, None)), &["spec"])
-        }
-        "TransformReward" => (BoxEnv::new(TransformReward::new(spy(), |reward| reward)), &["spec"]),
+        "TransformAction" => (
+            BoxEnv::new(TransformAction::new(spy(), Value::clone, None)),
+            &["spec"],
+        ),
+        "TransformObservation" => (
+            BoxEnv::new(TransformObservation::new(spy(), Value::clone, None)),
+            &["spec"],
+        ),
+        "TransformReward" => (
+            BoxEnv::new(TransformReward::new(spy(), |reward| reward)),
+            &["spec"],
+        ),
         "BoxEnv" => (BoxEnv::new(BoxEnv::new(spy())), &[]),
         _ => return None,
     })
@@ -254,19 +291,26 @@ fn unregistered(name: &str, spy: &Spy) -> Option<(BoxEnv, &'static [&'static str
 #[test]
 fn every_wrapper_passes_on_what_it_does_not_answer_itself() {
     let registered = registry::wrappers().into_iter().map(|wrapper| wrapper.name);
-    let unregistered = ["Render", "TransformAction", "TransformObservation", "TransformReward", "BoxEnv"];
+    let unregistered = [
+        "Render",
+        "TransformAction",
+        "TransformObservation",
+        "TransformReward",
+        "BoxEnv",
+    ];
     let names: Vec<_> = registered.chain(unregistered).collect();
     assert!(names.len() >= 33, "{names:?}");
     for name in names {
         let picture = BoxSpace::uniform(0.0, 255.0, [4, 4, 3], DType::U8).unwrap();
         let spy = match name {
             "GrayscaleObservation" | "ResizeObservation" => Spy::new(picture),
-            "FilterObservation" => {
-                Spy::new(DictSpace::new([("a", Space::discrete(2)), ("b", Space::discrete(3))]).unwrap())
-            }
+            "FilterObservation" => Spy::new(
+                DictSpace::new([("a", Space::discrete(2)), ("b", Space::discrete(3))]).unwrap(),
+            ),
             _ => Spy::new(Space::boxed([-1.0, 0.0], [1.0, 1.0])),
         };
-        let (mut env, own) = wrapped(name, &spy).unwrap_or_else(|| panic!("`{name}` is not in the list"));
+        let (mut env, own) =
+            wrapped(name, &spy).unwrap_or_else(|| panic!("`{name}` is not in the list"));
         for (method, call) in CALLS {
             if *method != "reset_into" && *method != "close" {
                 env.reset(0).unwrap();
@@ -293,10 +337,21 @@ fn wrappers_are_reached_through_boxes() {
     assert_eq!((statistics.len(), statistics.count().round()), (2, 2.0));
     normalize.update_running_mean(false);
     env.step(&Value::from([0.0_f32])).unwrap();
-    assert_eq!(env.wrapper::<NormalizeObservation>().unwrap().statistics(), &statistics);
+    assert_eq!(
+        env.wrapper::<NormalizeObservation>().unwrap().statistics(),
+        &statistics
+    );
     assert!(env.wrapper::<Autoreset>().is_none());
     let limit = TimeLimit::new(Autoreset::new(env), 2).unwrap();
     assert!(limit.get_ref().get_ref().wrapper::<TimeLimit>().is_some());
-    assert_eq!(limit.into_inner().into_inner().wrapper::<TimeLimit>().unwrap().max_episode_steps(), 3);
+    assert_eq!(
+        limit
+            .into_inner()
+            .into_inner()
+            .wrapper::<TimeLimit>()
+            .unwrap()
+            .max_episode_steps(),
+        3
+    );
     let _: Array = statistics.mean();
 }

@@ -1,12 +1,13 @@
 //! The results of wrappers for known observations and rewards, in steps and resets.
 
 use gym_core::spaces::{
-    BoxSpace, DictSpace, Discrete, GraphSpace, MultiBinary, MultiDiscrete, OneOfSpace, TextSpace, TupleSpace,
+    BoxSpace, DictSpace, Discrete, GraphSpace, MultiBinary, MultiDiscrete, OneOfSpace, TextSpace,
+    TupleSpace,
 };
 use gym_core::vector::{Autoreset, SyncVectorEnv};
 use gym_core::{
-    Array, DType, Data, Env, EnvExt, Generator, GraphInstance, Outcome, Reset, Result, Space, Value,
-    VectorEnv, VectorEnvExt,
+    Array, DType, Data, Env, EnvExt, Generator, GraphInstance, Outcome, Reset, Result, Space,
+    Value, VectorEnv, VectorEnvExt,
 };
 use gym_wrappers::{
     FrameStackObservation, NormalizeObservation, NormalizeReward, RunningMeanStd, StickyAction,
@@ -26,7 +27,13 @@ struct Script {
 impl Script {
     fn new(space: impl Into<Space>, observations: Vec<Value>) -> Self {
         let rewards = vec![0.0; observations.len()];
-        Self { space: space.into(), observations, rewards, steps: 0, rng: Generator::from(0) }
+        Self {
+            space: space.into(),
+            observations,
+            rewards,
+            steps: 0,
+            rng: Generator::from(0),
+        }
     }
 
     /// Samples of a space.
@@ -39,7 +46,10 @@ impl Script {
 
     fn rewarded(rewards: &[f64]) -> Self {
         let observations = vec![Value::Int(0); rewards.len() + 1];
-        Self { rewards: rewards.to_vec(), ..Self::new(Space::discrete(2), observations) }
+        Self {
+            rewards: rewards.to_vec(),
+            ..Self::new(Space::discrete(2), observations)
+        }
     }
 }
 
@@ -65,7 +75,11 @@ impl Env for Script {
         let reward = self.rewards[self.steps];
         self.steps += 1;
         observation.clone_from(&self.observations[self.steps]);
-        Ok(Outcome { reward, terminated: self.steps + 1 == self.observations.len(), truncated: false })
+        Ok(Outcome {
+            reward,
+            terminated: self.steps + 1 == self.observations.len(),
+            truncated: false,
+        })
     }
 
     fn generator(&mut self) -> Option<&mut Generator> {
@@ -103,8 +117,12 @@ fn spaces() -> Vec<Space> {
         ])
         .unwrap()
         .into(),
-        OneOfSpace::new([line(2), Discrete::new(9).unwrap().into()]).unwrap().into(),
-        GraphSpace::new(line(2), Some(Discrete::new(3).unwrap().into())).unwrap().into(),
+        OneOfSpace::new([line(2), Discrete::new(9).unwrap().into()])
+            .unwrap()
+            .into(),
+        GraphSpace::new(line(2), Some(Discrete::new(3).unwrap().into()))
+            .unwrap()
+            .into(),
     ]
 }
 
@@ -125,9 +143,16 @@ fn a_stack_is_the_batch_of_the_last_observations() {
             continue;
         }
         let padding_type = space.to_json(&padding).unwrap();
-        let config = frame_stack_observation::Config { stack_size: 3, padding_type };
+        let config = frame_stack_observation::Config {
+            stack_size: 3,
+            padding_type,
+        };
         let env = FrameStackObservation::new(script, config).unwrap();
-        assert_eq!(shown(env)[1], space.concatenate(&padded[1..4]).unwrap(), "{space}");
+        assert_eq!(
+            shown(env)[1],
+            space.concatenate(&padded[1..4]).unwrap(),
+            "{space}"
+        );
     }
 }
 
@@ -150,7 +175,10 @@ fn what_is_not_finite_is_seen_anywhere() {
             Value::from([1.0, number as f32]),
             Value::from([number as f32, 1.0]),
             Value::Tuple(vec![Value::Int(1), number.into()]),
-            Value::Dict(vec![("a".into(), Value::Int(1)), ("b".into(), number.into())]),
+            Value::Dict(vec![
+                ("a".into(), Value::Int(1)),
+                ("b".into(), number.into()),
+            ]),
             Value::OneOf(1, Box::new(number.into())),
             graph(number, 1.0),
             graph(1.0, number),
@@ -171,7 +199,11 @@ fn one_part_makes_another_space() {
         low[i] = 0.5;
         assert_ne!(bounds(low), bounds([0.0; 3]));
         let json = serde_json::to_string(&bounds(low)).unwrap();
-        assert_eq!(serde_json::from_str::<Space>(&json).unwrap(), bounds(low), "{json}");
+        assert_eq!(
+            serde_json::from_str::<Space>(&json).unwrap(),
+            bounds(low),
+            "{json}"
+        );
     }
     let form = pair([number(), bounds([0.0; 3])]);
     assert!(form.has_form_of(&pair([number(), bounds([0.5; 3])])));
@@ -182,7 +214,11 @@ fn one_part_makes_another_space() {
 #[test]
 fn an_array_becomes_another_of_any_shape() {
     let square = Array::new([2, 2], Data::F32(vec![1.0, 2.0, 3.0, 4.0])).unwrap();
-    for mut other in [Array::from([0.0_f32; 4]), Array::from([0_i64; 4]), Array::from([0.0_f32; 7])] {
+    for mut other in [
+        Array::from([0.0_f32; 4]),
+        Array::from([0_i64; 4]),
+        Array::from([0.0_f32; 7]),
+    ] {
         other.clone_from(&square);
         assert_eq!(other, square);
     }
@@ -202,10 +238,15 @@ fn whole_numbers_are_normalized_too() {
     let mut env = script.normalize_observation().unwrap();
     let mut expected = RunningMeanStd::new(1);
     for (i, number) in numbers.into_iter().enumerate() {
-        let seen = if i == 0 { env.reset(0).unwrap() } else { env.step(&0).unwrap().observation };
+        let seen = if i == 0 {
+            env.reset(0).unwrap()
+        } else {
+            env.step(&0).unwrap().observation
+        };
         expected.update(&Array::from([number])).unwrap();
         assert_eq!(*env.statistics(), expected);
-        let [mean, variance] = [expected.mean(), expected.variance()].map(|x| x.iter_f64().next().unwrap());
+        let [mean, variance] =
+            [expected.mean(), expected.variance()].map(|x| x.iter_f64().next().unwrap());
         let seen = seen.as_array().unwrap().iter_f64().next().unwrap();
         let right = (number as f64 - mean) / (variance + 1e-8).sqrt();
         assert!((seen - right).abs() < 1e-6, "{seen} for {right}");
@@ -214,12 +255,21 @@ fn whole_numbers_are_normalized_too() {
 
 #[test]
 fn statistics_count_each_row_once() {
-    let rows: [Array; 4] = [[1.0_f32].into(), [2.0_f64].into(), [3.0_f32].into(), [4_i64].into()];
+    let rows: [Array; 4] = [
+        [1.0_f32].into(),
+        [2.0_f64].into(),
+        [3.0_f32].into(),
+        [4_i64].into(),
+    ];
     let mut statistics = RunningMeanStd::new(1);
     let before = statistics.count();
     for (i, row) in rows.iter().enumerate() {
         statistics.update(row).unwrap();
-        assert!((statistics.count() - before - (i + 1) as f64).abs() < 1e-9, "{}", statistics.count());
+        assert!(
+            (statistics.count() - before - (i + 1) as f64).abs() < 1e-9,
+            "{}",
+            statistics.count()
+        );
     }
     let mean = statistics.mean().iter_f64().next().unwrap();
     assert!((mean - 2.5).abs() < 1e-3, "{mean}");
@@ -238,7 +288,10 @@ fn rewards_are_divided_by_a_deviation_that_was_set() {
         assert!((reward - expected).abs() < 1e-9, "{reward}");
     }
     assert_eq!(*env.statistics(), known);
-    let error = env.set_statistics(RunningMeanStd::new_f64(2)).unwrap_err().to_string();
+    let error = env
+        .set_statistics(RunningMeanStd::new_f64(2))
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("the statistics are of 2 numbers"), "{error}");
     assert_eq!(*env.statistics(), known, "what is refused changes nothing");
 }
@@ -261,14 +314,19 @@ fn numbers(value: &Value) -> Vec<f64> {
 
 /// Shows `[0, 3]`, `[1, 2]`, `[2, 1]`.
 fn counter() -> Script {
-    let observations = (0..3).map(|i| Value::from([i as f32, 3.0 - i as f32])).collect();
+    let observations = (0..3)
+        .map(|i| Value::from([i as f32, 3.0 - i as f32]))
+        .collect();
     Script::new(Space::boxed([-10.0; 2], [10.0; 2]), observations)
 }
 
 #[test]
 fn epsilon_keeps_small_variances_from_growing() {
     for epsilon in [1e-8, 0.5, 4.0] {
-        let config = normalize_observation::Config { epsilon, ..Default::default() };
+        let config = normalize_observation::Config {
+            epsilon,
+            ..Default::default()
+        };
         let mut env = NormalizeObservation::new(counter(), config).unwrap();
         env.reset(0).unwrap();
         let seen = numbers(&env.step(&0).unwrap().observation);
@@ -277,7 +335,11 @@ fn epsilon_keeps_small_variances_from_growing() {
         let (means, variances) = (numbers(&means), numbers(&variances));
         for (i, x) in [1.0, 2.0].into_iter().enumerate() {
             let expected = (x - means[i]) / (variances[i] + epsilon).sqrt();
-            assert!((seen[i] - expected).abs() < 1e-6, "epsilon {epsilon}: {} for {expected}", seen[i]);
+            assert!(
+                (seen[i] - expected).abs() < 1e-6,
+                "epsilon {epsilon}: {} for {expected}",
+                seen[i]
+            );
         }
     }
 }
@@ -299,7 +361,11 @@ fn a_stuck_action_draws_nothing() {
 /// A vector's `final_obs` is on the same scale as its observations.
 #[test]
 fn final_observations_of_a_vector_are_normalized_too() {
-    let vector = || SyncVectorEnv::new([counter(), counter()]).unwrap().with_autoreset(Autoreset::SameStep);
+    let vector = || {
+        SyncVectorEnv::new([counter(), counter()])
+            .unwrap()
+            .with_autoreset(Autoreset::SameStep)
+    };
     let (mut plain, mut normalized) = (vector(), vector().normalize_observation().unwrap());
     let actions = plain.action_space().unwrap().sampler(0).sample();
     let (mut raw, mut shown) = (plain.reset(0).unwrap(), normalized.reset(0).unwrap());
@@ -311,11 +377,16 @@ fn final_observations_of_a_vector_are_normalized_too() {
     let statistics = normalized.statistics();
     let (mean, variance) = (statistics.mean(), statistics.variance());
     let moments = mean.iter_f64().zip(variance.iter_f64()).collect::<Vec<_>>();
-    let seen = numbers(&raw.final_observations).into_iter().zip(numbers(&shown.final_observations));
+    let seen = numbers(&raw.final_observations)
+        .into_iter()
+        .zip(numbers(&shown.final_observations));
     for (i, (x, y)) in seen.enumerate() {
         let (mean, variance) = moments[i % 2];
         let expected = (x - mean) / (variance + 1e-8).sqrt();
-        assert!((y - expected).abs() < 1e-4, "number {i}: {y} for {expected}");
+        assert!(
+            (y - expected).abs() < 1e-4,
+            "number {i}: {y} for {expected}"
+        );
     }
 }
 
@@ -326,14 +397,20 @@ fn stacks_are_padded_to_their_size() {
     let script = Script::new(Space::discrete(9), observations.clone());
     for size in 1..=6 {
         for (name, padding) in [("reset", Value::Int(1)), ("zero", Value::Int(0))] {
-            let config = frame_stack_observation::Config { stack_size: size, padding_type: name.into() };
+            let config = frame_stack_observation::Config {
+                stack_size: size,
+                padding_type: name.into(),
+            };
             let mut env = FrameStackObservation::new(script.clone(), config).unwrap();
             let padded = [vec![padding; size - 1], observations.clone()].concat();
             for episode in 0..2 {
                 let mut shown = env.reset(()).unwrap();
                 for (step, last) in padded.windows(size).enumerate().take(7) {
                     let expected = Space::discrete(9).concatenate(last).unwrap();
-                    assert_eq!(shown, expected, "{size}, {name}, episode {episode}, step {step}");
+                    assert_eq!(
+                        shown, expected,
+                        "{size}, {name}, episode {episode}, step {step}"
+                    );
                     shown = env.step(&0).unwrap().observation;
                 }
             }

@@ -41,17 +41,32 @@ impl Task for Corridor {
 }
 
 impl Dynamics for Corridor {
-    fn transition(&self, cell: &i64, action: &Move, rng: &mut Generator) -> Result<Transition<i64>> {
+    fn transition(
+        &self,
+        cell: &i64,
+        action: &Move,
+        rng: &mut Generator,
+    ) -> Result<Transition<i64>> {
         let step = if *action == Move::Right { 1 } else { -1 };
-        let cell = if rng.random() < 0.2 { *cell } else { (cell + step).clamp(0, 9) };
-        Ok(Transition { state: cell, reward: -1.0, terminated: cell == 9 })
+        let cell = if rng.random() < 0.2 {
+            *cell
+        } else {
+            (cell + step).clamp(0, 9)
+        };
+        Ok(Transition {
+            state: cell,
+            reward: -1.0,
+            terminated: cell == 9,
+        })
     }
     fn observe(&self, cell: &i64) -> i64 {
         *cell
     }
 }
 
-gym::register!(Registration::new::<Stateful<Corridor>>("my_envs/Corridor-v0").max_episode_steps(50));
+gym::register!(
+    Registration::new::<Stateful<Corridor>>("my_envs/Corridor-v0").max_episode_steps(50)
+);
 
 fn main() -> Result<()> {
     let findings = gym_conform::check(|| gym::make("my_envs/Corridor-v0"));

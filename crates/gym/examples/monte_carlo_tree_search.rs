@@ -54,7 +54,11 @@ impl Search {
         let index = self.select(&node.children);
         let child = &mut node.children[index];
         let step = env.step(&action(index))?;
-        let rest = if step.done() { 0.0 } else { self.play(child, env, steps - 1)? };
+        let rest = if step.done() {
+            0.0
+        } else {
+            self.play(child, env, steps - 1)?
+        };
         child.visits += 1.0;
         child.total += step.reward + rest;
         Ok(step.reward + rest)
@@ -68,7 +72,9 @@ impl Search {
             n => child.total / n + self.exploration * (visits.ln() / n).sqrt(),
         };
         let bounds = children.iter().map(bound).enumerate();
-        bounds.max_by(|a, b| a.1.total_cmp(&b.1)).map_or(0, |(index, _)| index)
+        bounds
+            .max_by(|a, b| a.1.total_cmp(&b.1))
+            .map_or(0, |(index, _)| index)
     }
 
     fn play_at_random(&mut self, env: &mut BoxEnv, steps: usize) -> Result<f64> {
@@ -109,13 +115,25 @@ fn evaluate(
 }
 
 /// Mean returns of random play, and of planning with a number of futures and steps per decision.
-fn compare(id: &str, episodes: u64, futures: usize, horizon: usize, exploration: f64) -> Result<(f64, f64)> {
+fn compare(
+    id: &str,
+    episodes: u64,
+    futures: usize,
+    horizon: usize,
+    exploration: f64,
+) -> Result<(f64, f64)> {
     let mut env = gym::make(id)?;
     let Space::Discrete(space) = env.action_space() else {
         return Err(Error::custom(format!("{id} has no discrete actions")));
     };
     let actions = space.n() as usize;
-    let mut search = Search { actions, futures, horizon, exploration, rng: Generator::from(0) };
+    let mut search = Search {
+        actions,
+        futures,
+        horizon,
+        exploration,
+        rng: Generator::from(0),
+    };
     let mut rng = Generator::from(0);
     let random = evaluate(&mut env, episodes, |_| Ok(action(rng.choice(actions))))?;
     let planned = evaluate(&mut env, episodes, |env| search.decide(env))?;
@@ -123,11 +141,14 @@ fn compare(id: &str, episodes: u64, futures: usize, horizon: usize, exploration:
 }
 
 fn main() -> Result<()> {
-    for (id, futures, horizon, exploration) in
-        [("CartPole-v1", 30, 40, 10.0), ("LunarLander-v3", 50, 25, 30.0)]
-    {
+    for (id, futures, horizon, exploration) in [
+        ("CartPole-v1", 30, 40, 10.0),
+        ("LunarLander-v3", 50, 25, 30.0),
+    ] {
         let (random, planned) = compare(id, 3, futures, horizon, exploration)?;
-        println!("{id:15} mean return of 3 episodes: {planned:8.2} planned, {random:8.2} at random");
+        println!(
+            "{id:15} mean return of 3 episodes: {planned:8.2} planned, {random:8.2} at random"
+        );
     }
     Ok(())
 }
@@ -139,7 +160,10 @@ mod tests {
     #[test]
     fn planning_beats_chance() -> Result<()> {
         let (random, planned) = compare("CartPole-v1", 1, 20, 30, 10.0)?;
-        assert!(planned > 3.0 * random, "{planned} planned, {random} at random");
+        assert!(
+            planned > 3.0 * random,
+            "{planned} planned, {random} at random"
+        );
         Ok(())
     }
 }

@@ -6,7 +6,9 @@ use gym::render::RenderMode;
 use gym::rendering::write_gif;
 
 fn main() -> gym::Result<()> {
-    let mut env = gym::builder("CartPole-v1").render_mode(RenderMode::RgbArrayList).build()?;
+    let mut env = gym::builder("CartPole-v1")
+        .render_mode(RenderMode::RgbArrayList)
+        .build()?;
     println!("observations: {}", env.observation_space());
     println!("actions:      {}", env.action_space());
 
@@ -23,6 +25,9 @@ fn main() -> gym::Result<()> {
     }
     let frames = env.render()?.into_frames().unwrap_or_default();
     write_gif("cartpole.gif", env.metadata().render_fps, &frames)?;
-    println!("return {episode_return}, {} frames in cartpole.gif", frames.len());
+    println!(
+        "return {episode_return}, {} frames in cartpole.gif",
+        frames.len()
+    );
     Ok(())
 }

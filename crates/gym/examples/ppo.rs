@@ -42,7 +42,11 @@ impl Network {
     fn new(sizes: &[usize], last_scale: f64, rng: &mut Generator) -> Self {
         let mut parameters = Vec::new();
         for (layer, pair) in sizes.windows(2).enumerate() {
-            let scale = if layer + 2 == sizes.len() { last_scale } else { 1.0 };
+            let scale = if layer + 2 == sizes.len() {
+                last_scale
+            } else {
+                1.0
+            };
             let deviation = scale * (2.0 / pair[0] as f64).sqrt();
             parameters.extend((0..pair[0] * pair[1]).map(|_| deviation * rng.standard_normal()));
             parameters.extend(std::iter::repeat_n(0.0, pair[1]));
@@ -97,7 +101,11 @@ impl Network {
                 }
             }
             // tanh' = 1 - tanh^2
-            delta = delta_before.iter().zip(x).map(|(d, x)| d * (1.0 - x * x)).collect();
+            delta = delta_before
+                .iter()
+                .zip(x)
+                .map(|(d, x)| d * (1.0 - x * x))
+                .collect();
         }
     }
 
@@ -106,14 +114,19 @@ impl Network {
         self.updates += 1;
         let norm = self.gradient.iter().map(|g| g * g).sum::<f64>().sqrt();
         let scale = (MAX_GRADIENT_NORM / (norm + 1e-6)).min(1.0);
-        let [unbias_first, unbias_second] = [0.9f64, 0.999].map(|beta| 1.0 - beta.powi(self.updates));
-        for ((parameter, gradient), [first, second]) in
-            self.parameters.iter_mut().zip(&mut self.gradient).zip(&mut self.moments)
+        let [unbias_first, unbias_second] =
+            [0.9f64, 0.999].map(|beta| 1.0 - beta.powi(self.updates));
+        for ((parameter, gradient), [first, second]) in self
+            .parameters
+            .iter_mut()
+            .zip(&mut self.gradient)
+            .zip(&mut self.moments)
         {
             let g = scale * std::mem::take(gradient);
             *first += 0.1 * (g - *first);
             *second += 0.001 * (g * g - *second);
-            *parameter -= learning_rate * (*first / unbias_first) / ((*second / unbias_second).sqrt() + 1e-5);
+            *parameter -=
+                learning_rate * (*first / unbias_first) / ((*second / unbias_second).sqrt() + 1e-5);
         }
     }
 }
@@ -158,17 +171,33 @@ impl Agent {
         let action = self.rng.choice_p(&probabilities);
         let log_probability = math::ln(probabilities[action]);
         let value = self.value(&observation);
-        Transition { observation, action, log_probability, value, ..Transition::default() }
+        Transition {
+            observation,
+            action,
+            log_probability,
+            value,
+            ..Transition::default()
+        }
     }
 
     /// Adds the gradients of both losses for one transition, a share of a minibatch. `advantage` is normalised.
     fn learn(&mut self, transition: &Transition, advantage: f64, share: f64) {
-        let Transition { observation, action, log_probability, value, .. } = transition;
+        let Transition {
+            observation,
+            action,
+            log_probability,
+            value,
+            ..
+        } = transition;
         self.actor.forward(observation, &mut self.layers);
         let probabilities = softmax(&self.layers[self.layers.len() - 1]);
         let ratio = math::exp(math::ln(probabilities[*action]) - log_probability);
         // the objective min(ratio A, clip(ratio) A) is flat where the clipped term is the smaller
-        let is_clipped = if advantage > 0.0 { ratio > 1.0 + CLIP } else { ratio < 1.0 - CLIP };
+        let is_clipped = if advantage > 0.0 {
+            ratio > 1.0 + CLIP
+        } else {
+            ratio < 1.0 - CLIP
+        };
         let by_log_probability = if is_clipped { 0.0 } else { -ratio * advantage };
         let entropy: f64 = probabilities.iter().map(|p| -p * math::ln(*p)).sum();
         let by_logits: Vec<f64> = (0..probabilities.len())
@@ -176,7 +205,9 @@ impl Agent {
                 let p = probabilities[i];
                 let chosen = if i == *action { 1.0 } else { 0.0 };
                 // d log p(action) / d logit, and d entropy / d logit
-                share * (by_log_probability * (chosen - p) + ENTROPY_BONUS * p * (math::ln(p) + entropy))
+                share
+                    * (by_log_probability * (chosen - p)
+                        + ENTROPY_BONUS * p * (math::ln(p) + entropy))
             })
             .collect();
         self.actor.backward(&self.layers, &by_logits);
@@ -189,10 +220,16 @@ impl Agent {
 
 /// The observation of an environment.
 fn row(columns: &Columns, index: usize) -> Vec<f64> {
-    let all = columns.observations.as_array().map(|array| array.as_slice::<f32>().unwrap_or_default());
+    let all = columns
+        .observations
+        .as_array()
+        .map(|array| array.as_slice::<f32>().unwrap_or_default());
     let all = all.unwrap_or_default();
     let width = all.len() / ENVS;
-    all[index * width..(index + 1) * width].iter().map(|x| f64::from(*x)).collect()
+    all[index * width..(index + 1) * width]
+        .iter()
+        .map(|x| f64::from(*x))
+        .collect()
 }
 
 /// Learns until the task is solved or `MOST_STEPS` are over. Returns the number of steps and the last mean return.
@@ -216,8 +253,12 @@ fn train(seed: u64) -> gym::Result<(usize, f64)> {
         let mut rollout: Vec<Vec<Transition>> = Vec::with_capacity(STEPS);
         let mut outcomes: Vec<Columns> = Vec::with_capacity(STEPS);
         for _ in 0..STEPS {
-            let mut transitions: Vec<Transition> = (0..ENVS).map(|i| agent.act(row(&columns, i))).collect();
-            let actions: Vec<i64> = transitions.iter().map(|transition| transition.action as i64).collect();
+            let mut transitions: Vec<Transition> =
+                (0..ENVS).map(|i| agent.act(row(&columns, i))).collect();
+            let actions: Vec<i64> = transitions
+                .iter()
+                .map(|transition| transition.action as i64)
+                .collect();
             envs.step_into(&Value::Array(actions.into()), &mut columns)?;
             for (i, transition) in transitions.iter_mut().enumerate() {
                 transition.is_reset = columns.progress[i] == Progress::Started;
@@ -238,7 +279,11 @@ fn train(seed: u64) -> gym::Result<(usize, f64)> {
             for (transitions, outcome) in rollout.iter_mut().zip(&outcomes).rev() {
                 let transition = &mut transitions[i];
                 // a truncated episode has not terminated: bootstrap from its last observation
-                let value_after = if outcome.terminated[i] { 0.0 } else { next_value };
+                let value_after = if outcome.terminated[i] {
+                    0.0
+                } else {
+                    next_value
+                };
                 let advantage_after = if outcome.done(i) { 0.0 } else { next_advantage };
                 let delta = outcome.rewards[i] + DISCOUNT * value_after - transition.value;
                 transition.advantage = delta + DISCOUNT * GAE_LAMBDA * advantage_after;
@@ -247,16 +292,28 @@ fn train(seed: u64) -> gym::Result<(usize, f64)> {
         }
 
         // some epochs over all of it, in minibatches
-        let mut batch: Vec<Transition> = rollout.into_iter().flatten().filter(|one| !one.is_reset).collect();
+        let mut batch: Vec<Transition> = rollout
+            .into_iter()
+            .flatten()
+            .filter(|one| !one.is_reset)
+            .collect();
         let learning_rate = LEARNING_RATE * (1.0 - steps as f64 / MOST_STEPS as f64);
         for _ in 0..EPOCHS {
             agent.rng.shuffle(&mut batch);
             for minibatch in batch.chunks(MINIBATCH) {
                 let n = minibatch.len() as f64;
                 let center = minibatch.iter().map(|one| one.advantage).sum::<f64>() / n;
-                let variance = minibatch.iter().map(|one| (one.advantage - center).powi(2)).sum::<f64>() / n;
+                let variance = minibatch
+                    .iter()
+                    .map(|one| (one.advantage - center).powi(2))
+                    .sum::<f64>()
+                    / n;
                 for one in minibatch {
-                    agent.learn(one, (one.advantage - center) / (variance.sqrt() + 1e-8), 1.0 / n);
+                    agent.learn(
+                        one,
+                        (one.advantage - center) / (variance.sqrt() + 1e-8),
+                        1.0 / n,
+                    );
                 }
                 agent.actor.update(learning_rate);
                 agent.critic.update(learning_rate);
@@ -277,7 +334,11 @@ fn train(seed: u64) -> gym::Result<(usize, f64)> {
 
 fn main() -> gym::Result<()> {
     let (steps, mean) = train(1)?;
-    let verdict = if mean >= SOLVED { "solved" } else { "not solved" };
+    let verdict = if mean >= SOLVED {
+        "solved"
+    } else {
+        "not solved"
+    };
     println!("{verdict} after {steps} steps: mean return of 100 episodes {mean:.1}");
     Ok(())
 }
@@ -311,7 +372,10 @@ mod tests {
         network.forward(&input, &mut layers);
         network.backward(&layers, &[2.0, -1.0]);
         for (gradient, difference) in network.gradient.iter().zip(differences) {
-            assert!((gradient - difference).abs() < 1e-8, "{gradient} {difference}");
+            assert!(
+                (gradient - difference).abs() < 1e-8,
+                "{gradient} {difference}"
+            );
         }
     }
 

@@ -15,7 +15,9 @@ const ACTIONS: usize = Action::ALL.len();
 type Table = Vec<[f64; ACTIONS]>;
 
 fn greedy(values: &[f64; ACTIONS]) -> usize {
-    (0..ACTIONS).max_by(|&a, &b| values[a].total_cmp(&values[b])).unwrap_or(0)
+    (0..ACTIONS)
+        .max_by(|&a, &b| values[a].total_cmp(&values[b]))
+        .unwrap_or(0)
 }
 
 /// Plays one episode and learns from it unless `exploration` is 0. Returns its return.
@@ -29,12 +31,20 @@ fn episode(
     let mut total = 0.0;
     loop {
         let explore = rng.random() < exploration;
-        let action = if explore { rng.choice(ACTIONS) } else { greedy(&q[state]) };
+        let action = if explore {
+            rng.choice(ACTIONS)
+        } else {
+            greedy(&q[state])
+        };
         let step = env.step(&Action::ALL[action])?;
         total += step.reward;
         if exploration > 0.0 {
             // after a truncation the next state keeps its value; after a termination it has none
-            let next = if step.terminated { 0.0 } else { q[step.observation][greedy(&q[step.observation])] };
+            let next = if step.terminated {
+                0.0
+            } else {
+                q[step.observation][greedy(&q[step.observation])]
+            };
             q[state][action] += LEARNING_RATE * (step.reward + DISCOUNT * next - q[state][action]);
         }
         state = step.observation;

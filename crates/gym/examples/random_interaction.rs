@@ -33,13 +33,22 @@ fn random_interaction<E: Env>(
 }
 
 fn main() -> Result<()> {
-    for id in ["CartPole-v1", "MountainCar-v0", "Blackjack-v1", "FrozenLake-v1"] {
+    for id in [
+        "CartPole-v1",
+        "MountainCar-v0",
+        "Blackjack-v1",
+        "FrozenLake-v1",
+    ] {
         let mut env = gym::builder(id).render_mode(RenderMode::RgbArray).build()?;
         let mut recorder = GifWriter::create(format!("{id}.gif"), env.metadata().render_fps)?;
         let (returns, lengths) = random_interaction(&mut env, 10, &mut recorder)?;
         recorder.finish()?;
-        Plot::episodes(id, 3, [("random", &returns[..], &lengths[..])]).write_png(format!("{id}.png"))?;
-        println!("{id:16} mean return {:.2}", returns.iter().sum::<f64>() / returns.len() as f64);
+        Plot::episodes(id, 3, [("random", &returns[..], &lengths[..])])
+            .write_png(format!("{id}.png"))?;
+        println!(
+            "{id:16} mean return {:.2}",
+            returns.iter().sum::<f64>() / returns.len() as f64
+        );
     }
     Ok(())
 }

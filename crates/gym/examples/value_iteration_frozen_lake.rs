@@ -13,13 +13,24 @@ fn action_value(lake: &FrozenLakeDynamics, values: &[f64], state: usize, action:
     let outcomes = lake.p().outcomes(state, action as usize);
     outcomes
         .iter()
-        .map(|o| o.probability * (o.reward + if o.terminated { 0.0 } else { DISCOUNT * values[o.next] }))
+        .map(|o| {
+            o.probability
+                * (o.reward
+                    + if o.terminated {
+                        0.0
+                    } else {
+                        DISCOUNT * values[o.next]
+                    })
+        })
         .sum()
 }
 
 fn best(lake: &FrozenLakeDynamics, values: &[f64], state: usize) -> (Action, f64) {
     let rated = Action::ALL.map(|action| (action, action_value(lake, values, state, action)));
-    rated.into_iter().fold(rated[0], |best, other| if other.1 > best.1 { other } else { best })
+    rated.into_iter().fold(
+        rated[0],
+        |best, other| if other.1 > best.1 { other } else { best },
+    )
 }
 
 fn main() -> Result<()> {
@@ -29,8 +40,14 @@ fn main() -> Result<()> {
     let mut sweeps = 0;
     loop {
         sweeps += 1;
-        let next: Vec<f64> = (0..values.len()).map(|state| best(lake, &values, state).1).collect();
-        let change = next.iter().zip(&values).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let next: Vec<f64> = (0..values.len())
+            .map(|state| best(lake, &values, state).1)
+            .collect();
+        let change = next
+            .iter()
+            .zip(&values)
+            .map(|(a, b)| (a - b).abs())
+            .fold(0.0, f64::max);
         values = next;
         if change < 1e-10 {
             break;
@@ -53,6 +70,9 @@ fn main() -> Result<()> {
         }
         state = env.reset(())?;
     }
-    println!("goal reached in {:.1} % of 1000 episodes (70 % counts as solved)", f64::from(reached) / 10.0);
+    println!(
+        "goal reached in {:.1} % of 1000 episodes (70 % counts as solved)",
+        f64::from(reached) / 10.0
+    );
     Ok(())
 }

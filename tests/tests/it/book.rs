@@ -38,7 +38,10 @@ fn every_page_with_snippets_is_a_doc_test() {
             !has_snippets || tested.contains(&format!("\"{page}\"")),
             "{page}: add it to tests/src/lib.rs"
         );
-        assert!(!text.contains("```rust,"), "{page}: a snippet that does not run");
+        assert!(
+            !text.contains("```rust,"),
+            "{page}: a snippet that does not run"
+        );
     }
 }
 
@@ -46,12 +49,16 @@ fn every_page_with_snippets_is_a_doc_test() {
 #[test]
 fn every_wrapper_of_the_registry_is_in_the_table() {
     let page = read("docs/wrappers.md");
-    let unknown = gym::WrapperSpec::new("Unknown").wrap(gym::make("CartPole-v1").expect("CartPole"));
+    let unknown =
+        gym::WrapperSpec::new("Unknown").wrap(gym::make("CartPole-v1").expect("CartPole"));
     let error = unknown.expect_err("no wrapper has this name").to_string();
     let (_, names) = error.split_once("known are ").expect("a list of names");
     assert!(names.split(", ").count() > 20, "{names}");
     for name in names.split(", ") {
-        assert!(page.contains(&format!("`{name}`")), "docs/wrappers.md lacks {name}");
+        assert!(
+            page.contains(&format!("`{name}`")),
+            "docs/wrappers.md lacks {name}"
+        );
     }
 }
 
@@ -59,17 +66,22 @@ fn every_wrapper_of_the_registry_is_in_the_table() {
 fn documents() -> Vec<(String, String)> {
     let mut all = vec![PathBuf::from("README.md")];
     pages(Path::new("docs"), &mut all);
-    all.into_iter().map(|path| (path.display().to_string(), read(&path))).collect()
+    all.into_iter()
+        .map(|path| (path.display().to_string(), read(&path)))
+        .collect()
 }
 
 /// The longest words of the characters that `is_part` accepts.
 fn words(text: &str, is_part: impl Fn(char) -> bool) -> impl Iterator<Item = &str> {
-    text.split(move |c| !is_part(c)).filter(|word| !word.is_empty())
+    text.split(move |c| !is_part(c))
+        .filter(|word| !word.is_empty())
 }
 
 /// `[namespace/]Name-vVersion`
 fn ids(text: &str) -> impl Iterator<Item = &str> {
-    let words = words(text, |c| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '/'));
+    let words = words(text, |c| {
+        c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '/')
+    });
     words.filter(|word| {
         word.rsplit_once("-v").is_some_and(|(name, version)| {
             !name.is_empty() && !version.is_empty() && version.bytes().all(|b| b.is_ascii_digit())
@@ -87,9 +99,9 @@ fn every_id_in_the_documents_is_registered() {
             let id = match id.split_once('/') {
                 Some(("my_envs", _)) => continue,
                 // whose namespace is a prefix there
-                Some(("rustgym", name)) => {
-                    &name.replacen("ALE-", "ALE/", 1).replacen("rapier-", "rapier/", 1)
-                }
+                Some(("rustgym", name)) => &name
+                    .replacen("ALE-", "ALE/", 1)
+                    .replacen("rapier-", "rapier/", 1),
                 _ => id,
             };
             if let Err(error) = gym::registry::find(id) {
@@ -106,25 +118,36 @@ fn the_readme_names_every_environment() {
     let readme = read("README.md");
     let names = gym::registry::self_contained();
     // the second engine's tasks have the names of the first one's
-    let names = names.iter().map(gym::Registration::id).filter(|id| !id.starts_with("rapier/"));
+    let names = names
+        .iter()
+        .map(gym::Registration::id)
+        .filter(|id| !id.starts_with("rapier/"));
     for id in names {
         let name = id.rsplit_once("-v").map_or(id, |(name, _)| name);
         assert!(readme.contains(&format!("`{name}")), "README.md lacks {id}");
     }
     let games = gym::atari::games::GAMES.len();
-    assert!(readme.contains(&format!("{games} games")), "README.md: there are {games} games");
+    assert!(
+        readme.contains(&format!("{games} games")),
+        "README.md: there are {games} games"
+    );
 }
 
 #[test]
 fn default_features_are_named() {
     let manifest = read("crates/gym/Cargo.toml");
-    let line = manifest.lines().find_map(|line| line.strip_prefix("default = ["));
+    let line = manifest
+        .lines()
+        .find_map(|line| line.strip_prefix("default = ["));
     let features: Vec<_> = words(line.expect("a list"), |c| c.is_ascii_alphanumeric()).collect();
     assert!(features.len() > 5, "{features:?}");
     for page in ["README.md", "docs/first-steps.md"] {
         let text = read(page);
         for feature in &features {
-            assert!(text.contains(&format!("`{feature}`")), "{page} lacks the feature {feature}");
+            assert!(
+                text.contains(&format!("`{feature}`")),
+                "{page} lacks the feature {feature}"
+            );
         }
     }
 }
@@ -134,10 +157,16 @@ fn columns_have_the_fields_that_the_book_names() {
     let source = read("crates/gym-core/src/vector/columns.rs");
     let mut seen = 0;
     for (page, text) in documents() {
-        for code in text.split('`').filter_map(|code| code.strip_prefix("columns.")) {
-            let name = words(code, |c| c.is_ascii_alphanumeric() || c == '_').next().unwrap_or_default();
+        for code in text
+            .split('`')
+            .filter_map(|code| code.strip_prefix("columns."))
+        {
+            let name = words(code, |c| c.is_ascii_alphanumeric() || c == '_')
+                .next()
+                .unwrap_or_default();
             let is_there = ["pub ", "pub fn "].iter().any(|start| {
-                source.contains(&format!("{start}{name}:")) || source.contains(&format!("{start}{name}("))
+                source.contains(&format!("{start}{name}:"))
+                    || source.contains(&format!("{start}{name}("))
             });
             assert!(is_there, "{page}: `Columns` has no `{name}`");
             seen += 1;
@@ -150,7 +179,10 @@ fn columns_have_the_fields_that_the_book_names() {
 #[test]
 fn the_readme_tells_the_measured_speed() {
     let tables = read("docs/benchmarks.md") + &read("docs/atari.md");
-    let ratios = tables.split('(').skip(1).filter_map(|rest| rest.split_once("x)")?.0.parse::<f64>().ok());
+    let ratios = tables
+        .split('(')
+        .skip(1)
+        .filter_map(|rest| rest.split_once("x)")?.0.parse::<f64>().ok());
     let (mut least, mut most) = (f64::INFINITY, 0.0f64);
     for ratio in ratios {
         (least, most) = (least.min(ratio), most.max(ratio));
@@ -158,9 +190,19 @@ fn the_readme_tells_the_measured_speed() {
     let readme = read("README.md");
     let told: Vec<f64> = readme
         .split(" times (")
-        .filter_map(|text| text.split_whitespace().next_back()?.replace(',', "").parse().ok())
+        .filter_map(|text| {
+            text.split_whitespace()
+                .next_back()?
+                .replace(',', "")
+                .parse()
+                .ok()
+        })
         .collect();
-    assert_eq!(told[..2], [least, (most / 100.0).floor() * 100.0], "from {least} to {most} times");
+    assert_eq!(
+        told[..2],
+        [least, (most / 100.0).floor() * 100.0],
+        "from {least} to {most} times"
+    );
 }
 
 /// Paths that exist, as the compiler sees.
@@ -196,17 +238,23 @@ paths! {
 fn paths_in_the_book_exist() {
     for (page, text) in documents() {
         for code in text.split('`').filter(|code| code.starts_with("gym::")) {
-            let path = words(code, |c| c.is_ascii_alphanumeric() || matches!(c, '_' | ':')).next();
+            let path = words(code, |c| {
+                c.is_ascii_alphanumeric() || matches!(c, '_' | ':')
+            })
+            .next();
             let path = path.unwrap_or_default().trim_end_matches(':');
             // without the method of a type
             let mut is_method = false;
-            let parts = path
-                .split("::")
-                .take_while(|part| !std::mem::replace(&mut is_method, part.starts_with(char::is_uppercase)));
+            let parts = path.split("::").take_while(|part| {
+                !std::mem::replace(&mut is_method, part.starts_with(char::is_uppercase))
+            });
             let path = parts.collect::<Vec<_>>().join("::");
             // the environments' pages name their own modules, from the registrations
             let is_listed = PATHS.contains(&&*path) || page.contains("environments");
-            assert!(is_listed || path == "gym", "{page}: add `{path}` to the paths of this test");
+            assert!(
+                is_listed || path == "gym",
+                "{page}: add `{path}` to the paths of this test"
+            );
         }
     }
 }

@@ -19,7 +19,10 @@ fn drawings_are_as_kept() {
     let is_older = |registration: &Registration| {
         registration.source.package == "gym-mujoco" && !registration.id().ends_with("-v5")
     };
-    for registration in all.iter().filter(|entry| !is_other_engine(entry.id()) && !is_older(entry)) {
+    for registration in all
+        .iter()
+        .filter(|entry| !is_other_engine(entry.id()) && !is_older(entry))
+    {
         let id = registration.id();
         let mut env = registration.spec().unwrap().make().unwrap();
         let mut actions = env.action_sampler(0).unwrap();

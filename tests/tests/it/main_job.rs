@@ -7,8 +7,11 @@ use gym::{Env, EnvExt, registry};
 fn every_environment_is_played_and_seen() {
     for registration in registry::self_contained() {
         let id = registration.id();
-        let mut env =
-            gym::builder(id).render_mode(RenderMode::RgbArrayList).max_episode_steps(25).build().unwrap();
+        let mut env = gym::builder(id)
+            .render_mode(RenderMode::RgbArrayList)
+            .max_episode_steps(25)
+            .build()
+            .unwrap();
         let metadata = env.metadata();
         let space = env.observation_space();
         let mut actions = env.action_sampler(1).unwrap();
@@ -22,13 +25,26 @@ fn every_environment_is_played_and_seen() {
                 break;
             }
         }
-        let Rendered::Frames(frames) = env.render().unwrap() else { panic!("{id} renders no frames") };
+        let Rendered::Frames(frames) = env.render().unwrap() else {
+            panic!("{id} renders no frames")
+        };
         assert_eq!(frames.len(), steps + 1, "{id}");
-        assert_eq!(env.render().unwrap(), Rendered::Frames(vec![]), "{id} hands over twice");
+        assert_eq!(
+            env.render().unwrap(),
+            Rendered::Frames(vec![]),
+            "{id} hands over twice"
+        );
         for frame in frames {
-            assert_eq!((frame.width(), frame.height()), metadata.render_size, "{id}");
+            assert_eq!(
+                (frame.width(), frame.height()),
+                metadata.render_size,
+                "{id}"
+            );
             let first = &frame.pixels()[..3];
-            assert!(frame.pixels().chunks(3).any(|pixel| pixel != first), "{id} draws nothing");
+            assert!(
+                frame.pixels().chunks(3).any(|pixel| pixel != first),
+                "{id} draws nothing"
+            );
         }
     }
 }
@@ -36,13 +52,22 @@ fn every_environment_is_played_and_seen() {
 #[test]
 fn texts_are_gathered() {
     for id in ["FrozenLake-v1", "CliffWalking-v1", "Taxi-v4"] {
-        let mut env = gym::builder(id).render_mode(RenderMode::AnsiList).build().unwrap();
+        let mut env = gym::builder(id)
+            .render_mode(RenderMode::AnsiList)
+            .build()
+            .unwrap();
         let mut actions = env.action_sampler(0).unwrap();
         env.reset(0).unwrap();
         env.step(&actions.sample()).unwrap();
-        let Rendered::Texts(texts) = env.render().unwrap() else { panic!("{id} renders no texts") };
+        let Rendered::Texts(texts) = env.render().unwrap() else {
+            panic!("{id} renders no texts")
+        };
         assert_eq!(texts.len(), 2, "{id}");
-        assert_eq!(env.render().unwrap(), Rendered::Texts(Vec::new()), "{id}: an empty list of texts");
+        assert_eq!(
+            env.render().unwrap(),
+            Rendered::Texts(Vec::new()),
+            "{id}: an empty list of texts"
+        );
         assert!(texts[0] != texts[1] || id == "CliffWalking-v1", "{id}");
     }
 }
@@ -50,17 +75,30 @@ fn texts_are_gathered() {
 #[test]
 fn drawing_changes_nothing() {
     for registration in registry::self_contained() {
-        let mut env = gym::builder(registration.id()).render_mode(RenderMode::RgbArray).build().unwrap();
+        let mut env = gym::builder(registration.id())
+            .render_mode(RenderMode::RgbArray)
+            .build()
+            .unwrap();
         env.reset(0).unwrap();
         let before = env.snapshot().unwrap();
         // some pictures move on with each one that is taken
-        assert_eq!(env.clone().render().unwrap(), env.clone().render().unwrap(), "{}", registration.id());
+        assert_eq!(
+            env.clone().render().unwrap(),
+            env.clone().render().unwrap(),
+            "{}",
+            registration.id()
+        );
         assert_eq!(env.snapshot().unwrap(), before, "{}", registration.id());
         let mut seen = env.clone();
         seen.render().unwrap();
         seen.render().unwrap();
         let action = env.action_sampler(0).unwrap().sample();
-        assert_eq!(seen.step(&action).unwrap(), env.step(&action).unwrap(), "{}", registration.id());
+        assert_eq!(
+            seen.step(&action).unwrap(),
+            env.step(&action).unwrap(),
+            "{}",
+            registration.id()
+        );
     }
 }
 
@@ -70,7 +108,9 @@ fn seeds_decide_whatever_the_thread() {
         let mut env = gym::make(id).unwrap();
         let mut actions = env.action_sampler(5).unwrap();
         env.reset(5).unwrap();
-        (0..20).map(|_| env.step(&actions.sample()).unwrap()).collect::<Vec<_>>()
+        (0..20)
+            .map(|_| env.step(&actions.sample()).unwrap())
+            .collect::<Vec<_>>()
     };
     for id in ["CartPole-v1", "Taxi-v4", "Acrobot-v1"] {
         let here = play(id);

@@ -6,8 +6,12 @@ use gym::classic::mountain_car::MountainCarDynamics;
 use gym::classic::mountain_car_continuous::MountainCarContinuousDynamics;
 use gym::classic::pendulum::PendulumDynamics;
 use gym::vector::native::{ActionColumn, Native, NativeVectorEnv};
-use gym::vector::{Autoreset, Columns, Seeds, VectorEnv, VectorEnvExt, VectorKind, VectorReset, VectorSpec};
-use gym::{Array, BoxEnv, Env, EnvExt, EnvSpec, Generator, Result, Seed, Task, Value, builder, registry};
+use gym::vector::{
+    Autoreset, Columns, Seeds, VectorEnv, VectorEnvExt, VectorKind, VectorReset, VectorSpec,
+};
+use gym::{
+    Array, BoxEnv, Env, EnvExt, EnvSpec, Generator, Result, Seed, Task, Value, builder, registry,
+};
 use serde_json::{Value as Json, json};
 
 const TABLES: [&str; 8] = [
@@ -20,9 +24,19 @@ const TABLES: [&str; 8] = [
     "Taxi-v3",
     "Taxi-v4",
 ];
-const CLASSIC: [&str; 6] =
-    ["Acrobot-v1", "CartPole-v0", "CartPole-v1", "MountainCar-v0", "MountainCarContinuous-v0", "Pendulum-v1"];
-const MODES: [Autoreset; 3] = [Autoreset::NextStep, Autoreset::SameStep, Autoreset::Disabled];
+const CLASSIC: [&str; 6] = [
+    "Acrobot-v1",
+    "CartPole-v0",
+    "CartPole-v1",
+    "MountainCar-v0",
+    "MountainCarContinuous-v0",
+    "Pendulum-v1",
+];
+const MODES: [Autoreset; 3] = [
+    Autoreset::NextStep,
+    Autoreset::SameStep,
+    Autoreset::Disabled,
+];
 
 fn spec(id: &str, arguments: impl Into<Json>) -> EnvSpec {
     let arguments = arguments.into();
@@ -34,7 +48,9 @@ fn spec(id: &str, arguments: impl Into<Json>) -> EnvSpec {
 }
 
 fn native(spec: &EnvSpec, n: usize, autoreset: Autoreset) -> Result<Box<dyn VectorEnv>> {
-    VectorSpec::new(spec.clone(), n, VectorKind::Native).autoreset(autoreset).make()
+    VectorSpec::new(spec.clone(), n, VectorKind::Native)
+        .autoreset(autoreset)
+        .make()
 }
 
 /// Scalar environments, reset as a vector's.
@@ -57,7 +73,11 @@ struct Row {
 
 impl ByHand {
     fn new(spec: &EnvSpec, n: usize, autoreset: Autoreset) -> Self {
-        Self { envs: (0..n).map(|_| spec.make().unwrap()).collect(), due: vec![false; n], autoreset }
+        Self {
+            envs: (0..n).map(|_| spec.make().unwrap()).collect(),
+            due: vec![false; n],
+            autoreset,
+        }
     }
 
     fn reset(&mut self, reset: &VectorReset) -> Vec<Option<Value>> {
@@ -85,7 +105,11 @@ impl ByHand {
             } else {
                 let step = env.step(&actions[i]).unwrap();
                 let done = step.done();
-                row = Row { observation: step.observation, reward: step.reward, ..row };
+                row = Row {
+                    observation: step.observation,
+                    reward: step.reward,
+                    ..row
+                };
                 (row.terminated, row.truncated) = (step.terminated, step.truncated);
                 if done && self.autoreset == Autoreset::SameStep {
                     let last = std::mem::replace(&mut row.observation, Value::Null);
@@ -140,26 +164,42 @@ fn compare(spec: &EnvSpec, n: usize, autoreset: Autoreset, steps: usize) {
                 reset = VectorReset::default().mask(by_hand.due.clone());
                 // a seed list now and then
                 if step % 3 == 0 {
-                    let seeds = (0..n as u64).map(|i| (i % 2 == 0).then(|| Seed::from(i * 7 + step as u64)));
+                    let seeds = (0..n as u64)
+                        .map(|i| (i % 2 == 0).then(|| Seed::from(i * 7 + step as u64)));
                     reset.seeds = Seeds::Each(seeds.collect());
                 }
             }
             let before = by_hand.due.clone();
             envs.reset_into(&reset, &mut columns).unwrap();
             let starts = by_hand.reset(&reset);
-            let shown = envs.single_observation_space().iterate(&columns.observations).unwrap();
+            let shown = envs
+                .single_observation_space()
+                .iterate(&columns.observations)
+                .unwrap();
             for (i, (start, shown)) in starts.into_iter().zip(shown).enumerate() {
-                assert!(start.is_none_or(|start| start == shown), "{name}: start {i} after step {step}");
+                assert!(
+                    start.is_none_or(|start| start == shown),
+                    "{name}: start {i} after step {step}"
+                );
                 assert!(before[i] || step == 0 || reset.of(i).is_none());
             }
             assert!(
-                columns.rewards.iter().all(|reward| *reward == 0.0) && !columns.terminated.contains(&true)
+                columns.rewards.iter().all(|reward| *reward == 0.0)
+                    && !columns.terminated.contains(&true)
             );
         }
         let batch = actions.sample();
         envs.step_into(&batch, &mut columns).unwrap();
-        let single: Vec<Value> = envs.single_action_space().iterate(&batch).unwrap().collect();
-        for (i, (got, want)) in rows(&*envs, &columns).into_iter().zip(by_hand.step(&single)).enumerate() {
+        let single: Vec<Value> = envs
+            .single_action_space()
+            .iterate(&batch)
+            .unwrap()
+            .collect();
+        for (i, (got, want)) in rows(&*envs, &columns)
+            .into_iter()
+            .zip(by_hand.step(&single))
+            .enumerate()
+        {
             assert_eq!(got, want, "{name}: step {step} of {i}");
         }
     }
@@ -212,7 +252,10 @@ fn async_vectors_of_box2d_equal_native_ones() {
                 let actions = actions.sample();
                 native.step_into(&actions, &mut one).unwrap();
                 threads.step_into(&actions, &mut other).unwrap();
-                assert_eq!(one.observations, other.observations, "{id}, {mode:?}: step {step}");
+                assert_eq!(
+                    one.observations, other.observations,
+                    "{id}, {mode:?}: step {step}"
+                );
                 assert_eq!(one.rewards, other.rewards, "{id}, {mode:?}: step {step}");
                 assert_eq!(one.progress, other.progress, "{id}, {mode:?}: step {step}");
             }
@@ -229,7 +272,9 @@ fn a_refused_action_leaves_no_step_begun() {
     let mut columns = envs.reset(3).unwrap();
     by_hand.reset(&3.into());
     let batch = |x: f32| {
-        let rows: Vec<f32> = (0..6).flat_map(|i| [if i == 4 { x } else { 0.4 }, 0.9]).collect();
+        let rows: Vec<f32> = (0..6)
+            .flat_map(|i| [if i == 4 { x } else { 0.4 }, 0.9])
+            .collect();
         Value::Array(Array::from(rows).reshape([6, 2]).unwrap())
     };
     for x in [0.2, f32::NAN, 0.7, 0.1, f32::INFINITY, -0.3] {
@@ -240,11 +285,24 @@ fn a_refused_action_leaves_no_step_begun() {
             if i == 4 && !x.is_finite() {
                 continue;
             }
-            let action = envs.single_action_space().iterate(&actions).unwrap().nth(i).unwrap();
+            let action = envs
+                .single_action_space()
+                .iterate(&actions)
+                .unwrap()
+                .nth(i)
+                .unwrap();
             let step = by_hand.envs[i].step(&action).unwrap();
-            let shown = envs.single_observation_space().iterate(&columns.observations).unwrap().nth(i);
+            let shown = envs
+                .single_observation_space()
+                .iterate(&columns.observations)
+                .unwrap()
+                .nth(i);
             assert_eq!(shown, Some(step.observation), "{x}: {i}");
-            assert_eq!(columns.rewards[i].to_bits(), step.reward.to_bits(), "{x}: {i}");
+            assert_eq!(
+                columns.rewards[i].to_bits(),
+                step.reward.to_bits(),
+                "{x}: {i}"
+            );
         }
     }
 }
@@ -254,31 +312,58 @@ fn infos_of_tables_equal_those_of_sync() {
     for id in TABLES {
         for mode in MODES {
             let kinds = [VectorKind::Native, VectorKind::Sync];
-            let make = |kind| builder(id).vector(5).kind(kind).autoreset(mode).build().unwrap();
+            let make = |kind| {
+                builder(id)
+                    .vector(5)
+                    .kind(kind)
+                    .autoreset(mode)
+                    .build()
+                    .unwrap()
+            };
             let [mut native, mut sync] = kinds.map(make);
             let [mut fast, mut exact] = [native.columns().unwrap(), sync.columns().unwrap()];
             let mut actions = native.action_space().unwrap().sampler(2);
             for step in 0..200 {
                 let done: Vec<bool> = (0..5).map(|i| exact.done(i)).collect();
                 if step == 0 || mode == Autoreset::Disabled && done.contains(&true) {
-                    let reset = if step == 0 { 9.into() } else { VectorReset::default().mask(done) };
+                    let reset = if step == 0 {
+                        9.into()
+                    } else {
+                        VectorReset::default().mask(done)
+                    };
                     native.reset_into(&reset, &mut fast).unwrap();
                     sync.reset_into(&reset, &mut exact).unwrap();
-                    assert_eq!(native.infos(&fast), sync.infos(&exact), "{id}, {mode:?}: reset {step}");
+                    assert_eq!(
+                        native.infos(&fast),
+                        sync.infos(&exact),
+                        "{id}, {mode:?}: reset {step}"
+                    );
                 }
                 let actions = actions.sample();
                 native.step_into(&actions, &mut fast).unwrap();
                 sync.step_into(&actions, &mut exact).unwrap();
-                assert_eq!(fast.observations, exact.observations, "{id}, {mode:?}: step {step}");
-                assert_eq!(native.infos(&fast), sync.infos(&exact), "{id}, {mode:?}: step {step}");
+                assert_eq!(
+                    fast.observations, exact.observations,
+                    "{id}, {mode:?}: step {step}"
+                );
+                assert_eq!(
+                    native.infos(&fast),
+                    sync.infos(&exact),
+                    "{id}, {mode:?}: step {step}"
+                );
                 for i in 0..5 {
                     // the info of an episode's end is told once
                     let [last, expected] = [&native, &sync].map(|envs| {
                         let mut last = gym::Info::new();
-                        envs.final_info(i, &mut |key, value| drop(last.insert(key.to_owned(), value)));
+                        envs.final_info(i, &mut |key, value| {
+                            drop(last.insert(key.to_owned(), value))
+                        });
                         last
                     });
-                    assert_eq!(last, expected, "{id}, {mode:?}: step {step}, environment {i}");
+                    assert_eq!(
+                        last, expected,
+                        "{id}, {mode:?}: step {step}, environment {i}"
+                    );
                 }
             }
         }
@@ -288,10 +373,19 @@ fn infos_of_tables_equal_those_of_sync() {
 #[test]
 fn arguments_of_tables_work() {
     for (id, arguments) in [
-        ("FrozenLake-v1", json!({"is_slippery": false, "reward_schedule": [2.0, -1.0, -0.5]})),
-        ("FrozenLake-v1", json!({"desc": ["SFS", "FHF", "SFG"], "success_rate": 0.5})),
+        (
+            "FrozenLake-v1",
+            json!({"is_slippery": false, "reward_schedule": [2.0, -1.0, -0.5]}),
+        ),
+        (
+            "FrozenLake-v1",
+            json!({"desc": ["SFS", "FHF", "SFG"], "success_rate": 0.5}),
+        ),
         ("CliffWalking-v1", json!({"is_slippery": true})),
-        ("Taxi-v4", json!({"is_rainy": true, "rainy_probability": 0.4})),
+        (
+            "Taxi-v4",
+            json!({"is_rainy": true, "rainy_probability": 0.4}),
+        ),
         ("Blackjack-v1", json!({"sab": false, "natural": true})),
     ] {
         for mode in MODES {
@@ -302,7 +396,10 @@ fn arguments_of_tables_work() {
 
 /// The number of compared steps of each environment: 200,000, or `NATIVE_STEPS`.
 fn steps_to_compare() -> usize {
-    std::env::var("NATIVE_STEPS").ok().and_then(|text| text.parse().ok()).unwrap_or(200_000)
+    std::env::var("NATIVE_STEPS")
+        .ok()
+        .and_then(|text| text.parse().ok())
+        .unwrap_or(200_000)
 }
 
 /// Compares each of many steps with one of the scalar dynamics from the same state, by bits. `options`
@@ -313,7 +410,8 @@ where
 {
     const N: usize = 1000;
     let dynamics = D::new(config).unwrap();
-    let mut envs = NativeVectorEnv::new(dynamics.clone(), N, Some(150), Autoreset::NextStep).unwrap();
+    let mut envs =
+        NativeVectorEnv::new(dynamics.clone(), N, Some(150), Autoreset::NextStep).unwrap();
     let mut columns = envs.columns().unwrap();
     let mut actions = envs.action_sampler(3).unwrap();
     let mut rng = Generator::from(0);
@@ -324,30 +422,50 @@ where
         }
         if step % 100 == 0 {
             let reset = VectorReset::from(step).option(options[0].0, options[0].1);
-            envs.reset_into(&reset.option(options[1].0, options[1].1), &mut columns).unwrap();
+            envs.reset_into(&reset.option(options[1].0, options[1].1), &mut columns)
+                .unwrap();
         }
         let before: Vec<D::State> = (0..N).map(|i| envs.state(i).unwrap()).collect();
         let due: Vec<bool> = (0..N).map(|i| columns.done(i)).collect();
         let batch = actions.sample();
         envs.step_into(&batch, &mut columns).unwrap();
         let items = D::Action::items(&batch, N).unwrap();
-        let observations = columns.observations.as_slice::<f32>().unwrap().as_chunks::<O>().0;
+        let observations = columns
+            .observations
+            .as_slice::<f32>()
+            .unwrap()
+            .as_chunks::<O>()
+            .0;
         for i in (0..N).filter(|i| !due[*i]) {
             let action = D::Action::from_item(D::Action::item(items, i));
             let one = dynamics.transition(&before[i], &action, &mut rng).unwrap();
             let place = || format!("{}: step {step} of {i}, from {:?}", D::NAME, before[i]);
             let bits = |state: &D::State| dynamics.pack(state).map(f64::to_bits);
-            assert_eq!(bits(&envs.state(i).unwrap()), bits(&one.state), "{}", place());
+            assert_eq!(
+                bits(&envs.state(i).unwrap()),
+                bits(&one.state),
+                "{}",
+                place()
+            );
             let seen = dynamics.observe(&one.state).map(f32::to_bits);
             assert_eq!(observations[i].map(f32::to_bits), seen, "{}", place());
-            assert_eq!(columns.rewards[i].to_bits(), one.reward.to_bits(), "{}", place());
+            assert_eq!(
+                columns.rewards[i].to_bits(),
+                one.reward.to_bits(),
+                "{}",
+                place()
+            );
             assert_eq!(columns.terminated[i], one.terminated, "{}", place());
             ends += usize::from(one.terminated);
             compared += 1;
         }
     }
     println!("{}: {compared} steps, {ends} ends", D::NAME);
-    assert!(ends > 0 || D::NAME == "Pendulum", "{}: no episode came to an end of its own", D::NAME);
+    assert!(
+        ends > 0 || D::NAME == "Pendulum",
+        "{}: no episode came to an end of its own",
+        D::NAME
+    );
 }
 
 #[test]
@@ -362,7 +480,10 @@ fn steps_from_anywhere_equal_those_of_scalar_environments() {
         pendulum::Config::default(),
         [("x_init", 100.0), ("y_init", 8.0)],
     );
-    compare_steps::<AcrobotDynamics, 4, 6>(gym::classic::acrobot::Config::default(), bounds(-3.0, 3.0));
+    compare_steps::<AcrobotDynamics, 4, 6>(
+        gym::classic::acrobot::Config::default(),
+        bounds(-3.0, 3.0),
+    );
 }
 
 /// Angles and positions far from any episode: these too are equal.
@@ -372,13 +493,22 @@ fn steps_from_extremes_equal_those_of_scalar_environments() {
     let bounds = [("low", -1e6), ("high", 1e6)];
     compare_steps::<CartPoleDynamics, 4, 4>(cartpole::Config::default(), bounds);
     compare_steps::<MountainCarDynamics, 2, 2>(
-        mountain_car::Config { goal_velocity: -1.0, ..Default::default() },
+        mountain_car::Config {
+            goal_velocity: -1.0,
+            ..Default::default()
+        },
         bounds,
     );
-    let config = mountain_car_continuous::Config { goal_velocity: -1.0, ..Default::default() };
+    let config = mountain_car_continuous::Config {
+        goal_velocity: -1.0,
+        ..Default::default()
+    };
     compare_steps::<MountainCarContinuousDynamics, 2, 2>(config, bounds);
     compare_steps::<PendulumDynamics, 3, 3>(
-        pendulum::Config { g: -3e5, ..Default::default() },
+        pendulum::Config {
+            g: -3e5,
+            ..Default::default()
+        },
         [("x_init", 1e6), ("y_init", 1e6)],
     );
     compare_steps::<AcrobotDynamics, 4, 6>(gym::classic::acrobot::Config::default(), bounds);
@@ -391,17 +521,27 @@ fn starts_equal_those_of_scalar_environments() {
         let mut envs = native(&spec, 40, Autoreset::NextStep).unwrap();
         let mut by_hand = ByHand::new(&spec, 40, Autoreset::NextStep);
         let mut columns = envs.columns().unwrap();
-        let options = if id == "Pendulum-v1" { ["x_init", "y_init"] } else { ["low", "high"] };
+        let options = if id == "Pendulum-v1" {
+            ["x_init", "y_init"]
+        } else {
+            ["low", "high"]
+        };
         let mask: Vec<bool> = (0..40).map(|i| i % 3 == 0).collect();
         for reset in [
             VectorReset::from(7),
             VectorReset::default(),
             VectorReset::seeds((0..40u64).map(|i| i * i)),
             VectorReset::default().mask(mask.clone()),
-            VectorReset::from(1).option(options[0], 0.01).option(options[1], 0.02).mask(mask),
+            VectorReset::from(1)
+                .option(options[0], 0.01)
+                .option(options[1], 0.02)
+                .mask(mask),
         ] {
             envs.reset_into(&reset, &mut columns).unwrap();
-            let shown = envs.single_observation_space().iterate(&columns.observations).unwrap();
+            let shown = envs
+                .single_observation_space()
+                .iterate(&columns.observations)
+                .unwrap();
             let mut shown: Vec<Value> = shown.collect();
             for (i, start) in by_hand.reset(&reset).into_iter().enumerate() {
                 if let Some(start) = start {
@@ -409,11 +549,15 @@ fn starts_equal_those_of_scalar_environments() {
                 }
             }
             // what a mask leaves out is shown as it was
-            let left_out = VectorReset::default().mask((0..40).map(|i| i == 39).collect::<Vec<_>>());
+            let left_out =
+                VectorReset::default().mask((0..40).map(|i| i == 39).collect::<Vec<_>>());
             let mut other = Columns::default();
             envs.reset_into(&left_out, &mut other).unwrap();
             by_hand.reset(&left_out);
-            let again = envs.single_observation_space().iterate(&other.observations).unwrap();
+            let again = envs
+                .single_observation_space()
+                .iterate(&other.observations)
+                .unwrap();
             shown.truncate(39);
             assert!(again.take(39).eq(shown), "{id}");
         }
@@ -421,13 +565,22 @@ fn starts_equal_those_of_scalar_environments() {
 }
 
 /// The columns of some steps, as bits.
-fn bits<D: Native>(envs: &mut NativeVectorEnv<D>, seed: u64, actions: &[Value], row: usize) -> Vec<Value> {
+fn bits<D: Native>(
+    envs: &mut NativeVectorEnv<D>,
+    seed: u64,
+    actions: &[Value],
+    row: usize,
+) -> Vec<Value> {
     let mut columns = envs.reset(seed).unwrap();
     let space = envs.single_observation_space();
     let mut seen = Vec::new();
     for actions in actions {
         envs.step_into(actions, &mut columns).unwrap();
-        let observation = space.iterate(&columns.observations).unwrap().nth(row).unwrap();
+        let observation = space
+            .iterate(&columns.observations)
+            .unwrap()
+            .nth(row)
+            .unwrap();
         seen.extend([observation, Value::Float(columns.rewards[row])]);
     }
     seen
@@ -435,12 +588,18 @@ fn bits<D: Native>(envs: &mut NativeVectorEnv<D>, seed: u64, actions: &[Value], 
 
 fn same_bits<D: Native>(dynamics: &D) {
     const N: usize = 1000;
-    let vector = |n| NativeVectorEnv::new(dynamics.clone(), n, Some(60), Autoreset::SameStep).unwrap();
+    let vector =
+        |n| NativeVectorEnv::new(dynamics.clone(), n, Some(60), Autoreset::SameStep).unwrap();
     let mut actions = vector(N).action_sampler(8).unwrap();
     let actions: Vec<Value> = (0..200).map(|_| actions.sample()).collect();
     for i in [0, 31, 32, 517, 999] {
         let many = bits(&mut vector(N), 50, &actions, i);
-        assert_eq!(many, bits(&mut vector(N).baseline(), 50, &actions, i), "{}: without SIMD", D::NAME);
+        assert_eq!(
+            many,
+            bits(&mut vector(N).baseline(), 50, &actions, i),
+            "{}: without SIMD",
+            D::NAME
+        );
         let space = dynamics.action_space();
         let single = |batch: &Value| {
             let action = space.iterate(batch).unwrap().nth(i).unwrap();
@@ -473,7 +632,10 @@ fn arguments_of_classic_environments_work() {
     for _ in 0..60 {
         envs.step_into(&actions.sample(), &mut columns).unwrap();
         for i in 0..100 {
-            assert_eq!(columns.rewards[i], if columns.terminated[i] { -1.0 } else { 0.0 });
+            assert_eq!(
+                columns.rewards[i],
+                if columns.terminated[i] { -1.0 } else { 0.0 }
+            );
             fell += usize::from(columns.terminated[i]);
         }
     }
@@ -484,31 +646,78 @@ fn arguments_of_classic_environments_work() {
 fn what_only_scalar_environments_can_do_is_refused() {
     let plain = |id: &str| spec(id, json!({}));
     let wrapped = builder("CartPole-v1").build().unwrap();
-    let wrapped = gym::Wrap::clip_reward(wrapped, (-1.0, 1.0)).unwrap().spec().unwrap();
-    let rendered = EnvSpec { render_mode: Some(gym::render::RenderMode::RgbArray), ..plain("CartPole-v1") };
+    let wrapped = gym::Wrap::clip_reward(wrapped, (-1.0, 1.0))
+        .unwrap()
+        .spec()
+        .unwrap();
+    let rendered = EnvSpec {
+        render_mode: Some(gym::render::RenderMode::RgbArray),
+        ..plain("CartPole-v1")
+    };
     for (spec, reason) in [
         (spec("Taxi-v4", json!({"fickle_passenger": true})), "fickle"),
-        (spec("FrozenLake-v1", json!({"map_name": null})), "random maps"),
-        (EnvSpec { max_episode_steps: Some(70_000), ..plain("CartPole-v1") }, "65534"),
+        (
+            spec("FrozenLake-v1", json!({"map_name": null})),
+            "random maps",
+        ),
+        (
+            EnvSpec {
+                max_episode_steps: Some(70_000),
+                ..plain("CartPole-v1")
+            },
+            "65534",
+        ),
         (wrapped, "cannot be wrapped"),
         (rendered, "cannot render"),
     ] {
-        let error = native(&spec, 2, Autoreset::NextStep).unwrap_err().to_string();
-        assert!(error.contains(reason) && error.contains("make a sync or async"), "{error}");
+        let error = native(&spec, 2, Autoreset::NextStep)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains(reason) && error.contains("make a sync or async"),
+            "{error}"
+        );
     }
-    let unknown = native(&spec("CartPole-v1", json!({"wind": 1})), 2, Autoreset::NextStep).unwrap_err();
-    assert!(unknown.to_string().contains("sutton_barto_reward"), "{unknown}");
-    let none = native(&spec("CliffWalking-v0", json!({"is_slippery": true})), 2, Autoreset::NextStep);
+    let unknown = native(
+        &spec("CartPole-v1", json!({"wind": 1})),
+        2,
+        Autoreset::NextStep,
+    )
+    .unwrap_err();
+    assert!(
+        unknown.to_string().contains("sutton_barto_reward"),
+        "{unknown}"
+    );
+    let none = native(
+        &spec("CliffWalking-v0", json!({"is_slippery": true})),
+        2,
+        Autoreset::NextStep,
+    );
     assert!(none.unwrap_err().to_string().contains("takes no arguments"));
     assert!(native(&plain("CartPole-v1"), 0, Autoreset::NextStep).is_err());
     assert!(
-        native(&EnvSpec { max_episode_steps: Some(0), ..plain("CartPole-v1") }, 1, Autoreset::NextStep)
-            .is_err()
+        native(
+            &EnvSpec {
+                max_episode_steps: Some(0),
+                ..plain("CartPole-v1")
+            },
+            1,
+            Autoreset::NextStep
+        )
+        .is_err()
     );
-    let rebuilt = native(&plain("Taxi-v4"), 3, Autoreset::SameStep).unwrap().spec().unwrap().make().unwrap();
+    let rebuilt = native(&plain("Taxi-v4"), 3, Autoreset::SameStep)
+        .unwrap()
+        .spec()
+        .unwrap()
+        .make()
+        .unwrap();
     assert_eq!(rebuilt.describe(), "NativeVectorEnv(Taxi-v4, num_envs=3)");
     assert_eq!(rebuilt.autoreset(), Autoreset::SameStep);
-    let endless = EnvSpec { max_episode_steps: None, ..plain("Pendulum-v1") };
+    let endless = EnvSpec {
+        max_episode_steps: None,
+        ..plain("Pendulum-v1")
+    };
     assert!(native(&endless, 1, Autoreset::NextStep).is_ok());
 }
 
@@ -518,7 +727,10 @@ fn refused(id: &str, actions: &Value) -> String {
     let mut columns = envs.columns().unwrap();
     envs.reset_into(&0.into(), &mut columns).unwrap();
     let before = columns.clone();
-    let error = envs.step_into(actions, &mut columns).unwrap_err().to_string();
+    let error = envs
+        .step_into(actions, &mut columns)
+        .unwrap_err()
+        .to_string();
     assert_eq!(columns, before, "{id}: {error}");
     let mut fresh = native(&spec(id, json!({})), 3, Autoreset::NextStep).unwrap();
     let mut expected = fresh.columns().unwrap();
@@ -534,19 +746,40 @@ fn refused(id: &str, actions: &Value) -> String {
 fn bad_actions_are_refused_before_anything_is_stepped() {
     let boxed = |values: [f32; 3]| Value::Array(Array::from(values).reshape([3, 1]).unwrap());
     for id in TABLES.iter().chain(&CLASSIC) {
-        for actions in
-            [Value::Null, Value::Int(0), Value::Array([0i64, 0].into()), Value::Array([0.0f64; 3].into())]
-        {
-            assert!(refused(id, &actions).contains("is not an element of a batch of"), "{id}");
+        for actions in [
+            Value::Null,
+            Value::Int(0),
+            Value::Array([0i64, 0].into()),
+            Value::Array([0.0f64; 3].into()),
+        ] {
+            assert!(
+                refused(id, &actions).contains("is not an element of a batch of"),
+                "{id}"
+            );
         }
         let (bad, index) = if ["MountainCarContinuous-v0", "Pendulum-v1"].contains(id) {
-            (vec![boxed([0.0, 0.0, f32::NAN]), boxed([0.0, 0.0, f32::INFINITY])], 2)
+            (
+                vec![
+                    boxed([0.0, 0.0, f32::NAN]),
+                    boxed([0.0, 0.0, f32::INFINITY]),
+                ],
+                2,
+            )
         } else {
-            (vec![Value::Array([0i64, -1, 0].into()), Value::Array([0i64, 9, i64::MAX].into())], 1)
+            (
+                vec![
+                    Value::Array([0i64, -1, 0].into()),
+                    Value::Array([0i64, 9, i64::MAX].into()),
+                ],
+                1,
+            )
         };
         for bad in bad {
             let error = refused(id, &bad);
-            assert!(error.starts_with(&format!("sub-environment {index}: invalid action")), "{error}");
+            assert!(
+                error.starts_with(&format!("sub-environment {index}: invalid action")),
+                "{error}"
+            );
         }
     }
     // an environment whose step is a reset takes no action, in whichever block of numbers it is
@@ -560,20 +793,26 @@ fn bad_actions_are_refused_before_anything_is_stepped() {
         due.iter().for_each(|i| batch[*i] = -1);
         for i in (0..70).filter(|i| !due.contains(i)).step_by(9) {
             let good = std::mem::replace(&mut batch[i], 7);
-            let error = envs.step_into(&Value::Array(batch.clone().into()), &mut columns).unwrap_err();
+            let error = envs
+                .step_into(&Value::Array(batch.clone().into()), &mut columns)
+                .unwrap_err();
             assert!(
-                error.to_string().starts_with(&format!("sub-environment {i}: invalid action")),
+                error
+                    .to_string()
+                    .starts_with(&format!("sub-environment {i}: invalid action")),
                 "{error}"
             );
             batch[i] = good;
         }
-        envs.step_into(&Value::Array(batch.into()), &mut columns).unwrap();
+        envs.step_into(&Value::Array(batch.into()), &mut columns)
+            .unwrap();
     }
     // beyond the bounds a torque is clipped, as in Gymnasium
     let mut envs = native(&spec("Pendulum-v1", json!({})), 3, Autoreset::NextStep).unwrap();
     let mut columns = envs.columns().unwrap();
     envs.reset_into(&0.into(), &mut columns).unwrap();
-    envs.step_into(&boxed([9.0, -9.0, f32::MAX]), &mut columns).unwrap();
+    envs.step_into(&boxed([9.0, -9.0, f32::MAX]), &mut columns)
+        .unwrap();
     assert!(columns.rewards.iter().all(|reward| reward.is_finite()));
 }
 
@@ -584,11 +823,19 @@ fn environments_without_an_episode_are_named() {
     let mut columns = envs.columns().unwrap();
     let actions = envs.action_space().unwrap().sampler(0).sample();
     let error = envs.step_into(&actions, &mut columns).unwrap_err();
-    assert!(error.to_string().starts_with("sub-environment 0: cannot call `step` before `reset`"), "{error}");
+    assert!(
+        error
+            .to_string()
+            .starts_with("sub-environment 0: cannot call `step` before `reset`"),
+        "{error}"
+    );
     let all_but_35 = VectorReset::from(0).mask((0..40).map(|i| i != 35).collect::<Vec<_>>());
     envs.reset_into(&all_but_35, &mut columns).unwrap();
     let error = envs.step_into(&actions, &mut columns).unwrap_err();
-    assert!(error.to_string().starts_with("sub-environment 35: "), "{error}");
+    assert!(
+        error.to_string().starts_with("sub-environment 35: "),
+        "{error}"
+    );
     envs.reset_into(&1.into(), &mut columns).unwrap();
     let over = loop {
         envs.step_into(&actions, &mut columns).unwrap();
@@ -599,7 +846,9 @@ fn environments_without_an_episode_are_named() {
     let before = columns.clone();
     let error = envs.step_into(&actions, &mut columns).unwrap_err();
     assert!(
-        error.to_string().starts_with(&format!("sub-environment {over}: the episode has ended")),
+        error
+            .to_string()
+            .starts_with(&format!("sub-environment {over}: the episode has ended")),
         "{error}"
     );
     assert_eq!(columns, before);
@@ -612,7 +861,8 @@ fn environments_without_an_episode_are_named() {
     }
     envs.close();
     assert!(
-        envs.step_into(&actions, &mut columns).is_err() && envs.reset_into(&1.into(), &mut columns).is_err()
+        envs.step_into(&actions, &mut columns).is_err()
+            && envs.reset_into(&1.into(), &mut columns).is_err()
     );
 }
 
@@ -627,7 +877,10 @@ fn a_bad_reset_option_changes_nothing() {
     other.reset_into(&4.into(), &mut expected).unwrap();
     let bad = VectorReset::from(9).option("low", "far");
     let error = envs.reset_into(&bad, &mut columns).unwrap_err().to_string();
-    assert!(error.starts_with("sub-environment 0: invalid argument for reset options"), "{error}");
+    assert!(
+        error.starts_with("sub-environment 0: invalid argument for reset options"),
+        "{error}"
+    );
     envs.step_into(&actions, &mut columns).unwrap();
     other.step_into(&actions, &mut expected).unwrap();
     assert_eq!(columns, expected);
@@ -637,14 +890,18 @@ fn a_bad_reset_option_changes_nothing() {
 fn steps_do_not_allocate() {
     for id in TABLES.iter().chain(&CLASSIC) {
         for mode in [Autoreset::NextStep, Autoreset::SameStep] {
-            let spec = EnvSpec { max_episode_steps: Some(20), ..spec(id, json!({})) };
+            let spec = EnvSpec {
+                max_episode_steps: Some(20),
+                ..spec(id, json!({}))
+            };
             let mut envs = native(&spec, 100, mode).unwrap();
             let mut columns = envs.columns().unwrap();
             envs.reset_into(&0.into(), &mut columns).unwrap();
             let mut sampler = envs.action_space().unwrap().sampler(0);
             for _ in 0..50 {
                 let actions = sampler.sample();
-                let count = allocation_counter::measure(|| envs.step_into(&actions, &mut columns).unwrap());
+                let count =
+                    allocation_counter::measure(|| envs.step_into(&actions, &mut columns).unwrap());
                 assert_eq!(count.count_total, 0, "{id}, {mode:?}");
             }
         }
@@ -665,20 +922,30 @@ fn a_million_cartpoles_take_66_bytes_each() {
         envs.step_into(&actions, &mut columns).unwrap();
         ends += (0..N).filter(|i| columns.done(*i)).count();
     }
-    assert_eq!(ends, N, "a pole that is always pushed falls once within 12 steps");
+    assert_eq!(
+        ends, N,
+        "a pole that is always pushed falls once within 12 steps"
+    );
 }
 
 #[test]
 fn limits_of_episodes_are_kept_from_the_shortest_on() {
     for limit in [1, 2, 65_534] {
-        let vector = builder("Pendulum-v1").max_episode_steps(limit).vector(3).kind(VectorKind::Native);
+        let vector = builder("Pendulum-v1")
+            .max_episode_steps(limit)
+            .vector(3)
+            .kind(VectorKind::Native);
         let mut envs = vector.build().unwrap();
         envs.reset(0).unwrap();
         let actions = envs.action_sampler(0).unwrap().sample();
         let mut columns = envs.columns().unwrap();
         for step in 1..=limit.min(2) {
             envs.step_into(&actions, &mut columns).unwrap();
-            assert_eq!(columns.truncated, [step == limit; 3], "limit {limit}, step {step}");
+            assert_eq!(
+                columns.truncated,
+                [step == limit; 3],
+                "limit {limit}, step {step}"
+            );
         }
     }
 }

@@ -20,20 +20,35 @@ fn make(json: &Json) -> BoxEnv {
 #[test]
 fn starts() {
     for Reference { name, json, .. } in references() {
-        let Some(start) = json.get("start") else { continue };
+        let Some(start) = json.get("start") else {
+            continue;
+        };
         let mut env = make(&json);
-        env.reset(json["seed"].as_u64().expect("a seed")).expect("a reset");
+        env.reset(json["seed"].as_u64().expect("a seed"))
+            .expect("a reset");
         if let Some(lander) = env.unwrapped::<LunarLander>() {
             let heights = lander.terrain().expect("reset");
-            for (i, edge) in start["smooth_terrain"].as_array().expect("edges").iter().enumerate() {
+            for (i, edge) in start["smooth_terrain"]
+                .as_array()
+                .expect("edges")
+                .iter()
+                .enumerate()
+            {
                 assert_eq!(edge[1].as_f64(), Some(heights[i]), "{name}: height {i}");
             }
-            assert_eq!(start["helipad_y"].as_f64(), Some(lunar_lander::HELIPAD_Y), "{name}");
+            assert_eq!(
+                start["helipad_y"].as_f64(),
+                Some(lunar_lander::HELIPAD_Y),
+                "{name}"
+            );
         } else if let Some(walker) = env.unwrapped::<BipedalWalker>() {
             assert_eq!(&json!(walker.terrain()), &start["terrain_y"], "{name}");
         } else if let Some(car) = env.unwrapped::<CarRacing>() {
             let track = car.track().expect("reset");
-            for (i, (p, expected)) in track.iter().zip(start["track"].as_array().expect("tiles")).enumerate()
+            for (i, (p, expected)) in track
+                .iter()
+                .zip(start["track"].as_array().expect("tiles"))
+                .enumerate()
             {
                 assert_eq!(
                     json!([p.beta, p.x, p.y]),
@@ -43,7 +58,10 @@ fn starts() {
                 // an arc tangent, correctly rounded here and not always in the C library; the track is laid
                 // by comparing it
                 let alpha = expected[0].as_f64().expect("a number");
-                assert!([alpha.next_down(), alpha, alpha.next_up()].contains(&p.alpha), "{name}: tile {i}");
+                assert!(
+                    [alpha.next_down(), alpha, alpha.next_up()].contains(&p.alpha),
+                    "{name}: tile {i}"
+                );
             }
             assert_eq!(start["tiles"].as_u64(), Some(track.len() as u64), "{name}");
         } else {
@@ -62,8 +80,16 @@ fn outcomes() {
                 Some(policy) => play(&json, policy, seed),
                 None => panic!("{name}: no policy"),
             };
-            assert_eq!(episode["return"].as_f64(), Some(episode_return), "{name}, seed {seed}");
-            assert_eq!(episode["length"].as_u64(), Some(length), "{name}, seed {seed}");
+            assert_eq!(
+                episode["return"].as_f64(),
+                Some(episode_return),
+                "{name}, seed {seed}"
+            );
+            assert_eq!(
+                episode["length"].as_u64(),
+                Some(length),
+                "{name}, seed {seed}"
+            );
         }
     }
 }
@@ -78,7 +104,9 @@ fn play(json: &Json, policy: &str, seed: u64) -> (f64, u64) {
     let mut heuristic = |observation: &Value| {
         let seen: &[f32] = observation.as_slice().expect("numbers");
         match lander {
-            true => lunar_lander::heuristic(seen.try_into().expect("8 numbers"), continuous).to_value(),
+            true => {
+                lunar_lander::heuristic(seen.try_into().expect("8 numbers"), continuous).to_value()
+            }
             false => gait.act(seen.try_into().expect("24 numbers")).to_value(),
         }
     };
@@ -104,7 +132,12 @@ fn play(json: &Json, policy: &str, seed: u64) -> (f64, u64) {
 fn follow(seed: u64) -> (f64, u64) {
     let mut env = CarRacing::new(car_racing::Config::default()).expect("default arguments");
     env.reset_state(&seed.into()).expect("a reset");
-    let track: Vec<[f64; 2]> = env.track().expect("reset").iter().map(|p| [p.x, p.y]).collect();
+    let track: Vec<[f64; 2]> = env
+        .track()
+        .expect("reset")
+        .iter()
+        .map(|p| [p.x, p.y])
+        .collect();
     let (mut total, mut length, mut i) = (0.0, 0, 0);
     loop {
         let [x, y, angle, vx, vy, _] = env.state().expect("reset").hull;
@@ -112,7 +145,9 @@ fn follow(seed: u64) -> (f64, u64) {
             let [px, py] = track[(i + j) % track.len()];
             (px - x) * (px - x) + (py - y) * (py - y)
         };
-        let nearest = (0..40).min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("points");
+        let nearest = (0..40)
+            .min_by(|a, b| distance(a).total_cmp(&distance(b)))
+            .expect("points");
         i = (i + nearest) % track.len();
         let [tx, ty] = track[(i + 6) % track.len()];
         let error = (f64::atan2(-(tx - x), ty - y) - angle + PI).rem_euclid(2.0 * PI) - PI;
@@ -122,7 +157,9 @@ fn follow(seed: u64) -> (f64, u64) {
             if speed < 40.0 { 0.4 } else { 0.0 },
             if speed > 60.0 { 0.3 } else { 0.0 },
         ];
-        let outcome = env.step_state(&pedals.map(|pedal| pedal as f32).into()).expect("a step");
+        let outcome = env
+            .step_state(&pedals.map(|pedal| pedal as f32).into())
+            .expect("a step");
         total += outcome.reward;
         length += 1;
         if outcome.done() || length >= 1000 {

@@ -2,14 +2,21 @@
 
 use gym::registry::EnvId;
 use gym::spaces::{
-    BoxSpace, DictSpace, Discrete, GraphSpace, MultiBinary, MultiDiscrete, OneOfSpace, SequenceSpace,
-    TextSpace, TupleSpace,
+    BoxSpace, DictSpace, Discrete, GraphSpace, MultiBinary, MultiDiscrete, OneOfSpace,
+    SequenceSpace, TextSpace, TupleSpace,
 };
 use gym::{DType, Env, EnvExt, EnvSpec, Registration, Snapshot, Space, WrapperSpec, registry};
 use proptest::prelude::*;
 
 fn dtype() -> impl Strategy<Value = DType> {
-    prop::sample::select(vec![DType::I8, DType::U8, DType::I32, DType::I64, DType::F32, DType::F64])
+    prop::sample::select(vec![
+        DType::I8,
+        DType::U8,
+        DType::I32,
+        DType::I64,
+        DType::F32,
+        DType::F64,
+    ])
 }
 
 fn shape() -> impl Strategy<Value = Vec<usize>> {
@@ -17,20 +24,36 @@ fn shape() -> impl Strategy<Value = Vec<usize>> {
 }
 
 fn boxed() -> impl Strategy<Value = BoxSpace> {
-    (0i32..100, 0i32..28, shape(), dtype(), any::<bool>(), any::<bool>()).prop_filter_map(
-        "bounds of the type",
-        |(low, width, shape, dtype, open_below, open_above)| {
-            let low = if open_below { f64::NEG_INFINITY } else { f64::from(low) };
-            let high = if open_above { f64::INFINITY } else { f64::from(low.max(0.0) as i32 + width) };
-            BoxSpace::uniform(low, high, shape, dtype).ok()
-        },
+    (
+        0i32..100,
+        0i32..28,
+        shape(),
+        dtype(),
+        any::<bool>(),
+        any::<bool>(),
     )
+        .prop_filter_map(
+            "bounds of the type",
+            |(low, width, shape, dtype, open_below, open_above)| {
+                let low = if open_below {
+                    f64::NEG_INFINITY
+                } else {
+                    f64::from(low)
+                };
+                let high = if open_above {
+                    f64::INFINITY
+                } else {
+                    f64::from(low.max(0.0) as i32 + width)
+                };
+                BoxSpace::uniform(low, high, shape, dtype).ok()
+            },
+        )
 }
 
 /// A space whose elements are numbers or arrays.
 fn leaf() -> impl Strategy<Value = Space> {
-    let discrete =
-        (1i64..9, -5i64..5).prop_map(|(n, start)| Discrete::new(n).unwrap().with_start(start).unwrap());
+    let discrete = (1i64..9, -5i64..5)
+        .prop_map(|(n, start)| Discrete::new(n).unwrap().with_start(start).unwrap());
     let nvec = prop::collection::vec(1i64..6, 1..4);
     prop_oneof![
         boxed().prop_map(Space::from),
@@ -43,15 +66,22 @@ fn leaf() -> impl Strategy<Value = Space> {
 /// Any space.
 fn space() -> impl Strategy<Value = Space> {
     let text = (0usize..3, 0usize..5, "[a-zé]{1,6}").prop_map(|(min, more, charset)| {
-        TextSpace::new(min, min + more).unwrap().with_charset(&charset).unwrap().into()
+        TextSpace::new(min, min + more)
+            .unwrap()
+            .with_charset(&charset)
+            .unwrap()
+            .into()
     });
     let graph = (leaf(), proptest::option::of(leaf()))
-        .prop_filter_map("nodes and edges of a graph", |(node, edge)| GraphSpace::new(node, edge).ok());
+        .prop_filter_map("nodes and edges of a graph", |(node, edge)| {
+            GraphSpace::new(node, edge).ok()
+        });
     let simple = prop_oneof![4 => leaf(), 1 => text, 1 => graph.prop_map(Space::from)];
     simple.prop_recursive(3, 12, 3, |inner| {
         let some = prop::collection::vec(inner.clone(), 1..4);
         prop_oneof![
-            some.clone().prop_map(|spaces| TupleSpace::new(spaces).into()),
+            some.clone()
+                .prop_map(|spaces| TupleSpace::new(spaces).into()),
             some.clone().prop_map(|spaces| {
                 let keys = ["b", "a", "c"];
                 DictSpace::new(keys.into_iter().zip(spaces)).unwrap().into()

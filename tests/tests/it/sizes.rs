@@ -9,8 +9,9 @@ fn difference(small: &Frame, large: &Frame, pixels: impl Iterator<Item = (usize,
     let (mut sum, mut count) = (0.0, 0);
     for (x, y) in pixels {
         for channel in 0..3 {
-            let large =
-                |dx, dy| f64::from(large.pixels()[3 * (2 * width * (2 * y + dy) + 2 * x + dx) + channel]);
+            let large = |dx, dy| {
+                f64::from(large.pixels()[3 * (2 * width * (2 * y + dy) + 2 * x + dx) + channel])
+            };
             let mean = (large(0, 0) + large(1, 0) + large(0, 1) + large(1, 1)) / 4.0;
             sum += (mean - f64::from(small.pixels()[3 * (width * y + x) + channel])).abs();
             count += 1;
@@ -43,7 +44,11 @@ fn pictures_of_other_sizes_are_alike_up_to_their_edges() {
             let (width, height) = (small.width() as usize, small.height() as usize);
             let row = |y| difference(small, large, (0..width).map(|x| (x, y)));
             let column = |x| difference(small, large, (0..height).map(|y| (x, y)));
-            let all = difference(small, large, (0..width * height).map(|i| (i % width, i / width)));
+            let all = difference(
+                small,
+                large,
+                (0..width * height).map(|i| (i % width, i / width)),
+            );
             for (place, difference, most) in [
                 ("the picture", all, 2.0),
                 ("the top", row(0), most_at_edges),
@@ -51,7 +56,10 @@ fn pictures_of_other_sizes_are_alike_up_to_their_edges() {
                 ("the left edge", column(0), most_at_edges),
                 ("the right edge", column(width - 1), most_at_edges),
             ] {
-                assert!(difference < most, "{id}, {width}x{height}: {place} differs by {difference}");
+                assert!(
+                    difference < most,
+                    "{id}, {width}x{height}: {place} differs by {difference}"
+                );
             }
         }
     }

@@ -13,7 +13,11 @@ use gym::{
     VectorEnvExt, WrapperSpec, builder, make_vec, registry,
 };
 
-const MODES: [Autoreset; 3] = [Autoreset::NextStep, Autoreset::SameStep, Autoreset::Disabled];
+const MODES: [Autoreset; 3] = [
+    Autoreset::NextStep,
+    Autoreset::SameStep,
+    Autoreset::Disabled,
+];
 
 /// An id with episodes short enough to end often.
 fn short(id: &str, n: usize) -> VectorBuilder {
@@ -22,7 +26,9 @@ fn short(id: &str, n: usize) -> VectorBuilder {
 
 /// Every id but those of the second engine, which differ in nothing that a vector sees.
 fn ids() -> Vec<String> {
-    let ids = registry::self_contained().into_iter().map(|registration| registration.id().to_owned());
+    let ids = registry::self_contained()
+        .into_iter()
+        .map(|registration| registration.id().to_owned());
     ids.filter(|id| !id.starts_with("rapier/")).collect()
 }
 
@@ -48,7 +54,9 @@ fn rows(envs: &dyn VectorEnv, columns: &Columns) -> Vec<Row> {
     };
     let row = |i: usize| {
         let mut final_info = Info::new();
-        envs.final_info(i, &mut |key, value| drop(final_info.insert(key.to_owned(), value)));
+        envs.final_info(i, &mut |key, value| {
+            drop(final_info.insert(key.to_owned(), value))
+        });
         assert!(columns.has_final[i] || final_info.is_empty());
         Row {
             observation: row(&columns.observations, i),
@@ -73,7 +81,11 @@ impl ByHand {
     fn reset(&mut self, reset: impl Into<Reset>) -> Row {
         self.done = false;
         let observation = self.env.reset(reset).unwrap();
-        Row { observation, info: self.env.info_map(), ..Row::default() }
+        Row {
+            observation,
+            info: self.env.info_map(),
+            ..Row::default()
+        }
     }
 
     fn step(&mut self, action: &Value, autoreset: Autoreset) -> Row {
@@ -110,31 +122,56 @@ fn a_sync_vector_is_its_environments_stepped_by_hand() {
     const N: usize = 3;
     for id in ids() {
         for autoreset in MODES {
-            let mut envs = short(&id, N).kind(VectorKind::Sync).autoreset(autoreset).build().unwrap();
+            let mut envs = short(&id, N)
+                .kind(VectorKind::Sync)
+                .autoreset(autoreset)
+                .build()
+                .unwrap();
             let env = || builder(&id).max_episode_steps(9).build().unwrap();
-            let mut hands: Vec<_> = (0..N).map(|_| ByHand { env: env(), done: false }).collect();
+            let mut hands: Vec<_> = (0..N)
+                .map(|_| ByHand {
+                    env: env(),
+                    done: false,
+                })
+                .collect();
             let mut columns = envs.columns().unwrap();
             let mut actions = envs.action_sampler(17).unwrap();
             envs.reset_into(&5.into(), &mut columns).unwrap();
-            let expected: Vec<_> =
-                hands.iter_mut().zip(5u64..).map(|(hand, seed)| hand.reset(seed)).collect();
+            let expected: Vec<_> = hands
+                .iter_mut()
+                .zip(5u64..)
+                .map(|(hand, seed)| hand.reset(seed))
+                .collect();
             assert_eq!(rows(&envs, &columns), expected, "{id} {autoreset:?}");
             for step in 0..40 {
                 let batch = actions.sample();
                 envs.step_into(&batch, &mut columns).unwrap();
                 let singles = envs.single_action_space().iterate(&batch).unwrap();
                 let hands_and_actions = hands.iter_mut().zip(singles);
-                let mut expected: Vec<_> =
-                    hands_and_actions.map(|(hand, action)| hand.step(&action, autoreset)).collect();
-                assert_eq!(rows(&envs, &columns), expected, "{id} {autoreset:?}, step {step}");
+                let mut expected: Vec<_> = hands_and_actions
+                    .map(|(hand, action)| hand.step(&action, autoreset))
+                    .collect();
+                assert_eq!(
+                    rows(&envs, &columns),
+                    expected,
+                    "{id} {autoreset:?}, step {step}"
+                );
                 if autoreset == Autoreset::Disabled && hands.iter().any(|hand| hand.done) {
                     let mask: Vec<bool> = hands.iter().map(|hand| hand.done).collect();
-                    envs.reset_into(&VectorReset::default().mask(mask.clone()), &mut columns).unwrap();
+                    envs.reset_into(&VectorReset::default().mask(mask.clone()), &mut columns)
+                        .unwrap();
                     for ((hand, row), reset) in hands.iter_mut().zip(&mut expected).zip(mask) {
-                        let kept = Row { observation: row.observation.clone(), ..Row::default() };
+                        let kept = Row {
+                            observation: row.observation.clone(),
+                            ..Row::default()
+                        };
                         *row = if reset { hand.reset(()) } else { kept };
                     }
-                    assert_eq!(rows(&envs, &columns), expected, "{id}, reset after step {step}");
+                    assert_eq!(
+                        rows(&envs, &columns),
+                        expected,
+                        "{id}, reset after step {step}"
+                    );
                 }
             }
         }
@@ -144,12 +181,17 @@ fn a_sync_vector_is_its_environments_stepped_by_hand() {
 #[test]
 fn async_is_sync_for_any_number_of_threads() {
     for id in ids() {
-        for (autoreset, threads) in
-            MODES.into_iter().flat_map(|mode| [1, 2, 5].map(|threads| (mode, threads)))
+        for (autoreset, threads) in MODES
+            .into_iter()
+            .flat_map(|mode| [1, 2, 5].map(|threads| (mode, threads)))
         {
             let vector = short(&id, 5).autoreset(autoreset);
             let mut sync = vector.clone().kind(VectorKind::Sync).build().unwrap();
-            let mut other = vector.kind(VectorKind::Async).threads(threads).build().unwrap();
+            let mut other = vector
+                .kind(VectorKind::Async)
+                .threads(threads)
+                .build()
+                .unwrap();
             let (mut a, mut b) = (sync.columns().unwrap(), Columns::default());
             let mut actions = sync.action_sampler(3).unwrap();
             sync.reset_into(&8.into(), &mut a).unwrap();
@@ -222,7 +264,11 @@ impl Env for Fragile {
         }
         self.steps += 1;
         *observation = self.steps;
-        Ok(Outcome { reward: 1.0, terminated: self.steps == 10, truncated: false })
+        Ok(Outcome {
+            reward: 1.0,
+            terminated: self.steps == 10,
+            truncated: false,
+        })
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
@@ -241,7 +287,11 @@ fn fragile(n: usize) -> Vec<Fragile> {
 fn both(n: usize) -> [Box<dyn VectorEnv>; 2] {
     [
         Box::new(SyncVectorEnv::new(fragile(n)).unwrap()),
-        Box::new(AsyncVectorEnv::new(fragile(n)).and_then(|pool| pool.with_threads(2)).unwrap()),
+        Box::new(
+            AsyncVectorEnv::new(fragile(n))
+                .and_then(|pool| pool.with_threads(2))
+                .unwrap(),
+        ),
     ]
 }
 
@@ -258,7 +308,9 @@ fn an_error_names_the_sub_environment_and_the_others_step() {
     for mut envs in both(3) {
         let mut columns = envs.reset(()).unwrap();
         envs.step_into(&actions([0, 0, 0]), &mut columns).unwrap();
-        let error = envs.step_into(&actions([0, 1, 0]), &mut columns).unwrap_err();
+        let error = envs
+            .step_into(&actions([0, 1, 0]), &mut columns)
+            .unwrap_err();
         assert_eq!(error.to_string(), "sub-environment 1: not now", "{envs:?}");
         assert_eq!(ints(&columns.observations), [2, 1, 2]);
         assert_eq!(columns.rewards, [1.0, 0.0, 1.0]);
@@ -271,27 +323,68 @@ fn an_error_names_the_sub_environment_and_the_others_step() {
 fn a_panic_names_the_sub_environment_which_must_then_be_reset() {
     for mut envs in both(3) {
         let mut columns = envs.reset(()).unwrap();
-        let error = envs.step_into(&actions([0, 0, 2]), &mut columns).unwrap_err().to_string();
-        assert!(error.starts_with("sub-environment 2:") && error.contains("a bad step"), "{error}");
+        let error = envs
+            .step_into(&actions([0, 0, 2]), &mut columns)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.starts_with("sub-environment 2:") && error.contains("a bad step"),
+            "{error}"
+        );
         assert_eq!(ints(&columns.observations), [1, 1, 0]);
-        let error = envs.step_into(&actions([0, 0, 0]), &mut columns).unwrap_err().to_string();
-        assert!(error.starts_with("sub-environment 2:") && error.contains("reset"), "{error}");
-        assert_eq!(ints(&columns.observations), [1, 1, 0], "nothing has stepped");
-        envs.reset_into(&VectorReset::default().mask([false, false, true]), &mut columns).unwrap();
+        let error = envs
+            .step_into(&actions([0, 0, 0]), &mut columns)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.starts_with("sub-environment 2:") && error.contains("reset"),
+            "{error}"
+        );
+        assert_eq!(
+            ints(&columns.observations),
+            [1, 1, 0],
+            "nothing has stepped"
+        );
+        envs.reset_into(
+            &VectorReset::default().mask([false, false, true]),
+            &mut columns,
+        )
+        .unwrap();
         envs.step_into(&actions([0, 0, 0]), &mut columns).unwrap();
         assert_eq!(ints(&columns.observations), [2, 2, 1]);
-        let reset = VectorReset::default().option("panic", true).mask([true, false, false]);
-        let error = envs.reset_into(&reset, &mut columns).unwrap_err().to_string();
-        assert!(error.starts_with("sub-environment 0:") && error.contains("a bad reset"), "{error}");
+        let reset = VectorReset::default()
+            .option("panic", true)
+            .mask([true, false, false]);
+        let error = envs
+            .reset_into(&reset, &mut columns)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.starts_with("sub-environment 0:") && error.contains("a bad reset"),
+            "{error}"
+        );
     }
 }
 
 /// Gymnasium's `observation_mode="different"`.
 #[test]
 fn observations_may_have_other_bounds() {
-    let lakes = || ["4x4", "8x8"].map(|map| builder("FrozenLake-v1").arg("map_name", map).build().unwrap());
-    let error = SyncVectorEnv::new(lakes()).map(drop).unwrap_err().to_string();
-    assert!(error.contains("Discrete(64)") && error.contains("ObservationMode::Different"), "{error}");
+    let lakes = || {
+        ["4x4", "8x8"].map(|map| {
+            builder("FrozenLake-v1")
+                .arg("map_name", map)
+                .build()
+                .unwrap()
+        })
+    };
+    let error = SyncVectorEnv::new(lakes())
+        .map(drop)
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("Discrete(64)") && error.contains("ObservationMode::Different"),
+        "{error}"
+    );
     let mode = ObservationMode::Different;
     let vectors: [Box<dyn VectorEnv>; 2] = [
         Box::new(SyncVectorEnv::with_observation_mode(lakes(), mode).unwrap()),
@@ -306,7 +399,11 @@ fn observations_may_have_other_bounds() {
         let mut seen = 0;
         for _ in 0..200 {
             envs.step_into(&actions([1, 2]), &mut columns).unwrap();
-            assert!(space.contains(&columns.observations), "{:?}", columns.observations);
+            assert!(
+                space.contains(&columns.observations),
+                "{:?}",
+                columns.observations
+            );
             seen = seen.max(ints(&columns.observations)[1]);
         }
         assert!(seen > 16, "the larger lake's own bounds were never needed");
@@ -315,39 +412,60 @@ fn observations_may_have_other_bounds() {
     let mixed = ["Taxi-v3", "CartPole-v1"].map(|id| gym::make(id).unwrap());
     assert!(SyncVectorEnv::with_observation_mode(mixed, mode).is_err());
     let other_actions = ["FrozenLake-v1", "Taxi-v3"].map(|id| gym::make(id).unwrap());
-    let error = SyncVectorEnv::with_observation_mode(other_actions, mode).map(drop).unwrap_err().to_string();
+    let error = SyncVectorEnv::with_observation_mode(other_actions, mode)
+        .map(drop)
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("action space"), "{error}");
 }
 
 #[test]
 fn the_first_ready_are_received_and_the_slow_come_later() {
-    let mut envs = AsyncVectorEnv::new(fragile(4)).and_then(|pool| pool.with_threads(2)).unwrap();
+    let mut envs = AsyncVectorEnv::new(fragile(4))
+        .and_then(|pool| pool.with_threads(2))
+        .unwrap();
     let mut columns = envs.reset(()).unwrap();
     let mut ids = Vec::new();
     envs.send(&actions([3, 0, 0, 0]), &[2, 0, 1, 3]).unwrap();
     assert_eq!(envs.num_pending(), 4);
     envs.recv_into(3, &mut ids, &mut columns).unwrap();
     ids.sort_unstable();
-    assert_eq!((ids.as_slice(), ints(&columns.observations)), (&[0, 1, 3][..], &[1, 1, 1][..]));
+    assert_eq!(
+        (ids.as_slice(), ints(&columns.observations)),
+        (&[0, 1, 3][..], &[1, 1, 1][..])
+    );
     assert_eq!(columns.len(), 3);
     // what is pending can neither be sent again nor stepped with the others
     let error = envs.send(&actions([0]), &[2]).unwrap_err().to_string();
-    assert_eq!(error, "sub-environment 2: it is still pending: receive it first");
+    assert_eq!(
+        error,
+        "sub-environment 2: it is still pending: receive it first"
+    );
     for error in [
         envs.step_into(&actions([0; 4]), &mut columns).unwrap_err(),
         envs.reset_into(&().into(), &mut columns).unwrap_err(),
         envs.call(|_, env| env.steps).unwrap_err(),
     ] {
-        assert_eq!(error.to_string(), "1 sub-environments are pending: receive them first");
+        assert_eq!(
+            error.to_string(),
+            "1 sub-environments are pending: receive them first"
+        );
     }
     envs.send(&actions([0]), &[3]).unwrap();
     for m in [0, 3] {
-        assert!(matches!(envs.recv_into(m, &mut ids, &mut columns), Err(Error::InvalidArgument { .. })));
+        assert!(matches!(
+            envs.recv_into(m, &mut ids, &mut columns),
+            Err(Error::InvalidArgument { .. })
+        ));
     }
     envs.recv_into(2, &mut ids, &mut columns).unwrap();
     envs.step_into(&actions([0; 4]), &mut columns).unwrap();
     assert_eq!(ints(&columns.observations), [2, 2, 2, 3]);
-    for (ids, batch) in [(&[4][..], &actions([0])), (&[1, 1], &actions([0, 0])), (&[1], &actions([0, 0]))] {
+    for (ids, batch) in [
+        (&[4][..], &actions([0])),
+        (&[1, 1], &actions([0, 0])),
+        (&[1], &actions([0, 0])),
+    ] {
         assert!(envs.send(batch, ids).is_err(), "{ids:?}");
         assert_eq!(envs.num_pending(), 0);
     }
@@ -355,11 +473,16 @@ fn the_first_ready_are_received_and_the_slow_come_later() {
 
 #[test]
 fn a_failed_step_is_received_alone() {
-    let mut envs = AsyncVectorEnv::new(fragile(3)).and_then(|pool| pool.with_threads(3)).unwrap();
+    let mut envs = AsyncVectorEnv::new(fragile(3))
+        .and_then(|pool| pool.with_threads(3))
+        .unwrap();
     let mut columns = envs.reset(()).unwrap();
     let mut ids = Vec::new();
     envs.send(&actions([0, 1, 0]), &[0, 1, 2]).unwrap();
-    let error = envs.recv_into(3, &mut ids, &mut columns).unwrap_err().to_string();
+    let error = envs
+        .recv_into(3, &mut ids, &mut columns)
+        .unwrap_err()
+        .to_string();
     assert_eq!(error, "sub-environment 1: not now");
     assert_eq!(envs.num_pending(), 2);
     envs.recv_into(2, &mut ids, &mut columns).unwrap();
@@ -374,9 +497,15 @@ fn drop_and_close_in_mid_flight_do_not_hang() {
         // clones count together
         let fragile = fragile(64);
         let slept = Arc::clone(&fragile[0].slept);
-        let mut envs = AsyncVectorEnv::new(fragile).and_then(|pool| pool.with_threads(2)).unwrap();
+        let mut envs = AsyncVectorEnv::new(fragile)
+            .and_then(|pool| pool.with_threads(2))
+            .unwrap();
         envs.reset(()).unwrap();
-        envs.send(&Value::Array(vec![3i64; 64].into()), &(0..64).collect::<Vec<_>>()).unwrap();
+        envs.send(
+            &Value::Array(vec![3i64; 64].into()),
+            &(0..64).collect::<Vec<_>>(),
+        )
+        .unwrap();
         if close {
             envs.close();
             assert!(matches!(
@@ -396,7 +525,9 @@ fn drop_and_close_in_mid_flight_do_not_hang() {
 fn results_of_envs_received_out_of_order_do_not_depend_on_it() {
     let env = || (0..6).map(|_| builder("CartPole-v1").build().unwrap());
     let mut sync = SyncVectorEnv::new(env()).unwrap();
-    let mut pool = AsyncVectorEnv::new(env()).and_then(|pool| pool.with_threads(3)).unwrap();
+    let mut pool = AsyncVectorEnv::new(env())
+        .and_then(|pool| pool.with_threads(3))
+        .unwrap();
     let (mut a, mut b) = (sync.reset(1).unwrap(), pool.reset(1).unwrap());
     let mut observed = vec![Vec::new(); 6];
     let mut taken = [0; 6];
@@ -408,7 +539,8 @@ fn results_of_envs_received_out_of_order_do_not_depend_on_it() {
         pool.send(&Value::Array(batch.into()), &ids).unwrap();
         pool.recv_into(2, &mut ids, &mut b).unwrap();
         for (row, id) in ids.iter().enumerate() {
-            observed[*id].push(b.observations.as_slice::<f32>().unwrap()[4 * row..4 * row + 4].to_vec());
+            observed[*id]
+                .push(b.observations.as_slice::<f32>().unwrap()[4 * row..4 * row + 4].to_vec());
         }
     }
     for step in 0..60 {
@@ -416,7 +548,10 @@ fn results_of_envs_received_out_of_order_do_not_depend_on_it() {
         sync.step_into(&Value::Array(batch.into()), &mut a).unwrap();
         for (id, observed) in observed.iter().enumerate() {
             if let Some(observed) = observed.get(step) {
-                assert_eq!(&a.observations.as_slice::<f32>().unwrap()[4 * id..4 * id + 4], observed);
+                assert_eq!(
+                    &a.observations.as_slice::<f32>().unwrap()[4 * id..4 * id + 4],
+                    observed
+                );
             }
         }
     }
@@ -428,7 +563,9 @@ fn bad_input_is_refused() {
         let mut envs = make_vec("CartPole-v1", 3, kind).unwrap();
         let mut columns = envs.columns().unwrap();
         let fresh = columns.clone();
-        let error = envs.step_into(&actions([0, 0, 0]), &mut columns).unwrap_err();
+        let error = envs
+            .step_into(&actions([0, 0, 0]), &mut columns)
+            .unwrap_err();
         assert!(
             matches!(&error, Error::SubEnvironment { index: 0, source } if matches!(**source, Error::ResetNeeded("step")))
         );
@@ -437,7 +574,10 @@ fn bad_input_is_refused() {
             VectorReset::default().mask([true, false]),
             VectorReset::default().mask([false; 3]),
         ] {
-            assert!(matches!(envs.reset_into(&reset, &mut columns), Err(Error::InvalidArgument { .. })));
+            assert!(matches!(
+                envs.reset_into(&reset, &mut columns),
+                Err(Error::InvalidArgument { .. })
+            ));
         }
         assert_eq!(columns, fresh);
         envs.reset_into(&7.into(), &mut columns).unwrap();
@@ -450,18 +590,39 @@ fn bad_input_is_refused() {
             Value::Array([0.0f32, 1.0, 0.0].into()),
             Value::Tuple(vec![Value::Int(0); 3]),
         ] {
-            assert!(matches!(envs.step_into(&batch, &mut columns), Err(Error::NotInSpace { .. })), "{batch}");
+            assert!(
+                matches!(
+                    envs.step_into(&batch, &mut columns),
+                    Err(Error::NotInSpace { .. })
+                ),
+                "{batch}"
+            );
             assert_eq!(columns, before);
         }
-        let error = envs.step_into(&actions([0, 2, 1]), &mut columns).unwrap_err();
-        assert!(matches!(error, Error::SubEnvironment { index: 1, .. }), "{error}");
+        let error = envs
+            .step_into(&actions([0, 2, 1]), &mut columns)
+            .unwrap_err();
+        assert!(
+            matches!(error, Error::SubEnvironment { index: 1, .. }),
+            "{error}"
+        );
         assert!(make_vec("CartPole-v1", 0, kind).is_err());
         assert!(builder("Nowhere-v0").vector(2).kind(kind).build().is_err());
     }
-    assert!(builder("CartPole-v1").vector(2).kind(VectorKind::Async).threads(0).build().is_err());
+    assert!(
+        builder("CartPole-v1")
+            .vector(2)
+            .kind(VectorKind::Async)
+            .threads(0)
+            .build()
+            .is_err()
+    );
     let mixed = ["CartPole-v1", "Taxi-v4"].map(|id| gym::make(id).unwrap());
     let error = SyncVectorEnv::new(mixed).unwrap_err().to_string();
-    assert!(error.contains("sub-environment 1 is Discrete(500)"), "{error}");
+    assert!(
+        error.contains("sub-environment 1 is Discrete(500)"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -477,11 +638,15 @@ fn a_done_environment_does_not_step_without_autoreset() {
         let actions = envs.action_sampler(0).unwrap().sample();
         let mut columns = envs.reset(0).unwrap();
         envs.step_into(&actions, &mut columns).unwrap();
-        envs.reset_into(&VectorReset::default().mask([true, false]), &mut columns).unwrap();
+        envs.reset_into(&VectorReset::default().mask([true, false]), &mut columns)
+            .unwrap();
         envs.step_into(&actions, &mut columns).unwrap();
         assert_eq!(columns.truncated, [false, true]);
         let error = envs.step_into(&actions, &mut columns).unwrap_err();
-        assert!(matches!(error, Error::SubEnvironment { index: 1, .. }), "{error}");
+        assert!(
+            matches!(error, Error::SubEnvironment { index: 1, .. }),
+            "{error}"
+        );
         assert_eq!(columns.truncated, [false, true], "nothing has stepped");
     }
 }
@@ -490,9 +655,15 @@ fn a_done_environment_does_not_step_without_autoreset() {
 fn seeds_are_one_or_a_list() {
     let mut envs = make_vec("CartPole-v1", 3, VectorKind::Sync).unwrap();
     let from_one = envs.reset(42).unwrap();
-    assert_eq!(envs.reset(VectorReset::seeds([42u64, 43, 44])).unwrap(), from_one);
+    assert_eq!(
+        envs.reset(VectorReset::seeds([42u64, 43, 44])).unwrap(),
+        from_one
+    );
     let hand = gym::make("CartPole-v1").unwrap().reset(44).unwrap();
-    assert_eq!(from_one.observations.as_slice::<f32>().unwrap()[8..], *hand.as_slice::<f32>().unwrap());
+    assert_eq!(
+        from_one.observations.as_slice::<f32>().unwrap()[8..],
+        *hand.as_slice::<f32>().unwrap()
+    );
     let carried_on = envs.reset(()).unwrap();
     assert_ne!(carried_on, from_one);
 }
@@ -501,30 +672,57 @@ fn seeds_are_one_or_a_list() {
 fn call_reaches_the_sub_environments() {
     for kind in [VectorKind::Sync, VectorKind::Async] {
         let mut envs = make_vec("CartPole-v1", 3, kind).unwrap();
-        let ids = envs.call(|index, env: &mut BoxEnv| (index, env.spec().unwrap().id)).unwrap();
-        assert_eq!(ids, [0, 1, 2].map(|index| (index, "CartPole-v1".to_owned())));
+        let ids = envs
+            .call(|index, env: &mut BoxEnv| (index, env.spec().unwrap().id))
+            .unwrap();
+        assert_eq!(
+            ids,
+            [0, 1, 2].map(|index| (index, "CartPole-v1".to_owned()))
+        );
         assert!(envs.call(|_, _: &mut Fragile| ()).is_err());
     }
     let mut sync = SyncVectorEnv::new(fragile(2)).unwrap();
     sync.reset(()).unwrap();
     sync.call(|index, env| env.steps = 5 * index as i64);
-    assert_eq!(ints(&sync.step(&actions([0, 0])).unwrap().observations), [1, 6]);
+    assert_eq!(
+        ints(&sync.step(&actions([0, 0])).unwrap().observations),
+        [1, 6]
+    );
 }
 
 #[test]
 fn make_vec_says_which_kinds_there_are() {
-    let error = make_vec("CarRacing-v3", 2, VectorKind::Native).unwrap_err().to_string();
+    let error = make_vec("CarRacing-v3", 2, VectorKind::Native)
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("sync or async"), "{error}");
-    let envs = builder("CartPole-v1").wrap(WrapperSpec::new("FlattenObservation")).vector(2).build().unwrap();
+    let envs = builder("CartPole-v1")
+        .wrap(WrapperSpec::new("FlattenObservation"))
+        .vector(2)
+        .build()
+        .unwrap();
     assert_eq!(envs.describe(), "SyncVectorEnv(CartPole-v1, num_envs=2)");
-    assert!("fast".parse::<VectorKind>().unwrap_err().to_string().contains("sync, async, native"));
+    assert!(
+        "fast"
+            .parse::<VectorKind>()
+            .unwrap_err()
+            .to_string()
+            .contains("sync, async, native")
+    );
 }
 
 #[test]
 fn a_spec_makes_the_vector_again() {
     let wrapper = WrapperSpec::new("FrameStackObservation").arg("stack_size", 2);
-    let env = builder("FrozenLake-v1").arg("map_name", "8x8").max_episode_steps(7).wrap(wrapper);
-    let vector = env.vector(4).kind(VectorKind::Async).autoreset(Autoreset::SameStep).threads(3);
+    let env = builder("FrozenLake-v1")
+        .arg("map_name", "8x8")
+        .max_episode_steps(7)
+        .wrap(wrapper);
+    let vector = env
+        .vector(4)
+        .kind(VectorKind::Async)
+        .autoreset(Autoreset::SameStep)
+        .threads(3);
     let mut envs = vector.build().unwrap();
     let spec = envs.spec().unwrap();
     let json = serde_json::to_string(&spec).unwrap();
@@ -558,11 +756,17 @@ fn typed_environments_and_time_limits_step_as_the_erased() {
 fn columns_of_another_form_are_made_anew() {
     let mut envs = make_vec("Blackjack-v1", 3, VectorKind::Sync).unwrap();
     let expected = envs.reset(0).unwrap();
-    let mut columns = make_vec("CartPole-v1", 7, VectorKind::Sync).unwrap().columns().unwrap();
+    let mut columns = make_vec("CartPole-v1", 7, VectorKind::Sync)
+        .unwrap()
+        .columns()
+        .unwrap();
     envs.reset_into(&0.into(), &mut columns).unwrap();
     assert_eq!(columns, expected);
     assert_eq!(
-        envs.observation_space().unwrap().check(&columns.observations).map_err(|e| e.to_string()),
+        envs.observation_space()
+            .unwrap()
+            .check(&columns.observations)
+            .map_err(|e| e.to_string()),
         Ok(())
     );
 }
@@ -597,7 +801,11 @@ impl Env for Once {
     fn step_into(&mut self, _: &u8, observation: &mut i64) -> Result<Outcome> {
         self.steps += 1;
         *observation = self.steps;
-        Ok(Outcome { reward: 1.0, terminated: self.steps == 2, truncated: false })
+        Ok(Outcome {
+            reward: 1.0,
+            terminated: self.steps == 2,
+            truncated: false,
+        })
     }
 
     fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
@@ -618,15 +826,31 @@ impl Env for Once {
 fn a_sub_environment_that_fails_to_reset_answers_nothing() {
     let envs = || vec![Once::default(); 2];
     let vectors: [Box<dyn VectorEnv>; 2] = [
-        Box::new(SyncVectorEnv::new(envs()).unwrap().with_autoreset(Autoreset::SameStep)),
-        Box::new(AsyncVectorEnv::new(envs()).unwrap().with_autoreset(Autoreset::SameStep)),
+        Box::new(
+            SyncVectorEnv::new(envs())
+                .unwrap()
+                .with_autoreset(Autoreset::SameStep),
+        ),
+        Box::new(
+            AsyncVectorEnv::new(envs())
+                .unwrap()
+                .with_autoreset(Autoreset::SameStep),
+        ),
     ];
     for mut envs in vectors {
         let mut columns = envs.reset(()).unwrap();
         envs.step_into(&actions([0, 0]), &mut columns).unwrap();
-        let error = envs.step_into(&actions([0, 0]), &mut columns).unwrap_err().to_string();
+        let error = envs
+            .step_into(&actions([0, 0]), &mut columns)
+            .unwrap_err()
+            .to_string();
         assert_eq!(error, "sub-environment 0: not again");
-        let shown = (columns.rewards[0], columns.terminated[0], columns.has_final[0], columns.progress[0]);
+        let shown = (
+            columns.rewards[0],
+            columns.terminated[0],
+            columns.has_final[0],
+            columns.progress[0],
+        );
         assert_eq!(shown, (0.0, false, false, gym::vector::Progress::Unchanged));
         assert!(envs.info_map(0).is_empty());
     }

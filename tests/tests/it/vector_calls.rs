@@ -1,23 +1,36 @@
 //! Any order of calls gives the same on every kind of vector: nothing of an earlier call remains.
 
 use gym::vector::{
-    AsyncVectorEnv, Autoreset, Columns, Progress, Seeds, SyncVectorEnv, VectorEnv, VectorEnvExt, VectorKind,
-    VectorReset, VectorSpec,
+    AsyncVectorEnv, Autoreset, Columns, Progress, Seeds, SyncVectorEnv, VectorEnv, VectorEnvExt,
+    VectorKind, VectorReset, VectorSpec,
 };
 use gym::{Env, EnvSpec, Generator, Outcome, Reset, Result, Snapshot, Space, Value, registry};
 use serde_json::{Value as Json, json};
 
-const MODES: [Autoreset; 3] = [Autoreset::NextStep, Autoreset::SameStep, Autoreset::Disabled];
+const MODES: [Autoreset; 3] = [
+    Autoreset::NextStep,
+    Autoreset::SameStep,
+    Autoreset::Disabled,
+];
 
 /// Episodes are short, so that many end; by a limit as well.
 fn specs() -> Vec<EnvSpec> {
-    ["CartPole-v1", "Pendulum-v1", "FrozenLake-v1", "Taxi-v4", "Blackjack-v1"]
-        .into_iter()
-        .map(|id| {
-            let spec = registry::find(id).unwrap().spec().unwrap();
-            EnvSpec { max_episode_steps: Some(7), ..spec }
-        })
-        .collect()
+    [
+        "CartPole-v1",
+        "Pendulum-v1",
+        "FrozenLake-v1",
+        "Taxi-v4",
+        "Blackjack-v1",
+    ]
+    .into_iter()
+    .map(|id| {
+        let spec = registry::find(id).unwrap().spec().unwrap();
+        EnvSpec {
+            max_episode_steps: Some(7),
+            ..spec
+        }
+    })
+    .collect()
 }
 
 /// All that a caller sees of one sub-environment.
@@ -40,14 +53,25 @@ fn infos(visit: impl FnOnce(&mut dyn FnMut(&str, Value))) -> Vec<(String, Value)
 fn rows(envs: &dyn VectorEnv, columns: &Columns) -> Vec<Row> {
     let space = envs.single_observation_space();
     let observations = space.iterate(&columns.observations).unwrap();
-    let finals: Vec<_> = space.iterate(&columns.final_observations).unwrap().collect();
+    let finals: Vec<_> = space
+        .iterate(&columns.final_observations)
+        .unwrap()
+        .collect();
     let row = |(i, observation)| {
         let last = infos(|visit| envs.final_info(i, visit));
         // without a final observation there is no final info either
-        assert!(columns.has_final[i] || last.is_empty(), "{envs:?}: {last:?}", envs = envs.describe());
+        assert!(
+            columns.has_final[i] || last.is_empty(),
+            "{envs:?}: {last:?}",
+            envs = envs.describe()
+        );
         Row {
             observation,
-            outcome: (columns.rewards[i], columns.terminated[i], columns.truncated[i]),
+            outcome: (
+                columns.rewards[i],
+                columns.terminated[i],
+                columns.truncated[i],
+            ),
             progress: columns.progress[i],
             last: columns.has_final[i].then(|| (finals[i].clone(), last)),
             info: infos(|visit| envs.info(i, visit)),
@@ -81,8 +105,17 @@ fn calls(n: usize, seed: u64) -> Vec<Call> {
             1 => Call::Reset(().into()),
             2 | 3 => Call::Reset(VectorReset::default().mask(mask)),
             4 => {
-                let seeds = mask.iter().map(|selected| selected.then(|| seed.into())).collect();
-                Call::Reset(VectorReset { seeds: Seeds::Each(seeds), ..VectorReset::default() }.mask(mask))
+                let seeds = mask
+                    .iter()
+                    .map(|selected| selected.then(|| seed.into()))
+                    .collect();
+                Call::Reset(
+                    VectorReset {
+                        seeds: Seeds::Each(seeds),
+                        ..VectorReset::default()
+                    }
+                    .mask(mask),
+                )
             }
             5 => Call::Store,
             6 => Call::Restore { new: false },
@@ -138,7 +171,8 @@ fn answers(spec: &VectorSpec, calls: &[Call]) -> Vec<std::result::Result<Vec<Row
             }
             Err(error) => {
                 answers.push(Err(error.to_string()));
-                envs.reset_into(&VectorReset::default().mask(over.clone()), &mut columns).unwrap();
+                envs.reset_into(&VectorReset::default().mask(over.clone()), &mut columns)
+                    .unwrap();
                 answers.push(Ok(rows(&*envs, &columns)));
                 over.fill(false);
             }
@@ -158,7 +192,11 @@ fn every_kind_answers_the_same_whatever_was_called_before() {
                 for kind in [VectorKind::Native, VectorKind::Async] {
                     let others = answers(&vector(kind), &calls);
                     for (i, (a, b)) in sync.iter().zip(&others).enumerate() {
-                        assert_eq!(a, b, "{}, {n}, {autoreset:?}, {kind:?}: answer {i}", spec.id);
+                        assert_eq!(
+                            a, b,
+                            "{}, {n}, {autoreset:?}, {kind:?}: answer {i}",
+                            spec.id
+                        );
                     }
                     assert_eq!(sync.len(), others.len());
                 }
@@ -171,7 +209,11 @@ fn every_kind_answers_the_same_whatever_was_called_before() {
 #[test]
 fn a_snapshot_of_a_new_vector_needs_a_reset() {
     for kind in [VectorKind::Native, VectorKind::Sync, VectorKind::Async] {
-        let spec = VectorSpec::new(registry::find("CartPole-v1").unwrap().spec().unwrap(), 3, kind);
+        let spec = VectorSpec::new(
+            registry::find("CartPole-v1").unwrap().spec().unwrap(),
+            3,
+            kind,
+        );
         let new = spec.make().unwrap().snapshot().unwrap();
         let mut envs = spec.make().unwrap();
         let actions = envs.action_sampler(0).unwrap().sample();
@@ -201,7 +243,10 @@ fn flags_and_counts_that_cannot_be_are_refused() {
         let before = envs.snapshot().unwrap();
         let mut json: Json = before.get().unwrap();
         assert!(replace(&mut json, field, &value), "{json}");
-        let error = envs.restore(&Snapshot::of(&json).unwrap()).unwrap_err().to_string();
+        let error = envs
+            .restore(&Snapshot::of(&json).unwrap())
+            .unwrap_err()
+            .to_string();
         assert!(error.contains("do not fit"), "{field} {value}: {error}");
         assert_eq!(envs.snapshot().unwrap(), before);
     }
@@ -217,7 +262,9 @@ fn replace(json: &mut Json, field: &str, value: &Json) -> bool {
                 *first = value.clone();
                 return true;
             }
-            entries.values_mut().any(|entry| replace(entry, field, value))
+            entries
+                .values_mut()
+                .any(|entry| replace(entry, field, value))
         }
         Json::Array(items) => items.iter_mut().any(|item| replace(item, field, value)),
         _ => false,
@@ -236,14 +283,20 @@ fn first_number(json: &mut Json) -> Option<&mut Json> {
 /// Steps are counted up to a number that no limit has, and no further.
 #[test]
 fn an_episode_without_a_limit_goes_on_for_ever() {
-    let spec = EnvSpec { max_episode_steps: None, ..registry::find("Pendulum-v1").unwrap().spec().unwrap() };
+    let spec = EnvSpec {
+        max_episode_steps: None,
+        ..registry::find("Pendulum-v1").unwrap().spec().unwrap()
+    };
     let mut envs = VectorSpec::new(spec, 1, VectorKind::Native).make().unwrap();
     envs.reset(0).unwrap();
     let actions = envs.action_sampler(0).unwrap().sample();
     let mut columns = envs.columns().unwrap();
     for step in 0..66_000 {
         envs.step_into(&actions, &mut columns).unwrap();
-        assert!(!columns.truncated[0] && columns.progress[0] == Progress::Stepped, "step {step}");
+        assert!(
+            !columns.truncated[0] && columns.progress[0] == Progress::Stepped,
+            "step {step}"
+        );
     }
     let snapshot = envs.snapshot().unwrap();
     envs.restore(&snapshot).unwrap();
@@ -254,14 +307,21 @@ fn an_episode_without_a_limit_goes_on_for_ever() {
 fn the_seeds_of_many_differ() {
     let reset = VectorReset::from(5);
     for index in [0usize, 1, 255, 256, 65_535, 65_536, 1 << 20] {
-        assert_eq!(reset.of(index).unwrap().seed, Some((5 + index as u64).into()));
+        assert_eq!(
+            reset.of(index).unwrap().seed,
+            Some((5 + index as u64).into())
+        );
     }
 }
 
 #[test]
 fn a_closed_vector_stays_closed() {
     for kind in [VectorKind::Sync, VectorKind::Async] {
-        let spec = VectorSpec::new(registry::find("CartPole-v1").unwrap().spec().unwrap(), 2, kind);
+        let spec = VectorSpec::new(
+            registry::find("CartPole-v1").unwrap().spec().unwrap(),
+            2,
+            kind,
+        );
         let (mut open, mut envs) = (spec.make().unwrap(), spec.make().unwrap());
         open.reset(0).unwrap();
         envs.reset(0).unwrap();
@@ -274,7 +334,10 @@ fn a_closed_vector_stays_closed() {
             }
         });
         assert!(
-            matches!(envs.reset(0), Err(gym::Error::SubEnvironment { .. } | gym::Error::Closed(_))),
+            matches!(
+                envs.reset(0),
+                Err(gym::Error::SubEnvironment { .. } | gym::Error::Closed(_))
+            ),
             "{kind:?}"
         );
         assert!(envs.restore(&before).is_err());
@@ -345,5 +408,10 @@ fn what_is_pending_is_received_first() {
     envs.recv_into(1, &mut ids, &mut columns).unwrap();
     assert_eq!(ids, [1]);
     envs.send(&actions, &[0]).unwrap();
-    assert!(envs.with_threads(1).unwrap_err().to_string().contains("pending"));
+    assert!(
+        envs.with_threads(1)
+            .unwrap_err()
+            .to_string()
+            .contains("pending")
+    );
 }

@@ -107,17 +107,24 @@ impl VectorEnv for Spy {
 
     fn render(&mut self) -> Result<Vec<Rendered>> {
         self.note("render");
-        Ok((0..N).map(|_| Rendered::Frame(Frame::new(4, 4).unwrap())).collect())
+        Ok((0..N)
+            .map(|_| Rendered::Frame(Frame::new(4, 4).unwrap()))
+            .collect())
     }
 
     fn metadata(&self) -> Metadata {
         self.note("metadata");
-        Metadata { render_fps: 77, ..Metadata::default() }
+        Metadata {
+            render_fps: 77,
+            ..Metadata::default()
+        }
     }
 
     fn spec(&self) -> Option<VectorSpec> {
         self.note("spec");
-        self.env.spec().map(|spec| VectorSpec::new(spec, N, VectorKind::Sync))
+        self.env
+            .spec()
+            .map(|spec| VectorSpec::new(spec, N, VectorKind::Sync))
     }
 
     fn describe(&self) -> String {
@@ -162,36 +169,70 @@ fn videos() -> std::path::PathBuf {
 }
 
 fn drawn() -> BoxEnv {
-    gym::builder("Pendulum-v1").render_mode(RenderMode::RgbArray).build().unwrap()
+    gym::builder("Pendulum-v1")
+        .render_mode(RenderMode::RgbArray)
+        .build()
+        .unwrap()
 }
 
 /// Every wrapper, and whether it changes the spaces of observations and of actions.
 fn wrappers() -> Vec<(&'static str, [bool; 2], Wrap)> {
     fn video(envs: Box<dyn VectorEnv>) -> Box<dyn VectorEnv> {
-        Box::new(RecordVectorVideo::new(envs, videos()).unwrap().video_length(1).step_trigger(|_| true))
+        Box::new(
+            RecordVectorVideo::new(envs, videos())
+                .unwrap()
+                .video_length(1)
+                .step_trigger(|_| true),
+        )
     }
     vec![
         ("Idle", [false, false], |envs| Box::new(Idle { envs })),
-        ("ClipAction", [false, true], |envs| Box::new(envs.clip_action().unwrap())),
-        ("ClipReward", [false, false], |envs| Box::new(envs.clip_reward((-1.0, 1.0)).unwrap())),
-        ("NormalizeObservation", [true, false], |envs| Box::new(envs.normalize_observation().unwrap())),
-        ("NormalizeReward", [false, false], |envs| Box::new(NormalizeReward::new(envs, 0.9).unwrap())),
-        ("RecordEpisodeStatistics", [false, false], |envs| Box::new(RecordEpisodeStatistics::new(envs))),
+        ("ClipAction", [false, true], |envs| {
+            Box::new(envs.clip_action().unwrap())
+        }),
+        ("ClipReward", [false, false], |envs| {
+            Box::new(envs.clip_reward((-1.0, 1.0)).unwrap())
+        }),
+        ("NormalizeObservation", [true, false], |envs| {
+            Box::new(envs.normalize_observation().unwrap())
+        }),
+        ("NormalizeReward", [false, false], |envs| {
+            Box::new(NormalizeReward::new(envs, 0.9).unwrap())
+        }),
+        ("RecordEpisodeStatistics", [false, false], |envs| {
+            Box::new(RecordEpisodeStatistics::new(envs))
+        }),
         ("RecordVideo", [false, false], video),
-        ("RescaleAction", [false, true], |envs| Box::new(envs.rescale_action((-1.0, 1.0)).unwrap())),
-        ("FlattenObservation", [false, false], |envs| Box::new(envs.flatten_observation().unwrap())),
-        ("ReshapeObservation", [true, false], |envs| Box::new(envs.reshape_observation([1, 2]).unwrap())),
-        ("DtypeObservation", [true, false], |envs| Box::new(envs.dtype_observation(DType::F64).unwrap())),
-        ("DiscretizeObservation", [true, false], |envs| Box::new(envs.discretize_observation(3).unwrap())),
-        ("DiscretizeAction", [false, true], |envs| Box::new(envs.discretize_action([3]).unwrap())),
+        ("RescaleAction", [false, true], |envs| {
+            Box::new(envs.rescale_action((-1.0, 1.0)).unwrap())
+        }),
+        ("FlattenObservation", [false, false], |envs| {
+            Box::new(envs.flatten_observation().unwrap())
+        }),
+        ("ReshapeObservation", [true, false], |envs| {
+            Box::new(envs.reshape_observation([1, 2]).unwrap())
+        }),
+        ("DtypeObservation", [true, false], |envs| {
+            Box::new(envs.dtype_observation(DType::F64).unwrap())
+        }),
+        ("DiscretizeObservation", [true, false], |envs| {
+            Box::new(envs.discretize_observation(3).unwrap())
+        }),
+        ("DiscretizeAction", [false, true], |envs| {
+            Box::new(envs.discretize_action([3]).unwrap())
+        }),
         ("RescaleObservation", [true, false], |envs| {
             Box::new(envs.rescale_observation((-5.0, 5.0)).unwrap())
         }),
-        ("TransformAction", [false, false], |envs| Box::new(TransformAction::new(envs, Value::clone, None))),
+        ("TransformAction", [false, false], |envs| {
+            Box::new(TransformAction::new(envs, Value::clone, None))
+        }),
         ("TransformObservation", [false, false], |envs| {
             Box::new(TransformObservation::new(envs, Value::clone, None))
         }),
-        ("TransformReward", [false, false], |envs| Box::new(TransformReward::new(envs, |reward| reward))),
+        ("TransformReward", [false, false], |envs| {
+            Box::new(TransformReward::new(envs, |reward| reward))
+        }),
     ]
 }
 
@@ -201,7 +242,9 @@ fn methods() -> BTreeSet<String> {
     let (_, body) = source.split_once("pub trait VectorEnv").expect("the trait");
     let (body, _) = body.split_once("\n}\n").expect("its end");
     let names = body.lines().filter_map(|line| line.strip_prefix("    fn "));
-    names.map(|rest| rest.split(['(', '<']).next().unwrap_or_default().to_owned()).collect()
+    names
+        .map(|rest| rest.split(['(', '<']).next().unwrap_or_default().to_owned())
+        .collect()
 }
 
 /// Every wrapper of vectors that is registered, so that a new one cannot be forgotten here.
@@ -215,25 +258,44 @@ fn every_wrapper_is_among_them() {
         .collect();
     let lacking: Vec<_> = registered.difference(&here).collect();
     // which need other observations than the spy's: `vector_maps.rs` has them
-    assert_eq!(lacking, [&"FilterObservation", &"GrayscaleObservation", &"ResizeObservation"]);
+    assert_eq!(
+        lacking,
+        [
+            &"FilterObservation",
+            &"GrayscaleObservation",
+            &"ResizeObservation"
+        ]
+    );
 }
 
 #[test]
 fn every_method_reaches_the_vector_within() {
     for (name, [observes, acts], wrap) in wrappers() {
         let calls = Arc::new(Mutex::new(BTreeSet::new()));
-        let spy = Spy { calls: calls.clone(), state: 0, env: drawn() };
+        let spy = Spy {
+            calls: calls.clone(),
+            state: 0,
+            env: drawn(),
+        };
         let mut envs = wrap(Box::new(spy));
         calls.lock().unwrap().clear();
 
         let mut columns = envs.columns().unwrap();
-        assert_eq!((envs.num_envs(), envs.autoreset()), (N, Autoreset::SameStep), "{name}");
+        assert_eq!(
+            (envs.num_envs(), envs.autoreset()),
+            (N, Autoreset::SameStep),
+            "{name}"
+        );
         assert_eq!(envs.metadata().render_fps, 77, "{name}");
         let observation = envs.observation_space().unwrap();
-        let expected = BoxSpace::uniform(-7.0, 7.0, [N, 2], DType::F32).unwrap().into();
+        let expected = BoxSpace::uniform(-7.0, 7.0, [N, 2], DType::F32)
+            .unwrap()
+            .into();
         assert_eq!(observation == expected, !observes, "{name}: {observation}");
         let action = envs.action_space().unwrap();
-        let expected = BoxSpace::uniform(-8.0, 8.0, [N, 1], DType::F32).unwrap().into();
+        let expected = BoxSpace::uniform(-8.0, 8.0, [N, 1], DType::F32)
+            .unwrap()
+            .into();
         assert_eq!(action == expected, !acts, "{name}: {action}");
         envs.reset_into(&().into(), &mut columns).unwrap();
         let actions = action.sampler(0).sample();
@@ -245,9 +307,18 @@ fn every_method_reaches_the_vector_within() {
         assert_eq!(infos["column"], Value::Int(2), "{name}");
         let last = infos["final_info"].get("last").unwrap();
         assert_eq!(last, &Value::Array([0i64, 1, 0].into()), "{name}");
-        assert_eq!(envs.call(|_, env: &mut BoxEnv| env.describe()).unwrap().len(), 1, "{name}");
+        assert_eq!(
+            envs.call(|_, env: &mut BoxEnv| env.describe())
+                .unwrap()
+                .len(),
+            1,
+            "{name}"
+        );
         assert_eq!(envs.render().unwrap().len(), N, "{name}");
-        assert!(envs.describe().contains("a spy") && envs.describe().contains(name), "{name}");
+        assert!(
+            envs.describe().contains("a spy") && envs.describe().contains(name),
+            "{name}"
+        );
         let snapshot = envs.snapshot().unwrap();
         envs.step_into(&actions, &mut columns).unwrap();
         envs.restore(&snapshot).unwrap();
@@ -259,11 +330,19 @@ fn every_method_reaches_the_vector_within() {
             assert_eq!(spec.vector_wrappers.len(), 1, "{name}");
             assert_eq!(spec.vector_wrappers[0].name, name);
         } else {
-            assert!(name.starts_with("Transform") || ["Idle", "RecordVideo"].contains(&name), "{name}");
+            assert!(
+                name.starts_with("Transform") || ["Idle", "RecordVideo"].contains(&name),
+                "{name}"
+            );
         }
         envs.close();
 
-        let mut reached: BTreeSet<String> = calls.lock().unwrap().iter().map(ToString::to_string).collect();
+        let mut reached: BTreeSet<String> = calls
+            .lock()
+            .unwrap()
+            .iter()
+            .map(ToString::to_string)
+            .collect();
         // the spaces that a wrapper replaces are its own
         if observes {
             reached.extend(["observation_space", "single_observation_space"].map(str::to_owned));
@@ -315,10 +394,15 @@ impl VectorEnv for HalfWay {
         }
         columns.prepare(&self.single_observation_space(), 2)?;
         if let Value::Array(array) = &mut columns.observations {
-            array.as_mut_slice::<f32>().unwrap().copy_from_slice(&[0.5, -0.5, 0.0, 0.0]);
+            array
+                .as_mut_slice::<f32>()
+                .unwrap()
+                .copy_from_slice(&[0.5, -0.5, 0.0, 0.0]);
         }
         columns.rewards.copy_from_slice(&[8.0, 0.0]);
-        columns.progress.copy_from_slice(&[Progress::Stepped, Progress::Unchanged]);
+        columns
+            .progress
+            .copy_from_slice(&[Progress::Stepped, Progress::Unchanged]);
         Err(Error::custom("the second fails").at_env(1))
     }
 }
@@ -331,29 +415,59 @@ fn an_error_of_one_does_not_hide_the_step_of_the_others() {
     let step = |envs: &mut dyn VectorEnv| {
         let mut columns = Columns::default();
         envs.reset_into(&().into(), &mut columns).unwrap();
-        assert!(envs.step_into(&actions, &mut columns).unwrap_err().to_string().contains("the second"));
+        assert!(
+            envs.step_into(&actions, &mut columns)
+                .unwrap_err()
+                .to_string()
+                .contains("the second")
+        );
         let first = columns.clone();
-        assert!(envs.step_into(&actions, &mut columns).unwrap_err().to_string().contains("refused"));
+        assert!(
+            envs.step_into(&actions, &mut columns)
+                .unwrap_err()
+                .to_string()
+                .contains("refused")
+        );
         columns.progress.clone_from(&first.progress);
         assert_eq!(columns, first, "a call that is refused changes no row");
         first
     };
     let halfway = || HalfWay { calls: 0 };
-    assert_eq!(step(&mut ClipReward::new(halfway(), (None, 3.0)).unwrap()).rewards, [3.0, 0.0]);
-    assert_eq!(step(&mut TransformReward::new(halfway(), |x| x + 1.0)).rewards, [9.0, 0.0]);
+    assert_eq!(
+        step(&mut ClipReward::new(halfway(), (None, 3.0)).unwrap()).rewards,
+        [3.0, 0.0]
+    );
+    assert_eq!(
+        step(&mut TransformReward::new(halfway(), |x| x + 1.0)).rewards,
+        [9.0, 0.0]
+    );
     let mut envs = RescaleObservation::new(halfway(), (-10.0, 10.0)).unwrap();
-    assert_eq!(step(&mut envs).observations.as_slice::<f32>().unwrap(), [5.0, -5.0, 0.0, 0.0]);
+    assert_eq!(
+        step(&mut envs).observations.as_slice::<f32>().unwrap(),
+        [5.0, -5.0, 0.0, 0.0]
+    );
     let mut envs = RecordEpisodeStatistics::new(halfway());
     step(&mut envs);
     let error = envs.snapshot().unwrap_err().to_string();
-    assert!(error.contains("HalfWay(num_envs=2) has no snapshots"), "{error}");
+    assert!(
+        error.contains("HalfWay(num_envs=2) has no snapshots"),
+        "{error}"
+    );
     let mut envs = NormalizeReward::new(halfway(), 0.5).unwrap();
     let columns = step(&mut envs);
-    assert_eq!((envs.statistics().count() - 1e-4).round(), 1.0, "one reward was taken in");
+    assert_eq!(
+        (envs.statistics().count() - 1e-4).round(),
+        1.0,
+        "one reward was taken in"
+    );
     assert_eq!(columns.rewards[1], 0.0);
     let mut envs = halfway().normalize_observation().unwrap();
     step(&mut envs);
-    assert_eq!((envs.statistics().count() - 1e-4).round(), 3.0, "two of the reset, one of the step");
+    assert_eq!(
+        (envs.statistics().count() - 1e-4).round(),
+        3.0,
+        "two of the reset, one of the step"
+    );
 }
 
 /// A spec is not reachable by forgetting it: a wrapper of a third party has none until it says how it is
@@ -362,9 +476,19 @@ fn an_error_of_one_does_not_hide_the_step_of_the_others() {
 fn a_wrapper_that_leaves_out_its_spec_has_none() {
     let envs = gym::make_vec("CartPole-v1", 2, None).unwrap();
     assert!(Idle { envs }.spec().is_none());
-    let unknown = gym::make_vec("CartPole-v1", 2, None).unwrap().spec().unwrap();
-    let error = unknown.wrapped(WrapperSpec::new("Idle")).make().unwrap_err().to_string();
-    assert!(error.contains("unknown wrapper `Idle`") && error.contains("ClipReward"), "{error}");
+    let unknown = gym::make_vec("CartPole-v1", 2, None)
+        .unwrap()
+        .spec()
+        .unwrap();
+    let error = unknown
+        .wrapped(WrapperSpec::new("Idle"))
+        .make()
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("unknown wrapper `Idle`") && error.contains("ClipReward"),
+        "{error}"
+    );
 }
 
 mod with_everything_imported {

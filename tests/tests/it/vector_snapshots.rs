@@ -3,7 +3,9 @@
 
 use std::process::Command;
 
-use gym::vector::{AsyncVectorEnv, Autoreset, Columns, SyncVectorEnv, VectorKind, VectorReset, VectorSpec};
+use gym::vector::{
+    AsyncVectorEnv, Autoreset, Columns, SyncVectorEnv, VectorKind, VectorReset, VectorSpec,
+};
 use gym::wrappers::{NormalizeObservation, RecordEpisodeStatistics};
 use gym::{
     BoxEnv, BoxVector, Env, EnvExt, Info, Sampler, Snapshot, Value, VectorEnv, VectorEnvExt, Wrap,
@@ -11,13 +13,21 @@ use gym::{
 };
 use serde_json::{Value as Json, json};
 
-const MODES: [Autoreset; 3] = [Autoreset::NextStep, Autoreset::SameStep, Autoreset::Disabled];
+const MODES: [Autoreset; 3] = [
+    Autoreset::NextStep,
+    Autoreset::SameStep,
+    Autoreset::Disabled,
+];
 const KINDS: [VectorKind; 3] = [VectorKind::Sync, VectorKind::Async, VectorKind::Native];
 const N: usize = 5;
 
 /// A vector whose episodes end often.
 fn spec(id: &str, kind: VectorKind, autoreset: Autoreset, wrappers: &Json) -> VectorSpec {
-    let vector = builder(id).max_episode_steps(9).vector(N).kind(kind).autoreset(autoreset);
+    let vector = builder(id)
+        .max_episode_steps(9)
+        .vector(N)
+        .kind(kind)
+        .autoreset(autoreset);
     let wrappers = wrappers.as_array().expect("a list").iter();
     wrappers.fold(vector.spec().unwrap(), |spec, wrapper| {
         spec.wrapped(serde_json::from_value(wrapper.clone()).unwrap())
@@ -31,8 +41,14 @@ fn seen(envs: &dyn VectorEnv, columns: &Columns) -> Seen {
     let mut infos = envs.infos(columns);
     let mut columns = columns.clone();
     // the other rows may hold anything
-    let finals = envs.single_observation_space().iterate(&columns.final_observations).unwrap();
-    let finals = finals.zip(&columns.has_final).filter(|(_, there)| **there).map(|(row, _)| row);
+    let finals = envs
+        .single_observation_space()
+        .iterate(&columns.final_observations)
+        .unwrap();
+    let finals = finals
+        .zip(&columns.has_final)
+        .filter(|(_, there)| **there)
+        .map(|(row, _)| row);
     columns.final_observations = Value::Tuple(finals.collect());
     if let Some(Value::Dict(entries)) = infos.get_mut("episode") {
         entries.retain(|(key, _)| key != "t");
@@ -41,7 +57,12 @@ fn seen(envs: &dyn VectorEnv, columns: &Columns) -> Seen {
 }
 
 /// Random steps, with resets by mask: of those whose episode is over, and in other modes now and then of one.
-fn play(envs: &mut dyn VectorEnv, columns: &mut Columns, actions: &mut Sampler, steps: usize) -> Vec<Seen> {
+fn play(
+    envs: &mut dyn VectorEnv,
+    columns: &mut Columns,
+    actions: &mut Sampler,
+    steps: usize,
+) -> Vec<Seen> {
     let mut history = Vec::new();
     for step in 0..steps {
         envs.step_into(&actions.sample(), columns).unwrap();
@@ -52,7 +73,8 @@ fn play(envs: &mut dyn VectorEnv, columns: &mut Columns, actions: &mut Sampler, 
             mask = (0..N).map(|i| step % 7 == 3 && i == step % N).collect();
         }
         if mask.contains(&true) {
-            envs.reset_into(&VectorReset::default().mask(mask), columns).unwrap();
+            envs.reset_into(&VectorReset::default().mask(mask), columns)
+                .unwrap();
             history.push(seen(envs, columns));
         }
     }
@@ -91,7 +113,9 @@ fn continues(spec: &VectorSpec, steps: usize) {
 
     let snapshot = stored(&*envs);
     let mut restored = spec.make().unwrap();
-    restored.restore(&snapshot).unwrap_or_else(|error| panic!("{what}: {error}"));
+    restored
+        .restore(&snapshot)
+        .unwrap_or_else(|error| panic!("{what}: {error}"));
     assert_eq!(stored(&*restored), snapshot, "{what}");
     let mut own = restored.columns().unwrap();
     let mut same_actions = actions.clone();
@@ -100,29 +124,54 @@ fn continues(spec: &VectorSpec, steps: usize) {
     for (step, (answered, expected)) in answered.iter().zip(&expected).enumerate() {
         assert_eq!(answered, expected, "{what}: {step}");
     }
-    assert_eq!(without_clock(&stored(&*restored)), without_clock(&stored(&*envs)), "{what}");
+    assert_eq!(
+        without_clock(&stored(&*restored)),
+        without_clock(&stored(&*envs)),
+        "{what}"
+    );
 }
 
 fn kinds_of(id: &str) -> impl Iterator<Item = VectorKind> {
-    let has_native = gym::registry::find(id).unwrap().vector_entry_point.is_some();
-    KINDS.into_iter().filter(move |kind| *kind != VectorKind::Native || has_native)
+    let has_native = gym::registry::find(id)
+        .unwrap()
+        .vector_entry_point
+        .is_some();
+    KINDS
+        .into_iter()
+        .filter(move |kind| *kind != VectorKind::Native || has_native)
 }
 
 #[test]
 fn every_kind_continues_in_every_mode() {
-    for id in
-        ["CartPole-v1", "Pendulum-v1", "MountainCarContinuous-v0", "Blackjack-v1", "Taxi-v4", "FrozenLake-v1"]
-    {
+    for id in [
+        "CartPole-v1",
+        "Pendulum-v1",
+        "MountainCarContinuous-v0",
+        "Blackjack-v1",
+        "Taxi-v4",
+        "FrozenLake-v1",
+    ] {
         for (kind, mode) in kinds_of(id).flat_map(|kind| MODES.map(|mode| (kind, mode))) {
             for steps in [0, 9, 23] {
                 continues(&spec(id, kind, mode, &json!([])), steps);
             }
         }
     }
-    for (kind, mode) in KINDS.into_iter().flat_map(|kind| MODES.map(|mode| (kind, mode))) {
+    for (kind, mode) in KINDS
+        .into_iter()
+        .flat_map(|kind| MODES.map(|mode| (kind, mode)))
+    {
         continues(&spec("LunarLander-v3", kind, mode, &json!([])), 17);
     }
-    continues(&spec("BipedalWalker-v3", VectorKind::Native, Autoreset::NextStep, &json!([])), 17);
+    continues(
+        &spec(
+            "BipedalWalker-v3",
+            VectorKind::Native,
+            Autoreset::NextStep,
+            &json!([]),
+        ),
+        17,
+    );
 }
 
 #[test]
@@ -139,7 +188,10 @@ fn every_wrapper_continues() {
         ]),
     ];
     for stack in stacks {
-        for (kind, mode) in KINDS.into_iter().flat_map(|kind| MODES.map(|mode| (kind, mode))) {
+        for (kind, mode) in KINDS
+            .into_iter()
+            .flat_map(|kind| MODES.map(|mode| (kind, mode)))
+        {
             continues(&spec("Pendulum-v1", kind, mode, &stack), 23);
         }
     }
@@ -148,11 +200,21 @@ fn every_wrapper_continues() {
 /// Wrappers of the sub-environments keep statistics and queues of their own.
 #[test]
 fn wrapped_environments_continue() {
-    let env = ["NormalizeObservation", "NormalizeReward"].map(WrapperSpec::new).into_iter();
-    let env = env.fold(builder("Pendulum-v1").max_episode_steps(9), gym::registry::EnvBuilder::wrap);
+    let env = ["NormalizeObservation", "NormalizeReward"]
+        .map(WrapperSpec::new)
+        .into_iter();
+    let env = env.fold(
+        builder("Pendulum-v1").max_episode_steps(9),
+        gym::registry::EnvBuilder::wrap,
+    );
     let env = env.wrap(WrapperSpec::new("FrameStackObservation").arg("stack_size", 3));
     for mode in MODES {
-        let vector = env.clone().vector(N).kind(VectorKind::Async).autoreset(mode).threads(2);
+        let vector = env
+            .clone()
+            .vector(N)
+            .kind(VectorKind::Async)
+            .autoreset(mode)
+            .threads(2);
         continues(&vector.spec().unwrap(), 14);
     }
 }
@@ -161,8 +223,8 @@ fn wrapped_environments_continue() {
 #[test]
 fn sync_and_async_are_interchangeable() {
     for mode in MODES {
-        let [sync, pool] =
-            [VectorKind::Sync, VectorKind::Async].map(|kind| spec("CartPole-v1", kind, mode, &json!([])));
+        let [sync, pool] = [VectorKind::Sync, VectorKind::Async]
+            .map(|kind| spec("CartPole-v1", kind, mode, &json!([])));
         let (mut a, mut b) = (sync.make().unwrap(), pool.make().unwrap());
         let mut columns = a.columns().unwrap();
         let mut actions = a.action_sampler(0).unwrap();
@@ -171,7 +233,10 @@ fn sync_and_async_are_interchangeable() {
         b.restore(&stored(&*a)).unwrap();
         let mut other = columns.clone();
         let mut same = actions.clone();
-        assert_eq!(play(&mut *b, &mut other, &mut same, 30), play(&mut *a, &mut columns, &mut actions, 30));
+        assert_eq!(
+            play(&mut *b, &mut other, &mut same, 30),
+            play(&mut *a, &mut columns, &mut actions, 30)
+        );
     }
 }
 
@@ -180,7 +245,9 @@ const CHILD: &str = "GYM_TEST_SNAPSHOT_FOLDER";
 /// What the other process does: reads spec, snapshot and actions, and prints what it sees.
 #[test]
 fn child() {
-    let Some(folder) = std::env::var_os(CHILD).map(std::path::PathBuf::from) else { return };
+    let Some(folder) = std::env::var_os(CHILD).map(std::path::PathBuf::from) else {
+        return;
+    };
     let text = std::fs::read_to_string(folder.join("run.json")).unwrap();
     let runs: Vec<(VectorSpec, Snapshot)> = serde_json::from_str(&text).unwrap();
     let seen = runs.iter().map(|(spec, snapshot)| {
@@ -190,8 +257,11 @@ fn child() {
         let mut actions = envs.action_sampler(8).unwrap();
         format!("{:?}", play(&mut *envs, &mut columns, &mut actions, 40))
     });
-    std::fs::write(folder.join("seen.json"), serde_json::to_string(&seen.collect::<Vec<_>>()).unwrap())
-        .unwrap();
+    std::fs::write(
+        folder.join("seen.json"),
+        serde_json::to_string(&seen.collect::<Vec<_>>()).unwrap(),
+    )
+    .unwrap();
 }
 
 #[test]
@@ -199,7 +269,10 @@ fn another_process_continues() {
     let folder = tempfile::tempdir().unwrap();
     let wrappers = json!([{"name": "RecordEpisodeStatistics"}, {"name": "NormalizeObservation"}, {"name": "NormalizeReward"}]);
     let (mut runs, mut expected) = (Vec::new(), Vec::new());
-    for (kind, mode) in KINDS.into_iter().flat_map(|kind| MODES.map(|mode| (kind, mode))) {
+    for (kind, mode) in KINDS
+        .into_iter()
+        .flat_map(|kind| MODES.map(|mode| (kind, mode)))
+    {
         let spec = spec("CartPole-v1", kind, mode, &wrappers);
         let mut envs = spec.make().unwrap();
         let mut columns = envs.columns().unwrap();
@@ -208,16 +281,27 @@ fn another_process_continues() {
         play(&mut *envs, &mut columns, &mut actions, 31);
         let snapshot = envs.snapshot().unwrap();
         let mut actions = envs.action_sampler(8).unwrap();
-        expected.push(format!("{:?}", play(&mut *envs, &mut columns, &mut actions, 40)));
+        expected.push(format!(
+            "{:?}",
+            play(&mut *envs, &mut columns, &mut actions, 40)
+        ));
         runs.push((spec, snapshot));
     }
-    std::fs::write(folder.path().join("run.json"), serde_json::to_string(&runs).unwrap()).unwrap();
+    std::fs::write(
+        folder.path().join("run.json"),
+        serde_json::to_string(&runs).unwrap(),
+    )
+    .unwrap();
     let child = Command::new(std::env::current_exe().unwrap())
         .args(["--exact", "vector_snapshots::child"])
         .env(CHILD, folder.path())
         .output()
         .unwrap();
-    assert!(child.status.success(), "{}", String::from_utf8_lossy(&child.stdout));
+    assert!(
+        child.status.success(),
+        "{}",
+        String::from_utf8_lossy(&child.stdout)
+    );
     let seen = std::fs::read_to_string(folder.path().join("seen.json")).unwrap();
     let seen: Vec<String> = serde_json::from_str(&seen).unwrap();
     assert_eq!(seen, expected);
@@ -261,7 +345,10 @@ fn spoilt(json: &Json) -> Vec<Json> {
 fn a_refused_snapshot_changes_nothing() {
     let wrappers = json!([{"name": "RecordEpisodeStatistics"}, {"name": "NormalizeObservation"}, {"name": "NormalizeReward"}]);
     let mut refused = 0;
-    for (kind, mode) in KINDS.into_iter().flat_map(|kind| MODES.map(|mode| (kind, mode))) {
+    for (kind, mode) in KINDS
+        .into_iter()
+        .flat_map(|kind| MODES.map(|mode| (kind, mode)))
+    {
         let own = spec("CartPole-v1", kind, mode, &wrappers);
         let mut envs = own.make().unwrap();
         let mut columns = envs.columns().unwrap();
@@ -275,7 +362,12 @@ fn a_refused_snapshot_changes_nothing() {
         let others = [
             spec("Pendulum-v1", kind, mode, &wrappers),
             spec("CartPole-v1", kind, mode, &json!([])),
-            builder("CartPole-v1").vector(N + 1).kind(kind).autoreset(mode).spec().unwrap(),
+            builder("CartPole-v1")
+                .vector(N + 1)
+                .kind(kind)
+                .autoreset(mode)
+                .spec()
+                .unwrap(),
             builder("CartPole-v1")
                 .arg("sutton_barto_reward", true)
                 .max_episode_steps(9)
@@ -293,8 +385,13 @@ fn a_refused_snapshot_changes_nothing() {
         ];
         for other in others {
             let mut vector = other.make().unwrap();
-            vector.reset_into(&0.into(), &mut Columns::default()).unwrap();
-            let error = envs.restore(&vector.snapshot().unwrap()).unwrap_err().to_string();
+            vector
+                .reset_into(&0.into(), &mut Columns::default())
+                .unwrap();
+            let error = envs
+                .restore(&vector.snapshot().unwrap())
+                .unwrap_err()
+                .to_string();
             assert!(error.contains("cannot restore"), "{error}");
             assert_eq!(envs.snapshot().unwrap(), now, "{}: {error}", json!(other));
         }
@@ -312,7 +409,10 @@ fn a_refused_snapshot_changes_nothing() {
             }
         }
         envs.close();
-        assert!(envs.restore(&before).is_err(), "a closed vector stays closed");
+        assert!(
+            envs.restore(&before).is_err(),
+            "a closed vector stays closed"
+        );
         assert!(envs.step_into(&actions.sample(), &mut columns).is_err());
     }
     assert!(refused > 300, "{refused}");
@@ -323,15 +423,25 @@ fn a_refused_snapshot_changes_nothing() {
 fn statistics_of_fewer_environments_are_refused() {
     for kind in KINDS {
         let wrappers = json!([{"name": "RecordEpisodeStatistics"}]);
-        let mut envs = spec("CartPole-v1", kind, Autoreset::NextStep, &wrappers).make().unwrap();
+        let mut envs = spec("CartPole-v1", kind, Autoreset::NextStep, &wrappers)
+            .make()
+            .unwrap();
         envs.reset_into(&0.into(), &mut Columns::default()).unwrap();
         let now = envs.snapshot().unwrap();
         let mut fewer = json!(now);
-        let running = fewer[1]["running"].as_array_mut().expect("one entry for each sub-environment");
+        let running = fewer[1]["running"]
+            .as_array_mut()
+            .expect("one entry for each sub-environment");
         assert_eq!(running.len(), N);
         running.pop();
-        let error = envs.restore(&serde_json::from_value(fewer).unwrap()).unwrap_err().to_string();
-        assert!(error.contains("it has 4 sub-environments, and this vector 5"), "{error}");
+        let error = envs
+            .restore(&serde_json::from_value(fewer).unwrap())
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains("it has 4 sub-environments, and this vector 5"),
+            "{error}"
+        );
         assert_eq!(envs.snapshot().unwrap(), now);
     }
 }
@@ -341,17 +451,25 @@ fn statistics_of_fewer_environments_are_refused() {
 #[test]
 fn a_reset_that_is_due_is_part_of_the_state() {
     for kind in KINDS {
-        let mut envs = spec("CartPole-v1", kind, Autoreset::NextStep, &json!([])).make().unwrap();
+        let mut envs = spec("CartPole-v1", kind, Autoreset::NextStep, &json!([]))
+            .make()
+            .unwrap();
         let mut columns = envs.reset(0).unwrap();
         let push = Value::Array([1i64; N].into());
         while !columns.done(0) {
             envs.step_into(&push, &mut columns).unwrap();
         }
-        let mut restored = spec("CartPole-v1", kind, Autoreset::NextStep, &json!([])).make().unwrap();
+        let mut restored = spec("CartPole-v1", kind, Autoreset::NextStep, &json!([]))
+            .make()
+            .unwrap();
         restored.restore(&stored(&*envs)).unwrap();
         let (a, b) = (envs.step(&push).unwrap(), restored.step(&push).unwrap());
         assert_eq!(a, b);
-        assert_eq!((a.rewards[0], a.done(0)), (0.0, false), "the step was a reset");
+        assert_eq!(
+            (a.rewards[0], a.done(0)),
+            (0.0, false),
+            "the step was a reset"
+        );
     }
 }
 
@@ -368,7 +486,9 @@ fn a_million_cartpoles_are_stored_in_little() {
     let text = serde_json::to_string(&envs.snapshot().unwrap()).unwrap();
     let bytes = text.len() as f64 / N as f64;
     let mut restored = make();
-    restored.restore(&serde_json::from_str(&text).unwrap()).unwrap();
+    restored
+        .restore(&serde_json::from_str(&text).unwrap())
+        .unwrap();
     assert!(bytes < 110.0, "{bytes} bytes for each environment");
     let mut other = columns.clone();
     envs.step_into(&actions, &mut columns).unwrap();
@@ -383,9 +503,18 @@ fn what_cannot_be_stored_says_so() {
     let before = pool.snapshot().unwrap();
     pool.send(&Value::Array([0i64].into()), &[1]).unwrap();
     for error in [pool.snapshot().map(drop), pool.restore(&before)] {
-        assert!(error.unwrap_err().to_string().contains("receive them first"));
+        assert!(
+            error
+                .unwrap_err()
+                .to_string()
+                .contains("receive them first")
+        );
     }
-    assert_eq!(pool.describe(), "AsyncVectorEnv(CartPole-v1, num_envs=3)", "while one is away");
+    assert_eq!(
+        pool.describe(),
+        "AsyncVectorEnv(CartPole-v1, num_envs=3)",
+        "while one is away"
+    );
     assert_eq!(pool.metadata().render_fps, 50, "while one is away");
 }
 
@@ -393,25 +522,55 @@ fn what_cannot_be_stored_says_so() {
 #[test]
 fn statistics_are_reached_and_frozen() {
     let wrappers = json!([{"name": "NormalizeObservation"}, {"name": "RecordEpisodeStatistics"}]);
-    let mut envs = spec("Pendulum-v1", VectorKind::Native, Autoreset::NextStep, &wrappers).make().unwrap();
+    let mut envs = spec(
+        "Pendulum-v1",
+        VectorKind::Native,
+        Autoreset::NextStep,
+        &wrappers,
+    )
+    .make()
+    .unwrap();
     let mut actions = envs.action_sampler(0).unwrap();
     let mut columns = envs.reset(0).unwrap();
     play(&mut *envs, &mut columns, &mut actions, 50);
-    assert!(envs.wrapper::<RecordEpisodeStatistics<BoxVector>>().unwrap().episode_count() > 10);
-    let statistics = envs.wrapper::<NormalizeObservation<BoxVector>>().unwrap().statistics().clone();
+    assert!(
+        envs.wrapper::<RecordEpisodeStatistics<BoxVector>>()
+            .unwrap()
+            .episode_count()
+            > 10
+    );
+    let statistics = envs
+        .wrapper::<NormalizeObservation<BoxVector>>()
+        .unwrap()
+        .statistics()
+        .clone();
     assert!(statistics.count() > 200.0);
-    envs.wrapper_mut::<NormalizeObservation<BoxVector>>().unwrap().update_running_mean(false);
+    envs.wrapper_mut::<NormalizeObservation<BoxVector>>()
+        .unwrap()
+        .update_running_mean(false);
     play(&mut *envs, &mut columns, &mut actions, 5);
-    assert_eq!(envs.wrapper::<NormalizeObservation<BoxVector>>().unwrap().statistics(), &statistics);
+    assert_eq!(
+        envs.wrapper::<NormalizeObservation<BoxVector>>()
+            .unwrap()
+            .statistics(),
+        &statistics
+    );
     let spec = envs.spec().unwrap();
     assert_eq!(spec.vector_wrappers[0].kwargs["update_running_mean"], false);
 
-    let mut single = gym::make("Pendulum-v1").unwrap().normalize_observation().unwrap();
+    let mut single = gym::make("Pendulum-v1")
+        .unwrap()
+        .normalize_observation()
+        .unwrap();
     single.set_statistics(statistics.clone()).unwrap();
     single.update_running_mean(false);
     let mut one = make_vec("Pendulum-v1", 1, VectorKind::Sync).unwrap();
-    one = WrapperSpec::new("NormalizeObservation").wrap_vector(one).unwrap();
-    let normalizer = one.wrapper_mut::<NormalizeObservation<BoxVector>>().unwrap();
+    one = WrapperSpec::new("NormalizeObservation")
+        .wrap_vector(one)
+        .unwrap();
+    let normalizer = one
+        .wrapper_mut::<NormalizeObservation<BoxVector>>()
+        .unwrap();
     normalizer.set_statistics(statistics).unwrap();
     normalizer.update_running_mean(false);
     assert_eq!(
@@ -419,7 +578,12 @@ fn statistics_are_reached_and_frozen() {
         single.reset(4).unwrap().as_slice::<f32>()
     );
     let other = gym::wrappers::RunningMeanStd::new(7);
-    assert!(one.wrapper_mut::<NormalizeObservation<BoxVector>>().unwrap().set_statistics(other).is_err());
+    assert!(
+        one.wrapper_mut::<NormalizeObservation<BoxVector>>()
+            .unwrap()
+            .set_statistics(other)
+            .is_err()
+    );
     assert!(one.wrapper::<SyncVectorEnv<BoxEnv>>().is_some());
 }
 
@@ -427,33 +591,53 @@ fn statistics_are_reached_and_frozen() {
 /// alone.
 #[test]
 fn snapshots_put_back_one_by_one_are_an_error_until_a_reset() {
-    for (kind, autoreset) in
-        [(VectorKind::Sync, Autoreset::NextStep), (VectorKind::Async, Autoreset::SameStep)]
-    {
-        let envs = builder("CartPole-v1").max_episode_steps(3).vector(2).kind(kind).autoreset(autoreset);
+    for (kind, autoreset) in [
+        (VectorKind::Sync, Autoreset::NextStep),
+        (VectorKind::Async, Autoreset::SameStep),
+    ] {
+        let envs = builder("CartPole-v1")
+            .max_episode_steps(3)
+            .vector(2)
+            .kind(kind)
+            .autoreset(autoreset);
         let mut envs = envs.build().unwrap();
         let mut columns = envs.columns().unwrap();
         let actions = envs.action_space().unwrap().sampler(0).sample();
-        envs.reset_into(&VectorReset::from(1), &mut columns).unwrap();
+        envs.reset_into(&VectorReset::from(1), &mut columns)
+            .unwrap();
         for _ in 0..3 {
             envs.step_into(&actions, &mut columns).unwrap();
         }
         // looking changes nothing
-        let taken = envs.call(|_, env: &mut BoxEnv| env.snapshot().unwrap()).unwrap();
+        let taken = envs
+            .call(|_, env: &mut BoxEnv| env.snapshot().unwrap())
+            .unwrap();
         for _ in 0..2 {
             envs.step_into(&actions, &mut columns).unwrap();
         }
-        envs.call(|index, env: &mut BoxEnv| env.restore(&taken[index]).unwrap()).unwrap();
-        let error = envs.step_into(&actions, &mut columns).unwrap_err().to_string();
-        assert!(error.contains("sub-environment 0") && error.contains("through `call`"), "{error}");
+        envs.call(|index, env: &mut BoxEnv| env.restore(&taken[index]).unwrap())
+            .unwrap();
+        let error = envs
+            .step_into(&actions, &mut columns)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains("sub-environment 0") && error.contains("through `call`"),
+            "{error}"
+        );
 
         // neither a reset of the other one nor a snapshot of the whole hides it
-        envs.reset_into(&VectorReset::default().mask([true, false]), &mut columns).unwrap();
+        envs.reset_into(&VectorReset::default().mask([true, false]), &mut columns)
+            .unwrap();
         let stored = stored(&*envs);
         envs.restore(&stored).unwrap();
-        let error = envs.step_into(&actions, &mut columns).unwrap_err().to_string();
+        let error = envs
+            .step_into(&actions, &mut columns)
+            .unwrap_err()
+            .to_string();
         assert!(error.contains("sub-environment 1"), "{error}");
-        envs.reset_into(&VectorReset::default().mask([false, true]), &mut columns).unwrap();
+        envs.reset_into(&VectorReset::default().mask([false, true]), &mut columns)
+            .unwrap();
         envs.step_into(&actions, &mut columns).unwrap();
 
         for call in [
@@ -462,7 +646,8 @@ fn snapshots_put_back_one_by_one_are_an_error_until_a_reset() {
         ] {
             envs.call(|_, env: &mut BoxEnv| call(env)).unwrap();
             assert!(envs.step_into(&actions, &mut columns).is_err());
-            envs.reset_into(&VectorReset::default(), &mut columns).unwrap();
+            envs.reset_into(&VectorReset::default(), &mut columns)
+                .unwrap();
         }
     }
 }

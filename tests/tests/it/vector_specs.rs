@@ -7,32 +7,52 @@ use gym::{Error, Info, Result, Value, VectorEnv, VectorEnvExt, WrapperSpec, buil
 use proptest::prelude::*;
 use serde_json::{Value as Json, json};
 
-const IDS: [&str; 6] =
-    ["CartPole-v1", "Pendulum-v1", "MountainCarContinuous-v0", "MountainCar-v0", "Blackjack-v1", "Taxi-v4"];
+const IDS: [&str; 6] = [
+    "CartPole-v1",
+    "Pendulum-v1",
+    "MountainCarContinuous-v0",
+    "MountainCar-v0",
+    "Blackjack-v1",
+    "Taxi-v4",
+];
 
 /// A wrapper of vectors, if it can go around this one.
 fn wrap(envs: Box<dyn VectorEnv>, which: u32, x: f64) -> Result<Box<dyn VectorEnv>> {
     Ok(match which {
         0 => Box::new(RecordEpisodeStatistics::with_config(
             envs,
-            record_episode_statistics::Config { buffer_length: 3, stats_key: "stats".into() },
+            record_episode_statistics::Config {
+                buffer_length: 3,
+                stats_key: "stats".into(),
+            },
         )?),
         1 => Box::new(NormalizeObservation::new(
             envs,
-            normalize_observation::Config { epsilon: x, ..Default::default() },
+            normalize_observation::Config {
+                epsilon: x,
+                ..Default::default()
+            },
         )?),
         2 => Box::new(NormalizeReward::new(
             envs,
-            normalize_reward::Config { gamma: x.min(1.0), epsilon: 1e-3, ..Default::default() },
+            normalize_reward::Config {
+                gamma: x.min(1.0),
+                epsilon: 1e-3,
+                ..Default::default()
+            },
         )?),
         3 => Box::new(ClipAction::new(envs, clip_action::Config::default())?),
         4 => Box::new(ClipReward::new(envs, (-x, f64::INFINITY))?),
         5 => Box::new(RescaleAction::new(envs, (-x, x))?),
         6 => Box::new(RescaleAction::new(envs, ([-x], [3.0 * x]))?),
         7 => Box::new(RescaleObservation::new(envs, (-1.0, x))?),
-        8 => Box::new(RescaleObservation::new(envs, ([-1.0f32, -0.1], [x as f32, 0.3]))?),
+        8 => Box::new(RescaleObservation::new(
+            envs,
+            ([-1.0f32, -0.1], [x as f32, 0.3]),
+        )?),
         9 => {
-            let mut envs = NormalizeObservation::new(envs, normalize_observation::Config::default())?;
+            let mut envs =
+                NormalizeObservation::new(envs, normalize_observation::Config::default())?;
             envs.update_running_mean(false);
             Box::new(envs)
         }
@@ -69,16 +89,24 @@ fn play(envs: &mut dyn VectorEnv, steps: usize) -> Vec<Seen> {
     for step in 0..steps {
         let ended: Vec<bool> = (0..columns.len()).map(|i| columns.done(i)).collect();
         if envs.autoreset() == Autoreset::Disabled && ended.contains(&true) {
-            envs.reset_into(&VectorReset::default().mask(ended), &mut columns).unwrap();
+            envs.reset_into(&VectorReset::default().mask(ended), &mut columns)
+                .unwrap();
         } else if step % 5 == 4 {
             let mask: Vec<bool> = (0..columns.len()).map(|i| i == 0).collect();
-            envs.reset_into(&VectorReset::default().mask(mask), &mut columns).unwrap();
+            envs.reset_into(&VectorReset::default().mask(mask), &mut columns)
+                .unwrap();
         } else {
             envs.step_into(&actions.sample(), &mut columns).unwrap();
         }
         let mut infos = envs.infos(&columns);
         remove_clock(&mut infos);
-        let gym::vector::Columns { observations, rewards, terminated, truncated, .. } = columns.clone();
+        let gym::vector::Columns {
+            observations,
+            rewards,
+            terminated,
+            truncated,
+            ..
+        } = columns.clone();
         history.push((observations, rewards, terminated, truncated, infos));
     }
     history
@@ -153,25 +181,48 @@ proptest! {
 /// Gymnasium's dict of columns does not depend on which wrapper is outside.
 #[test]
 fn infos_do_not_depend_on_the_order_of_wrappers() {
-    for autoreset in [Autoreset::NextStep, Autoreset::SameStep, Autoreset::Disabled] {
+    for autoreset in [
+        Autoreset::NextStep,
+        Autoreset::SameStep,
+        Autoreset::Disabled,
+    ] {
         let make = |wrappers: &[&str]| {
-            let spec =
-                builder("Pendulum-v1").max_episode_steps(4).vector(3).autoreset(autoreset).spec().unwrap();
+            let spec = builder("Pendulum-v1")
+                .max_episode_steps(4)
+                .vector(3)
+                .autoreset(autoreset)
+                .spec()
+                .unwrap();
             let wrapped = wrappers.iter().fold(spec, |spec, name| {
                 let bounds = *name == "RescaleObservation";
                 let wrapper = WrapperSpec::new(name);
-                spec.wrapped(if bounds { wrapper.arg("min_obs", -1.0).arg("max_obs", 1.0) } else { wrapper })
+                spec.wrapped(if bounds {
+                    wrapper.arg("min_obs", -1.0).arg("max_obs", 1.0)
+                } else {
+                    wrapper
+                })
             });
             wrapped.make().unwrap()
         };
-        let others = ["NormalizeObservation", "RescaleObservation", "NormalizeReward", "ClipAction"];
+        let others = [
+            "NormalizeObservation",
+            "RescaleObservation",
+            "NormalizeReward",
+            "ClipAction",
+        ];
         for other in others {
-            let answers = [["RecordEpisodeStatistics", other], [other, "RecordEpisodeStatistics"]]
-                .map(|wrappers| play(&mut *make(&wrappers), 20));
+            let answers = [
+                ["RecordEpisodeStatistics", other],
+                [other, "RecordEpisodeStatistics"],
+            ]
+            .map(|wrappers| play(&mut *make(&wrappers), 20));
             let mut seen = 0;
             for (inside, outside) in answers[0].iter().zip(&answers[1]) {
                 let form = |infos: &Info| {
-                    infos.iter().map(|(key, value)| (key.clone(), form(value))).collect::<Vec<_>>()
+                    infos
+                        .iter()
+                        .map(|(key, value)| (key.clone(), form(value)))
+                        .collect::<Vec<_>>()
                 };
                 assert_eq!(form(&inside.4), form(&outside.4), "{other}, {autoreset:?}");
                 seen += usize::from(inside.4.contains_key("episode"));
@@ -184,7 +235,9 @@ fn infos_do_not_depend_on_the_order_of_wrappers() {
         match value {
             Value::Array(array) => format!("{} {:?}", array.dtype(), array.shape()),
             Value::Dict(entries) => {
-                let entries = entries.iter().map(|(key, value)| format!("{key}: {}", form(value)));
+                let entries = entries
+                    .iter()
+                    .map(|(key, value)| format!("{key}: {}", form(value)));
                 entries.collect::<Vec<_>>().join(", ")
             }
             Value::Tuple(items) if items.iter().any(|item| matches!(item, Value::Bool(_))) => {
@@ -199,21 +252,35 @@ fn infos_do_not_depend_on_the_order_of_wrappers() {
 /// A mask leaves rows as they were, under every wrapper.
 #[test]
 fn a_reset_by_mask_leaves_the_other_rows() {
-    for wrapper in ["NormalizeObservation", "NormalizeReward", "RecordEpisodeStatistics", "ClipAction"] {
-        let spec = builder("Pendulum-v1").vector(3).spec().unwrap().wrapped(WrapperSpec::new(wrapper));
+    for wrapper in [
+        "NormalizeObservation",
+        "NormalizeReward",
+        "RecordEpisodeStatistics",
+        "ClipAction",
+    ] {
+        let spec = builder("Pendulum-v1")
+            .vector(3)
+            .spec()
+            .unwrap()
+            .wrapped(WrapperSpec::new(wrapper));
         let mut envs = spec.make().unwrap();
         let mut actions = envs.action_sampler(0).unwrap();
         let mut columns = envs.reset(0).unwrap();
         for _ in 0..3 {
             envs.step_into(&actions.sample(), &mut columns).unwrap();
         }
-        let rows =
-            |columns: &gym::vector::Columns| columns.observations.as_slice::<f32>().unwrap()[3..].to_vec();
+        let rows = |columns: &gym::vector::Columns| {
+            columns.observations.as_slice::<f32>().unwrap()[3..].to_vec()
+        };
         let before = rows(&columns);
         for _ in 0..2 {
             // also into columns that did not hold the rows before
             let mut columns = gym::vector::Columns::default();
-            envs.reset_into(&VectorReset::default().mask([true, false, false]), &mut columns).unwrap();
+            envs.reset_into(
+                &VectorReset::default().mask([true, false, false]),
+                &mut columns,
+            )
+            .unwrap();
             assert_eq!(rows(&columns), before, "{wrapper}");
         }
     }
@@ -223,20 +290,30 @@ fn a_reset_by_mask_leaves_the_other_rows() {
 #[test]
 fn a_due_reset_is_not_counted_as_a_step() {
     for kind in [VectorKind::Sync, VectorKind::Async, VectorKind::Native] {
-        let vector = builder("CartPole-v1").max_episode_steps(2).vector(2).kind(kind).build().unwrap();
+        let vector = builder("CartPole-v1")
+            .max_episode_steps(2)
+            .vector(2)
+            .kind(kind)
+            .build()
+            .unwrap();
         let mut envs = RecordEpisodeStatistics::new(vector);
         let actions = Value::Array([0i64, 1].into());
         let mut columns = envs.reset(0).unwrap();
         envs.step_into(&actions, &mut columns).unwrap();
         envs.step_into(&actions, &mut columns).unwrap();
         assert_eq!(columns.truncated, [true, true]);
-        envs.reset_into(&VectorReset::default().mask([true, false]), &mut columns).unwrap();
+        envs.reset_into(&VectorReset::default().mask([true, false]), &mut columns)
+            .unwrap();
         let mut lengths = Vec::new();
         for _ in 0..3 {
             envs.step_into(&actions, &mut columns).unwrap();
             lengths.push([0, 1].map(|index| envs.ended(index).map(|episode| episode.length)));
         }
-        assert_eq!(lengths, [[None, None], [Some(2), None], [None, Some(2)]], "{kind}");
+        assert_eq!(
+            lengths,
+            [[None, None], [Some(2), None], [None, Some(2)]],
+            "{kind}"
+        );
     }
 }
 
@@ -245,16 +322,31 @@ fn a_due_reset_is_not_counted_as_a_step() {
 fn without_a_kind_the_vector_is_one_that_works() {
     let native = |envs: Result<Box<dyn VectorEnv>>| envs.unwrap().describe().starts_with("Native");
     assert!(native(builder("CartPole-v1").vector(2).build()));
-    assert!(native(builder("CartPole-v1").max_episode_steps(65_534).vector(2).build()));
     assert!(native(
-        builder("LunarLander-v3").arg("enable_wind", true).max_episode_steps(None).vector(2).build()
+        builder("CartPole-v1")
+            .max_episode_steps(65_534)
+            .vector(2)
+            .build()
+    ));
+    assert!(native(
+        builder("LunarLander-v3")
+            .arg("enable_wind", true)
+            .max_episode_steps(None)
+            .vector(2)
+            .build()
     ));
     for vector in [
         builder("CartPole-v1").max_episode_steps(100_000).vector(2),
         builder("Taxi-v4").arg("fickle_passenger", true).vector(2),
-        builder("FrozenLake-v1").arg("map_name", Json::Null).vector(2),
-        builder("CartPole-v1").render_mode(gym::render::RenderMode::RgbArray).vector(2),
-        builder("CartPole-v1").wrap(WrapperSpec::new("FlattenObservation")).vector(2),
+        builder("FrozenLake-v1")
+            .arg("map_name", Json::Null)
+            .vector(2),
+        builder("CartPole-v1")
+            .render_mode(gym::render::RenderMode::RgbArray)
+            .vector(2),
+        builder("CartPole-v1")
+            .wrap(WrapperSpec::new("FlattenObservation"))
+            .vector(2),
         builder("CarRacing-v3").vector(2),
     ] {
         let spec = vector.clone().spec().unwrap();
@@ -265,31 +357,64 @@ fn without_a_kind_the_vector_is_one_that_works() {
         assert!(vector.kind(VectorKind::Native).build().is_err());
     }
     // what no kind can do says why
-    let error = builder("CartPole-v1").arg("colour", 1).vector(2).build().unwrap_err().to_string();
+    let error = builder("CartPole-v1")
+        .arg("colour", 1)
+        .vector(2)
+        .build()
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("sutton_barto_reward"), "{error}");
-    assert!(builder("CartPole-v1").max_episode_steps(0).vector(2).build().is_err());
+    assert!(
+        builder("CartPole-v1")
+            .max_episode_steps(0)
+            .vector(2)
+            .build()
+            .is_err()
+    );
     assert!(make_vec("Nowhere-v0", 2, None).is_err());
 }
 
 #[test]
 fn a_number_that_cannot_be_is_refused_at_once() {
-    for id in ["CartPole-v1", "Taxi-v4", "Blackjack-v1", "CarRacing-v3", "Pendulum-v1"] {
-        for kind in [None, Some(VectorKind::Sync), Some(VectorKind::Async), Some(VectorKind::Native)] {
+    for id in [
+        "CartPole-v1",
+        "Taxi-v4",
+        "Blackjack-v1",
+        "CarRacing-v3",
+        "Pendulum-v1",
+    ] {
+        for kind in [
+            None,
+            Some(VectorKind::Sync),
+            Some(VectorKind::Async),
+            Some(VectorKind::Native),
+        ] {
             for n in [0, 1 << 33, 1 << 40, 1 << 60, usize::MAX / 2, usize::MAX] {
                 let error = make_vec(id, n, kind).map(drop).unwrap_err();
-                assert!(matches!(error, Error::InvalidArgument { .. }), "{id} {kind:?} {n}: {error}");
+                assert!(
+                    matches!(error, Error::InvalidArgument { .. }),
+                    "{id} {kind:?} {n}: {error}"
+                );
                 let text = error.to_string();
                 let says = ["at least one", "at most", "does not fit", "there is none"];
-                assert!(says.iter().any(|says| text.contains(says)), "{id} {kind:?} {n}: {text}");
+                assert!(
+                    says.iter().any(|says| text.contains(says)),
+                    "{id} {kind:?} {n}: {text}"
+                );
             }
         }
-        let space = gym::make(id).map(|env| gym::Env::observation_space(&env)).unwrap();
+        let space = gym::make(id)
+            .map(|env| gym::Env::observation_space(&env))
+            .unwrap();
         assert!(space.batch(1 << 40).is_err() && space.batch(usize::MAX).is_err());
         assert!(gym::vector::Columns::new(&space, 1 << 40).is_err());
         assert!(gym::vector::Columns::new(&space, usize::MAX).is_err());
     }
     for threads in [0, 1025, 20_000, usize::MAX] {
-        let vector = builder("CartPole-v1").vector(20_000).kind(VectorKind::Async).threads(threads);
+        let vector = builder("CartPole-v1")
+            .vector(20_000)
+            .kind(VectorKind::Async)
+            .threads(threads);
         let error = vector.build().map(drop).unwrap_err().to_string();
         assert!(error.contains("from 1 to 1024"), "{error}");
     }
@@ -303,7 +428,13 @@ fn every_kind_takes_the_same_forms_of_actions() {
     let f64s = gym::Array::from([0.5f64, -0.5]).reshape([2, 1]).unwrap();
     let ints = gym::Array::from([1i8, -1]).reshape([2, 1]).unwrap();
     let flags = gym::Array::from([0u8, 1]);
-    for id in ["CartPole-v1", "Pendulum-v1", "Taxi-v4", "Blackjack-v1", "MountainCarContinuous-v0"] {
+    for id in [
+        "CartPole-v1",
+        "Pendulum-v1",
+        "Taxi-v4",
+        "Blackjack-v1",
+        "MountainCarContinuous-v0",
+    ] {
         for actions in [
             Value::Array(narrow.clone()),
             Value::Array(f64s.clone()),
@@ -319,7 +450,9 @@ fn every_kind_takes_the_same_forms_of_actions() {
                 let mut columns = envs.reset(0).unwrap();
                 // twice: a cast has storage of its own
                 let first = envs.step_into(&actions, &mut columns);
-                first.and_then(|()| envs.step_into(&actions, &mut columns)).map_err(|error| error.to_string())
+                first
+                    .and_then(|()| envs.step_into(&actions, &mut columns))
+                    .map_err(|error| error.to_string())
             });
             assert_eq!(answers[0], answers[1], "{id}: {actions}");
         }
@@ -328,7 +461,13 @@ fn every_kind_takes_the_same_forms_of_actions() {
 
 #[test]
 fn a_smaller_buffer_keeps_the_last_episodes() {
-    let vector = || builder("CartPole-v1").max_episode_steps(2).vector(2).build().unwrap();
+    let vector = || {
+        builder("CartPole-v1")
+            .max_episode_steps(2)
+            .vector(2)
+            .build()
+            .unwrap()
+    };
     let mut envs = RecordEpisodeStatistics::new(vector());
     let actions = Value::Array([0i64, 1].into());
     let mut columns = envs.reset(0).unwrap();
@@ -339,7 +478,10 @@ fn a_smaller_buffer_keeps_the_last_episodes() {
     // (a snapshot holds no seconds)
     let told = |episode: &EpisodeStatistics| (episode.episode_return, episode.length);
     let last: Vec<_> = envs.episodes().skip(15).map(told).collect();
-    let config = record_episode_statistics::Config { buffer_length: 5, ..Default::default() };
+    let config = record_episode_statistics::Config {
+        buffer_length: 5,
+        ..Default::default()
+    };
     let mut smaller = RecordEpisodeStatistics::with_config(vector(), config).unwrap();
     VectorEnv::restore(&mut smaller, &VectorEnv::snapshot(&envs).unwrap()).unwrap();
     assert!(smaller.episodes().map(told).eq(last));

@@ -31,8 +31,14 @@ fn play<E: Env>(env: &mut E) -> (u32, bool, bool) {
 
 #[test]
 fn time_limit_truncates_typed_and_erased() {
-    assert_eq!(play(&mut TimeLimit::new(pendulum(), 7).unwrap()), (7, false, true));
-    assert_eq!(play(&mut TimeLimit::new(BoxEnv::new(pendulum()), 7).unwrap()), (7, false, true));
+    assert_eq!(
+        play(&mut TimeLimit::new(pendulum(), 7).unwrap()),
+        (7, false, true)
+    );
+    assert_eq!(
+        play(&mut TimeLimit::new(BoxEnv::new(pendulum()), 7).unwrap()),
+        (7, false, true)
+    );
 }
 
 #[test]
@@ -55,31 +61,51 @@ fn time_limit_of_zero_is_refused() {
 #[test]
 fn order_is_enforced() {
     let mut env = OrderEnforcing::new(cartpole());
-    assert!(matches!(env.step(&Action::Left), Err(Error::ResetNeeded("step"))));
+    assert!(matches!(
+        env.step(&Action::Left),
+        Err(Error::ResetNeeded("step"))
+    ));
     assert!(matches!(env.render(), Err(Error::ResetNeeded("render"))));
     env.reset(0).unwrap();
     env.step(&Action::Left).unwrap();
     env.close();
-    assert!(matches!(env.step(&Action::Left), Err(Error::Closed("step"))));
+    assert!(matches!(
+        env.step(&Action::Left),
+        Err(Error::Closed("step"))
+    ));
     assert!(matches!(env.reset(0), Err(Error::Closed("reset"))));
 }
 
 fn config(buffer_length: usize, stats_key: &str) -> record_episode_statistics::Config {
-    record_episode_statistics::Config { buffer_length, stats_key: stats_key.into() }
+    record_episode_statistics::Config {
+        buffer_length,
+        stats_key: stats_key.into(),
+    }
 }
 
 #[test]
 fn statistics_of_episodes() {
     let mut env = RecordEpisodeStatistics::new(TimeLimit::new(cartpole(), 500).unwrap());
     let (length, ..) = play(&mut env);
-    let episode = env.info_map().remove("episode").expect("an entry after the last step");
+    let episode = env
+        .info_map()
+        .remove("episode")
+        .expect("an entry after the last step");
     assert_eq!(episode.get("r"), Some(&Value::Float(f64::from(length))));
     assert_eq!(episode.get("l"), Some(&Value::Int(length.into())));
     assert!(episode.get("t").and_then(Value::as_float).unwrap() >= 0.0);
     assert_eq!(env.episode_count(), 1);
     env.reset(()).unwrap();
-    assert!(!env.info_map().contains_key("episode"), "the entry belongs to the last step alone");
-    assert_eq!(env.episodes().map(|episode| episode.length).collect::<Vec<_>>(), [u64::from(length)]);
+    assert!(
+        !env.info_map().contains_key("episode"),
+        "the entry belongs to the last step alone"
+    );
+    assert_eq!(
+        env.episodes()
+            .map(|episode| episode.length)
+            .collect::<Vec<_>>(),
+        [u64::from(length)]
+    );
 }
 
 #[test]
@@ -89,7 +115,12 @@ fn statistics_keep_the_last_episodes() {
     for _ in 0..5 {
         lengths.push(u64::from(play(&mut env).0));
     }
-    assert_eq!(env.episodes().map(|episode| episode.length).collect::<Vec<_>>(), lengths[2..]);
+    assert_eq!(
+        env.episodes()
+            .map(|episode| episode.length)
+            .collect::<Vec<_>>(),
+        lengths[2..]
+    );
     assert_eq!(env.episode_count(), 5);
     assert!(RecordEpisodeStatistics::with_config(cartpole(), config(0, "episode")).is_err());
 }
@@ -114,11 +145,19 @@ fn a_stack_continues_from_a_snapshot() {
     env.step(&Action::Left).unwrap();
     let json = serde_json::to_string(&env.snapshot().unwrap()).unwrap();
     let mut other = stack();
-    other.restore(&serde_json::from_str(&json).unwrap()).unwrap();
+    other
+        .restore(&serde_json::from_str(&json).unwrap())
+        .unwrap();
     for _ in 0..5 {
-        assert_eq!(env.step(&Action::Right).unwrap(), other.step(&Action::Right).unwrap());
+        assert_eq!(
+            env.step(&Action::Right).unwrap(),
+            other.step(&Action::Right).unwrap()
+        );
     }
-    assert!(pendulum().restore(&env.snapshot().unwrap()).is_err(), "a snapshot of something else");
+    assert!(
+        pendulum().restore(&env.snapshot().unwrap()).is_err(),
+        "a snapshot of something else"
+    );
 }
 
 /// Observes a number that its space does not hold.
@@ -168,7 +207,9 @@ fn the_passive_checker_sees_the_first_step() {
 #[test]
 fn options_may_ask_for_states_beyond_the_space() {
     let mut env = gym::make("CartPole-v1").unwrap();
-    let observation = env.reset(Reset::seed(0).option("low", 20.0).option("high", 30.0)).unwrap();
+    let observation = env
+        .reset(Reset::seed(0).option("low", 20.0).option("high", 30.0))
+        .unwrap();
     assert!(!env.observation_space().contains(&observation));
     env.step(&Value::Int(0)).unwrap();
 }
@@ -176,10 +217,19 @@ fn options_may_ask_for_states_beyond_the_space() {
 #[test]
 fn stacks_read_as_gymnasiums() {
     let env = gym::make("CartPole-v1").unwrap();
-    assert_eq!(env.to_string(), "<TimeLimit<OrderEnforcing<PassiveEnvChecker<CartPole<CartPole-v1>>>>>");
+    assert_eq!(
+        env.to_string(),
+        "<TimeLimit<OrderEnforcing<PassiveEnvChecker<CartPole<CartPole-v1>>>>>"
+    );
     let env = gym::make("Blackjack-v1").unwrap();
-    assert_eq!(env.to_string(), "<OrderEnforcing<PassiveEnvChecker<Blackjack<Blackjack-v1>>>>");
-    assert_eq!(OrderEnforcing::new(cartpole()).describe(), "<OrderEnforcing<CartPole>>");
+    assert_eq!(
+        env.to_string(),
+        "<OrderEnforcing<PassiveEnvChecker<Blackjack<Blackjack-v1>>>>"
+    );
+    assert_eq!(
+        OrderEnforcing::new(cartpole()).describe(),
+        "<OrderEnforcing<CartPole>>"
+    );
 }
 
 #[test]
@@ -205,7 +255,10 @@ fn a_stack_is_rebuilt_from_its_spec() {
 fn frames_are_gathered_and_handed_over_once() {
     use gym::render::{RenderMode, Rendered};
     use gym::wrappers::Render;
-    let typed = Render::new(cartpole(), RenderMode::RgbArray).unwrap().with_size(60, 40).unwrap();
+    let typed = Render::new(cartpole(), RenderMode::RgbArray)
+        .unwrap()
+        .with_size(60, 40)
+        .unwrap();
     let mut typed = RenderCollection::new(typed);
     let mut erased = gym::builder("CartPole-v1")
         .render_mode(RenderMode::RgbArrayList)
@@ -218,7 +271,10 @@ fn frames_are_gathered_and_handed_over_once() {
     assert_eq!(frames.len() as u32, length + 1);
     assert_eq!(erased.render().unwrap().into_frames().unwrap(), frames);
     assert_eq!(typed.render().unwrap(), Rendered::Frames(vec![]));
-    assert!(frames.windows(2).any(|pair| pair[0] != pair[1]), "nothing moves");
+    assert!(
+        frames.windows(2).any(|pair| pair[0] != pair[1]),
+        "nothing moves"
+    );
 }
 
 /// Wall-clock time is no part of a snapshot: equal episodes give equal bytes.

@@ -1,21 +1,35 @@
 //! Every wrapper is rebuilt from JSON, continues from a snapshot, and steps without allocating.
 
 use gym::render::RenderMode;
-use gym::{BoxEnv, Element, Env, EnvExt, EnvSpec, Outcome, Reset, Result, Value, Wrap, WrapperSpec};
+use gym::{
+    BoxEnv, Element, Env, EnvExt, EnvSpec, Outcome, Reset, Result, Value, Wrap, WrapperSpec,
+};
 use proptest::prelude::*;
 use serde_json::{Value as Json, json};
 
 /// An id, and the wrappers to put around it.
 fn stacks() -> Vec<(&'static str, Json)> {
     vec![
-        ("CartPole-v1", json!([["TimeLimit", {"max_episode_steps": 9}], ["Autoreset", {}]])),
-        ("CartPole-v1", json!([["RecordEpisodeStatistics", {"buffer_length": 3, "stats_key": "stats"}]])),
+        (
+            "CartPole-v1",
+            json!([["TimeLimit", {"max_episode_steps": 9}], ["Autoreset", {}]]),
+        ),
+        (
+            "CartPole-v1",
+            json!([["RecordEpisodeStatistics", {"buffer_length": 3, "stats_key": "stats"}]]),
+        ),
         (
             "CartPole-v1",
             json!([["FrameStackObservation", {"stack_size": 3, "padding_type": [1.0, 0.0, 0.25, 2.0]}]]),
         ),
-        ("Blackjack-v1", json!([["FrameStackObservation", {"stack_size": 2, "padding_type": "zero"}]])),
-        ("Blackjack-v1", json!([["FilterObservation", {"filter_keys": [2, 0]}], ["FlattenObservation", {}]])),
+        (
+            "Blackjack-v1",
+            json!([["FrameStackObservation", {"stack_size": 2, "padding_type": "zero"}]]),
+        ),
+        (
+            "Blackjack-v1",
+            json!([["FilterObservation", {"filter_keys": [2, 0]}], ["FlattenObservation", {}]]),
+        ),
         ("Blackjack-v1", json!([["DelayObservation", {"delay": 2}]])),
         (
             "CartPole-v1",
@@ -29,9 +43,18 @@ fn stacks() -> Vec<(&'static str, Json)> {
             "CartPole-v1",
             json!([["MaxAndSkipObservation", {"skip": 2}], ["ReshapeObservation", {"shape": [2, 2]}]]),
         ),
-        ("Taxi-v4", json!([["DtypeObservation", {"dtype": "float32"}], ["DelayObservation", {"delay": 1}]])),
-        ("MountainCar-v0", json!([["RescaleObservation", {"min_obs": -1.0, "max_obs": [0.5, 1.0]}]])),
-        ("MountainCar-v0", json!([["DiscretizeObservation", {"bins": [5, 9], "multidiscrete": true}]])),
+        (
+            "Taxi-v4",
+            json!([["DtypeObservation", {"dtype": "float32"}], ["DelayObservation", {"delay": 1}]]),
+        ),
+        (
+            "MountainCar-v0",
+            json!([["RescaleObservation", {"min_obs": -1.0, "max_obs": [0.5, 1.0]}]]),
+        ),
+        (
+            "MountainCar-v0",
+            json!([["DiscretizeObservation", {"bins": [5, 9], "multidiscrete": true}]]),
+        ),
         (
             "MountainCar-v0",
             json!([["DiscretizeObservation", {"bins": 7}], ["StickyAction", {"repeat_action_probability": 0.5, "repeat_action_duration": [2, 4]}]]),
@@ -40,7 +63,10 @@ fn stacks() -> Vec<(&'static str, Json)> {
             "Pendulum-v1",
             json!([["RescaleAction", {"min_action": -1.0, "max_action": 1.0}], ["ClipAction", {}]]),
         ),
-        ("Pendulum-v1", json!([["DiscretizeAction", {"bins": 5}], ["RepeatAction", {"num_repeats": 2}]])),
+        (
+            "Pendulum-v1",
+            json!([["DiscretizeAction", {"bins": 5}], ["RepeatAction", {"num_repeats": 2}]]),
+        ),
         (
             "Pendulum-v1",
             json!([["NormalizeReward", {"gamma": 0.9, "epsilon": 1e-4}], ["ClipReward", {"max_reward": -0.1}]]),
@@ -52,7 +78,12 @@ fn wrap(id: &str, wrappers: &Json) -> BoxEnv {
     let wrappers = wrappers.as_array().expect("a list").iter();
     wrappers.fold(gym::make(id).unwrap(), |env, wrapper| {
         let kwargs = wrapper[1].as_object().expect("arguments").clone();
-        WrapperSpec { name: wrapper[0].as_str().expect("a name").into(), kwargs }.wrap(env).unwrap()
+        WrapperSpec {
+            name: wrapper[0].as_str().expect("a name").into(),
+            kwargs,
+        }
+        .wrap(env)
+        .unwrap()
     })
 }
 
@@ -63,7 +94,11 @@ fn steps(env: &mut BoxEnv, n: usize) -> Vec<(Value, Option<Outcome>)> {
     for _ in 0..n {
         let step = env.step(&actions.sample()).unwrap();
         let done = step.done();
-        let outcome = Outcome { reward: step.reward, terminated: step.terminated, truncated: step.truncated };
+        let outcome = Outcome {
+            reward: step.reward,
+            terminated: step.terminated,
+            truncated: step.truncated,
+        };
         answers.push((step.observation, Some(outcome)));
         if done && !env.describe().contains("Autoreset") {
             answers.push((env.reset(()).unwrap(), None));
@@ -81,7 +116,11 @@ fn stacks_are_rebuilt_from_json() {
         let parsed: EnvSpec = serde_json::from_str(&json).unwrap();
         let mut rebuilt = parsed.make().unwrap();
         assert_eq!(rebuilt.spec().unwrap(), spec, "{json}");
-        assert_eq!(rebuilt.observation_space(), env.observation_space(), "{json}");
+        assert_eq!(
+            rebuilt.observation_space(),
+            env.observation_space(),
+            "{json}"
+        );
         assert_eq!(rebuilt.action_space(), env.action_space(), "{json}");
         assert_eq!(rebuilt.reset(5).unwrap(), env.reset(5).unwrap(), "{json}");
         assert_eq!(steps(&mut rebuilt, 60), steps(&mut env, 60), "{json}");
@@ -95,7 +134,9 @@ fn observations_lie_in_their_space() {
         let space = env.observation_space();
         space.check(&env.reset(5).unwrap()).unwrap();
         for (observation, _) in steps(&mut env, 60) {
-            space.check(&observation).unwrap_or_else(|error| panic!("{env}: {error}"));
+            space
+                .check(&observation)
+                .unwrap_or_else(|error| panic!("{env}: {error}"));
         }
     }
 }
@@ -108,7 +149,9 @@ fn stacks_continue_from_snapshots_and_clones() {
         steps(&mut env, 17);
         let text = serde_json::to_string(&env.snapshot().unwrap()).unwrap();
         let mut restored = wrap(id, &wrappers);
-        restored.restore(&serde_json::from_str(&text).unwrap()).unwrap_or_else(|e| panic!("{env}: {e}"));
+        restored
+            .restore(&serde_json::from_str(&text).unwrap())
+            .unwrap_or_else(|e| panic!("{env}: {e}"));
         let mut clone = env.clone();
         let answers = steps(&mut env, 60);
         assert_eq!(steps(&mut restored, 60), answers, "{env}");
@@ -118,8 +161,14 @@ fn stacks_continue_from_snapshots_and_clones() {
             let mut restored = wrap(id, &wrappers);
             restored.reset(6).unwrap();
             steps(&mut restored, used);
-            restored.restore(&serde_json::from_str(&text).unwrap()).unwrap();
-            assert_eq!(steps(&mut restored, 60), answers, "{env}, used for {used} steps");
+            restored
+                .restore(&serde_json::from_str(&text).unwrap())
+                .unwrap();
+            assert_eq!(
+                steps(&mut restored, 60),
+                answers,
+                "{env}, used for {used} steps"
+            );
         }
     }
 }
@@ -138,7 +187,11 @@ fn stacks_forget_earlier_episodes() {
             let mut env = wrap(id, &wrappers);
             env.reset(6).unwrap();
             steps(&mut env, used);
-            assert_eq!((env.reset(5).unwrap(), steps(&mut env, 60)), first, "{name}, used for {used} steps");
+            assert_eq!(
+                (env.reset(5).unwrap(), steps(&mut env, 60)),
+                first,
+                "{name}, used for {used} steps"
+            );
         }
     }
 }
@@ -152,11 +205,31 @@ fn arguments_out_of_range_are_refused() {
             "FrameStackObservation",
             json!({"stack_size": 2, "padding_type": [9.0, 0.0, 0.0, 0.0]}),
         ),
-        ("CartPole-v1", "FrameStackObservation", json!({"stack_size": 2, "padding_type": [0.0, 0.0, 0.0]})),
-        ("CartPole-v1", "FrameStackObservation", json!({"stack_size": 0})),
-        ("CartPole-v1", "TimeAwareObservation", json!({"max_timesteps": 0})),
-        ("CartPole-v1", "TimeAwareObservation", json!({"max_timesteps": 1u32 << 31})),
-        ("CartPole-v1", "StickyAction", json!({"repeat_action_probability": 1.0})),
+        (
+            "CartPole-v1",
+            "FrameStackObservation",
+            json!({"stack_size": 2, "padding_type": [0.0, 0.0, 0.0]}),
+        ),
+        (
+            "CartPole-v1",
+            "FrameStackObservation",
+            json!({"stack_size": 0}),
+        ),
+        (
+            "CartPole-v1",
+            "TimeAwareObservation",
+            json!({"max_timesteps": 0}),
+        ),
+        (
+            "CartPole-v1",
+            "TimeAwareObservation",
+            json!({"max_timesteps": 1u32 << 31}),
+        ),
+        (
+            "CartPole-v1",
+            "StickyAction",
+            json!({"repeat_action_probability": 1.0}),
+        ),
         (
             "CartPole-v1",
             "StickyAction",
@@ -170,8 +243,14 @@ fn arguments_out_of_range_are_refused() {
         ("CartPole-v1", "RepeatAction", json!({"num_repeats": 0})),
         ("CartPole-v1", "MaxAndSkipObservation", json!({"skip": 1})),
     ] {
-        let wrapper = WrapperSpec { name: name.into(), kwargs: kwargs.as_object().unwrap().clone() };
-        assert!(wrapper.wrap(gym::make(id).unwrap()).is_err(), "{name} {kwargs}");
+        let wrapper = WrapperSpec {
+            name: name.into(),
+            kwargs: kwargs.as_object().unwrap().clone(),
+        };
+        assert!(
+            wrapper.wrap(gym::make(id).unwrap()).is_err(),
+            "{name} {kwargs}"
+        );
     }
 }
 
@@ -182,17 +261,25 @@ fn time_goes_on_beyond_its_limit() {
     let mut env = wrap("Pendulum-v1", &wrappers);
     env.reset(0).unwrap();
     let times: Vec<_> = (0..6)
-        .map(|_| env.step(&[0.0f32].to_value()).unwrap().observation.get("time").unwrap().to_string())
+        .map(|_| {
+            env.step(&[0.0f32].to_value())
+                .unwrap()
+                .observation
+                .get("time")
+                .unwrap()
+                .to_string()
+        })
         .collect();
-    let expected: Vec<_> = (1..=6).map(|time| Value::from([time]).to_string()).collect();
+    let expected: Vec<_> = (1..=6)
+        .map(|time| Value::from([time]).to_string())
+        .collect();
     assert_eq!(times, expected);
 }
 
 /// Both ends of a range of repeats occur, and none beyond: an action sticks for as many steps as drawn.
 #[test]
 fn an_action_sticks_for_each_number_of_steps_of_its_range() {
-    let wrappers =
-        json!([["StickyAction", {"repeat_action_probability": 0.3, "repeat_action_duration": [2, 4]}]]);
+    let wrappers = json!([["StickyAction", {"repeat_action_probability": 0.3, "repeat_action_duration": [2, 4]}]]);
     let mut env = wrap("Taxi-v4", &wrappers);
     let drawn = |env: &BoxEnv| {
         let stored: Json = env.snapshot().unwrap().get().unwrap();
@@ -233,7 +320,11 @@ fn steps_do_not_allocate() {
                 outcome = env.step_into(action, &mut observation).unwrap();
             });
             // the kept buffers take their form in the first steps
-            assert!(i < 100 || count.count_total == 0, "{env}: {} in step {i}", count.count_total);
+            assert!(
+                i < 100 || count.count_total == 0,
+                "{env}: {} in step {i}",
+                count.count_total
+            );
             if outcome.done() && !env.describe().contains("Autoreset") {
                 env.reset_into(&().into(), &mut observation).unwrap();
             }
@@ -243,29 +334,57 @@ fn steps_do_not_allocate() {
 
 #[test]
 fn limits_are_rebuilt_where_they_were() {
-    let env = gym::make("CartPole-v1").unwrap().max_and_skip(2).unwrap().time_limit(3).unwrap();
+    let env = gym::make("CartPole-v1")
+        .unwrap()
+        .max_and_skip(2)
+        .unwrap()
+        .time_limit(3)
+        .unwrap();
     let spec = env.spec().unwrap();
-    assert_eq!((spec.max_episode_steps, spec.time_limit()), (Some(500), Some(3)));
+    assert_eq!(
+        (spec.max_episode_steps, spec.time_limit()),
+        (Some(500), Some(3))
+    );
     assert_eq!(spec.make().unwrap().spec(), Some(spec));
     let longer = gym::make("CartPole-v1").unwrap().time_limit(9000).unwrap();
-    assert_eq!(longer.spec().unwrap().max_episode_steps, Some(500), "the inner limit stays");
+    assert_eq!(
+        longer.spec().unwrap().max_episode_steps,
+        Some(500),
+        "the inner limit stays"
+    );
 }
 
 #[test]
 fn unknown_wrappers_and_arguments_are_refused() {
     let wrap = |name: &str, kwargs: Json| -> Result<BoxEnv> {
         let kwargs = kwargs.as_object().expect("arguments").clone();
-        WrapperSpec { name: name.into(), kwargs }.wrap(gym::make("CartPole-v1")?)
+        WrapperSpec {
+            name: name.into(),
+            kwargs,
+        }
+        .wrap(gym::make("CartPole-v1")?)
     };
     for (name, kwargs, says) in [
         ("FrameStack", json!({}), "FrameStackObservation"),
         ("FrameStackObservation", json!({}), "stack_size"),
-        ("FrameStackObservation", json!({"stack_size": 0}), "at least 1"),
-        ("FrameStackObservation", json!({"stack_size": 2, "padding_type": [1.0]}), "element"),
+        (
+            "FrameStackObservation",
+            json!({"stack_size": 0}),
+            "at least 1",
+        ),
+        (
+            "FrameStackObservation",
+            json!({"stack_size": 2, "padding_type": [1.0]}),
+            "element",
+        ),
         ("DelayObservation", json!({"delay": -1}), "-1"),
         ("DelayObservation", json!({"delay": 1, "dely": 1}), "dely"),
         ("MaxAndSkipObservation", json!({"skip": 1}), "at least 2"),
-        ("StickyAction", json!({"repeat_action_probability": 1.0}), "[0, 1)"),
+        (
+            "StickyAction",
+            json!({"repeat_action_probability": 1.0}),
+            "[0, 1)",
+        ),
         (
             "StickyAction",
             json!({"repeat_action_probability": 0.5, "repeat_action_duration": 0}),
@@ -278,13 +397,25 @@ fn unknown_wrappers_and_arguments_are_refused() {
         ),
         ("RepeatAction", json!({"num_repeats": 0}), "at least 1"),
         ("ClipReward", json!({}), "at least one"),
-        ("ClipReward", json!({"min_reward": 1.0, "max_reward": 0.0}), "above"),
+        (
+            "ClipReward",
+            json!({"min_reward": 1.0, "max_reward": 0.0}),
+            "above",
+        ),
         ("NormalizeReward", json!({"gamma": 1.5}), "[0, 1]"),
         ("NormalizeReward", json!({"epsilon": 0.0}), "above 0"),
         ("NormalizeObservation", json!({"epsilon": -1.0}), "above 0"),
         ("ClipAction", json!({}), "Box"),
-        ("RescaleAction", json!({"min_action": 0.0, "max_action": 1.0}), "Box"),
-        ("RescaleObservation", json!({"min_obs": -1.0, "max_obs": 1.0}), "infinite"),
+        (
+            "RescaleAction",
+            json!({"min_action": 0.0, "max_action": 1.0}),
+            "Box",
+        ),
+        (
+            "RescaleObservation",
+            json!({"min_obs": -1.0, "max_obs": 1.0}),
+            "infinite",
+        ),
         ("DiscretizeObservation", json!({"bins": 3}), "finite"),
         ("DiscretizeAction", json!({"bins": 3}), "Box"),
         ("ReshapeObservation", json!({"shape": [3]}), "does not hold"),
@@ -292,22 +423,36 @@ fn unknown_wrappers_and_arguments_are_refused() {
         ("GrayscaleObservation", json!({}), "uint8"),
         ("FilterObservation", json!({"filter_keys": [0]}), "Tuple"),
         ("AddRenderObservation", json!({}), "render"),
-        ("AddWhiteNoise", json!({"probability_of_noise_per_pixel": 1.0}), "[0, 1)"),
-        ("ObstructView", json!({"obstructed_pixels_ratio": 0.5, "obstruction_width": 0}), "at least 1"),
+        (
+            "AddWhiteNoise",
+            json!({"probability_of_noise_per_pixel": 1.0}),
+            "[0, 1)",
+        ),
+        (
+            "ObstructView",
+            json!({"obstructed_pixels_ratio": 0.5, "obstruction_width": 0}),
+            "at least 1",
+        ),
     ] {
         let error = wrap(name, kwargs.clone()).unwrap_err().to_string();
         assert!(error.contains(says), "{name} {kwargs}: {error}");
     }
     let pendulum = || gym::make("Pendulum-v1").unwrap();
     assert!(pendulum().rescale_action((1.0, 1.0)).is_err(), "no inverse");
-    assert!(pendulum().discretize_action([3, 3]).is_err(), "bins for two elements of one");
+    assert!(
+        pendulum().discretize_action([3, 3]).is_err(),
+        "bins for two elements of one"
+    );
     let blackjack = || gym::make("Blackjack-v1").unwrap();
     assert!(
         blackjack().filter_observation([3usize]).is_err()
             && blackjack().filter_observation([1usize, 1]).is_err()
     );
     assert!(blackjack().filter_observation([0usize; 0]).is_err());
-    assert!(blackjack().time_aware_observation().is_err(), "it has no time limit");
+    assert!(
+        blackjack().time_aware_observation().is_err(),
+        "it has no time limit"
+    );
 }
 
 #[test]
@@ -315,12 +460,26 @@ fn functions_wrap_typed_environments_and_have_no_spec() {
     use gym::classic::cartpole::{Action, CartPole, Config};
     let mut env = CartPole::new(Config::default())
         .unwrap()
-        .transform_observation(|o: &[f32; 4]| f64::from(o[2]) as i64, gym::Space::discrete(1))
-        .transform_action(|right: &i64| if *right == 1 { Action::Right } else { Action::Left }, None)
+        .transform_observation(
+            |o: &[f32; 4]| f64::from(o[2]) as i64,
+            gym::Space::discrete(1),
+        )
+        .transform_action(
+            |right: &i64| {
+                if *right == 1 {
+                    Action::Right
+                } else {
+                    Action::Left
+                }
+            },
+            None,
+        )
         .transform_reward(|reward| 2.0 * reward);
     assert_eq!(env.reset(0).unwrap(), 0);
     assert_eq!(env.step(&1).unwrap().reward, 2.0);
-    let env = gym::make("CartPole-v1").unwrap().transform_reward(|reward| -reward);
+    let env = gym::make("CartPole-v1")
+        .unwrap()
+        .transform_reward(|reward| -reward);
     assert!(env.spec().is_none(), "a function cannot be rebuilt");
 }
 
@@ -328,7 +487,10 @@ fn functions_wrap_typed_environments_and_have_no_spec() {
 fn a_refused_action_draws_nothing() {
     let mut refused = 0;
     for seed in 0..20 {
-        let mut env = gym::make("CartPole-v1").unwrap().sticky_action(0.5).unwrap();
+        let mut env = gym::make("CartPole-v1")
+            .unwrap()
+            .sticky_action(0.5)
+            .unwrap();
         env.reset(Reset::seed(seed)).unwrap();
         env.step(&Value::Int(0)).unwrap();
         let before = env.snapshot().unwrap();
@@ -345,20 +507,38 @@ fn a_refused_action_draws_nothing() {
 fn a_recording_is_rebuilt() {
     use gym::rendering::RecordVideo;
     let folder = std::env::temp_dir().join(format!("gym-rebuilt-video-{}", std::process::id()));
-    let make = || gym::builder("CartPole-v1").render_mode(gym::render::RenderMode::RgbArray).build().unwrap();
-    let env = RecordVideo::new(make(), &folder).unwrap().name_prefix("try").fps(25);
+    let make = || {
+        gym::builder("CartPole-v1")
+            .render_mode(gym::render::RenderMode::RgbArray)
+            .build()
+            .unwrap()
+    };
+    let env = RecordVideo::new(make(), &folder)
+        .unwrap()
+        .name_prefix("try")
+        .fps(25);
     let spec = BoxEnv::new(env).spec().unwrap();
     let json = serde_json::to_string(&spec).unwrap();
-    let mut rebuilt = serde_json::from_str::<EnvSpec>(&json).unwrap().make().unwrap();
+    let mut rebuilt = serde_json::from_str::<EnvSpec>(&json)
+        .unwrap()
+        .make()
+        .unwrap();
     assert_eq!(rebuilt.spec().unwrap(), spec);
     rebuilt.reset(0).unwrap();
     drop(rebuilt);
     assert!(folder.join("try-episode-0.gif").is_file());
-    let own = RecordVideo::new(make(), &folder).unwrap().episode_trigger(|_| true);
+    let own = RecordVideo::new(make(), &folder)
+        .unwrap()
+        .episode_trigger(|_| true);
     assert!(own.spec().is_none(), "a function cannot be rebuilt");
-    for (name, value) in [("fps", json!(-1)), ("video_length", json!("long")), ("codec", json!("x"))] {
-        let wrapper =
-            WrapperSpec::new("RecordVideo").arg("video_folder", folder.to_str().unwrap()).arg(name, value);
+    for (name, value) in [
+        ("fps", json!(-1)),
+        ("video_length", json!("long")),
+        ("codec", json!("x")),
+    ] {
+        let wrapper = WrapperSpec::new("RecordVideo")
+            .arg("video_folder", folder.to_str().unwrap())
+            .arg(name, value);
         assert!(wrapper.wrap(make()).unwrap_err().to_string().contains(name));
     }
     std::fs::remove_dir_all(folder).unwrap();
@@ -376,15 +556,30 @@ fn base((id, order, check, limit, mode): (u8, bool, bool, Option<u32>, u8)) -> B
             .build()
             .unwrap();
     }
-    let ids = ["CartPole-v1", "Pendulum-v1", "Blackjack-v1", "Taxi-v4", "MountainCarContinuous-v0"];
-    let mut builder =
-        gym::builder(ids[usize::from(id) % ids.len()]).order_enforce(order).disable_env_checker(!check);
+    let ids = [
+        "CartPole-v1",
+        "Pendulum-v1",
+        "Blackjack-v1",
+        "Taxi-v4",
+        "MountainCarContinuous-v0",
+    ];
+    let mut builder = gym::builder(ids[usize::from(id) % ids.len()])
+        .order_enforce(order)
+        .disable_env_checker(!check);
     if let Some(limit) = limit {
         builder = builder.max_episode_steps(limit);
     }
-    let mode = [None, Some(RenderMode::RgbArray), Some(RenderMode::RgbArrayList)][usize::from(mode) % 3];
+    let mode = [
+        None,
+        Some(RenderMode::RgbArray),
+        Some(RenderMode::RgbArrayList),
+    ][usize::from(mode) % 3];
     match mode {
-        Some(mode) => builder.render_mode(mode).render_size(12, 8).build().unwrap(),
+        Some(mode) => builder
+            .render_mode(mode)
+            .render_size(12, 8)
+            .build()
+            .unwrap(),
         None => builder.build().unwrap(),
     }
 }
@@ -400,12 +595,24 @@ fn around(env: BoxEnv, (kind, x): (u8, u8)) -> Result<(BoxEnv, bool)> {
         3 => BoxEnv::new(PassiveEnvChecker::new(env)),
         4 => BoxEnv::new(RecordEpisodeStatistics::with_config(
             env,
-            record_episode_statistics::Config { buffer_length: n as usize, ..Default::default() },
+            record_episode_statistics::Config {
+                buffer_length: n as usize,
+                ..Default::default()
+            },
         )?),
-        5 => BoxEnv::new(FlattenObservation::new(env, flatten_observation::Config::default())?),
-        6 => BoxEnv::new(DtypeObservation::new(env, [gym::DType::F64, gym::DType::I32][usize::from(x % 2)])?),
+        5 => BoxEnv::new(FlattenObservation::new(
+            env,
+            flatten_observation::Config::default(),
+        )?),
+        6 => BoxEnv::new(DtypeObservation::new(
+            env,
+            [gym::DType::F64, gym::DType::I32][usize::from(x % 2)],
+        )?),
         7 => BoxEnv::new(DelayObservation::new(env, n as usize)?),
-        8 => BoxEnv::new(TimeAwareObservation::new(env, time_aware_observation::Config::default())?),
+        8 => BoxEnv::new(TimeAwareObservation::new(
+            env,
+            time_aware_observation::Config::default(),
+        )?),
         9 => BoxEnv::new(TimeAwareObservation::new(
             env,
             time_aware_observation::Config {
@@ -416,13 +623,19 @@ fn around(env: BoxEnv, (kind, x): (u8, u8)) -> Result<(BoxEnv, bool)> {
         )?),
         10 => BoxEnv::new(FrameStackObservation::new(
             env,
-            frame_stack_observation::Config { stack_size: n as usize, padding_type: "zero".into() },
+            frame_stack_observation::Config {
+                stack_size: n as usize,
+                padding_type: "zero".into(),
+            },
         )?),
         11 => {
             let (epsilon, update_running_mean) = (0.1 * f64::from(n), x % 2 == 0);
             BoxEnv::new(NormalizeObservation::new(
                 env,
-                normalize_observation::Config { epsilon, update_running_mean },
+                normalize_observation::Config {
+                    epsilon,
+                    update_running_mean,
+                },
             )?)
         }
         12 => {
@@ -433,13 +646,22 @@ fn around(env: BoxEnv, (kind, x): (u8, u8)) -> Result<(BoxEnv, bool)> {
         13 => BoxEnv::new(MaxAndSkipObservation::new(env, n + 1)?),
         14 => BoxEnv::new(ClipAction::new(env, clip_action::Config::default())?),
         15 => BoxEnv::new(RescaleAction::new(env, (-f64::from(n), 2.0))?),
-        16 => BoxEnv::new(DiscretizeAction::new(env, (u32::from(x % 5) + 1, x % 2 == 0))?),
+        16 => BoxEnv::new(DiscretizeAction::new(
+            env,
+            (u32::from(x % 5) + 1, x % 2 == 0),
+        )?),
         17 => BoxEnv::new(StickyAction::new(env, (0.5, 1..=n))?),
         18 => BoxEnv::new(RepeatAction::new(env, n)?),
-        19 => BoxEnv::new(ClipReward::new(env, ((x % 2 == 0).then_some(-0.5), 0.25 * f64::from(n)))?),
+        19 => BoxEnv::new(ClipReward::new(
+            env,
+            ((x % 2 == 0).then_some(-0.5), 0.25 * f64::from(n)),
+        )?),
         20 => BoxEnv::new(AddWhiteNoise::new(env, (0.3, x % 2 == 0))?),
         21 => BoxEnv::new(ObstructView::new(env, (0.3, n, x % 2 == 0))?),
-        22 => BoxEnv::new(AddRenderObservation::new(env, add_render_observation::Config::default())?),
+        22 => BoxEnv::new(AddRenderObservation::new(
+            env,
+            add_render_observation::Config::default(),
+        )?),
         23 => BoxEnv::new(AddRenderObservation::new(
             env,
             add_render_observation::Config {
@@ -449,8 +671,18 @@ fn around(env: BoxEnv, (kind, x): (u8, u8)) -> Result<(BoxEnv, bool)> {
             },
         )?),
         24 => return Ok((BoxEnv::new(RenderCollection::new(env)), false)),
-        25 => return Ok((BoxEnv::new(Render::new(env, RenderMode::RgbArray)?.with_size(10, 6)?), false)),
-        _ => return Ok((BoxEnv::new(env.transform_reward(|reward| 2.0 * reward)), false)),
+        25 => {
+            return Ok((
+                BoxEnv::new(Render::new(env, RenderMode::RgbArray)?.with_size(10, 6)?),
+                false,
+            ));
+        }
+        _ => {
+            return Ok((
+                BoxEnv::new(env.transform_reward(|reward| 2.0 * reward)),
+                false,
+            ));
+        }
     };
     Ok((env, true))
 }
@@ -526,15 +758,24 @@ fn bounds_of_any_type_are_rebuilt_to_the_last_bit() {
     };
     for [min, max] in bounds {
         let pendulum = || gym::make("Pendulum-v1").unwrap();
-        let action = BoxEnv::new(RescaleAction::new(pendulum(), (min.clone(), max.clone())).unwrap());
-        let observation = RescaleObservation::new(pendulum(), (thrice(&min), thrice(&max))).unwrap();
+        let action =
+            BoxEnv::new(RescaleAction::new(pendulum(), (min.clone(), max.clone())).unwrap());
+        let observation =
+            RescaleObservation::new(pendulum(), (thrice(&min), thrice(&max))).unwrap();
         for mut env in [action, BoxEnv::new(observation)] {
             let spec = env.spec().unwrap();
             let text = serde_json::to_string(&spec).unwrap();
-            let mut rebuilt = serde_json::from_str::<EnvSpec>(&text).unwrap().make().unwrap();
+            let mut rebuilt = serde_json::from_str::<EnvSpec>(&text)
+                .unwrap()
+                .make()
+                .unwrap();
             assert_eq!(rebuilt.spec().unwrap(), spec, "{text}");
             assert_eq!(rebuilt.action_space(), env.action_space(), "{text}");
-            assert_eq!(rebuilt.observation_space(), env.observation_space(), "{text}");
+            assert_eq!(
+                rebuilt.observation_space(),
+                env.observation_space(),
+                "{text}"
+            );
             assert_eq!(rebuilt.reset(3).unwrap(), env.reset(3).unwrap(), "{text}");
             assert_eq!(steps(&mut rebuilt, 50), steps(&mut env, 50), "{text}");
         }
@@ -544,7 +785,8 @@ fn bounds_of_any_type_are_rebuilt_to_the_last_bit() {
 /// Repeats that do not add up are refused, and nothing is restored.
 #[test]
 fn repeats_that_cannot_be_are_refused() {
-    let wrappers = json!([["StickyAction", {"repeat_action_probability": 0.5, "repeat_action_duration": 3}]]);
+    let wrappers =
+        json!([["StickyAction", {"repeat_action_probability": 0.5, "repeat_action_duration": 3}]]);
     let mut env = wrap("Taxi-v4", &wrappers);
     env.reset(1).unwrap();
     for _ in 0..4 {
@@ -552,7 +794,10 @@ fn repeats_that_cannot_be_are_refused() {
     }
     let before = env.snapshot().unwrap();
     let text = serde_json::to_string(&before).unwrap();
-    for (field, old) in [("is_stuck", ["true", "false"]), ("is_stuck", ["false", "true"])] {
+    for (field, old) in [
+        ("is_stuck", ["true", "false"]),
+        ("is_stuck", ["false", "true"]),
+    ] {
         let [old, new] = old.map(|value| format!("\"{field}\":{value}"));
         if text.contains(&old) {
             let damaged = serde_json::from_str(&text.replace(&old, &new)).unwrap();

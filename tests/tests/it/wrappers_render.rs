@@ -3,8 +3,8 @@
 use gym::render::{Frame, RenderMode, Rendered};
 use gym::wrappers::{AddRenderObservation, AddWhiteNoise, ObstructView, add_render_observation};
 use gym::{
-    Array, DType, Data, Env, EnvExt, Generator, Outcome, Reset, Result, Snapshot, Space, Value, VectorEnv,
-    VectorEnvExt, Wrap, spaces::BoxSpace,
+    Array, DType, Data, Env, EnvExt, Generator, Outcome, Reset, Result, Snapshot, Space, Value,
+    VectorEnv, VectorEnvExt, Wrap, spaces::BoxSpace,
 };
 
 /// Observes a picture, and renders another of one colour.
@@ -16,7 +16,9 @@ impl Env for Picture {
     type Action = i64;
 
     fn observation_space(&self) -> Space {
-        BoxSpace::uniform(0.0, 255.0, [4, 6, 3], DType::U8).expect("bounds").into()
+        BoxSpace::uniform(0.0, 255.0, [4, 6, 3], DType::U8)
+            .expect("bounds")
+            .into()
     }
 
     fn action_space(&self) -> Space {
@@ -25,7 +27,10 @@ impl Env for Picture {
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut Array) -> Result<()> {
         self.0 = reset.seed.as_ref().map(Generator::new);
-        *observation = Array::new([4, 6, 3], Data::U8((0..72).map(|i| (i * 3) as u8).collect()))?;
+        *observation = Array::new(
+            [4, 6, 3],
+            Data::U8((0..72).map(|i| (i * 3) as u8).collect()),
+        )?;
         Ok(())
     }
 
@@ -55,10 +60,19 @@ impl Env for Picture {
 
 /// The rendered pixels that are not of the one colour, and the next number of the generator.
 fn noise<E: Env>(mut env: E) -> (Vec<u8>, i64) {
-    assert!(env.render().is_err(), "there is no generator before the first reset");
+    assert!(
+        env.render().is_err(),
+        "there is no generator before the first reset"
+    );
     env.reset(5).unwrap();
     let frame = env.render().unwrap().into_frame().unwrap();
-    let noise = frame.pixels().chunks(3).filter(|pixel| *pixel != [9; 3]).flatten().copied().collect();
+    let noise = frame
+        .pixels()
+        .chunks(3)
+        .filter(|pixel| *pixel != [9; 3])
+        .flatten()
+        .copied()
+        .collect();
     (noise, env.generator().unwrap().integers(0, 1000))
 }
 
@@ -66,7 +80,10 @@ fn noise<E: Env>(mut env: E) -> (Vec<u8>, i64) {
 #[test]
 fn noise_is_gymnasiums() {
     let (pixels, next) = noise(AddWhiteNoise::new(Picture(None), 0.5).unwrap());
-    assert_eq!(pixels[..12], [167, 228, 183, 152, 203, 4, 36, 52, 212, 117, 3, 86]);
+    assert_eq!(
+        pixels[..12],
+        [167, 228, 183, 152, 203, 4, 36, 52, 212, 117, 3, 86]
+    );
     assert_eq!((&pixels[24..], next), (&[144, 103, 205][..], 45));
     let (pixels, next) = noise(AddWhiteNoise::new(Picture(None), (0.3, true)).unwrap());
     let grey: Vec<u8> = pixels.chunks(3).map(|pixel| pixel[0]).collect();
@@ -85,7 +102,11 @@ fn a_patch_lies_anywhere_on_the_picture() {
         let mut env = ObstructView::new(Picture(None), (0.5, 3)).unwrap();
         env.reset(seed).unwrap();
         let frame = env.render().unwrap().into_frame().unwrap();
-        let covered: Vec<bool> = frame.pixels().chunks(3).map(|pixel| pixel != [9; 3]).collect();
+        let covered: Vec<bool> = frame
+            .pixels()
+            .chunks(3)
+            .map(|pixel| pixel != [9; 3])
+            .collect();
         let count = covered.iter().filter(|is| **is).count();
         assert!([4, 6, 9].contains(&count), "seed {seed}: {count}");
         corners += u32::from(covered[0]);
@@ -96,7 +117,10 @@ fn a_patch_lies_anywhere_on_the_picture() {
 /// What is observed is the picture after each reset and step.
 #[test]
 fn pictures_are_observed_as_they_are_rendered() {
-    let made = gym::builder("CartPole-v1").render_mode(RenderMode::RgbArray).build().unwrap();
+    let made = gym::builder("CartPole-v1")
+        .render_mode(RenderMode::RgbArray)
+        .build()
+        .unwrap();
     let mut env = made.add_render_observation().unwrap();
     let start = env.reset(0).unwrap();
     let mut seen = Value::Null;
@@ -111,22 +135,36 @@ fn pictures_are_observed_as_they_are_rendered() {
 #[test]
 fn pictures_turn_grey_and_small() {
     let env = Picture(None).grayscale_observation(false).unwrap();
-    assert_eq!(env.observation_space().to_string(), "Box(0, 255, (4, 6), uint8)");
+    assert_eq!(
+        env.observation_space().to_string(),
+        "Box(0, 255, (4, 6), uint8)"
+    );
     let mut env = env.resize_observation([2, 3]).unwrap();
-    assert_eq!(env.observation_space().to_string(), "Box(0, 255, (2, 3), uint8)");
+    assert_eq!(
+        env.observation_space().to_string(),
+        "Box(0, 255, (2, 3), uint8)"
+    );
     let observation = env.reset(0).unwrap();
     assert!(env.observation_space().contains(&observation));
     let mut env = Picture(None).grayscale_observation(true).unwrap();
-    let first = [0.2125 * 0.0 + 0.7154 * 3.0 + 0.0721 * 6.0, 0.2125 * 9.0 + 0.7154 * 12.0 + 0.0721 * 15.0];
+    let first = [
+        0.2125 * 0.0 + 0.7154 * 3.0 + 0.0721 * 6.0,
+        0.2125 * 9.0 + 0.7154 * 12.0 + 0.0721 * 15.0,
+    ];
     let observation = env.reset(0).unwrap();
-    assert_eq!(observation.as_slice::<u8>().unwrap()[..2], first.map(|x: f64| x as u8));
+    assert_eq!(
+        observation.as_slice::<u8>().unwrap()[..2],
+        first.map(|x: f64| x as u8)
+    );
     assert_eq!(observation.as_array().unwrap().shape(), [4, 6, 1]);
 }
 
 #[test]
 fn rendered_pictures_are_observed() {
     let make = || {
-        let builder = gym::builder("CartPole-v1").render_mode(RenderMode::RgbArray).render_size(60, 40);
+        let builder = gym::builder("CartPole-v1")
+            .render_mode(RenderMode::RgbArray)
+            .render_size(60, 40);
         builder.build().unwrap()
     };
     let with_state = |render_key: &str, obs_key: &str| add_render_observation::Config {
@@ -135,7 +173,10 @@ fn rendered_pictures_are_observed() {
         obs_key: obs_key.into(),
     };
     let mut env = make().add_render_observation().unwrap();
-    assert_eq!(env.observation_space().to_string(), "Box(0, 255, (40, 60, 3), uint8)");
+    assert_eq!(
+        env.observation_space().to_string(),
+        "Box(0, 255, (40, 60, 3), uint8)"
+    );
     let observation = env.reset(0).unwrap();
     let frame = env.render().unwrap().into_frame().unwrap();
     assert_eq!(observation.as_slice::<u8>().unwrap(), frame.pixels());
@@ -147,10 +188,23 @@ fn rendered_pictures_are_observed() {
     let spec = env.spec().unwrap();
     assert_eq!(spec.make().unwrap().spec(), Some(spec));
     assert!(AddRenderObservation::new(make(), with_state("x", "x")).is_err());
-    assert!(gym::make("CartPole-v1").unwrap().add_render_observation().is_err(), "no render mode");
+    assert!(
+        gym::make("CartPole-v1")
+            .unwrap()
+            .add_render_observation()
+            .is_err(),
+        "no render mode"
+    );
 
-    let mut noisy = make().add_white_noise(0.5).unwrap().add_render_observation().unwrap();
-    assert_ne!(noisy.reset(0).unwrap().as_slice::<u8>().unwrap(), frame.pixels());
+    let mut noisy = make()
+        .add_white_noise(0.5)
+        .unwrap()
+        .add_render_observation()
+        .unwrap();
+    assert_ne!(
+        noisy.reset(0).unwrap().as_slice::<u8>().unwrap(),
+        frame.pixels()
+    );
 }
 
 #[test]
@@ -163,22 +217,33 @@ fn a_vector_is_recorded_as_a_grid() {
         (Autoreset::SameStep, ["episode-0", "episode-2"]),
         (Autoreset::Disabled, ["episode-0", "episode-2"]),
     ] {
-        let vector = gym::builder("CartPole-v1").max_episode_steps(4).render_mode(RenderMode::RgbArray);
-        let envs = vector.render_size(60, 40).vector(6).autoreset(autoreset).build().unwrap();
-        let mut envs =
-            RecordVectorVideo::new(envs, &folder).unwrap().episode_trigger(|episode| episode % 2 == 0);
+        let vector = gym::builder("CartPole-v1")
+            .max_episode_steps(4)
+            .render_mode(RenderMode::RgbArray);
+        let envs = vector
+            .render_size(60, 40)
+            .vector(6)
+            .autoreset(autoreset)
+            .build()
+            .unwrap();
+        let mut envs = RecordVectorVideo::new(envs, &folder)
+            .unwrap()
+            .episode_trigger(|episode| episode % 2 == 0);
         let push = Value::Array([1i64, 0, 1, 0, 1, 0].into());
         let mut columns = envs.reset(0).unwrap();
         for _ in 0..14 {
             envs.step_into(&push, &mut columns).unwrap();
             if autoreset == Autoreset::Disabled && columns.done(0) {
-                envs.reset_into(&VectorReset::default().mask([true; 6]), &mut columns).unwrap();
+                envs.reset_into(&VectorReset::default().mask([true; 6]), &mut columns)
+                    .unwrap();
             }
         }
         envs.close();
         assert!(envs.take_error().is_none());
-        let mut names: Vec<_> =
-            std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+        let mut names: Vec<_> = std::fs::read_dir(&folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().path())
+            .collect();
         names.sort();
         let expected = expected.map(|name| folder.join(format!("rl-video-{name}.gif")));
         assert_eq!(names, expected, "{autoreset:?}");
@@ -196,15 +261,21 @@ fn a_refused_step_is_not_filmed() {
     use gym::rendering::RecordVectorVideo;
     let folder = std::env::temp_dir().join(format!("gym-refused-video-{}", std::process::id()));
     let film = |refused: usize| {
-        let vector = gym::builder("CartPole-v1").max_episode_steps(4).render_mode(RenderMode::RgbArray);
+        let vector = gym::builder("CartPole-v1")
+            .max_episode_steps(4)
+            .render_mode(RenderMode::RgbArray);
         let envs = vector.render_size(60, 40).vector(2).build().unwrap();
-        let mut envs = RecordVectorVideo::new(envs, &folder).unwrap().step_trigger(|step| step == 1);
+        let mut envs = RecordVectorVideo::new(envs, &folder)
+            .unwrap()
+            .step_trigger(|step| step == 1);
         let mut columns = envs.reset(0).unwrap();
         for _ in 0..3 {
             for _ in 0..refused {
-                envs.step_into(&Value::Array([7i64, 7].into()), &mut columns).unwrap_err();
+                envs.step_into(&Value::Array([7i64, 7].into()), &mut columns)
+                    .unwrap_err();
             }
-            envs.step_into(&Value::Array([1i64, 0].into()), &mut columns).unwrap();
+            envs.step_into(&Value::Array([1i64, 0].into()), &mut columns)
+                .unwrap();
         }
         envs.close();
         let gif = std::fs::read(folder.join("rl-video-step-1.gif")).unwrap();
@@ -265,5 +336,8 @@ fn a_picture_drawn_over_another_is_a_new_one() {
     list.reset(0).unwrap();
     let mut rendered = fresh.clone();
     list.render_into(&mut rendered).unwrap();
-    assert_eq!(rendered, Rendered::Frames(vec![fresh.into_frame().unwrap()]));
+    assert_eq!(
+        rendered,
+        Rendered::Frames(vec![fresh.into_frame().unwrap()])
+    );
 }

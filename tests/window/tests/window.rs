@@ -85,8 +85,12 @@ impl Display {
     fn window(&self, title: &str) -> Option<Window> {
         let children = self.0.query_tree(self.1).unwrap().reply().unwrap().children;
         children.into_iter().find(|window| {
-            let name = self.0.get_property(false, *window, AtomEnum::WM_NAME, AtomEnum::ANY, 0, 100);
-            name.unwrap().reply().is_ok_and(|name| name.value == title.as_bytes())
+            let name =
+                self.0
+                    .get_property(false, *window, AtomEnum::WM_NAME, AtomEnum::ANY, 0, 100);
+            name.unwrap()
+                .reply()
+                .is_ok_and(|name| name.value == title.as_bytes())
         })
     }
 
@@ -94,22 +98,42 @@ impl Display {
     fn middle(&self, window: Window) -> Option<[u8; 3]> {
         let size = self.0.get_geometry(window).unwrap().reply().ok()?;
         let (x, y) = (size.width as i16 / 2, size.height as i16 / 2);
-        let image = self.0.get_image(ImageFormat::Z_PIXMAP, window, x, y, 1, 1, !0).unwrap();
-        let [b, g, r, ..] = image.reply().ok()?.data[..] else { return None };
+        let image = self
+            .0
+            .get_image(ImageFormat::Z_PIXMAP, window, x, y, 1, 1, !0)
+            .unwrap();
+        let [b, g, r, ..] = image.reply().ok()?.data[..] else {
+            return None;
+        };
         Some([r, g, b])
     }
 
     fn resize(&self, window: Window, width: u32, height: u32) {
         let size = ConfigureWindowAux::new().width(width).height(height);
-        self.0.configure_window(window, &size).unwrap().check().unwrap();
+        self.0
+            .configure_window(window, &size)
+            .unwrap()
+            .check()
+            .unwrap();
     }
 
     /// What a window manager does when its user closes a window.
     fn close(&self, window: Window) {
-        let atom = |name: &[u8]| self.0.intern_atom(false, name).unwrap().reply().unwrap().atom;
+        let atom = |name: &[u8]| {
+            self.0
+                .intern_atom(false, name)
+                .unwrap()
+                .reply()
+                .unwrap()
+                .atom
+        };
         let data = [atom(b"WM_DELETE_WINDOW"), 0, 0, 0, 0];
         let message = ClientMessageEvent::new(32, window, atom(b"WM_PROTOCOLS"), data);
-        self.0.send_event(false, window, EventMask::NO_EVENT, message).unwrap().check().unwrap();
+        self.0
+            .send_event(false, window, EventMask::NO_EVENT, message)
+            .unwrap()
+            .check()
+            .unwrap();
     }
 }
 
@@ -129,7 +153,9 @@ fn eventually<T>(what: &str, mut attempt: impl FnMut() -> Option<T>) -> T {
 fn a_window_shows_frames_survives_its_user_and_keeps_time() {
     let open = open_screen().unwrap();
     if std::env::var_os("DISPLAY").is_none() {
-        let Err(error) = open("gym", (60, 40), 20) else { panic!("a window without a display") };
+        let Err(error) = open("gym", (60, 40), 20) else {
+            panic!("a window without a display")
+        };
         assert!(matches!(error, Error::UnsupportedMode { .. }), "{error}");
         return;
     }

@@ -38,7 +38,8 @@ pub(crate) fn atari(arguments: Arguments) -> Result<()> {
 
 /// Compares every game whose file is in a folder.
 fn check(folder: &RomDir) -> Result<()> {
-    let (there, missing): (Vec<_>, Vec<_>) = GAMES.iter().partition(|game| folder.file(game).exists());
+    let (there, missing): (Vec<_>, Vec<_>) =
+        GAMES.iter().partition(|game| folder.file(game).exists());
     if there.is_empty() {
         let (path, example) = (folder.path().display(), folder.file(&GAMES[0]));
         let example = example.file_name().unwrap_or_default().display();
@@ -53,9 +54,16 @@ fn check(folder: &RomDir) -> Result<()> {
         say!("{:20} {verdict}", game.name)?;
     }
     let equal = there.len() - failed;
-    say!("{equal} of {} games are as recorded, {} have no ROM here", GAMES.len(), missing.len())?;
+    say!(
+        "{equal} of {} games are as recorded, {} have no ROM here",
+        GAMES.len(),
+        missing.len()
+    )?;
     if failed > 0 {
-        return Err(Error::custom(format!("{failed} of {} ROMs failed", there.len())));
+        return Err(Error::custom(format!(
+            "{failed} of {} ROMs failed",
+            there.len()
+        )));
     }
     Ok(())
 }
@@ -103,10 +111,24 @@ mod tests {
 
     #[test]
     fn a_difference_is_named() {
-        let recorded = Sums { minimal: 1, sticky: 2, modes: 3 };
-        assert_eq!(Verdict::between(recorded, recorded).to_string(), "as recorded");
-        let played = Sums { minimal: 0, modes: 0, ..recorded };
+        let recorded = Sums {
+            minimal: 1,
+            sticky: 2,
+            modes: 3,
+        };
+        assert_eq!(
+            Verdict::between(recorded, recorded).to_string(),
+            "as recorded"
+        );
+        let played = Sums {
+            minimal: 0,
+            modes: 0,
+            ..recorded
+        };
         let verdict = Verdict::between(recorded, played);
-        assert_eq!(verdict.to_string(), "differs in the minimal actions and in the modes");
+        assert_eq!(
+            verdict.to_string(),
+            "differs in the minimal actions and in the modes"
+        );
     }
 }

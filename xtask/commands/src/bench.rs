@@ -48,7 +48,10 @@ pub(crate) struct Arguments {
 
 fn parse_seconds(text: &str) -> Result<f64, String> {
     const MAX: f64 = 86_400.0; // a day
-    let seconds = text.parse().ok().filter(|seconds| (0.0..=MAX).contains(seconds));
+    let seconds = text
+        .parse()
+        .ok()
+        .filter(|seconds| (0.0..=MAX).contains(seconds));
     seconds.ok_or_else(|| format!("seconds are a number from 0 to {MAX}"))
 }
 
@@ -113,9 +116,11 @@ type Work = Box<dyn FnMut(u64) -> Result<u64>>;
 
 pub(crate) fn bench(arguments: &Arguments, selection: Selection) -> Result<()> {
     if let Some(steps) = arguments.only_steps {
-        let (Some(id), Some(kind), Some(n)) =
-            (arguments.ids.first(), arguments.kind.first(), arguments.num_envs.first())
-        else {
+        let (Some(id), Some(kind), Some(n)) = (
+            arguments.ids.first(),
+            arguments.kind.first(),
+            arguments.num_envs.first(),
+        ) else {
             return Err(Error::custom("name an id, a kind and a number"));
         };
         if let Some(mut work) = work(id, *kind, *n)? {
@@ -127,26 +132,59 @@ pub(crate) fn bench(arguments: &Arguments, selection: Selection) -> Result<()> {
         crate::check_writable(path)?;
     }
     let registrations = selection.of(&arguments.ids)?;
-    let all = matches!(selection, Selection::All) && arguments.ids.is_empty() && arguments.kind.is_empty();
-    let kinds = if arguments.kind.is_empty() { Kind::value_variants() } else { &arguments.kind };
+    let all = matches!(selection, Selection::All)
+        && arguments.ids.is_empty()
+        && arguments.kind.is_empty();
+    let kinds = if arguments.kind.is_empty() {
+        Kind::value_variants()
+    } else {
+        &arguments.kind
+    };
 
-    say!("{:36} {:>7} {:>7} {:>14} {:>12}", "environment", "kind", "n", "per second", "instructions")?;
+    say!(
+        "{:36} {:>7} {:>7} {:>14} {:>12}",
+        "environment",
+        "kind",
+        "n",
+        "per second",
+        "instructions"
+    )?;
     let mut rows = Vec::new();
     for id in registrations.iter().map(Registration::id) {
         for &kind in kinds {
             let vector = matches!(kind, Kind::Sync | Kind::Async | Kind::Native);
-            for &num_envs in if vector { &arguments.num_envs[..] } else { &[1] } {
-                let Some(work) = work(id, kind, num_envs)? else { continue };
+            for &num_envs in if vector {
+                &arguments.num_envs[..]
+            } else {
+                &[1]
+            } {
+                let Some(work) = work(id, kind, num_envs)? else {
+                    continue;
+                };
                 let per_second = measure(work, arguments.seconds)?;
-                let instructions_per_step =
-                    if arguments.instructions { Some(instructions(id, kind, num_envs)?) } else { None };
-                let counted = instructions_per_step.map_or_else(String::new, |count| format!("{count:.1}"));
+                let instructions_per_step = if arguments.instructions {
+                    Some(instructions(id, kind, num_envs)?)
+                } else {
+                    None
+                };
+                let counted =
+                    instructions_per_step.map_or_else(String::new, |count| format!("{count:.1}"));
                 say!("{id:36} {kind:>7} {num_envs:>7} {per_second:>14.0} {counted:>12}")?;
-                rows.push(Row { id: id.to_owned(), kind, num_envs, per_second, instructions_per_step });
+                rows.push(Row {
+                    id: id.to_owned(),
+                    kind,
+                    num_envs,
+                    per_second,
+                    instructions_per_step,
+                });
             }
         }
     }
-    let gif = if all || arguments.gif { Some(gif()?) } else { None };
+    let gif = if all || arguments.gif {
+        Some(gif()?)
+    } else {
+        None
+    };
     if let Some(Gif { seconds, bytes }) = &gif {
         say!("a GIF of 500 frames of CartPole-v1: {seconds:.2} s, {bytes} bytes")?;
     }
@@ -156,7 +194,12 @@ pub(crate) fn bench(arguments: &Arguments, selection: Selection) -> Result<()> {
     }
     if let Some(path) = &arguments.json {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
-        let report = serde_json::to_vec_pretty(&Report { cores, rows, gif, start });
+        let report = serde_json::to_vec_pretty(&Report {
+            cores,
+            rows,
+            gif,
+            start,
+        });
         let report = report.map_err(|error| Error::custom(error.to_string()))?;
         gym::rendering::file::write(path, &report)?;
     }
@@ -189,7 +232,10 @@ fn typed(id: &str) -> Result<Option<Work>> {
     use gym::wrappers::TimeLimit;
 
     fn limited<E: Configure>(steps: u32) -> Result<Work> {
-        scalar(TimeLimit::new(E::configure(E::Config::default(), u32::MAX)?, steps)?)
+        scalar(TimeLimit::new(
+            E::configure(E::Config::default(), u32::MAX)?,
+            steps,
+        )?)
     }
     Ok(Some(match id {
         "Acrobot-v1" => limited::<gym::classic::Acrobot>(500)?,
@@ -198,7 +244,10 @@ fn typed(id: &str) -> Result<Option<Work>> {
         "MountainCarContinuous-v0" => limited::<gym::classic::MountainCarContinuous>(999)?,
         "Pendulum-v1" => limited::<gym::classic::Pendulum>(200)?,
         "Blackjack-v1" => scalar(gym::toytext::Blackjack::configure(Default::default(), 1)?)?,
-        "CliffWalking-v1" => scalar(gym::toytext::CliffWalking::configure(Default::default(), 1)?)?,
+        "CliffWalking-v1" => scalar(gym::toytext::CliffWalking::configure(
+            Default::default(),
+            1,
+        )?)?,
         "FrozenLake-v1" => limited::<gym::toytext::FrozenLake>(100)?,
         "Taxi-v4" => limited::<gym::toytext::Taxi>(200)?,
         "LunarLander-v3" => limited::<gym::box2d::LunarLander>(1000)?,
@@ -295,12 +344,21 @@ fn instructions(id: &str, kind: Kind, num_envs: usize) -> Result<f64> {
         let output = Command::new("valgrind")
             .args(["--tool=callgrind", "--callgrind-out-file=/dev/null"])
             .arg(program)
-            .args(["bench", id, "--kind", &kind.to_string(), "--num-envs", &num_envs.to_string()])
+            .args([
+                "bench",
+                id,
+                "--kind",
+                &kind.to_string(),
+                "--num-envs",
+                &num_envs.to_string(),
+            ])
             .args(["--only-steps", &steps.to_string()])
             .output()
             .map_err(|error| Error::custom(format!("valgrind: {error}: is it installed?")))?;
         let text = String::from_utf8_lossy(&output.stderr);
-        let collected = text.lines().find_map(|line| line.split("Collected : ").nth(1));
+        let collected = text
+            .lines()
+            .find_map(|line| line.split("Collected : ").nth(1));
         collected
             .and_then(|count| count.trim().parse().ok())
             .ok_or_else(|| Error::custom(format!("valgrind gives no count: {text}")))
@@ -314,14 +372,18 @@ fn instructions(id: &str, kind: Kind, num_envs: usize) -> Result<f64> {
 fn gif() -> Result<Gif> {
     let path = std::env::temp_dir().join(format!("gym-bench-{}.gif", std::process::id()));
     let started = Instant::now();
-    let mut env = gym::builder("CartPole-v1").render_mode(RenderMode::RgbArray).build()?;
+    let mut env = gym::builder("CartPole-v1")
+        .render_mode(RenderMode::RgbArray)
+        .build()?;
     let mut recorder = Recorder::new(&path, &env)?.max_frames(500);
     for seed in 0..50 {
         Policy::Random.play(&mut env, seed, |env| recorder.capture(env))?;
     }
     recorder.finish()?;
     let seconds = started.elapsed().as_secs_f64();
-    let bytes = std::fs::metadata(&path).map_err(|error| Error::custom(error.to_string()))?.len();
+    let bytes = std::fs::metadata(&path)
+        .map_err(|error| Error::custom(error.to_string()))?
+        .len();
     std::fs::remove_file(&path).ok();
     Ok(Gif { seconds, bytes })
 }
@@ -331,11 +393,26 @@ fn start() -> Result<Start> {
     let run = |program: &Path| -> Result<Duration> {
         let started = Instant::now();
         Command::new(program)
-            .args(["bench", "CartPole-v1", "--kind", "make", "--num-envs", "1", "--only-steps", "1"])
+            .args([
+                "bench",
+                "CartPole-v1",
+                "--kind",
+                "make",
+                "--num-envs",
+                "1",
+                "--only-steps",
+                "1",
+            ])
             .status()
             .map_err(|error| Error::custom(error.to_string()))?;
         Ok(started.elapsed())
     };
-    let fastest = (0..20).map(|_| run(&program)).collect::<Result<Vec<_>>>()?.into_iter().min();
-    Ok(Start { milliseconds: fastest.unwrap_or_default().as_secs_f64() * 1e3 })
+    let fastest = (0..20)
+        .map(|_| run(&program))
+        .collect::<Result<Vec<_>>>()?
+        .into_iter()
+        .min();
+    Ok(Start {
+        milliseconds: fastest.unwrap_or_default().as_secs_f64() * 1e3,
+    })
 }

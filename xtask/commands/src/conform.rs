@@ -24,7 +24,8 @@ pub(crate) struct Arguments {
 #[cfg(not(feature = "conform"))]
 pub(crate) fn conform(arguments: &Arguments, _: Selection) -> Result<()> {
     let Arguments { ids, format } = arguments;
-    let reason = format!("this build has no checks for {ids:?} ({format}): run `cargo xtask conform`");
+    let reason =
+        format!("this build has no checks for {ids:?} ({format}): run `cargo xtask conform`");
     Err(Error::custom(reason))
 }
 
@@ -32,7 +33,11 @@ pub(crate) fn conform(arguments: &Arguments, _: Selection) -> Result<()> {
 pub(crate) fn conform(arguments: &Arguments, selection: Selection) -> Result<()> {
     let format: Format = arguments.format.parse()?;
     let registrations = selection.of(&arguments.ids)?;
-    let ids: Vec<_> = registrations.iter().map(Registration::id).map(str::to_owned).collect();
+    let ids: Vec<_> = registrations
+        .iter()
+        .map(Registration::id)
+        .map(str::to_owned)
+        .collect();
     let reports = conform::reports_with(&ids, |progress| match progress {
         Progress::Begins { .. } if format != Format::Text => (),
         progress => tell!("{progress}"),
@@ -40,6 +45,8 @@ pub(crate) fn conform(arguments: &Arguments, selection: Selection) -> Result<()>
     output::write(format_args!("{}", format.write(&reports)))?;
     match reports.iter().filter(|report| !report.passes()).count() {
         0 => Ok(()),
-        broken => Err(Error::custom(format!("{broken} environments break the rules"))),
+        broken => Err(Error::custom(format!(
+            "{broken} environments break the rules"
+        ))),
     }
 }

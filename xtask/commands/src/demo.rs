@@ -51,7 +51,12 @@ pub(crate) fn demo(arguments: &Arguments, selection: Selection) -> Result<()> {
     // a free thread takes the next one: some take a hundred times as long as others
     let waiting = Mutex::new(registrations.iter().enumerate());
     let work = || {
-        let next = || waiting.lock().unwrap_or_else(PoisonError::into_inner).next();
+        let next = || {
+            waiting
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .next()
+        };
         iter::from_fn(next)
             .map(|(i, registration)| {
                 let row = show(registration.spec()?, arguments, &bar)?;
@@ -70,18 +75,26 @@ pub(crate) fn demo(arguments: &Arguments, selection: Selection) -> Result<()> {
     let mut rows: Vec<_> = rows.into_iter().flatten().collect();
     rows.sort_unstable();
     bar.finish_and_clear();
-    say!("Random policy, {} episodes each: mean [min, max]", arguments.episodes)?;
+    say!(
+        "Random policy, {} episodes each: mean [min, max]",
+        arguments.episodes
+    )?;
     for (_, row) in rows {
         say!("{row}")?;
     }
-    say!("\nOne GIF for each, and its returns and lengths as SVG and PNG: {}", arguments.out.display())?;
+    say!(
+        "\nOne GIF for each, and its returns and lengths as SVG and PNG: {}",
+        arguments.out.display()
+    )?;
     Ok(())
 }
 
 /// The newest version of each task, on its own engine.
 fn newest(registrations: Vec<Registration>) -> Vec<Registration> {
-    let ids: Vec<EnvId> =
-        registrations.iter().filter_map(|registration| registration.id().parse().ok()).collect();
+    let ids: Vec<EnvId> = registrations
+        .iter()
+        .filter_map(|registration| registration.id().parse().ok())
+        .collect();
     let is_newest = |registration: &Registration| {
         registration.id().parse::<EnvId>().is_ok_and(|id| {
             id.namespace.as_deref() != Some("rapier")
@@ -104,7 +117,9 @@ fn show(spec: EnvSpec, arguments: &Arguments, bar: &ProgressBar) -> Result<Strin
     let row = format!("{id:28} {}", summary(&episodes));
     let runs = [("random policy".to_owned(), episodes)];
     for extension in ["svg", "png"] {
-        let path = arguments.out.join(format!("{}.{extension}", crate::file_stem(&id)));
+        let path = arguments
+            .out
+            .join(format!("{}.{extension}", crate::file_stem(&id)));
         plots::write(&path, &id, &runs)?;
     }
     Ok(row)
@@ -114,7 +129,12 @@ fn show(spec: EnvSpec, arguments: &Arguments, bar: &ProgressBar) -> Result<Strin
 fn play(spec: EnvSpec, arguments: &Arguments, bar: &ProgressBar) -> Result<Vec<Episode>> {
     let path = gif_path(&spec.id, arguments);
     let max_episode_steps = spec.max_episode_steps.or(Some(STEP_LIMIT));
-    let mut env = EnvSpec { max_episode_steps, render_mode: Some(RenderMode::RgbArray), ..spec }.make()?;
+    let mut env = EnvSpec {
+        max_episode_steps,
+        render_mode: Some(RenderMode::RgbArray),
+        ..spec
+    }
+    .make()?;
     let mut recorder = Recorder::new(&path, &env)?.max_frames(arguments.max_frames);
     let episodes = (0..arguments.episodes)
         .map(|seed| {

@@ -39,7 +39,9 @@ pub(crate) fn gif(arguments: &Arguments) -> Result<()> {
     let path = arguments.out.clone();
     let path = path.unwrap_or_else(|| format!("{}.gif", crate::file_stem(&arguments.id)).into());
     let mut recorder = Recorder::new(&path, &env)?.max_frames(arguments.max_frames);
-    arguments.policy.play(&mut env, arguments.seed, |env| recorder.capture(env))?;
+    arguments
+        .policy
+        .play(&mut env, arguments.seed, |env| recorder.capture(env))?;
     let frames = recorder.finish()?;
     say!("{}: {frames} frames", path.display())?;
     Ok(())

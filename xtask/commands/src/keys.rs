@@ -12,7 +12,8 @@ pub(crate) fn of(id: &str, env: &BoxEnv) -> Result<Keys> {
 
 /// Gives a key another action.
 pub(crate) fn set(keys: &mut Keys, key: &str, action: Json) {
-    keys.actions.retain(|(name, _)| !name.eq_ignore_ascii_case(key));
+    keys.actions
+        .retain(|(name, _)| !name.eq_ignore_ascii_case(key));
     keys.actions.push((key.to_owned(), action));
 }
 
@@ -26,34 +27,56 @@ pub(crate) fn check(keys: &Keys, space: &Space) -> Result<()> {
         Idle::Action(action) => Some(action),
         Idle::Wait | Idle::Repeat => None,
     };
-    keys.actions.iter().map(|(_, action)| action).chain(idle).try_for_each(|action| {
-        let action = space.from_json(action)?;
-        if space.contains(&action) {
-            return Ok(());
-        }
-        Err(Error::argument("play", format!("a key has the action {action}, which is not in {space}")))
-    })
+    keys.actions
+        .iter()
+        .map(|(_, action)| action)
+        .chain(idle)
+        .try_for_each(|action| {
+            let action = space.from_json(action)?;
+            if space.contains(&action) {
+                return Ok(());
+            }
+            Err(Error::argument(
+                "play",
+                format!("a key has the action {action}, which is not in {space}"),
+            ))
+        })
 }
 
 /// The action of the keys that are down, if one of them has an action.
-#[cfg_attr(not(any(feature = "human", test)), expect(dead_code, reason = "for windows"))]
+#[cfg_attr(
+    not(any(feature = "human", test)),
+    expect(dead_code, reason = "for windows")
+)]
 pub(crate) fn action(keys: &Keys, down: &[String]) -> Option<Json> {
     let is_down = |name: &str| down.iter().any(|key| key.eq_ignore_ascii_case(name));
-    let mut actions = keys.actions.iter().filter(|(name, _)| is_down(name)).map(|(_, action)| action);
+    let mut actions = keys
+        .actions
+        .iter()
+        .filter(|(name, _)| is_down(name))
+        .map(|(_, action)| action);
     let first = actions.next()?.clone();
     Some(actions.fold(first, |sum, action| add(&sum, action).unwrap_or(sum)))
 }
 
 /// The keys and their actions, to print.
 pub(crate) fn describe(keys: &Keys) -> String {
-    let keys: Vec<_> = keys.actions.iter().map(|(name, action)| format!("{name} = {action}")).collect();
+    let keys: Vec<_> = keys
+        .actions
+        .iter()
+        .map(|(name, action)| format!("{name} = {action}"))
+        .collect();
     keys.join(", ")
 }
 
 /// `Key0` to `Key9` for the first actions of a discrete space.
 fn digits(space: &Space) -> Json {
-    let Space::Discrete(space) = space else { return json!({}) };
-    (0..space.n().min(10)).map(|i| (format!("Key{i}"), json!(space.start() + i))).collect()
+    let Space::Discrete(space) = space else {
+        return json!({});
+    };
+    (0..space.n().min(10))
+        .map(|i| (format!("Key{i}"), json!(space.start() + i)))
+        .collect()
 }
 
 /// The sum of two vectors of one length.
@@ -62,7 +85,10 @@ fn add(a: &Json, b: &Json) -> Option<Json> {
     if a.len() != b.len() {
         return None;
     }
-    let sum = a.iter().zip(b).map(|(a, b)| Some(json!(a.as_f64()? + b.as_f64()?)));
+    let sum = a
+        .iter()
+        .zip(b)
+        .map(|(a, b)| Some(json!(a.as_f64()? + b.as_f64()?)));
     sum.collect::<Option<Vec<_>>>().map(Json::Array)
 }
 
@@ -88,14 +114,19 @@ mod tests {
         let of = |id: &str| of(id, &gym::make(id).unwrap()).unwrap();
         let down = |keys: &[&str]| keys.iter().map(|&key| key.to_owned()).collect::<Vec<_>>();
         let racing = of("CarRacing-v3");
-        assert_eq!(action(&racing, &down(&["Left", "Up", "Q"])), Some(json!([-1.0, 1.0, 0.0])));
+        assert_eq!(
+            action(&racing, &down(&["Left", "Up", "Q"])),
+            Some(json!([-1.0, 1.0, 0.0]))
+        );
         assert_eq!(action(&racing, &down(&["Q"])), None);
         let mut lake = of("FrozenLake-v1");
         assert_eq!(action(&lake, &down(&["Right"])), Some(json!(2)));
         set(&mut lake, "right", json!(9));
         assert_eq!(action(&lake, &down(&["Right"])), Some(json!(9)));
         assert!(check(&lake, &Space::discrete(4)).is_err());
-        let error = check(&Keys::new(json!({})), &Space::discrete(4)).unwrap_err().to_string();
+        let error = check(&Keys::new(json!({})), &Space::discrete(4))
+            .unwrap_err()
+            .to_string();
         assert!(
             error.contains("there are no default keys for Discrete(4): add `--key NAME=ACTION`"),
             "{error}"

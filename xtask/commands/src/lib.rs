@@ -95,7 +95,9 @@ pub fn main_of(crate_name: &'static str, folder: &'static str) -> ExitCode {
 }
 
 fn start(selection: Selection) -> ExitCode {
-    log::set_logger(&Stderr).map(|()| log::set_max_level(log::LevelFilter::Warn)).ok();
+    log::set_logger(&Stderr)
+        .map(|()| log::set_max_level(log::LevelFilter::Warn))
+        .ok();
     match command(Arguments::parse(), selection) {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) if output::reader_left(&error) => ExitCode::SUCCESS,
@@ -108,7 +110,9 @@ fn start(selection: Selection) -> ExitCode {
 
 fn command(arguments: Arguments, selection: Selection) -> Result<()> {
     if arguments.plugin.is_some() {
-        return Err(Error::custom("`--plugin` builds a program around the plugin: run it as `cargo xtask`"));
+        return Err(Error::custom(
+            "`--plugin` builds a program around the plugin: run it as `cargo xtask`",
+        ));
     }
     match arguments.command {
         Command::List(arguments) => list::list(&arguments, selection),
@@ -140,7 +144,11 @@ impl log::Log for Stderr {
     fn log(&self, record: &log::Record<'_>) {
         // warnings of other crates are not about environments
         if record.target().starts_with("gym") {
-            tell!("{}: {}", record.level().as_str().to_lowercase(), record.args());
+            tell!(
+                "{}: {}",
+                record.level().as_str().to_lowercase(),
+                record.args()
+            );
         }
     }
 
@@ -149,7 +157,8 @@ impl log::Log for Stderr {
 
 /// A seed on the command line.
 fn parse_seed(text: &str) -> Result<u64, String> {
-    text.parse().map_err(|_| format!("a seed is a whole number from 0 to {}", u64::MAX))
+    text.parse()
+        .map_err(|_| format!("a seed is a whole number from 0 to {}", u64::MAX))
 }
 
 /// Fails early if a file cannot be written.
@@ -160,8 +169,15 @@ fn check_writable(path: &Path) -> Result<()> {
 /// Whether two paths name one file, which need not exist yet.
 fn is_one_file(a: &Path, b: &Path) -> bool {
     let resolved = |path: &Path| -> std::io::Result<PathBuf> {
-        let folder = path.parent().filter(|folder| *folder != Path::new("")).unwrap_or(Path::new("."));
-        path.canonicalize().or_else(|_| Ok(folder.canonicalize()?.join(path.file_name().unwrap_or_default())))
+        let folder = path
+            .parent()
+            .filter(|folder| *folder != Path::new(""))
+            .unwrap_or(Path::new("."));
+        path.canonicalize().or_else(|_| {
+            Ok(folder
+                .canonicalize()?
+                .join(path.file_name().unwrap_or_default()))
+        })
     };
     a == b || resolved(a).is_ok_and(|a| resolved(b).is_ok_and(|b| a == b))
 }
@@ -202,25 +218,38 @@ mod tests {
 
     /// Fails with the fault in the rest of a line behind `cargo xtask`.
     fn check(line: &str, program: &clap::Command, web: &str) -> std::result::Result<(), String> {
-        let mut words = line.split_whitespace().map(|word| word.trim_end_matches([',', '.', ';', ':', ')']));
+        let mut words = line
+            .split_whitespace()
+            .map(|word| word.trim_end_matches([',', '.', ';', ':', ')']));
         let mut command = None;
         while let Some(word) = words.next() {
-            let flag = word.strip_prefix("--").map(|flag| flag.split('=').next().unwrap_or(flag));
+            let flag = word
+                .strip_prefix("--")
+                .map(|flag| flag.split('=').next().unwrap_or(flag));
             match (flag, command) {
                 (Some("plugin" | "help"), _) => drop(words.next()),
                 (Some(flag), Some("web")) if web.contains(&format!("--{flag} ")) => {}
                 (Some(flag), Some(name)) => {
-                    let of = program.find_subcommand(name).ok_or(format!("`{name}` has no option"))?;
+                    let of = program
+                        .find_subcommand(name)
+                        .ok_or(format!("`{name}` has no option"))?;
                     let inner = of.get_subcommands().flat_map(clap::Command::get_arguments);
-                    let mut flags = of.get_arguments().chain(inner).filter_map(clap::Arg::get_long);
-                    flags.find(|other| *other == flag).ok_or(format!("`{name}` has no option `--{flag}`"))?;
+                    let mut flags = of
+                        .get_arguments()
+                        .chain(inner)
+                        .filter_map(clap::Arg::get_long);
+                    flags
+                        .find(|other| *other == flag)
+                        .ok_or(format!("`{name}` has no option `--{flag}`"))?;
                 }
                 (Some(flag), None) => return Err(format!("`--{flag}` is an option of no command")),
                 (None, None) if word == "COMMAND" => return Ok(()),
                 (None, None) => {
-                    let is_command =
-                        ["python", "web", "help"].contains(&word) || program.find_subcommand(word).is_some();
-                    is_command.then_some(()).ok_or(format!("there is no command `{word}`"))?;
+                    let is_command = ["python", "web", "help"].contains(&word)
+                        || program.find_subcommand(word).is_some();
+                    is_command
+                        .then_some(())
+                        .ok_or(format!("there is no command `{word}`"))?;
                     command = Some(word);
                 }
                 // an argument of the command
@@ -233,15 +262,21 @@ mod tests {
     #[test]
     fn one_file_may_have_several_paths() {
         let is_one = |a: &str, b: &str| is_one_file(Path::new(a), Path::new(b));
-        assert!(is_one("src/../x.svg", "src/../src/../x.svg") && is_one("/nonexistent/a", "/nonexistent/a"));
+        assert!(
+            is_one("src/../x.svg", "src/../src/../x.svg")
+                && is_one("/nonexistent/a", "/nonexistent/a")
+        );
         assert!(!is_one("x.svg", "src/x.svg") && !is_one("/nonexistent/a", "/nonexistent/b"));
     }
 
     #[test]
     fn commands_and_options_in_the_documents_exist() {
         let root = root();
-        let mut files =
-            vec![root.join("README.md"), root.join("CONTRIBUTING.md"), root.join("ARCHITECTURE.md")];
+        let mut files = vec![
+            root.join("README.md"),
+            root.join("CONTRIBUTING.md"),
+            root.join("ARCHITECTURE.md"),
+        ];
         documents(&root.join("docs"), &mut files);
         let web = std::fs::read_to_string(root.join("xtask/src/web.rs")).unwrap();
         let (program, mut seen) = (super::Arguments::command(), 0);
@@ -256,7 +291,11 @@ mod tests {
                         .trim_end_matches("-->");
                     seen += 1;
                     if let Err(reason) = check(rest, &program, &web) {
-                        panic!("{}:{}: `cargo xtask {rest}`: {reason}", file.display(), number + 1);
+                        panic!(
+                            "{}:{}: `cargo xtask {rest}`: {reason}",
+                            file.display(),
+                            number + 1
+                        );
                     }
                 }
             }

@@ -20,8 +20,12 @@ pub(crate) fn list(arguments: &Arguments, selection: Selection) -> Result<()> {
         use gym::Env;
         let spec = registration.spec()?;
         let env = spec.make()?;
-        let limit = spec.max_episode_steps.map_or("none".into(), |n| n.to_string());
-        let threshold = spec.reward_threshold.map_or("none".into(), |x| x.to_string());
+        let limit = spec
+            .max_episode_steps
+            .map_or("none".into(), |n| n.to_string());
+        let threshold = spec
+            .reward_threshold
+            .map_or("none".into(), |x| x.to_string());
         say!(
             "{:28} limit {limit:>5}  threshold {threshold:>6}  {} -> {}",
             spec.id,

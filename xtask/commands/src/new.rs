@@ -26,20 +26,32 @@ const FILES: [(&str, &str); 5] = [
     ("Cargo.toml", include_str!("../templates/plugin/Cargo.toml")),
     (".gitignore", include_str!("../templates/plugin/gitignore")),
     ("README.md", include_str!("../templates/plugin/README.md")),
-    ("tests/conform.rs", include_str!("../templates/plugin/tests/conform.rs")),
-    ("examples/gif.rs", include_str!("../templates/plugin/examples/gif.rs")),
+    (
+        "tests/conform.rs",
+        include_str!("../templates/plugin/tests/conform.rs"),
+    ),
+    (
+        "examples/gif.rs",
+        include_str!("../templates/plugin/examples/gif.rs"),
+    ),
 ];
 
 /// Its environment.
 const CORRIDOR: [(&str, &str); 2] = [
     ("src/lib.rs", include_str!("../templates/plugin/src/lib.rs")),
-    ("src/corridor.rs", include_str!("../templates/plugin/src/corridor.rs")),
+    (
+        "src/corridor.rs",
+        include_str!("../templates/plugin/src/corridor.rs"),
+    ),
 ];
 
 /// The one with a native vector.
 const ROCKET: [(&str, &str); 2] = [
     ("src/lib.rs", include_str!("../templates/native/src/lib.rs")),
-    ("src/rocket.rs", include_str!("../templates/native/src/rocket.rs")),
+    (
+        "src/rocket.rs",
+        include_str!("../templates/native/src/rocket.rs"),
+    ),
 ];
 
 pub(crate) fn new(arguments: &Arguments) -> Result<()> {
@@ -47,10 +59,16 @@ pub(crate) fn new(arguments: &Arguments) -> Result<()> {
     check_name(name)?;
     let folder = path.clone().unwrap_or_else(|| name.into());
     if folder.symlink_metadata().is_ok() {
-        return Err(Error::custom(format!("{}: it exists already, choose another --path", folder.display())));
+        return Err(Error::custom(format!(
+            "{}: it exists already, choose another --path",
+            folder.display()
+        )));
     }
     // under a temporary name until it is complete
-    let file_name = folder.file_name().unwrap_or(name.as_ref()).to_string_lossy();
+    let file_name = folder
+        .file_name()
+        .unwrap_or(name.as_ref())
+        .to_string_lossy();
     let unfinished = folder.with_file_name(format!(".{file_name}-{}.tmp", process::id()));
     let written = write_all(&unfinished, name, *native)
         .and_then(|()| fs::rename(&unfinished, &folder).map_err(|error| Error::io(&folder, error)));
@@ -59,7 +77,11 @@ pub(crate) fn new(arguments: &Arguments) -> Result<()> {
         let _ = fs::remove_dir_all(&unfinished);
         return written;
     }
-    say!("{} has the environment `{name}/{}-v0`. In that folder:", folder.display(), task(*native).0)?;
+    say!(
+        "{} has the environment `{name}/{}-v0`. In that folder:",
+        folder.display(),
+        task(*native).0
+    )?;
     say!("  cargo test               checks that it keeps the rules")?;
     say!("  cargo run --example gif  draws an episode")?;
     Ok(())
@@ -74,8 +96,13 @@ fn check_name(name: &str) -> Result<()> {
                          unsafe unsized use virtual where while yield core alloc proc_macro";
     let refuse = |reason: &str| Err(Error::argument("NAME", format!("`{name}` {reason}")));
     let is_word = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
-    if !name.starts_with(|c: char| c.is_ascii_lowercase()) || !name.chars().all(is_word) || name.len() > 64 {
-        return refuse("must be lower-case letters, digits and `_`, with a letter first, at most 64 of them");
+    if !name.starts_with(|c: char| c.is_ascii_lowercase())
+        || !name.chars().all(is_word)
+        || name.len() > 64
+    {
+        return refuse(
+            "must be lower-case letters, digits and `_`, with a letter first, at most 64 of them",
+        );
     }
     if TAKEN.split_whitespace().any(|taken| taken == name) {
         return refuse("is taken: choose another name");
@@ -91,20 +118,33 @@ fn dependency(name: &str) -> String {
 /// The task's name, and its description in the README.
 fn task(native: bool) -> (&'static str, &'static str) {
     if native {
-        ("Rocket", "touch down softly, with as little fuel as possible")
+        (
+            "Rocket",
+            "touch down softly, with as little fuel as possible",
+        )
     } else {
-        ("Corridor", "find the way out of a dark corridor, on a slippery floor")
+        (
+            "Corridor",
+            "find the way out of a dark corridor, on a slippery floor",
+        )
     }
 }
 
 fn write_all(folder: &Path, name: &str, native: bool) -> Result<()> {
     let (task, what) = task(native);
-    for (file, text) in FILES.into_iter().chain(if native { ROCKET } else { CORRIDOR }) {
+    for (file, text) in FILES
+        .into_iter()
+        .chain(if native { ROCKET } else { CORRIDOR })
+    {
         let path = folder.join(file);
         let parent = path.parent().unwrap_or(folder);
         fs::create_dir_all(parent).map_err(|error| Error::io(parent, error))?;
         // a dependency of one of the two
-        let text = if native { text.into() } else { text.replace("gym-native = GYM_NATIVE\n", "") };
+        let text = if native {
+            text.into()
+        } else {
+            text.replace("gym-native = GYM_NATIVE\n", "")
+        };
         let text = text
             .replace("plugin_name", name)
             .replace("TASK_FILE", &task.to_lowercase())

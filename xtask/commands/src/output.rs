@@ -24,7 +24,10 @@ pub(crate) use {say, tell};
 /// Writes to the standard output, at once.
 pub(crate) fn write(text: Arguments<'_>) -> Result<()> {
     let mut stdout = stdout().lock();
-    stdout.write_fmt(text).and_then(|()| stdout.flush()).map_err(|error| Error::io(Path::new(NAME), error))
+    stdout
+        .write_fmt(text)
+        .and_then(|()| stdout.flush())
+        .map_err(|error| Error::io(Path::new(NAME), error))
 }
 
 pub(crate) fn write_error(text: Arguments<'_>) {

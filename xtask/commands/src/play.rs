@@ -56,7 +56,9 @@ fn parse_json(text: &str) -> Result<Json, String> {
 }
 
 fn parse_key(text: &str) -> Result<(String, Json), String> {
-    let (name, action) = text.split_once('=').ok_or("write NAME=ACTION, as in Left=0")?;
+    let (name, action) = text
+        .split_once('=')
+        .ok_or("write NAME=ACTION, as in Left=0")?;
     Ok((name.to_owned(), parse_json(action)?))
 }
 
@@ -68,7 +70,10 @@ pub(crate) fn play(arguments: &Arguments) -> Result<()> {
     }
     let mut session = Session::start(arguments)?;
     let mut keys = keys::of(&session.trace.id, &session.env)?;
-    arguments.keys.iter().for_each(|(key, action)| keys::set(&mut keys, key, action.clone()));
+    arguments
+        .keys
+        .iter()
+        .for_each(|(key, action)| keys::set(&mut keys, key, action.clone()));
     match &arguments.idle {
         None => {}
         Some(Json::Null) => keys.idle = Idle::Wait,
@@ -77,7 +82,9 @@ pub(crate) fn play(arguments: &Arguments) -> Result<()> {
     keys::check(&keys, &session.env.action_space())?;
     say!("{}", keys::describe(&keys))?;
     if arguments.terminal {
-        say!("write a key's name or the start of it and press Enter; or `restart`, or `q` to quit")?;
+        say!(
+            "write a key's name or the start of it and press Enter; or `restart`, or `q` to quit"
+        )?;
         in_terminal(&mut session, &keys)?;
     } else {
         say!("R = restart, Escape = quit")?;
@@ -106,17 +113,27 @@ impl Session {
         let spec = builder.clone().spec()?;
         let (width, height) = builder.clone().build()?.metadata().render_size;
         let builder = builder.render_mode(RenderMode::RgbArray);
-        let env = builder.render_size(width * arguments.zoom, height * arguments.zoom).build()?;
+        let env = builder
+            .render_size(width * arguments.zoom, height * arguments.zoom)
+            .build()?;
         let fps = arguments.fps.unwrap_or(env.metadata().render_fps);
         if let Some(path) = &arguments.trace {
             crate::check_writable(path)?;
         }
-        let video = arguments.record.as_ref().map(|path| VideoWriter::create(path, fps)).transpose()?;
+        let video = arguments
+            .record
+            .as_ref()
+            .map(|path| VideoWriter::create(path, fps))
+            .transpose()?;
         let mut session = Self {
             env,
             frame: Frame::default(),
             video,
-            trace: Trace { id: spec.id, kwargs: arguments.kwargs.clone(), ..Trace::default() },
+            trace: Trace {
+                id: spec.id,
+                kwargs: arguments.kwargs.clone(),
+                ..Trace::default()
+            },
             episode: 0,
             episodes: arguments.episodes,
             steps: 0,
@@ -159,20 +176,35 @@ impl Session {
     }
 
     fn record(&mut self, event: Event) -> Result<()> {
-        let info = self.env.info_map().into_iter().map(|(key, value)| (key, value.to_json())).collect();
-        self.trace.events.push(Event { info: Some(info), ..event });
+        let info = self
+            .env
+            .info_map()
+            .into_iter()
+            .map(|(key, value)| (key, value.to_json()))
+            .collect();
+        self.trace.events.push(Event {
+            info: Some(info),
+            ..event
+        });
         let frame = self.env.render()?.into_frame();
-        self.frame = frame.ok_or_else(|| Error::Contract("`rgb_array` rendered no frame".into()))?;
-        self.video.as_mut().map_or(Ok(()), |video| video.write(&self.frame))
+        self.frame =
+            frame.ok_or_else(|| Error::Contract("`rgb_array` rendered no frame".into()))?;
+        self.video
+            .as_mut()
+            .map_or(Ok(()), |video| video.write(&self.frame))
     }
 
     /// Whether enough episodes have been played once this one is over.
     fn is_last(&self) -> bool {
-        self.episodes.is_some_and(|episodes| self.episode >= episodes)
+        self.episodes
+            .is_some_and(|episodes| self.episode >= episodes)
     }
 
     fn status(&self) -> String {
-        format!("{}  episode {}  step {}  score {:.2}", self.trace.id, self.episode, self.steps, self.score)
+        format!(
+            "{}  episode {}  step {}  score {:.2}",
+            self.trace.id, self.episode, self.steps, self.score
+        )
     }
 
     /// Completes the recordings.
@@ -182,7 +214,8 @@ impl Session {
             say!("{}", path.display())?;
         }
         if let Some(path) = &arguments.trace {
-            let json = serde_json::to_vec(&self.trace).map_err(|error| Error::custom(error.to_string()))?;
+            let json = serde_json::to_vec(&self.trace)
+                .map_err(|error| Error::custom(error.to_string()))?;
             file::write(path, &json)?;
             say!("{}: {} events", path.display(), self.trace.events.len())?;
         }
@@ -196,8 +229,13 @@ fn in_terminal(session: &mut Session, keys: &Keys) -> Result<()> {
     let mut done = false;
     loop {
         let text = session.env.ansi();
-        let text = text.ok_or_else(|| Error::custom("it has no text form: play without --terminal"))?;
-        output::write(format_args!("\n{}\n{}> ", text.trim_end_matches('\n'), session.status()))?;
+        let text =
+            text.ok_or_else(|| Error::custom("it has no text form: play without --terminal"))?;
+        output::write(format_args!(
+            "\n{}\n{}> ",
+            text.trim_end_matches('\n'),
+            session.status()
+        ))?;
         if done {
             if session.is_last() {
                 say!("")?;
@@ -207,9 +245,12 @@ fn in_terminal(session: &mut Session, keys: &Keys) -> Result<()> {
             done = false;
             continue;
         }
-        let Some(Ok(line)) = lines.next() else { return Ok(()) };
+        let Some(Ok(line)) = lines.next() else {
+            return Ok(());
+        };
         let word = line.trim().to_lowercase();
-        let starts = |name: &&(String, Json)| !word.is_empty() && name.0.to_lowercase().starts_with(&word);
+        let starts =
+            |name: &&(String, Json)| !word.is_empty() && name.0.to_lowercase().starts_with(&word);
         match word.as_str() {
             "q" | "escape" => return Ok(()),
             "restart" => session.reset(Reset::default())?,
@@ -234,7 +275,10 @@ mod window {
 
     /// Plays until the window is closed.
     pub(super) fn play(session: &mut Session, keys: &Keys, arguments: &Arguments) -> Result<()> {
-        let fps = arguments.fps.unwrap_or(session.env.metadata().render_fps).max(1);
+        let fps = arguments
+            .fps
+            .unwrap_or(session.env.metadata().render_fps)
+            .max(1);
         let period = Duration::from_secs(1) / fps;
         let size = (session.frame.width(), session.frame.height());
         let mut window = Window::open(&session.status(), size)?;

@@ -37,8 +37,12 @@ fn plain<S: Serializer>(value: &Value, serializer: S) -> std::result::Result<S::
 impl Policy {
     /// The good policy of an environment, if its registration has one for these arguments.
     pub(crate) fn good(env: &BoxEnv) -> Result<Option<Controller>> {
-        let Some(spec) = env.spec() else { return Ok(None) };
-        registry::find(&spec.id)?.policy.map_or(Ok(None), |policy| policy.controller(env))
+        let Some(spec) = env.spec() else {
+            return Ok(None);
+        };
+        registry::find(&spec.id)?
+            .policy
+            .map_or(Ok(None), |policy| policy.controller(env))
     }
 
     /// The policy of an episode from `seed`.
@@ -49,14 +53,18 @@ impl Policy {
                 Ok(Box::new(move |_, _| Some(actions.sample())))
             }
             Self::Good => Self::good(env)?.ok_or_else(|| {
-                Error::argument("--policy", format!("{env} has no good policy: play it at random"))
+                Error::argument(
+                    "--policy",
+                    format!("{env} has no good policy: play it at random"),
+                )
             }),
         }
     }
 
     /// Its name on the command line.
     pub(crate) fn name(self) -> String {
-        self.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned())
+        self.to_possible_value()
+            .map_or_else(String::new, |value| value.get_name().to_owned())
     }
 
     /// Plays an episode from `seed`; `watch` sees the environment after the reset and each step.

@@ -48,7 +48,10 @@ pub(crate) fn replay(arguments: &Arguments) -> Result<()> {
     }
     match failed {
         0 => Ok(()),
-        _ => Err(Error::custom(format!("{failed} of {} traces failed", arguments.traces.len()))),
+        _ => Err(Error::custom(format!(
+            "{failed} of {} traces failed",
+            arguments.traces.len()
+        ))),
     }
 }
 
@@ -58,15 +61,21 @@ pub(crate) fn replay(arguments: &Arguments) -> Result<()> {
 /// Two recordings of one name; a recording in the folder itself, which its answer would replace.
 fn destinations(traces: &[PathBuf], out: &Path) -> Result<BTreeMap<PathBuf, PathBuf>> {
     let refuse = |reason: String| Err(Error::argument("--out", reason));
-    let recordings: BTreeSet<PathBuf> = traces.iter().filter_map(|path| path.canonicalize().ok()).collect();
+    let recordings: BTreeSet<PathBuf> = traces
+        .iter()
+        .filter_map(|path| path.canonicalize().ok())
+        .collect();
     let mut taken = BTreeMap::new();
     for path in traces {
-        let name = path
-            .file_name()
-            .ok_or_else(|| Error::custom(format!("`{}` is no trace: name a file", path.display())))?;
+        let name = path.file_name().ok_or_else(|| {
+            Error::custom(format!("`{}` is no trace: name a file", path.display()))
+        })?;
         let to = out.join(name);
         if to.canonicalize().is_ok_and(|to| recordings.contains(&to)) {
-            return refuse(format!("`{}` is a recording to replay: choose another folder", to.display()));
+            return refuse(format!(
+                "`{}` is a recording to replay: choose another folder",
+                to.display()
+            ));
         }
         if let Some(other) = taken.insert(to.clone(), path)
             && other != path
@@ -77,7 +86,10 @@ fn destinations(traces: &[PathBuf], out: &Path) -> Result<BTreeMap<PathBuf, Path
             ));
         }
     }
-    Ok(taken.into_iter().map(|(to, path)| (path.clone(), to)).collect())
+    Ok(taken
+        .into_iter()
+        .map(|(to, path)| (path.clone(), to))
+        .collect())
 }
 
 /// The state that a trace records besides the observation: the bodies of CarRacing, positions and velocities of MuJoCo tasks.
@@ -88,7 +100,8 @@ fn state(env: &BoxEnv) -> Option<Json> {
     if let Some(data) = gym::mujoco::simulated(env).and_then(|env| env.data()) {
         return Some(serde_json::json!({"qpos": data.qpos, "qvel": data.qvel}));
     }
-    env.unwrapped::<gym::box2d::CarRacing>().and_then(|car| serde_json::to_value(car.state()).ok())
+    env.unwrapped::<gym::box2d::CarRacing>()
+        .and_then(|car| serde_json::to_value(car.state()).ok())
 }
 
 #[cfg(not(feature = "families"))]
@@ -101,7 +114,9 @@ fn read(path: &Path) -> Result<String> {
     const LIMIT: u64 = 256 << 20; // bytes
     let mut text = String::new();
     let file = File::open(path).map_err(|error| Error::io(path, error))?;
-    file.take(LIMIT + 1).read_to_string(&mut text).map_err(|error| Error::io(path, error))?;
+    file.take(LIMIT + 1)
+        .read_to_string(&mut text)
+        .map_err(|error| Error::io(path, error))?;
     if text.len() as u64 > LIMIT {
         return Err(Error::custom(format!(
             "it is larger than a recording can be, which is {} MiB",
@@ -124,7 +139,9 @@ fn compare(path: &Path) -> Result<String> {
     }
     let recorded = parse(&text)?;
     if recorded.events.is_empty() {
-        return Err(Error::custom("it has no events, so there is nothing to compare"));
+        return Err(Error::custom(
+            "it has no events, so there is nothing to compare",
+        ));
     }
     match recorded.first_difference(&recorded.replay(state)?) {
         Some(difference) => Err(Error::custom(difference)),
@@ -140,7 +157,8 @@ fn write_answers(path: &Path, to: &Path) -> Result<()> {
     #[cfg(feature = "families")]
     if let Some(recorded) = frames::parse(&text) {
         let answers = frames::replay(&recorded)?;
-        let json = serde_json::to_vec(&answers).map_err(|error| Error::custom(error.to_string()))?;
+        let json =
+            serde_json::to_vec(&answers).map_err(|error| Error::custom(error.to_string()))?;
         return file::write(to, &json);
     }
     let json = match of_engine(&rest, path)? {
@@ -148,7 +166,10 @@ fn write_answers(path: &Path, to: &Path) -> Result<()> {
         None => {
             let answers = parse(&text)?.replay(state)?;
             rest.remove("events");
-            serde_json::to_vec(&Answers { rest, events: &answers.events })
+            serde_json::to_vec(&Answers {
+                rest,
+                events: &answers.events,
+            })
         }
     };
     file::write(to, &json.map_err(not_json)?)
@@ -163,7 +184,9 @@ fn of_engine(file: &Map<String, Json>, path: &Path) -> Result<Option<Map<String,
         return Ok(None);
     }
     let folder = path.parent().unwrap_or(Path::new("."));
-    recording::answer(file, folder).map(Some).map_err(|error| Error::custom(error.to_string()))
+    recording::answer(file, folder)
+        .map(Some)
+        .map_err(|error| Error::custom(error.to_string()))
 }
 
 #[cfg(not(feature = "families"))]
@@ -189,18 +212,23 @@ mod frames {
 
     /// A recording, if the text is one.
     pub(super) fn parse(text: &str) -> Option<Recording> {
-        serde_json::from_str(text).ok().filter(|recording: &Recording| recording.kind == "raw")
+        serde_json::from_str(text)
+            .ok()
+            .filter(|recording: &Recording| recording.kind == "raw")
     }
 
     pub(super) fn replay(recorded: &Recording) -> Result<Recording> {
-        let game = by_md5(&recorded.md5)
-            .ok_or_else(|| Error::custom(format!("the game `{}` is not supported", recorded.rom)))?;
+        let game = by_md5(&recorded.md5).ok_or_else(|| {
+            Error::custom(format!("the game `{}` is not supported", recorded.rom))
+        })?;
         recorded.replay(&rom::load(game, None)?)
     }
 
     pub(super) fn compare(recorded: &Recording) -> Result<String> {
         if recorded.ops.is_empty() {
-            return Err(Error::custom("it has no frames, so there is nothing to compare"));
+            return Err(Error::custom(
+                "it has no frames, so there is nothing to compare",
+            ));
         }
         match recorded.first_difference(&replay(recorded)?) {
             Some(difference) => Err(Error::custom(difference)),

@@ -35,18 +35,26 @@ fn parse_range(text: &str) -> Result<Range<u64>, String> {
     let (start, end) = text.split_once("..").ok_or("write A..B, as in 0..10")?;
     let number = |text: &str| text.parse().map_err(|error| format!("`{text}`: {error}"));
     let range = number(start)?..number(end)?;
-    if range.is_empty() { Err("the range is empty: write A..B with A < B".into()) } else { Ok(range) }
+    if range.is_empty() {
+        Err("the range is empty: write A..B with A < B".into())
+    } else {
+        Ok(range)
+    }
 }
 
 pub(crate) fn run(arguments: &Arguments) -> Result<()> {
-    let spec = gym::builder(&arguments.id).args(arguments.kwargs.clone()).spec()?;
+    let spec = gym::builder(&arguments.id)
+        .args(arguments.kwargs.clone())
+        .spec()?;
     if let Some(path) = &arguments.plot {
         plots::check_name(path)?;
     }
     if let (Some(json), Some(plot)) = (&arguments.json, &arguments.plot)
         && crate::is_one_file(json, plot)
     {
-        return Err(Error::custom("`--json` and `--plot` name one file: the second would replace the first"));
+        return Err(Error::custom(
+            "`--json` and `--plot` name one file: the second would replace the first",
+        ));
     }
     for path in arguments.json.iter().chain(&arguments.plot) {
         crate::check_writable(path)?;
@@ -62,7 +70,8 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     }
     if let Some(path) = &arguments.json {
         let episodes: Vec<&Episode> = runs.iter().flat_map(|(_, episodes)| episodes).collect();
-        let json = serde_json::to_vec(&episodes).map_err(|error| Error::custom(error.to_string()))?;
+        let json =
+            serde_json::to_vec(&episodes).map_err(|error| Error::custom(error.to_string()))?;
         file::write(path, &json)?;
     }
     match &arguments.plot {
@@ -78,7 +87,11 @@ fn play(spec: &EnvSpec, policy: Policy, seeds: Range<u64>) -> Result<Vec<Episode
         let mut env = spec.make()?;
         let episode = policy.play(&mut env, seed, |_| Ok(()))?;
         let ended = ending(episode.terminated, episode.truncated);
-        say!("{seed:>8} {:>14.4} {:>8}  {ended}", episode.episode_return, episode.length)?;
+        say!(
+            "{seed:>8} {:>14.4} {:>8}  {ended}",
+            episode.episode_return,
+            episode.length
+        )?;
         episodes.push(episode);
     }
     Ok(episodes)
@@ -104,7 +117,9 @@ pub(crate) fn summary(episodes: &[Episode]) -> String {
     };
     let returns = statistics(|episode| episode.episode_return);
     let lengths = statistics(|episode| episode.length as f64);
-    format!("return {returns} length {lengths}").trim_end().to_owned()
+    format!("return {returns} length {lengths}")
+        .trim_end()
+        .to_owned()
 }
 
 #[cfg(test)]

@@ -33,7 +33,9 @@ impl Selection {
         let mut all = registry::all();
         if let Self::Crate(name, _) = self {
             let underscored = |name: &str| name.replace('-', "_");
-            all.retain(|registration| underscored(registration.source.package) == underscored(name));
+            all.retain(|registration| {
+                underscored(registration.source.package) == underscored(name)
+            });
             if all.is_empty() {
                 return Err(gym::Error::custom(format!(
                     "`{name}` registers no environment: put `gym_core::register!(...)` at the top level of a module, and \
@@ -41,8 +43,9 @@ impl Selection {
                 )));
             }
         }
-        let (mut needy, all): (Vec<_>, Vec<_>) =
-            all.into_iter().partition(|registration| registration.needs.is_some());
+        let (mut needy, all): (Vec<_>, Vec<_>) = all
+            .into_iter()
+            .partition(|registration| registration.needs.is_some());
         needy.sort_by(|a, b| a.source.package.cmp(b.source.package));
         for group in needy.chunk_by(|a, b| a.source.package == b.source.package) {
             tell!("{}", left_out(group));
@@ -54,9 +57,16 @@ impl Selection {
 /// Reports the environments of one crate that are left out because of external requirements.
 fn left_out(group: &[Registration]) -> String {
     let needed = group[0].needs.map_or("", |need| need.what);
-    let there = if group[0].needs.is_some_and(|need| !need.is_met()) { " (none here)" } else { "" };
+    let there = if group[0].needs.is_some_and(|need| !need.is_met()) {
+        " (none here)"
+    } else {
+        ""
+    };
     match group {
-        [one] => format!("left out {}: it needs {needed}{there}; name the id to use it", one.id()),
+        [one] => format!(
+            "left out {}: it needs {needed}{there}; name the id to use it",
+            one.id()
+        ),
         _ => {
             let (n, name) = (group.len(), group[0].source.package);
             format!("left out {n} ids of {name}: they need {needed}{there}; name an id to use it")

@@ -29,12 +29,20 @@ pub(crate) fn soak(arguments: &Arguments, selection: Selection) -> Result<()> {
         let (episodes, growth) = soak_one(registration, each, arguments.seed)?;
         total += each;
         let id = registration.id();
-        say!("{id:34} {each} steps, {episodes} episodes, {} kB more memory", growth / 1024)?;
+        say!(
+            "{id:34} {each} steps, {episodes} episodes, {} kB more memory",
+            growth / 1024
+        )?;
         if growth > MAX_GROWTH {
-            return Err(Error::custom(format!("`{id}` grows: {growth} bytes more after {each} steps")));
+            return Err(Error::custom(format!(
+                "`{id}` grows: {growth} bytes more after {each} steps"
+            )));
         }
     }
-    say!("{total} steps of {} environments with flat memory", registrations.len())?;
+    say!(
+        "{total} steps of {} environments with flat memory",
+        registrations.len()
+    )?;
     Ok(())
 }
 
@@ -63,6 +71,9 @@ fn resident_memory() -> u64 {
     const PAGE: u64 = 4096; // bytes
     let statm = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
     // size, then resident pages
-    let pages = statm.split_whitespace().nth(1).and_then(|pages| pages.parse::<u64>().ok());
+    let pages = statm
+        .split_whitespace()
+        .nth(1)
+        .and_then(|pages| pages.parse::<u64>().ok());
     pages.unwrap_or(0) * PAGE
 }

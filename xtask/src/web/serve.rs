@@ -21,8 +21,12 @@ pub(super) struct Site {
 /// A listener on a port, and the port; 0 takes a free one.
 pub(super) fn listen(port: u16) -> Result<(TcpListener, u16), String> {
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, port));
-    let listener = listener.map_err(|error| format!("port {port}: {error}; take another with `--port`"))?;
-    let port = listener.local_addr().map_err(|error| error.to_string())?.port();
+    let listener =
+        listener.map_err(|error| format!("port {port}: {error}; take another with `--port`"))?;
+    let port = listener
+        .local_addr()
+        .map_err(|error| error.to_string())?
+        .port();
     Ok((listener, port))
 }
 
@@ -82,17 +86,26 @@ fn file(line: &str, site: &Site) -> Option<(&'static str, Vec<u8>)> {
         None => (&site.page, path),
     };
     if name.is_empty() && path.ends_with('/') {
-        let mut names: Vec<String> =
-            super::list(folder).ok()?.iter().map(|path| super::file_name(path)).collect();
+        let mut names: Vec<String> = super::list(folder)
+            .ok()?
+            .iter()
+            .map(|path| super::file_name(path))
+            .collect();
         names.sort();
-        return Some(("application/json", serde_json::json!(names).to_string().into_bytes()));
+        return Some((
+            "application/json",
+            serde_json::json!(names).to_string().into_bytes(),
+        ));
     }
     let name = if name.is_empty() { "index.html" } else { name };
     let name = name.replace("%3D", "=").replace("%2C", ",");
     if name.starts_with('.') || name.contains(['/', '\\', '%']) {
         return None;
     }
-    let kind = match Path::new(&name).extension().and_then(|extension| extension.to_str()) {
+    let kind = match Path::new(&name)
+        .extension()
+        .and_then(|extension| extension.to_str())
+    {
         Some("html") => "text/html; charset=utf-8",
         Some("js") => "text/javascript",
         Some("css") => "text/css",
@@ -109,9 +122,16 @@ mod tests {
     #[test]
     fn only_files_of_the_folders_are_served() {
         let own = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
-        let site = Site { page: own.clone(), folders: vec![("code", own.join("src"))], posts: None };
+        let site = Site {
+            page: own.clone(),
+            folders: vec![("code", own.join("src"))],
+            posts: None,
+        };
         for path in ["Cargo.toml?x", "code/main.rs", "code/"] {
-            assert!(file(&format!("GET /{path} HTTP/1.1\r\n"), &site).is_some(), "{path}");
+            assert!(
+                file(&format!("GET /{path} HTTP/1.1\r\n"), &site).is_some(),
+                "{path}"
+            );
         }
         let hidden = [
             "../Cargo.toml",
@@ -123,7 +143,10 @@ mod tests {
             "none.html",
         ];
         for path in hidden {
-            assert!(file(&format!("GET /{path} HTTP/1.1\r\n"), &site).is_none(), "{path}");
+            assert!(
+                file(&format!("GET /{path} HTTP/1.1\r\n"), &site).is_none(),
+                "{path}"
+            );
         }
         assert!(file("POST /Cargo.toml HTTP/1.1\r\n", &site).is_none());
     }

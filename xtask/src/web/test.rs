@@ -36,7 +36,11 @@ pub(super) fn test(page: &Path, single: Option<&str>, traces: Option<&Path>) -> 
     let (posts, results) = mpsc::channel();
     let mut folders = vec![("test", root().join("crates/gym-web/tests"))];
     folders.extend(traces.map(|folder| ("traces", folder.to_owned())));
-    let site = Site { page: page.to_owned(), folders, posts: Some(posts) };
+    let site = Site {
+        page: page.to_owned(),
+        folders,
+        posts: Some(posts),
+    };
     let (listener, port) = listen(0)?;
     thread::spawn(move || serve(&listener, &site));
     let folder = std::env::temp_dir().join(format!("gym-web-test-{}", std::process::id()));
@@ -44,7 +48,10 @@ pub(super) fn test(page: &Path, single: Option<&str>, traces: Option<&Path>) -> 
     let mut url = format!("http://localhost:{port}/test/test.html");
     if let Some(text) = single {
         let file = folder.join("gallery.html");
-        files::write(&file, (text.to_owned() + &SINGLE.replace("TESTS", &url)).as_bytes())?;
+        files::write(
+            &file,
+            (text.to_owned() + &SINGLE.replace("TESTS", &url)).as_bytes(),
+        )?;
         url = format!("file://{}", file.display());
     }
     let mut browser = Browser::start(&url, &folder)?;
@@ -55,7 +62,8 @@ pub(super) fn test(page: &Path, single: Option<&str>, traces: Option<&Path>) -> 
         match results.recv_timeout(Duration::from_secs(2)) {
             Ok(text) => {
                 heard = Instant::now();
-                let result: Json = serde_json::from_str(&text).map_err(|error| format!("{text}: {error}"))?;
+                let result: Json =
+                    serde_json::from_str(&text).map_err(|error| format!("{text}: {error}"))?;
                 if let Some(count) = result["done"].as_u64() {
                     break match failed {
                         0 => say(format_args!("{count} tests passed")),
@@ -65,7 +73,10 @@ pub(super) fn test(page: &Path, single: Option<&str>, traces: Option<&Path>) -> 
                 let name = result["name"].as_str().unwrap_or_default();
                 match result["error"].as_str() {
                     None => {
-                        say(format_args!("ok      {name} {}", result["note"].as_str().unwrap_or_default()))?;
+                        say(format_args!(
+                            "ok      {name} {}",
+                            result["note"].as_str().unwrap_or_default()
+                        ))?;
                     }
                     Some(error) => {
                         say(format_args!("FAILED  {name}: {error}"))?;
@@ -116,7 +127,10 @@ impl Browser {
                 return Ok(Self(child));
             }
         }
-        Err(format!("no browser was found: install one of {}", names.join(", ")))
+        Err(format!(
+            "no browser was found: install one of {}",
+            names.join(", ")
+        ))
     }
 }
 

@@ -28,11 +28,18 @@ impl Cpu {
     pub(super) fn sbc_decimal(mut self, value: u8) -> Self {
         let borrow = i16::from(!self.carry);
         let difference = from_digits(self.a) - from_digits(value) - borrow;
-        let difference = if difference < 0 { difference + 100 } else { difference };
+        let difference = if difference < 0 {
+            difference + 100
+        } else {
+            difference
+        };
         self.carry = i16::from(self.a) >= i16::from(value) + borrow;
         // only digits above 9 lead below -100
-        let result =
-            if difference < 0 { from_digits(difference as u8) as u8 } else { to_digits(difference as u8) };
+        let result = if difference < 0 {
+            from_digits(difference as u8) as u8
+        } else {
+            to_digits(difference as u8)
+        };
         self.set_decimal(result, value);
         self
     }

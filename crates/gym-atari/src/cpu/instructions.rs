@@ -99,7 +99,9 @@ pub(crate) const LENGTHS: [u8; 256] = {
         match (operation, mode) {
             (Operation::Jsr, _) => {}
             (_, Mode::Implied) => lengths[opcode] = 1,
-            (_, Mode::Absolute | Mode::AbsoluteX | Mode::AbsoluteY | Mode::Indirect) => lengths[opcode] = 3,
+            (_, Mode::Absolute | Mode::AbsoluteX | Mode::AbsoluteY | Mode::Indirect) => {
+                lengths[opcode] = 3
+            }
             _ => {}
         }
         opcode += 1;

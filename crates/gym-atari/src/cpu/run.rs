@@ -24,7 +24,12 @@ impl Cpu {
     /// whether one of both stopped it.
     #[inline(never)]
     pub fn run<B: Bus>(&mut self, bus: B, most: u32) -> bool {
-        let mut core = Core { cpu: *self, bus, left: most, stopped: false };
+        let mut core = Core {
+            cpu: *self,
+            bus,
+            left: most,
+            stopped: false,
+        };
         while core.left > 0 {
             core.left -= 1;
             core.step();
@@ -109,12 +114,18 @@ impl<B: Bus> Core<B> {
     fn fetch(&mut self) -> [u8; 4] {
         let Cpu { pc, cycle, .. } = self.cpu;
         let mut read = |i: u16| {
-            self.cpu.bus = self.bus.read(pc.wrapping_add(i), cycle + 1 + u64::from(i), self.cpu.bus);
+            self.cpu.bus =
+                self.bus
+                    .read(pc.wrapping_add(i), cycle + 1 + u64::from(i), self.cpu.bus);
             self.cpu.bus
         };
         let opcode = read(0);
         let low = read(1);
-        let high = if LENGTHS[usize::from(opcode)] == 3 { read(2) } else { 0 };
+        let high = if LENGTHS[usize::from(opcode)] == 3 {
+            read(2)
+        } else {
+            0
+        };
         [opcode, low, high, 0]
     }
 
@@ -178,7 +189,10 @@ impl<B: Bus> Core<B> {
 
     #[inline(always)]
     fn zero_page_word(&mut self, pointer: u8) -> u16 {
-        u16::from_le_bytes([self.read_pointer(pointer), self.read_pointer(pointer.wrapping_add(1))])
+        u16::from_le_bytes([
+            self.read_pointer(pointer),
+            self.read_pointer(pointer.wrapping_add(1)),
+        ])
     }
 
     #[inline(always)]
@@ -271,13 +285,22 @@ impl<B: Bus> Core<B> {
     /// The number of rounds of a waiting loop, which has just branched to its start, that will read the same as the last one.
     #[inline(always)]
     fn rounds_without_change(&self, start: u16) -> u32 {
-        let Cpu { a, x, y, overflow, result, .. } = self.cpu;
-        let Some([opcode @ (0xad | 0xae | 0xac | 0x2c), low, high, _]) = self.bus.program(start) else {
+        let Cpu {
+            a,
+            x,
+            y,
+            overflow,
+            result,
+            ..
+        } = self.cpu;
+        let Some([opcode @ (0xad | 0xae | 0xac | 0x2c), low, high, _]) = self.bus.program(start)
+        else {
             return 0;
         };
         // the branch took three cycles since the register was read
         let last_read = self.cpu.cycle - 3;
-        let Some((value, until)) = self.bus.steady(u16::from_le_bytes([low, high]), last_read) else {
+        let Some((value, until)) = self.bus.steady(u16::from_le_bytes([low, high]), last_read)
+        else {
             return 0;
         };
         // a jump onto the branch may have left another state
@@ -291,7 +314,11 @@ impl<B: Bus> Core<B> {
                 result == bits && overflow == (value & flag::V != 0)
             }
         };
-        if found { ((until - last_read) / LOOP_CYCLES) as u32 } else { 0 }
+        if found {
+            ((until - last_read) / LOOP_CYCLES) as u32
+        } else {
+            0
+        }
     }
 
     /// Operations on registers, flags and the stack, and jumps.

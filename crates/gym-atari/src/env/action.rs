@@ -36,7 +36,8 @@ impl Element for AtariAction {
     fn from_value(value: &Value) -> Option<Self> {
         match value {
             Value::Int(_) => usize::from_value(value).map(Self::Index),
-            _ => Continuous::<3>::from_value(value).map(|stick| Self::Stick(stick.numbers.map(|x| x as f32))),
+            _ => Continuous::<3>::from_value(value)
+                .map(|stick| Self::Stick(stick.numbers.map(|x| x as f32))),
         }
     }
 
@@ -93,7 +94,11 @@ mod tests {
             // the sine exceeds the threshold or not as well: only the horizontal direction is compared
             let action = from_stick([radius, angle, 0.0], 0.5);
             let is_right = matches!(action, Action::Right | Action::UpRight);
-            assert_eq!(is_right, expected == Action::Right, "{radius} {angle}: {action:?}");
+            assert_eq!(
+                is_right,
+                expected == Action::Right,
+                "{radius} {angle}: {action:?}"
+            );
         }
     }
 }

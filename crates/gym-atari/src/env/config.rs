@@ -81,14 +81,17 @@ impl Config {
     /// # Errors
     /// [`Error::InvalidArgument`] for one that is not.
     pub(super) fn check(&self) -> Result<&'static Game> {
-        let invalid = |reason: String| Err(Error::argument(format!("Atari ({})", self.game), reason));
+        let invalid =
+            |reason: String| Err(Error::argument(format!("Atari ({})", self.game), reason));
         let Some(game) = games::by_name(&self.game) else {
             let names: Vec<_> = games::GAMES.iter().map(|game| game.name).collect();
             return invalid(format!("unknown game: the games are {}", names.join(", ")));
         };
         match self.frameskip {
             Frameskip::Range([low, _]) if low <= 0 => {
-                return invalid("Invalid stochastic frameskip, lower bound must be positive.".into());
+                return invalid(
+                    "Invalid stochastic frameskip, lower bound must be positive.".into(),
+                );
             }
             Frameskip::Range([low, high]) if low >= high => {
                 return invalid(
@@ -97,10 +100,14 @@ impl Config {
                 );
             }
             Frameskip::Fixed(skip) if skip <= 0 => {
-                return invalid(format!("Invalid frameskip of {skip}, frameskip must be positive."));
+                return invalid(format!(
+                    "Invalid frameskip of {skip}, frameskip must be positive."
+                ));
             }
             Frameskip::Fixed(skip) | Frameskip::Range([_, skip]) if skip > MOST_FRAMES => {
-                return invalid(format!("frameskip is {skip}: it must be at most {MOST_FRAMES}"));
+                return invalid(format!(
+                    "frameskip is {skip}: it must be at most {MOST_FRAMES}"
+                ));
             }
             _ => {}
         }
@@ -110,7 +117,9 @@ impl Config {
                 "Invalid game mode requested: mode is {mode}, and the modes are {modes:?}"
             ));
         }
-        if let Some(difficulty) = self.difficulty.filter(|difficulty| !game.difficulties.contains(difficulty))
+        if let Some(difficulty) = self
+            .difficulty
+            .filter(|difficulty| !game.difficulties.contains(difficulty))
         {
             return invalid(format!(
                 "Invalid difficulty requested: difficulty is {difficulty}, and the difficulties are {:?}",
@@ -130,7 +139,9 @@ impl Config {
             ));
         }
         if self.sound_obs {
-            return invalid("sound_obs is true: sound is not emulated, so it cannot be observed".into());
+            return invalid(
+                "sound_obs is true: sound is not emulated, so it cannot be observed".into(),
+            );
         }
         Ok(game)
     }

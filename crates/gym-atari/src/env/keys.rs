@@ -15,9 +15,13 @@ const KEYS: [(&str, Action); 5] = [
 ];
 
 pub(crate) fn keys(env: &BoxEnv) -> Keys {
-    let env = env.unwrapped::<AtariEnv>().filter(|env| !env.config().continuous);
+    let env = env
+        .unwrapped::<AtariEnv>()
+        .filter(|env| !env.config().continuous);
     let actions = env.map_or(&[][..], AtariEnv::actions);
     let number = |action| actions.iter().position(|other| *other == action);
-    let keys = KEYS.iter().filter_map(|(key, action)| Some(((*key).to_owned(), json!(number(*action)?))));
+    let keys = KEYS
+        .iter()
+        .filter_map(|(key, action)| Some(((*key).to_owned(), json!(number(*action)?))));
     Keys::new(keys.collect()).idle(json!(0))
 }

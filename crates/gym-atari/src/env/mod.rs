@@ -11,7 +11,8 @@ use gym_core::canvas::{Canvas, Color};
 use gym_core::render::Metadata;
 use gym_core::spaces::BoxSpace;
 use gym_core::{
-    Array, Configure, DType, Env, Error, Generator, Outcome, Reset, Result, Seed, Snapshot, Space, Value,
+    Array, Configure, DType, Env, Error, Generator, Outcome, Reset, Result, Seed, Snapshot, Space,
+    Value,
 };
 use serde::{Deserialize, Serialize};
 
@@ -70,7 +71,10 @@ impl AtariEnv {
     /// # Errors
     /// [`Error::InvalidArgument`] for an argument that is not valid.
     pub fn with_rom(config: Config, rom: &Rom) -> Result<Self> {
-        let config = Config { game: rom.game().name.to_owned(), ..config };
+        let config = Config {
+            game: rom.game().name.to_owned(),
+            ..config
+        };
         let game = config.check()?;
         let mut ale = Ale::new(game, rom.bytes(), 0);
         let Config {
@@ -80,8 +84,18 @@ impl AtariEnv {
             repeat_action_probability,
             ..
         } = config;
-        ale.configure(Settings { mode, difficulty, max_frames, repeat_action_probability });
-        Ok(Self { config, md5: rom.md5().to_owned(), ale, episode: None })
+        ale.configure(Settings {
+            mode,
+            difficulty,
+            max_frames,
+            repeat_action_probability,
+        });
+        Ok(Self {
+            config,
+            md5: rom.md5().to_owned(),
+            ale,
+            episode: None,
+        })
     }
 
     /// The game that is being played.
@@ -101,7 +115,11 @@ impl AtariEnv {
 
     /// The actions by index.
     pub fn actions(&self) -> &'static [Action] {
-        if self.config.full_action_space { self.game().legal } else { self.game().minimal }
+        if self.config.full_action_space {
+            self.game().legal
+        } else {
+            self.game().minimal
+        }
     }
 
     fn game(&self) -> &'static Game {
@@ -111,12 +129,20 @@ impl AtariEnv {
     /// The game's action for one of the agent's actions.
     fn resolve(&self, action: &AtariAction) -> Result<Command> {
         match *action {
-            AtariAction::Index(index) if !self.config.continuous && index < self.actions().len() => {
+            AtariAction::Index(index)
+                if !self.config.continuous && index < self.actions().len() =>
+            {
                 Ok(self.actions()[index].into())
             }
-            AtariAction::Stick(stick) if self.config.continuous && stick.iter().all(|x| x.is_finite()) => {
-                let action = action::from_stick(stick, self.config.continuous_action_threshold as f32);
-                Ok(Command { action, paddle_strength: stick[0] })
+            AtariAction::Stick(stick)
+                if self.config.continuous && stick.iter().all(|x| x.is_finite()) =>
+            {
+                let action =
+                    action::from_stick(stick, self.config.continuous_action_threshold as f32);
+                Ok(Command {
+                    action,
+                    paddle_strength: stick[0],
+                })
             }
             _ => Err(self.action_space().refuse_action(action)),
         }
@@ -152,7 +178,9 @@ impl AtariEnv {
         let frames = match self.config.frameskip {
             Frameskip::Fixed(frames) => frames,
             Frameskip::Range([low, high]) => {
-                let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
+                let Some(episode) = &mut self.episode else {
+                    return Err(Error::ResetNeeded("step"));
+                };
                 episode.rng.integers(low, high)
             }
         };
@@ -163,7 +191,9 @@ impl AtariEnv {
     /// The game's action for the agent's action, at the start of a step that plays its frames itself.
     pub(crate) fn resolve_for_step(&mut self, action: &AtariAction) -> Result<Command> {
         let command = self.resolve(action)?;
-        let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
+        let Some(episode) = &mut self.episode else {
+            return Err(Error::ResetNeeded("step"));
+        };
         episode.seeds = None;
         Ok(command)
     }
@@ -209,7 +239,12 @@ impl AtariEnv {
             ObsType::Rgb => {
                 let out = buffer(observation, &[picture.len(), 160, 3]);
                 let colors = display.rgb();
-                for (rgb, &index) in out.as_chunks_mut::<3>().0.iter_mut().zip(picture.as_flattened()) {
+                for (rgb, &index) in out
+                    .as_chunks_mut::<3>()
+                    .0
+                    .iter_mut()
+                    .zip(picture.as_flattened())
+                {
                     *rgb = colors[usize::from(index)];
                 }
             }
@@ -245,7 +280,10 @@ impl Env for AtariEnv {
 
     fn action_space(&self) -> Space {
         if self.config.continuous {
-            Space::boxed([0.0, -action::MOST_ANGLE, 0.0], [1.0, action::MOST_ANGLE, 1.0])
+            Space::boxed(
+                [0.0, -action::MOST_ANGLE, 0.0],
+                [1.0, action::MOST_ANGLE, 1.0],
+            )
         } else {
             Space::discrete(self.actions().len() as i64)
         }
@@ -275,10 +313,20 @@ impl Env for AtariEnv {
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let stored: Option<Stored> = snapshot.for_config(NAME, &self.config, |_| true)?;
-        let not_a_state = || Error::Snapshot(format!("its content is not a state of {}", self.config.game));
-        let Some(stored) = stored else { return Err(not_a_state()) };
+        let not_a_state = || {
+            Error::Snapshot(format!(
+                "its content is not a state of {}",
+                self.config.game
+            ))
+        };
+        let Some(stored) = stored else {
+            return Err(not_a_state());
+        };
         if stored.md5 != self.md5 {
-            let reason = format!("it was taken with the ROM of MD5 {}, not {}", stored.md5, self.md5);
+            let reason = format!(
+                "it was taken with the ROM of MD5 {}, not {}",
+                stored.md5, self.md5
+            );
             return Err(Error::Snapshot(reason));
         }
         if !self.ale.restore(&stored.ale, &stored.screen) {
@@ -291,10 +339,16 @@ impl Env for AtariEnv {
     fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
         let Some(episode) = &self.episode else { return };
         visit("lives", Value::Int(self.ale.lives().into()));
-        visit("episode_frame_number", Value::Int(self.ale.episode_frame_number().into()));
+        visit(
+            "episode_frame_number",
+            Value::Int(self.ale.episode_frame_number().into()),
+        );
         visit("frame_number", Value::Int(self.ale.frame_number().into()));
         if let Some(seeds) = episode.seeds {
-            visit("seeds", Value::Tuple(seeds.map(|seed| Value::Int(seed.into())).to_vec()));
+            visit(
+                "seeds",
+                Value::Tuple(seeds.map(|seed| Value::Int(seed.into())).to_vec()),
+            );
         }
     }
 
@@ -333,13 +387,20 @@ fn draw(picture: &[Row], colors: &[[u8; 3]; 256], canvas: &mut dyn Canvas) {
     let mut top = 0;
     while top < picture.len() {
         let row = &picture[top];
-        let height = picture[top..].iter().take_while(|other| *other == row).count();
+        let height = picture[top..]
+            .iter()
+            .take_while(|other| *other == row)
+            .count();
         let x = Cell::new(0);
         for run in row.chunk_by(|a, b| a == b) {
             let [red, green, blue] = colors[usize::from(run[0])];
             if run[0] > 1 {
                 let color = Color::rgb(red, green, blue);
-                canvas.rect([x.get() as f64, top as f64], [run.len() as f64, height as f64], color);
+                canvas.rect(
+                    [x.get() as f64, top as f64],
+                    [run.len() as f64, height as f64],
+                    color,
+                );
             }
             x.set(x.get() + run.len());
         }

@@ -150,7 +150,9 @@ impl Rewards {
                     games => games,
                 }
             }
-            (Self::Changes, _) => 100 * (after / GAME_WON) - i32::from(before % GAME_WON != after % GAME_WON),
+            (Self::Changes, _) => {
+                100 * (after / GAME_WON) - i32::from(before % GAME_WON != after % GAME_WON)
+            }
             (_, difference) => difference,
         }
     }
@@ -200,17 +202,23 @@ impl Ram<'_> {
 
     /// Two decimal digits in each byte, the most significant byte first.
     pub fn decimal(&self, indices: &[usize]) -> i32 {
-        indices.iter().fold(0, |number, &index| 100 * number + self.bcd(index))
+        indices
+            .iter()
+            .fold(0, |number, &index| 100 * number + self.bcd(index))
     }
 
     /// One decimal digit in the lower four bits of each byte, the most significant byte first; above 9 is a blank.
     pub fn low_digits(&self, indices: &[usize]) -> i32 {
-        indices.iter().fold(0, |number, &index| 10 * number + digit(self.low(index)))
+        indices
+            .iter()
+            .fold(0, |number, &index| 10 * number + digit(self.low(index)))
     }
 
     /// One decimal digit in the lower four bits of each byte, the most significant byte first; 10 is a blank.
     pub fn ten_digits(&self, indices: &[usize]) -> i32 {
-        indices.iter().fold(0, |number, &index| 10 * number + ten(self.low(index)))
+        indices
+            .iter()
+            .fold(0, |number, &index| 10 * number + ten(self.low(index)))
     }
 
     /// One decimal digit in the upper four bits of a byte; 10 is a blank.
@@ -220,9 +228,9 @@ impl Ram<'_> {
 
     /// Two decimal digits in each byte, of which those above 9 are blank.
     pub fn blank_decimal(&self, indices: &[usize]) -> i32 {
-        indices
-            .iter()
-            .fold(0, |number, &index| 100 * number + 10 * digit(self.high(index)) + digit(self.low(index)))
+        indices.iter().fold(0, |number, &index| {
+            100 * number + 10 * digit(self.high(index)) + digit(self.low(index))
+        })
     }
 
     /// A byte that counts below zero.
@@ -238,7 +246,11 @@ impl Ram<'_> {
     /// One decimal digit in each byte, as the place of its picture, 8 bytes a digit; `blank` is a picture of nothing.
     pub fn pictures(&self, indices: &[usize], blank: u8) -> i32 {
         indices.iter().fold(0, |number, &index| {
-            let digit = if self.0[index] == blank { 0 } else { self.at(index) / 8 };
+            let digit = if self.0[index] == blank {
+                0
+            } else {
+                self.at(index) / 8
+            };
             10 * number + digit
         })
     }

@@ -5,7 +5,11 @@ use super::Ram;
 impl Ram<'_> {
     /// Blackjack: blank digits, if no points are left.
     pub(super) fn blackjack(&self) -> i32 {
-        if self.blackjack_is_blank() { 0 } else { self.decimal(&[0x06, 0x09]) }
+        if self.blackjack_is_blank() {
+            0
+        } else {
+            self.decimal(&[0x06, 0x09])
+        }
     }
 
     /// Blackjack: it ends with 1,000 points, or without any.
@@ -19,12 +23,19 @@ impl Ram<'_> {
 
     /// Boxing: a knockout, 100 points, shows as `C0`.
     pub(super) fn boxing(&self, index: usize) -> i32 {
-        if self.at(index) == 0xc0 { 100 } else { self.bcd(index) }
+        if self.at(index) == 0xc0 {
+            100
+        } else {
+            self.bcd(index)
+        }
     }
 
     /// Casino: the game is over without points, except in mode 3, where it continues until there are some.
     pub(super) fn casino_is_over(&self) -> bool {
-        let (points, waits) = (self.at(0x0c) | self.at(0x15) != 0, self.at(0x53) & 0x80 != 0);
+        let (points, waits) = (
+            self.at(0x0c) | self.at(0x15) != 0,
+            self.at(0x53) & 0x80 != 0,
+        );
         match self.at(0x54) {
             3 => points && !waits,
             _ => !points || (waits && self.at(0x1e) != 0),
@@ -34,7 +45,11 @@ impl Ram<'_> {
     /// Demon Attack: until the first game the bytes of the score hold the title.
     pub(super) fn demon_attack(&self) -> i32 {
         let title = [0x01, 0x03, 0x05].map(|index| self.at(index)) == [0xab, 0xcd, 0xea];
-        if title { 0 } else { self.decimal(&[0x01, 0x03, 0x05]) }
+        if title {
+            0
+        } else {
+            self.decimal(&[0x01, 0x03, 0x05])
+        }
     }
 
     /// Double Dunk: the game is over when the program waits for another, after a team has 24 points.
@@ -54,7 +69,11 @@ impl Ram<'_> {
 
     /// Superman: at the end the time left of 99:59.
     pub(super) fn superman(&self) -> i32 {
-        if self.superman_is_over() { 5999 - 60 * self.bcd(0x63) - self.bcd(0x62) } else { 0 }
+        if self.superman_is_over() {
+            5999 - 60 * self.bcd(0x63) - self.bcd(0x62)
+        } else {
+            0
+        }
     }
 
     /// Superman has ended in one place alone.

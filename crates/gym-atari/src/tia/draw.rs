@@ -20,7 +20,10 @@ pub(super) struct Differing {
 
 impl Differing {
     /// Nothing is known of the line above.
-    pub(super) const ALL: Self = Self { here: Pixels::ALL, below: Pixels::ALL };
+    pub(super) const ALL: Self = Self {
+        here: Pixels::ALL,
+        below: Pixels::ALL,
+    };
 
     /// Pixels look otherwise than before, from `x` on: on this line those to the right, and on the next those to the left.
     #[inline(always)]
@@ -64,8 +67,9 @@ impl Tia {
     pub(super) fn change_colors(&mut self, objects: u8, clock: u32, screen: &mut Screen) {
         let x = self.reach(clock, screen);
         self.paint(x, screen);
-        let pixels =
-            bits(objects).fold(Pixels::default(), |pixels, object| pixels.union(self.objects.get(object)));
+        let pixels = bits(objects).fold(Pixels::default(), |pixels, object| {
+            pixels.union(self.objects.get(object))
+        });
         self.differing.add(pixels, x);
     }
 
@@ -94,7 +98,11 @@ impl Tia {
         if self.drawn_line < line {
             self.complete_lines(line, screen);
         }
-        if self.drawn_line > line { 0 } else { (clock as usize).saturating_sub(BLANK as usize) }
+        if self.drawn_line > line {
+            0
+        } else {
+            (clock as usize).saturating_sub(BLANK as usize)
+        }
     }
 
     #[inline(never)]
@@ -205,7 +213,11 @@ impl Tia {
     /// Places what changed, and searches a part of the line for collisions. If the line is not drawn, only objects that may still
     /// collide is placed.
     fn search(&mut self, from: usize, to: usize, unseen: bool) {
-        let needed = if unseen { Objects::with_collisions(self.possible_collisions()) } else { u8::MAX };
+        let needed = if unseen {
+            Objects::with_collisions(self.possible_collisions())
+        } else {
+            u8::MAX
+        };
         for object in bits(self.stale & needed) {
             self.place(object);
         }
@@ -247,11 +259,19 @@ impl Tia {
 
     /// The byte of a player that shows.
     fn graphics(&self, i: usize) -> u8 {
-        if self.vdelp[i] { self.old_grp[i] } else { self.grp[i] }
+        if self.vdelp[i] {
+            self.old_grp[i]
+        } else {
+            self.grp[i]
+        }
     }
 
     fn shows_ball(&self) -> bool {
-        if self.vdelbl { self.old_enabl } else { self.enabl }
+        if self.vdelbl {
+            self.old_enabl
+        } else {
+            self.enabl
+        }
     }
 
     /// Gives an object the pixels that it has from its last change on.
@@ -273,7 +293,10 @@ impl Tia {
                 );
             }
             M0 | M1 if self.enam[object - M0] && !self.resmp[object - M0] => {
-                self.put(object, objects::missile(self.x[object], self.nusiz[object - M0]));
+                self.put(
+                    object,
+                    objects::missile(self.x[object], self.nusiz[object - M0]),
+                );
             }
             BL if self.shows_ball() => self.put(object, objects::ball(self.x[BL], self.ctrlpf)),
             PF => self.put(object, objects::playfield(self.pf, self.reflected)),

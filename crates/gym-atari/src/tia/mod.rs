@@ -46,18 +46,37 @@ pub struct Display {
 
 impl Display {
     /// The settings of nearly all games.
-    pub const NTSC: Self = Self { first_line: 34, rows: 210, comb: true, last_line: 291, pal: false };
+    pub const NTSC: Self = Self {
+        first_line: 34,
+        rows: 210,
+        comb: true,
+        last_line: 291,
+        pal: false,
+    };
     /// The settings of games for PAL sets.
-    pub const PAL: Self = Self { rows: 250, last_line: 343, pal: true, ..Self::NTSC };
+    pub const PAL: Self = Self {
+        rows: 250,
+        last_line: 343,
+        pal: true,
+        ..Self::NTSC
+    };
 
     /// Red, green and blue of each colour index.
     pub fn rgb(&self) -> &'static [[u8; 3]; 256] {
-        if self.pal { &palette::PAL_RGB } else { &palette::RGB }
+        if self.pal {
+            &palette::PAL_RGB
+        } else {
+            &palette::RGB
+        }
     }
 
     /// The shade of gray of each colour index.
     pub fn gray(&self) -> &'static [u8; 256] {
-        if self.pal { &palette::PAL_GRAY } else { &palette::GRAY }
+        if self.pal {
+            &palette::PAL_GRAY
+        } else {
+            &palette::GRAY
+        }
     }
 }
 
@@ -261,7 +280,9 @@ impl Tia {
 
     fn paddle(&self, paddle: usize, cycle: u64) -> u8 {
         let charged = match self.charge[paddle] {
-            Some(clocks) => self.vblank & 0x80 == 0 && 3 * cycle >= self.released + u64::from(clocks),
+            Some(clocks) => {
+                self.vblank & 0x80 == 0 && 3 * cycle >= self.released + u64::from(clocks)
+            }
             None => false,
         };
         if charged { 0x80 } else { 0 }
@@ -278,7 +299,13 @@ impl Tia {
 
     /// Writes a register. Writes without effect are handled here, cheaply; all others in other functions.
     #[inline(always)]
-    pub(crate) fn write(&mut self, address: u16, value: u8, cycle: u64, screen: &mut Screen) -> Ready {
+    pub(crate) fn write(
+        &mut self,
+        address: u16,
+        value: u8,
+        cycle: u64,
+        screen: &mut Screen,
+    ) -> Ready {
         let c = self.beam(cycle);
         if self.line >= self.display.last_line {
             return self.write_late(address, value, cycle, screen);
@@ -291,7 +318,11 @@ impl Tia {
     #[inline(never)]
     fn write_late(&mut self, address: u16, value: u8, cycle: u64, screen: &mut Screen) -> Ready {
         let c = self.beam(cycle);
-        let wait = if address & 0x3f == 0x02 && c > 0 { CYCLES_PER_LINE - c } else { 0 };
+        let wait = if address & 0x3f == 0x02 && c > 0 {
+            CYCLES_PER_LINE - c
+        } else {
+            0
+        };
         self.end_frame(cycle + u64::from(wait), screen);
         let c = self.beam(cycle + u64::from(wait));
         self.register(address, value, c, screen);
@@ -312,7 +343,11 @@ impl Tia {
     pub(crate) fn write_unseen(&mut self, address: u16, value: u8, cycle: u64) -> Option<Ready> {
         let passed = (cycle - self.line_start) as u32;
         let is_next = passed >= CYCLES_PER_LINE;
-        let c = if is_next { passed - CYCLES_PER_LINE } else { passed };
+        let c = if is_next {
+            passed - CYCLES_PER_LINE
+        } else {
+            passed
+        };
         if c >= CYCLES_PER_LINE || self.line >= self.display.last_line - 1 {
             return None;
         }
@@ -329,7 +364,13 @@ impl Tia {
     fn set(&mut self, address: u16, value: u8, c: u32) -> Option<Ready> {
         let unchanged = match address & 0x3f {
             // WSYNC
-            0x02 => return Some(if c > 0 { Ready::After(CYCLES_PER_LINE - c) } else { Ready::Now }),
+            0x02 => {
+                return Some(if c > 0 {
+                    Ready::After(CYCLES_PER_LINE - c)
+                } else {
+                    Ready::Now
+                });
+            }
             // NUSIZ0, NUSIZ1
             register @ (0x04 | 0x05) => {
                 let i = usize::from(register) - 0x04;
@@ -344,29 +385,42 @@ impl Tia {
             // CTRLPF
             0x0a => self.ctrlpf == value,
             // REFP0, REFP1
-            register @ (0x0b | 0x0c) => self.refp[usize::from(register) - 0x0b] == (value & 0x08 != 0),
+            register @ (0x0b | 0x0c) => {
+                self.refp[usize::from(register) - 0x0b] == (value & 0x08 != 0)
+            }
             // PF0, PF1, PF2
             register @ 0x0d..=0x0f => self.with_playfield(register, value) == self.pf,
             // GRP0, GRP1
             0x1b => self.grp[0] == value && self.old_grp[1] == self.grp[1],
-            0x1c => self.grp[1] == value && self.old_grp[0] == self.grp[0] && self.old_enabl == self.enabl,
+            0x1c => {
+                self.grp[1] == value
+                    && self.old_grp[0] == self.grp[0]
+                    && self.old_enabl == self.enabl
+            }
             // ENAM0, ENAM1
-            register @ (0x1d | 0x1e) => self.enam[usize::from(register) - 0x1d] == (value & 0x02 != 0),
+            register @ (0x1d | 0x1e) => {
+                self.enam[usize::from(register) - 0x1d] == (value & 0x02 != 0)
+            }
             // ENABL
             0x1f => self.enabl == (value & 0x02 != 0),
             // HMP0, HMP1, HMM0, HMM1, HMBL
             register @ 0x20..=0x24 => {
                 let object = usize::from(register) - 0x20;
                 self.hm[object] = value >> 4;
-                self.in_motion = self.in_motion & !(1 << object) | u8::from(value >> 4 != 0) << object;
+                self.in_motion =
+                    self.in_motion & !(1 << object) | u8::from(value >> 4 != 0) << object;
                 true
             }
             // VDELP0, VDELP1
-            register @ (0x25 | 0x26) => self.vdelp[usize::from(register) - 0x25] == (value & 0x01 != 0),
+            register @ (0x25 | 0x26) => {
+                self.vdelp[usize::from(register) - 0x25] == (value & 0x01 != 0)
+            }
             // VDELBL
             0x27 => self.vdelbl == (value & 0x01 != 0),
             // RESMP0, RESMP1
-            register @ (0x28 | 0x29) => self.resmp[usize::from(register) - 0x28] == (value & 0x02 != 0),
+            register @ (0x28 | 0x29) => {
+                self.resmp[usize::from(register) - 0x28] == (value & 0x02 != 0)
+            }
             // HMCLR
             0x2b => {
                 self.hm = [0; 5];
@@ -387,7 +441,9 @@ impl Tia {
         match address & 0x3f {
             0x00 => return self.write_vsync(value, c, screen),
             0x01 => self.write_vblank(value, c, screen),
-            register @ (0x04 | 0x05) => self.write_nusiz(usize::from(register) - 0x04, value, c, screen),
+            register @ (0x04 | 0x05) => {
+                self.write_nusiz(usize::from(register) - 0x04, value, c, screen)
+            }
             register @ (0x06 | 0x07) => {
                 self.write_colup(usize::from(register) - 0x06, value & 0xfe, c, screen);
             }
@@ -401,8 +457,12 @@ impl Tia {
                 self.change_playfield(self.with_playfield(register, value), c, screen);
             }
             register @ (0x10 | 0x11) => self.reset_player(usize::from(register) - 0x10, c, screen),
-            register @ 0x12..=0x14 => self.reset_missile_or_ball(usize::from(register) - 0x10, c, screen),
-            register @ (0x1b | 0x1c) => self.write_grp(usize::from(register) - 0x1b, value, c, screen),
+            register @ 0x12..=0x14 => {
+                self.reset_missile_or_ball(usize::from(register) - 0x10, c, screen)
+            }
+            register @ (0x1b | 0x1c) => {
+                self.write_grp(usize::from(register) - 0x1b, value, c, screen)
+            }
             register @ (0x1d | 0x1e) => {
                 self.write_enam(usize::from(register) - 0x1d, value & 0x02 != 0, c, screen);
             }
@@ -470,7 +530,11 @@ impl Tia {
     #[inline(never)]
     fn reset_missile_or_ball(&mut self, object: usize, c: u32, screen: &mut Screen) {
         let clock = 3 * c;
-        self.change(1 << object, if object == BL { clock } else { clock + 8 }, screen);
+        self.change(
+            1 << object,
+            if object == BL { clock } else { clock + 8 },
+            screen,
+        );
         // objects wait for the end of the blank in the same place
         let beam = (clock as i32 - BLANK).max(-2);
         self.x[object] = match (object, self.moved.checked_sub(self.line_start), c) {
@@ -607,9 +671,17 @@ impl Tia {
             running |= (2 - width..=1).contains(&behind);
             about_to_start |= (2..=5).contains(&behind);
         }
-        self.change(1 << (P0 + i), if running { clock + 11 } else { clock }, screen);
+        self.change(
+            1 << (P0 + i),
+            if running { clock + 11 } else { clock },
+            screen,
+        );
         self.x[i] = ((beam + 5) % 160) as u8;
-        self.without_main[i] = if c == 0 { self.without_main[i] || running } else { !about_to_start };
+        self.without_main[i] = if c == 0 {
+            self.without_main[i] || running
+        } else {
+            !about_to_start
+        };
     }
 
     /// `HMOVE`: each object moves by the pulses that its `HM` register leaves it, of which an `HMOVE` late in the line
@@ -633,7 +705,8 @@ impl Tia {
             _ => MOVABLE,
         };
         // first copies that were left out come back
-        let mut moved = u8::from(self.without_main[P0]) << P0 | u8::from(self.without_main[P1]) << P1;
+        let mut moved =
+            u8::from(self.without_main[P0]) << P0 | u8::from(self.without_main[P1]) << P1;
         let mut x = self.x;
         for object in draw::bits(candidates) {
             let shift = shift(i32::from(self.hm[object] ^ 0x08));

@@ -10,14 +10,38 @@ struct Copies {
 }
 
 const COPIES: [Copies; 8] = [
-    Copies { offsets: &[0], scale: 1 },
-    Copies { offsets: &[0, 16], scale: 1 },
-    Copies { offsets: &[0, 32], scale: 1 },
-    Copies { offsets: &[0, 16, 32], scale: 1 },
-    Copies { offsets: &[0, 64], scale: 1 },
-    Copies { offsets: &[0], scale: 2 },
-    Copies { offsets: &[0, 32, 64], scale: 1 },
-    Copies { offsets: &[0], scale: 4 },
+    Copies {
+        offsets: &[0],
+        scale: 1,
+    },
+    Copies {
+        offsets: &[0, 16],
+        scale: 1,
+    },
+    Copies {
+        offsets: &[0, 32],
+        scale: 1,
+    },
+    Copies {
+        offsets: &[0, 16, 32],
+        scale: 1,
+    },
+    Copies {
+        offsets: &[0, 64],
+        scale: 1,
+    },
+    Copies {
+        offsets: &[0],
+        scale: 2,
+    },
+    Copies {
+        offsets: &[0, 32, 64],
+        scale: 1,
+    },
+    Copies {
+        offsets: &[0],
+        scale: 4,
+    },
 ];
 
 fn copies(nusiz: u8) -> &'static Copies {
@@ -38,7 +62,11 @@ pub(super) fn around(x: u8, shift: i32) -> u8 {
 
 /// A byte of graphics as a pattern whose lowest bit is the leftmost pixel.
 fn pattern(graphics: u8, reflected: bool, scale: u8) -> u32 {
-    let bits = if reflected { graphics } else { REVERSED[usize::from(graphics)] };
+    let bits = if reflected {
+        graphics
+    } else {
+        REVERSED[usize::from(graphics)]
+    };
     WIDENED[usize::from(scale >> 1)][usize::from(bits)]
 }
 
@@ -74,7 +102,13 @@ static WIDENED: [[u32; 256]; 3] = {
 
 /// A player: `without_main` leaves out the first copy, on the line of a `RESPx`.
 #[inline(always)]
-pub(super) fn player(x: u8, nusiz: u8, graphics: u8, reflected: bool, without_main: bool) -> Pixels {
+pub(super) fn player(
+    x: u8,
+    nusiz: u8,
+    graphics: u8,
+    reflected: bool,
+    without_main: bool,
+) -> Pixels {
     let mut pixels = Pixels::default();
     if graphics != 0 {
         let Copies { offsets, scale } = copies(nusiz);
@@ -90,7 +124,10 @@ pub(super) fn player(x: u8, nusiz: u8, graphics: u8, reflected: bool, without_ma
 
 /// The pixels at which a player's copies start.
 pub(super) fn starts(x: u8, nusiz: u8) -> impl Iterator<Item = u8> {
-    copies(nusiz).offsets.iter().map(move |&offset| around(x, i32::from(offset)))
+    copies(nusiz)
+        .offsets
+        .iter()
+        .map(move |&offset| around(x, i32::from(offset)))
 }
 
 /// A missile; its width is in bits 4 and 5 of `NUSIZx`.
@@ -119,7 +156,11 @@ fn bar(register: u8) -> u32 {
 /// The playfield: 20 bits, each 4 pixels wide, repeated on the right half or reflected there.
 #[inline(always)]
 pub(super) fn playfield(left: u32, reflected: bool) -> Pixels {
-    let right = if reflected { left.reverse_bits() >> 12 } else { left };
+    let right = if reflected {
+        left.reverse_bits() >> 12
+    } else {
+        left
+    };
     let [a, b, c, d, e] = [0, 1, 2, 3, 4].map(|byte| {
         let bits = (u64::from(left) | u64::from(right) << 20) >> (8 * byte);
         u64::from(WIDENED[2][bits as usize & 0xff])

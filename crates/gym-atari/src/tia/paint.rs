@@ -115,7 +115,9 @@ impl Objects {
 
     /// The objects, by bit, that collisions are about.
     pub(super) fn with_collisions(collisions: u16) -> u8 {
-        (0..OBJECTS).fold(0, |set, object| set | u8::from(collisions & INVOLVING[object] != 0) << object)
+        (0..OBJECTS).fold(0, |set, object| {
+            set | u8::from(collisions & INVOLVING[object] != 0) << object
+        })
     }
 
     /// The collisions, of the given ones, within a window.
@@ -141,8 +143,13 @@ impl Objects {
             if pixels == 0 {
                 continue;
             }
-            let [p0, p1, m0, m1, bl, pf] = [P0, P1, M0, M1, BL, PF].map(|object| self.pixels[object].0[word]);
-            let [left, right] = if colors.score { [colors.p0, colors.p1] } else { [colors.pf; 2] };
+            let [p0, p1, m0, m1, bl, pf] =
+                [P0, P1, M0, M1, BL, PF].map(|object| self.pixels[object].0[word]);
+            let [left, right] = if colors.score {
+                [colors.p0, colors.p1]
+            } else {
+                [colors.pf; 2]
+            };
             // the second word holds the line's middle
             let playfield = match word {
                 0 => [left; 2],
@@ -159,7 +166,11 @@ impl Objects {
             if (p0 | m0 | p1 | m1 | bl) & pixels != 0 {
                 let ahead = if colors.playfield_first { pf | bl } else { 0 };
                 // in score mode the left half goes where player 0 does: before player 1
-                let ahead_of_1 = if colors.score { ahead | pf & LEFT_HALF[word] } else { ahead };
+                let ahead_of_1 = if colors.score {
+                    ahead | pf & LEFT_HALF[word]
+                } else {
+                    ahead
+                };
                 paint_over(cells, bl & !pf & pixels, colors.pf);
                 paint_over(cells, (p1 | m1) & !ahead_of_1 & pixels, colors.p1);
                 paint_over(cells, (p0 | m0) & !ahead & pixels, colors.p0);
@@ -182,7 +193,13 @@ fn solid(color: u8) -> u64 {
 /// Gives pixels the background's colour or, where a bit is set, the playfield's: one colour for the first two cells,
 /// another for those behind them.
 #[inline(always)]
-fn paint_playfield(cells: &mut [Cell], mut pixels: u64, playfield: u64, background: u8, colors: [u8; 2]) {
+fn paint_playfield(
+    cells: &mut [Cell],
+    mut pixels: u64,
+    playfield: u64,
+    background: u8,
+    colors: [u8; 2],
+) {
     let background = solid(background);
     let differences = colors.map(|color| background ^ solid(color));
     while pixels != 0 {

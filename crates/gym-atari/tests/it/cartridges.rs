@@ -17,9 +17,15 @@ fn program(scheme: Scheme, seed: u32) -> Vec<u8> {
     };
     let e0 = scheme == Scheme::E0;
     let with_ram = matches!(scheme, Scheme::F8SC | Scheme::F6SC);
-    let (start, size, at) = if e0 { (0xfc00_u16, 1024, 0) } else { (0xf100, 4096, 0x100) };
+    let (start, size, at) = if e0 {
+        (0xfc00_u16, 1024, 0)
+    } else {
+        (0xf100, 4096, 0x100)
+    };
     let mut random = Lcg(seed);
-    let mut code = vec![0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0xa2, 0x7f, 0x95, 0x80, 0xca, 0x10, 0xfb]; // clears RAM
+    let mut code = vec![
+        0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0xa2, 0x7f, 0x95, 0x80, 0xca, 0x10, 0xfb,
+    ]; // clears RAM
     let absolute = |opcode: u8, address: u16| [opcode, address as u8, (address >> 8) as u8];
     if with_ram {
         // its earlier content differs
@@ -60,10 +66,14 @@ fn program(scheme: Scheme, seed: u32) -> Vec<u8> {
         code.extend([0x85, result]); // sta result
     }
     let [low, high] = (start + code.len() as u16).to_le_bytes();
-    code.extend([0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00]); // VSYNC
+    code.extend([
+        0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00,
+    ]); // VSYNC
     code.extend([0xa2, 0xff, 0x85, 0x02, 0xca, 0xd0, 0xfb, 0x4c, low, high]); // 255 lines
     let bank = |number: usize| {
-        let mut bank: Vec<u8> = (0..size).map(|i| (31 * number + 17 * i + (i >> 8)) as u8).collect();
+        let mut bank: Vec<u8> = (0..size)
+            .map(|i| (31 * number + 17 * i + (i >> 8)) as u8)
+            .collect();
         if with_ram {
             bank[..256].fill(0);
         }
@@ -80,7 +90,9 @@ fn program(scheme: Scheme, seed: u32) -> Vec<u8> {
 /// Calls subroutines in both banks of `FE`, each of which reads a byte of its bank, and stores the bytes from `$80` on.
 fn calls(seed: u32) -> Vec<u8> {
     let mut random = Lcg(seed);
-    let mut code = vec![0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0xa2, 0x7f, 0x95, 0x80, 0xca, 0x10, 0xfb]; // clears RAM
+    let mut code = vec![
+        0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0xa2, 0x7f, 0x95, 0x80, 0xca, 0x10, 0xfb,
+    ]; // clears RAM
     let absolute = |opcode: u8, address: u16| [opcode, address as u8, (address >> 8) as u8];
     let mut base = 0xf100;
     for result in 0x80..0xb8 {
@@ -97,14 +109,23 @@ fn calls(seed: u32) -> Vec<u8> {
         code.extend([0x85, result]); // sta result
     }
     let [low, high] = (base + code.len() as u16).to_le_bytes();
-    code.extend([0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00]); // VSYNC
+    code.extend([
+        0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00,
+    ]); // VSYNC
     code.extend([0xa2, 0xff, 0x85, 0x02, 0xca, 0xd0, 0xfb, 0x4c, low, high]); // 255 lines
     let bank = |number: usize| {
-        let mut bank: Vec<u8> = (0..4096).map(|i| (31 * number + 17 * i + (i >> 8) + 5) as u8).collect();
+        let mut bank: Vec<u8> = (0..4096)
+            .map(|i| (31 * number + 17 * i + (i >> 8) + 5) as u8)
+            .collect();
         bank[0x100..][..code.len()].copy_from_slice(&code);
         for i in 0..8u8 {
             let high = if i % 2 == 1 { 0xd7 } else { 0xf7 };
-            bank[0x600 + 4 * usize::from(i)..][..4].copy_from_slice(&[0xad, i.wrapping_mul(37), high, 0x60]); // lda data; rts
+            bank[0x600 + 4 * usize::from(i)..][..4].copy_from_slice(&[
+                0xad,
+                i.wrapping_mul(37),
+                high,
+                0x60,
+            ]); // lda data; rts
         }
         bank[0xf00..][..5].copy_from_slice(&[0x20, 0x00, 0xd0, 0xc6, 0xc5]); // jsr $D000; dec $C5
         bank[4092..].copy_from_slice(&[0x00, 0xf1, 0x00, 0xf1]);
@@ -116,19 +137,43 @@ fn calls(seed: u32) -> Vec<u8> {
 #[test]
 fn banks_are_switched_as_in_ale_py() {
     let cases = [
-        (Scheme::F8, &[0x3b0a_540e, 0x60bd_2693, 0x0e13_a816, 0x2e6d_4272][..]),
-        (Scheme::F8SC, &[0xeb11_f258, 0xc3e0_20b1, 0xfac3_7f69, 0xea30_8f17][..]),
-        (Scheme::F6, &[0x9aba_474f, 0x8c30_ea64, 0x4aa5_51b3, 0x7599_1d54][..]),
-        (Scheme::F6SC, &[0xcaa2_8dc0, 0xb313_6294, 0xa227_dc73, 0x626b_84ce][..]),
+        (
+            Scheme::F8,
+            &[0x3b0a_540e, 0x60bd_2693, 0x0e13_a816, 0x2e6d_4272][..],
+        ),
+        (
+            Scheme::F8SC,
+            &[0xeb11_f258, 0xc3e0_20b1, 0xfac3_7f69, 0xea30_8f17][..],
+        ),
+        (
+            Scheme::F6,
+            &[0x9aba_474f, 0x8c30_ea64, 0x4aa5_51b3, 0x7599_1d54][..],
+        ),
+        (
+            Scheme::F6SC,
+            &[0xcaa2_8dc0, 0xb313_6294, 0xa227_dc73, 0x626b_84ce][..],
+        ),
         (Scheme::E0, &[0x4060_ddde, 0x2ba7_0574][..]),
-        (Scheme::FE, &[0xada2_1f07, 0x5cfb_b452, 0x36da_ca9c, 0x2309_4254][..]),
+        (
+            Scheme::FE,
+            &[0xada2_1f07, 0x5cfb_b452, 0x36da_ca9c, 0x2309_4254][..],
+        ),
     ];
     for (scheme, expected) in cases {
         for (seed, expected) in (0..).zip(expected.iter().copied()) {
-            let rom = if scheme == Scheme::FE { calls(seed) } else { program(scheme, seed) };
-            let mut console = Console::new(Cartridge::new(&rom, scheme), Display::NTSC, [0; 128], 74);
+            let rom = if scheme == Scheme::FE {
+                calls(seed)
+            } else {
+                program(scheme, seed)
+            };
+            let mut console =
+                Console::new(Cartridge::new(&rom, scheme), Display::NTSC, [0; 128], 74);
             console.frame(&Input::default());
-            assert_eq!(crc32fast::hash(console.ram()), expected, "{scheme:?}, seed {seed}");
+            assert_eq!(
+                crc32fast::hash(console.ram()),
+                expected,
+                "{scheme:?}, seed {seed}"
+            );
         }
     }
 }

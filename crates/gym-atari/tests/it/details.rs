@@ -69,11 +69,22 @@ fn triggers(start: u8, before: &[u8]) -> [[bool; 6]; 2] {
 /// Guide, INPT4 and INPT5).
 #[test]
 fn a_latch_holds_a_trigger_until_it_is_cleared() {
-    let (pressed, held, idle) =
-        ([false, true, false, false, true, false], [false, true, true, true, true, true], [false; 6]);
+    let (pressed, held, idle) = (
+        [false, true, false, false, true, false],
+        [false, true, true, true, true, true],
+        [false; 6],
+    );
     assert_eq!(triggers(0x00, &[]), [pressed, idle], "without a latch");
-    assert_eq!(triggers(0x40, &[]), [held, idle], "the other trigger has a latch of its own");
-    assert_eq!(triggers(0x40, &[0x40]), [held, idle], "set again, it keeps what it holds");
+    assert_eq!(
+        triggers(0x40, &[]),
+        [held, idle],
+        "the other trigger has a latch of its own"
+    );
+    assert_eq!(
+        triggers(0x40, &[0x40]),
+        [held, idle],
+        "set again, it keeps what it holds"
+    );
     assert_eq!(triggers(0x40, &[0x00, 0x40]), [pressed, idle]);
 }
 
@@ -88,7 +99,9 @@ fn left(code: &[u8]) -> [u8; 2] {
 /// Bit 1 of its address counts for nothing where the timer is read; a pin that is an output shows what was written.
 #[test]
 fn registers_of_the_riot_are_where_they_are_said_to_be() {
-    let timer = [0xa9, 0x20, 0x8d, 0x96, 0x02, 0xad, 0x84, 0x02, 0x85, 0x90, 0xad, 0x86, 0x02, 0x85, 0x91];
+    let timer = [
+        0xa9, 0x20, 0x8d, 0x96, 0x02, 0xad, 0x84, 0x02, 0x85, 0x90, 0xad, 0x86, 0x02, 0x85, 0x91,
+    ];
     assert_eq!(left(&timer), [0x1f; 2]); // TIM64T, and INTIM twice
     let output = [
         0xa9, 0xf0, 0x8d, 0x81, 0x02, 0xa9, 0x5a, 0x8d, 0x80, 0x02, // SWACNT and SWCHA
@@ -101,8 +114,10 @@ fn registers_of_the_riot_are_where_they_are_said_to_be() {
 #[test]
 fn a_read_behind_its_end_puts_the_timers_interval_back() {
     let code = [
-        0xa9, 0x01, 0x8d, 0x96, 0x02, 0x85, 0x02, 0x85, 0x02, 0x85, 0x02, // TIM64T, and three lines
-        0xad, 0x84, 0x02, 0x85, 0x90, 0xad, 0x84, 0x02, 0x85, 0x91, // INTIM twice, 7 cycles apart
+        0xa9, 0x01, 0x8d, 0x96, 0x02, 0x85, 0x02, 0x85, 0x02, 0x85,
+        0x02, // TIM64T, and three lines
+        0xad, 0x84, 0x02, 0x85, 0x90, 0xad, 0x84, 0x02, 0x85,
+        0x91, // INTIM twice, 7 cycles apart
     ];
     let [first, second] = left(&code);
     assert!(first.wrapping_sub(second) <= 1, "{first} {second}");
@@ -114,7 +129,8 @@ fn a_short_vsync_ends_no_frame() {
     let code = [
         0xa9, 0x00, 0xa2, 0x7f, 0x95, 0x80, 0xca, 0x10,
         0xfb, // clears RAM, so that the game is not over
-        0xe6, 0x90, 0xa9, 0x02, 0x85, 0x00, 0xa9, 0x00, 0x85, 0x00, // inc $90; VSYNC for 5 cycles
+        0xe6, 0x90, 0xa9, 0x02, 0x85, 0x00, 0xa9, 0x00, 0x85,
+        0x00, // inc $90; VSYNC for 5 cycles
         0xa2, 0x64, 0x85, 0x02, 0xca, 0xd0, 0xfb, // 100 lines
         0x4c, 0x09, 0xf0,
     ];
@@ -123,7 +139,10 @@ fn a_short_vsync_ends_no_frame() {
     for _ in 0..10 {
         ale.act(Action::Noop);
     }
-    assert!(matches!(ale.ram().0[0x10].wrapping_sub(before), 28..=30), "291 lines, ten times");
+    assert!(
+        matches!(ale.ram().0[0x10].wrapping_sub(before), 28..=30),
+        "291 lines, ten times"
+    );
 }
 
 /// `CXCLR` clears the collisions, and what still touches collides again in the same frame.
@@ -170,5 +189,8 @@ fn paddles_charge_from_when_they_are_let_go() {
     let middle = lines(Action::Noop);
     let left = lines(Action::Left);
     let right = (lines(Action::Right), lines(Action::Right)).1;
-    assert!(0 < right && right < middle && middle < left, "{right} {middle} {left}");
+    assert!(
+        0 < right && right < middle && middle < left,
+        "{right} {middle} {left}"
+    );
 }

@@ -5,15 +5,16 @@ use gym_atari::{
 };
 use gym_core::wrappers::{OrderEnforcing, TimeLimit};
 use gym_core::{
-    BoxEnv, Configure, Env, EnvExt, Error, NoArguments, Outcome, Registration, Reset, Result, Value,
-    WrapperSpec, builder,
+    BoxEnv, Configure, Env, EnvExt, Error, NoArguments, Outcome, Registration, Reset, Result,
+    Value, WrapperSpec, builder,
 };
 
 /// Shows a colour that depends on the stick and on a counter of frames.
 fn homebrew() -> Rom {
     let code = [
         0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0x95, 0x00, 0xca, 0xd0, 0xfb, // clears all
-        0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00, // VSYNC
+        0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85,
+        0x00, // VSYNC
         0xe6, 0x80, 0xa5, 0x80, 0x0a, 0x4d, 0x80, 0x02, 0x85,
         0x09, // inc $80; lda $80; asl; eor SWCHA; sta COLUBK
         0x18, 0x65, 0x81, 0x85, 0x81, 0x85, 0x0e, // clc; adc $81; sta $81; sta PF1
@@ -27,7 +28,8 @@ fn homebrew() -> Rom {
 fn stutter(short: u8) -> Rom {
     let code = [
         0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0x95, 0x00, 0xca, 0xd0, 0xfb, // clears all
-        0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00, // VSYNC
+        0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85,
+        0x00, // VSYNC
         0xe6, 0x80, 0xa5, 0x80, 0x0a, 0x85, 0x09, // inc $80; lda $80; asl; sta COLUBK
         0xa5, 0x80, 0x29, 0x07, 0xc9, short, 0x90, 0x04, // lda $80; and #7; cmp #short; bcc
         0xa2, 0xff, 0xd0, 0x02, 0xa2, 0x50, // 255 lines, or 80
@@ -49,10 +51,15 @@ fn env(config: Config) -> AtariEnv {
 
 #[test]
 fn observations_have_the_shape_of_their_space() {
-    for (obs_type, shape) in
-        [(ObsType::Rgb, vec![210, 160, 3]), (ObsType::Grayscale, vec![210, 160]), (ObsType::Ram, vec![128])]
-    {
-        let mut env = env(Config { obs_type, ..Config::default() });
+    for (obs_type, shape) in [
+        (ObsType::Rgb, vec![210, 160, 3]),
+        (ObsType::Grayscale, vec![210, 160]),
+        (ObsType::Ram, vec![128]),
+    ] {
+        let mut env = env(Config {
+            obs_type,
+            ..Config::default()
+        });
         let observation = env.reset(1).unwrap();
         assert_eq!(observation.shape(), shape);
         assert!(env.observation_space().contains(&Value::Array(observation)));
@@ -73,10 +80,14 @@ fn pictures_of_short_frames_are_whole() {
             Frameskip::Fixed(5),
             Frameskip::Fixed(7),
         ] {
-            let config =
-                |frameskip| Config { frameskip, repeat_action_probability: 0.0, ..Config::default() };
+            let config = |frameskip| Config {
+                frameskip,
+                repeat_action_probability: 0.0,
+                ..Config::default()
+            };
             let mut skipping = AtariEnv::with_rom(config(frameskip), &stutter(short)).unwrap();
-            let mut single = AtariEnv::with_rom(config(Frameskip::Fixed(1)), &stutter(short)).unwrap();
+            let mut single =
+                AtariEnv::with_rom(config(Frameskip::Fixed(1)), &stutter(short)).unwrap();
             assert_eq!(skipping.reset(5).unwrap(), single.reset(5).unwrap());
             for step in 0..60 {
                 let seen = skipping.step(&0.into()).unwrap().observation;
@@ -84,7 +95,11 @@ fn pictures_of_short_frames_are_whole() {
                 while frames(&single) < frames(&skipping) {
                     expected = Some(single.step(&0.into()).unwrap().observation);
                 }
-                assert_eq!(Some(seen), expected, "{short} short frames of eight, {frameskip:?}, step {step}");
+                assert_eq!(
+                    Some(seen),
+                    expected,
+                    "{short} short frames of eight, {frameskip:?}, step {step}"
+                );
             }
         }
     }
@@ -94,13 +109,20 @@ fn pictures_of_short_frames_are_whole() {
 #[test]
 fn skipped_frames_show_the_same() {
     for skip in [2, 3, 4, 5] {
-        let config = |frameskip| Config { frameskip, repeat_action_probability: 0.25, ..Config::default() };
+        let config = |frameskip| Config {
+            frameskip,
+            repeat_action_probability: 0.25,
+            ..Config::default()
+        };
         let mut skipping = env(config(Frameskip::Fixed(skip)));
         let mut single = env(config(Frameskip::Fixed(1)));
         assert_eq!(skipping.reset(5).unwrap(), single.reset(5).unwrap());
         for step in 0..30usize {
             let action = (step * 7 % 18).into();
-            let expected = (0..skip).map(|_| single.step(&action).unwrap()).last().unwrap();
+            let expected = (0..skip)
+                .map(|_| single.step(&action).unwrap())
+                .last()
+                .unwrap();
             assert_eq!(
                 skipping.step(&action).unwrap().observation,
                 expected.observation,
@@ -112,7 +134,10 @@ fn skipped_frames_show_the_same() {
 
 #[test]
 fn snapshots_continue_in_another_environment() {
-    let config = Config { frameskip: Frameskip::Range([2, 5]), ..Config::default() };
+    let config = Config {
+        frameskip: Frameskip::Range([2, 5]),
+        ..Config::default()
+    };
     let mut first = env(config.clone());
     first.reset(3).unwrap();
     for step in 0..7usize {
@@ -128,21 +153,40 @@ fn snapshots_continue_in_another_environment() {
     }
     assert_eq!(second.snapshot().unwrap(), first.snapshot().unwrap());
     let mut other = env(Config::default());
-    assert!(matches!(other.restore(&snapshot), Err(Error::Snapshot(_))), "other arguments");
+    assert!(
+        matches!(other.restore(&snapshot), Err(Error::Snapshot(_))),
+        "other arguments"
+    );
 }
 
 #[test]
 fn preprocessing_takes_the_brighter_of_two_frames() {
-    let settings = Preprocessing { noop_max: 0, screen_size: [210, 160], ..Preprocessing::default() };
-    let gray = Config { frameskip: Frameskip::Fixed(1), obs_type: ObsType::Grayscale, ..Config::default() };
+    let settings = Preprocessing {
+        noop_max: 0,
+        screen_size: [210, 160],
+        ..Preprocessing::default()
+    };
+    let gray = Config {
+        frameskip: Frameskip::Fixed(1),
+        obs_type: ObsType::Grayscale,
+        ..Config::default()
+    };
     let mut plain = env(gray.clone());
     let mut small = AtariPreprocessing::new(env(gray), settings).unwrap();
     assert_eq!(small.reset(9).unwrap(), plain.reset(9).unwrap());
     for step in 0..20usize {
         let action = (step * 5 % 18).into();
-        let frames: Vec<_> = (0..4).map(|_| plain.step(&action).unwrap().observation).collect();
-        let [.., before, last] = &frames[..] else { unreachable!() };
-        let pairs = before.as_slice::<u8>().unwrap().iter().zip(last.as_slice::<u8>().unwrap());
+        let frames: Vec<_> = (0..4)
+            .map(|_| plain.step(&action).unwrap().observation)
+            .collect();
+        let [.., before, last] = &frames[..] else {
+            unreachable!()
+        };
+        let pairs = before
+            .as_slice::<u8>()
+            .unwrap()
+            .iter()
+            .zip(last.as_slice::<u8>().unwrap());
         let brighter: Vec<u8> = pairs.map(|(a, b)| *a.max(b)).collect();
         let observed = small.step(&action).unwrap().observation;
         assert_eq!(observed.as_slice::<u8>().unwrap(), brighter, "step {step}");
@@ -156,19 +200,40 @@ fn preprocessing_takes_the_brighter_of_two_frames() {
 /// A spec names the wrapper with its arguments, and what is made of that is the same wrapper.
 #[test]
 fn preprocessing_is_made_from_its_spec() {
-    let config = || Config { frameskip: Frameskip::Fixed(1), ..Config::default() };
-    let settings =
-        Preprocessing { noop_max: 5, frame_skip: 3, screen_size: [64, 80], terminal_on_life_loss: true };
+    let config = || Config {
+        frameskip: Frameskip::Fixed(1),
+        ..Config::default()
+    };
+    let settings = Preprocessing {
+        noop_max: 5,
+        frame_skip: 3,
+        screen_size: [64, 80],
+        terminal_on_life_loss: true,
+    };
     let mut typed = AtariPreprocessing::new(env(config()), settings).unwrap();
     let spec = gym_core::Wrapper::wrapper_spec(&typed).unwrap();
     let spec: WrapperSpec = serde_json::from_str(&serde_json::to_string(&spec).unwrap()).unwrap();
-    let mut made = spec.wrap(BoxEnv::new(OrderEnforcing::new(env(config())))).unwrap();
-    assert_eq!(Value::Array(typed.reset(4).unwrap()), made.reset(4).unwrap());
+    let mut made = spec
+        .wrap(BoxEnv::new(OrderEnforcing::new(env(config()))))
+        .unwrap();
+    assert_eq!(
+        Value::Array(typed.reset(4).unwrap()),
+        made.reset(4).unwrap()
+    );
     for step in 0..20usize {
-        let (typed, made) =
-            (typed.step(&(step % 18).into()).unwrap(), made.step(&Value::Int(step as i64 % 18)).unwrap());
-        assert_eq!(Value::Array(typed.observation), made.observation, "step {step}");
-        assert_eq!((typed.reward, typed.terminated), (made.reward, made.terminated));
+        let (typed, made) = (
+            typed.step(&(step % 18).into()).unwrap(),
+            made.step(&Value::Int(step as i64 % 18)).unwrap(),
+        );
+        assert_eq!(
+            Value::Array(typed.observation),
+            made.observation,
+            "step {step}"
+        );
+        assert_eq!(
+            (typed.reward, typed.terminated),
+            (made.reward, made.terminated)
+        );
     }
 
     let refused = |spec: &WrapperSpec, env| spec.wrap(env).unwrap_err().to_string();
@@ -202,7 +267,11 @@ impl gym_core::Wrapper for Homebrew {
         self.0.reset_into(reset, observation)
     }
 
-    fn step_into(&mut self, action: &Self::Action, observation: &mut Self::Observation) -> Result<Outcome> {
+    fn step_into(
+        &mut self,
+        action: &Self::Action,
+        observation: &mut Self::Observation,
+    ) -> Result<Outcome> {
         self.0.step_into(action, observation)
     }
 
@@ -215,7 +284,10 @@ impl Configure for Homebrew {
     type Config = NoArguments;
 
     fn configure(_: NoArguments, _: u32) -> Result<Self> {
-        Ok(Self(env(Config { frameskip: Frameskip::Fixed(1), ..Config::default() })))
+        Ok(Self(env(Config {
+            frameskip: Frameskip::Fixed(1),
+            ..Config::default()
+        })))
     }
 }
 
@@ -224,15 +296,29 @@ gym_core::register!(Registration::new::<Homebrew>("tests/Homebrew-v0"));
 #[test]
 fn preprocessing_goes_around_what_make_gives() {
     let preprocessing = || WrapperSpec::new("AtariPreprocessing");
-    let made = builder("tests/Homebrew-v0").wrap(preprocessing()).build().unwrap();
+    let made = builder("tests/Homebrew-v0")
+        .wrap(preprocessing())
+        .build()
+        .unwrap();
     assert_eq!(made.observation_space().shape(), Some(&[84, 84][..]));
-    let limited = builder("tests/Homebrew-v0").max_episode_steps(9).wrap(preprocessing()).build();
-    assert!(limited.unwrap_err().to_string().contains("wrapped in TimeLimit"));
+    let limited = builder("tests/Homebrew-v0")
+        .max_episode_steps(9)
+        .wrap(preprocessing())
+        .build();
+    assert!(
+        limited
+            .unwrap_err()
+            .to_string()
+            .contains("wrapped in TimeLimit")
+    );
 }
 
 #[test]
 fn steps_allocate_nothing() {
-    let config = Config { frameskip: Frameskip::Fixed(1), ..Config::default() };
+    let config = Config {
+        frameskip: Frameskip::Fixed(1),
+        ..Config::default()
+    };
     let mut small = AtariPreprocessing::new(env(config), Preprocessing::default()).unwrap();
     let mut large = env(Config::default());
     let (mut a, mut b) = (small.reset(1).unwrap(), large.reset(1).unwrap());
@@ -247,23 +333,96 @@ fn steps_allocate_nothing() {
 
 #[test]
 fn mistakes_are_named() {
-    let refused = |config: Config| AtariEnv::with_rom(config, &homebrew()).unwrap_err().to_string();
+    let refused = |config: Config| {
+        AtariEnv::with_rom(config, &homebrew())
+            .unwrap_err()
+            .to_string()
+    };
     for (config, expected) in [
-        (Config { frameskip: Frameskip::Fixed(0), ..Config::default() }, "Invalid frameskip of 0"),
-        (Config { frameskip: Frameskip::Range([0, 3]), ..Config::default() }, "lower bound must be positive"),
         (
-            Config { frameskip: Frameskip::Range([3, 3]), ..Config::default() },
+            Config {
+                frameskip: Frameskip::Fixed(0),
+                ..Config::default()
+            },
+            "Invalid frameskip of 0",
+        ),
+        (
+            Config {
+                frameskip: Frameskip::Range([0, 3]),
+                ..Config::default()
+            },
+            "lower bound must be positive",
+        ),
+        (
+            Config {
+                frameskip: Frameskip::Range([3, 3]),
+                ..Config::default()
+            },
             "strictly less than upper bound",
         ),
-        (Config { difficulty: Some(9), ..Config::default() }, "Invalid difficulty requested"),
-        (Config { mode: Some(9), ..Config::default() }, "Invalid game mode requested"),
-        (Config { sound_obs: true, ..Config::default() }, "sound"),
-        (Config { repeat_action_probability: -0.1, ..Config::default() }, "it is a probability"),
-        (Config { repeat_action_probability: f64::NAN, ..Config::default() }, "it is a probability"),
-        (Config { repeat_action_probability: f64::INFINITY, ..Config::default() }, "it is a probability"),
-        (Config { continuous_action_threshold: f64::NAN, ..Config::default() }, "must be a finite number"),
-        (Config { frameskip: Frameskip::Fixed(10_001), ..Config::default() }, "at most 10000"),
-        (Config { frameskip: Frameskip::Range([1, 10_001]), ..Config::default() }, "at most 10000"),
+        (
+            Config {
+                difficulty: Some(9),
+                ..Config::default()
+            },
+            "Invalid difficulty requested",
+        ),
+        (
+            Config {
+                mode: Some(9),
+                ..Config::default()
+            },
+            "Invalid game mode requested",
+        ),
+        (
+            Config {
+                sound_obs: true,
+                ..Config::default()
+            },
+            "sound",
+        ),
+        (
+            Config {
+                repeat_action_probability: -0.1,
+                ..Config::default()
+            },
+            "it is a probability",
+        ),
+        (
+            Config {
+                repeat_action_probability: f64::NAN,
+                ..Config::default()
+            },
+            "it is a probability",
+        ),
+        (
+            Config {
+                repeat_action_probability: f64::INFINITY,
+                ..Config::default()
+            },
+            "it is a probability",
+        ),
+        (
+            Config {
+                continuous_action_threshold: f64::NAN,
+                ..Config::default()
+            },
+            "must be a finite number",
+        ),
+        (
+            Config {
+                frameskip: Frameskip::Fixed(10_001),
+                ..Config::default()
+            },
+            "at most 10000",
+        ),
+        (
+            Config {
+                frameskip: Frameskip::Range([1, 10_001]),
+                ..Config::default()
+            },
+            "at most 10000",
+        ),
     ] {
         let error = refused(config);
         assert!(error.contains(expected), "{error}");
@@ -271,7 +430,10 @@ fn mistakes_are_named() {
     let mut env = env(Config::default());
     assert!(matches!(env.step(&0.into()), Err(Error::ResetNeeded(_))));
     env.reset(0).unwrap();
-    assert!(matches!(env.step(&18.into()), Err(Error::InvalidAction { .. })));
+    assert!(matches!(
+        env.step(&18.into()),
+        Err(Error::InvalidAction { .. })
+    ));
 }
 
 #[test]
@@ -280,11 +442,17 @@ fn missing_and_wrong_roms_are_named() {
     std::fs::create_dir_all(&folder).unwrap();
     let game = games::by_name("breakout").unwrap();
     let error = RomDir::new(&folder).rom(game).unwrap_err().to_string();
-    assert!(error.contains("pip install ale-py") && error.contains("breakout.bin"), "{error}");
+    assert!(
+        error.contains("pip install ale-py") && error.contains("breakout.bin"),
+        "{error}"
+    );
     std::fs::write(folder.join("breakout.bin"), [0; 2048]).unwrap();
     let error = RomDir::new(&folder).rom(game).unwrap_err().to_string();
     assert!(error.contains(game.md5), "{error}");
-    std::fs::File::create(folder.join("breakout.bin")).unwrap().set_len(2 << 20).unwrap();
+    std::fs::File::create(folder.join("breakout.bin"))
+        .unwrap()
+        .set_len(2 << 20)
+        .unwrap();
     let error = RomDir::new(&folder).rom(game).unwrap_err().to_string();
     assert!(error.contains("longer than 1048576 bytes"), "{error}");
     std::fs::remove_dir_all(&folder).unwrap();
@@ -303,8 +471,19 @@ fn roms_that_are_not_regular_files_are_refused() {
     let path = folder.join("breakout.bin");
     let game = games::by_name("breakout").unwrap();
     let pipe = folder.join("pipe");
-    assert!(std::process::Command::new("mkfifo").args([&path, &pipe]).status().unwrap().success());
-    for target in [None, Some(pipe.as_path()), Some("/dev/zero".as_ref()), Some(folder.as_path())] {
+    assert!(
+        std::process::Command::new("mkfifo")
+            .args([&path, &pipe])
+            .status()
+            .unwrap()
+            .success()
+    );
+    for target in [
+        None,
+        Some(pipe.as_path()),
+        Some("/dev/zero".as_ref()),
+        Some(folder.as_path()),
+    ] {
         if let Some(target) = target {
             std::fs::remove_file(&path).unwrap();
             symlink(target, &path).unwrap();
@@ -315,7 +494,10 @@ fn roms_that_are_not_regular_files_are_refused() {
         std::thread::spawn(move || sender.send(roms.rom(game).unwrap_err().to_string()));
         let error = receiver.recv_timeout(Duration::from_secs(20)).unwrap();
         assert!(error.contains(&*path.to_string_lossy()), "{error}");
-        assert!(error.contains("not a regular file") && error.contains("rom_dir"), "{error}");
+        assert!(
+            error.contains("not a regular file") && error.contains("rom_dir"),
+            "{error}"
+        );
     }
     std::fs::remove_dir_all(&folder).unwrap();
 }
@@ -330,7 +512,12 @@ fn an_environment_fits_on_a_small_stack() {
         let snapshot = env.snapshot().unwrap();
         env.restore(&snapshot).unwrap();
     };
-    std::thread::Builder::new().stack_size(512 << 10).spawn(play).unwrap().join().unwrap();
+    std::thread::Builder::new()
+        .stack_size(512 << 10)
+        .spawn(play)
+        .unwrap()
+        .join()
+        .unwrap();
 }
 
 /// The ROM is no argument, so a snapshot names it.
@@ -339,9 +526,19 @@ fn a_snapshot_of_another_rom_is_refused() {
     let mut env = env(Config::default());
     env.reset(1).unwrap();
     let text = serde_json::to_string(&env.snapshot().unwrap()).unwrap();
-    let own = text.split("\"md5\":\"").nth(1).and_then(|rest| rest.get(..32)).unwrap();
+    let own = text
+        .split("\"md5\":\"")
+        .nth(1)
+        .and_then(|rest| rest.get(..32))
+        .unwrap();
     let other = text.replace(own, "00112233445566778899aabbccddeeff");
-    let error = env.restore(&serde_json::from_str(&other).unwrap()).unwrap_err().to_string();
-    assert!(error.contains("MD5 00112233445566778899aabbccddeeff"), "{error}");
+    let error = env
+        .restore(&serde_json::from_str(&other).unwrap())
+        .unwrap_err()
+        .to_string();
+    assert!(
+        error.contains("MD5 00112233445566778899aabbccddeeff"),
+        "{error}"
+    );
     env.restore(&serde_json::from_str(&text).unwrap()).unwrap();
 }

@@ -2,8 +2,8 @@
 
 use gym_atari::ale::Settings;
 use gym_atari::{
-    Action, Ale, AtariAction, AtariEnv, AtariPreprocessing, Config, Frameskip, ObsType, Preprocessing, Rom,
-    games,
+    Action, Ale, AtariAction, AtariEnv, AtariPreprocessing, Config, Frameskip, ObsType,
+    Preprocessing, Rom, games,
 };
 use gym_core::{Env, EnvExt, Snapshot};
 use serde_json::Value as Json;
@@ -32,7 +32,11 @@ fn env(game: &str, config: Config) -> AtariEnv {
 }
 
 fn one_by_one() -> Config {
-    Config { frameskip: Frameskip::Fixed(1), repeat_action_probability: 0.0, ..Config::default() }
+    Config {
+        frameskip: Frameskip::Fixed(1),
+        repeat_action_probability: 0.0,
+        ..Config::default()
+    }
 }
 
 fn state(ale: &Ale) -> Json {
@@ -40,12 +44,23 @@ fn state(ale: &Ale) -> Json {
 }
 
 /// Games with a stick, paddles on either side, lives, an end that takes time, a mode and a menu.
-const GAMES: [&str; 7] = ["seaquest", "breakout", "pong", "kaboom", "othello", "tennis", "space_invaders"];
+const GAMES: [&str; 7] = [
+    "seaquest",
+    "breakout",
+    "pong",
+    "kaboom",
+    "othello",
+    "tennis",
+    "space_invaders",
+];
 
 #[test]
 fn an_episode_with_a_seed_depends_on_nothing_before() {
     for game in GAMES {
-        let config = Config { repeat_action_probability: 0.25, ..one_by_one() };
+        let config = Config {
+            repeat_action_probability: 0.25,
+            ..one_by_one()
+        };
         let mut new = env(game, config.clone());
         let first = new.reset(3).unwrap();
         for steps in [1, 40] {
@@ -58,7 +73,11 @@ fn an_episode_with_a_seed_depends_on_nothing_before() {
             used.reset(()).unwrap();
             used.step(&(n - 1).into()).unwrap();
             assert_eq!(used.reset(3).unwrap(), first, "{game}");
-            assert_eq!(used.snapshot().unwrap(), new.snapshot().unwrap(), "{game}, after {steps} steps");
+            assert_eq!(
+                used.snapshot().unwrap(),
+                new.snapshot().unwrap(),
+                "{game}, after {steps} steps"
+            );
         }
     }
 }
@@ -69,30 +88,52 @@ fn an_episode_without_a_seed_does_not_depend_on_actions_before() {
     for game in GAMES {
         for continuous in [false, true] {
             let play = |stick: [f32; 3]| {
-                let mut env = env(game, Config { continuous, ..one_by_one() });
+                let mut env = env(
+                    game,
+                    Config {
+                        continuous,
+                        ..one_by_one()
+                    },
+                );
                 env.reset(1).unwrap();
                 for _ in 0..9 {
-                    let index = if stick[0] > 0.0 { env.actions().len() - 1 } else { 0 };
-                    let action =
-                        if continuous { AtariAction::Stick(stick) } else { AtariAction::Index(index) };
+                    let index = if stick[0] > 0.0 {
+                        env.actions().len() - 1
+                    } else {
+                        0
+                    };
+                    let action = if continuous {
+                        AtariAction::Stick(stick)
+                    } else {
+                        AtariAction::Index(index)
+                    };
                     env.step(&action).unwrap();
                 }
                 env.reset(()).unwrap();
                 env.snapshot().unwrap()
             };
-            assert_eq!(play([1.0, 0.0, 1.0]), play([0.0, 0.0, 0.0]), "{game}, {continuous}");
+            assert_eq!(
+                play([1.0, 0.0, 1.0]),
+                play([0.0, 0.0, 0.0]),
+                "{game}, {continuous}"
+            );
         }
     }
 }
 
 #[test]
 fn the_limit_of_frames_is_that_of_each_episode() {
-    let config =
-        Config { max_num_frames_per_episode: Some(12), frameskip: Frameskip::Fixed(4), ..one_by_one() };
+    let config = Config {
+        max_num_frames_per_episode: Some(12),
+        frameskip: Frameskip::Fixed(4),
+        ..one_by_one()
+    };
     let mut env = env("seaquest", config);
     env.reset(0).unwrap();
     for episode in 0..3 {
-        let truncated: Vec<bool> = (0..3).map(|_| env.step(&0.into()).unwrap().truncated).collect();
+        let truncated: Vec<bool> = (0..3)
+            .map(|_| env.step(&0.into()).unwrap().truncated)
+            .collect();
         assert_eq!(truncated, [false, false, true], "episode {episode}");
         env.reset(()).unwrap();
     }
@@ -115,7 +156,13 @@ fn seeds_are_told_once() {
 #[test]
 fn a_step_takes_each_number_of_frames_of_its_range() {
     for range in [[1, 2], [2, 5], [3, 4]] {
-        let mut env = env("seaquest", Config { frameskip: Frameskip::Range(range), ..one_by_one() });
+        let mut env = env(
+            "seaquest",
+            Config {
+                frameskip: Frameskip::Range(range),
+                ..one_by_one()
+            },
+        );
         env.reset(1).unwrap();
         let mut seen = std::collections::BTreeSet::new();
         for _ in 0..60 {
@@ -123,7 +170,10 @@ fn a_step_takes_each_number_of_frames_of_its_range() {
             env.step(&0.into()).unwrap();
             seen.insert(i64::from(env.ale().frame_number() - before));
         }
-        assert_eq!(seen.into_iter().collect::<Vec<_>>(), (range[0]..range[1]).collect::<Vec<_>>());
+        assert_eq!(
+            seen.into_iter().collect::<Vec<_>>(),
+            (range[0]..range[1]).collect::<Vec<_>>()
+        );
     }
 }
 
@@ -131,7 +181,11 @@ fn a_step_takes_each_number_of_frames_of_its_range() {
 #[test]
 fn sticks_count_beyond_their_threshold() {
     for threshold in [0.25, 0.75] {
-        let config = Config { continuous: true, continuous_action_threshold: threshold, ..one_by_one() };
+        let config = Config {
+            continuous: true,
+            continuous_action_threshold: threshold,
+            ..one_by_one()
+        };
         let edge = threshold as f32;
         let pushed = |stick| {
             let mut env = env("seaquest", config.clone());
@@ -144,8 +198,14 @@ fn sticks_count_beyond_their_threshold() {
         assert_ne!(pushed([0.0, 0.0, edge + 0.01]), pushed([0.0; 3]));
     }
     let turned = |radius: f32| {
-        let mut env =
-            env("breakout", Config { continuous: true, continuous_action_threshold: 0.1, ..one_by_one() });
+        let mut env = env(
+            "breakout",
+            Config {
+                continuous: true,
+                continuous_action_threshold: 0.1,
+                ..one_by_one()
+            },
+        );
         env.reset(0).unwrap();
         env.step(&AtariAction::Stick([radius, 0.0, 0.0])).unwrap();
         state(env.ale())["progress"]["paddle"].as_i64().unwrap()
@@ -172,7 +232,11 @@ fn a_paddle_stops_at_the_end_of_its_game() {
             ale.act(Action::Left);
         }
         let end = state(&ale)["progress"]["paddle"].clone();
-        assert!(end == start || end.as_u64() == Some(u64::from(game.paddle_end)), "{}: {end}", game.name);
+        assert!(
+            end == start || end.as_u64() == Some(u64::from(game.paddle_end)),
+            "{}: {end}",
+            game.name
+        );
         moved += u32::from(end != start);
     }
     assert!(moved >= 3, "{moved}");
@@ -183,7 +247,13 @@ fn a_paddle_stops_at_the_end_of_its_game() {
 fn a_difficulty_sets_the_switches() {
     for game in ["seaquest", "breakout", "space_invaders", "pong"] {
         for &difficulty in games::by_name(game).unwrap().difficulties {
-            let mut env = env(game, Config { difficulty: Some(difficulty), ..one_by_one() });
+            let mut env = env(
+                game,
+                Config {
+                    difficulty: Some(difficulty),
+                    ..one_by_one()
+                },
+            );
             env.reset(0).unwrap();
             env.step(&0.into()).unwrap();
             assert_eq!(env.ale().ram().0[2] >> 6, difficulty, "{game}");
@@ -194,7 +264,11 @@ fn a_difficulty_sets_the_switches() {
 /// Two frames are taken as one step, whichever are drawn: the lives, the rewards and the end are those of frames played one by one.
 #[test]
 fn lives_end_a_preprocessed_step_where_they_are_lost() {
-    let settings = Preprocessing { terminal_on_life_loss: true, noop_max: 0, ..Preprocessing::default() };
+    let settings = Preprocessing {
+        terminal_on_life_loss: true,
+        noop_max: 0,
+        ..Preprocessing::default()
+    };
     let mut small = AtariPreprocessing::new(env("seaquest", one_by_one()), settings).unwrap();
     small.reset(1).unwrap();
     let lives = |small: &mut AtariPreprocessing, lives: u8| {
@@ -221,7 +295,11 @@ fn lives_end_a_preprocessed_step_where_they_are_lost() {
 #[test]
 fn a_preprocessed_episode_depends_on_nothing_before() {
     for frame_skip in [1, 2, 4] {
-        let settings = Preprocessing { frame_skip, noop_max: 5, ..Preprocessing::default() };
+        let settings = Preprocessing {
+            frame_skip,
+            noop_max: 5,
+            ..Preprocessing::default()
+        };
         let make = || AtariPreprocessing::new(env("seaquest", one_by_one()), settings).unwrap();
         let (mut new, mut used) = (make(), make());
         used.reset(1).unwrap();
@@ -229,9 +307,16 @@ fn a_preprocessed_episode_depends_on_nothing_before() {
             used.step(&step.into()).unwrap();
         }
         assert_eq!(used.reset(4).unwrap(), new.reset(4).unwrap());
-        assert_eq!(used.snapshot().unwrap(), new.snapshot().unwrap(), "{frame_skip}");
+        assert_eq!(
+            used.snapshot().unwrap(),
+            new.snapshot().unwrap(),
+            "{frame_skip}"
+        );
         for step in 0..8usize {
-            assert_eq!(used.step(&step.into()).unwrap(), new.step(&step.into()).unwrap());
+            assert_eq!(
+                used.step(&step.into()).unwrap(),
+                new.step(&step.into()).unwrap()
+            );
         }
     }
 }
@@ -239,19 +324,30 @@ fn a_preprocessed_episode_depends_on_nothing_before() {
 /// Each number of no-ops up to the largest occurs. Where the game is over among them, the episode is begun again with the seed.
 #[test]
 fn an_episode_starts_after_some_no_ops() {
-    let settings = |noop_max| Preprocessing { noop_max, ..Preprocessing::default() };
+    let settings = |noop_max| Preprocessing {
+        noop_max,
+        ..Preprocessing::default()
+    };
     for noop_max in [0, 1, 3] {
-        let mut small = AtariPreprocessing::new(env("seaquest", one_by_one()), settings(noop_max)).unwrap();
+        let mut small =
+            AtariPreprocessing::new(env("seaquest", one_by_one()), settings(noop_max)).unwrap();
         let mut seen = std::collections::BTreeSet::new();
         for seed in 0..30 {
             small.reset(seed).unwrap();
             seen.insert(small.get_ref().ale().episode_frame_number());
         }
-        let expected: Vec<u32> = if noop_max == 0 { vec![0] } else { (1..=noop_max).collect() };
+        let expected: Vec<u32> = if noop_max == 0 {
+            vec![0]
+        } else {
+            (1..=noop_max).collect()
+        };
         assert_eq!(seen.into_iter().collect::<Vec<_>>(), expected);
     }
     // the third frame of an episode is its last
-    let over = Config { max_num_frames_per_episode: Some(3), ..one_by_one() };
+    let over = Config {
+        max_num_frames_per_episode: Some(3),
+        ..one_by_one()
+    };
     let mut small = AtariPreprocessing::new(env("seaquest", over), settings(30)).unwrap();
     small.reset(9).unwrap();
     let again = small.snapshot().unwrap();
@@ -274,10 +370,22 @@ fn a_snapshot_of_other_preprocessing_is_refused() {
     };
     let snapshot = make(settings).snapshot().unwrap();
     for other in [
-        Preprocessing { noop_max: 29, ..settings },
-        Preprocessing { frame_skip: 3, ..settings },
-        Preprocessing { screen_size: [84, 83], ..settings },
-        Preprocessing { terminal_on_life_loss: true, ..settings },
+        Preprocessing {
+            noop_max: 29,
+            ..settings
+        },
+        Preprocessing {
+            frame_skip: 3,
+            ..settings
+        },
+        Preprocessing {
+            screen_size: [84, 83],
+            ..settings
+        },
+        Preprocessing {
+            terminal_on_life_loss: true,
+            ..settings
+        },
     ] {
         let mut small = make(other);
         let before = small.snapshot().unwrap();
@@ -289,8 +397,15 @@ fn a_snapshot_of_other_preprocessing_is_refused() {
 /// `restoreState` of ale-py leaves the action that may stick, and the numbers unless they are asked for.
 #[test]
 fn a_state_is_restored_as_by_ale_py() {
-    let mut ale = Ale::new(games::by_name("seaquest").unwrap(), &rom(&[0x4c, 0x00, 0xf0]), 3);
-    ale.configure(Settings { repeat_action_probability: 0.5, ..Settings::default() });
+    let mut ale = Ale::new(
+        games::by_name("seaquest").unwrap(),
+        &rom(&[0x4c, 0x00, 0xf0]),
+        3,
+    );
+    ale.configure(Settings {
+        repeat_action_probability: 0.5,
+        ..Settings::default()
+    });
     let stored = ale.state();
     for action in [Action::Left, Action::Right, Action::Up] {
         ale.act(action);
@@ -303,7 +418,10 @@ fn a_state_is_restored_as_by_ale_py() {
         assert_eq!(then["progress"]["previous"], now["progress"]["previous"]);
         let first = serde_json::to_value(&stored).unwrap();
         let generator = if include_rng { &first } else { &now };
-        assert_eq!(then["progress"]["generator"], generator["progress"]["generator"], "{include_rng}");
+        assert_eq!(
+            then["progress"]["generator"], generator["progress"]["generator"],
+            "{include_rng}"
+        );
         assert_eq!(then["console"], first["console"]);
     }
 }
@@ -311,14 +429,23 @@ fn a_state_is_restored_as_by_ale_py() {
 /// A picture is part of the state of an environment: without its rows a snapshot is refused.
 #[test]
 fn a_snapshot_without_its_pictures_is_refused() {
-    let mut env = env("seaquest", Config { obs_type: ObsType::Grayscale, ..one_by_one() });
+    let mut env = env(
+        "seaquest",
+        Config {
+            obs_type: ObsType::Grayscale,
+            ..one_by_one()
+        },
+    );
     env.reset(1).unwrap();
     let before = env.snapshot().unwrap();
     let json: Json = before.get().unwrap();
     fn texts<'a>(json: &'a mut Json, found: &mut Vec<&'a mut Json>) {
         match json {
             Json::Object(entries) => {
-                entries.iter_mut().filter(|(key, _)| *key != "md5").for_each(|(_, json)| texts(json, found));
+                entries
+                    .iter_mut()
+                    .filter(|(key, _)| *key != "md5")
+                    .for_each(|(_, json)| texts(json, found));
             }
             Json::Array(items) => items.iter_mut().for_each(|json| texts(json, found)),
             Json::String(text) if text.len() > 500 => found.push(json),
@@ -337,7 +464,10 @@ fn a_snapshot_without_its_pictures_is_refused() {
         let mut found = Vec::new();
         texts(&mut json, &mut found);
         *found[i] = Json::String("AAAA".into());
-        assert!(env.restore(&Snapshot::of(&json).unwrap()).is_err(), "text {i}");
+        assert!(
+            env.restore(&Snapshot::of(&json).unwrap()).is_err(),
+            "text {i}"
+        );
         assert_eq!(env.snapshot().unwrap(), before);
     }
 }

@@ -15,12 +15,27 @@ fn krull_ends_where_ale_pys_does() {
     let krull = games::by_name("krull").unwrap();
     let over = |bytes: &[(usize, u8)]| (krull.over)(&Ram(&ram(bytes)));
     assert!(over(&[(0x00, 0x80), (0x1f, 0x00), (0x22, 0x03)]));
-    assert!(over(&[(0x00, 0x80), (0x1f, 0xf8), (0x22, 0x03)]), "only three bits count lives");
-    assert!(!over(&[(0x00, 0x80), (0x1f, 0x01), (0x22, 0x03)]), "a life is left");
-    assert!(!over(&[(0x00, 0x80), (0x1f, 0x00), (0x22, 0x02)]), "another phase");
-    assert!(!over(&[(0x00, 0x00), (0x1f, 0x00), (0x22, 0x03)]), "another phase");
+    assert!(
+        over(&[(0x00, 0x80), (0x1f, 0xf8), (0x22, 0x03)]),
+        "only three bits count lives"
+    );
+    assert!(
+        !over(&[(0x00, 0x80), (0x1f, 0x01), (0x22, 0x03)]),
+        "a life is left"
+    );
+    assert!(
+        !over(&[(0x00, 0x80), (0x1f, 0x00), (0x22, 0x02)]),
+        "another phase"
+    );
+    assert!(
+        !over(&[(0x00, 0x00), (0x1f, 0x00), (0x22, 0x03)]),
+        "another phase"
+    );
     assert_eq!((krull.lives)(&Ram(&ram(&[(0x1f, 0x02)]))), 3);
-    assert_eq!((krull.score)(&Ram(&ram(&[(0x1c, 0x12), (0x1d, 0x34), (0x1e, 0x56)]))), 123_456);
+    assert_eq!(
+        (krull.score)(&Ram(&ram(&[(0x1c, 0x12), (0x1d, 0x34), (0x1e, 0x56)]))),
+        123_456
+    );
 }
 
 /// Blackjack is over with 1,000 points, and where none are left and nothing shows.

@@ -40,7 +40,9 @@ const STACK_POINTER: [u8; 3] = [0x9a, 0x9b, 0xbb];
 /// Executes an opcode in all cases, with what it leaves from `$C0` on: A, X, Y, status, stack pointer, memory and timer.
 fn program(opcode: u8) -> Vec<u8> {
     let mode = MODES[usize::from(opcode)];
-    let mut code = vec![0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0xa2, 0x7f, 0x95, 0x80, 0xca, 0x10, 0xfb]; // clears RAM
+    let mut code = vec![
+        0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0xa2, 0x7f, 0x95, 0x80, 0xca, 0x10, 0xfb,
+    ]; // clears RAM
     let (mut indirect, mut interrupt) = (0u16, 0u16);
     for (result, [mut a, mut x, y, status, mut memory]) in (0xc0..).step_by(8).zip(CASES) {
         if STACK_POINTER.contains(&opcode) {
@@ -53,7 +55,11 @@ fn program(opcode: u8) -> Vec<u8> {
             _ => 0x00a8,
         };
         let cell = if target < 0x0200 { target as u8 } else { 0xa8 };
-        let pointer = if matches!(mode, b')' | b'R') { target.wrapping_sub(y.into()) } else { target };
+        let pointer = if matches!(mode, b')' | b'R') {
+            target.wrapping_sub(y.into())
+        } else {
+            target
+        };
         let [low, high] = pointer.to_le_bytes();
         code.extend([0xa2, 0xff, 0x9a, 0xa9, memory, 0x85, cell]); // ldx #$FF; txs; lda #memory; sta cell
         code.extend([0xa9, low, 0x85, 0xa0, 0xa9, high, 0x85, 0xa1]); // the pointer at $A0
@@ -84,7 +90,9 @@ fn program(opcode: u8) -> Vec<u8> {
             _ => {}
         }
         code.extend(push(status));
-        code.extend([0xa2, x, 0xa0, y, 0xa9, 0xff, 0x8d, 0x94, 0x02, 0xa9, a, 0x28]); // registers, TIM1T, plp
+        code.extend([
+            0xa2, x, 0xa0, y, 0xa9, 0xff, 0x8d, 0x94, 0x02, 0xa9, a, 0x28,
+        ]); // registers, TIM1T, plp
         let absolute = |address: u16| {
             let [low, high] = address.to_le_bytes();
             vec![opcode, low, high]
@@ -125,7 +133,9 @@ fn program(opcode: u8) -> Vec<u8> {
 /// A ROM of code, and of frames of 255 lines behind it.
 fn frames_of_255_lines(mut code: Vec<u8>, interrupt: u16) -> Vec<u8> {
     let [low, high] = (0xf000 + code.len() as u16).to_le_bytes();
-    code.extend([0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00]); // VSYNC
+    code.extend([
+        0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00,
+    ]); // VSYNC
     code.extend([0xa2, 0xff, 0x85, 0x02, 0xca, 0xd0, 0xfb, 0x4c, low, high]);
     let mut rom = vec![0xea; 4096];
     rom[..code.len()].copy_from_slice(&code);
@@ -140,7 +150,11 @@ fn opcodes_do_what_they_do_in_ale_py() {
         let mut ale = Ale::new(games::by_name("seaquest").unwrap(), &program(opcode), 0);
         ale.reset();
         let ram = ale.ram().0;
-        assert_eq!(crc32fast::hash(ram), EXPECTED[usize::from(opcode)], "opcode {opcode:02x}: {ram:02x?}");
+        assert_eq!(
+            crc32fast::hash(ram),
+            EXPECTED[usize::from(opcode)],
+            "opcode {opcode:02x}: {ram:02x?}"
+        );
     }
 }
 
@@ -149,8 +163,9 @@ fn decimal_program(opcode: u8, seed: u32) -> Vec<u8> {
     let mut random = Lcg(seed);
     let mut below = |n: u16| random.below(n) as u8;
     // clears RAM; sed
-    let mut code =
-        vec![0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0xa2, 0x7f, 0x95, 0x80, 0xca, 0x10, 0xfb, 0xf8];
+    let mut code = vec![
+        0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0xa2, 0x7f, 0x95, 0x80, 0xca, 0x10, 0xfb, 0xf8,
+    ];
     for result in (0x80..0xf0).step_by(2) {
         let (a, value, carry) = (below(256), below(256), [0x18, 0x38][usize::from(below(2))]);
         code.extend([0xb8, carry, 0xa9, a, opcode, value]); // clv; clc or sec; lda #a; adc or sbc #value
@@ -165,9 +180,17 @@ fn decimal_program(opcode: u8, seed: u32) -> Vec<u8> {
 fn decimal_arithmetic_is_ale_pys() {
     for (opcode, expected) in [(0x69, DECIMAL_SUMS), (0xe9, DECIMAL_DIFFERENCES)] {
         for (seed, expected) in (0..).zip(expected) {
-            let mut ale = Ale::new(games::by_name("seaquest").unwrap(), &decimal_program(opcode, seed), 0);
+            let mut ale = Ale::new(
+                games::by_name("seaquest").unwrap(),
+                &decimal_program(opcode, seed),
+                0,
+            );
             ale.reset();
-            assert_eq!(crc32fast::hash(ale.ram().0), expected, "opcode {opcode:02x}, seed {seed}");
+            assert_eq!(
+                crc32fast::hash(ale.ram().0),
+                expected,
+                "opcode {opcode:02x}, seed {seed}"
+            );
         }
     }
 }

@@ -65,10 +65,13 @@ fn switches_are_pressed_as_by_ale_py() {
             0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0xa2, 0x7f, 0x95, 0x80, 0xca, 0x10,
             0xfb, // clears RAM
             0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00, // VSYNC
-            0xad, 0x82, 0x02, 0xa8, 0x45, 0xfe, 0x84, 0xfe, // lda SWCHB; tay; eor $fe; sty $fe
-            0x29, 0x02, 0xf0, 0x07, 0x98, 0x29, 0x02, 0xd0, 0x02, // unless it fell: over the inc
+            0xad, 0x82, 0x02, 0xa8, 0x45, 0xfe, 0x84,
+            0xfe, // lda SWCHB; tay; eor $fe; sty $fe
+            0x29, 0x02, 0xf0, 0x07, 0x98, 0x29, 0x02, 0xd0,
+            0x02, // unless it fell: over the inc
             0xe6, shows, // inc
-            0xe6, 0xff, 0xa5, 0xff, 0x38, 0xe9, 0x38, // inc $ff: frames; lda $ff; sec; sbc #56
+            0xe6, 0xff, 0xa5, 0xff, 0x38, 0xe9,
+            0x38, // inc $ff: frames; lda $ff; sec; sbc #56
             0x90, 0x08, 0xc9, 0x40, 0xb0, 0x04, // bcc and bcs behind the sta, unless 0 to 63
             0xaa, 0x98, 0x95, 0xa0, // tax; tya; sta $a0,x
             0xa2, 0xff, 0x85, 0x02, 0xca, 0xd0, 0xfb, // 255 lines
@@ -81,19 +84,33 @@ fn switches_are_pressed_as_by_ale_py() {
         ("tennis", 0x80, 2, "....RRRRSS.SS.RRRRRRRR"),
         ("alien", 0x81, 3, "....RRRRS.S.S.RRRRRRRR"),
         ("gopher", 0xd3, 2, "....RRRRRRRRSSSSS.SSSSS.RRRRRRRR."),
-        ("berzerk", 0x80, 2, "....RRRR....................SS.SS.RRRRRRRR"),
+        (
+            "berzerk",
+            0x80,
+            2,
+            "....RRRR....................SS.SS.RRRRRRRR",
+        ),
     ] {
         let mut ale = Ale::new(games::by_name(game).unwrap(), &program(shows), 0);
-        ale.configure(Settings { mode: Some(mode), ..Settings::default() });
+        ale.configure(Settings {
+            mode: Some(mode),
+            ..Settings::default()
+        });
         ale.reset();
-        let written = ale.ram().0[0x20..0x60].iter().take_while(|&&switches| switches != 0);
+        let written = ale.ram().0[0x20..0x60]
+            .iter()
+            .take_while(|&&switches| switches != 0);
         let switches = written.map(|switches| match *switches {
             switch::IDLE => '.',
             0x3e => 'R',
             0x3d => 'S',
             _ => '?',
         });
-        assert_eq!(switches.collect::<String>(), expected, "{game}, mode {mode}");
+        assert_eq!(
+            switches.collect::<String>(),
+            expected,
+            "{game}, mode {mode}"
+        );
     }
 }
 
@@ -107,9 +124,11 @@ fn a_menu_is_gone_through_as_by_ale_py() {
         0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00, // VSYNC
         0xad, 0x80, 0x02, 0xa8, 0x45, 0xfe, 0x84, 0xfe, 0x85,
         0xfd, // SWCHA in Y, the changed bits in $fd
-        0x29, 0x20, 0xf0, 0x07, 0x98, 0x29, 0x20, 0xd0, 0x02, 0xe6, 0xb0, // DOWN fell: inc $b0
+        0x29, 0x20, 0xf0, 0x07, 0x98, 0x29, 0x20, 0xd0, 0x02, 0xe6,
+        0xb0, // DOWN fell: inc $b0
         0xa5, 0xfd, 0x10, 0x0c, 0x98, 0x30, 0x09, // RIGHT fell:
-        0xa6, 0xb0, 0xbd, 0x00, 0xf2, 0x45, 0x80, 0x85, 0x80, // ldx $b0; lda $f200,x; eor $80; sta $80
+        0xa6, 0xb0, 0xbd, 0x00, 0xf2, 0x45, 0x80, 0x85,
+        0x80, // ldx $b0; lda $f200,x; eor $80; sta $80
         0xe6, 0xff, 0xa5, 0xff, 0x38, 0xe9, 0x38, 0x90, 0x13, 0xc9, 0x3f, 0xb0,
         0x0f, // frames 56 to 118:
         0xaa, 0xad, 0x82, 0x02, 0x29, 0x03, 0x85, 0xfc, 0x98, 0x29, 0xf0, 0x05, 0xfc, 0x95,
@@ -125,12 +144,24 @@ fn a_menu_is_gone_through_as_by_ale_py() {
         (15, 0, 0.0, "....RRRRS.v.v.>.v.>.v.>.v.>.RRRR^.RRRR^", 34),
         (5, 3, 0.25, "....RRRRS.v.v.>>v.vv>.v.RRRR^.RRRR^", 36),
         (5, 4, 0.5, "....RRRRS.v.vvv.>.....vvv.vv>.vvRRRR^^RRRR^", 56),
-        (10, 7, 0.5, "....RRRRS.....vvvvvvvvv.......v.....v.>...vvv.vv>>RRRR..RRRR^", 76),
+        (
+            10,
+            7,
+            0.5,
+            "....RRRRS.....vvvvvvvvv.......v.....v.>...vvv.vv>>RRRR..RRRR^",
+            76,
+        ),
     ] {
         let mut ale = Ale::new(games::by_name("double_dunk").unwrap(), &rom(&code), 0);
-        ale.configure(Settings { mode: Some(mode), repeat_action_probability, ..Settings::default() });
+        ale.configure(Settings {
+            mode: Some(mode),
+            repeat_action_probability,
+            ..Settings::default()
+        });
         ale.reload(seed);
-        let written = ale.ram().0[0x31..0x70].iter().take_while(|&&seen| seen != 0);
+        let written = ale.ram().0[0x31..0x70]
+            .iter()
+            .take_while(|&&seen| seen != 0);
         let seen = written.map(|seen| match *seen {
             0xf3 => '.',
             0xf2 => 'R',
@@ -140,7 +171,11 @@ fn a_menu_is_gone_through_as_by_ale_py() {
             0xe3 => '^',
             _ => '?',
         });
-        assert_eq!(seen.collect::<String>(), expected, "mode {mode}, seed {seed}");
+        assert_eq!(
+            seen.collect::<String>(),
+            expected,
+            "mode {mode}, seed {seed}"
+        );
         assert_eq!(ale.frame_number(), frame_number, "mode {mode}, seed {seed}");
     }
 }
@@ -154,16 +189,27 @@ fn select_is_held_at_random_as_by_ale_py() {
         0xfb, // clears RAM
         0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00, // VSYNC
         0xad, 0x82, 0x02, 0xa8, 0x45, 0xfe, 0x84, 0xfe, // lda SWCHB; tay; eor $fe; sty $fe
-        0x29, 0x02, 0xf0, 0x07, 0x98, 0x29, 0x02, 0xd0, 0x02, 0xe6, 0xdd, // inc $dd, if SELECT fell
+        0x29, 0x02, 0xf0, 0x07, 0x98, 0x29, 0x02, 0xd0, 0x02, 0xe6,
+        0xdd, // inc $dd, if SELECT fell
         0xe6, 0xff, 0xa2, 0xff, 0x85, 0x02, 0xca, 0xd0, 0xfb, 0x4c, 0x0e, 0xf0, // 255 lines
     ]);
-    for (seed, mode, repeat_action_probability, frame_number, frames) in
-        [(0, 1, 0.0, 4, 187), (1, 1, 0.0, 4, 188), (2, 2, 0.25, 8, 32)]
-    {
+    for (seed, mode, repeat_action_probability, frame_number, frames) in [
+        (0, 1, 0.0, 4, 187),
+        (1, 1, 0.0, 4, 188),
+        (2, 2, 0.25, 8, 32),
+    ] {
         let mut ale = Ale::new(games::by_name("adventure").unwrap(), &program, 0);
-        ale.configure(Settings { mode: Some(mode), repeat_action_probability, ..Settings::default() });
+        ale.configure(Settings {
+            mode: Some(mode),
+            repeat_action_probability,
+            ..Settings::default()
+        });
         ale.reload(seed);
-        assert_eq!((ale.frame_number(), ale.ram().0[0x7f]), (frame_number, frames), "seed {seed}");
+        assert_eq!(
+            (ale.frame_number(), ale.ram().0[0x7f]),
+            (frame_number, frames),
+            "seed {seed}"
+        );
     }
 }
 
@@ -204,7 +250,10 @@ fn an_unfinished_frame_goes_on_after_a_restore() {
         ale.act(Action::Noop);
         ale.ram().0[0x11] != before
     };
-    assert!((0..3).any(|_| counts(&mut third)), "one of three calls counts");
+    assert!(
+        (0..3).any(|_| counts(&mut third)),
+        "one of three calls counts"
+    );
     let mut first = third.clone();
     assert!(!counts(&mut first));
     let mut second = first.clone();
@@ -232,7 +281,9 @@ fn answers(game: &str, changes: &[&[(usize, u8)]]) -> Vec<(i32, i32, bool)> {
     ]);
     let mut ale = Ale::new(games::by_name(game).unwrap(), &program, 0);
     let answer = |change: &&[(usize, u8)]| {
-        change.iter().for_each(|&(index, byte)| ale.ram_mut()[index] = byte);
+        change
+            .iter()
+            .for_each(|&(index, byte)| ale.ram_mut()[index] = byte);
         let reward = ale.act(Action::Noop);
         (reward, ale.lives(), ale.game_over())
     };
@@ -242,29 +293,77 @@ fn answers(game: &str, changes: &[&[(usize, u8)]]) -> Vec<(i32, i32, bool)> {
 #[test]
 fn rewards_that_depend_on_earlier_frames_are_ale_pys() {
     // Casino: where a frame has no reward, it is that of the one before
-    let start: &[_] = &[(0x0c, 0x10), (0x15, 0x00), (0x1e, 0x00), (0x53, 0x70), (0x54, 0x00)];
-    let given =
-        answers("casino", &[start, &[(0x0c, 0x20)], &[(0x53, 0x80), (0x0c, 0x30)], &[], &[(0x53, 0)]]);
-    assert_eq!(given[1..], [(1000, 1, false), (1000, 1, false), (1000, 1, false), (0, 1, false)]);
+    let start: &[_] = &[
+        (0x0c, 0x10),
+        (0x15, 0x00),
+        (0x1e, 0x00),
+        (0x53, 0x70),
+        (0x54, 0x00),
+    ];
+    let given = answers(
+        "casino",
+        &[
+            start,
+            &[(0x0c, 0x20)],
+            &[(0x53, 0x80), (0x0c, 0x30)],
+            &[],
+            &[(0x53, 0)],
+        ],
+    );
+    assert_eq!(
+        given[1..],
+        [
+            (1000, 1, false),
+            (1000, 1, false),
+            (1000, 1, false),
+            (0, 1, false)
+        ]
+    );
 
     // Haunted House: each change of a decimal number costs a point
     let start: &[_] = &[(0x02, 0), (0x16, 9), (0x19, 0)];
     let given = answers(
         "haunted_house",
-        &[start, &[(0x02, 5)], &[], &[(0x02, 0x10)], &[(0x02, 0x0a)], &[(0x19, 0x44)]],
+        &[
+            start,
+            &[(0x02, 5)],
+            &[],
+            &[(0x02, 0x10)],
+            &[(0x02, 0x0a)],
+            &[(0x19, 0x44)],
+        ],
     );
-    assert_eq!(given[1..], [(-1, 9, false), (0, 9, false), (-1, 9, false), (0, 9, false), (100, 0, true)]);
+    assert_eq!(
+        given[1..],
+        [
+            (-1, 9, false),
+            (0, 9, false),
+            (-1, 9, false),
+            (0, 9, false),
+            (100, 0, true)
+        ]
+    );
 
     // Adventure: a life is left at the end
     let start: &[_] = &[(0x39, 0x1c), (0x60, 0)];
-    assert_eq!(answers("adventure", &[start, &[(0x39, 0x12)]])[1..], [(1, 1, true)]);
+    assert_eq!(
+        answers("adventure", &[start, &[(0x39, 0x12)]])[1..],
+        [(1, 1, true)]
+    );
 }
 
 /// Where RAM says that the lives do not count at the moment, they are those of before.
 #[test]
 fn lives_that_do_not_count_are_those_of_before() {
-    let changes: &[&[(usize, u8)]] = &[&[(0x0c, 1), (0x05, 3)], &[(0x0c, 0), (0x05, 1)], &[(0x0c, 1)]];
-    let lives: Vec<_> = answers("beam_rider", changes).iter().map(|&(_, lives, _)| lives).collect();
+    let changes: &[&[(usize, u8)]] = &[
+        &[(0x0c, 1), (0x05, 3)],
+        &[(0x0c, 0), (0x05, 1)],
+        &[(0x0c, 1)],
+    ];
+    let lives: Vec<_> = answers("beam_rider", changes)
+        .iter()
+        .map(|&(_, lives, _)| lives)
+        .collect();
     assert_eq!(lives, [4, 4, 2]);
 }
 
@@ -272,9 +371,14 @@ fn lives_that_do_not_count_are_those_of_before() {
 #[test]
 fn an_end_that_takes_time_is_ale_pys() {
     let frames = |bytes: &[(u8, usize)]| {
-        let changes: Vec<_> = bytes.iter().flat_map(|&(byte, times)| vec![[(0x40, byte)]; times]).collect();
+        let changes: Vec<_> = bytes
+            .iter()
+            .flat_map(|&(byte, times)| vec![[(0x40, byte)]; times])
+            .collect();
         let changes: Vec<_> = changes.iter().map(|change| &change[..]).collect();
-        answers("othello", &changes).iter().position(|&(_, _, over)| over)
+        answers("othello", &changes)
+            .iter()
+            .position(|&(_, _, over)| over)
     };
     assert_eq!(frames(&[(1, 1), (0, 60)]), Some(51));
     assert_eq!(frames(&[(1, 1), (0, 30), (1, 1), (0, 60)]), Some(82));
@@ -307,15 +411,17 @@ fn long_frames_are_shown_as_by_a_pal_set() {
         assert_eq!((ale.picture().len(), checksum(&ale)), (250, expected));
     }
     // frames of 343 lines, and some of 344, which are cut; a colour a line
-    for (lines, expected) in
-        [(0x55, [(0x9a60_6451, 69), (0x9a60_6451, 70)]), (0x56, [(0x8247_8478, 35), (0xe6a9_4479, 35)])]
-    {
+    for (lines, expected) in [
+        (0x55, [(0x9a60_6451, 69), (0x9a60_6451, 70)]),
+        (0x56, [(0x8247_8478, 35), (0xe6a9_4479, 35)]),
+    ] {
         let mut ale = played(&[
             0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0x85, 0x80, // clears $80
-            0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00, // VSYNC
-            0xa0, 0x00, 0xa2, 0x00, 0xa9, 0xff, 0x85, 0x81, 0x8a, 0x0a, 0x85, 0x09, 0xe8, 0x85, 0x02, 0xc6,
-            0x81, 0xd0, 0xf5, 0xa9, lines, 0x85, 0x81, 0x8a, 0x0a, 0x85, 0x09, 0xe8, 0x85, 0x02, 0xc6, 0x81,
-            0xd0, 0xf5, 0xe6, 0x80, 0x4c, 0x09, 0xf0,
+            0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85,
+            0x00, // VSYNC
+            0xa0, 0x00, 0xa2, 0x00, 0xa9, 0xff, 0x85, 0x81, 0x8a, 0x0a, 0x85, 0x09, 0xe8, 0x85,
+            0x02, 0xc6, 0x81, 0xd0, 0xf5, 0xa9, lines, 0x85, 0x81, 0x8a, 0x0a, 0x85, 0x09, 0xe8,
+            0x85, 0x02, 0xc6, 0x81, 0xd0, 0xf5, 0xe6, 0x80, 0x4c, 0x09, 0xf0,
         ]);
         for expected in expected {
             ale.act(Action::Noop);
@@ -339,7 +445,9 @@ fn a_program_without_modes_starts_as_well() {
 fn random_writes(seed: u32, registers: &[u8]) -> Vec<u8> {
     let mut random = Lcg(seed);
     let lines = |n: u8| [0xa2, n, 0x85, 0x02, 0xca, 0xd0, 0xfb]; // ldx #n; loop: sta WSYNC; dex; bne loop
-    let mut code = vec![0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0x95, 0x00, 0xca, 0xd0, 0xfb]; // clears all
+    let mut code = vec![
+        0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0x95, 0x00, 0xca, 0xd0, 0xfb,
+    ]; // clears all
     let [low, high] = (0xf000 + code.len() as u16).to_le_bytes();
     code.extend([0xa9, 0x02, 0x85, 0x00]); // VSYNC
     code.extend(lines(3));
@@ -369,7 +477,9 @@ fn writes_show_when_they_do_in_ale_py() {
     // playfield, colours, reflection, priority and score
     let playfield: &[u8] = &[2, 6, 7, 8, 9, 10, 13, 14, 15];
     // positions, at all times of a line: of missiles and the ball, and of missiles locked to players
-    let positions: &[u8] = &[2, 6, 7, 8, 18, 19, 20, 27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 43];
+    let positions: &[u8] = &[
+        2, 6, 7, 8, 18, 19, 20, 27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 43,
+    ];
     let locked: &[u8] = &[2, 6, 7, 27, 28, 29, 30, 40, 41, 4, 5];
     // positions of players, at all times of a line, the last and the first cycle and the blank before the picture included
     let players: &[u8] = &[2, 6, 7, 16, 17, 27, 28];
@@ -379,23 +489,137 @@ fn writes_show_when_they_do_in_ale_py() {
     let priorities: &[u8] = &[2, 6, 7, 8, 9, 10, 13, 14, 15, 27, 28, 29, 30, 31];
     let everything: Vec<u8> = [2; 3].into_iter().chain(4..21).chain(27..45).collect();
     let cases = [
-        (players, [0x09be_a172, 0x1f46_23f2, 0x62ea_9614, 0x3b32_8d30, 0x5983_91ad, 0x8dbf_daa5]),
-        (resized, [0x6431_2e28, 0x44dd_a63f, 0x3c65_fe7d, 0x518f_eb22, 0x569c_47e3, 0xb91a_2e7d]),
-        (moved, [0x2c7d_ae13, 0x00cf_91c6, 0x63ac_7659, 0xfaed_e3a9, 0x4dab_19bd, 0xb972_5018]),
-        (priorities, [0x865f_07a8, 0xe53c_755d, 0xb2fb_d8c8, 0x0f60_0552, 0xd96d_274e, 0x3cf0_3d04]),
-        (&everything, [0x55ec_3062, 0x253f_60e2, 0x8b86_2f05, 0x4b25_6a61, 0x0423_1e4a, 0x54e6_69ac]),
-        (positions, [0xa28a_76ab, 0x89a9_d149, 0x9d7a_8250, 0x6c97_c58a, 0x3559_3352, 0x8b9d_f49b]),
-        (locked, [0x0d96_4ff4, 0xe7f5_c9c4, 0xbf8a_b9c9, 0x8faf_bf40, 0x02b2_22f3, 0xbc81_f9d8]),
-        (playfield, [0x9a98_1527, 0x8f50_f08b, 0xf34f_4410, 0x1ee2_4465, 0xec64_3a9d, 0x49e5_935b]),
-        (objects, [0xd65e_0466, 0x2d1e_5550, 0x07a1_be42, 0x8d4e_d54b, 0xc673_bb73, 0xfa37_a9d9]),
-        (hmove, [0x90cb_33a4, 0xb13d_efb2, 0x9b00_9857, 0x9002_1e60, 0xb461_5fcc, 0x8ce7_7f31]),
-        (nusiz, [0x3539_9903, 0xa399_9366, 0x91e1_a5ce, 0xaa6d_b565, 0xfec6_8985, 0x9355_c372]),
+        (
+            players,
+            [
+                0x09be_a172,
+                0x1f46_23f2,
+                0x62ea_9614,
+                0x3b32_8d30,
+                0x5983_91ad,
+                0x8dbf_daa5,
+            ],
+        ),
+        (
+            resized,
+            [
+                0x6431_2e28,
+                0x44dd_a63f,
+                0x3c65_fe7d,
+                0x518f_eb22,
+                0x569c_47e3,
+                0xb91a_2e7d,
+            ],
+        ),
+        (
+            moved,
+            [
+                0x2c7d_ae13,
+                0x00cf_91c6,
+                0x63ac_7659,
+                0xfaed_e3a9,
+                0x4dab_19bd,
+                0xb972_5018,
+            ],
+        ),
+        (
+            priorities,
+            [
+                0x865f_07a8,
+                0xe53c_755d,
+                0xb2fb_d8c8,
+                0x0f60_0552,
+                0xd96d_274e,
+                0x3cf0_3d04,
+            ],
+        ),
+        (
+            &everything,
+            [
+                0x55ec_3062,
+                0x253f_60e2,
+                0x8b86_2f05,
+                0x4b25_6a61,
+                0x0423_1e4a,
+                0x54e6_69ac,
+            ],
+        ),
+        (
+            positions,
+            [
+                0xa28a_76ab,
+                0x89a9_d149,
+                0x9d7a_8250,
+                0x6c97_c58a,
+                0x3559_3352,
+                0x8b9d_f49b,
+            ],
+        ),
+        (
+            locked,
+            [
+                0x0d96_4ff4,
+                0xe7f5_c9c4,
+                0xbf8a_b9c9,
+                0x8faf_bf40,
+                0x02b2_22f3,
+                0xbc81_f9d8,
+            ],
+        ),
+        (
+            playfield,
+            [
+                0x9a98_1527,
+                0x8f50_f08b,
+                0xf34f_4410,
+                0x1ee2_4465,
+                0xec64_3a9d,
+                0x49e5_935b,
+            ],
+        ),
+        (
+            objects,
+            [
+                0xd65e_0466,
+                0x2d1e_5550,
+                0x07a1_be42,
+                0x8d4e_d54b,
+                0xc673_bb73,
+                0xfa37_a9d9,
+            ],
+        ),
+        (
+            hmove,
+            [
+                0x90cb_33a4,
+                0xb13d_efb2,
+                0x9b00_9857,
+                0x9002_1e60,
+                0xb461_5fcc,
+                0x8ce7_7f31,
+            ],
+        ),
+        (
+            nusiz,
+            [
+                0x3539_9903,
+                0xa399_9366,
+                0x91e1_a5ce,
+                0xaa6d_b565,
+                0xfec6_8985,
+                0x9355_c372,
+            ],
+        ),
     ];
     for (registers, expected) in cases {
         for (seed, expected) in (0..).zip(expected) {
             let mut ale = played(&random_writes(seed, registers));
             ale.act(Action::Noop);
-            assert_eq!(checksum(&ale), expected, "registers {registers:?}, seed {seed}");
+            assert_eq!(
+                checksum(&ale),
+                expected,
+                "registers {registers:?}, seed {seed}"
+            );
         }
     }
 }
@@ -409,26 +633,42 @@ fn delay(cycles: usize) -> Vec<u8> {
 /// Objects that start anew while an `HMOVE` of the same line goes on, in the six cases where that moves them.
 #[test]
 fn a_move_still_moves_what_starts_anew() {
-    let mut code = vec![0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0x95, 0x00, 0xca, 0xd0, 0xfb]; // clears all
+    let mut code = vec![
+        0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0x95, 0x00, 0xca, 0xd0, 0xfb,
+    ]; // clears all
     code.extend([
-        0xa9, 0x0e, 0x85, 0x06, 0xa9, 0x4e, 0x85, 0x07, 0xa9, 0x8e, 0x85, 0x08, 0xa9, 0x00, 0x85, 0x09,
+        0xa9, 0x0e, 0x85, 0x06, 0xa9, 0x4e, 0x85, 0x07, 0xa9, 0x8e, 0x85, 0x08, 0xa9, 0x00, 0x85,
+        0x09,
     ]);
     let [low, high] = (0xf000 + code.len() as u16).to_le_bytes();
-    code.extend([0xa9, 0x02, 0x85, 0x00, 0xa2, 0x03, 0x85, 0x02, 0xca, 0xd0, 0xfb, 0xa9, 0x00, 0x85, 0x00]); // VSYNC
+    code.extend([
+        0xa9, 0x02, 0x85, 0x00, 0xa2, 0x03, 0x85, 0x02, 0xca, 0xd0, 0xfb, 0xa9, 0x00, 0x85, 0x00,
+    ]); // VSYNC
     code.extend([0xa2, 0x24, 0x85, 0x02, 0xca, 0xd0, 0xfb]); // 36 lines
-    for (object, hmove, reset, before) in
-        [(2, 3, 23, 46), (3, 3, 6, 53), (4, 3, 6, 53), (4, 3, 9, 54), (4, 3, 10, 67), (4, 5, 23, 60)]
-    {
+    for (object, hmove, reset, before) in [
+        (2, 3, 23, 46),
+        (3, 3, 6, 53),
+        (4, 3, 6, 53),
+        (4, 3, 9, 54),
+        (4, 3, 10, 67),
+        (4, 5, 23, 60),
+    ] {
         let (resx, enable) = (0x10 + object, 0x1b + object);
         code.extend([0xa9, 0x00, 0x85, 0x20 + object]); // HMxx
-        code.extend(if object < 4 { [0xa9, 0x00, 0x85, 0x04 + (object & 1)].to_vec() } else { delay(5) });
+        code.extend(if object < 4 {
+            [0xa9, 0x00, 0x85, 0x04 + (object & 1)].to_vec()
+        } else {
+            delay(5)
+        });
         code.extend([0xa9, 0x02, 0x85, enable]);
         code.extend(delay(before - 18));
         code.extend([0x85, resx, 0x85, 0x02]);
         code.extend(delay(hmove - 3));
         code.extend([0x85, 0x2a]); // HMOVE
         code.extend(delay(reset - hmove - 3));
-        code.extend([0x85, resx, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, enable, 0x85, 0x02]);
+        code.extend([
+            0x85, resx, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, enable, 0x85, 0x02,
+        ]);
     }
     code.extend([0xa2, 0x1e, 0x85, 0x02, 0xca, 0xd0, 0xfb, 0x4c, low, high]);
     let mut ale = played(&rom(&code));
@@ -439,11 +679,16 @@ fn a_move_still_moves_what_starts_anew() {
 /// The 70th frame is so long that a write to `WSYNC` ends it, which waits all the same: the next one starts with the next line.
 #[test]
 fn wsync_waits_where_it_ends_a_frame() {
-    let mut code = vec![0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0x95, 0x00, 0xca, 0xd0, 0xfb]; // clears all
+    let mut code = vec![
+        0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0x95, 0x00, 0xca, 0xd0, 0xfb,
+    ]; // clears all
     code.extend([
-        0xa9, 0x0e, 0x85, 0x06, 0xa9, 0x8e, 0x85, 0x08, 0xa9, 0x02, 0x85, 0x1f, 0xa9, 0x80, 0x85, 0x1b,
+        0xa9, 0x0e, 0x85, 0x06, 0xa9, 0x8e, 0x85, 0x08, 0xa9, 0x02, 0x85, 0x1f, 0xa9, 0x80, 0x85,
+        0x1b,
     ]);
-    code.extend([0xa9, 0x02, 0x85, 0x00, 0xa2, 0x03, 0x85, 0x02, 0xca, 0xd0, 0xfb, 0xa9, 0x00, 0x85, 0x00]); // VSYNC
+    code.extend([
+        0xa9, 0x02, 0x85, 0x00, 0xa2, 0x03, 0x85, 0x02, 0xca, 0xd0, 0xfb, 0xa9, 0x00, 0x85, 0x00,
+    ]); // VSYNC
     code.extend([0xe6, 0x80, 0xa5, 0x80, 0xc9, 70, 0xf0, 0x0a]); // inc $80; lda $80; cmp #70; beq over the jmp
     code.extend([0xa2, 0xff, 0x85, 0x02, 0xca, 0xd0, 0xfb, 0x4c, 0x1c, 0xf0]); // 255 lines
     code.extend([0xa2, 0xfa, 0x85, 0x02, 0xca, 0xd0, 0xfb]); // 250 lines
@@ -453,7 +698,9 @@ fn wsync_waits_where_it_ends_a_frame() {
     code.extend([0x85, 0x10]); // RESP0
     code.extend(delay(11));
     code.extend([0x85, 0x14]); // RESBL
-    code.extend([0xa2, 0xc8, 0x85, 0x02, 0x8a, 0x85, 0x09, 0xca, 0xd0, 0xf8, 0x4c, 0x1c, 0xf0]); // a colour a line
+    code.extend([
+        0xa2, 0xc8, 0x85, 0x02, 0x8a, 0x85, 0x09, 0xca, 0xd0, 0xf8, 0x4c, 0x1c, 0xf0,
+    ]); // a colour a line
     let mut ale = played(&rom(&code));
     ale.act(Action::Noop);
     ale.act(Action::Noop);
@@ -466,15 +713,29 @@ fn wsync_waits_where_it_ends_a_frame() {
 /// A frame that is not drawn changes all but the picture as a drawn one does.
 #[test]
 fn unseen_frames_play_the_same() {
-    let rom =
-        random_writes(1, &[2, 4, 5, 6, 7, 8, 9, 10, 13, 14, 15, 16, 17, 18, 19, 20, 27, 28, 29, 30, 31, 42]);
-    let console = || Console::new(Cartridge::new(&rom, Scheme::Rom4K), Display::NTSC, [0; 128], 74);
+    let rom = random_writes(
+        1,
+        &[
+            2, 4, 5, 6, 7, 8, 9, 10, 13, 14, 15, 16, 17, 18, 19, 20, 27, 28, 29, 30, 31, 42,
+        ],
+    );
+    let console = || {
+        Console::new(
+            Cartridge::new(&rom, Scheme::Rom4K),
+            Display::NTSC,
+            [0; 128],
+            74,
+        )
+    };
     let (mut seen, mut unseen) = (console(), console());
     for _ in 0..20 {
         seen.frame(&Input::default());
         unseen.frame_unseen(&Input::default());
     }
-    assert_eq!(serde_json::to_value(seen.state()).unwrap(), serde_json::to_value(unseen.state()).unwrap());
+    assert_eq!(
+        serde_json::to_value(seen.state()).unwrap(),
+        serde_json::to_value(unseen.state()).unwrap()
+    );
     seen.frame(&Input::default());
     unseen.frame(&Input::default());
     assert_eq!(seen.picture(), unseen.picture());
@@ -485,7 +746,9 @@ fn unseen_frames_play_the_same() {
 fn banks_follow_accesses() {
     let numbered = |banks: usize, size: usize| {
         let mut rom = vec![0; banks * size];
-        rom.chunks_mut(size).enumerate().for_each(|(bank, bytes)| bytes.fill(bank as u8));
+        rom.chunks_mut(size)
+            .enumerate()
+            .for_each(|(bank, bytes)| bytes.fill(bank as u8));
         rom
     };
     let mut f8 = Cartridge::new(&numbered(2, 4096), Scheme::F8);
@@ -501,10 +764,15 @@ fn banks_follow_accesses() {
         assert_eq!(f6.read(0x1800, 0), bank as u8);
     }
     f6.write(0x1005, 0x5a);
-    assert_eq!(f6.read(0x1085, 0), 0x5a, "RAM is read 128 bytes above where it is written");
+    assert_eq!(
+        f6.read(0x1085, 0),
+        0x5a,
+        "RAM is read 128 bytes above where it is written"
+    );
 
     let mut e0 = Cartridge::new(&numbered(8, 1024), Scheme::E0);
-    let windows = |e0: &mut Cartridge| [0x1000, 0x1400, 0x1800, 0x1c00].map(|address| e0.read(address, 0));
+    let windows =
+        |e0: &mut Cartridge| [0x1000, 0x1400, 0x1800, 0x1c00].map(|address| e0.read(address, 0));
     assert_eq!(windows(&mut e0), [4, 5, 6, 7]);
     e0.read(0x1fe2, 0);
     e0.read(0x1fe9, 0);
@@ -522,13 +790,16 @@ fn data_fetchers_give_what_ale_pys_do() {
         let mut random = Lcg(seed);
         let data: Vec<u8> = (0..2048).map(|_| random.below(256u16) as u8).collect();
         // clears RAM; restarts the random numbers
-        let mut code =
-            vec![0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0xa2, 0x7f, 0x95, 0x80, 0xca, 0x10, 0xfb];
+        let mut code = vec![
+            0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0xa2, 0x7f, 0x95, 0x80, 0xca, 0x10, 0xfb,
+        ];
         code.extend([0x8d, 0x70, 0x10]);
         for fetcher in 0..5 {
             let counter = random.below(256u16) as u8;
             let top = counter.wrapping_sub(random.below(8u16) as u8);
-            let bottom = counter.wrapping_sub(8).wrapping_sub(random.below(8u16) as u8);
+            let bottom = counter
+                .wrapping_sub(8)
+                .wrapping_sub(random.below(8u16) as u8);
             let high = random.below(8u16) as u8;
             for (register, value) in [(0x40, top), (0x48, bottom), (0x50, counter), (0x58, high)] {
                 code.extend([0xa9, value, 0x8d, register + fetcher, 0x10]); // lda #value; sta register
@@ -536,17 +807,25 @@ fn data_fetchers_give_what_ale_pys_do() {
         }
         for result in 0x80..0xe4 {
             let (fetcher, function) = (random.below(5u16) as u8, random.below(8u16) as u8);
-            let fetcher = if function == 0 { random.below(4u16) as u8 } else { fetcher };
+            let fetcher = if function == 0 {
+                random.below(4u16) as u8
+            } else {
+                fetcher
+            };
             code.extend([0xad, 8 * function + fetcher, 0x10, 0x85, result]); // lda register; sta result
         }
         let [low, high] = (0xf080 + code.len() as u16).to_le_bytes();
-        code.extend([0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00]); // VSYNC
+        code.extend([
+            0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00,
+        ]); // VSYNC
         code.extend([0xa2, 0xff, 0x85, 0x02, 0xca, 0xd0, 0xfb, 0x4c, low, high]); // 255 lines
         let mut bank = vec![0xea; 4096];
         bank[0x80..][..code.len()].copy_from_slice(&code);
         bank[0xffc..].copy_from_slice(&[0x80, 0xf0, 0x80, 0xf0]);
-        let cartridge =
-            Cartridge::new(&[&bank[..], &bank[..], &data[..], &[0; 255][..]].concat(), Scheme::Dpc);
+        let cartridge = Cartridge::new(
+            &[&bank[..], &bank[..], &data[..], &[0; 255][..]].concat(),
+            Scheme::Dpc,
+        );
         let mut console = Console::new(cartridge, Display::NTSC, [0; 128], 74);
         console.frame(&Input::default());
         assert_eq!(crc32fast::hash(console.ram()), expected, "seed {seed}");
@@ -562,12 +841,20 @@ fn any_bytes_can_be_played() {
         let rom: Vec<u8> = (0..length).map(|_| random.below(256u16) as u8).collect();
         let scheme = Scheme::ALL[round % Scheme::ALL.len()];
         let play = || {
-            let mut console = Console::new(Cartridge::new(&rom, scheme), Display::NTSC, [0xa5; 128], 30);
+            let mut console =
+                Console::new(Cartridge::new(&rom, scheme), Display::NTSC, [0xa5; 128], 30);
             for frame in 0..6u8 {
-                let input = Input { port_a: frame, charge: [Some(900); 4], ..Input::default() };
+                let input = Input {
+                    port_a: frame,
+                    charge: [Some(900); 4],
+                    ..Input::default()
+                };
                 console.frame(&input);
             }
-            (*console.ram(), crc32fast::hash(console.picture().as_flattened()))
+            (
+                *console.ram(),
+                crc32fast::hash(console.picture().as_flattened()),
+            )
         };
         assert_eq!(play(), play(), "{scheme:?}, round {round}");
     }

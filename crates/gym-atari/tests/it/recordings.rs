@@ -17,11 +17,22 @@ fn games_are_ale_pys() {
     let mut compared = 0;
     for entry in std::fs::read_dir(reference).unwrap() {
         let path = entry.unwrap().path();
-        let Ok(text) = std::fs::read_to_string(&path) else { continue };
-        let Ok(recorded) = serde_json::from_str::<Recording>(&text) else { continue };
-        let Some(game) = by_md5(&recorded.md5) else { continue };
+        let Ok(text) = std::fs::read_to_string(&path) else {
+            continue;
+        };
+        let Ok(recorded) = serde_json::from_str::<Recording>(&text) else {
+            continue;
+        };
+        let Some(game) = by_md5(&recorded.md5) else {
+            continue;
+        };
         let answers = recorded.replay(&roms.rom(game).unwrap()).unwrap();
-        assert_eq!(recorded.first_difference(&answers), None, "{}", path.display());
+        assert_eq!(
+            recorded.first_difference(&answers),
+            None,
+            "{}",
+            path.display()
+        );
         compared += 1;
     }
     println!("{compared} recordings of games were compared");
@@ -41,14 +52,26 @@ fn unseen_frames_of_games_play_the_same() {
     };
     for game in games::GAMES {
         let Ok(rom) = roms.rom(game) else { continue };
-        let mut seen = Console::new(Cartridge::new(rom.bytes(), game.scheme), game.display, [0; 128], 74);
+        let mut seen = Console::new(
+            Cartridge::new(rom.bytes(), game.scheme),
+            game.display,
+            [0; 128],
+            74,
+        );
         let mut mixed = seen.clone();
-        let mut input = Input { charge: [Some(23_000); 4], ..Input::default() };
+        let mut input = Input {
+            charge: [Some(23_000); 4],
+            ..Input::default()
+        };
         // whether the last two frames were seen whole
         let mut whole = [false; 2];
         for frame in 0..500 {
             if frame % 8 == 0 {
-                let pressed = if (60..68).contains(&frame) { switch::RESET } else { 0 };
+                let pressed = if (60..68).contains(&frame) {
+                    switch::RESET
+                } else {
+                    0
+                };
                 input.port_b = switch::IDLE & !pressed;
                 input.port_a = !(1 << below(8));
                 input.fire = [below(2) == 0; 2];
@@ -63,7 +86,11 @@ fn unseen_frames_of_games_play_the_same() {
             }
             assert_eq!(seen.ram(), mixed.ram(), "{}, frame {frame}", game.name);
             if whole == [true; 2] {
-                assert!(seen.picture() == mixed.picture(), "{}, picture {frame}", game.name);
+                assert!(
+                    seen.picture() == mixed.picture(),
+                    "{}, picture {frame}",
+                    game.name
+                );
             }
             if frame % 16 == 0 {
                 let [seen, mixed] =
@@ -76,7 +103,11 @@ fn unseen_frames_of_games_play_the_same() {
 
 /// The RAM after the resets and steps of three episodes, the first with a seed, summed up.
 fn summary(config: Config, steps: usize, action: impl Fn(usize, &AtariEnv) -> AtariAction) -> u32 {
-    let mut env = AtariEnv::new(Config { obs_type: ObsType::Ram, ..config }).unwrap();
+    let mut env = AtariEnv::new(Config {
+        obs_type: ObsType::Ram,
+        ..config
+    })
+    .unwrap();
     let mut sum = crc32fast::Hasher::new();
     for reset in [Reset::seed(5), Reset::default(), Reset::default()] {
         sum.update(env.reset(reset).unwrap().as_slice().unwrap());
@@ -89,7 +120,12 @@ fn summary(config: Config, steps: usize, action: impl Fn(usize, &AtariEnv) -> At
 }
 
 fn in_mode(game: &str, mode: u16, difficulty: u8) -> Config {
-    Config { game: game.to_owned(), mode: Some(mode), difficulty: Some(difficulty), ..Config::default() }
+    Config {
+        game: game.to_owned(),
+        mode: Some(mode),
+        difficulty: Some(difficulty),
+        ..Config::default()
+    }
 }
 
 /// Every game in every mode with every difficulty, over several resets, beside ale-py's sums.
@@ -128,9 +164,13 @@ fn modes_outlast_resets_as_in_ale_py() {
         ("bank_heist", 20, 1, 0x6947_7c01),
         ("ice_hockey", 0, 0, 0xec82_f24f),
     ] {
-        let sum =
-            summary(in_mode(game, mode, difficulty), 40, |step, env| (step / 4 % env.actions().len()).into());
-        assert_eq!(sum, expected, "{game}, mode {mode}, difficulty {difficulty}");
+        let sum = summary(in_mode(game, mode, difficulty), 40, |step, env| {
+            (step / 4 % env.actions().len()).into()
+        });
+        assert_eq!(
+            sum, expected,
+            "{game}, mode {mode}, difficulty {difficulty}"
+        );
     }
 }
 
@@ -149,7 +189,12 @@ fn paddles_turn_by_degrees_as_ale_pys() {
     };
     let sum = summary(config, 60, |step, _| {
         let radius = (step * 7 % 11) as f32 / 10.0;
-        [radius, [0.0, 3.0, 1.0, -2.5][step / 5 % 4], (step % 3) as f32 / 2.0].into()
+        [
+            radius,
+            [0.0, 3.0, 1.0, -2.5][step / 5 % 4],
+            (step % 3) as f32 / 2.0,
+        ]
+        .into()
     });
     assert_eq!(sum, 0xe3cb_0beb);
 }

@@ -34,12 +34,17 @@ fn loops(seed: u32) -> Vec<u8> {
             ]),
             // jmp behind the first instruction of a loop
             4 => {
-                let loops: [&[u8]; 4] = [&[0xca], &[0x88], &[0xad, 0x84, 0x02], &[0xae, 0x84, 0x02]];
+                let loops: [&[u8]; 4] =
+                    [&[0xca], &[0x88], &[0xad, 0x84, 0x02], &[0xae, 0x84, 0x02]];
                 let first = one_of(&mut random, &loops);
-                let [low, high] = (0xf000 + code.len() as u16 + 3 + first.len() as u16).to_le_bytes();
+                let [low, high] =
+                    (0xf000 + code.len() as u16 + 3 + first.len() as u16).to_le_bytes();
                 code.extend([0x4c, low, high]);
                 code.extend(first);
-                code.extend([one_of(&mut random, &BRANCHES[..3]), (first.len() as u8 + 2).wrapping_neg()]);
+                code.extend([
+                    one_of(&mut random, &BRANCHES[..3]),
+                    (first.len() as u8 + 2).wrapping_neg(),
+                ]);
             }
             // lda #number; sta TIM1T, TIM8T, TIM64T or T1024T
             5 => {
@@ -86,8 +91,9 @@ fn state(console: &Console) -> serde_json::Value {
 fn skipped_loops_leave_what_they_would() {
     for seed in 0..150 {
         let rom = loops(seed);
-        let console =
-            |rom: &[u8], scheme| Console::new(Cartridge::new(rom, scheme), Display::NTSC, [0; 128], 74);
+        let console = |rom: &[u8], scheme| {
+            Console::new(Cartridge::new(rom, scheme), Display::NTSC, [0; 128], 74)
+        };
         let mut plain = console(&[&rom[..], &rom[..]].concat(), Scheme::FE);
         let mut skipping = console(&rom, Scheme::Rom4K);
         let mut switched = console(&[&rom[..], &rom[..]].concat(), Scheme::F8);
@@ -95,8 +101,16 @@ fn skipped_loops_leave_what_they_would() {
             for console in [&mut plain, &mut skipping, &mut switched] {
                 console.frame(&Input::default());
             }
-            assert_eq!(state(&plain), state(&skipping), "program {seed}, frame {frame}");
-            assert_eq!(state(&plain), state(&switched), "program {seed}, frame {frame}, in two banks");
+            assert_eq!(
+                state(&plain),
+                state(&skipping),
+                "program {seed}, frame {frame}"
+            );
+            assert_eq!(
+                state(&plain),
+                state(&switched),
+                "program {seed}, frame {frame}, in two banks"
+            );
         }
     }
 }

@@ -3,7 +3,9 @@
 use gym_core::Generator;
 use gym_core::canvas::Point;
 
-use super::{FRICTION, SCALE, TERRAIN_GRASS, TERRAIN_HEIGHT, TERRAIN_LENGTH, TERRAIN_STARTPAD, TERRAIN_STEP};
+use super::{
+    FRICTION, SCALE, TERRAIN_GRASS, TERRAIN_HEIGHT, TERRAIN_LENGTH, TERRAIN_STARTPAD, TERRAIN_STEP,
+};
 use crate::common::{points, sign, vec2};
 use crate::physics::{BodyDef, FixtureDef, FixtureId, Shape, Vec2, World};
 
@@ -29,8 +31,12 @@ pub(super) struct Ground<'a> {
 impl<'a> Ground<'a> {
     /// Draws the ground and puts it into the world.
     pub(super) fn new(rng: &'a mut Generator, world: &'a mut World, hardcore: bool) -> Self {
-        let mut ground =
-            Self { rng, world, terrain_y: Vec::with_capacity(TERRAIN_LENGTH), obstacles: Vec::new() };
+        let mut ground = Self {
+            rng,
+            world,
+            terrain_y: Vec::with_capacity(TERRAIN_LENGTH),
+            obstacles: Vec::new(),
+        };
         ground.generate(hardcore);
         ground
     }
@@ -38,8 +44,13 @@ impl<'a> Ground<'a> {
     fn obstacle(&mut self, poly: [Point; 4]) {
         let body = self.world.create_body(&BodyDef::fixed(Vec2::zeros(), 0.0));
         let shape = Shape::Polygon(points(&poly, |x| x));
-        let fixture =
-            self.world.create_fixture(body, &FixtureDef { friction: FRICTION, ..FixtureDef::new(shape) });
+        let fixture = self.world.create_fixture(
+            body,
+            &FixtureDef {
+                friction: FRICTION,
+                ..FixtureDef::new(shape)
+            },
+        );
         self.obstacles.push(fixture);
     }
 
@@ -65,7 +76,12 @@ impl<'a> Ground<'a> {
                 (Stretch::Pit, true) => {
                     counter = self.rng.integers(3, 5);
                     let bottom = y - 4.0 * TERRAIN_STEP;
-                    let poly = [[x, y], [x + TERRAIN_STEP, y], [x + TERRAIN_STEP, bottom], [x, bottom]];
+                    let poly = [
+                        [x, y],
+                        [x + TERRAIN_STEP, y],
+                        [x + TERRAIN_STEP, bottom],
+                        [x, bottom],
+                    ];
                     self.obstacle(poly);
                     self.obstacle(poly.map(|[x, y]| [x + TERRAIN_STEP * counter as f64, y]));
                     counter += 2;
@@ -79,7 +95,10 @@ impl<'a> Ground<'a> {
                 }
                 (Stretch::Stump, true) => {
                     counter = self.rng.integers(1, 3);
-                    let (right, top) = (x + counter as f64 * TERRAIN_STEP, y + counter as f64 * TERRAIN_STEP);
+                    let (right, top) = (
+                        x + counter as f64 * TERRAIN_STEP,
+                        y + counter as f64 * TERRAIN_STEP,
+                    );
                     self.obstacle([[x, y], [right, y], [right, top], [x, top]]);
                 }
                 (Stretch::Stump, false) => {}
@@ -107,9 +126,12 @@ impl<'a> Ground<'a> {
             self.terrain_y.push(y);
             counter -= 1;
             if counter == 0 {
-                counter = self.rng.integers(TERRAIN_GRASS as i64 / 2, TERRAIN_GRASS as i64);
+                counter = self
+                    .rng
+                    .integers(TERRAIN_GRASS as i64 / 2, TERRAIN_GRASS as i64);
                 state = if state == Stretch::Grass && hardcore {
-                    [Stretch::Stump, Stretch::Stairs, Stretch::Pit][self.rng.integers(1, 4) as usize - 1]
+                    [Stretch::Stump, Stretch::Stairs, Stretch::Pit]
+                        [self.rng.integers(1, 4) as usize - 1]
                 } else {
                     Stretch::Grass
                 };

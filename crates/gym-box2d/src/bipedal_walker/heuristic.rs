@@ -20,7 +20,11 @@ const SUPPORT_KNEE_ANGLE: f32 = 0.1;
 
 impl Default for Heuristic {
     fn default() -> Self {
-        Self { state: Gait::StayOnOneLeg, moving_leg: 0, supporting_knee_angle: SUPPORT_KNEE_ANGLE }
+        Self {
+            state: Gait::StayOnOneLeg,
+            moving_leg: 0,
+            supporting_knee_angle: SUPPORT_KNEE_ANGLE,
+        }
     }
 }
 

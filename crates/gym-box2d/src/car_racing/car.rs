@@ -33,9 +33,18 @@ const HULL_POLY3: [[f64; 2]; 8] = [
     [-50.0, -10.0],
     [-25.0, 20.0],
 ];
-const HULL_POLY4: [[f64; 2]; 4] = [[-50.0, -120.0], [50.0, -120.0], [50.0, -90.0], [-50.0, -90.0]];
-const WHEEL_POLY: [[f64; 2]; 4] =
-    [[-WHEEL_W, WHEEL_R], [WHEEL_W, WHEEL_R], [WHEEL_W, -WHEEL_R], [-WHEEL_W, -WHEEL_R]];
+const HULL_POLY4: [[f64; 2]; 4] = [
+    [-50.0, -120.0],
+    [50.0, -120.0],
+    [50.0, -90.0],
+    [-50.0, -90.0],
+];
+const WHEEL_POLY: [[f64; 2]; 4] = [
+    [-WHEEL_W, WHEEL_R],
+    [WHEEL_W, WHEEL_R],
+    [WHEEL_W, -WHEEL_R],
+    [-WHEEL_W, -WHEEL_R],
+];
 
 /// A wheel.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -97,15 +106,30 @@ impl Car {
         let polys: [&[[f64; 2]]; 4] = [&HULL_POLY1, &HULL_POLY2, &HULL_POLY3, &HULL_POLY4];
         let hull_fixtures = polys.map(|poly| {
             let shape = Shape::Polygon(points(poly, |x| x * SIZE));
-            world.create_fixture(hull, &FixtureDef { density: 1.0, ..FixtureDef::new(shape) })
+            world.create_fixture(
+                hull,
+                &FixtureDef {
+                    density: 1.0,
+                    ..FixtureDef::new(shape)
+                },
+            )
         });
         let wheels = WHEELPOS.map(|[wx, wy]| {
             let position = vec2(start.x + wx * SIZE, start.y + wy * SIZE);
             let body = world.create_body(&BodyDef::dynamic(position, angle));
             let shape = Shape::Polygon(points(&WHEEL_POLY, |x| x * 1.0 * SIZE));
-            let filter = Filter { category: 0x0020, mask: 0x001 };
-            let fixture =
-                world.create_fixture(body, &FixtureDef { density: 0.1, filter, ..FixtureDef::new(shape) });
+            let filter = Filter {
+                category: 0x0020,
+                mask: 0x001,
+            };
+            let fixture = world.create_fixture(
+                body,
+                &FixtureDef {
+                    density: 0.1,
+                    filter,
+                    ..FixtureDef::new(shape)
+                },
+            );
             let joint = world.create_revolute_joint(&RevoluteJointDef {
                 body_a: hull,
                 body_b: body,
@@ -131,10 +155,19 @@ impl Car {
                 skid: Skidding::default(),
             }
         });
-        let no_mark =
-            || SkidMark { on_grass: false, points: Vec::with_capacity(MARK_POINTS), number: u64::MAX };
+        let no_mark = || SkidMark {
+            on_grass: false,
+            points: Vec::with_capacity(MARK_POINTS),
+            number: u64::MAX,
+        };
         let marks = std::iter::repeat_with(no_mark).take(MARKS).collect();
-        Self { hull, hull_fixtures, wheels, marks, marks_made: 0 }
+        Self {
+            hull,
+            hull_fixtures,
+            wheels,
+            marks,
+            marks_made: 0,
+        }
     }
 
     /// Rear wheel drive; the gas rises slowly and falls at once.
@@ -164,10 +197,17 @@ impl Car {
         for i in 0..self.wheels.len() {
             let wheel = &mut self.wheels[i];
             let turn = wheel.steer - f64::from(world.joint_angle(wheel.joint));
-            world.set_motor_speed(wheel.joint, (sign(turn) * (50.0 * turn.abs()).min(3.0)) as f32);
+            world.set_motor_speed(
+                wheel.joint,
+                (sign(turn) * (50.0 * turn.abs()).min(3.0)) as f32,
+            );
 
             let on_grass = wheel.tiles == 0;
-            let friction_limit = if on_grass { FRICTION_LIMIT * 0.6 } else { FRICTION_LIMIT * 1.0 };
+            let friction_limit = if on_grass {
+                FRICTION_LIMIT * 0.6
+            } else {
+                FRICTION_LIMIT * 1.0
+            };
 
             let rotation = world.pose(wheel.body).rotation;
             let (sin, cos) = (f64::from(rotation.im), f64::from(rotation.re));
@@ -184,7 +224,11 @@ impl Car {
                 wheel.omega = 0.0;
             } else if wheel.brake > 0.0 {
                 let val = BRAKE_FORCE * wheel.brake;
-                let val = if val.abs() > wheel.omega.abs() { wheel.omega.abs() } else { val };
+                let val = if val.abs() > wheel.omega.abs() {
+                    wheel.omega.abs()
+                } else {
+                    val
+                };
                 wheel.omega += -sign(wheel.omega) * val;
             }
             wheel.phase += wheel.omega * dt;
@@ -201,11 +245,18 @@ impl Car {
                 p_force *= friction_limit;
             }
             wheel.omega -= dt * f_force * WHEEL_RAD / WHEEL_MOMENT_OF_INERTIA;
-            let push = vec2(p_force * side[0] + f_force * forw[0], p_force * side[1] + f_force * forw[1]);
+            let push = vec2(
+                p_force * side[0] + f_force * forw[0],
+                p_force * side[1] + f_force * forw[1],
+            );
             world.apply_force_to_center(wheel.body, push);
 
             let position = world.position(wheel.body);
-            self.skid(i, slips.then_some([f64::from(position.x), f64::from(position.y)]), on_grass);
+            self.skid(
+                i,
+                slips.then_some([f64::from(position.x), f64::from(position.y)]),
+                on_grass,
+            );
         }
     }
 
@@ -216,7 +267,9 @@ impl Car {
             *skid = Skidding::default();
             return;
         };
-        let mark = skid.mark.and_then(|number| self.marks.iter_mut().find(|mark| mark.number == number));
+        let mark = skid
+            .mark
+            .and_then(|number| self.marks.iter_mut().find(|mark| mark.number == number));
         if let Some(mark) = mark
             && mark.on_grass == on_grass
             && mark.points.len() < MARK_POINTS
@@ -247,7 +300,12 @@ impl Car {
         }
         let [c1, c2] = ends.map(|(sin, cos)| if sin > 0.0 { sign(cos) } else { cos });
         let corner = |x: f64, c: f64| [x * SIZE, WHEEL_R * c * SIZE];
-        Some([corner(-WHEEL_W, c1), corner(WHEEL_W, c1), corner(WHEEL_W, c2), corner(-WHEEL_W, c2)])
+        Some([
+            corner(-WHEEL_W, c1),
+            corner(WHEEL_W, c1),
+            corner(WHEEL_W, c2),
+            corner(-WHEEL_W, c2),
+        ])
     }
 
     pub(super) fn is_valid(&self, world: &World, tiles: usize) -> bool {
@@ -255,7 +313,10 @@ impl Car {
         self.marks.len() == MARKS
             && self.marks_made <= MAX_MARKS_MADE
             && world.has_body(self.hull)
-            && self.hull_fixtures.iter().all(|fixture| world.has_fixture(*fixture))
+            && self
+                .hull_fixtures
+                .iter()
+                .all(|fixture| world.has_fixture(*fixture))
             && self.wheels.iter().all(|wheel| {
                 wheel.tiles as usize <= tiles
                     && world.has_body(wheel.body)

@@ -30,8 +30,8 @@ use gym_core::canvas::Canvas;
 use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::{
-    Array, Configure, Continuous, Element, Env, Error, Generator, Keys, Outcome, Policy, Registration, Reset,
-    Result, Snapshot, Space, Value,
+    Array, Configure, Continuous, Element, Env, Error, Generator, Keys, Outcome, Policy,
+    Registration, Reset, Result, Snapshot, Space, Value,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::{Value as Json, json};
@@ -158,15 +158,22 @@ struct Colors {
 }
 
 impl Colors {
-    const DEFAULT: Self =
-        Self { road: [102.0, 102.0, 102.0], background: [102.0, 204.0, 102.0], grass: [102.0, 230.0, 102.0] };
+    const DEFAULT: Self = Self {
+        road: [102.0, 102.0, 102.0],
+        background: [102.0, 204.0, 102.0],
+        grass: [102.0, 230.0, 102.0],
+    };
 
     fn random(rng: &mut Generator) -> Self {
         let mut color = || [(); 3].map(|()| rng.uniform(0.0, 210.0));
         let (road, background) = (color(), color());
         let mut grass = background;
         grass[rng.integers(0, 3) as usize] += 20.0;
-        Self { road, background, grass }
+        Self {
+            road,
+            background,
+            grass,
+        }
     }
 }
 
@@ -226,12 +233,21 @@ impl CarRacing {
     pub fn with_version(config: Config, version: u32) -> Result<Self> {
         let version = common::version("CarRacing", version)?;
         Self::check(&config)?;
-        Ok(Self { config, version, episode: None, camera: Camera::default(), glyphs: None })
+        Ok(Self {
+            config,
+            version,
+            episode: None,
+            camera: Camera::default(),
+            glyphs: None,
+        })
     }
 
     fn check(config: &Config) -> Result<()> {
         if config.lap_complete_percent.is_nan() {
-            return Err(Error::argument("CarRacing", "lap_complete_percent is not a number"));
+            return Err(Error::argument(
+                "CarRacing",
+                "lap_complete_percent is not a number",
+            ));
         }
         Ok(())
     }
@@ -293,7 +309,9 @@ impl CarRacing {
     /// # Errors
     /// As [`Env::step_into`].
     pub fn step_state(&mut self, action: &Action) -> Result<Outcome> {
-        let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
+        let Some(episode) = &mut self.episode else {
+            return Err(Error::ResetNeeded("step"));
+        };
         let possible = match action {
             Action::Pedals(pedals) => self.config.continuous && pedals.is_finite(),
             Action::Drive(_) => !self.config.continuous,
@@ -316,7 +334,13 @@ impl Episode {
             .map(|tile| {
                 let body = world.create_body(&BodyDef::fixed(Vec2::zeros(), 0.0));
                 let shape = Shape::Polygon(points(&tile.road, |x| x));
-                world.create_fixture(body, &FixtureDef { sensor: true, ..FixtureDef::new(shape) });
+                world.create_fixture(
+                    body,
+                    &FixtureDef {
+                        sensor: true,
+                        ..FixtureDef::new(shape)
+                    },
+                );
                 body
             })
             .collect();
@@ -361,7 +385,8 @@ impl Episode {
             self.car.brake(brake);
         }
         self.car.step(&mut self.world, 1.0 / FPS);
-        self.world.step((1.0 / FPS) as f32, VELOCITY_ITERATIONS, POSITION_ITERATIONS);
+        self.world
+            .step((1.0 / FPS) as f32, VELOCITY_ITERATIONS, POSITION_ITERATIONS);
         self.touch_tiles();
         self.t += 1.0 / FPS;
         self.observed_reward = self.reward;
@@ -391,8 +416,11 @@ impl Episode {
     fn touch_tiles(&mut self) {
         let tiles = self.track.len() as f64;
         for event in self.world.contact_events() {
-            let tile_of =
-                |body: &BodyId| self.tile_bodies.binary_search_by_key(&body.index(), BodyId::index).ok();
+            let tile_of = |body: &BodyId| {
+                self.tile_bodies
+                    .binary_search_by_key(&body.index(), BodyId::index)
+                    .ok()
+            };
             let [a, b] = &event.bodies;
             let (tile, other) = match (tile_of(a), tile_of(b)) {
                 (Some(tile), _) => (tile, b),
@@ -400,7 +428,14 @@ impl Episode {
                 (None, None) => continue,
             };
             self.touched[tile] = true;
-            let Some(wheel) = self.car.wheels.iter_mut().find(|wheel| wheel.body == *other) else { continue };
+            let Some(wheel) = self
+                .car
+                .wheels
+                .iter_mut()
+                .find(|wheel| wheel.body == *other)
+            else {
+                continue;
+            };
             if !event.begin {
                 wheel.tiles = wheel.tiles.saturating_sub(1);
                 continue;
@@ -424,7 +459,11 @@ impl Episode {
         let (angle, w) = (world.angle(hull), world.angular_velocity(hull));
         let wheels = [0, 1, 2, 3].map(|i| {
             let wheel = &self.car.wheels[i];
-            [f64::from(world.joint_angle(wheel.joint)), wheel.omega, wheel.phase]
+            [
+                f64::from(world.joint_angle(wheel.joint)),
+                wheel.omega,
+                wheel.phase,
+            ]
         });
         State {
             hull: [position.x, position.y, angle, velocity.x, velocity.y, w].map(f64::from),
@@ -437,7 +476,12 @@ impl Episode {
         let n = self.track.len();
         self.world.is_valid()
             && n > 0
-            && [self.tiles.len(), self.tile_bodies.len(), self.visited.len(), self.touched.len()] == [n; 4]
+            && [
+                self.tiles.len(),
+                self.tile_bodies.len(),
+                self.visited.len(),
+                self.touched.len(),
+            ] == [n; 4]
             && self.tile_visited_count == self.visited.iter().filter(|visited| **visited).count()
             && self.car.is_valid(&self.world, n)
     }
@@ -452,13 +496,18 @@ impl Env for CarRacing {
     }
 
     fn action_space(&self) -> Space {
-        if self.config.continuous { Space::boxed([-1.0, 0.0, 0.0], [1.0; 3]) } else { Drive::space() }
+        if self.config.continuous {
+            Space::boxed([-1.0, 0.0, 0.0], [1.0; 3])
+        } else {
+            Drive::space()
+        }
     }
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut Array) -> Result<()> {
         self.reset_state(reset)?;
         if let Some(episode) = &self.episode {
-            self.camera.take(episode, self.glyphs.as_deref(), observation);
+            self.camera
+                .take(episode, self.glyphs.as_deref(), observation);
         }
         Ok(())
     }
@@ -466,7 +515,8 @@ impl Env for CarRacing {
     fn step_into(&mut self, action: &Action, observation: &mut Array) -> Result<Outcome> {
         let outcome = self.step_state(action)?;
         if let Some(episode) = &self.episode {
-            self.camera.take(episode, self.glyphs.as_deref(), observation);
+            self.camera
+                .take(episode, self.glyphs.as_deref(), observation);
         }
         Ok(outcome)
     }
@@ -476,12 +526,16 @@ impl Env for CarRacing {
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        self.episode = snapshot.for_config("CarRacing", &(self.version, self.config), Episode::is_valid)?;
+        self.episode =
+            snapshot.for_config("CarRacing", &(self.version, self.config), Episode::is_valid)?;
         Ok(())
     }
 
     fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
-        let finished = self.episode.as_ref().and_then(|episode| episode.lap_finished);
+        let finished = self
+            .episode
+            .as_ref()
+            .and_then(|episode| episode.lap_finished);
         if let Some(finished) = finished.filter(|_| self.version != 2) {
             visit("lap_finished", Value::Bool(finished));
         }
@@ -497,7 +551,12 @@ impl Env for CarRacing {
 
     fn draw(&self, canvas: &mut dyn Canvas) {
         if let Some(episode) = &self.episode {
-            episode.draw(canvas, (VIDEO_W, VIDEO_H), Scene::Frame, self.glyphs.as_deref());
+            episode.draw(
+                canvas,
+                (VIDEO_W, VIDEO_H),
+                Scene::Frame,
+                self.glyphs.as_deref(),
+            );
         }
     }
 
@@ -515,8 +574,10 @@ impl Configure for CarRacing {
 }
 
 /// An argument that is there for Gymnasium's sake.
-const VERBOSE: (&str, &str) =
-    ("arguments-matter.verbose", "it is accepted as Gymnasium does, and nothing is printed");
+const VERBOSE: (&str, &str) = (
+    "arguments-matter.verbose",
+    "it is accepted as Gymnasium does, and nothing is printed",
+);
 
 /// The common part of all ids.
 const fn racing(id: &'static str) -> Registration {
@@ -547,7 +608,12 @@ const fn racing(id: &'static str) -> Registration {
 #[cfg(not(test))]
 gym_core::register!(
     racing("CarRacing-v2"),
-    racing("CarRacing-v3").clip(Clip { seeds: 1..2, every: 6, frames: 60, size: (300, 200) }),
+    racing("CarRacing-v3").clip(Clip {
+        seeds: 1..2,
+        every: 6,
+        frames: 60,
+        size: (300, 200)
+    }),
     common::on_rapier(
         racing("rapier/CarRacing-v3")
             .exceptions(&[VERBOSE, common::RAPIER_ALLOCATES])

@@ -29,7 +29,10 @@ const MAX_SHAPE_DIM: f64 = GRASS_DIM * SQRT_2 * ZOOM * SCALE;
 /// The space of observations: any image.
 pub(super) fn space() -> Space {
     let space = BoxSpace::uniform(0.0, 255.0, [STATE_H, STATE_W, 3], DType::U8);
-    space.map_or_else(|_| unreachable!("0 to 255 are bounds of bytes"), Space::from)
+    space.map_or_else(
+        |_| unreachable!("0 to 255 are bounds of bytes"),
+        Space::from,
+    )
 }
 
 /// Draws observations, and keeps the buffers.
@@ -49,7 +52,12 @@ impl Clone for Camera {
 
 impl Camera {
     /// Writes an image of the episode to `observation`.
-    pub(super) fn take(&mut self, episode: &Episode, glyphs: Option<&ScoreGlyphs>, observation: &mut Array) {
+    pub(super) fn take(
+        &mut self,
+        episode: &Episode,
+        glyphs: Option<&ScoreGlyphs>,
+        observation: &mut Array,
+    ) {
         if observation.shape() != [STATE_H, STATE_W, 3] || observation.dtype() != DType::U8 {
             *observation = Array::zeros(DType::U8, [STATE_H, STATE_W, 3]).unwrap_or_default();
         }
@@ -105,19 +113,29 @@ impl View {
         let position = world.position(hull);
         let scroll = [-f64::from(position.x) * zoom, -f64::from(position.y) * zoom];
         let [x, y] = rotation.apply(scroll);
-        Self { zoom, rotation, translation: [WINDOW_W / 2.0 + x, WINDOW_H / 4.0 + y] }
+        Self {
+            zoom,
+            rotation,
+            translation: [WINDOW_W / 2.0 + x, WINDOW_H / 4.0 + y],
+        }
     }
 
     fn apply(&self, point: Point) -> Point {
         let [x, y] = self.rotation.apply(point);
-        [x * self.zoom + self.translation[0], y * self.zoom + self.translation[1]]
+        [
+            x * self.zoom + self.translation[0],
+            y * self.zoom + self.translation[1],
+        ]
     }
 
     /// Draws a shape of the field, if a corner of it is near enough to the window.
     fn draw(&self, canvas: &mut dyn Canvas, corners: [Point; 4], color: Color) {
         let near = |x: f64, size: f64| (-MAX_SHAPE_DIM..=size + MAX_SHAPE_DIM).contains(&x);
         let corners = corners.map(|corner| self.apply(corner));
-        if corners.iter().any(|[x, y]| near(*x, WINDOW_W) && near(*y, WINDOW_H)) {
+        if corners
+            .iter()
+            .any(|[x, y]| near(*x, WINDOW_W) && near(*y, WINDOW_H))
+        {
             pygame::gfx_polygon(canvas, &corners, color);
         }
     }
@@ -144,10 +162,19 @@ impl Episode {
         self.draw_car(canvas, &view);
         canvas.pop();
         canvas.push(UPRIGHT);
-        let score = if scene == Scene::Frame { self.reward } else { self.observed_reward };
+        let score = if scene == Scene::Frame {
+            self.reward
+        } else {
+            self.observed_reward
+        };
         self.draw_indicators(canvas);
         let text = Label::new(format_args!("{score:04.0}"));
-        score::draw(canvas, &text, [60.0, WINDOW_H - WINDOW_H * 2.5 / 40.0], glyphs);
+        score::draw(
+            canvas,
+            &text,
+            [60.0, WINDOW_H - WINDOW_H * 2.5 / 40.0],
+            glyphs,
+        );
         canvas.pop();
         canvas.pop();
     }
@@ -173,10 +200,22 @@ impl Episode {
     /// Each tile and its kerb. Tiles differ a little in shade until the car has been there.
     fn draw_road(&self, canvas: &mut dyn Canvas, view: &View) {
         for (i, tile) in self.tiles.iter().enumerate() {
-            let shade = if self.touched[i] { 0.0 } else { 0.01 * (i % 3) as f64 * 255.0 };
-            view.draw(canvas, tile.road, color(self.colors.road.map(|c| c + shade)));
+            let shade = if self.touched[i] {
+                0.0
+            } else {
+                0.01 * (i % 3) as f64 * 255.0
+            };
+            view.draw(
+                canvas,
+                tile.road,
+                color(self.colors.road.map(|c| c + shade)),
+            );
             if let Some(border) = tile.border {
-                let color = if i % 2 == 0 { Color::WHITE } else { Color::rgb(255, 0, 0) };
+                let color = if i % 2 == 0 {
+                    Color::WHITE
+                } else {
+                    Color::rgb(255, 0, 0)
+                };
                 view.draw(canvas, border, color);
             }
         }
@@ -189,14 +228,27 @@ impl Episode {
             for (point, place) in points.iter_mut().zip(&mark.points) {
                 *point = view.apply(*place);
             }
-            let color = if mark.on_grass { Color::rgb(102, 102, 0) } else { Color::BLACK };
-            canvas.pygame(Primitive::Lines { points, closed: false, width: 2 }, color);
+            let color = if mark.on_grass {
+                Color::rgb(102, 102, 0)
+            } else {
+                Color::BLACK
+            };
+            canvas.pygame(
+                Primitive::Lines {
+                    points,
+                    closed: false,
+                    width: 2,
+                },
+                color,
+            );
         }
     }
 
     fn draw_car(&self, canvas: &mut dyn Canvas, view: &View) {
         let fill = |canvas: &mut dyn Canvas, corners: &mut [Point], color| {
-            corners.iter_mut().for_each(|corner| *corner = view.apply(*corner));
+            corners
+                .iter_mut()
+                .for_each(|corner| *corner = view.apply(*corner));
             canvas.pygame(Primitive::Polygon(corners), color);
         };
         for wheel in &self.car.wheels {
@@ -229,26 +281,45 @@ impl Episode {
                 canvas.pygame(Primitive::Polygon(&corners), color);
             }
         };
-        bar(1.0, [[W, H], [W, H - 5.0 * T], [0.0, H - 5.0 * T], [0.0, H]], Color::BLACK);
+        bar(
+            1.0,
+            [[W, H], [W, H - 5.0 * T], [0.0, H - 5.0 * T], [0.0, H]],
+            Color::BLACK,
+        );
         let vertical = |place: f64, value: f64| {
             let top = H - (T + T * value);
-            [[place * S, top], [(place + 1.0) * S, top], [(place + 1.0) * S, H - T], [place * S, H - T]]
+            [
+                [place * S, top],
+                [(place + 1.0) * S, top],
+                [(place + 1.0) * S, H - T],
+                [place * S, H - T],
+            ]
         };
         let horizontal = |place: f64, value: f64| {
             let (left, right) = (place * S, (place + value) * S);
-            [[left, H - 4.0 * T], [right, H - 4.0 * T], [right, H - 2.0 * T], [left, H - 2.0 * T]]
+            [
+                [left, H - 4.0 * T],
+                [right, H - 4.0 * T],
+                [right, H - 2.0 * T],
+                [left, H - 2.0 * T],
+            ]
         };
         let [_, _, _, vx, vy, w] = state.hull;
         let true_speed = (vx * vx + vy * vy).sqrt();
         bar(true_speed, vertical(5.0, 0.02 * true_speed), Color::WHITE);
         let (front, rear) = (Color::rgb(0, 0, 255), Color::rgb(51, 0, 255));
-        for (place, (wheel, color)) in
-            [7.0, 8.0, 9.0, 10.0].into_iter().zip(state.wheels.iter().zip([front, front, rear, rear]))
+        for (place, (wheel, color)) in [7.0, 8.0, 9.0, 10.0]
+            .into_iter()
+            .zip(state.wheels.iter().zip([front, front, rear, rear]))
         {
             bar(wheel[1], vertical(place, 0.01 * wheel[1]), color);
         }
         let steering = state.wheels[0][0];
-        bar(steering, horizontal(20.0, -10.0 * steering), Color::rgb(0, 255, 0));
+        bar(
+            steering,
+            horizontal(20.0, -10.0 * steering),
+            Color::rgb(0, 255, 0),
+        );
         bar(w, horizontal(30.0, -0.8 * w), Color::rgb(255, 0, 0));
     }
 }

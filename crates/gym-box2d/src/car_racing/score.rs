@@ -67,7 +67,8 @@ impl ScoreGlyphs {
     /// # Errors
     /// [`Error::InvalidArgument`] if it does not contain the images.
     pub fn parse(text: &str) -> Result<Self> {
-        let invalid = |reason: String| Error::argument("CarRacing", format!("score glyphs: {reason}"));
+        let invalid =
+            |reason: String| Error::argument("CarRacing", format!("score glyphs: {reason}"));
         #[derive(Deserialize)]
         #[serde(transparent)]
         struct File(BTreeMap<String, (usize, String)>);
@@ -76,10 +77,21 @@ impl ScoreGlyphs {
             let (width, hex) = file
                 .get(c.encode_utf8(&mut [0; 4]) as &str)
                 .ok_or_else(|| invalid(format!("`{c}` is missing")))?;
-            let digits: Option<Vec<u8>> = hex.chars().map(|c| c.to_digit(16).map(|d| d as u8)).collect();
+            let digits: Option<Vec<u8>> = hex
+                .chars()
+                .map(|c| c.to_digit(16).map(|d| d as u8))
+                .collect();
             match digits {
-                Some(digits) if (1..=WIDEST).contains(width) && digits.len() == 2 * ROWS * width => {
-                    Ok((*width, digits.chunks_exact(2).map(|pair| 16 * pair[0] + pair[1]).collect()))
+                Some(digits)
+                    if (1..=WIDEST).contains(width) && digits.len() == 2 * ROWS * width =>
+                {
+                    Ok((
+                        *width,
+                        digits
+                            .chunks_exact(2)
+                            .map(|pair| 16 * pair[0] + pair[1])
+                            .collect(),
+                    ))
                 }
                 _ => Err(invalid(format!(
                     "`{c}` needs a width up to {WIDEST} and {ROWS} rows of as many bytes, in hexadecimal"
@@ -95,7 +107,13 @@ impl ScoreGlyphs {
 
     /// Writes a number around a column.
     fn draw(&self, canvas: &mut dyn Canvas, text: &str, middle: f64) {
-        let index = |c: u8| if c.is_ascii_digit() { usize::from(c - b'0') + 1 } else { 0 };
+        let index = |c: u8| {
+            if c.is_ascii_digit() {
+                usize::from(c - b'0') + 1
+            } else {
+                0
+            }
+        };
         // the start of each character, for a pen that moves in 64ths of a pixel
         let (mut pen, mut before, mut width) = (0, None, 0);
         let mut places = [(0, 0); MOST];
@@ -115,7 +133,9 @@ impl ScoreGlyphs {
             let grey = |x: usize| {
                 let of = |&(place, glyph): &(usize, usize)| {
                     let (own, pixels) = &self.glyphs[glyph];
-                    x.checked_sub(place).filter(|x| x < own).map(|x| pixels[y * own + x])
+                    x.checked_sub(place)
+                        .filter(|x| x < own)
+                        .map(|x| pixels[y * own + x])
                 };
                 places.iter().filter_map(of).max().unwrap_or(0)
             };
@@ -127,7 +147,11 @@ impl ScoreGlyphs {
                 }
                 if level > 0 {
                     let [x1, x2] = [from, x - 1].map(|x| (left + x as i64) as f64);
-                    let line = Primitive::HLine { x1, x2, y: (TOP + y) as f64 };
+                    let line = Primitive::HLine {
+                        x1,
+                        x2,
+                        y: (TOP + y) as f64,
+                    };
                     canvas.pygame(line, Color::rgb(level, level, level));
                 }
             }
@@ -191,11 +215,19 @@ fn kern(before: u8, c: u8) -> f64 {
         (b"95", 69),
         (b"99", 70),
     ];
-    KERNS.iter().find(|(pair, _)| **pair == [before, c]).map_or(0.0, |(_, kern)| f64::from(*kern))
+    KERNS
+        .iter()
+        .find(|(pair, _)| **pair == [before, c])
+        .map_or(0.0, |(_, kern)| f64::from(*kern))
 }
 
 /// Writes a number in the middle of a place, in white.
-pub(super) fn draw(canvas: &mut dyn Canvas, text: &str, [x, y]: Point, glyphs: Option<&ScoreGlyphs>) {
+pub(super) fn draw(
+    canvas: &mut dyn Canvas,
+    text: &str,
+    [x, y]: Point,
+    glyphs: Option<&ScoreGlyphs>,
+) {
     if let Some(glyphs) = glyphs {
         return glyphs.draw(canvas, text, x);
     }
@@ -228,7 +260,10 @@ fn draw_strokes(canvas: &mut dyn Canvas, strokes: u8, [left, top]: Point) {
         if strokes & 1 << (6 - i) != 0 {
             let [x1, y1] = [left + x, top + y];
             let [x2, y2] = [x1 + width - 1.0, y1 + height - 1.0];
-            canvas.pygame(Primitive::Polygon(&[[x1, y1], [x1, y2], [x2, y2], [x2, y1]]), Color::WHITE);
+            canvas.pygame(
+                Primitive::Polygon(&[[x1, y1], [x1, y2], [x2, y2], [x2, y1]]),
+                Color::WHITE,
+            );
         }
     }
 }
@@ -243,7 +278,14 @@ mod tests {
             let width = if c == '-' { 13 } else { 23 };
             format!("\"{c}\": [{width}, \"{}\"]", "ff".repeat(ROWS * width))
         };
-        format!("{{{}}}", "-0123456789".chars().map(glyph).collect::<Vec<_>>().join(", "))
+        format!(
+            "{{{}}}",
+            "-0123456789"
+                .chars()
+                .map(glyph)
+                .collect::<Vec<_>>()
+                .join(", ")
+        )
     }
 
     #[test]
@@ -266,7 +308,9 @@ mod tests {
             fn push(&mut self, _: gym_core::canvas::Transform) {}
             fn pop(&mut self) {}
             fn pygame(&mut self, primitive: Primitive<'_>, _: Color) {
-                let Primitive::HLine { x1, x2, .. } = primitive else { panic!("{primitive:?}") };
+                let Primitive::HLine { x1, x2, .. } = primitive else {
+                    panic!("{primitive:?}")
+                };
                 let [low, high] = self.0.unwrap_or([x1, x2]);
                 self.0 = Some([low.min(x1), high.max(x2)]);
             }
@@ -274,12 +318,20 @@ mod tests {
 
         let glyphs = ScoreGlyphs::parse(&boxes()).unwrap();
         // left end and width, recorded from pygame
-        for (text, left, width) in
-            [("0000", 11, 99), ("0123", 13, 94), ("-005", 17, 87), ("0900", 12, 97), ("0117", 18, 85)]
-        {
+        for (text, left, width) in [
+            ("0000", 11, 99),
+            ("0123", 13, 94),
+            ("-005", 17, 87),
+            ("0900", 12, 97),
+            ("0117", 18, 85),
+        ] {
             let mut extent = Extent::default();
             draw(&mut extent, text, [60.0, 750.0], Some(&glyphs));
-            assert_eq!(extent.0, Some([f64::from(left), f64::from(left + width - 1)]), "{text}");
+            assert_eq!(
+                extent.0,
+                Some([f64::from(left), f64::from(left + width - 1)]),
+                "{text}"
+            );
         }
     }
 
@@ -300,6 +352,11 @@ mod tests {
                 "{error}"
             );
         }
-        assert!(ScoreGlyphs::read("no such file").unwrap_err().to_string().contains("no such file"));
+        assert!(
+            ScoreGlyphs::read("no such file")
+                .unwrap_err()
+                .to_string()
+                .contains("no such file")
+        );
     }
 }

@@ -72,14 +72,18 @@ fn attempt(rng: &mut Generator) -> Option<Vec<TrackPoint>> {
     let walk = walk(&checkpoints);
 
     // the last whole lap: between the last two times that the start was passed
-    let mut passes =
-        (1..walk.len()).rev().filter(|i| walk[*i].alpha > start_alpha && walk[*i - 1].alpha <= start_alpha);
+    let mut passes = (1..walk.len())
+        .rev()
+        .filter(|i| walk[*i].alpha > start_alpha && walk[*i - 1].alpha <= start_alpha);
     let (i2, i1) = (passes.next()?, passes.next()?);
     let track = walk.get(i1..i2 - 1)?;
 
     let (first, last) = (track.first()?, track.last()?);
     // how far head and tail are apart
-    let (dx, dy) = (cos(first.beta) * (first.x - last.x), sin(first.beta) * (first.y - last.y));
+    let (dx, dy) = (
+        cos(first.beta) * (first.x - last.x),
+        sin(first.beta) * (first.y - last.y),
+    );
     let well_glued_together = (dx * dx + dy * dy).sqrt() <= TRACK_DETAIL_STEP;
     well_glued_together.then(|| track.to_vec())
 }
@@ -135,7 +139,12 @@ fn walk(checkpoints: &[(f64, f64, f64); CHECKPOINTS]) -> Vec<TrackPoint> {
         }
         x += p1x * TRACK_DETAIL_STEP;
         y += p1y * TRACK_DETAIL_STEP;
-        track.push(TrackPoint { alpha, beta: prev_beta * 0.5 + beta * 0.5, x, y });
+        track.push(TrackPoint {
+            alpha,
+            beta: prev_beta * 0.5 + beta * 0.5,
+            x,
+            y,
+        });
         if laps > 4 {
             break;
         }
@@ -179,7 +188,12 @@ pub(super) fn tiles(track: &[TrackPoint]) -> Vec<Tile> {
             let border = border[i].then(|| {
                 let side = sign(p2.beta - p1.beta);
                 let (inner, outer) = (side * TRACK_WIDTH, side * (TRACK_WIDTH + BORDER));
-                [across(p1, inner), across(p1, outer), across(p2, outer), across(p2, inner)]
+                [
+                    across(p1, inner),
+                    across(p1, outer),
+                    across(p2, outer),
+                    across(p2, inner),
+                ]
             });
             Tile { road, border }
         })

@@ -17,10 +17,22 @@ const FADING: f64 = 0.15;
 /// Adds the ground to a world.
 pub(super) fn create_moon(world: &mut World, smooth_y: &[f64; CHUNKS]) {
     let moon = world.create_body(&BodyDef::fixed(Vec2::zeros(), 0.0));
-    world.create_fixture(moon, &FixtureDef::new(Shape::Edge(Vec2::zeros(), vec2(W, 0.0))));
+    world.create_fixture(
+        moon,
+        &FixtureDef::new(Shape::Edge(Vec2::zeros(), vec2(W, 0.0))),
+    );
     for i in 0..CHUNKS - 1 {
-        let edge = Shape::Edge(vec2(chunk_x(i), smooth_y[i]), vec2(chunk_x(i + 1), smooth_y[i + 1]));
-        world.create_fixture(moon, &FixtureDef { friction: 0.1, ..FixtureDef::new(edge) });
+        let edge = Shape::Edge(
+            vec2(chunk_x(i), smooth_y[i]),
+            vec2(chunk_x(i + 1), smooth_y[i + 1]),
+        );
+        world.create_fixture(
+            moon,
+            &FixtureDef {
+                friction: 0.1,
+                ..FixtureDef::new(edge)
+            },
+        );
     }
 }
 
@@ -42,20 +54,29 @@ impl Exhaust {
     pub(super) fn new(gravity: f64, smooth_y: &[f64; CHUNKS]) -> Self {
         let mut world = World::new(vec2(0.0, gravity));
         create_moon(&mut world, smooth_y);
-        Self { world, particles: Vec::with_capacity(32) }
+        Self {
+            world,
+            particles: Vec::with_capacity(32),
+        }
     }
 
     /// A particle leaves an engine.
     pub(super) fn emit(&mut self, position: Vec2, impulse: Vec2, density: f64, power: f64) {
         let body = self.world.create_body(&BodyDef::dynamic(position, 0.0));
-        let shape = Shape::Circle { center: Vec2::zeros(), radius: RADIUS };
+        let shape = Shape::Circle {
+            center: Vec2::zeros(),
+            radius: RADIUS,
+        };
         self.world.create_fixture(
             body,
             &FixtureDef {
                 density: density as f32,
                 friction: 0.1,
                 restitution: 0.3,
-                filter: Filter { category: 0x0100, mask: 0x001 }, // touches the ground only
+                filter: Filter {
+                    category: 0x0100,
+                    mask: 0x001,
+                }, // touches the ground only
                 ..FixtureDef::new(shape)
             },
         );
@@ -64,26 +85,39 @@ impl Exhaust {
     }
 
     pub(super) fn step(&mut self) {
-        self.world.step((1.0 / FPS) as f32, VELOCITY_ITERATIONS, POSITION_ITERATIONS);
+        self.world
+            .step((1.0 / FPS) as f32, VELOCITY_ITERATIONS, POSITION_ITERATIONS);
     }
 
     /// Where the particles are that the next picture shows, and how long they then have to live.
     pub(super) fn visible(&self) -> impl Iterator<Item = (Vec2, f64)> + '_ {
-        let faded =
-            self.particles.iter().map(|particle| (self.world.position(particle.body), particle.ttl - FADING));
+        let faded = self
+            .particles
+            .iter()
+            .map(|particle| (self.world.position(particle.body), particle.ttl - FADING));
         faded.skip_while(|(_, ttl)| *ttl < 0.0)
     }
 
     /// A picture was taken.
     pub(super) fn fade(&mut self) {
-        self.particles.iter_mut().for_each(|particle| particle.ttl -= FADING);
-        let gone = self.particles.iter().take_while(|particle| particle.ttl < 0.0).count();
+        self.particles
+            .iter_mut()
+            .for_each(|particle| particle.ttl -= FADING);
+        let gone = self
+            .particles
+            .iter()
+            .take_while(|particle| particle.ttl < 0.0)
+            .count();
         for particle in self.particles.drain(..gone) {
             self.world.destroy_body(particle.body);
         }
     }
 
     pub(super) fn is_valid(&self) -> bool {
-        self.world.is_valid() && self.particles.iter().all(|particle| self.world.has_body(particle.body))
+        self.world.is_valid()
+            && self
+                .particles
+                .iter()
+                .all(|particle| self.world.has_body(particle.body))
     }
 }

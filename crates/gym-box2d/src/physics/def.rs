@@ -41,12 +41,20 @@ pub struct BodyDef {
 impl BodyDef {
     /// A body that moves.
     pub fn dynamic(position: Vec2, angle: f32) -> Self {
-        Self { dynamic: true, position, angle }
+        Self {
+            dynamic: true,
+            position,
+            angle,
+        }
     }
 
     /// A static body.
     pub fn fixed(position: Vec2, angle: f32) -> Self {
-        Self { dynamic: false, position, angle }
+        Self {
+            dynamic: false,
+            position,
+            angle,
+        }
     }
 }
 
@@ -92,7 +100,10 @@ impl Filter {
 impl Default for Filter {
     /// Category 1, touches all.
     fn default() -> Self {
-        Self { category: 0x0001, mask: 0xFFFF }
+        Self {
+            category: 0x0001,
+            mask: 0xFFFF,
+        }
     }
 }
 

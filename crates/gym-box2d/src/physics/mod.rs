@@ -29,7 +29,8 @@ mod world;
 pub(crate) use box2d::lanes::{Lanes, Place};
 pub(crate) use box2d::wide::LANES;
 pub use def::{
-    BodyDef, BodyId, ContactEvent, Filter, FixtureDef, FixtureId, JointId, RayHit, RevoluteJointDef, Shape,
+    BodyDef, BodyId, ContactEvent, Filter, FixtureDef, FixtureId, JointId, RayHit,
+    RevoluteJointDef, Shape,
 };
 pub use world::{Physics, World};
 

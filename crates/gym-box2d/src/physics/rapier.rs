@@ -33,10 +33,11 @@ use std::fmt;
 use rapier2d::math::{Pose as RapierPose, Rotation, Vector};
 use rapier2d::parry::mass_properties::MassProperties;
 use rapier2d::prelude::{
-    BroadPhaseBvh, CCDSolver, CoefficientCombineRule, ColliderBuilder, ColliderSet, GenericJointBuilder,
-    Group, ImpulseJointHandle, ImpulseJointSet, IntegrationParameters, InteractionGroups,
-    InteractionTestMode, IslandManager, JointAxesMask, JointAxis, MotorModel, MultibodyJointSet, NarrowPhase,
-    PhysicsPipeline, RigidBodyBuilder, RigidBodyHandle, RigidBodySet, SoftBodySet, SpringCoefficients,
+    BroadPhaseBvh, CCDSolver, CoefficientCombineRule, ColliderBuilder, ColliderSet,
+    GenericJointBuilder, Group, ImpulseJointHandle, ImpulseJointSet, IntegrationParameters,
+    InteractionGroups, InteractionTestMode, IslandManager, JointAxesMask, JointAxis, MotorModel,
+    MultibodyJointSet, NarrowPhase, PhysicsPipeline, RigidBodyBuilder, RigidBodyHandle,
+    RigidBodySet, SoftBodySet, SpringCoefficients,
 };
 use serde::{Deserialize, Serialize};
 
@@ -174,7 +175,11 @@ impl Rapier {
 
     pub(super) fn create_body(&mut self, def: &BodyDef) -> u32 {
         let id = self.scene.create_body(def);
-        let builder = if def.dynamic { RigidBodyBuilder::dynamic() } else { RigidBodyBuilder::fixed() };
+        let builder = if def.dynamic {
+            RigidBodyBuilder::dynamic()
+        } else {
+            RigidBodyBuilder::fixed()
+        };
         let pose = rapier_pose(&self.scene.bodies[id].xf);
         let handle = self.sets.bodies.insert(builder.pose(pose).can_sleep(false));
         place(&mut self.bodies, id, handle);
@@ -199,11 +204,14 @@ impl Rapier {
                 .restitution(def.restitution)
                 .restitution_combine_rule(CoefficientCombineRule::Max)
                 .collision_groups(groups);
-            self.sets.colliders.insert_with_parent(collider, handle, &mut self.sets.bodies);
+            self.sets
+                .colliders
+                .insert_with_parent(collider, handle, &mut self.sets.bodies);
         }
         let owner = &self.scene.bodies[body];
         if owner.dynamic {
-            let mass = MassProperties::new(vector(owner.sweep.local_center), owner.mass, owner.inertia);
+            let mass =
+                MassProperties::new(vector(owner.sweep.local_center), owner.mass, owner.inertia);
             self.sets.bodies[handle].set_additional_mass_properties(mass, true);
         }
         id
@@ -234,9 +242,27 @@ impl Rapier {
     }
 
     pub(super) fn destroy_body(&mut self, id: u32) {
-        let Work { multibodies, soft_bodies, .. } = &mut *self.work;
-        let Sets { bodies, colliders, joints, islands, .. } = &mut *self.sets;
-        bodies.remove(self.bodies[id as usize], islands, colliders, joints, multibodies, soft_bodies, true);
+        let Work {
+            multibodies,
+            soft_bodies,
+            ..
+        } = &mut *self.work;
+        let Sets {
+            bodies,
+            colliders,
+            joints,
+            islands,
+            ..
+        } = &mut *self.sets;
+        bodies.remove(
+            self.bodies[id as usize],
+            islands,
+            colliders,
+            joints,
+            multibodies,
+            soft_bodies,
+            true,
+        );
         self.scene.destroy_body(id);
     }
 
@@ -249,7 +275,12 @@ impl Rapier {
         self.scene.update_contacts();
         if dt > 0.0 {
             let ratio = self.scene.inv_dt0 * dt;
-            let step = TimeStep { dt, ratio, velocity_iterations, position_iterations };
+            let step = TimeStep {
+                dt,
+                ratio,
+                velocity_iterations,
+                position_iterations,
+            };
             self.start(&step);
             self.advance(&step);
             self.finish(&step);
@@ -264,7 +295,13 @@ impl Rapier {
 
     /// Finds the islands, turns forces into speed, and applies the last impulses of hinges.
     fn start(&mut self, step: &TimeStep) {
-        let Self { scene, sets, bodies, joints, work } = self;
+        let Self {
+            scene,
+            sets,
+            bodies,
+            joints,
+            work,
+        } = self;
         work.spare.append(&mut work.islands);
         scene.forget_islands();
         for i in (0..scene.dynamic.len()).rev() {
@@ -293,13 +330,19 @@ impl Rapier {
             }
         }
         for (id, joint) in scene.joints.iter() {
-            let Some(rapier) = sets.joints.get_mut(joints[id as usize], false) else { continue };
+            let Some(rapier) = sets.joints.get_mut(joints[id as usize], false) else {
+                continue;
+            };
             rapier.impulses = Default::default();
             rapier.data.limits[2].impulse *= step.ratio;
             rapier.data.motors[2].impulse *= step.ratio;
             if joint.motor {
-                rapier.data.set_motor_velocity(JointAxis::AngX, joint.motor_speed, MOTOR_DAMPING);
-                rapier.data.set_motor_max_force(JointAxis::AngX, joint.max_motor_torque);
+                rapier
+                    .data
+                    .set_motor_velocity(JointAxis::AngX, joint.motor_speed, MOTOR_DAMPING);
+                rapier
+                    .data
+                    .set_motor_max_force(JointAxis::AngX, joint.max_motor_torque);
             }
         }
     }
@@ -307,18 +350,43 @@ impl Rapier {
     /// As many sweeps as Box2D; fewer if nothing touches and every joint rests at a limit, where the last
     /// impulses are right already.
     fn sweeps(&self, step: &TimeStep) -> usize {
-        let mut joints = self.work.islands.iter().flat_map(|island| &island.joint_constraints);
+        let mut joints = self
+            .work
+            .islands
+            .iter()
+            .flat_map(|island| &island.joint_constraints);
         let loose = joints.any(|joint| joint.limit_state == LimitState::Inactive)
-            || self.scene.contacts.iter().any(|contact| contact.touching && !contact.sensor);
+            || self
+                .scene
+                .contacts
+                .iter()
+                .any(|contact| contact.touching && !contact.sensor);
         let sweeps = step.velocity_iterations as usize;
-        if loose { sweeps } else { sweeps.div_ceil(5).saturating_mul(2) }
+        if loose {
+            sweeps
+        } else {
+            sweeps.div_ceil(5).saturating_mul(2)
+        }
     }
 
     /// rapier's step.
     fn advance(&mut self, step: &TimeStep) {
         let parameters = parameters(step.dt, self.sweeps(step));
-        let Work { pipeline, ccd, multibodies, soft_bodies, .. } = &mut *self.work;
-        let Sets { bodies, colliders, joints, islands, broad_phase, narrow_phase } = &mut *self.sets;
+        let Work {
+            pipeline,
+            ccd,
+            multibodies,
+            soft_bodies,
+            ..
+        } = &mut *self.work;
+        let Sets {
+            bodies,
+            colliders,
+            joints,
+            islands,
+            broad_phase,
+            narrow_phase,
+        } = &mut *self.sets;
         pipeline.step(
             Vector::ZERO, // it is part of the speed already
             &parameters,
@@ -338,14 +406,26 @@ impl Rapier {
 
     /// Takes over impulses and velocities, and moves along them by Box2D's rules.
     fn finish(&mut self, step: &TimeStep) {
-        let Self { scene, sets, bodies, joints, work } = self;
+        let Self {
+            scene,
+            sets,
+            bodies,
+            joints,
+            work,
+        } = self;
         for island in &mut work.islands {
             for constraint in &island.joint_constraints {
-                let Some(rapier) = sets.joints.get(joints[constraint.joint as usize]) else { continue };
+                let Some(rapier) = sets.joints.get(joints[constraint.joint as usize]) else {
+                    continue;
+                };
                 let joint = &mut scene.joints[constraint.joint];
                 let rows = [rapier.impulses[0], rapier.impulses[1]];
-                let added =
-                    hinge_impulse(joint, &scene.bodies[joint.body_a], &scene.bodies[joint.body_b], rows);
+                let added = hinge_impulse(
+                    joint,
+                    &scene.bodies[joint.body_a],
+                    &scene.bodies[joint.body_b],
+                    rows,
+                );
                 joint.impulse = constraint.impulse;
                 joint.impulse.x += added.x;
                 joint.impulse.y += added.y;
@@ -355,7 +435,10 @@ impl Rapier {
                 if scene.bodies[*id].dynamic {
                     let rapier = &sets.bodies[bodies[*id as usize]];
                     let v = rapier.linvel();
-                    *velocity = Velocity { v: vec2(v.x, v.y), w: rapier.angvel() };
+                    *velocity = Velocity {
+                        v: vec2(v.x, v.y),
+                        w: rapier.angvel(),
+                    };
                 }
             }
             island.move_on(scene, step);
@@ -365,7 +448,8 @@ impl Rapier {
         scene.solve_toi(&mut island, step);
         work.spare.push(island);
         for id in &scene.dynamic {
-            sets.bodies[bodies[*id as usize]].set_position(rapier_pose(&scene.bodies[*id].xf), false);
+            sets.bodies[bodies[*id as usize]]
+                .set_position(rapier_pose(&scene.bodies[*id].xf), false);
         }
     }
 
@@ -426,10 +510,14 @@ impl Rapier {
     /// holds is taken as it is.
     pub(super) fn is_valid(&self) -> bool {
         let body = |(id, _)| {
-            self.bodies.get(id as usize).is_some_and(|handle| self.sets.bodies.get(*handle).is_some())
+            self.bodies
+                .get(id as usize)
+                .is_some_and(|handle| self.sets.bodies.get(*handle).is_some())
         };
         let joint = |(id, _)| {
-            self.joints.get(id as usize).is_some_and(|handle| self.sets.joints.get(*handle).is_some())
+            self.joints
+                .get(id as usize)
+                .is_some_and(|handle| self.sets.joints.get(*handle).is_some())
         };
         self.scene.is_valid()
             && self.scene.bodies.iter().map(|(id, _)| (id, ())).all(body)
@@ -450,9 +538,13 @@ mod text {
         serializer.serialize_str(&serde_json::to_string(sets).map_err(S::Error::custom)?)
     }
 
-    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Box<Sets>, D::Error> {
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Box<Sets>, D::Error> {
         let text = String::deserialize(deserializer)?;
-        serde_json::from_str(&text).map(Box::new).map_err(D::Error::custom)
+        serde_json::from_str(&text)
+            .map(Box::new)
+            .map_err(D::Error::custom)
     }
 }
 
@@ -469,9 +561,9 @@ fn place<T: Copy>(list: &mut Vec<T>, slot: u32, value: T) {
 fn collider(shape: &Geometry) -> Option<ColliderBuilder> {
     let vertices = shape.vertices();
     match shape.kind {
-        Kind::Circle => {
-            Some(ColliderBuilder::ball(shape.radius).position(RapierPose::new(vector(vertices[0]), 0.0)))
-        }
+        Kind::Circle => Some(
+            ColliderBuilder::ball(shape.radius).position(RapierPose::new(vector(vertices[0]), 0.0)),
+        ),
         Kind::Edge => {
             let [a, b] = [0, 1].map(|i| vector(vertices[i]));
             Some(ColliderBuilder::capsule_from_endpoints(a, b, shape.radius))

@@ -10,7 +10,8 @@ use super::box2d::lanes::{Lanes, Place};
 #[cfg(feature = "rapier")]
 use super::rapier::Rapier;
 use super::{
-    BodyDef, BodyId, ContactEvent, FixtureDef, FixtureId, JointId, Pose, RayHit, RevoluteJointDef, Vec2,
+    BodyDef, BodyId, ContactEvent, FixtureDef, FixtureId, JointId, Pose, RayHit, RevoluteJointDef,
+    Vec2,
 };
 
 /// Which engine moves a world.
@@ -45,7 +46,9 @@ impl TryFrom<String> for Physics {
             "rapier" => Ok(Self::Rapier),
             #[cfg(not(feature = "rapier"))]
             "rapier" => Err("this build lacks rapier2d: build with the feature `rapier`".into()),
-            _ => Err(format!("`{name}` is not an engine: choose `box2d` or `rapier`")),
+            _ => Err(format!(
+                "`{name}` is not an engine: choose `box2d` or `rapier`"
+            )),
         }
     }
 }
@@ -71,7 +74,10 @@ pub struct World {
 
 impl Clone for World {
     fn clone(&self) -> Self {
-        Self { engine: self.engine.clone(), island: None }
+        Self {
+            engine: self.engine.clone(),
+            island: None,
+        }
     }
 }
 
@@ -106,7 +112,10 @@ impl World {
             #[cfg(feature = "rapier")]
             Physics::Rapier => Engine::Rapier(Box::new(Rapier::new(gravity))),
         };
-        Self { engine, island: None }
+        Self {
+            engine,
+            island: None,
+        }
     }
 
     /// The memory of a world of Box2D's.
@@ -138,7 +147,10 @@ impl World {
             #[cfg(feature = "rapier")]
             Engine::Rapier(_) => {
                 for pair in points.windows(2) {
-                    let edge = FixtureDef { friction, ..FixtureDef::new(Shape::Edge(pair[0], pair[1])) };
+                    let edge = FixtureDef {
+                        friction,
+                        ..FixtureDef::new(Shape::Edge(pair[0], pair[1]))
+                    };
                     let body = self.create_body(&BodyDef::fixed(Vec2::zeros(), 0.0));
                     self.create_fixture(body, &edge);
                 }
@@ -180,7 +192,9 @@ impl World {
     ) -> Place {
         self.island = None;
         match &mut self.engine {
-            Engine::Box2d(world) => lanes.begin(world, dt, velocity_iterations, position_iterations),
+            Engine::Box2d(world) => {
+                lanes.begin(world, dt, velocity_iterations, position_iterations)
+            }
             #[cfg(feature = "rapier")]
             Engine::Rapier(world) => {
                 world.step(dt, velocity_iterations, position_iterations);

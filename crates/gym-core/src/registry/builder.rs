@@ -52,7 +52,9 @@ impl EnvBuilder {
     }
 
     fn change(self, change: impl FnOnce(EnvSpec) -> Result<EnvSpec>) -> Self {
-        Self { spec: self.spec.and_then(change) }
+        Self {
+            spec: self.spec.and_then(change),
+        }
     }
 
     /// Sets a constructor argument. As in Gymnasium, `render_mode`, `max_episode_steps` (-1 for no limit) and
@@ -75,32 +77,57 @@ impl EnvBuilder {
     /// The mode of [`render`](crate::EnvExt::render).
     #[must_use]
     pub fn render_mode(self, mode: RenderMode) -> Self {
-        self.change(|spec| Ok(EnvSpec { render_mode: Some(mode), ..spec }))
+        self.change(|spec| {
+            Ok(EnvSpec {
+                render_mode: Some(mode),
+                ..spec
+            })
+        })
     }
 
     /// Width and height of rendered frames.
     #[must_use]
     pub fn render_size(self, width: u32, height: u32) -> Self {
-        self.change(|spec| Ok(EnvSpec { render_size: Some((width, height)), ..spec }))
+        self.change(|spec| {
+            Ok(EnvSpec {
+                render_size: Some((width, height)),
+                ..spec
+            })
+        })
     }
 
     /// Truncates episodes after this number of steps instead of the registered one; `None` for no
     /// limit.
     #[must_use]
     pub fn max_episode_steps(self, steps: impl Into<Option<u32>>) -> Self {
-        self.change(|spec| Ok(EnvSpec { max_episode_steps: steps.into(), ..spec }))
+        self.change(|spec| {
+            Ok(EnvSpec {
+                max_episode_steps: steps.into(),
+                ..spec
+            })
+        })
     }
 
     /// Leaves out the passive checker.
     #[must_use]
     pub fn disable_env_checker(self, disable: bool) -> Self {
-        self.change(|spec| Ok(EnvSpec { disable_env_checker: disable, ..spec }))
+        self.change(|spec| {
+            Ok(EnvSpec {
+                disable_env_checker: disable,
+                ..spec
+            })
+        })
     }
 
     /// `false` leaves out the check for calls before `reset` and after `close`.
     #[must_use]
     pub fn order_enforce(self, enforce: bool) -> Self {
-        self.change(|spec| Ok(EnvSpec { order_enforce: enforce, ..spec }))
+        self.change(|spec| {
+            Ok(EnvSpec {
+                order_enforce: enforce,
+                ..spec
+            })
+        })
     }
 
     /// Puts a wrapper around all others.
@@ -143,7 +170,9 @@ impl EnvSpec {
     /// them.
     fn take_arguments_of_make(&mut self) -> Result<()> {
         self.render_mode = self.take("render_mode")?.or(self.render_mode);
-        self.disable_env_checker = self.take("disable_env_checker")?.unwrap_or(self.disable_env_checker);
+        self.disable_env_checker = self
+            .take("disable_env_checker")?
+            .unwrap_or(self.disable_env_checker);
         self.max_episode_steps = match self.take::<i64>("max_episode_steps")? {
             None => self.max_episode_steps,
             Some(-1) => None,
@@ -156,8 +185,9 @@ impl EnvSpec {
     /// Removes a constructor argument.
     fn take<T: DeserializeOwned>(&mut self, name: &str) -> Result<Option<T>> {
         let parse = |value| {
-            serde_json::from_value(value)
-                .map_err(|error| Error::argument(format!("`{}`: {name}", self.id), error.to_string()))
+            serde_json::from_value(value).map_err(|error| {
+                Error::argument(format!("`{}`: {name}", self.id), error.to_string())
+            })
         };
         self.kwargs.remove(name).map(parse).transpose()
     }

@@ -31,7 +31,11 @@ pub struct EnvId {
 impl EnvId {
     /// Namespace and name, without version.
     pub fn unversioned(&self) -> String {
-        Self { version: None, ..self.clone() }.to_string()
+        Self {
+            version: None,
+            ..self.clone()
+        }
+        .to_string()
     }
 
     /// Whether the other id has the same namespace and name.
@@ -52,7 +56,9 @@ impl FromStr for EnvId {
         };
         let (name, version) = match rest.rsplit_once("-v") {
             Some((name, digits))
-                if !name.is_empty() && !digits.is_empty() && digits.bytes().all(|b| b.is_ascii_digit()) =>
+                if !name.is_empty()
+                    && !digits.is_empty()
+                    && digits.bytes().all(|b| b.is_ascii_digit()) =>
             {
                 (name, Some(digits.parse().map_err(|_| malformed())?))
             }
@@ -64,7 +70,11 @@ impl FromStr for EnvId {
         if !valid {
             return Err(malformed());
         }
-        Ok(Self { namespace: namespace.map(str::to_owned), name: name.to_owned(), version })
+        Ok(Self {
+            namespace: namespace.map(str::to_owned),
+            name: name.to_owned(),
+            version,
+        })
     }
 }
 
@@ -87,7 +97,12 @@ pub(crate) fn nearest<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> O
     const CUTOFF: f64 = 0.6; // that of Gymnasium's suggestions
     let name = name.to_lowercase();
     known
-        .map(|other| (strsim::normalized_damerau_levenshtein(&name, &other.to_lowercase()), other))
+        .map(|other| {
+            (
+                strsim::normalized_damerau_levenshtein(&name, &other.to_lowercase()),
+                other,
+            )
+        })
         .filter(|(similarity, _)| *similarity >= CUTOFF)
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, other)| other)
@@ -107,12 +122,23 @@ mod tests {
         assert_eq!(id("-v1").name, "-v1");
         assert_eq!(id("X-vy").name, "X-vy");
         // digits followed by more characters are not a version
-        assert_eq!((id("X-v1a").name.as_str(), id("X-v1a").version), ("X-v1a", None));
+        assert_eq!(
+            (id("X-v1a").name.as_str(), id("X-v1a").version),
+            ("X-v1a", None)
+        );
     }
 
     #[test]
     fn malformed() {
-        for text in ["", "CartPole v1", "/CartPole-v1", "a/", "a/b/C-v1", "a b/C-v1", "C-v99999999999"] {
+        for text in [
+            "",
+            "CartPole v1",
+            "/CartPole-v1",
+            "a/",
+            "a/b/C-v1",
+            "a b/C-v1",
+            "C-v99999999999",
+        ] {
             assert!(text.parse::<EnvId>().is_err(), "{text:?}");
         }
     }

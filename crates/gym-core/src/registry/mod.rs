@@ -17,7 +17,9 @@ use std::sync::{LazyLock, PoisonError, RwLock};
 
 pub use builder::{EnvBuilder, builder, make};
 pub use id::EnvId;
-pub use registration::{Clip, Configure, Need, NoArguments, Registration, Source, VectorEntryPoint};
+pub use registration::{
+    Clip, Configure, Need, NoArguments, Registration, Source, VectorEntryPoint,
+};
 pub use spec::{EnvSpec, WrapperSpec};
 pub use vector::{Each, VectorBuilder, VectorKind, VectorSpec, make_vec};
 pub use wrappers::{WrapEnv, WrapVector, WrapperConfig, WrapperRegistration, wrappers};
@@ -58,7 +60,12 @@ fn with_table<R>(f: impl FnOnce(&mut Table) -> R) -> R {
 /// with a version and this id has none, or the reverse.
 pub fn register(registration: Registration) -> Result<()> {
     let id: EnvId = registration.id().parse()?;
-    let refuse = |reason: String| Err(Error::Registration { id: id.to_string(), reason });
+    let refuse = |reason: String| {
+        Err(Error::Registration {
+            id: id.to_string(),
+            reason,
+        })
+    };
     with_table(|table| {
         if table.contains_key(&id) {
             return refuse("the id is taken: choose another, or a namespace of your own".into());
@@ -67,7 +74,9 @@ pub fn register(registration: Registration) -> Result<()> {
             .keys()
             .find(|other| other.same_name(&id) && other.version.is_some() != id.version.is_some());
         if let Some(other) = other {
-            return refuse(format!("`{other}` exists: give all ids of a name a version, or none"));
+            return refuse(format!(
+                "`{other}` exists: give all ids of a name a version, or none"
+            ));
         }
         table.insert(id.clone(), vec![registration]);
         Ok(())
@@ -81,7 +90,10 @@ pub fn all() -> Vec<Registration> {
 
 /// As [`all`], without environments that have external requirements; see [`Registration::needs`].
 pub fn self_contained() -> Vec<Registration> {
-    all().into_iter().filter(|registration| registration.needs.is_none()).collect()
+    all()
+        .into_iter()
+        .filter(|registration| registration.needs.is_none())
+        .collect()
 }
 
 /// The registration of an id.
@@ -94,8 +106,14 @@ pub fn find(id: &str) -> Result<Registration> {
     with_table(|table| match table.get(&id).map(Vec::as_slice) {
         Some([registration]) => Ok(registration.clone()),
         Some(duplicates) => {
-            let crates: Vec<_> = duplicates.iter().map(|registration| registration.source.package).collect();
-            Err(Error::Duplicate { id: id.to_string(), crates: crates.join(", ") })
+            let crates: Vec<_> = duplicates
+                .iter()
+                .map(|registration| registration.source.package)
+                .collect();
+            Err(Error::Duplicate {
+                id: id.to_string(),
+                crates: crates.join(", "),
+            })
         }
         None => Err(not_found(table, &id)),
     })
@@ -108,8 +126,16 @@ pub fn find(id: &str) -> Result<Registration> {
 /// The errors of [`find`].
 pub fn resolve(id: &str) -> Result<(Registration, Option<String>)> {
     let asked: EnvId = id.parse()?;
-    let newest = with_table(|table| table.keys().filter(|other| other.same_name(&asked)).max().cloned());
-    let Some(newest) = newest else { return find(id).map(|registration| (registration, None)) };
+    let newest = with_table(|table| {
+        table
+            .keys()
+            .filter(|other| other.same_name(&asked))
+            .max()
+            .cloned()
+    });
+    let Some(newest) = newest else {
+        return find(id).map(|registration| (registration, None));
+    };
     if asked.version.is_none() && newest.version.is_some() {
         let note = format!("using the latest version `{newest}` of the unversioned `{asked}`");
         return Ok((find(&newest.to_string())?, Some(note)));
@@ -146,34 +172,62 @@ fn not_found(table: &Table, id: &EnvId) -> Error {
     }
     let versions: Vec<_> = table.keys().filter(|other| other.same_name(id)).collect();
     let Some(newest) = versions.last() else {
-        let known: Vec<_> = table.keys().filter(|other| other.namespace == id.namespace).collect();
+        let known: Vec<_> = table
+            .keys()
+            .filter(|other| other.namespace == id.namespace)
+            .collect();
         let near = nearest(&id.name, known.iter().map(|other| other.name.as_str()));
         // the same name in another namespace
         let elsewhere = || {
-            let mut ids = table.keys().rev().filter(|other| other.name.eq_ignore_ascii_case(&id.name));
+            let mut ids = table
+                .keys()
+                .rev()
+                .filter(|other| other.name.eq_ignore_ascii_case(&id.name));
             let newest = ids.clone().next();
             ids.find(|other| other.version == id.version).or(newest)
         };
         // of the similar name, the requested version, else the newest
         let near = near.and_then(|name| {
-            let mut ids = known.iter().copied().rev().filter(|other| other.name == name);
+            let mut ids = known
+                .iter()
+                .copied()
+                .rev()
+                .filter(|other| other.name == name);
             let newest = ids.clone().next();
             ids.find(|other| other.version == id.version).or(newest)
         });
-        let near = elsewhere().or(near).map(|near| format!(": did you mean `{near}`?"));
+        let near = elsewhere()
+            .or(near)
+            .map(|near| format!(": did you mean `{near}`?"));
         let hint = format!("{} ({})", near.unwrap_or_default(), crates());
-        return Error::NameNotFound { id: id.to_string(), hint };
+        return Error::NameNotFound {
+            id: id.to_string(),
+            hint,
+        };
     };
     match id.version {
         Some(version) if newest.version.is_some_and(|newest| version < newest) => {
-            Error::DeprecatedVersion { name: id.unversioned(), version, latest: newest.to_string() }
+            Error::DeprecatedVersion {
+                name: id.unversioned(),
+                version,
+                latest: newest.to_string(),
+            }
         }
         version => {
             // `Pong-v5` is there as `ALE/Pong-v5`
-            let elsewhere = table.keys().filter(|other| other.name == id.name && other.version == id.version);
-            let available = versions.into_iter().chain(elsewhere).map(|id| format!("`{id}`"));
+            let elsewhere = table
+                .keys()
+                .filter(|other| other.name == id.name && other.version == id.version);
+            let available = versions
+                .into_iter()
+                .chain(elsewhere)
+                .map(|id| format!("`{id}`"));
             let available = available.collect::<Vec<_>>().join(", ");
-            Error::VersionNotFound { name: id.unversioned(), version, available }
+            Error::VersionNotFound {
+                name: id.unversioned(),
+                version,
+                available,
+            }
         }
     }
 }
@@ -188,8 +242,14 @@ pub fn pretty(columns: usize) -> String {
     }
     let mut text = String::new();
     for (crate_name, (requirement, ids)) in groups {
-        let title = if crate_name.is_empty() { "registered at run time" } else { crate_name };
-        let needs = requirement.map(|what| format!(" (needs {what})")).unwrap_or_default();
+        let title = if crate_name.is_empty() {
+            "registered at run time"
+        } else {
+            crate_name
+        };
+        let needs = requirement
+            .map(|what| format!(" (needs {what})"))
+            .unwrap_or_default();
         text += &format!("===== {title}{needs} =====\n");
         let width = ids.iter().map(String::len).max().unwrap_or(0);
         for row in ids.chunks(columns.max(1)) {

@@ -174,7 +174,11 @@ impl Registration {
     const fn with_id<E: Configure>(id: Cow<'static, str>) -> Self {
         Self {
             id,
-            source: Source { package: "", module: "", file: "" },
+            source: Source {
+                package: "",
+                module: "",
+                file: "",
+            },
             description: "",
             reset_options: &[],
             exceptions: &[],
@@ -198,8 +202,17 @@ impl Registration {
 
     /// The package, module and file; [`register!`](crate::register!) fills them in.
     #[must_use]
-    pub const fn source(mut self, package: &'static str, module: &'static str, file: &'static str) -> Self {
-        self.source = Source { package, module, file };
+    pub const fn source(
+        mut self,
+        package: &'static str,
+        module: &'static str,
+        file: &'static str,
+    ) -> Self {
+        self.source = Source {
+            package,
+            module,
+            file,
+        };
         self
     }
 
@@ -358,10 +371,11 @@ impl Registration {
     /// # Errors
     /// [`Error::Registration`] if its arguments are not a JSON object.
     pub fn spec(&self) -> Result<EnvSpec> {
-        let kwargs: Kwargs = serde_json::from_str(self.kwargs).map_err(|error| Error::Registration {
-            id: self.id.to_string(),
-            reason: format!("its arguments are not a JSON object: {error}"),
-        })?;
+        let kwargs: Kwargs =
+            serde_json::from_str(self.kwargs).map_err(|error| Error::Registration {
+                id: self.id.to_string(),
+                reason: format!("its arguments are not a JSON object: {error}"),
+            })?;
         Ok(EnvSpec {
             id: self.id.to_string(),
             reward_threshold: self.reward_threshold,
@@ -401,13 +415,16 @@ fn construct<E: Configure>(registration: &Registration, spec: &EnvSpec) -> Resul
     }
     let config = config()?;
     let json = |config: &E::Config| {
-        serde_json::to_value(config).map_err(|error| Error::argument(whose.clone(), error.to_string()))
+        serde_json::to_value(config)
+            .map_err(|error| Error::argument(whose.clone(), error.to_string()))
     };
     let asked = json(&config)?;
     let env = E::configure(config, version)?;
     let mut spec = spec.clone();
     if let Some(Json::Object(decided)) = env.config().map(json).transpose()? {
-        let by_chance = decided.into_iter().filter(|(name, value)| asked.get(name) != Some(value));
+        let by_chance = decided
+            .into_iter()
+            .filter(|(name, value)| asked.get(name) != Some(value));
         spec.kwargs.extend(by_chance);
     }
     stack(env, Renders::Drawings, &spec, options)

@@ -57,9 +57,15 @@ impl EnvSpec {
 
     /// The steps after which the outermost time limit truncates an episode.
     pub fn time_limit(&self) -> Option<u32> {
-        let outermost = self.additional_wrappers.iter().rev().find(|wrapper| wrapper.name == "TimeLimit");
+        let outermost = self
+            .additional_wrappers
+            .iter()
+            .rev()
+            .find(|wrapper| wrapper.name == "TimeLimit");
         let limit = outermost.and_then(|wrapper| wrapper.kwargs.get("max_episode_steps")?.as_u64());
-        limit.and_then(|limit| u32::try_from(limit).ok()).or(self.max_episode_steps)
+        limit
+            .and_then(|limit| u32::try_from(limit).ok())
+            .or(self.max_episode_steps)
     }
 
     /// The spec of this environment in one more wrapper.
@@ -68,7 +74,8 @@ impl EnvSpec {
         // a list mode means a `RenderCollection` outside all other wrappers; the new wrapper is outside it
         if let Some(mode) = self.render_mode.filter(|mode| mode.is_list()) {
             self.render_mode = Some(mode.single());
-            self.additional_wrappers.push(WrapperSpec::new("RenderCollection"));
+            self.additional_wrappers
+                .push(WrapperSpec::new("RenderCollection"));
         }
         self.additional_wrappers.push(wrapper);
         self
@@ -88,7 +95,10 @@ pub struct WrapperSpec {
 impl WrapperSpec {
     /// A wrapper without arguments.
     pub fn new(name: &str) -> Self {
-        Self { name: name.to_owned(), kwargs: Kwargs::new() }
+        Self {
+            name: name.to_owned(),
+            kwargs: Kwargs::new(),
+        }
     }
 
     /// Adds an argument.

@@ -33,8 +33,14 @@ pub(super) fn stack<E: Env>(
         additional_wrappers: Vec::new(),
         ..spec.clone()
     };
-    let env = Registered { env, spec: Arc::new(bare), options };
-    let (Some(mode), Renders::Drawings) = (spec.render_mode, renders) else { return guarded(env, spec) };
+    let env = Registered {
+        env,
+        spec: Arc::new(bare),
+        options,
+    };
+    let (Some(mode), Renders::Drawings) = (spec.render_mode, renders) else {
+        return guarded(env, spec);
+    };
     let mut render = Render::new(env, mode.single())?;
     if let Some((width, height)) = spec.render_size {
         render = render.with_size(width, height)?;
@@ -46,9 +52,17 @@ pub(super) fn stack<E: Env>(
 /// An environment in the rest of its stack. The usual stack is one type, erased once, so that a step
 /// converts its action and observation once and not in each wrapper.
 fn guarded<E: Env>(env: E, spec: &EnvSpec) -> Result<BoxEnv> {
-    let EnvSpec { disable_env_checker, order_enforce, max_episode_steps, .. } = *spec;
+    let EnvSpec {
+        disable_env_checker,
+        order_enforce,
+        max_episode_steps,
+        ..
+    } = *spec;
     if !disable_env_checker && order_enforce {
-        return limited(OrderEnforcing::new(PassiveEnvChecker::new(env)), max_episode_steps);
+        return limited(
+            OrderEnforcing::new(PassiveEnvChecker::new(env)),
+            max_episode_steps,
+        );
     }
     let mut env = BoxEnv::new(env);
     if !disable_env_checker {
@@ -96,7 +110,11 @@ impl<E: Env> crate::Wrapper for Registered<E> {
     }
 
     #[inline]
-    fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
+    fn step_into(
+        &mut self,
+        action: &E::Action,
+        observation: &mut E::Observation,
+    ) -> Result<Outcome> {
         self.env.step_into(action, observation)
     }
 

@@ -70,10 +70,16 @@ impl FromStr for VectorKind {
     type Err = Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        Self::ALL.into_iter().find(|kind| kind.name() == text).ok_or_else(|| {
-            let names = Self::ALL.map(Self::name).join(", ");
-            Error::argument("kind", format!("unknown kind of vector `{text}`: the kinds are {names}"))
-        })
+        Self::ALL
+            .into_iter()
+            .find(|kind| kind.name() == text)
+            .ok_or_else(|| {
+                let names = Self::ALL.map(Self::name).join(", ");
+                Error::argument(
+                    "kind",
+                    format!("unknown kind of vector `{text}`: the kinds are {names}"),
+                )
+            })
     }
 }
 
@@ -121,24 +127,36 @@ pub enum Each {
 impl Each {
     /// The bounds of a range.
     pub fn range(&self) -> Option<(f64, f64)> {
-        if let Self::Range { low, high } = *self { Some((low, high)) } else { None }
+        if let Self::Range { low, high } = *self {
+            Some((low, high))
+        } else {
+            None
+        }
     }
 
     /// The value of a sub-environment, if it is a number in a list.
     pub fn number(&self, index: usize) -> Option<f64> {
-        if let Self::Values(values) = self { values.get(index)?.as_f64() } else { None }
+        if let Self::Values(values) = self {
+            values.get(index)?.as_f64()
+        } else {
+            None
+        }
     }
 
     /// Refuses a list whose length is not `num_envs`, and an invalid range.
     pub fn check(&self, name: &str, num_envs: usize) -> Result<()> {
         match self {
             Self::Values(values) if values.len() != num_envs => {
-                let reason = format!("there are {} values for {num_envs} environments", values.len());
+                let reason = format!(
+                    "there are {} values for {num_envs} environments",
+                    values.len()
+                );
                 Err(Error::argument(name, reason))
             }
             Self::Range { low, high } if !(low.is_finite() && high.is_finite() && low <= high) => {
-                let reason =
-                    format!("the range from {low:?} to {high:?} needs finite ends, the lower one first");
+                let reason = format!(
+                    "the range from {low:?} to {high:?} needs finite ends, the lower one first"
+                );
                 Err(Error::argument(name, reason))
             }
             _ => Ok(()),
@@ -159,7 +177,12 @@ impl<T: Into<Json>, const N: usize> From<[T; N]> for Each {
 }
 
 impl From<Range<f64>> for Each {
-    fn from(Range { start: low, end: high }: Range<f64>) -> Self {
+    fn from(
+        Range {
+            start: low,
+            end: high,
+        }: Range<f64>,
+    ) -> Self {
         Self::Range { low, high }
     }
 }
@@ -181,7 +204,10 @@ impl VectorSpec {
     /// The same with another autoreset mode.
     #[must_use]
     pub fn autoreset(self, autoreset: Autoreset) -> Self {
-        Self { autoreset_mode: autoreset, ..self }
+        Self {
+            autoreset_mode: autoreset,
+            ..self
+        }
     }
 
     /// The spec of this vector in one more wrapper.
@@ -210,7 +236,8 @@ impl VectorSpec {
         let mut env = self.env.clone();
         for (name, each) in &self.each {
             if let Each::Values(values) = each {
-                env.kwargs.extend(values.get(index).map(|value| (name.clone(), value.clone())));
+                env.kwargs
+                    .extend(values.get(index).map(|value| (name.clone(), value.clone())));
             }
         }
         env
@@ -228,7 +255,9 @@ impl VectorSpec {
         let observation = first.observation_space();
         let bytes = slot::slot_bytes::<BoxEnv>(&observation) + ENV_BYTES;
         size::check(self.num_envs, &observation, &first.action_space(), bytes)?;
-        std::iter::once(Ok(first)).chain((1..self.num_envs).map(make)).collect()
+        std::iter::once(Ok(first))
+            .chain((1..self.num_envs).map(make))
+            .collect()
     }
 
     /// Makes the vector in its wrappers.
@@ -236,22 +265,33 @@ impl VectorSpec {
     /// # Errors
     /// The errors of [`make_vec`], and one for an unknown wrapper.
     pub fn make(&self) -> Result<Box<dyn VectorEnv>> {
-        self.vector_wrappers.iter().try_fold(self.make_bare()?, |envs, wrapper| wrapper.wrap_vector(envs))
+        self.vector_wrappers
+            .iter()
+            .try_fold(self.make_bare()?, |envs, wrapper| wrapper.wrap_vector(envs))
     }
 
     /// Makes the vector without wrappers around it.
     fn make_bare(&self) -> Result<Box<dyn VectorEnv>> {
-        let spec = Self { vector_wrappers: Vec::new(), ..self.clone() };
+        let spec = Self {
+            vector_wrappers: Vec::new(),
+            ..self.clone()
+        };
         match self.vectorization_mode {
             VectorKind::Sync => {
                 let vector = SyncVectorEnv::new(self.envs()?)?;
-                Ok(Box::new(vector.with_autoreset(self.autoreset_mode).with_spec(spec)))
+                Ok(Box::new(
+                    vector.with_autoreset(self.autoreset_mode).with_spec(spec),
+                ))
             }
             VectorKind::Async => Ok(Box::new(self.make_async()?)),
             VectorKind::Native => {
                 let id = &self.env.id;
-                let refuse =
-                    |reason: &str| Err(Error::argument(format!("a native vector of `{id}`"), reason));
+                let refuse = |reason: &str| {
+                    Err(Error::argument(
+                        format!("a native vector of `{id}`"),
+                        reason,
+                    ))
+                };
                 let Some(entry_point) = find(id)?.vector_entry_point else {
                     return refuse("there is none for this id: use kind sync or async");
                 };
@@ -271,15 +311,20 @@ impl VectorSpec {
     pub fn make_async(&self) -> Result<AsyncVectorEnv> {
         let mut vector = AsyncVectorEnv::new(self.envs()?)?;
         // (a wrapper may change the action that a step is begun with)
-        let ahead = find(&self.env.id)?.ahead().filter(|_| self.env.additional_wrappers.is_empty());
+        let ahead = find(&self.env.id)?
+            .ahead()
+            .filter(|_| self.env.additional_wrappers.is_empty());
         if let Some(ahead) = ahead {
             vector = vector.with_ahead(ahead)?;
         }
         if let Some(threads) = self.threads {
             vector = vector.with_threads(threads)?;
         }
-        let spec =
-            Self { vectorization_mode: VectorKind::Async, vector_wrappers: Vec::new(), ..self.clone() };
+        let spec = Self {
+            vectorization_mode: VectorKind::Async,
+            vector_wrappers: Vec::new(),
+            ..self.clone()
+        };
         Ok(vector.with_autoreset(self.autoreset_mode).with_spec(spec))
     }
 }
@@ -310,8 +355,13 @@ impl EnvBuilder {
     /// ```
     pub fn vector(self, num_envs: usize) -> VectorBuilder {
         // a placeholder until a kind is chosen
-        let spec = self.spec().map(|env| VectorSpec::new(env, num_envs, VectorKind::Native));
-        VectorBuilder { spec, has_kind: false }
+        let spec = self
+            .spec()
+            .map(|env| VectorSpec::new(env, num_envs, VectorKind::Native));
+        VectorBuilder {
+            spec,
+            has_kind: false,
+        }
     }
 }
 
@@ -345,20 +395,35 @@ impl VectorBuilder {
     /// render mode, a time limit above 65534 steps, or arguments that only scalar environments have.
     #[must_use]
     pub fn kind(self, kind: VectorKind) -> Self {
-        let spec = self.spec.map(|spec| VectorSpec { vectorization_mode: kind, ..spec });
-        Self { spec, has_kind: true }
+        let spec = self.spec.map(|spec| VectorSpec {
+            vectorization_mode: kind,
+            ..spec
+        });
+        Self {
+            spec,
+            has_kind: true,
+        }
     }
 
     /// When sub-environments are reset; the default is the next step.
     #[must_use]
     pub fn autoreset(self, autoreset: Autoreset) -> Self {
-        Self { spec: self.spec.map(|spec| spec.autoreset(autoreset)), ..self }
+        Self {
+            spec: self.spec.map(|spec| spec.autoreset(autoreset)),
+            ..self
+        }
     }
 
     /// The number of threads of an async vector; the default is one per core.
     #[must_use]
     pub fn threads(self, threads: usize) -> Self {
-        Self { spec: self.spec.map(|spec| VectorSpec { threads: Some(threads), ..spec }), ..self }
+        Self {
+            spec: self.spec.map(|spec| VectorSpec {
+                threads: Some(threads),
+                ..spec
+            }),
+            ..self
+        }
     }
 
     /// The spec with all options.
@@ -389,7 +454,13 @@ impl VectorBuilder {
         // a native vector refuses unsupported options; a sync vector reports those it does not support either
         match spec.make() {
             Ok(vector) => Ok((spec, Some(vector))),
-            Err(_) => Ok((VectorSpec { vectorization_mode: VectorKind::Sync, ..spec }, None)),
+            Err(_) => Ok((
+                VectorSpec {
+                    vectorization_mode: VectorKind::Sync,
+                    ..spec
+                },
+                None,
+            )),
         }
     }
 }

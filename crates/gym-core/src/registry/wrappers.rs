@@ -29,7 +29,13 @@ impl WrapperRegistration {
     /// An entry with these arguments and description, without functions yet.
     pub const fn new<C: WrapperConfig>(description: &'static str) -> Self {
         let arguments = || arguments::table(&C::default(), 0);
-        Self { name: C::NAME, description, arguments, env: None, vector: None }
+        Self {
+            name: C::NAME,
+            description,
+            arguments,
+            env: None,
+            vector: None,
+        }
     }
 
     /// Its arguments, with their defaults.
@@ -40,13 +46,19 @@ impl WrapperRegistration {
     /// Goes around environments.
     #[must_use]
     pub const fn env(self, wrap: WrapEnv) -> Self {
-        Self { env: Some(wrap), ..self }
+        Self {
+            env: Some(wrap),
+            ..self
+        }
     }
 
     /// Goes around vectors.
     #[must_use]
     pub const fn vector(self, wrap: WrapVector) -> Self {
-        Self { vector: Some(wrap), ..self }
+        Self {
+            vector: Some(wrap),
+            ..self
+        }
     }
 
     /// Whether it goes around environments.
@@ -78,7 +90,10 @@ pub trait WrapperConfig: Arguments {
             Ok(Json::Object(kwargs)) => kwargs,
             _ => Kwargs::new(),
         };
-        WrapperSpec { name: Self::NAME.to_owned(), kwargs }
+        WrapperSpec {
+            name: Self::NAME.to_owned(),
+            kwargs,
+        }
     }
 
     /// The arguments that a spec holds.
@@ -86,9 +101,13 @@ pub trait WrapperConfig: Arguments {
     /// # Errors
     /// [`Error::InvalidArgument`] for an argument that is missing, unknown, or of another type.
     fn from_kwargs(kwargs: &Kwargs) -> Result<Self> {
-        let missing = Self::table().into_iter().find(|row| row.required && !kwargs.contains_key(row.name));
+        let missing = Self::table()
+            .into_iter()
+            .find(|row| row.required && !kwargs.contains_key(row.name));
         match missing {
-            Some(Argument { name, kind, .. }) => Err(Self::refuse(format!("it needs `{name}`: {kind}"))),
+            Some(Argument { name, kind, .. }) => {
+                Err(Self::refuse(format!("it needs `{name}`: {kind}")))
+            }
             None => arguments::read(&Self::default(), 0, kwargs, Self::NAME),
         }
     }
@@ -160,11 +179,21 @@ impl WrapperSpec {
     }
 
     fn find<T>(&self, of: &str, wrap: fn(&WrapperRegistration) -> Option<T>) -> Result<T> {
-        let known: Vec<_> = wrappers().into_iter().filter(|wrapper| wrap(wrapper).is_some()).collect();
+        let known: Vec<_> = wrappers()
+            .into_iter()
+            .filter(|wrapper| wrap(wrapper).is_some())
+            .collect();
         let found = known.iter().find(|wrapper| wrapper.name == self.name);
         found.and_then(|wrapper| wrap(wrapper)).ok_or_else(|| {
             let names: Vec<_> = known.iter().map(|wrapper| wrapper.name).collect();
-            Error::argument(of, format!("unknown wrapper `{}`: known are {}", self.name, names.join(", ")))
+            Error::argument(
+                of,
+                format!(
+                    "unknown wrapper `{}`: known are {}",
+                    self.name,
+                    names.join(", ")
+                ),
+            )
         })
     }
 }

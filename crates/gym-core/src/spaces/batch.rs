@@ -10,7 +10,9 @@ use crate::numpy_fmt;
 use crate::{Data, Error, Result, Value};
 
 use super::fault::{Fault, expect_array};
-use super::{BoxSpace, DictSpace, MultiBinary, MultiDiscrete, Space, TupleSpace, element_count, invalid};
+use super::{
+    BoxSpace, DictSpace, MultiBinary, MultiDiscrete, Space, TupleSpace, element_count, invalid,
+};
 
 impl Space {
     /// The space of `n` elements as one value: Gymnasium's `batch_space`.
@@ -36,7 +38,10 @@ impl Space {
                 TupleSpace::new(spaces.collect::<Result<Vec<_>>>()?).into()
             }
             Self::Dict(space) => {
-                let spaces = space.spaces().iter().map(|(key, space)| Ok((key, space.batch(n)?)));
+                let spaces = space
+                    .spaces()
+                    .iter()
+                    .map(|(key, space)| Ok((key, space.batch(n)?)));
                 DictSpace::in_order(spaces.collect::<Result<Vec<_>>>()?)?.into()
             }
             _ => TupleSpace::new(vec![self.clone(); n]).into(),
@@ -67,7 +72,9 @@ impl Space {
     /// # Errors
     /// [`Error::NotInSpace`] if the value has not the form of a batch.
     pub fn iterate(&self, batch: &Value) -> Result<impl ExactSizeIterator<Item = Value> + use<>> {
-        iterate(self, batch).map(Vec::into_iter).map_err(|fault| self.refuse_batch(batch, &fault))
+        iterate(self, batch)
+            .map(Vec::into_iter)
+            .map_err(|fault| self.refuse_batch(batch, &fault))
     }
 }
 
@@ -86,7 +93,10 @@ pub(super) fn batch_space(space: &Space, n: usize) -> Result<Space> {
         Space::MultiDiscrete(space) => {
             let bound = |pick: fn((i64, i64)) -> i64| {
                 let numbers = space.ranges().map(pick);
-                tile(&Array::new(space.shape(), Data::from_i64(space.dtype(), numbers))?)
+                tile(&Array::new(
+                    space.shape(),
+                    Data::from_i64(space.dtype(), numbers),
+                )?)
             };
             BoxSpace::new(bound(|(start, _)| start)?, bound(|(_, last)| last)?)?.into()
         }
@@ -115,7 +125,9 @@ pub(super) fn concatenate(space: &Space, items: &[&Value]) -> Result<Value, Faul
             }
         }
         let array = Array::new(batch_shape(items.len(), shape), collect(dtype, numbers));
-        return array.map(Value::Array).map_err(|error: Error| Fault::new(error.to_string()));
+        return array
+            .map(Value::Array)
+            .map_err(|error: Error| Fault::new(error.to_string()));
     }
     /// The batch of member `j`, whose values are the column `j` of `rows`.
     fn column(space: &Space, rows: &[Vec<(&Space, &Value)>], j: usize) -> Result<Value, Fault> {
@@ -125,14 +137,19 @@ pub(super) fn concatenate(space: &Space, items: &[&Value]) -> Result<Value, Faul
         Space::Tuple(tuple) => {
             let rows = items.iter().map(|item| Ok(tuple.members(item)?.collect()));
             let rows = rows.collect::<Result<Vec<Vec<_>>, Fault>>()?;
-            let columns = tuple.spaces().iter().enumerate().map(|(j, space)| column(space, &rows, j));
+            let columns = tuple
+                .spaces()
+                .iter()
+                .enumerate()
+                .map(|(j, space)| column(space, &rows, j));
             Value::Tuple(columns.collect::<Result<_, _>>()?)
         }
         Space::Dict(dict) => {
             let rows = items.iter().map(|item| Ok(dict.members(item)?.collect()));
             let rows = rows.collect::<Result<Vec<Vec<_>>, Fault>>()?;
             let columns = dict.spaces().iter().enumerate();
-            let columns = columns.map(|(j, (key, space))| Ok((key.clone(), column(space, &rows, j)?)));
+            let columns =
+                columns.map(|(j, (key, space))| Ok((key.clone(), column(space, &rows, j)?)));
             Value::Dict(columns.collect::<Result<_, _>>()?)
         }
         _ => Value::Tuple(items.iter().map(|&item| item.clone()).collect()),
@@ -145,14 +162,22 @@ pub(super) fn iterate(space: &Space, value: &Value) -> Result<Vec<Value>, Fault>
         (Space::Tuple(space), _) => {
             let mut columns = Vec::new();
             for (i, (space, column)) in space.members(value)?.enumerate() {
-                columns.push(iterate(space, column).map_err(|fault| fault.at(i))?.into_iter());
+                columns.push(
+                    iterate(space, column)
+                        .map_err(|fault| fault.at(i))?
+                        .into_iter(),
+                );
             }
             rows(columns).map(|rows| rows.into_iter().map(Value::Tuple).collect())
         }
         (Space::Dict(space), _) => {
             let mut columns = Vec::new();
             for ((key, _), (space, column)) in space.spaces().iter().zip(space.members(value)?) {
-                columns.push(iterate(space, column).map_err(|fault| fault.under(key))?.into_iter());
+                columns.push(
+                    iterate(space, column)
+                        .map_err(|fault| fault.under(key))?
+                        .into_iter(),
+                );
             }
             let keys = || space.spaces().iter().map(|(key, _)| key.clone());
             let name = |row: Vec<Value>| Value::Dict(keys().zip(row).collect());
@@ -171,7 +196,9 @@ fn rows(mut columns: Vec<std::vec::IntoIter<Value>>) -> Result<Vec<Vec<Value>>, 
     if columns.iter().any(|column| column.len() != n) {
         return Err(Fault::new("the members hold different numbers of elements"));
     }
-    Ok((0..n).map(|_| columns.iter_mut().filter_map(Iterator::next).collect()).collect())
+    Ok((0..n)
+        .map(|_| columns.iter_mut().filter_map(Iterator::next).collect())
+        .collect())
 }
 
 /// [`iterate`] for a space whose elements are arrays or integers.
@@ -183,20 +210,29 @@ pub(super) fn iterate_array(space: &Space, array: &Array) -> Result<Vec<Value>, 
         Some((&n, inner)) if inner == shape => (n, inner.iter().product::<usize>()),
         _ => {
             let [actual, expected] = [array.shape(), shape].map(numpy_fmt::shape);
-            return Err(Fault::new(format!("the shape is {actual} and should be elements of {expected}")));
+            return Err(Fault::new(format!(
+                "the shape is {actual} and should be elements of {expected}"
+            )));
         }
     };
     if let Space::Discrete(_) = space {
         if !can_cast(array.dtype(), dtype) {
-            return Err(Fault::new(format!("the numbers are {} and should be {dtype}", array.dtype())));
+            return Err(Fault::new(format!(
+                "the numbers are {} and should be {dtype}",
+                array.dtype()
+            )));
         }
         let integer = |number: Number| number.to_int().and_then(|i| i64::try_from(i).ok());
         let too_large = || Fault::new("a number is too large");
-        return Number::all(array.data()).map(|x| integer(x).map(Value::Int).ok_or_else(too_large)).collect();
+        return Number::all(array.data())
+            .map(|x| integer(x).map(Value::Int).ok_or_else(too_large))
+            .collect();
     }
     let row = |i: usize| {
         let data = with_numbers!(array.data(), values => into_data(values[i * len..(i + 1) * len].to_vec()));
-        Array::new(shape, data).map(Value::Array).map_err(|error| Fault::new(error.to_string()))
+        Array::new(shape, data)
+            .map(Value::Array)
+            .map_err(|error| Fault::new(error.to_string()))
     };
     (0..n).map(row).collect()
 }
@@ -213,7 +249,13 @@ mod tests {
         let grid: Space = MultiDiscrete::new([3, 4]).unwrap().into();
         let pair = TupleSpace::new([Space::discrete(3), Space::boxed([0.0; 2], [1.0; 2])]);
         let dict = DictSpace::new([("a", pair.clone().into()), ("b", text.clone())]).unwrap();
-        for space in [text, grid, pair.into(), dict.into(), MultiBinary::new([2, 2]).unwrap().into()] {
+        for space in [
+            text,
+            grid,
+            pair.into(),
+            dict.into(),
+            MultiBinary::new([2, 2]).unwrap().into(),
+        ] {
             let mut sampler = space.sampler(7);
             for n in [0, 1, 4] {
                 let items: Vec<Value> = (0..n).map(|_| sampler.sample()).collect();
@@ -232,9 +274,20 @@ mod tests {
         assert!(iterate(&space, &Value::Array([1.0f64].into())).is_err());
         assert!(iterate(&space, &Value::Tuple(vec![])).is_err());
         let square = Space::boxed([0.0; 2], [1.0; 2]);
-        assert!(iterate(&square, &Value::Array(Array::zeros(DType::F32, [4]).unwrap())).is_err());
+        assert!(
+            iterate(
+                &square,
+                &Value::Array(Array::zeros(DType::F32, [4]).unwrap())
+            )
+            .is_err()
+        );
         assert_eq!(
-            iterate(&square, &Value::Array(Array::zeros(DType::F32, [3, 2]).unwrap())).unwrap().len(),
+            iterate(
+                &square,
+                &Value::Array(Array::zeros(DType::F32, [3, 2]).unwrap())
+            )
+            .unwrap()
+            .len(),
             3
         );
     }
@@ -242,11 +295,20 @@ mod tests {
     #[test]
     fn batch_spaces_are_gymnasiums() {
         let batch = |space: Space| batch_space(&space, 2).unwrap().to_string();
-        assert_eq!(batch(Space::boxed([0.0], [1.0])), "Box(0.0, 1.0, (2, 1), float32)");
+        assert_eq!(
+            batch(Space::boxed([0.0], [1.0])),
+            "Box(0.0, 1.0, (2, 1), float32)"
+        );
         assert_eq!(batch(Space::discrete(3)), "MultiDiscrete([3 3])");
-        let grid = MultiDiscrete::new([3, 4]).unwrap().with_start([1, 0]).unwrap();
+        let grid = MultiDiscrete::new([3, 4])
+            .unwrap()
+            .with_start([1, 0])
+            .unwrap();
         assert_eq!(batch(grid.into()), "Box([[1 0]\n [1 0]], 3, (2, 2), int64)");
-        assert_eq!(batch(MultiBinary::new([3]).unwrap().into()), "Box(0, 1, (2, 3), int8)");
+        assert_eq!(
+            batch(MultiBinary::new([3]).unwrap().into()),
+            "Box(0, 1, (2, 3), int8)"
+        );
         assert!(batch_space(&TupleSpace::new([]).into(), 2).is_err());
     }
 
@@ -278,7 +340,9 @@ mod tests {
                 ]),
             ),
             (
-                OneOfSpace::new([Space::discrete(3), Space::discrete(5)]).unwrap().into(),
+                OneOfSpace::new([Space::discrete(3), Space::discrete(5)])
+                    .unwrap()
+                    .into(),
                 "Tuple(OneOf(Discrete(3), Discrete(5)), OneOf(Discrete(3), Discrete(5)))",
                 json!([[[0, 0], [1, 3]], [[1, 3], [1, 2]]]),
             ),
@@ -288,7 +352,11 @@ mod tests {
                 json!([[[2, 0], [1, 1]], [[0, 1], [1, 2]]]),
             ),
             (
-                Discrete::new(5).unwrap().with_dtype(DType::I32).unwrap().into(),
+                Discrete::new(5)
+                    .unwrap()
+                    .with_dtype(DType::I32)
+                    .unwrap()
+                    .into(),
                 "MultiDiscrete([5 5])",
                 json!([[4, 0], [2, 1]]),
             ),
@@ -302,7 +370,10 @@ mod tests {
                 assert_eq!(&drawn.to_json(), sample, "{space}");
                 let singles: Vec<Value> = space.iterate(&drawn).unwrap().collect();
                 assert_eq!(space.concatenate(&singles).unwrap(), drawn, "{space}");
-                assert!(singles.iter().all(|single| space.contains(single)), "{space}");
+                assert!(
+                    singles.iter().all(|single| space.contains(single)),
+                    "{space}"
+                );
             }
         }
         assert!(Space::discrete(3).concatenate(&[Value::Null]).is_err());

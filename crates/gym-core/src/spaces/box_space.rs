@@ -72,7 +72,9 @@ impl BoxSpace {
         let (low, high) = (low.into(), high.into());
         if low.shape() != high.shape() {
             let [low, high] = [&low, &high].map(|array| numpy_fmt::shape(array.shape()));
-            return invalid(format!("low has shape {low} and high has shape {high}: make them equal"));
+            return invalid(format!(
+                "low has shape {low} and high has shape {high}: make them equal"
+            ));
         }
         if low.dtype() == dtype && high.dtype() == dtype {
             let bounded = with_type!(dtype, T => match (low.as_slice::<T>(), high.as_slice::<T>()) {
@@ -80,35 +82,59 @@ impl BoxSpace {
                 _ => None,
             });
             if let Some((bounded_below, bounded_above)) = bounded {
-                return Ok(Self(Arc::new(Bounds { low, high, bounded_below, bounded_above })));
+                return Ok(Self(Arc::new(Bounds {
+                    low,
+                    high,
+                    bounded_below,
+                    bounded_above,
+                })));
             }
         }
         // converts, and finds the error
-        Self::from_numbers(Number::all(low.data()), Number::all(high.data()), low.shape(), dtype)
+        Self::from_numbers(
+            Number::all(low.data()),
+            Number::all(high.data()),
+            low.shape(),
+            dtype,
+        )
     }
 
     /// The box whose elements all have the same bounds.
     ///
     /// # Errors
     /// The errors of [`with_dtype`](Self::with_dtype).
-    pub fn uniform(low: f64, high: f64, shape: impl Into<Vec<usize>>, dtype: DType) -> Result<Self> {
+    pub fn uniform(
+        low: f64,
+        high: f64,
+        shape: impl Into<Vec<usize>>,
+        dtype: DType,
+    ) -> Result<Self> {
         let shape = shape.into();
         let build = || {
             // Bounds are checked even without elements.
             let (low, bounded_below) = Bound::Low.settle(Number::Float(low), dtype)?;
             let (high, bounded_above) = Bound::High.settle(Number::Float(high), dtype)?;
-            let (low, high) = with_type!(dtype, T => (T::cast(low).number(), T::cast(high).number()));
+            let (low, high) =
+                with_type!(dtype, T => (T::cast(low).number(), T::cast(high).number()));
             let len = element_count(&shape)?;
             if low > high && len > 0 {
-                return Err(Fault::new(format!("low {low} is above high {high}")).at_element(0, &shape));
+                return Err(
+                    Fault::new(format!("low {low} is above high {high}")).at_element(0, &shape)
+                );
             }
             let array = |bound| {
                 let data = with_type!(dtype, T => T::into_data(vec![T::cast(bound); len]));
                 Array::new(shape.as_slice(), data).map_err(|error| Fault::new(error.to_string()))
             };
             let (low, high) = (array(low)?, array(high)?);
-            let (bounded_below, bounded_above) = (vec![bounded_below; len], vec![bounded_above; len]);
-            Ok(Self(Arc::new(Bounds { low, high, bounded_below, bounded_above })))
+            let (bounded_below, bounded_above) =
+                (vec![bounded_below; len], vec![bounded_above; len]);
+            Ok(Self(Arc::new(Bounds {
+                low,
+                high,
+                bounded_below,
+                bounded_above,
+            })))
         };
         build().map_err(|fault: Fault| Error::InvalidSpace(fault.to_string()))
     }
@@ -122,12 +148,21 @@ impl BoxSpace {
         let build = || {
             let (low, bounded_below) = Bound::Low.settle_all(low, shape, dtype)?;
             let (high, bounded_above) = Bound::High.settle_all(high, shape, dtype)?;
-            let mut pairs = Number::all(low.data()).zip(Number::all(high.data())).enumerate();
+            let mut pairs = Number::all(low.data())
+                .zip(Number::all(high.data()))
+                .enumerate();
             if let Some((i, (low, high))) = pairs.find(|(_, (low, high))| low > high) {
-                return Err(Fault::new(format!("low {low} is above high {high}")).at_element(i, shape));
+                return Err(
+                    Fault::new(format!("low {low} is above high {high}")).at_element(i, shape)
+                );
             }
             drop(pairs);
-            Ok(Self(Arc::new(Bounds { low, high, bounded_below, bounded_above })))
+            Ok(Self(Arc::new(Bounds {
+                low,
+                high,
+                bounded_below,
+                bounded_above,
+            })))
         };
         build().map_err(|fault: Fault| Error::InvalidSpace(fault.to_string()))
     }
@@ -164,20 +199,25 @@ impl BoxSpace {
 
     /// Whether every bound is finite.
     pub fn is_bounded(&self) -> bool {
-        self.0.bounded_below.iter().chain(&self.0.bounded_above).all(|&bounded| bounded)
+        self.0
+            .bounded_below
+            .iter()
+            .chain(&self.0.bounded_above)
+            .all(|&bounded| bounded)
     }
 
     pub(super) fn contains(&self, value: &Value) -> bool {
         is_array(value, self.shape(), self.dtype())
-            && value
-                .as_array()
-                .is_some_and(|array| all_between(array.data(), self.0.low.data(), self.0.high.data()))
+            && value.as_array().is_some_and(|array| {
+                all_between(array.data(), self.0.low.data(), self.0.high.data())
+            })
     }
 
     pub(super) fn check(&self, value: &Value) -> Result<(), Fault> {
         let array = expect_array(value, self.shape(), self.dtype())?;
         for i in 0..array.len() {
-            let [x, low, high] = [array, &self.0.low, &self.0.high].map(|array| Number::at(array.data(), i));
+            let [x, low, high] =
+                [array, &self.0.low, &self.0.high].map(|array| Number::at(array.data(), i));
             if !(low <= x && x <= high) {
                 let reason = format!("{x} is not between {low} and {high}");
                 return Err(Fault::new(reason).at_element(i, self.shape()));
@@ -233,7 +273,9 @@ fn all_close(a: &Array, b: &Array) -> bool {
     const ABSOLUTE: f64 = 1e-8;
     a.iter_f64().zip(b.iter_f64()).all(|(a, b)| {
         a == b
-            || (a - b).abs() <= ABSOLUTE + RELATIVE * a.abs().max(b.abs()) && a.is_finite() && b.is_finite()
+            || (a - b).abs() <= ABSOLUTE + RELATIVE * a.abs().max(b.abs())
+                && a.is_finite()
+                && b.is_finite()
     })
 }
 
@@ -242,7 +284,12 @@ impl fmt::Display for BoxSpace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let [low, high] =
             [&self.0.low, &self.0.high].map(|array| numpy_fmt::bound(array.data(), array.shape()));
-        write!(f, "Box({low}, {high}, {}, {})", numpy_fmt::shape(self.shape()), self.dtype())
+        write!(
+            f,
+            "Box({low}, {high}, {}, {})",
+            numpy_fmt::shape(self.shape()),
+            self.dtype()
+        )
     }
 }
 
@@ -269,9 +316,19 @@ impl Bound {
         if bound.fits(dtype) && bound.to_f64().is_finite() {
             return Ok((bound, true));
         }
-        let kind = if dtype.is_float() { "number" } else { "whole number" };
-        let or_open = if may_be_open { format!(", or {infinity}") } else { String::new() };
-        Err(Fault::new(format!("{name} is {bound}: give {dtype} a {kind} from {min} to {max}{or_open}")))
+        let kind = if dtype.is_float() {
+            "number"
+        } else {
+            "whole number"
+        };
+        let or_open = if may_be_open {
+            format!(", or {infinity}")
+        } else {
+            String::new()
+        };
+        Err(Fault::new(format!(
+            "{name} is {bound}: give {dtype} a {kind} from {min} to {max}{or_open}"
+        )))
     }
 
     fn settle_all(
@@ -280,13 +337,14 @@ impl Bound {
         shape: &[usize],
         dtype: DType,
     ) -> Result<(Array, Vec<bool>), Fault> {
-        let settled = bounds
-            .enumerate()
-            .map(|(i, bound)| self.settle(bound, dtype).map_err(|fault| fault.at_element(i, shape)));
+        let settled = bounds.enumerate().map(|(i, bound)| {
+            self.settle(bound, dtype)
+                .map_err(|fault| fault.at_element(i, shape))
+        });
         let (numbers, bounded): (Vec<Number>, Vec<bool>) =
             settled.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
-        let array =
-            Array::new(shape, collect(dtype, numbers)).map_err(|error| Fault::new(error.to_string()))?;
+        let array = Array::new(shape, collect(dtype, numbers))
+            .map_err(|error| Fault::new(error.to_string()))?;
         Ok((array, bounded))
     }
 }
@@ -294,20 +352,31 @@ impl Bound {
 /// Flags of finite low and high bounds of one type; `None` if some are not valid bounds.
 fn bounded<T: Numeric>(low: &[T], high: &[T]) -> Option<(Vec<bool>, Vec<bool>)> {
     let is_finite = |bound: &T| bound.to_f64().is_finite();
-    let are_bounds = low
-        .iter()
-        .zip(high)
-        .all(|(low, high)| low <= high && low.to_f64() < f64::INFINITY && high.to_f64() > f64::NEG_INFINITY);
-    are_bounds.then(|| (low.iter().map(is_finite).collect(), high.iter().map(is_finite).collect()))
+    let are_bounds = low.iter().zip(high).all(|(low, high)| {
+        low <= high && low.to_f64() < f64::INFINITY && high.to_f64() > f64::NEG_INFINITY
+    });
+    are_bounds.then(|| {
+        (
+            low.iter().map(is_finite).collect(),
+            high.iter().map(is_finite).collect(),
+        )
+    })
 }
 
 fn all_between(values: &Data, low: &Data, high: &Data) -> bool {
     fn same_type<T: PartialOrd>(values: &[T], low: &[T], high: &[T]) -> bool {
         /// The number of elements compared between two tests for a failure: enough to fill vector registers.
         const AT_ONCE: usize = 256;
-        let parts = values.chunks(AT_ONCE).zip(low.chunks(AT_ONCE)).zip(high.chunks(AT_ONCE));
+        let parts = values
+            .chunks(AT_ONCE)
+            .zip(low.chunks(AT_ONCE))
+            .zip(high.chunks(AT_ONCE));
         parts.into_iter().all(|((values, low), high)| {
-            let between = values.iter().zip(low).zip(high).map(|((x, low), high)| (low <= x) & (x <= high));
+            let between = values
+                .iter()
+                .zip(low)
+                .zip(high)
+                .map(|((x, low), high)| (low <= x) & (x <= high));
             between.fold(true, |all, is| all & is)
         })
     }
@@ -369,12 +438,19 @@ impl From<BoxSpace> for Description {
     fn from(space: BoxSpace) -> Self {
         let describe = |bounds: &Array, bounded: &[bool], infinity: f64| {
             let number = |(number, &bounded)| {
-                plain::write_number(if bounded { number } else { Number::Float(infinity) })
+                plain::write_number(if bounded {
+                    number
+                } else {
+                    Number::Float(infinity)
+                })
             };
             // Equal numbers, except that the sign of zero survives.
             let sign = |bound: &Json| bound.as_f64().map(f64::is_sign_negative);
             let same = |a: &Json, b: &Json| a == b && sign(a) == sign(b);
-            let mut all: Vec<Json> = Number::all(bounds.data()).zip(bounded).map(number).collect();
+            let mut all: Vec<Json> = Number::all(bounds.data())
+                .zip(bounded)
+                .map(number)
+                .collect();
             match all.pop() {
                 Some(last) if all.iter().all(|bound| same(bound, &last)) => last,
                 last => {
@@ -396,9 +472,17 @@ impl TryFrom<Description> for BoxSpace {
     type Error = Error;
 
     fn try_from(description: Description) -> Result<Self> {
-        let Description { low, high, shape, dtype } = description;
+        let Description {
+            low,
+            high,
+            shape,
+            dtype,
+        } = description;
         let bounds = |bounds: &Json| match bounds {
-            Json::Array(bounds) => bounds.iter().map(plain::parse_number).collect::<Result<Vec<_>, _>>(),
+            Json::Array(bounds) => bounds
+                .iter()
+                .map(plain::parse_number)
+                .collect::<Result<Vec<_>, _>>(),
             bound => {
                 let len = element_count(&shape)?;
                 plain::parse_number(bound).map(|bound| vec![bound; len])
@@ -422,16 +506,23 @@ mod tests {
     fn whole_arrays_are_checked_as_single_numbers_are() {
         let (low, high) = ([f32::NEG_INFINITY, -1.0, 0.0], [0.5, f32::INFINITY, 0.0]);
         let numbers = |bounds: [f32; 3]| bounds.map(|x| Number::Float(x.into())).into_iter();
-        let one_by_one = BoxSpace::from_numbers(numbers(low), numbers(high), &[3], DType::F32).unwrap();
+        let one_by_one =
+            BoxSpace::from_numbers(numbers(low), numbers(high), &[3], DType::F32).unwrap();
         let space = BoxSpace::new(low, high).unwrap();
-        assert_eq!((space.low(), space.high()), (one_by_one.low(), one_by_one.high()));
+        assert_eq!(
+            (space.low(), space.high()),
+            (one_by_one.low(), one_by_one.high())
+        );
         assert_eq!(
             (space.bounded_below(), space.bounded_above()),
             (&[false, true, true][..], &[true, false, true][..])
         );
         assert_eq!(space.bounded_below(), one_by_one.bounded_below());
         assert_eq!(space.bounded_above(), one_by_one.bounded_above());
-        assert!(std::ptr::eq(space.low(), space.clone().low()), "clones share their bounds");
+        assert!(
+            std::ptr::eq(space.low(), space.clone().low()),
+            "clones share their bounds"
+        );
 
         let large = BoxSpace::uniform(0.0, 1.0, [1000], DType::F32).unwrap();
         for wrong in 0..1000 {
@@ -446,8 +537,10 @@ mod tests {
     fn bounds_keep_the_sign_of_zero_in_json() {
         for low in [[0.0, -0.0], [-0.0, 0.0], [-0.0, -0.0], [0.0, 0.0]] {
             let space = BoxSpace::new(low, [1.0, 1.0]).unwrap();
-            let again: BoxSpace = serde_json::from_value(serde_json::to_value(&space).unwrap()).unwrap();
-            let bits = |space: &BoxSpace| space.low().iter_f64().map(f64::to_bits).collect::<Vec<_>>();
+            let again: BoxSpace =
+                serde_json::from_value(serde_json::to_value(&space).unwrap()).unwrap();
+            let bits =
+                |space: &BoxSpace| space.low().iter_f64().map(f64::to_bits).collect::<Vec<_>>();
             assert_eq!(bits(&again), low.map(f64::to_bits));
         }
     }
@@ -457,12 +550,18 @@ mod tests {
         use DType::*;
         let text = error(BoxSpace::new([0.0f32, 2.0], [1.0, 1.0]));
         assert_eq!(text, "invalid space: [1]: low 2.0 is above high 1.0");
-        assert!(error(BoxSpace::new([f64::NAN], [1.0])).contains("low is NaN: give float64 a number from"));
+        assert!(
+            error(BoxSpace::new([f64::NAN], [1.0]))
+                .contains("low is NaN: give float64 a number from")
+        );
         let mixed = BoxSpace::new(Array::from([0.0f32]), Array::from([1.0f64]));
         assert!(error(mixed).contains("use `BoxSpace::with_dtype`"));
         assert!(
-            error(BoxSpace::new(Array::from([0.0f32]), Array::from([1.0f32, 1.0])))
-                .contains("low has shape (1,) and high has shape (2,)")
+            error(BoxSpace::new(
+                Array::from([0.0f32]),
+                Array::from([1.0f32, 1.0])
+            ))
+            .contains("low has shape (1,) and high has shape (2,)")
         );
         for (low, high, dtype) in [
             (0.0, f64::INFINITY, U8),
@@ -474,21 +573,35 @@ mod tests {
             (f64::NEG_INFINITY, f64::NEG_INFINITY, F64),
             (0.0, f64::NAN, F32),
         ] {
-            assert!(BoxSpace::uniform(low, high, [2], dtype).is_err(), "{low} {high} {dtype}");
-            assert!(BoxSpace::uniform(low, high, [0], dtype).is_err(), "{low} {high} {dtype}, empty");
+            assert!(
+                BoxSpace::uniform(low, high, [2], dtype).is_err(),
+                "{low} {high} {dtype}"
+            );
+            assert!(
+                BoxSpace::uniform(low, high, [0], dtype).is_err(),
+                "{low} {high} {dtype}, empty"
+            );
         }
         assert!(BoxSpace::uniform(0.0, 1.0, [usize::MAX, 2], F32).is_err());
     }
 
     #[test]
     fn infinite_bounds_of_integers_become_limits_but_stay_unbounded() {
-        let space = BoxSpace::with_dtype([f64::NEG_INFINITY, 0.0], [5.0, f64::INFINITY], DType::I32).unwrap();
+        let space =
+            BoxSpace::with_dtype([f64::NEG_INFINITY, 0.0], [5.0, f64::INFINITY], DType::I32)
+                .unwrap();
         assert_eq!(space.low(), &Array::from([i32::MIN, 0]));
         assert_eq!(space.high(), &Array::from([5, i32::MAX]));
-        assert_eq!((space.bounded_below(), space.bounded_above()), (&[false, true][..], &[true, false][..]));
+        assert_eq!(
+            (space.bounded_below(), space.bounded_above()),
+            (&[false, true][..], &[true, false][..])
+        );
         assert!(!space.is_bounded());
         let stored = serde_json::to_string(&space).unwrap();
-        assert_eq!(stored, r#"{"low":["-inf",0],"high":[5,"inf"],"shape":[2],"dtype":"int32"}"#);
+        assert_eq!(
+            stored,
+            r#"{"low":["-inf",0],"high":[5,"inf"],"shape":[2],"dtype":"int32"}"#
+        );
         let restored: BoxSpace = serde_json::from_str(&stored).unwrap();
         assert_eq!(restored, space);
         assert_eq!(restored.bounded_below(), space.bounded_below());
@@ -498,7 +611,11 @@ mod tests {
     fn contains_takes_castable_arrays_of_the_shape() {
         let space = BoxSpace::uniform(-1.0, 3.0, [2], DType::F32).unwrap();
         let contains = |array: Array| space.contains(&Value::Array(array));
-        assert!(contains([-1.0f32, 3.0].into()) && contains([0i16, 3].into()) && contains([1u8, 2].into()));
+        assert!(
+            contains([-1.0f32, 3.0].into())
+                && contains([0i16, 3].into())
+                && contains([1u8, 2].into())
+        );
         assert!(!contains([0.0f64, 0.0].into()) && !contains([0i32, 0].into()));
         assert!(
             !contains([0.0f32, 3.1].into())
@@ -508,9 +625,12 @@ mod tests {
         assert!(!contains([0.0f32].into()) && !contains(Array::zeros(DType::F32, [2, 1]).unwrap()));
         assert!(!space.contains(&Value::Float(0.0)));
 
-        let unbounded = BoxSpace::uniform(f64::NEG_INFINITY, f64::INFINITY, [], DType::F64).unwrap();
+        let unbounded =
+            BoxSpace::uniform(f64::NEG_INFINITY, f64::INFINITY, [], DType::F64).unwrap();
         let scalar = |x: f64| Value::Array(Array::new([], Data::F64(vec![x])).unwrap());
-        assert!(unbounded.contains(&scalar(f64::INFINITY)) && !unbounded.contains(&scalar(f64::NAN)));
+        assert!(
+            unbounded.contains(&scalar(f64::INFINITY)) && !unbounded.contains(&scalar(f64::NAN))
+        );
         let whole = BoxSpace::new([i64::MIN], [i64::MAX - 1]).unwrap();
         assert!(whole.contains(&Value::Array([i64::MAX - 1].into())));
         assert!(!whole.contains(&Value::Array([i64::MAX].into())));
@@ -521,8 +641,14 @@ mod tests {
         let space = BoxSpace::uniform(0.0, 1.0, [2, 2], DType::F32).unwrap();
         let fault = |array: Array| space.check(&Value::Array(array)).unwrap_err().to_string();
         let values = Array::from([0.0f32, 0.0, 2.5, 0.0]);
-        assert_eq!(fault(values.clone()), "the shape is (4,) and should be (2, 2)");
-        assert_eq!(fault(values.reshape([2, 2]).unwrap()), "[1, 0]: 2.5 is not between 0.0 and 1.0");
+        assert_eq!(
+            fault(values.clone()),
+            "the shape is (4,) and should be (2, 2)"
+        );
+        assert_eq!(
+            fault(values.reshape([2, 2]).unwrap()),
+            "[1, 0]: 2.5 is not between 0.0 and 1.0"
+        );
         assert_eq!(
             fault(Array::zeros(DType::F64, [2, 2]).unwrap()),
             "the numbers are float64 and should be float32: convert them first"
@@ -555,8 +681,14 @@ mod tests {
         assert_ne!(space(1.0), space(1.0 + 1e-4));
         assert_eq!(space(f64::INFINITY), space(f64::INFINITY));
         assert_ne!(space(f64::INFINITY), space(1.0));
-        assert_ne!(space(1.0), BoxSpace::uniform(0.0, 1.0, [2], DType::F32).unwrap());
-        assert_ne!(space(1.0), BoxSpace::uniform(0.0, 1.0, [2, 1], DType::F64).unwrap());
+        assert_ne!(
+            space(1.0),
+            BoxSpace::uniform(0.0, 1.0, [2], DType::F32).unwrap()
+        );
+        assert_ne!(
+            space(1.0),
+            BoxSpace::uniform(0.0, 1.0, [2, 1], DType::F64).unwrap()
+        );
     }
 
     #[test]
@@ -580,8 +712,12 @@ mod tests {
     #[test]
     fn stored_form_is_checked() {
         let space: BoxSpace =
-            serde_json::from_str(r#"{"low":"-inf","high":[1,2.5],"shape":[2],"dtype":"float32"}"#).unwrap();
-        assert_eq!(space, BoxSpace::new([f32::NEG_INFINITY; 2], [1.0, 2.5]).unwrap());
+            serde_json::from_str(r#"{"low":"-inf","high":[1,2.5],"shape":[2],"dtype":"float32"}"#)
+                .unwrap();
+        assert_eq!(
+            space,
+            BoxSpace::new([f32::NEG_INFINITY; 2], [1.0, 2.5]).unwrap()
+        );
         for bad in [
             r#"{"low":0,"high":[1,2,3],"shape":[2],"dtype":"float32"}"#,
             r#"{"low":2,"high":1,"shape":[2],"dtype":"float32"}"#,

@@ -47,11 +47,16 @@ impl DictSpace {
     /// # Errors
     /// [`Error::InvalidSpace`] if a key occurs twice.
     pub fn in_order<K: Into<String>>(spaces: impl IntoIterator<Item = (K, Space)>) -> Result<Self> {
-        let spaces: Vec<_> = spaces.into_iter().map(|(key, space)| (key.into(), space)).collect();
+        let spaces: Vec<_> = spaces
+            .into_iter()
+            .map(|(key, space)| (key.into(), space))
+            .collect();
         let mut keys = BTreeSet::new();
         match spaces.iter().find(|(key, _)| !keys.insert(key)) {
             None => Ok(Self { spaces }),
-            Some((key, _)) => invalid(format!("the key {key:?} of a dict occurs twice: rename one")),
+            Some((key, _)) => invalid(format!(
+                "the key {key:?} of a dict occurs twice: rename one"
+            )),
         }
     }
 
@@ -62,11 +67,15 @@ impl DictSpace {
 
     /// The member under a key.
     pub fn get(&self, key: &str) -> Option<&Space> {
-        self.spaces.iter().find_map(|(name, space)| (name == key).then_some(space))
+        self.spaces
+            .iter()
+            .find_map(|(name, space)| (name == key).then_some(space))
     }
 
     pub(super) fn contains(&self, value: &Value) -> bool {
-        let Value::Dict(entries) = value else { return false };
+        let Value::Dict(entries) = value else {
+            return false;
+        };
         entries.len() == self.spaces.len()
             && self
                 .spaces
@@ -75,8 +84,15 @@ impl DictSpace {
     }
 
     pub(super) fn check(&self, value: &Value) -> Result<(), Fault> {
-        for (key, (space, member)) in self.spaces.iter().map(|(key, _)| key).zip(self.members(value)?) {
-            space.check_value(member).map_err(|fault| fault.under(key))?;
+        for (key, (space, member)) in self
+            .spaces
+            .iter()
+            .map(|(key, _)| key)
+            .zip(self.members(value)?)
+        {
+            space
+                .check_value(member)
+                .map_err(|fault| fault.under(key))?;
         }
         Ok(())
     }
@@ -86,7 +102,9 @@ impl DictSpace {
         &'a self,
         value: &'a Value,
     ) -> Result<impl Iterator<Item = (&'a Space, &'a Value)>, Fault> {
-        let Value::Dict(entries) = value else { return Err(Fault::kind("a dict", value)) };
+        let Value::Dict(entries) = value else {
+            return Err(Fault::kind("a dict", value));
+        };
         if let Some((key, _)) = entries.iter().find(|(key, _)| self.get(key).is_none()) {
             return Err(Fault::new(format!("the space has no key {key:?}")));
         }
@@ -96,18 +114,34 @@ impl DictSpace {
         if let Some((key, _)) = self.spaces.iter().find(|(key, _)| value.get(key).is_none()) {
             return Err(Fault::new(format!("the key {key:?} is missing")));
         }
-        Ok(self.spaces.iter().filter_map(|(key, space)| Some((space, value.get(key)?))))
+        Ok(self
+            .spaces
+            .iter()
+            .filter_map(|(key, space)| Some((space, value.get(key)?))))
     }
 
-    pub(super) fn draw<T: Weight>(&self, streams: &mut Streams, selection: &Selection<T>, out: &mut Value) {
+    pub(super) fn draw<T: Weight>(
+        &self,
+        streams: &mut Streams,
+        selection: &Selection<T>,
+        out: &mut Value,
+    ) {
         let has_keys = |entries: &[(String, Value)]| {
-            entries.len() == self.spaces.len() && entries.iter().zip(&self.spaces).all(|(a, b)| a.0 == b.0)
+            entries.len() == self.spaces.len()
+                && entries.iter().zip(&self.spaces).all(|(a, b)| a.0 == b.0)
         };
         if !matches!(out, Value::Dict(entries) if has_keys(entries)) {
-            *out = Value::Dict(self.spaces.iter().map(|(key, _)| (key.clone(), Value::Null)).collect());
+            *out = Value::Dict(
+                self.spaces
+                    .iter()
+                    .map(|(key, _)| (key.clone(), Value::Null))
+                    .collect(),
+            );
         }
         let Value::Dict(entries) = out else { return };
-        for (((key, space), streams), (_, out)) in self.spaces.iter().zip(&mut streams.members).zip(entries) {
+        for (((key, space), streams), (_, out)) in
+            self.spaces.iter().zip(&mut streams.members).zip(entries)
+        {
             space.draw(streams, selection.under(key), out);
         }
     }
@@ -117,7 +151,10 @@ impl DictSpace {
 impl PartialEq for DictSpace {
     fn eq(&self, other: &Self) -> bool {
         self.spaces.len() == other.spaces.len()
-            && self.spaces.iter().all(|(key, space)| other.get(key) == Some(space))
+            && self
+                .spaces
+                .iter()
+                .all(|(key, space)| other.get(key) == Some(space))
     }
 }
 
@@ -157,24 +194,38 @@ mod tests {
     }
 
     fn value(entries: &[(&str, i64)]) -> Value {
-        Value::Dict(entries.iter().map(|&(key, i)| (key.to_owned(), Value::Int(i))).collect())
+        Value::Dict(
+            entries
+                .iter()
+                .map(|&(key, i)| (key.to_owned(), Value::Int(i)))
+                .collect(),
+        )
     }
 
     #[test]
     fn keys_are_sorted_unless_kept_in_order() {
         assert_eq!(space().spaces()[0].0, "a");
-        let kept = DictSpace::in_order([("b", Space::discrete(4)), ("a", Space::discrete(2))]).unwrap();
+        let kept =
+            DictSpace::in_order([("b", Space::discrete(4)), ("a", Space::discrete(2))]).unwrap();
         assert_eq!(kept.to_string(), "Dict('b': Discrete(4), 'a': Discrete(2))");
         assert_eq!(kept, space());
         let stored = serde_json::to_string(&kept).unwrap();
-        assert_eq!(serde_json::from_str::<DictSpace>(&stored).unwrap().to_string(), kept.to_string());
+        assert_eq!(
+            serde_json::from_str::<DictSpace>(&stored)
+                .unwrap()
+                .to_string(),
+            kept.to_string()
+        );
     }
 
     #[test]
     fn keys_are_distinct() {
         let twice = [("a", Space::discrete(1)), ("a", Space::discrete(2))];
         assert!(
-            DictSpace::new(twice).unwrap_err().to_string().contains(r#"the key "a" of a dict occurs twice"#)
+            DictSpace::new(twice)
+                .unwrap_err()
+                .to_string()
+                .contains(r#"the key "a" of a dict occurs twice"#)
         );
         assert!(DictSpace::new::<&str>([]).is_ok());
     }
@@ -190,8 +241,12 @@ mod tests {
 
     #[test]
     fn faults_name_the_key() {
-        let fault = |entries: &[(&str, i64)]| space().check(&value(entries)).unwrap_err().to_string();
-        assert_eq!(fault(&[("a", 2), ("b", 3)]), r#"["a"]: 2 is not between 0 and 1"#);
+        let fault =
+            |entries: &[(&str, i64)]| space().check(&value(entries)).unwrap_err().to_string();
+        assert_eq!(
+            fault(&[("a", 2), ("b", 3)]),
+            r#"["a"]: 2 is not between 0 and 1"#
+        );
         assert_eq!(fault(&[("a", 1)]), r#"the key "b" is missing"#);
         assert_eq!(fault(&[("a", 1), ("c", 1)]), r#"the space has no key "c""#);
         assert_eq!(fault(&[("a", 1), ("b", 1), ("b", 1)]), "a key occurs twice");

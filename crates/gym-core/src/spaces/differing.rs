@@ -21,8 +21,9 @@ impl Space {
     /// shapes, types of numbers, keys and charsets; bounds may differ. Gymnasium's
     /// `is_space_dtype_shape_equiv`.
     pub fn has_form_of(&self, other: &Self) -> bool {
-        let all =
-            |a: &[Self], b: &[Self]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.has_form_of(b));
+        let all = |a: &[Self], b: &[Self]| {
+            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.has_form_of(b))
+        };
         match (self, other) {
             (Self::Box(_), Self::Box(_))
             | (Self::Discrete(_), Self::Discrete(_))
@@ -30,12 +31,17 @@ impl Space {
             | (Self::MultiBinary(_), Self::MultiBinary(_)) => {
                 self.shape() == other.shape() && self.dtype() == other.dtype()
             }
-            (Self::Text(a), Self::Text(b)) => a.max_length() == b.max_length() && a.charset() == b.charset(),
+            (Self::Text(a), Self::Text(b)) => {
+                a.max_length() == b.max_length() && a.charset() == b.charset()
+            }
             (Self::Tuple(a), Self::Tuple(b)) => all(a.spaces(), b.spaces()),
             (Self::OneOf(a), Self::OneOf(b)) => all(a.spaces(), b.spaces()),
             (Self::Dict(a), Self::Dict(b)) => {
                 let (a, b) = (a.spaces(), b.spaces());
-                a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.0 == b.0 && a.1.has_form_of(&b.1))
+                a.len() == b.len()
+                    && a.iter()
+                        .zip(b)
+                        .all(|(a, b)| a.0 == b.0 && a.1.has_form_of(&b.1))
             }
             (Self::Sequence(a), Self::Sequence(b)) => {
                 a.is_stacked() == b.is_stacked() && a.feature_space().has_form_of(b.feature_space())
@@ -70,10 +76,13 @@ impl Space {
         };
         let kind = std::mem::discriminant(first);
         let is_array = first.dtype().is_some() && !matches!(first, Self::Discrete(_));
-        let batches_with_first =
-            |space: &&Self| std::mem::discriminant(*space) == kind && (!is_array || space.has_form_of(first));
+        let batches_with_first = |space: &&Self| {
+            std::mem::discriminant(*space) == kind && (!is_array || space.has_form_of(first))
+        };
         if let Some(other) = spaces.iter().find(|space| !batches_with_first(space)) {
-            return invalid(format!("{first} and {other} differ in more than their bounds"));
+            return invalid(format!(
+                "{first} and {other} differ in more than their bounds"
+            ));
         }
         Ok(match first {
             Self::Discrete(_) => {
@@ -82,7 +91,9 @@ impl Space {
                 let widest = widest.reduce(|a, b| if can_cast(b, a) { a } else { b });
                 let batch = MultiDiscrete::new(discretes().map(Discrete::n).collect::<Vec<_>>())?
                     .with_start(discretes().map(Discrete::start).collect::<Vec<_>>())?;
-                widest.map_or(Ok(batch.clone()), |dtype| batch.with_dtype(dtype))?.into()
+                widest
+                    .map_or(Ok(batch.clone()), |dtype| batch.with_dtype(dtype))?
+                    .into()
             }
             Self::Tuple(tuple) => {
                 let tuples = || of_kind!(spaces, Tuple).map(TupleSpace::spaces);
@@ -90,26 +101,48 @@ impl Space {
                     return invalid("the tuples have different numbers of members");
                 }
                 let member = |j: usize| {
-                    Self::batch_differing(&tuples().map(|spaces| spaces[j].clone()).collect::<Vec<_>>())
+                    Self::batch_differing(
+                        &tuples().map(|spaces| spaces[j].clone()).collect::<Vec<_>>(),
+                    )
                 };
-                TupleSpace::new((0..tuple.spaces().len()).map(member).collect::<Result<Vec<_>>>()?).into()
+                TupleSpace::new(
+                    (0..tuple.spaces().len())
+                        .map(member)
+                        .collect::<Result<Vec<_>>>()?,
+                )
+                .into()
             }
             Self::Dict(dict) => {
-                let keys =
-                    |dict: &DictSpace| dict.spaces().iter().map(|(key, _)| key.clone()).collect::<Vec<_>>();
+                let keys = |dict: &DictSpace| {
+                    dict.spaces()
+                        .iter()
+                        .map(|(key, _)| key.clone())
+                        .collect::<Vec<_>>()
+                };
                 if of_kind!(spaces, Dict).any(|other| keys(other) != keys(dict)) {
                     return invalid("the dicts have different keys");
                 }
                 let member = |key: String| {
                     let members = of_kind!(spaces, Dict).filter_map(|dict| dict.get(&key).cloned());
-                    Ok((key.clone(), Self::batch_differing(&members.collect::<Vec<_>>())?))
+                    Ok((
+                        key.clone(),
+                        Self::batch_differing(&members.collect::<Vec<_>>())?,
+                    ))
                 };
-                DictSpace::in_order(keys(dict).into_iter().map(member).collect::<Result<Vec<_>>>()?)?.into()
+                DictSpace::in_order(
+                    keys(dict)
+                        .into_iter()
+                        .map(member)
+                        .collect::<Result<Vec<_>>>()?,
+                )?
+                .into()
             }
             _ => match first.shape().zip(first.dtype()) {
                 Some((shape, dtype)) => {
-                    let rows =
-                        spaces.iter().map(|space| batch_space(space, 1)).collect::<Result<Vec<_>>>()?;
+                    let rows = spaces
+                        .iter()
+                        .map(|space| batch_space(space, 1))
+                        .collect::<Result<Vec<_>>>()?;
                     let bound = |pick: fn(&BoxSpace) -> &Array| {
                         let arrays = of_kind!(rows, Box).map(pick);
                         let numbers = arrays.flat_map(|array| Number::all(array.data()));
@@ -132,21 +165,41 @@ mod tests {
     /// The results of Gymnasium 1.4.0.
     #[test]
     fn spaces_with_other_bounds_batch() {
-        let narrow = |n: i64| Discrete::new(n).unwrap().with_dtype(DType::I32).unwrap().into();
+        let narrow = |n: i64| {
+            Discrete::new(n)
+                .unwrap()
+                .with_dtype(DType::I32)
+                .unwrap()
+                .into()
+        };
         let multi = |n: [i64; 2]| Space::from(MultiDiscrete::new(n).unwrap());
         let bits = || Space::from(MultiBinary::new([2]).unwrap());
         let text = |n| Space::from(TextSpace::new(1, n).unwrap());
-        let pair = |n, high| Space::from(TupleSpace::new([Space::discrete(n), Space::boxed([0.0], [high])]));
-        let dict =
-            |n| Space::from(DictSpace::new([("a", Space::discrete(n)), ("b", text(n as usize))]).unwrap());
+        let pair = |n, high| {
+            Space::from(TupleSpace::new([
+                Space::discrete(n),
+                Space::boxed([0.0], [high]),
+            ]))
+        };
+        let dict = |n| {
+            Space::from(
+                DictSpace::new([("a", Space::discrete(n)), ("b", text(n as usize))]).unwrap(),
+            )
+        };
         for (spaces, batch) in [
             (vec![Space::discrete(3), narrow(5)], "MultiDiscrete([3 5])"),
             (vec![narrow(3), narrow(5)], "MultiDiscrete([3 5])"),
             (
-                vec![Space::boxed([0.0, -1.0], [1.0, 1.0]), Space::boxed([-2.0, 0.0], [2.0, 3.0])],
+                vec![
+                    Space::boxed([0.0, -1.0], [1.0, 1.0]),
+                    Space::boxed([-2.0, 0.0], [2.0, 3.0]),
+                ],
                 "Box([[ 0. -1.]\n [-2.  0.]], [[1. 1.]\n [2. 3.]], (2, 2), float32)",
             ),
-            (vec![multi([2, 3]), multi([4, 5])], "Box(0, [[1 2]\n [3 4]], (2, 2), int64)"),
+            (
+                vec![multi([2, 3]), multi([4, 5])],
+                "Box(0, [[1 2]\n [3 4]], (2, 2), int64)",
+            ),
             (vec![bits(), bits(), bits()], "Box(0, 1, (3, 2), int8)"),
             (
                 vec![pair(2, 1.0), pair(4, 2.0)],
@@ -165,15 +218,28 @@ mod tests {
         assert_eq!(dtype(&[narrow(3), narrow(5)]), Some(DType::I32));
         assert_eq!(dtype(&[narrow(3), Space::discrete(5)]), Some(DType::I64));
         // one space as often as you like is an ordinary batch
-        for space in [multi([2, 3]), bits(), text(3), pair(2, 1.0), dict(2), Space::discrete(4)] {
-            assert_eq!(Space::batch_differing(&vec![space.clone(); 3]).unwrap(), space.batch(3).unwrap());
+        for space in [
+            multi([2, 3]),
+            bits(),
+            text(3),
+            pair(2, 1.0),
+            dict(2),
+            Space::discrete(4),
+        ] {
+            assert_eq!(
+                Space::batch_differing(&vec![space.clone(); 3]).unwrap(),
+                space.batch(3).unwrap()
+            );
         }
         for spaces in [
             vec![],
             vec![Space::discrete(2), bits()],
             vec![Space::boxed([0.0], [1.0]), Space::boxed([0.0; 2], [1.0; 2])],
             vec![pair(2, 1.0), TupleSpace::new([Space::discrete(2)]).into()],
-            vec![dict(2), DictSpace::new([("a", Space::discrete(2))]).unwrap().into()],
+            vec![
+                dict(2),
+                DictSpace::new([("a", Space::discrete(2))]).unwrap().into(),
+            ],
         ] {
             assert!(Space::batch_differing(&spaces).is_err(), "{spaces:?}");
         }
@@ -183,7 +249,9 @@ mod tests {
     fn the_form_is_all_but_the_bounds() {
         let sequence = |high| Space::from(SequenceSpace::new(Space::boxed([0.0], [high])));
         assert!(sequence(1.0).has_form_of(&sequence(2.0)));
-        assert!(!sequence(1.0).has_form_of(&SequenceSpace::stacked(Space::boxed([0.0], [1.0])).into()));
+        assert!(
+            !sequence(1.0).has_form_of(&SequenceSpace::stacked(Space::boxed([0.0], [1.0])).into())
+        );
         assert!(Space::discrete(3).has_form_of(&Space::discrete(9)));
         assert!(!Space::discrete(3).has_form_of(&MultiDiscrete::new([3]).unwrap().into()));
         assert!(!Space::boxed([0.0], [1.0]).has_form_of(&Space::boxed([0.0; 2], [1.0; 2])));

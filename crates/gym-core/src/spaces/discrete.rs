@@ -39,7 +39,12 @@ impl Discrete {
     /// # Errors
     /// [`Error::InvalidSpace`] if `n` is below 1.
     pub fn new(n: i64) -> Result<Self> {
-        Self { n, start: 0, dtype: DType::I64 }.checked()
+        Self {
+            n,
+            start: 0,
+            dtype: DType::I64,
+        }
+        .checked()
     }
 
     /// The same number of integers, beginning at `start`.
@@ -61,17 +66,23 @@ impl Discrete {
     fn checked(self) -> Result<Self> {
         let Self { n, start, dtype } = self;
         if n < 1 {
-            return invalid(format!("Discrete({n}) has no elements: n must be at least 1"));
+            return invalid(format!(
+                "Discrete({n}) has no elements: n must be at least 1"
+            ));
         }
         if dtype.is_float() {
-            return invalid(format!("Discrete cannot be of type {dtype}: choose an integer type"));
+            return invalid(format!(
+                "Discrete cannot be of type {dtype}: choose an integer type"
+            ));
         }
         // numpy also stores `n` itself in the type.
         let last = start.checked_add(n - 1).map(i128::from);
         let fits = |number: i128| Number::Int(number).fits(dtype);
         match last {
             Some(last) if fits(last) && fits(start.into()) && fits(n.into()) => Ok(self),
-            _ => invalid(format!("{n} integers from {start} on do not fit {dtype}: choose a larger type")),
+            _ => invalid(format!(
+                "{n} integers from {start} on do not fit {dtype}: choose a larger type"
+            )),
         }
     }
 
@@ -100,14 +111,25 @@ impl Discrete {
     }
 
     pub(super) fn check(&self, value: &Value) -> Result<(), Fault> {
-        let Value::Int(i) = *value else { return Err(Fault::kind("a whole number", value)) };
+        let Value::Int(i) = *value else {
+            return Err(Fault::kind("a whole number", value));
+        };
         if self.contains(value) {
             return Ok(());
         }
-        Err(Fault::new(format!("{i} is not between {} and {}", self.start, self.last())))
+        Err(Fault::new(format!(
+            "{i} is not between {} and {}",
+            self.start,
+            self.last()
+        )))
     }
 
-    pub(super) fn draw<T: Weight>(&self, rng: &mut Generator, selection: &Selection<T>, out: &mut Value) {
+    pub(super) fn draw<T: Weight>(
+        &self,
+        rng: &mut Generator,
+        selection: &Selection<T>,
+        out: &mut Value,
+    ) {
         let index = match selection {
             Selection::Values(weights) => T::choose(weights, rng) as i64,
             _ => self.draw_index(rng),
@@ -187,21 +209,44 @@ mod tests {
 
     #[test]
     fn constructors_refuse_empty_and_oversized_ranges() {
-        assert!(Discrete::new(0).unwrap_err().to_string().contains("n must be at least 1"));
+        assert!(
+            Discrete::new(0)
+                .unwrap_err()
+                .to_string()
+                .contains("n must be at least 1")
+        );
         assert!(Discrete::new(-3).is_err());
         let three = Discrete::new(3).unwrap();
         assert!(three.clone().with_start(i64::MAX - 2).is_ok());
         assert!(three.clone().with_start(i64::MAX - 1).is_err());
         assert!(three.clone().with_dtype(DType::F32).is_err());
-        assert!(three.clone().with_dtype(DType::U8).unwrap().with_start(-1).is_err());
+        assert!(
+            three
+                .clone()
+                .with_dtype(DType::U8)
+                .unwrap()
+                .with_start(-1)
+                .is_err()
+        );
         assert!(Discrete::new(128).unwrap().with_dtype(DType::I8).is_err());
-        assert!(Discrete::new(i64::MAX).unwrap().with_start(i64::MIN).is_ok());
+        assert!(
+            Discrete::new(i64::MAX)
+                .unwrap()
+                .with_start(i64::MIN)
+                .is_ok()
+        );
     }
 
     #[test]
     fn contains_whole_numbers_of_the_range() {
         let space = Discrete::new(3).unwrap().with_start(-1).unwrap();
-        for (value, expected) in [(-2, false), (-1, true), (1, true), (2, false), (i64::MIN, false)] {
+        for (value, expected) in [
+            (-2, false),
+            (-1, true),
+            (1, true),
+            (2, false),
+            (i64::MIN, false),
+        ] {
             assert_eq!(space.contains(&Value::Int(value)), expected, "{value}");
         }
         assert!(!space.contains(&Value::Float(0.0)) && !space.contains(&Value::Bool(true)));
@@ -214,7 +259,10 @@ mod tests {
         let space = Discrete::new(4).unwrap();
         let fault = |value| space.check(&value).unwrap_err().to_string();
         assert_eq!(fault(Value::Int(4)), "4 is not between 0 and 3");
-        assert_eq!(fault(Value::Float(1.0)), "expected a whole number, not a real number");
+        assert_eq!(
+            fault(Value::Float(1.0)),
+            "expected a whole number, not a real number"
+        );
         assert_eq!(space.check(&Value::Int(3)), Ok(()));
     }
 
@@ -222,8 +270,14 @@ mod tests {
     fn prints_as_gymnasium() {
         let three = Discrete::new(3).unwrap();
         assert_eq!(three.to_string(), "Discrete(3)");
-        assert_eq!(three.clone().with_start(1).unwrap().to_string(), "Discrete(3, start=1)");
-        assert_eq!(three.with_dtype(DType::I32).unwrap().to_string(), "Discrete(3, dtype=int32)");
+        assert_eq!(
+            three.clone().with_start(1).unwrap().to_string(),
+            "Discrete(3, start=1)"
+        );
+        assert_eq!(
+            three.with_dtype(DType::I32).unwrap().to_string(),
+            "Discrete(3, dtype=int32)"
+        );
     }
 
     #[test]

@@ -17,7 +17,10 @@ pub(crate) struct Fault {
 
 impl Fault {
     pub(crate) fn new(reason: impl Into<String>) -> Self {
-        Self { path: String::new(), reason: reason.into() }
+        Self {
+            path: String::new(),
+            reason: reason.into(),
+        }
     }
 
     /// The value is of another kind.
@@ -65,7 +68,11 @@ impl Fault {
             })
             .collect();
         index.reverse();
-        if index.is_empty() { self } else { self.within(format_args!("{index:?}")) }
+        if index.is_empty() {
+            self
+        } else {
+            self.within(format_args!("{index:?}"))
+        }
     }
 
     #[must_use]
@@ -87,24 +94,37 @@ impl fmt::Display for Fault {
 
 /// The array of a value, if it has that shape and its numbers can become numbers of `dtype`.
 #[inline]
-pub(super) fn expect_array<'a>(value: &'a Value, shape: &[usize], dtype: DType) -> Result<&'a Array, Fault> {
+pub(super) fn expect_array<'a>(
+    value: &'a Value,
+    shape: &[usize],
+    dtype: DType,
+) -> Result<&'a Array, Fault> {
     match value {
-        Value::Array(array) if array.shape() == shape && can_cast(array.dtype(), dtype) => Ok(array),
+        Value::Array(array) if array.shape() == shape && can_cast(array.dtype(), dtype) => {
+            Ok(array)
+        }
         _ => Err(no_such_array(value, shape, dtype)),
     }
 }
 
 #[cold]
 fn no_such_array(value: &Value, shape: &[usize], dtype: DType) -> Fault {
-    let Value::Array(array) = value else { return Fault::kind("an array", value) };
+    let Value::Array(array) = value else {
+        return Fault::kind("an array", value);
+    };
     if array.shape() != shape {
         let [actual, expected] = [array.shape(), shape].map(numpy_fmt::shape);
         return Fault::new(format!("the shape is {actual} and should be {expected}"));
     }
-    Fault::new(format!("the numbers are {} and should be {dtype}: convert them first", array.dtype()))
+    Fault::new(format!(
+        "the numbers are {} and should be {dtype}: convert them first",
+        array.dtype()
+    ))
 }
 
 /// Whether [`expect_array`] succeeds; allocates nothing.
 pub(super) fn is_array(value: &Value, shape: &[usize], dtype: DType) -> bool {
-    value.as_array().is_some_and(|array| array.shape() == shape && can_cast(array.dtype(), dtype))
+    value
+        .as_array()
+        .is_some_and(|array| array.shape() == shape && can_cast(array.dtype(), dtype))
 }

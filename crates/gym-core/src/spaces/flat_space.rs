@@ -7,7 +7,8 @@ use crate::number::{Number, collect, result_type};
 use crate::{DType, Result};
 
 use super::{
-    BoxSpace, DictSpace, GraphSpace, MAX_ELEMENTS, OneOfSpace, SequenceSpace, Space, TupleSpace, invalid,
+    BoxSpace, DictSpace, GraphSpace, MAX_ELEMENTS, OneOfSpace, SequenceSpace, Space, TupleSpace,
+    invalid,
 };
 
 impl Space {
@@ -27,7 +28,9 @@ impl Space {
     /// [does not flatten](Self::is_flattenable) to an array, or to one of more than 2^28 numbers.
     pub fn flatdim(&self) -> Result<usize> {
         if !self.is_flattenable() {
-            return invalid(format!("{self} does not flatten to an array: its elements vary in length"));
+            return invalid(format!(
+                "{self} does not flatten to an array: its elements vary in length"
+            ));
         }
         let len = self.flat_len().filter(|len| *len <= MAX_ELEMENTS);
         len.map_or_else(|| invalid(format!("{self} is too large to flatten")), Ok)
@@ -47,11 +50,18 @@ impl Space {
                 TupleSpace::new(spaces.collect::<Result<Vec<_>>>()?).into()
             }
             Self::Dict(space) => {
-                let spaces = space.spaces().iter().map(|(key, space)| Ok((key, space.flatten_space()?)));
+                let spaces = space
+                    .spaces()
+                    .iter()
+                    .map(|(key, space)| Ok((key, space.flatten_space()?)));
                 DictSpace::in_order(spaces.collect::<Result<Vec<_>>>()?)?.into()
             }
             Self::Sequence(space) => {
-                let build = if space.is_stacked() { SequenceSpace::stacked } else { SequenceSpace::new };
+                let build = if space.is_stacked() {
+                    SequenceSpace::stacked
+                } else {
+                    SequenceSpace::new
+                };
                 build(space.feature_space().flatten_space()?).into()
             }
             Self::Graph(space) => {
@@ -74,9 +84,15 @@ impl Space {
             Self::Text(space) => BoxSpace::uniform(0.0, space.charset().len() as f64, [len], dtype),
             Self::OneOf(space) => flat_one_of(space, dtype, len),
             _ => {
-                let boxes = self.members().into_iter().map(Self::flat_box).collect::<Result<Vec<_>>>()?;
+                let boxes = self
+                    .members()
+                    .into_iter()
+                    .map(Self::flat_box)
+                    .collect::<Result<Vec<_>>>()?;
                 let join = |bound: fn(&BoxSpace) -> &Array| {
-                    let numbers = boxes.iter().flat_map(|space| Number::all(bound(space).data()));
+                    let numbers = boxes
+                        .iter()
+                        .flat_map(|space| Number::all(bound(space).data()));
                     Array::new([len], collect(dtype, numbers))
                 };
                 BoxSpace::new(join(BoxSpace::low)?, join(BoxSpace::high)?)
@@ -92,15 +108,22 @@ impl Space {
         if let Self::Text(_) = self {
             return Ok(DType::I32);
         }
-        let dtypes = self.members().into_iter().map(Self::flat_dtype).collect::<Result<Vec<_>>>()?;
+        let dtypes = self
+            .members()
+            .into_iter()
+            .map(Self::flat_dtype)
+            .collect::<Result<Vec<_>>>()?;
         let Some(dtype) = result_type(dtypes) else {
             return invalid(format!("{self} has no members, so it cannot be flattened"));
         };
-        let Self::OneOf(space) = self else { return Ok(dtype) };
+        let Self::OneOf(space) = self else {
+            return Ok(dtype);
+        };
         // The index must fit as well.
         let last = Number::Int(space.spaces().len() as i128 - 1);
-        let index =
-            [DType::U8, DType::U16, DType::U32, DType::U64].into_iter().find(|&index| last.fits(index));
+        let index = [DType::U8, DType::U16, DType::U32, DType::U64]
+            .into_iter()
+            .find(|&index| last.fits(index));
         Ok(result_type(once(dtype).chain(index.filter(|_| !last.fits(dtype)))).unwrap_or(dtype))
     }
 
@@ -111,33 +134,61 @@ impl Space {
             Self::MultiBinary(space) => element_count(space.shape()),
             Self::Discrete(space) => space.n().try_into().ok(),
             Self::MultiDiscrete(space) => {
-                let total = space.nvec().iter().try_fold(0, |sum: i64, &n| sum.checked_add(n));
+                let total = space
+                    .nvec()
+                    .iter()
+                    .try_fold(0, |sum: i64, &n| sum.checked_add(n));
                 total?.try_into().ok()
             }
             Self::Text(space) => Some(space.max_length()),
             Self::OneOf(space) => {
-                let lens = space.spaces().iter().map(Self::flat_len).collect::<Option<Vec<_>>>()?;
+                let lens = space
+                    .spaces()
+                    .iter()
+                    .map(Self::flat_len)
+                    .collect::<Option<Vec<_>>>()?;
                 lens.into_iter().max()?.checked_add(1)
             }
-            _ => {
-                self.members().into_iter().try_fold(0, |sum: usize, space| sum.checked_add(space.flat_len()?))
-            }
+            _ => self
+                .members()
+                .into_iter()
+                .try_fold(0, |sum: usize, space| sum.checked_add(space.flat_len()?)),
         }
     }
 }
 
 /// The index, then numbers from the smallest to the largest of all spaces.
 fn flat_one_of(space: &OneOfSpace, dtype: DType, len: usize) -> Result<BoxSpace> {
-    let boxes = space.spaces().iter().map(Space::flat_box).collect::<Result<Vec<_>>>()?;
+    let boxes = space
+        .spaces()
+        .iter()
+        .map(Space::flat_box)
+        .collect::<Result<Vec<_>>>()?;
     // an element without numbers is filled up with zeros (Gymnasium raises)
-    let filling = boxes.iter().any(|space| space.low().is_empty()).then_some(Number::Int(0));
-    let lows = boxes.iter().flat_map(|space| Number::all(space.low().data())).chain(filling);
-    let highs = boxes.iter().flat_map(|space| Number::all(space.high().data())).chain(filling);
-    let low = lows.reduce(|a, b| if b < a { b } else { a }).unwrap_or(Number::Int(0));
-    let high = highs.reduce(|a, b| if b > a { b } else { a }).unwrap_or(Number::Int(0));
+    let filling = boxes
+        .iter()
+        .any(|space| space.low().is_empty())
+        .then_some(Number::Int(0));
+    let lows = boxes
+        .iter()
+        .flat_map(|space| Number::all(space.low().data()))
+        .chain(filling);
+    let highs = boxes
+        .iter()
+        .flat_map(|space| Number::all(space.high().data()))
+        .chain(filling);
+    let low = lows
+        .reduce(|a, b| if b < a { b } else { a })
+        .unwrap_or(Number::Int(0));
+    let high = highs
+        .reduce(|a, b| if b > a { b } else { a })
+        .unwrap_or(Number::Int(0));
     let bounds = |index: usize, bound: Number| {
         let index = Number::Int(index as i128);
-        Array::new([len], collect(dtype, once(index).chain(repeat_n(bound, len - 1))))
+        Array::new(
+            [len],
+            collect(dtype, once(index).chain(repeat_n(bound, len - 1))),
+        )
     };
     BoxSpace::new(bounds(0, low)?, bounds(boxes.len() - 1, high)?)
 }
@@ -159,10 +210,19 @@ mod tests {
     fn flat_spaces_are_gymnasiums() {
         let square = || Space::from(BoxSpace::uniform(-1.0, 1.0, [2, 2], DType::F32).unwrap());
         assert_eq!(flat(square()), "Box(-1.0, 1.0, (4,), float32)");
-        assert_eq!(flat(BoxSpace::uniform(0.0, 1.0, [], DType::U8).unwrap()), "Box(0, 1, (1,), uint8)");
+        assert_eq!(
+            flat(BoxSpace::uniform(0.0, 1.0, [], DType::U8).unwrap()),
+            "Box(0, 1, (1,), uint8)"
+        );
         assert_eq!(flat(Space::discrete(5)), "Box(0, 1, (5,), int64)");
-        assert_eq!(flat(MultiDiscrete::new([2, 3]).unwrap()), "Box(0, 1, (5,), int64)");
-        assert_eq!(flat(MultiBinary::new([2, 3]).unwrap()), "Box(0, 1, (6,), int8)");
+        assert_eq!(
+            flat(MultiDiscrete::new([2, 3]).unwrap()),
+            "Box(0, 1, (5,), int64)"
+        );
+        assert_eq!(
+            flat(MultiBinary::new([2, 3]).unwrap()),
+            "Box(0, 1, (6,), int8)"
+        );
         let text = || Space::from(TextSpace::new(1, 4).unwrap().with_charset("ab").unwrap());
         assert_eq!(flat(text()), "Box(0, 2, (4,), int32)");
         assert_eq!(
@@ -195,7 +255,13 @@ mod tests {
     fn varying_lengths_do_not_flatten_to_an_array() {
         let sequence = Space::from(SequenceSpace::new(Space::discrete(2)));
         assert!(!sequence.is_flattenable());
-        assert!(sequence.flatdim().unwrap_err().to_string().contains("vary in length"));
+        assert!(
+            sequence
+                .flatdim()
+                .unwrap_err()
+                .to_string()
+                .contains("vary in length")
+        );
         let one_of = Space::from(OneOfSpace::new([sequence]).unwrap());
         assert!(!one_of.is_flattenable() && one_of.flatten_space().is_err());
         let empty = Space::from(TupleSpace::new([]));

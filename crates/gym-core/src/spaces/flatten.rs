@@ -64,7 +64,9 @@ impl Space {
             return self.convert(flat, &flat_space, self, Self::unflatten);
         }
         let read = || {
-            let Value::Array(array) = flat else { return Err(Fault::kind("an array", flat)) };
+            let Value::Array(array) = flat else {
+                return Err(Fault::kind("an array", flat));
+            };
             let array = expect_array(flat, flat_space.shape().unwrap_or_default(), array.dtype())?;
             with_type!(array.dtype(), T => self.read_flat(array.as_slice::<T>().unwrap_or_default()))
         };
@@ -85,7 +87,10 @@ impl Space {
             }
             Self::MultiBinary(space) => {
                 space.check(value)?;
-                value.as_array().into_iter().for_each(|array| write_numbers(array, next(self)));
+                value
+                    .as_array()
+                    .into_iter()
+                    .for_each(|array| write_numbers(array, next(self)));
             }
             Self::Discrete(space) => {
                 space.check(value)?;
@@ -97,7 +102,10 @@ impl Space {
                 space.check(value)?;
                 let out = next(self);
                 out.fill(int(0));
-                let numbers = value.as_array().into_iter().flat_map(|array| Number::all(array.data()));
+                let numbers = value
+                    .as_array()
+                    .into_iter()
+                    .flat_map(|array| Number::all(array.data()));
                 let mut offset = 0;
                 for (x, (n, start)) in numbers.zip(space.nvec().iter().zip(space.start())) {
                     let index = x.to_int().unwrap_or_default() - i128::from(*start);
@@ -109,29 +117,46 @@ impl Space {
                 space.check(value)?;
                 let out = next(self);
                 out.fill(int(space.charset().len()));
-                let indices = value.as_text().into_iter().flat_map(str::chars).filter_map(|c| space.index(c));
-                out.iter_mut().zip(indices).for_each(|(out, index)| *out = int(index));
+                let indices = value
+                    .as_text()
+                    .into_iter()
+                    .flat_map(str::chars)
+                    .filter_map(|c| space.index(c));
+                out.iter_mut()
+                    .zip(indices)
+                    .for_each(|(out, index)| *out = int(index));
             }
             Self::Tuple(space) => {
                 for (i, (space, member)) in space.members(value)?.enumerate() {
-                    space.write_flat(member, next(space)).map_err(|fault| fault.at(i))?;
+                    space
+                        .write_flat(member, next(space))
+                        .map_err(|fault| fault.at(i))?;
                 }
             }
             Self::Dict(space) => {
-                for ((key, _), (space, member)) in space.spaces().iter().zip(space.members(value)?) {
-                    space.write_flat(member, next(space)).map_err(|fault| fault.under(key))?;
+                for ((key, _), (space, member)) in space.spaces().iter().zip(space.members(value)?)
+                {
+                    space
+                        .write_flat(member, next(space))
+                        .map_err(|fault| fault.under(key))?;
                 }
             }
             Self::OneOf(space) => {
                 let (index, space, member) = space.chosen(value)?;
-                let [first, rest @ ..] = next(self) else { return Ok(()) };
+                let [first, rest @ ..] = next(self) else {
+                    return Ok(());
+                };
                 *first = int(index);
                 let (flat, padding) = rest.split_at_mut(space.flat_len().unwrap_or_default());
-                space.write_flat(member, flat).map_err(|fault| fault.at(1))?;
+                space
+                    .write_flat(member, flat)
+                    .map_err(|fault| fault.at(1))?;
                 // without a first number, zeros, which the flat space allows for
                 padding.fill(flat.first().copied().unwrap_or(int(0)));
             }
-            Self::Sequence(_) | Self::Graph(_) => return Err(Fault::new("it does not flatten to an array")),
+            Self::Sequence(_) | Self::Graph(_) => {
+                return Err(Fault::new("it does not flatten to an array"));
+            }
         }
         Ok(())
     }
@@ -140,7 +165,9 @@ impl Space {
     fn read_flat<T: Numeric>(&self, mut flat: &[T]) -> Result<Value, Fault> {
         let array = |shape: &[usize], dtype| {
             let array = Array::new(shape, collect(dtype, flat.iter().map(|x| x.number())));
-            array.map(Value::Array).map_err(|error| Fault::new(error.to_string()))
+            array
+                .map(Value::Array)
+                .map_err(|error| Fault::new(error.to_string()))
         };
         let is_set = |x: &T| x.to_f64() != 0.0;
         match self {
@@ -148,7 +175,9 @@ impl Space {
             Self::MultiBinary(space) => array(space.shape(), MultiBinary::DTYPE),
             Self::Discrete(space) => match flat.iter().position(is_set) {
                 Some(index) => Ok(Value::Int(space.start() + index as i64)),
-                None => Err(Fault::new("exactly one of its numbers must be 1, but none is")),
+                None => Err(Fault::new(
+                    "exactly one of its numbers must be 1, but none is",
+                )),
             },
             Self::MultiDiscrete(space) => {
                 let mut numbers = Vec::new();
@@ -168,11 +197,15 @@ impl Space {
             }
             Self::Text(space) => {
                 let end = space.charset().len() as i128;
-                let numbers = flat.iter().map(|x| Number::Float(x.to_f64().trunc()).to_int());
+                let numbers = flat
+                    .iter()
+                    .map(|x| Number::Float(x.to_f64().trunc()).to_int());
                 let characters = numbers.filter(|number| *number != Some(end)).map(|number| {
                     let index = number.and_then(|number| usize::try_from(number).ok());
                     let unknown = || Fault::new(format!("a number is not between 0 and {end}"));
-                    index.and_then(|index| space.charset().get(index)).ok_or_else(unknown)
+                    index
+                        .and_then(|index| space.charset().get(index))
+                        .ok_or_else(unknown)
                 });
                 characters.collect::<Result<_, _>>().map(Value::Text)
             }
@@ -186,7 +219,9 @@ impl Space {
             }
             Self::Dict(space) => {
                 let values = space.spaces().iter().map(|(key, space)| {
-                    let value = space.read_next(&mut flat).map_err(|fault| fault.under(key))?;
+                    let value = space
+                        .read_next(&mut flat)
+                        .map_err(|fault| fault.under(key))?;
                     Ok((key.clone(), value))
                 });
                 values.collect::<Result<_, _>>().map(Value::Dict)
@@ -201,7 +236,9 @@ impl Space {
                     _ => Err(Fault::new("the first number is not the index of a space")),
                 }
             }
-            Self::Sequence(_) | Self::Graph(_) => Err(Fault::new("it does not flatten to an array")),
+            Self::Sequence(_) | Self::Graph(_) => {
+                Err(Fault::new("it does not flatten to an array"))
+            }
         }
     }
 
@@ -223,13 +260,17 @@ impl Space {
         let refuse = |fault: Fault| from.refuse(value, &fault);
         match (self, from, to) {
             (Self::Tuple(space), ..) => {
-                let values = space.members(value).map_err(refuse)?.map(|(space, value)| map(space, value));
+                let values = space
+                    .members(value)
+                    .map_err(refuse)?
+                    .map(|(space, value)| map(space, value));
                 values.collect::<Result<_>>().map(Value::Tuple)
             }
             (Self::Dict(space), ..) => {
                 let members = space.members(value).map_err(refuse)?;
                 let entries = space.spaces().iter().zip(members);
-                let entries = entries.map(|((key, _), (space, value))| Ok((key.clone(), map(space, value)?)));
+                let entries =
+                    entries.map(|((key, _), (space, value))| Ok((key.clone(), map(space, value)?)));
                 entries.collect::<Result<_>>().map(Value::Dict)
             }
             (Self::Sequence(space), Self::Sequence(from), Self::Sequence(to)) => {
@@ -238,24 +279,46 @@ impl Space {
                 to.collect(items.collect::<Result<_>>()?).map_err(refuse)
             }
             (Self::Graph(space), Self::Graph(from), Self::Graph(to)) => {
-                let Value::Graph(graph) = value else { return Err(refuse(Fault::kind("a graph", value))) };
+                let Value::Graph(graph) = value else {
+                    return Err(refuse(Fault::kind("a graph", value)));
+                };
                 let rows = |space: &Self, from: &Self, to: &Self, rows: &Array| -> Result<Array> {
                     let rows = iterate_array(from, rows).map_err(refuse)?;
-                    let rows = rows.iter().map(|row| map(space, row)).collect::<Result<Vec<_>>>()?;
+                    let rows = rows
+                        .iter()
+                        .map(|row| map(space, row))
+                        .collect::<Result<Vec<_>>>()?;
                     let rows = concatenate(to, &rows.iter().collect::<Vec<_>>()).map_err(refuse)?;
                     Ok(rows.as_array().cloned().unwrap_or_default())
                 };
-                let nodes = rows(space.node_space(), from.node_space(), to.node_space(), &graph.nodes)?;
+                let nodes = rows(
+                    space.node_space(),
+                    from.node_space(),
+                    to.node_space(),
+                    &graph.nodes,
+                )?;
                 let edge_spaces = (space.edge_space(), from.edge_space(), to.edge_space());
                 let edges = match (edge_spaces, &graph.edges) {
                     (_, None) => None,
-                    ((Some(space), Some(from), Some(to)), Some(edges)) => Some(rows(space, from, to, edges)?),
-                    _ => return Err(refuse(Fault::new("there are edges, but the space has none"))),
+                    ((Some(space), Some(from), Some(to)), Some(edges)) => {
+                        Some(rows(space, from, to, edges)?)
+                    }
+                    _ => {
+                        return Err(refuse(Fault::new(
+                            "there are edges, but the space has none",
+                        )));
+                    }
                 };
                 let edge_links = graph.edge_links.clone();
-                Ok(Value::Graph(Box::new(GraphInstance { nodes, edges, edge_links })))
+                Ok(Value::Graph(Box::new(GraphInstance {
+                    nodes,
+                    edges,
+                    edge_links,
+                })))
             }
-            _ => Err(refuse(Fault::new("it contains a space that does not flatten to an array"))),
+            _ => Err(refuse(Fault::new(
+                "it contains a space that does not flatten to an array",
+            ))),
         }
     }
 }
@@ -263,6 +326,9 @@ impl Space {
 fn write_numbers<T: Numeric>(array: &Array, out: &mut [T]) {
     match array.as_slice::<T>() {
         Some(numbers) => out.copy_from_slice(numbers),
-        None => out.iter_mut().zip(Number::all(array.data())).for_each(|(out, x)| *out = T::cast(x)),
+        None => out
+            .iter_mut()
+            .zip(Number::all(array.data()))
+            .for_each(|(out, x)| *out = T::cast(x)),
     }
 }

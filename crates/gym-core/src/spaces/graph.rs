@@ -54,7 +54,10 @@ impl GraphSpace {
                 )));
             }
         }
-        Ok(Self { node_space: Box::new(node_space), edge_space: edge_space.map(Box::new) })
+        Ok(Self {
+            node_space: Box::new(node_space),
+            edge_space: edge_space.map(Box::new),
+        })
     }
 
     /// The space of each node.
@@ -72,24 +75,43 @@ impl GraphSpace {
     }
 
     pub(super) fn check(&self, value: &Value) -> Result<(), Fault> {
-        let Value::Graph(graph) = value else { return Err(Fault::kind("a graph", value)) };
-        let num_nodes = check_rows(&self.node_space, &graph.nodes).map_err(|fault| fault.within(".nodes"))?;
+        let Value::Graph(graph) = value else {
+            return Err(Fault::kind("a graph", value));
+        };
+        let num_nodes =
+            check_rows(&self.node_space, &graph.nodes).map_err(|fault| fault.within(".nodes"))?;
         match (self.edge_space(), &graph.edges, &graph.edge_links) {
             (_, None, None) => Ok(()),
             (None, Some(_), _) => Err(Fault::new("there are edges, but the space has none")),
             (Some(space), Some(edges), Some(links)) => {
                 let num_edges = check_rows(space, edges).map_err(|fault| fault.within(".edges"))?;
-                check_links(links, num_edges, num_nodes).map_err(|fault| fault.within(".edge_links"))
+                check_links(links, num_edges, num_nodes)
+                    .map_err(|fault| fault.within(".edge_links"))
             }
-            _ => Err(Fault::new("edges and edge_links go together: give both or neither")),
+            _ => Err(Fault::new(
+                "edges and edge_links go together: give both or neither",
+            )),
         }
     }
 
-    pub(super) fn draw<T: Weight>(&self, streams: &mut Streams, selection: &Selection<T>, out: &mut Value) {
+    pub(super) fn draw<T: Weight>(
+        &self,
+        streams: &mut Streams,
+        selection: &Selection<T>,
+        out: &mut Value,
+    ) {
         let (num_nodes, num_edges, node_selection, edge_selection) = match selection {
-            Selection::Graph { num_nodes, num_edges, nodes, edges } => {
-                (num_nodes.unwrap_or(Self::NUM_NODES), *num_edges, &**nodes, &**edges)
-            }
+            Selection::Graph {
+                num_nodes,
+                num_edges,
+                nodes,
+                edges,
+            } => (
+                num_nodes.unwrap_or(Self::NUM_NODES),
+                *num_edges,
+                &**nodes,
+                &**edges,
+            ),
             _ => (Self::NUM_NODES, None, &Selection::Any, &Selection::Any),
         };
         let Streams { own, members } = streams;
@@ -101,13 +123,19 @@ impl GraphSpace {
             None => 0,
         };
         let nodes = draw_rows(&self.node_space, &mut members[0], node_selection, num_nodes);
-        let mut graph = GraphInstance { nodes, edges: None, edge_links: None };
+        let mut graph = GraphInstance {
+            nodes,
+            edges: None,
+            edge_links: None,
+        };
         if let Some(space) = self.edge_space()
             && num_edges > 0
         {
             graph.edges = Some(draw_rows(space, &mut members[1], edge_selection, num_edges));
             let links = (0..2 * num_edges).map(|_| own.integers(0, num_nodes as i64) as i32);
-            graph.edge_links = Array::from(links.collect::<Vec<_>>()).reshape([num_edges, 2]).ok();
+            graph.edge_links = Array::from(links.collect::<Vec<_>>())
+                .reshape([num_edges, 2])
+                .ok();
         }
         *out = Value::Graph(Box::new(graph));
     }
@@ -115,13 +143,22 @@ impl GraphSpace {
 
 /// As in Gymnasium, all rows are drawn with a copy of the generator; the original advances by one
 /// number.
-fn draw_rows<T: Weight>(space: &Space, streams: &mut Streams, selection: &Selection<T>, n: usize) -> Array {
+fn draw_rows<T: Weight>(
+    space: &Space,
+    streams: &mut Streams,
+    selection: &Selection<T>,
+    n: usize,
+) -> Array {
     let mut out = Value::Null;
     if let Ok(batch) = batch_space(space, n) {
         batch.draw(&mut streams.clone(), selection, &mut out);
     }
     streams.own.random();
-    if let Value::Array(rows) = out { rows } else { Array::default() }
+    if let Value::Array(rows) = out {
+        rows
+    } else {
+        Array::default()
+    }
 }
 
 /// Checks that each row of an array is an element of a space, and counts them.
@@ -135,16 +172,27 @@ fn check_rows(space: &Space, array: &Array) -> Result<usize, Fault> {
 
 fn check_links(links: &Array, num_edges: usize, num_nodes: usize) -> Result<(), Fault> {
     if links.dtype().is_float() {
-        return Err(Fault::new(format!("the numbers are {} and should be integers", links.dtype())));
+        return Err(Fault::new(format!(
+            "the numbers are {} and should be integers",
+            links.dtype()
+        )));
     }
     if links.shape() != [num_edges, 2] {
-        return Err(Fault::new(format!("the shape is {:?} and should be [{num_edges}, 2]", links.shape())));
+        return Err(Fault::new(format!(
+            "the shape is {:?} and should be [{num_edges}, 2]",
+            links.shape()
+        )));
     }
     let is_node = |x: Number| x >= Number::Int(0) && x < Number::Int(num_nodes as i128);
-    match Number::all(links.data()).enumerate().find(|(_, x)| !is_node(*x)) {
+    match Number::all(links.data())
+        .enumerate()
+        .find(|(_, x)| !is_node(*x))
+    {
         None => Ok(()),
-        Some((i, x)) => Err(Fault::new(format!("{x} is not the index of one of the {num_nodes} nodes"))
-            .at_element(i, links.shape())),
+        Some((i, x)) => Err(Fault::new(format!(
+            "{x} is not the index of one of the {num_nodes} nodes"
+        ))
+        .at_element(i, links.shape())),
     }
 }
 
@@ -169,7 +217,12 @@ struct Description {
 impl TryFrom<Description> for GraphSpace {
     type Error = Error;
 
-    fn try_from(Description { node_space, edge_space }: Description) -> Result<Self> {
+    fn try_from(
+        Description {
+            node_space,
+            edge_space,
+        }: Description,
+    ) -> Result<Self> {
         Self::new(node_space, edge_space)
     }
 }
@@ -187,13 +240,17 @@ mod tests {
         Value::Graph(Box::new(GraphInstance {
             nodes: nodes.to_vec().into(),
             edges: Some(edges.to_vec().into()),
-            edge_links: Array::from(links.to_vec()).reshape([links.len() / 2, 2]).ok(),
+            edge_links: Array::from(links.to_vec())
+                .reshape([links.len() / 2, 2])
+                .ok(),
         }))
     }
 
     #[test]
     fn refuses_spaces_that_do_not_batch() {
-        let text = GraphSpace::new(TupleSpace::new([]), None).unwrap_err().to_string();
+        let text = GraphSpace::new(TupleSpace::new([]), None)
+            .unwrap_err()
+            .to_string();
         assert!(text.contains("choose Box, Discrete, MultiDiscrete or MultiBinary"));
         assert!(GraphSpace::new(Space::discrete(2), Some(TupleSpace::new([]).into())).is_err());
     }
@@ -203,29 +260,42 @@ mod tests {
         assert!(space().contains(&graph(&[0, 4], &[2], &[0, 1])));
         assert!(space().contains(&graph(&[0], &[0, 0], &[0, 0, 0, 0])));
         assert!(
-            !space().contains(&graph(&[5], &[2], &[0, 0])) && !space().contains(&graph(&[0], &[3], &[0, 0]))
+            !space().contains(&graph(&[5], &[2], &[0, 0]))
+                && !space().contains(&graph(&[0], &[3], &[0, 0]))
         );
         assert!(
-            !space().contains(&graph(&[0], &[2], &[0, 1])) && !space().contains(&graph(&[0], &[2], &[-1, 0]))
+            !space().contains(&graph(&[0], &[2], &[0, 1]))
+                && !space().contains(&graph(&[0], &[2], &[-1, 0]))
         );
-        assert!(!space().contains(&graph(&[0], &[2, 2], &[0, 0])) && !space().contains(&Value::Null));
+        assert!(
+            !space().contains(&graph(&[0], &[2, 2], &[0, 0])) && !space().contains(&Value::Null)
+        );
 
         let without = |edges: bool, links: bool| {
-            let Value::Graph(mut graph) = graph(&[0], &[0], &[0, 0]) else { unreachable!() };
+            let Value::Graph(mut graph) = graph(&[0], &[0], &[0, 0]) else {
+                unreachable!()
+            };
             graph.edges = graph.edges.filter(|_| edges);
             graph.edge_links = graph.edge_links.filter(|_| links);
             Value::Graph(graph)
         };
         assert!(space().contains(&without(false, false)));
-        assert!(!space().contains(&without(true, false)) && !space().contains(&without(false, true)));
+        assert!(
+            !space().contains(&without(true, false)) && !space().contains(&without(false, true))
+        );
         let edgeless = GraphSpace::new(Space::discrete(5), None).unwrap();
-        assert!(edgeless.contains(&without(false, false)) && !edgeless.contains(&without(true, true)));
+        assert!(
+            edgeless.contains(&without(false, false)) && !edgeless.contains(&without(true, true))
+        );
     }
 
     #[test]
     fn faults_name_the_place() {
         let fault = |value: Value| space().check(&value).unwrap_err().to_string();
-        assert_eq!(fault(graph(&[0, 5], &[2], &[0, 1])), ".nodes[1]: 5 is not between 0 and 4");
+        assert_eq!(
+            fault(graph(&[0, 5], &[2], &[0, 1])),
+            ".nodes[1]: 5 is not between 0 and 4"
+        );
         assert_eq!(
             fault(graph(&[0, 1], &[2], &[0, 2])),
             ".edge_links[0, 1]: 2 is not the index of one of the 2 nodes"
@@ -236,7 +306,9 @@ mod tests {
     fn prints_as_gymnasium() {
         assert_eq!(space().to_string(), "Graph(Discrete(5), Discrete(3))");
         assert_eq!(
-            GraphSpace::new(Space::discrete(2), None).unwrap().to_string(),
+            GraphSpace::new(Space::discrete(2), None)
+                .unwrap()
+                .to_string(),
             "Graph(Discrete(2), None)"
         );
     }

@@ -176,7 +176,8 @@ impl Space {
         if self.contains(value) {
             return Ok(());
         }
-        self.check_value(value).map_err(|fault| self.refuse(value, &fault))
+        self.check_value(value)
+            .map_err(|fault| self.refuse(value, &fault))
     }
 
     fn check_value(&self, value: &Value) -> Result<(), Fault> {
@@ -195,11 +196,18 @@ impl Space {
             (_, action, _) if !action.is_finite() => "numbers must be finite".to_owned(),
             (Err(fault), ..) => fault.to_string(),
             (Ok(()), Value::Array(array), Some(dtype)) if array.dtype() != dtype => {
-                format!("the numbers are {} and should be {dtype}: convert them first", array.dtype())
+                format!(
+                    "the numbers are {} and should be {dtype}: convert them first",
+                    array.dtype()
+                )
             }
             (Ok(()), ..) => String::new(),
         };
-        Error::InvalidAction { action: action.to_string(), space: self.to_string(), hint }
+        Error::InvalidAction {
+            action: action.to_string(),
+            space: self.to_string(),
+            hint,
+        }
     }
 
     /// Random elements, by Gymnasium's `seed` and `sample`.
@@ -244,7 +252,9 @@ impl Space {
             Self::Tuple(space) => space.spaces().iter().collect(),
             Self::Dict(space) => space.spaces().iter().map(|(_, space)| space).collect(),
             Self::Sequence(space) => vec![space.feature_space()],
-            Self::Graph(space) => std::iter::once(space.node_space()).chain(space.edge_space()).collect(),
+            Self::Graph(space) => std::iter::once(space.node_space())
+                .chain(space.edge_space())
+                .collect(),
             Self::OneOf(space) => space.spaces().iter().collect(),
             _ => Vec::new(),
         }
@@ -275,8 +285,13 @@ impl fmt::Display for Space {
 
 /// [`Error::NotInSpace`], with the start of a long value or space.
 fn not_in(value: &impl fmt::Display, space: &impl fmt::Display, fault: &Fault) -> Error {
-    let [value, space] = [value.to_string(), space.to_string()].map(|text| shortened(&text).into_owned());
-    Error::NotInSpace { value, space, reason: fault.to_string() }
+    let [value, space] =
+        [value.to_string(), space.to_string()].map(|text| shortened(&text).into_owned());
+    Error::NotInSpace {
+        value,
+        space,
+        reason: fault.to_string(),
+    }
 }
 
 fn invalid<T>(reason: impl Into<String>) -> Result<T> {
@@ -298,16 +313,20 @@ pub fn array_of<'a>(out: &'a mut Value, dtype: DType, shape: &[usize]) -> &'a mu
 
 /// The number of elements of a shape.
 fn element_count(shape: &[usize]) -> Result<usize, Fault> {
-    count(shape).filter(|count| *count <= MAX_ELEMENTS).ok_or_else(|| {
-        if shape.len() > MAX_AXES {
-            return Fault::new(format!(
-                "the shape has {} axes: at most {MAX_AXES} are possible",
-                shape.len()
-            ));
-        }
-        let shape = numpy_fmt::shape(shape);
-        Fault::new(format!("the shape {shape} has too many elements: at most {MAX_ELEMENTS} are possible"))
-    })
+    count(shape)
+        .filter(|count| *count <= MAX_ELEMENTS)
+        .ok_or_else(|| {
+            if shape.len() > MAX_AXES {
+                return Fault::new(format!(
+                    "the shape has {} axes: at most {MAX_AXES} are possible",
+                    shape.len()
+                ));
+            }
+            let shape = numpy_fmt::shape(shape);
+            Fault::new(format!(
+                "the shape {shape} has too many elements: at most {MAX_ELEMENTS} are possible"
+            ))
+        })
 }
 
 /// `Tuple(Discrete(3), Discrete(2))`.

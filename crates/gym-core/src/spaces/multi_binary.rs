@@ -41,7 +41,9 @@ impl MultiBinary {
         let shape = shape.into();
         let text = numpy_fmt::shape(&shape);
         if shape.contains(&0) {
-            return invalid(format!("MultiBinary cannot have shape {text}: every length must be at least 1"));
+            return invalid(format!(
+                "MultiBinary cannot have shape {text}: every length must be at least 1"
+            ));
         }
         element_count(&shape).map_err(|fault| Error::InvalidSpace(fault.to_string()))?;
         Ok(Self { shape })
@@ -54,7 +56,9 @@ impl MultiBinary {
 
     /// Accepts numbers of any type, as Gymnasium does.
     pub(super) fn contains(&self, value: &Value) -> bool {
-        let Value::Array(array) = value else { return false };
+        let Value::Array(array) = value else {
+            return false;
+        };
         array.shape() == self.shape
             && with_numbers!(array.data(), values => values.iter().all(|x| [0.0, 1.0].contains(&x.to_f64())))
     }
@@ -62,9 +66,14 @@ impl MultiBinary {
     pub(super) fn check(&self, value: &Value) -> Result<(), Fault> {
         let array = self.expect_array(value)?;
         let is_binary = |x: Number| x == Number::Int(0) || x == Number::Int(1);
-        match Number::all(array.data()).enumerate().find(|(_, x)| !is_binary(*x)) {
+        match Number::all(array.data())
+            .enumerate()
+            .find(|(_, x)| !is_binary(*x))
+        {
             None => Ok(()),
-            Some((i, x)) => Err(Fault::new(format!("{x} is neither 0 nor 1")).at_element(i, &self.shape)),
+            Some((i, x)) => {
+                Err(Fault::new(format!("{x} is neither 0 nor 1")).at_element(i, &self.shape))
+            }
         }
     }
 
@@ -74,9 +83,16 @@ impl MultiBinary {
         fault::expect_array(value, &self.shape, own_type)
     }
 
-    pub(super) fn draw<T: Weight>(&self, rng: &mut Generator, selection: &Selection<T>, out: &mut Value) {
+    pub(super) fn draw<T: Weight>(
+        &self,
+        rng: &mut Generator,
+        selection: &Selection<T>,
+        out: &mut Value,
+    ) {
         let array = array_of(out, Self::DTYPE, &self.shape);
-        let Some(values) = array.as_mut_slice::<i8>() else { return };
+        let Some(values) = array.as_mut_slice::<i8>() else {
+            return;
+        };
         match selection {
             Selection::Values(weights) => T::toss(weights, rng, values),
             _ => toss(rng, values),
@@ -115,7 +131,12 @@ mod tests {
 
     #[test]
     fn constructor_refuses_empty_axes() {
-        assert!(MultiBinary::new([2, 0]).unwrap_err().to_string().contains("at least 1"));
+        assert!(
+            MultiBinary::new([2, 0])
+                .unwrap_err()
+                .to_string()
+                .contains("at least 1")
+        );
         assert!(MultiBinary::new([usize::MAX, 2]).is_err());
         assert!(MultiBinary::new([]).is_ok());
     }
@@ -124,8 +145,16 @@ mod tests {
     fn contains_zeros_and_ones_of_any_type() {
         let space = MultiBinary::new([2]).unwrap();
         let contains = |array: Array| space.contains(&Value::Array(array));
-        assert!(contains([0i8, 1].into()) && contains([1.0f64, 0.0].into()) && contains([1u64, 1].into()));
-        assert!(!contains([0i8, 2].into()) && !contains([0.5f32, 0.0].into()) && !contains([-1i8, 0].into()));
+        assert!(
+            contains([0i8, 1].into())
+                && contains([1.0f64, 0.0].into())
+                && contains([1u64, 1].into())
+        );
+        assert!(
+            !contains([0i8, 2].into())
+                && !contains([0.5f32, 0.0].into())
+                && !contains([-1i8, 0].into())
+        );
         assert!(!contains([1i8].into()) && !space.contains(&Value::Int(1)));
     }
 
@@ -144,7 +173,13 @@ mod tests {
             let (mut a, mut b) = (Generator::from(3), Generator::from(3));
             toss(&mut a, &mut values);
             b.integers_u8(0, 1, &mut bytes);
-            assert!(values.iter().zip(&bytes).all(|(value, byte)| *value as u8 == *byte), "{n}");
+            assert!(
+                values
+                    .iter()
+                    .zip(&bytes)
+                    .all(|(value, byte)| *value as u8 == *byte),
+                "{n}"
+            );
             assert_eq!(a, b);
         }
     }

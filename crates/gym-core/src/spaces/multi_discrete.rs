@@ -44,7 +44,13 @@ impl MultiDiscrete {
     pub fn new(nvec: impl Into<Array>) -> Result<Self> {
         let nvec = nvec.into();
         let (shape, nvec) = (nvec.shape().to_vec(), integers("nvec", &nvec)?);
-        Self { start: vec![0; nvec.len()], shape, nvec, dtype: DType::I64 }.checked()
+        Self {
+            start: vec![0; nvec.len()],
+            shape,
+            nvec,
+            dtype: DType::I64,
+        }
+        .checked()
     }
 
     /// `nvec` integers per element, from those of `start` on.
@@ -56,9 +62,15 @@ impl MultiDiscrete {
         let start = start.into();
         if start.shape() != self.shape {
             let [start, shape] = [start.shape(), &self.shape].map(numpy_fmt::shape);
-            return invalid(format!("start has shape {start} and nvec has shape {shape}: make them equal"));
+            return invalid(format!(
+                "start has shape {start} and nvec has shape {shape}: make them equal"
+            ));
         }
-        Self { start: integers("start", &start)?, ..self }.checked()
+        Self {
+            start: integers("start", &start)?,
+            ..self
+        }
+        .checked()
     }
 
     /// The same integers as numbers of another type.
@@ -72,14 +84,18 @@ impl MultiDiscrete {
     fn checked(self) -> Result<Self> {
         let dtype = self.dtype;
         if dtype.is_float() {
-            return invalid(format!("MultiDiscrete cannot be of type {dtype}: choose an integer type"));
+            return invalid(format!(
+                "MultiDiscrete cannot be of type {dtype}: choose an integer type"
+            ));
         }
         let fits = |number: i64| Number::Int(number.into()).fits(dtype);
         for (i, (&n, &start)) in self.nvec.iter().zip(&self.start).enumerate() {
             let reason = match n.checked_sub(1).and_then(|last| start.checked_add(last)) {
                 _ if n < 1 => format!("n is {n} and must be at least 1"),
                 Some(last) if fits(start) && fits(last) && fits(n) => continue,
-                _ => format!("{n} integers from {start} on do not fit {dtype}: choose a larger type"),
+                _ => {
+                    format!("{n} integers from {start} on do not fit {dtype}: choose a larger type")
+                }
             };
             return invalid(Fault::new(reason).at_element(i, &self.shape).to_string());
         }
@@ -108,17 +124,25 @@ impl MultiDiscrete {
 
     /// The smallest and the largest integer of each element.
     pub(super) fn ranges(&self) -> impl Iterator<Item = (i64, i64)> + '_ {
-        self.nvec.iter().zip(&self.start).map(|(n, start)| (*start, start + (n - 1)))
+        self.nvec
+            .iter()
+            .zip(&self.start)
+            .map(|(n, start)| (*start, start + (n - 1)))
     }
 
     pub(super) fn contains(&self, value: &Value) -> bool {
         fn inside<T: Numeric>(values: &[T], ranges: impl Iterator<Item = (i64, i64)>) -> bool {
-            values.iter().zip(ranges).all(|(x, (start, last))| match x.number().to_int() {
-                Some(x) => i128::from(start) <= x && x <= i128::from(last),
-                None => false,
-            })
+            values
+                .iter()
+                .zip(ranges)
+                .all(|(x, (start, last))| match x.number().to_int() {
+                    Some(x) => i128::from(start) <= x && x <= i128::from(last),
+                    None => false,
+                })
         }
-        let Value::Array(array) = value else { return false };
+        let Value::Array(array) = value else {
+            return false;
+        };
         is_array(value, &self.shape, self.dtype)
             && with_type!(array.dtype(), T => {
                 array.as_slice::<T>().is_some_and(|values| inside(values, self.ranges()))
@@ -136,7 +160,12 @@ impl MultiDiscrete {
         Ok(())
     }
 
-    pub(super) fn draw<T: Weight>(&self, rng: &mut Generator, selection: &Selection<T>, out: &mut Value) {
+    pub(super) fn draw<T: Weight>(
+        &self,
+        rng: &mut Generator,
+        selection: &Selection<T>,
+        out: &mut Value,
+    ) {
         let array = array_of(out, self.dtype, &self.shape);
         with_type!(self.dtype, N => {
             for (i, value) in array.as_mut_slice::<N>().into_iter().flatten().enumerate() {
@@ -153,7 +182,10 @@ impl MultiDiscrete {
 
     /// Numbers in this space's shape, as numpy prints them.
     fn text(&self, numbers: &[i64]) -> String {
-        numpy_fmt::array(&Data::from_i64(self.dtype, numbers.iter().copied()), &self.shape)
+        numpy_fmt::array(
+            &Data::from_i64(self.dtype, numbers.iter().copied()),
+            &self.shape,
+        )
     }
 
     /// Converts to an array of the space's type.
@@ -167,7 +199,14 @@ impl MultiDiscrete {
 fn integers(name: &str, array: &Array) -> Result<Vec<i64>> {
     let int = |number: Number| number.to_int().and_then(|i| i64::try_from(i).ok());
     let ints: Option<Vec<i64>> = Number::all(array.data()).map(int).collect();
-    ints.map_or_else(|| invalid(format!("{name} is {array}: give whole numbers that fit int64")), Ok)
+    ints.map_or_else(
+        || {
+            invalid(format!(
+                "{name} is {array}: give whole numbers that fit int64"
+            ))
+        },
+        Ok,
+    )
 }
 
 /// Prints as Gymnasium does: `MultiDiscrete([3 4])`.
@@ -194,8 +233,16 @@ struct Description {
 impl TryFrom<Description> for MultiDiscrete {
     type Error = Error;
 
-    fn try_from(Description { shape, nvec, start, dtype }: Description) -> Result<Self> {
-        let [nvec, start] = [nvec, start].map(|numbers| Array::from(numbers).reshape(shape.clone()));
+    fn try_from(
+        Description {
+            shape,
+            nvec,
+            start,
+            dtype,
+        }: Description,
+    ) -> Result<Self> {
+        let [nvec, start] =
+            [nvec, start].map(|numbers| Array::from(numbers).reshape(shape.clone()));
         Self::new(nvec?)?.with_start(start?)?.with_dtype(dtype)
     }
 }
@@ -205,7 +252,10 @@ mod tests {
     use super::*;
 
     fn space() -> MultiDiscrete {
-        MultiDiscrete::new([3, 4]).unwrap().with_start([10, -2]).unwrap()
+        MultiDiscrete::new([3, 4])
+            .unwrap()
+            .with_start([10, -2])
+            .unwrap()
     }
 
     #[test]
@@ -214,7 +264,13 @@ mod tests {
         assert_eq!(text, "invalid space: [1]: n is 0 and must be at least 1");
         assert!(MultiDiscrete::new([1.5]).is_err() && MultiDiscrete::new([u64::MAX]).is_err());
         assert!(MultiDiscrete::new([i64::MIN]).is_err());
-        assert!(space().with_start([1]).unwrap_err().to_string().contains("make them equal"));
+        assert!(
+            space()
+                .with_start([1])
+                .unwrap_err()
+                .to_string()
+                .contains("make them equal")
+        );
         assert!(space().with_start([i64::MAX, 0]).is_err());
         assert!(space().with_dtype(DType::U8).is_err() && space().with_dtype(DType::F64).is_err());
         assert_eq!(space().with_dtype(DType::I8).unwrap().dtype(), DType::I8);
@@ -223,13 +279,25 @@ mod tests {
     #[test]
     fn contains_castable_arrays_in_range() {
         let contains = |array: Array| space().contains(&Value::Array(array));
-        assert!(contains([10i64, -2].into()) && contains([12i32, 1].into()) && contains([12i8, 0].into()));
-        assert!(!contains([13i64, 0].into()) && !contains([9i64, 0].into()) && !contains([10i64, 2].into()));
+        assert!(
+            contains([10i64, -2].into())
+                && contains([12i32, 1].into())
+                && contains([12i8, 0].into())
+        );
+        assert!(
+            !contains([13i64, 0].into())
+                && !contains([9i64, 0].into())
+                && !contains([10i64, 2].into())
+        );
         assert!(!contains([10.0f64, 0.0].into()) && !contains([10u64, 0].into()));
         assert!(!contains([10i64].into()) && !space().contains(&Value::Tuple(vec![])));
         // `x - start` would overflow here.
-        let edge =
-            MultiDiscrete::new([10]).unwrap().with_start([-128]).unwrap().with_dtype(DType::I8).unwrap();
+        let edge = MultiDiscrete::new([10])
+            .unwrap()
+            .with_start([-128])
+            .unwrap()
+            .with_dtype(DType::I8)
+            .unwrap();
         assert!(!edge.contains(&Value::Array([127i8].into())));
         assert!(edge.contains(&Value::Array([-119i8].into())));
     }
@@ -244,14 +312,23 @@ mod tests {
     fn prints_as_gymnasium() {
         assert_eq!(space().to_string(), "MultiDiscrete([3 4], start=[10 -2])");
         let table = Array::from([1, 2, 3, 4]).reshape([2, 2]).unwrap();
-        assert_eq!(MultiDiscrete::new(table).unwrap().to_string(), "MultiDiscrete([[1 2]\n [3 4]])");
+        assert_eq!(
+            MultiDiscrete::new(table).unwrap().to_string(),
+            "MultiDiscrete([[1 2]\n [3 4]])"
+        );
     }
 
     #[test]
     fn stored_form_is_checked() {
         let stored = serde_json::to_string(&space()).unwrap();
-        assert_eq!(stored, r#"{"shape":[2],"nvec":[3,4],"start":[10,-2],"dtype":"int64"}"#);
-        assert_eq!(serde_json::from_str::<MultiDiscrete>(&stored).unwrap(), space());
+        assert_eq!(
+            stored,
+            r#"{"shape":[2],"nvec":[3,4],"start":[10,-2],"dtype":"int64"}"#
+        );
+        assert_eq!(
+            serde_json::from_str::<MultiDiscrete>(&stored).unwrap(),
+            space()
+        );
         let bad = stored.replace("[2]", "[3]");
         assert!(serde_json::from_str::<MultiDiscrete>(&bad).is_err());
     }

@@ -47,8 +47,12 @@ impl OneOfSpace {
     }
 
     pub(super) fn contains(&self, value: &Value) -> bool {
-        let Value::OneOf(index, value) = value else { return false };
-        self.spaces.get(*index).is_some_and(|space| space.contains(value))
+        let Value::OneOf(index, value) = value else {
+            return false;
+        };
+        self.spaces
+            .get(*index)
+            .is_some_and(|space| space.contains(value))
     }
 
     pub(super) fn check(&self, value: &Value) -> Result<(), Fault> {
@@ -57,7 +61,10 @@ impl OneOfSpace {
     }
 
     /// The index, the space that it chooses, and the value for it.
-    pub(super) fn chosen<'a>(&'a self, value: &'a Value) -> Result<(usize, &'a Space, &'a Value), Fault> {
+    pub(super) fn chosen<'a>(
+        &'a self,
+        value: &'a Value,
+    ) -> Result<(usize, &'a Space, &'a Value), Fault> {
         let Value::OneOf(index, value) = value else {
             return Err(Fault::kind("an index with a value", value));
         };
@@ -70,12 +77,19 @@ impl OneOfSpace {
         }
     }
 
-    pub(super) fn draw<T: Weight>(&self, streams: &mut Streams, selection: &Selection<T>, out: &mut Value) {
+    pub(super) fn draw<T: Weight>(
+        &self,
+        streams: &mut Streams,
+        selection: &Selection<T>,
+        out: &mut Value,
+    ) {
         let chosen = streams.own.choice(self.spaces.len());
         if !matches!(out, Value::OneOf(..)) {
             *out = Value::OneOf(0, Box::new(Value::Null));
         }
-        let Value::OneOf(index, value) = out else { return };
+        let Value::OneOf(index, value) = out else {
+            return;
+        };
         *index = chosen;
         self.spaces[chosen].draw(&mut streams.members[chosen], selection.at(chosen), value);
     }
@@ -117,7 +131,12 @@ mod tests {
 
     #[test]
     fn needs_a_space() {
-        assert!(OneOfSpace::new([]).unwrap_err().to_string().contains("give at least one"));
+        assert!(
+            OneOfSpace::new([])
+                .unwrap_err()
+                .to_string()
+                .contains("give at least one")
+        );
         assert!(serde_json::from_str::<OneOfSpace>(r#"{"spaces":[]}"#).is_err());
     }
 
@@ -132,7 +151,10 @@ mod tests {
     fn faults_name_the_place() {
         let fault = |value: Value| space().check(&value).unwrap_err().to_string();
         assert_eq!(fault(value(0, 4)), "[1]: 4 is not between 0 and 1");
-        assert_eq!(fault(value(2, 0)), "[0]: the index 2 is not between 0 and 1");
+        assert_eq!(
+            fault(value(2, 0)),
+            "[0]: the index 2 is not between 0 and 1"
+        );
     }
 
     #[test]

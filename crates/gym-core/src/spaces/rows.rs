@@ -16,7 +16,8 @@ impl Space {
     /// # Errors
     /// [`Error::NotInSpace`](crate::Error::NotInSpace) if `batch` has another form or no such row.
     pub fn read_row(&self, batch: &Value, index: usize, element: &mut Value) -> Result<()> {
-        self.get_at(batch, index, element).map_err(|fault| self.refuse_batch(batch, &fault))
+        self.get_at(batch, index, element)
+            .map_err(|fault| self.refuse_batch(batch, &fault))
     }
 
     /// As [`read_row`](Self::read_row), for actions: those of a `Box` of real numbers keep the precision in which they come,
@@ -31,7 +32,12 @@ impl Space {
                 row.map_err(|fault| self.refuse_batch(batch, &fault))?;
                 let out = super::array_of(action, DType::F64, shape);
                 let start = index * out.len();
-                for (i, x) in out.as_mut_slice::<f64>().unwrap_or_default().iter_mut().enumerate() {
+                for (i, x) in out
+                    .as_mut_slice::<f64>()
+                    .unwrap_or_default()
+                    .iter_mut()
+                    .enumerate()
+                {
                     *x = Number::at(array.data(), start + i).to_f64();
                 }
                 Ok(())
@@ -51,14 +57,20 @@ impl Space {
     /// [`Error::InvalidAction`](crate::Error::InvalidAction) for numbers in another shape.
     pub fn real_action(&self, action: &Value, n: Option<usize>, out: &mut Value) -> Result<()> {
         let refuse = || self.refuse_action(action);
-        let (Some(row), Some(own)) = (self.shape_of_reals(), self.dtype()) else { return Err(refuse()) };
+        let (Some(row), Some(own)) = (self.shape_of_reals(), self.dtype()) else {
+            return Err(refuse());
+        };
         let fits = |shape: &[usize]| match n {
             Some(n) => shape.split_first() == Some((&n, row)),
             None => shape == row,
         };
         match action {
             Value::Array(array) if fits(array.shape()) => {
-                let dtype = if array.dtype() == own { own } else { DType::F64 };
+                let dtype = if array.dtype() == own {
+                    own
+                } else {
+                    DType::F64
+                };
                 super::array_of(out, dtype, array.shape()).assign_cast(array)
             }
             Value::Tuple(items) if n.is_none_or(|n| n == items.len()) => {
@@ -86,7 +98,11 @@ impl Space {
 
     /// The shape of a `Box` of real numbers.
     fn shape_of_reals(&self) -> Option<&[usize]> {
-        if let Self::Box(space) = self { space.dtype().is_float().then(|| space.shape()) } else { None }
+        if let Self::Box(space) = self {
+            space.dtype().is_float().then(|| space.shape())
+        } else {
+            None
+        }
     }
 
     /// Overwrites element `index` of a [batch](Self::batch).
@@ -95,7 +111,8 @@ impl Space {
     /// [`Error::NotInSpace`](crate::Error::NotInSpace) if `element` or `batch` has another form, or there
     /// is no such row; the row may then be partly written.
     pub fn write_row(&self, batch: &mut Value, index: usize, element: &Value) -> Result<()> {
-        self.put_at(batch, index, element).map_err(|fault| self.refuse(element, &fault))
+        self.put_at(batch, index, element)
+            .map_err(|fault| self.refuse(element, &fault))
     }
 
     /// Overwrites the rows of a [batch](Self::batch) that begin with `to` by rows of another one.
@@ -112,8 +129,9 @@ impl Space {
         match (self, from, &mut *batch) {
             (Self::Tuple(space), Value::Tuple(from), Value::Tuple(batch)) => {
                 let mut columns = space.spaces().iter().zip(from).zip(batch);
-                return columns
-                    .try_for_each(|((space, from), batch)| space.copy_rows(from, rows.clone(), batch, to));
+                return columns.try_for_each(|((space, from), batch)| {
+                    space.copy_rows(from, rows.clone(), batch, to)
+                });
             }
             (Self::Dict(space), Value::Dict(from), Value::Dict(batch)) => {
                 let mut columns = space.spaces().iter().zip(from).zip(batch);
@@ -122,7 +140,9 @@ impl Space {
                 });
             }
             (_, Value::Tuple(from), Value::Tuple(batch)) => {
-                let copied = from.get(rows.clone()).zip(batch.get_mut(to..to + rows.len()));
+                let copied = from
+                    .get(rows.clone())
+                    .zip(batch.get_mut(to..to + rows.len()));
                 if let Some((from, batch)) = copied {
                     batch.clone_from_slice(from);
                     return Ok(());
@@ -130,8 +150,8 @@ impl Space {
             }
             (_, Value::Array(from), Value::Array(batch)) if from.dtype() == batch.dtype() => {
                 let len = self.shape().map_or(1, |shape| shape.iter().product());
-                let [from_numbers, to_numbers] =
-                    [rows.start..rows.end, to..to + rows.len()].map(|rows| rows.start * len..rows.end * len);
+                let [from_numbers, to_numbers] = [rows.start..rows.end, to..to + rows.len()]
+                    .map(|rows| rows.start * len..rows.end * len);
                 let copied = with_type!(from.dtype(), T => {
                     let from = from.as_slice::<T>().and_then(|from| from.get(from_numbers));
                     let batch = batch.as_mut_slice::<T>().and_then(|batch| batch.get_mut(to_numbers));
@@ -152,7 +172,8 @@ impl Space {
     /// # Errors
     /// [`Error::NotInSpace`](crate::Error::NotInSpace) if not, with the place in the value.
     pub fn check_batch(&self, batch: &Value, n: usize) -> Result<()> {
-        self.check_rows(batch, n).map_err(|fault| self.refuse_batch(batch, &fault))
+        self.check_rows(batch, n)
+            .map_err(|fault| self.refuse_batch(batch, &fault))
     }
 
     /// Whether a value has the form of `n` elements, types of numbers included.
@@ -160,7 +181,11 @@ impl Space {
         match (self, batch) {
             (Self::Tuple(space), Value::Tuple(columns)) => {
                 columns.len() == space.spaces().len()
-                    && space.spaces().iter().zip(columns).all(|(space, column)| space.is_batch(column, n))
+                    && space
+                        .spaces()
+                        .iter()
+                        .zip(columns)
+                        .all(|(space, column)| space.is_batch(column, n))
             }
             (Self::Dict(space), Value::Dict(columns)) => {
                 has_keys(space, columns)
@@ -172,7 +197,9 @@ impl Space {
             }
             (_, Value::Array(array)) => {
                 self.dtype() == Some(array.dtype())
-                    && self.shape().is_some_and(|shape| rows(array, shape) == Some(n))
+                    && self
+                        .shape()
+                        .is_some_and(|shape| rows(array, shape) == Some(n))
             }
             (Self::Tuple(_) | Self::Dict(_), _) => false,
             (_, Value::Tuple(items)) => self.dtype().is_none() && items.len() == n,
@@ -186,16 +213,24 @@ impl Space {
     /// [`Error::InvalidSpace`](crate::Error::InvalidSpace) if the space has no zero.
     pub fn empty_batch(&self, n: usize) -> Result<Value> {
         Ok(match self {
-            Self::Tuple(space) => {
-                Value::Tuple(space.spaces().iter().map(|space| space.empty_batch(n)).collect::<Result<_>>()?)
-            }
+            Self::Tuple(space) => Value::Tuple(
+                space
+                    .spaces()
+                    .iter()
+                    .map(|space| space.empty_batch(n))
+                    .collect::<Result<_>>()?,
+            ),
             Self::Dict(space) => {
-                let columns =
-                    space.spaces().iter().map(|(key, space)| Ok((key.clone(), space.empty_batch(n)?)));
+                let columns = space
+                    .spaces()
+                    .iter()
+                    .map(|(key, space)| Ok((key.clone(), space.empty_batch(n)?)));
                 Value::Dict(columns.collect::<Result<_>>()?)
             }
             _ => match (self.shape(), self.dtype()) {
-                (Some(shape), Some(dtype)) => Value::Array(Array::zeros(dtype, [&[n], shape].concat())?),
+                (Some(shape), Some(dtype)) => {
+                    Value::Array(Array::zeros(dtype, [&[n], shape].concat())?)
+                }
                 _ => Value::Tuple(vec![self.zero()?; n]),
             },
         })
@@ -206,7 +241,9 @@ impl Space {
         let sum = |lens: &mut dyn Iterator<Item = usize>| lens.fold(0usize, usize::saturating_add);
         match self {
             Self::Tuple(space) => sum(&mut space.spaces().iter().map(Self::len_of_row)),
-            Self::Dict(space) => sum(&mut space.spaces().iter().map(|(_, space)| space.len_of_row())),
+            Self::Dict(space) => {
+                sum(&mut space.spaces().iter().map(|(_, space)| space.len_of_row()))
+            }
             _ => self.shape().map_or(1, |shape| shape.iter().product()),
         }
     }
@@ -218,7 +255,9 @@ impl Space {
     fn check_rows(&self, batch: &Value, n: usize) -> Result<(), Fault> {
         let count = |actual: usize| match actual == n {
             true => Ok(()),
-            false => Err(Fault::new(format!("there are {actual} rows and should be {n}"))),
+            false => Err(Fault::new(format!(
+                "there are {actual} rows and should be {n}"
+            ))),
         };
         match (self, batch) {
             (Self::Tuple(space), _) => {
@@ -228,8 +267,11 @@ impl Space {
                 Ok(())
             }
             (Self::Dict(space), _) => {
-                for ((key, _), (space, column)) in space.spaces().iter().zip(space.members(batch)?) {
-                    space.check_rows(column, n).map_err(|fault| fault.under(key))?;
+                for ((key, _), (space, column)) in space.spaces().iter().zip(space.members(batch)?)
+                {
+                    space
+                        .check_rows(column, n)
+                        .map_err(|fault| fault.under(key))?;
                 }
                 Ok(())
             }
@@ -252,27 +294,40 @@ impl Space {
                 if !matches!(element, Value::Tuple(items) if items.len() == n) {
                     *element = Value::Tuple(vec![Value::Null; n]);
                 }
-                let Value::Tuple(items) = element else { return Ok(()) };
+                let Value::Tuple(items) = element else {
+                    return Ok(());
+                };
                 for (i, ((space, column), item)) in space.members(batch)?.zip(items).enumerate() {
-                    space.get_at(column, index, item).map_err(|fault| fault.at(i))?;
+                    space
+                        .get_at(column, index, item)
+                        .map_err(|fault| fault.at(i))?;
                 }
                 Ok(())
             }
             (Self::Dict(space), Value::Dict(_)) => {
                 if !matches!(element, Value::Dict(entries) if has_keys(space, entries)) {
-                    let keys = space.spaces().iter().map(|(key, _)| (key.clone(), Value::Null));
+                    let keys = space
+                        .spaces()
+                        .iter()
+                        .map(|(key, _)| (key.clone(), Value::Null));
                     *element = Value::Dict(keys.collect());
                 }
-                let Value::Dict(entries) = element else { return Ok(()) };
+                let Value::Dict(entries) = element else {
+                    return Ok(());
+                };
                 for ((space, column), (key, item)) in space.members(batch)?.zip(entries) {
-                    space.get_at(column, index, item).map_err(|fault| fault.under(key))?;
+                    space
+                        .get_at(column, index, item)
+                        .map_err(|fault| fault.under(key))?;
                 }
                 Ok(())
             }
             (Self::Discrete(space), Value::Array(array)) => {
                 expect_type(array, space.dtype())?;
                 expect_row(expect_rows(array, &[])?, index)?;
-                let number = Number::at(array.data(), index).to_int().and_then(|i| i64::try_from(i).ok());
+                let number = Number::at(array.data(), index)
+                    .to_int()
+                    .and_then(|i| i64::try_from(i).ok());
                 *element = Value::Int(number.ok_or_else(|| Fault::new("a number is too large"))?);
                 Ok(())
             }
@@ -311,20 +366,29 @@ impl Space {
 
     fn put_at(&self, batch: &mut Value, index: usize, element: &Value) -> Result<(), Fault> {
         match (self, batch) {
-            (Self::Tuple(space), Value::Tuple(columns)) if columns.len() == space.spaces().len() => {
-                for (i, ((space, item), column)) in space.members(element)?.zip(columns).enumerate() {
-                    space.put_at(column, index, item).map_err(|fault| fault.at(i))?;
+            (Self::Tuple(space), Value::Tuple(columns))
+                if columns.len() == space.spaces().len() =>
+            {
+                for (i, ((space, item), column)) in space.members(element)?.zip(columns).enumerate()
+                {
+                    space
+                        .put_at(column, index, item)
+                        .map_err(|fault| fault.at(i))?;
                 }
                 Ok(())
             }
             (Self::Dict(space), Value::Dict(columns)) if has_keys(space, columns) => {
                 for ((space, item), (key, column)) in space.members(element)?.zip(columns) {
-                    space.put_at(column, index, item).map_err(|fault| fault.under(key))?;
+                    space
+                        .put_at(column, index, item)
+                        .map_err(|fault| fault.under(key))?;
                 }
                 Ok(())
             }
             (Self::Discrete(_), Value::Array(array)) => {
-                let Value::Int(i) = element else { return Err(Fault::kind("a whole number", element)) };
+                let Value::Int(i) = element else {
+                    return Err(Fault::kind("a whole number", element));
+                };
                 expect_row(expect_rows(array, &[])?, index)?;
                 with_type!(array.dtype(), T => {
                     array.as_mut_slice::<T>().unwrap_or_default()[index] = T::cast(Number::Int((*i).into()));
@@ -368,7 +432,10 @@ fn flatten(value: &Value, numbers: &mut Vec<f64>) -> Option<()> {
 /// The number of rows of a shape in an array.
 #[inline]
 fn rows(array: &Array, shape: &[usize]) -> Option<usize> {
-    array.shape().split_first().and_then(|(&n, inner)| (inner == shape).then_some(n))
+    array
+        .shape()
+        .split_first()
+        .and_then(|(&n, inner)| (inner == shape).then_some(n))
 }
 
 // the path of every row is inlined, the path of a fault is not
@@ -381,12 +448,18 @@ fn expect_rows(array: &Array, shape: &[usize]) -> Result<usize, Fault> {
 #[cold]
 fn other_shape(array: &Array, shape: &[usize]) -> Fault {
     let [actual, expected] = [array.shape(), shape].map(crate::numpy_fmt::shape);
-    Fault::new(format!("the shape is {actual} and should be rows of {expected}"))
+    Fault::new(format!(
+        "the shape is {actual} and should be rows of {expected}"
+    ))
 }
 
 #[inline]
 fn expect_row(n: usize, index: usize) -> Result<(), Fault> {
-    if index < n { Ok(()) } else { Err(no_row(n, index)) }
+    if index < n {
+        Ok(())
+    } else {
+        Err(no_row(n, index))
+    }
 }
 
 #[cold]
@@ -396,41 +469,65 @@ fn no_row(n: usize, index: usize) -> Fault {
 
 #[inline]
 fn expect_type(array: &Array, dtype: DType) -> Result<(), Fault> {
-    if can_cast(array.dtype(), dtype) { Ok(()) } else { Err(other_type(array, dtype)) }
+    if can_cast(array.dtype(), dtype) {
+        Ok(())
+    } else {
+        Err(other_type(array, dtype))
+    }
 }
 
 #[cold]
 fn other_type(array: &Array, dtype: DType) -> Fault {
-    Fault::new(format!("the numbers are {} and should be {dtype}", array.dtype()))
+    Fault::new(format!(
+        "the numbers are {} and should be {dtype}",
+        array.dtype()
+    ))
 }
 
 fn has_keys(space: &DictSpace, entries: &[(String, Value)]) -> bool {
-    entries.len() == space.spaces().len() && entries.iter().zip(space.spaces()).all(|(a, b)| a.0 == b.0)
+    entries.len() == space.spaces().len()
+        && entries.iter().zip(space.spaces()).all(|(a, b)| a.0 == b.0)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::spaces::{
-        BoxSpace, Discrete, GraphSpace, MultiBinary, MultiDiscrete, OneOfSpace, SequenceSpace, TextSpace,
-        TupleSpace,
+        BoxSpace, Discrete, GraphSpace, MultiBinary, MultiDiscrete, OneOfSpace, SequenceSpace,
+        TextSpace, TupleSpace,
     };
 
     fn spaces() -> Vec<Space> {
         let pair = || TupleSpace::new([Space::discrete(3), Space::boxed([0.0; 2], [1.0; 2])]);
         vec![
             Space::discrete(7),
-            Discrete::new(3).unwrap().with_dtype(DType::I32).unwrap().into(),
-            BoxSpace::uniform(0.0, 9.0, [2, 3], DType::U8).unwrap().into(),
-            BoxSpace::uniform(0.0, 1.0, Vec::new(), DType::F64).unwrap().into(),
+            Discrete::new(3)
+                .unwrap()
+                .with_dtype(DType::I32)
+                .unwrap()
+                .into(),
+            BoxSpace::uniform(0.0, 9.0, [2, 3], DType::U8)
+                .unwrap()
+                .into(),
+            BoxSpace::uniform(0.0, 1.0, Vec::new(), DType::F64)
+                .unwrap()
+                .into(),
             MultiBinary::new([2]).unwrap().into(),
             MultiDiscrete::new([3, 4]).unwrap().into(),
             TextSpace::new(0, 4).unwrap().into(),
-            DictSpace::new([("a", pair().into()), ("b", Space::discrete(2))]).unwrap().into(),
+            DictSpace::new([("a", pair().into()), ("b", Space::discrete(2))])
+                .unwrap()
+                .into(),
             SequenceSpace::new(pair()).into(),
             GraphSpace::new(Space::discrete(3), None).unwrap().into(),
-            OneOfSpace::new([Space::discrete(3), pair().into()]).unwrap().into(),
-            TupleSpace::new([TextSpace::new(1, 2).unwrap().into(), SequenceSpace::new(pair()).into()]).into(),
+            OneOfSpace::new([Space::discrete(3), pair().into()])
+                .unwrap()
+                .into(),
+            TupleSpace::new([
+                TextSpace::new(1, 2).unwrap().into(),
+                SequenceSpace::new(pair()).into(),
+            ])
+            .into(),
         ]
     }
 
@@ -439,11 +536,23 @@ mod tests {
         let space = Space::boxed([-1.0; 2], [1.0; 2]);
         let rows = |data: Data| Value::Array(Array::new([2, 2], data).unwrap());
         let tenths: [f64; 4] = [0.1, 0.2, 0.3, 0.4];
-        let one_by_one = Value::Tuple(vec![Value::Int(1), Value::Tuple(vec![Value::Float(0.3); 2])]);
+        let one_by_one = Value::Tuple(vec![
+            Value::Int(1),
+            Value::Tuple(vec![Value::Float(0.3); 2]),
+        ]);
         for (batch, expected) in [
-            (rows(Data::F64(tenths.to_vec())), Value::Array([0.3, 0.4].into())),
-            (rows(Data::F32(tenths.map(|x| x as f32).to_vec())), Value::Array([0.3_f32, 0.4].into())),
-            (rows(Data::I64(vec![1, 2, 3, 4])), Value::Array([3.0, 4.0].into())),
+            (
+                rows(Data::F64(tenths.to_vec())),
+                Value::Array([0.3, 0.4].into()),
+            ),
+            (
+                rows(Data::F32(tenths.map(|x| x as f32).to_vec())),
+                Value::Array([0.3_f32, 0.4].into()),
+            ),
+            (
+                rows(Data::I64(vec![1, 2, 3, 4])),
+                Value::Array([3.0, 4.0].into()),
+            ),
             (one_by_one, Value::Tuple(vec![Value::Float(0.3); 2])),
         ] {
             space.check_actions(&batch, 2).unwrap();
@@ -461,7 +570,10 @@ mod tests {
             let mut sampler = space.sampler(1);
             let items: Vec<Value> = (0..2).map(|_| sampler.sample()).collect();
             let mut batch = space.empty_batch(2).unwrap();
-            assert!(space.is_batch(&batch, 2) && !space.is_batch(&batch, 3), "{space}");
+            assert!(
+                space.is_batch(&batch, 2) && !space.is_batch(&batch, 3),
+                "{space}"
+            );
             space.check_batch(&batch, 2).unwrap();
             for (i, item) in items.iter().enumerate() {
                 space.write_row(&mut batch, i, item).unwrap();
@@ -475,26 +587,42 @@ mod tests {
             }
             let before = batch.clone();
             assert!(space.read_row(&batch, 2, &mut element).is_err(), "{space}");
-            assert!(space.write_row(&mut batch, 2, &items[0]).is_err(), "{space}");
-            assert!(space.check_batch(&batch, 3).is_err() && space.check_batch(&Value::Null, 2).is_err());
+            assert!(
+                space.write_row(&mut batch, 2, &items[0]).is_err(),
+                "{space}"
+            );
+            assert!(
+                space.check_batch(&batch, 3).is_err()
+                    && space.check_batch(&Value::Null, 2).is_err()
+            );
             assert_eq!(batch, before);
         }
     }
 
     #[test]
     fn numbers_take_the_type_of_the_space() {
-        let space: Space = BoxSpace::uniform(-1.0, 1.0, [2], DType::F64).unwrap().into();
-        let narrow = Value::Array(Array::from([0.5f32, 1.0, 0.25, 0.0]).reshape([2, 2]).unwrap());
+        let space: Space = BoxSpace::uniform(-1.0, 1.0, [2], DType::F64)
+            .unwrap()
+            .into();
+        let narrow = Value::Array(
+            Array::from([0.5f32, 1.0, 0.25, 0.0])
+                .reshape([2, 2])
+                .unwrap(),
+        );
         space.check_batch(&narrow, 2).unwrap();
         assert!(!space.is_batch(&narrow, 2));
         let mut element = Value::Null;
         space.read_row(&narrow, 1, &mut element).unwrap();
         assert_eq!(element, Value::Array([0.25f64, 0.0].into()));
         let mut batch = space.empty_batch(2).unwrap();
-        space.write_row(&mut batch, 0, &Value::Array([0.5f32, 1.0].into())).unwrap();
+        space
+            .write_row(&mut batch, 0, &Value::Array([0.5f32, 1.0].into()))
+            .unwrap();
         assert_eq!(batch.as_slice::<f64>().unwrap(), [0.5, 1.0, 0.0, 0.0]);
-        let error =
-            Space::discrete(3).check_batch(&Value::Array([0.0f32].into()), 1).unwrap_err().to_string();
+        let error = Space::discrete(3)
+            .check_batch(&Value::Array([0.0f32].into()), 1)
+            .unwrap_err()
+            .to_string();
         assert_eq!(
             error,
             "the numbers are float32 and should be int64: [0.0] is not an element of a batch of Discrete(3)"
@@ -504,8 +632,9 @@ mod tests {
     /// A batch has its columns under the names of the space, in their order.
     #[test]
     fn columns_of_other_names_are_no_batch() {
-        let space: Space =
-            DictSpace::new([("a", Space::discrete(2)), ("b", Space::discrete(2))]).unwrap().into();
+        let space: Space = DictSpace::new([("a", Space::discrete(2)), ("b", Space::discrete(2))])
+            .unwrap()
+            .into();
         let named = |keys: [&str; 2], value: &Value| {
             Value::Dict(keys.map(|key| (key.to_owned(), value.clone())).into())
         };
@@ -517,7 +646,10 @@ mod tests {
         for keys in [["a", "c"], ["b", "a"]] {
             let mut other = named(keys, &column);
             assert!(!space.is_batch(&other, 3), "{keys:?}");
-            assert!(space.write_row(&mut other, 1, &element).is_err(), "{keys:?}");
+            assert!(
+                space.write_row(&mut other, 1, &element).is_err(),
+                "{keys:?}"
+            );
             // a buffer under other names is made anew
             let mut read = named(keys, &Value::Int(0));
             space.read_row(&batch, 1, &mut read).unwrap();

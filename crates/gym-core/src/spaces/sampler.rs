@@ -54,7 +54,12 @@ impl<A: Element> Iterator for Sampler<A> {
 impl Sampler<Value> {
     pub(super) fn new(space: Space, seed: &Seed) -> Self {
         let streams = Streams::new(&space, seed);
-        Self { space, streams, buffer: Value::Null, element: PhantomData }
+        Self {
+            space,
+            streams,
+            buffer: Value::Null,
+            element: PhantomData,
+        }
     }
 
     /// The same sampler with elements of another type.
@@ -63,8 +68,19 @@ impl Sampler<Value> {
     /// [`Error::InvalidArgument`] if the type cannot hold the elements of the space; see
     /// [`sample`](Self::sample).
     pub fn typed<A: Element>(self) -> Result<Sampler<A>> {
-        let Self { space, streams, buffer, element: _ } = self;
-        Sampler { space, streams, buffer, element: PhantomData }.checked()
+        let Self {
+            space,
+            streams,
+            buffer,
+            element: _,
+        } = self;
+        Sampler {
+            space,
+            streams,
+            buffer,
+            element: PhantomData,
+        }
+        .checked()
     }
 }
 
@@ -75,8 +91,9 @@ impl<A: Element> Sampler<A> {
             let value = corner(&self.space, high);
             if A::from_value(&value).is_none() {
                 let (name, space) = (type_name::<A>(), &self.space);
-                let reason =
-                    format!("`{name}` cannot hold {value}, an element of {space}: choose another type");
+                let reason = format!(
+                    "`{name}` cannot hold {value}, an element of {space}: choose another type"
+                );
                 return Err(Error::argument("a sampler", reason));
             }
         }
@@ -141,22 +158,33 @@ impl<A: Element> Sampler<A> {
     /// As [`sample`](Self::sample).
     pub fn sample_graph(&mut self, num_nodes: usize, num_edges: Option<usize>) -> Result<A> {
         let [nodes, edges] = [Mask::Any, Mask::Any].map(Box::new);
-        let mask = Mask::Graph { num_nodes: Some(num_nodes), num_edges, nodes, edges };
+        let mask = Mask::Graph {
+            num_nodes: Some(num_nodes),
+            num_edges,
+            nodes,
+            edges,
+        };
         self.sample_selected(&mask, "size of the graph")
     }
 
     fn sample_selected<T: Weight>(&mut self, selection: &Selection<T>, name: &str) -> Result<A> {
-        selection
-            .check(&self.space)
-            .map_err(|fault| Error::argument(format!("the {name} of {}", self.space), fault.to_string()))?;
+        selection.check(&self.space).map_err(|fault| {
+            Error::argument(format!("the {name} of {}", self.space), fault.to_string())
+        })?;
         Ok(self.draw(selection))
     }
 
     fn draw<T: Weight>(&mut self, selection: &Selection<T>) -> A {
-        self.space.draw(&mut self.streams, selection, &mut self.buffer);
+        self.space
+            .draw(&mut self.streams, selection, &mut self.buffer);
         match A::from_value(&self.buffer) {
             Some(element) => element,
-            None => panic!("{} cannot hold {}, an element of {}", type_name::<A>(), self.buffer, self.space),
+            None => panic!(
+                "{} cannot hold {}, an element of {}",
+                type_name::<A>(),
+                self.buffer,
+                self.space
+            ),
         }
     }
 }
@@ -179,7 +207,10 @@ impl Streams {
         };
         let members = space.members().into_iter().map(&mut member).collect();
         // Spaces that reuse their generator when sampling reseed it.
-        if matches!(space, Space::OneOf(_) | Space::Sequence(_) | Space::Graph(_)) {
+        if matches!(
+            space,
+            Space::OneOf(_) | Space::Sequence(_) | Space::Graph(_)
+        ) {
             own = Generator::new(seed);
         }
         Self { own, members }
@@ -189,7 +220,10 @@ impl Streams {
     fn fit(&self, space: &Space) -> bool {
         let members = space.members();
         members.len() == self.members.len()
-            && members.iter().zip(&self.members).all(|(space, streams)| streams.fit(space))
+            && members
+                .iter()
+                .zip(&self.members)
+                .all(|(space, streams)| streams.fit(space))
     }
 }
 
@@ -206,9 +240,17 @@ impl<A: Element> TryFrom<Stored> for Sampler<A> {
 
     fn try_from(Stored { space, streams }: Stored) -> Result<Self> {
         if !streams.fit(&space) {
-            return Err(Error::Snapshot(format!("its generators are not those of {space}")));
+            return Err(Error::Snapshot(format!(
+                "its generators are not those of {space}"
+            )));
         }
-        Self { space, streams, buffer: Value::Null, element: PhantomData }.checked()
+        Self {
+            space,
+            streams,
+            buffer: Value::Null,
+            element: PhantomData,
+        }
+        .checked()
     }
 }
 
@@ -224,16 +266,36 @@ fn corner(space: &Space, high: bool) -> Value {
         }
         Space::MultiBinary(space) => {
             let mut zeros = Array::zeros(MultiBinary::DTYPE, space.shape()).unwrap_or_default();
-            zeros.as_mut_slice::<i8>().into_iter().flatten().for_each(|x| *x = high.into());
+            zeros
+                .as_mut_slice::<i8>()
+                .into_iter()
+                .flatten()
+                .for_each(|x| *x = high.into());
             Value::Array(zeros)
         }
         Space::Text(space) => {
             let ends = [space.charset().first(), space.charset().last()];
-            Value::Text(ends[usize::from(high)].into_iter().cycle().take(space.min_length()).collect())
+            Value::Text(
+                ends[usize::from(high)]
+                    .into_iter()
+                    .cycle()
+                    .take(space.min_length())
+                    .collect(),
+            )
         }
-        Space::Tuple(space) => Value::Tuple(space.spaces().iter().map(|space| corner(space, high)).collect()),
+        Space::Tuple(space) => Value::Tuple(
+            space
+                .spaces()
+                .iter()
+                .map(|space| corner(space, high))
+                .collect(),
+        ),
         Space::Dict(space) => Value::Dict(
-            space.spaces().iter().map(|(key, space)| (key.clone(), corner(space, high))).collect(),
+            space
+                .spaces()
+                .iter()
+                .map(|(key, space)| (key.clone(), corner(space, high)))
+                .collect(),
         ),
         Space::Sequence(space) => {
             // Two lengths, so that a type of one length does not pass.
@@ -244,9 +306,15 @@ fn corner(space: &Space, high: bool) -> Value {
             let row = |space: &Space| batch_space(space, 1).ok().map(|batch| corner(&batch, high));
             let row = |space: &Space| row(space).and_then(|row| row.as_array().cloned());
             let edges = space.edge_space().filter(|_| high).and_then(row);
-            let edge_links = edges.as_ref().and_then(|_| Array::zeros(DType::I32, [1, 2]).ok());
+            let edge_links = edges
+                .as_ref()
+                .and_then(|_| Array::zeros(DType::I32, [1, 2]).ok());
             let nodes = row(space.node_space()).unwrap_or_default();
-            Value::Graph(Box::new(GraphInstance { nodes, edges, edge_links }))
+            Value::Graph(Box::new(GraphInstance {
+                nodes,
+                edges,
+                edge_links,
+            }))
         }
         Space::OneOf(space) => {
             let index = if high { space.spaces().len() - 1 } else { 0 };
@@ -270,11 +338,17 @@ mod tests {
             super::super::MultiDiscrete::new([3, 4]).unwrap().into(),
             TextSpace::new(0, 4).unwrap().into(),
             pair().into(),
-            DictSpace::new([("a", pair().into()), ("b", one_of.clone().into())]).unwrap().into(),
+            DictSpace::new([("a", pair().into()), ("b", one_of.clone().into())])
+                .unwrap()
+                .into(),
             SequenceSpace::new(pair()).into(),
             SequenceSpace::stacked(pair()).into(),
-            GraphSpace::new(Space::discrete(3), Some(Space::discrete(2))).unwrap().into(),
-            GraphSpace::new(MultiBinary::new([2]).unwrap(), None).unwrap().into(),
+            GraphSpace::new(Space::discrete(3), Some(Space::discrete(2)))
+                .unwrap()
+                .into(),
+            GraphSpace::new(MultiBinary::new([2]).unwrap(), None)
+                .unwrap()
+                .into(),
             one_of.into(),
         ]
     }
@@ -338,7 +412,10 @@ mod tests {
     fn types_that_do_not_fit_are_refused() {
         let sampler = |n| Space::discrete(n).sampler(0);
         let text = sampler(300).typed::<u8>().unwrap_err().to_string();
-        assert!(text.contains("`u8` cannot hold 299, an element of Discrete(300)"), "{text}");
+        assert!(
+            text.contains("`u8` cannot hold 299, an element of Discrete(300)"),
+            "{text}"
+        );
         assert!(sampler(256).typed::<u8>().is_ok() && sampler(257).typed::<u8>().is_err());
         let square = || Space::boxed([0.0; 2], [1.0; 2]).sampler(0);
         assert!(square().typed::<[f32; 2]>().is_ok());
@@ -352,22 +429,38 @@ mod tests {
     fn selections_that_do_not_fit_draw_nothing() {
         let mut sampler = Space::discrete(3).sampler(0);
         let streams = sampler.streams.clone();
-        let text = sampler.sample_masked(&Mask::from([1])).unwrap_err().to_string();
-        assert_eq!(text, "invalid argument for the mask of Discrete(3): there are 1 entries and should be 3");
-        assert!(sampler.sample_weighted(&Probabilities::from([1.0])).is_err());
+        let text = sampler
+            .sample_masked(&Mask::from([1]))
+            .unwrap_err()
+            .to_string();
+        assert_eq!(
+            text,
+            "invalid argument for the mask of Discrete(3): there are 1 entries and should be 3"
+        );
+        assert!(
+            sampler
+                .sample_weighted(&Probabilities::from([1.0]))
+                .is_err()
+        );
         assert!(sampler.sample_graph(3, None).is_err());
         assert_eq!(sampler.streams, streams);
     }
 
     #[test]
     fn graphs_have_the_size_asked_for() {
-        let space: Space = GraphSpace::new(Space::discrete(3), Some(Space::discrete(2))).unwrap().into();
+        let space: Space = GraphSpace::new(Space::discrete(3), Some(Space::discrete(2)))
+            .unwrap()
+            .into();
         let mut sampler = space.sampler(0);
-        let Value::Graph(graph) = sampler.sample_graph(4, Some(6)).unwrap() else { panic!() };
+        let Value::Graph(graph) = sampler.sample_graph(4, Some(6)).unwrap() else {
+            panic!()
+        };
         assert_eq!(graph.nodes.shape(), [4]);
         assert_eq!(graph.edges.unwrap().shape(), [6]);
         assert_eq!(graph.edge_links.unwrap().shape(), [6, 2]);
-        let Value::Graph(graph) = sampler.sample_graph(1, None).unwrap() else { panic!() };
+        let Value::Graph(graph) = sampler.sample_graph(1, None).unwrap() else {
+            panic!()
+        };
         assert_eq!((graph.nodes.len(), graph.edges), (1, None));
         assert!(sampler.sample_graph(0, None).is_err());
     }

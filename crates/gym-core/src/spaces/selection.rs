@@ -117,9 +117,10 @@ impl<T> Selection<T> {
     /// For the member under a key.
     pub(super) fn under(&self, key: &str) -> &Self {
         match self {
-            Self::Dict(members) => {
-                members.iter().find(|(name, _)| name == key).map_or(&Self::Any, |(_, member)| member)
-            }
+            Self::Dict(members) => members
+                .iter()
+                .find(|(name, _)| name == key)
+                .map_or(&Self::Any, |(_, member)| member),
             _ => &Self::Any,
         }
     }
@@ -144,21 +145,37 @@ impl<T> Selection<T> {
             }
             (Space::Tuple(space), Self::Tuple(members)) => check_members(space.spaces(), members),
             (Space::OneOf(space), Self::Tuple(members)) => check_members(space.spaces(), members),
-            (Space::Dict(space), Self::Dict(members)) => members.iter().try_for_each(|(key, member)| {
-                let unknown = || Fault::new(format!("the space has no key {key:?}"));
-                member.check(space.get(key).ok_or_else(unknown)?).map_err(|fault| fault.under(key))
-            }),
+            (Space::Dict(space), Self::Dict(members)) => {
+                members.iter().try_for_each(|(key, member)| {
+                    let unknown = || Fault::new(format!("the space has no key {key:?}"));
+                    member
+                        .check(space.get(key).ok_or_else(unknown)?)
+                        .map_err(|fault| fault.under(key))
+                })
+            }
             (Space::Sequence(space), Self::Sequence { lengths, member }) => {
                 if lengths.as_ref().is_some_and(Vec::is_empty) {
                     return Err(Fault::new("there are no lengths to choose from"));
                 }
-                member.check(space.feature_space()).map_err(|fault| fault.within(".member"))
+                member
+                    .check(space.feature_space())
+                    .map_err(|fault| fault.within(".member"))
             }
-            (Space::Graph(space), Self::Graph { num_nodes, num_edges, nodes, edges }) => {
-                check_graph(space, *num_nodes, *num_edges, nodes, edges)
-            }
-            (Space::Box(_), _) => Err(Fault::new("elements of a Box cannot be selected: pass `Any`")),
-            _ => Err(Fault::new("another kind of selection is needed: see `Selection`")),
+            (
+                Space::Graph(space),
+                Self::Graph {
+                    num_nodes,
+                    num_edges,
+                    nodes,
+                    edges,
+                },
+            ) => check_graph(space, *num_nodes, *num_edges, nodes, edges),
+            (Space::Box(_), _) => Err(Fault::new(
+                "elements of a Box cannot be selected: pass `Any`",
+            )),
+            _ => Err(Fault::new(
+                "another kind of selection is needed: see `Selection`",
+            )),
         }
     }
 }
@@ -168,7 +185,9 @@ fn check_length<T>(weights: &[T], expected: u64) -> Result<(), Fault> {
     if actual == expected {
         return Ok(());
     }
-    Err(Fault::new(format!("there are {actual} entries and should be {expected}")))
+    Err(Fault::new(format!(
+        "there are {actual} entries and should be {expected}"
+    )))
 }
 
 fn check_list<T: Weight>(weights: &[T], n: i64, tolerance: f64) -> Result<(), Fault> {
@@ -201,12 +220,18 @@ fn check_text<T: Weight>(
     if let Some(length) = length
         && !(min..=max).contains(&length)
     {
-        return Err(Fault::new(format!("the length {length} is not between {min} and {max}")));
+        return Err(Fault::new(format!(
+            "the length {length} is not between {min} and {max}"
+        )));
     }
-    let Some(weights) = characters else { return Ok(()) };
+    let Some(weights) = characters else {
+        return Ok(());
+    };
     check_list(weights, space.charset().len() as i64, CHOICE_TOLERANCE)?;
     if min > 0 && T::probabilities(weights).iter().all(|&p| p == 0.0) {
-        return Err(Fault::new("the mask allows no character, but the text cannot be empty"));
+        return Err(Fault::new(
+            "the mask allows no character, but the text cannot be empty",
+        ));
     }
     Ok(())
 }
@@ -225,11 +250,14 @@ fn check_graph<T: Weight>(
             "the number of nodes must be from 1 to {MAX}, of edges at most that"
         )));
     }
-    if space.edge_space().is_none() && (num_edges.is_some_and(|n| n > 0) || *edges != Selection::Any) {
+    if space.edge_space().is_none()
+        && (num_edges.is_some_and(|n| n > 0) || *edges != Selection::Any)
+    {
         return Err(Fault::new("the space has no edges: ask for none"));
     }
     let num_nodes = num_nodes.unwrap_or(GraphSpace::NUM_NODES);
-    check_rows(space.node_space(), Some(num_nodes), nodes).map_err(|fault| fault.within(".nodes"))?;
+    check_rows(space.node_space(), Some(num_nodes), nodes)
+        .map_err(|fault| fault.within(".nodes"))?;
     match space.edge_space() {
         None => Ok(()),
         Some(space) => check_rows(space, num_edges, edges).map_err(|fault| fault.within(".edges")),
@@ -237,13 +265,20 @@ fn check_graph<T: Weight>(
 }
 
 /// For nodes or edges; `n` is their number, if known.
-fn check_rows<T: Weight>(space: &Space, n: Option<usize>, selection: &Selection<T>) -> Result<(), Fault> {
-    let check = |space: &Discrete, weights: &[T]| check_list(weights, space.n(), RESCALED_TOLERANCE);
+fn check_rows<T: Weight>(
+    space: &Space,
+    n: Option<usize>,
+    selection: &Selection<T>,
+) -> Result<(), Fault> {
+    let check =
+        |space: &Discrete, weights: &[T]| check_list(weights, space.n(), RESCALED_TOLERANCE);
     match (space, selection) {
         (_, Selection::Any) => Ok(()),
         (Space::Discrete(space), Selection::Values(weights)) => check(space, weights),
         (Space::Discrete(space), Selection::Each(lists)) => {
-            let Some(n) = n else { return Err(Fault::new("lists for each edge need `num_edges`")) };
+            let Some(n) = n else {
+                return Err(Fault::new("lists for each edge need `num_edges`"));
+            };
             check_length(lists, n as u64)?;
             lists
                 .iter()
@@ -251,7 +286,9 @@ fn check_rows<T: Weight>(space: &Space, n: Option<usize>, selection: &Selection<
                 .try_for_each(|(i, weights)| check(space, weights).map_err(|fault| fault.at(i)))
         }
         (Space::Discrete(_), _) => Err(Fault::new("pass `Any`, `Values` or `Each`")),
-        _ => Err(Fault::new(format!("several elements of {space} cannot be selected: pass `Any`"))),
+        _ => Err(Fault::new(format!(
+            "several elements of {space} cannot be selected: pass `Any`"
+        ))),
     }
 }
 
@@ -261,7 +298,11 @@ mod tests {
     use crate::spaces::{DictSpace, MultiBinary, OneOfSpace, SequenceSpace, TupleSpace};
 
     fn fault<T: Weight>(space: impl Into<Space>, selection: impl Into<Selection<T>>) -> String {
-        selection.into().check(&space.into()).unwrap_err().to_string()
+        selection
+            .into()
+            .check(&space.into())
+            .unwrap_err()
+            .to_string()
     }
 
     fn text(length: Option<usize>, characters: Option<Vec<i8>>) -> Mask {
@@ -272,20 +313,41 @@ mod tests {
     fn any_fits_all() {
         assert_eq!(Mask::Any.check(&Space::boxed([0.0], [1.0])), Ok(()));
         assert_eq!(Mask::default(), Mask::Any);
-        assert!(fault(Space::boxed([0.0], [1.0]), [1i8]).contains("elements of a Box cannot be selected"));
+        assert!(
+            fault(Space::boxed([0.0], [1.0]), [1i8])
+                .contains("elements of a Box cannot be selected")
+        );
     }
 
     #[test]
     fn lists_are_checked() {
-        assert_eq!(fault(Space::discrete(3), [1i8, 0]), "there are 2 entries and should be 3");
-        assert_eq!(fault(Space::discrete(2), [1i8, 2]), "[1]: 2 is neither 0 nor 1");
-        assert_eq!(fault(Space::discrete(2), [0.5, 1.5]), "[1]: 1.5 is not between 0 and 1");
-        assert_eq!(fault(Space::discrete(2), [0.5, 0.4]), "the probabilities sum to 0.9 and should sum to 1");
-        assert_eq!(Probabilities::from([0.5, 0.5]).check(&Space::discrete(2)), Ok(()));
+        assert_eq!(
+            fault(Space::discrete(3), [1i8, 0]),
+            "there are 2 entries and should be 3"
+        );
+        assert_eq!(
+            fault(Space::discrete(2), [1i8, 2]),
+            "[1]: 2 is neither 0 nor 1"
+        );
+        assert_eq!(
+            fault(Space::discrete(2), [0.5, 1.5]),
+            "[1]: 1.5 is not between 0 and 1"
+        );
+        assert_eq!(
+            fault(Space::discrete(2), [0.5, 0.4]),
+            "the probabilities sum to 0.9 and should sum to 1"
+        );
+        assert_eq!(
+            Probabilities::from([0.5, 0.5]).check(&Space::discrete(2)),
+            Ok(())
+        );
         assert!(fault(Space::discrete(2), [f64::NAN, 1.0]).contains("NaN"));
 
         let grid = MultiDiscrete::new([2, 3]).unwrap();
-        assert_eq!(fault(grid.clone(), Mask::Each(vec![vec![1, 1]])), "there are 1 entries and should be 2");
+        assert_eq!(
+            fault(grid.clone(), Mask::Each(vec![vec![1, 1]])),
+            "there are 1 entries and should be 2"
+        );
         assert_eq!(
             fault(grid, Mask::Each(vec![vec![1, 1], vec![0, 0]])),
             "[1]: there are 2 entries and should be 3"
@@ -300,10 +362,20 @@ mod tests {
     #[test]
     fn texts_are_checked() {
         let space = TextSpace::new(1, 3).unwrap().with_charset("ab").unwrap();
-        assert_eq!(fault(space.clone(), text(Some(4), None)), "the length 4 is not between 1 and 3");
-        assert_eq!(fault(space.clone(), text(None, Some(vec![1]))), "there are 1 entries and should be 2");
+        assert_eq!(
+            fault(space.clone(), text(Some(4), None)),
+            "the length 4 is not between 1 and 3"
+        );
+        assert_eq!(
+            fault(space.clone(), text(None, Some(vec![1]))),
+            "there are 1 entries and should be 2"
+        );
         assert!(fault(space, text(None, Some(vec![0, 0]))).contains("cannot be empty"));
-        let space: Space = TextSpace::new(0, 3).unwrap().with_charset("ab").unwrap().into();
+        let space: Space = TextSpace::new(0, 3)
+            .unwrap()
+            .with_charset("ab")
+            .unwrap()
+            .into();
         assert_eq!(text(Some(0), Some(vec![0, 0])).check(&space), Ok(()));
     }
 
@@ -311,14 +383,29 @@ mod tests {
     fn members_are_checked() {
         let two = || [Space::discrete(2), Space::discrete(3)];
         let bad = || Mask::Tuple(vec![Mask::Any, Mask::from([1, 1])]);
-        assert_eq!(fault(TupleSpace::new(two()), bad()), "[1]: there are 2 entries and should be 3");
-        assert_eq!(fault(OneOfSpace::new(two()).unwrap(), bad()), "[1]: there are 2 entries and should be 3");
-        assert_eq!(fault(TupleSpace::new(two()), Mask::Tuple(vec![])), "there are 0 entries and should be 2");
+        assert_eq!(
+            fault(TupleSpace::new(two()), bad()),
+            "[1]: there are 2 entries and should be 3"
+        );
+        assert_eq!(
+            fault(OneOfSpace::new(two()).unwrap(), bad()),
+            "[1]: there are 2 entries and should be 3"
+        );
+        assert_eq!(
+            fault(TupleSpace::new(two()), Mask::Tuple(vec![])),
+            "there are 0 entries and should be 2"
+        );
         let dict = DictSpace::new([("a", Space::discrete(2))]).unwrap();
         let of = |key: &str| Mask::Dict(vec![(key.to_owned(), Mask::from([1]))]);
         assert_eq!(fault(dict.clone(), of("b")), r#"the space has no key "b""#);
-        assert_eq!(fault(dict, of("a")), r#"["a"]: there are 1 entries and should be 2"#);
-        let sequence = |lengths, member| Mask::Sequence { lengths, member: Box::new(member) };
+        assert_eq!(
+            fault(dict, of("a")),
+            r#"["a"]: there are 1 entries and should be 2"#
+        );
+        let sequence = |lengths, member| Mask::Sequence {
+            lengths,
+            member: Box::new(member),
+        };
         let space = SequenceSpace::new(Space::discrete(2));
         assert_eq!(
             fault(space.clone(), sequence(Some(vec![]), Mask::Any)),
@@ -339,10 +426,16 @@ mod tests {
             edges: Box::new(edges),
         };
         let space = GraphSpace::new(Space::discrete(2), Some(Space::discrete(2))).unwrap();
-        let check = |mask: Mask| mask.check(&space.clone().into()).map_err(|fault| fault.to_string());
+        let check = |mask: Mask| {
+            mask.check(&space.clone().into())
+                .map_err(|fault| fault.to_string())
+        };
         let each = |n| Mask::Each(vec![vec![1, 0]; n]);
         assert_eq!(check(graph(Some(2), Some(3), each(2), each(3))), Ok(()));
-        assert_eq!(check(graph(None, None, each(10), Mask::from([0, 1]))), Ok(()));
+        assert_eq!(
+            check(graph(None, None, each(10), Mask::from([0, 1]))),
+            Ok(())
+        );
         assert!(check(graph(Some(0), None, Mask::Any, Mask::Any)).is_err());
         assert!(check(graph(Some(usize::MAX), None, Mask::Any, Mask::Any)).is_err());
         assert!(check(graph(None, Some(usize::MAX), Mask::Any, Mask::Any)).is_err());
@@ -351,6 +444,8 @@ mod tests {
         let text = check(graph(None, None, Mask::Any, each(3))).unwrap_err();
         assert_eq!(text, ".edges: lists for each edge need `num_edges`");
         let edgeless = GraphSpace::new(Space::discrete(2), None).unwrap();
-        assert!(fault(edgeless, graph(None, Some(1), Mask::Any, Mask::Any)).contains("has no edges"));
+        assert!(
+            fault(edgeless, graph(None, Some(1), Mask::Any, Mask::Any)).contains("has no edges")
+        );
     }
 }

@@ -37,12 +37,18 @@ pub struct SequenceSpace {
 impl SequenceSpace {
     /// Tuples of elements of `feature`.
     pub fn new(feature: impl Into<Space>) -> Self {
-        Self { feature: Box::new(feature.into()), stack: false }
+        Self {
+            feature: Box::new(feature.into()),
+            stack: false,
+        }
     }
 
     /// Arrays of elements of `feature`, one after the other: Gymnasium's `stack=True`.
     pub fn stacked(feature: impl Into<Space>) -> Self {
-        Self { stack: true, ..Self::new(feature) }
+        Self {
+            stack: true,
+            ..Self::new(feature)
+        }
     }
 
     /// The space of each element of a sequence.
@@ -57,14 +63,18 @@ impl SequenceSpace {
 
     pub(super) fn contains(&self, value: &Value) -> bool {
         match value {
-            Value::Tuple(items) if !self.stack => items.iter().all(|item| self.feature.contains(item)),
+            Value::Tuple(items) if !self.stack => {
+                items.iter().all(|item| self.feature.contains(item))
+            }
             _ => self.check(value).is_ok(),
         }
     }
 
     pub(super) fn check(&self, value: &Value) -> Result<(), Fault> {
         for (i, item) in self.items(value)?.iter().enumerate() {
-            self.feature.check_value(item).map_err(|fault| fault.at(i))?;
+            self.feature
+                .check_value(item)
+                .map_err(|fault| fault.at(i))?;
         }
         Ok(())
     }
@@ -87,7 +97,12 @@ impl SequenceSpace {
         }
     }
 
-    pub(super) fn draw<T: Weight>(&self, streams: &mut Streams, selection: &Selection<T>, out: &mut Value) {
+    pub(super) fn draw<T: Weight>(
+        &self,
+        streams: &mut Streams,
+        selection: &Selection<T>,
+        out: &mut Value,
+    ) {
         let (lengths, member) = match selection {
             Selection::Sequence { lengths, member } => (lengths.as_deref(), &**member),
             _ => (None, &Selection::Any),
@@ -127,15 +142,24 @@ mod tests {
         let space = SequenceSpace::new(Space::discrete(2));
         let tuple = |items: &[i64]| Value::Tuple(items.iter().map(|&i| Value::Int(i)).collect());
         assert!(space.contains(&tuple(&[])) && space.contains(&tuple(&[0, 1, 1])));
-        assert!(!space.contains(&tuple(&[0, 2])) && !space.contains(&Value::Array([0i64, 1].into())));
-        assert_eq!(space.check(&tuple(&[0, 2])).unwrap_err().to_string(), "[1]: 2 is not between 0 and 1");
+        assert!(
+            !space.contains(&tuple(&[0, 2])) && !space.contains(&Value::Array([0i64, 1].into()))
+        );
+        assert_eq!(
+            space.check(&tuple(&[0, 2])).unwrap_err().to_string(),
+            "[1]: 2 is not between 0 and 1"
+        );
     }
 
     #[test]
     fn stacked_sequences_are_arrays() {
         let space = SequenceSpace::stacked(Space::discrete(2));
         let contains = |array: crate::Array| space.contains(&Value::Array(array));
-        assert!(contains([0i64, 1].into()) && contains([1u8].into()) && contains(Vec::<i64>::new().into()));
+        assert!(
+            contains([0i64, 1].into())
+                && contains([1u8].into())
+                && contains(Vec::<i64>::new().into())
+        );
         assert!(!contains([2i64].into()) && !contains([0.0f64].into()));
         assert!(!space.contains(&Value::Tuple(vec![Value::Int(0)])));
     }
@@ -145,7 +169,11 @@ mod tests {
         let pair = TupleSpace::new([Space::discrete(2), Space::discrete(3)]);
         let space = SequenceSpace::stacked(pair);
         let value = |a: &[i64], b: &[i64]| {
-            Value::Tuple([a, b].map(|numbers| Value::Array(numbers.to_vec().into())).into())
+            Value::Tuple(
+                [a, b]
+                    .map(|numbers| Value::Array(numbers.to_vec().into()))
+                    .into(),
+            )
         };
         assert!(space.contains(&value(&[0, 1], &[2, 2])));
         assert!(!space.contains(&value(&[0, 1], &[2])) && !space.contains(&value(&[0], &[3])));
@@ -154,6 +182,9 @@ mod tests {
     #[test]
     fn prints_as_gymnasium() {
         let space = SequenceSpace::stacked(SequenceSpace::new(Space::discrete(2)));
-        assert_eq!(space.to_string(), "Sequence(Sequence(Discrete(2), stack=False), stack=True)");
+        assert_eq!(
+            space.to_string(),
+            "Sequence(Sequence(Discrete(2), stack=False), stack=True)"
+        );
     }
 }

@@ -49,7 +49,11 @@ impl TextSpace {
                 "a text of {max_length} characters is too long: at most {MAX_ELEMENTS} are possible"
             ));
         }
-        Ok(Self { min_length, max_length, charset: ALPHANUMERIC.chars().collect() })
+        Ok(Self {
+            min_length,
+            max_length,
+            charset: ALPHANUMERIC.chars().collect(),
+        })
     }
 
     /// Strings of these characters, numbered in the order given; repetitions count once.
@@ -66,7 +70,10 @@ impl TextSpace {
         if distinct.is_empty() {
             return invalid("the character set of a text is empty: give at least one character");
         }
-        Ok(Self { charset: distinct, ..self })
+        Ok(Self {
+            charset: distinct,
+            ..self
+        })
     }
 
     /// The length of the shortest strings, in characters.
@@ -100,31 +107,49 @@ impl TextSpace {
     }
 
     pub(super) fn check(&self, value: &Value) -> Result<(), Fault> {
-        let Value::Text(text) = value else { return Err(Fault::kind("a text", value)) };
+        let Value::Text(text) = value else {
+            return Err(Fault::kind("a text", value));
+        };
         let length = text.chars().count();
         let (min, max) = (self.min_length, self.max_length);
         if !(min..=max).contains(&length) {
-            return Err(Fault::new(format!("{length} characters are not between {min} and {max}")));
+            return Err(Fault::new(format!(
+                "{length} characters are not between {min} and {max}"
+            )));
         }
-        match text.chars().enumerate().find(|(_, c)| !self.charset.contains(c)) {
+        match text
+            .chars()
+            .enumerate()
+            .find(|(_, c)| !self.charset.contains(c))
+        {
             None => Ok(()),
             Some((i, c)) => Err(Fault::new(format!("{c:?} is not among the characters")).at(i)),
         }
     }
 
-    pub(super) fn draw<T: Weight>(&self, rng: &mut Generator, selection: &Selection<T>, out: &mut Value) {
+    pub(super) fn draw<T: Weight>(
+        &self,
+        rng: &mut Generator,
+        selection: &Selection<T>,
+        out: &mut Value,
+    ) {
         let (length, weights) = match selection {
             Selection::Text { length, characters } => (*length, characters.as_deref()),
             _ => (None, None),
         };
-        let length = length
-            .unwrap_or_else(|| rng.integers(self.min_length as i64, self.max_length as i64 + 1) as usize);
+        let length = length.unwrap_or_else(|| {
+            rng.integers(self.min_length as i64, self.max_length as i64 + 1) as usize
+        });
         let probabilities = match weights {
             Some(weights) => T::probabilities(weights),
             None => vec![1.0 / self.charset.len() as f64; self.charset.len()],
         };
         // If no character is allowed, the text is empty.
-        let length = if probabilities.iter().any(|&p| p > 0.0) { length } else { 0 };
+        let length = if probabilities.iter().any(|&p| p > 0.0) {
+            length
+        } else {
+            0
+        };
         if !matches!(out, Value::Text(_)) {
             *out = Value::Text(String::new());
         }
@@ -150,7 +175,11 @@ impl Eq for TextSpace {}
 impl fmt::Display for TextSpace {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let charset: String = self.sorted().into_iter().collect();
-        write!(f, "Text({}, {}, charset={charset})", self.min_length, self.max_length)
+        write!(
+            f,
+            "Text({}, {}, charset={charset})",
+            self.min_length, self.max_length
+        )
     }
 }
 
@@ -164,15 +193,31 @@ struct Description {
 }
 
 impl From<TextSpace> for Description {
-    fn from(TextSpace { min_length, max_length, charset }: TextSpace) -> Self {
-        Self { min_length, max_length, charset: charset.into_iter().collect() }
+    fn from(
+        TextSpace {
+            min_length,
+            max_length,
+            charset,
+        }: TextSpace,
+    ) -> Self {
+        Self {
+            min_length,
+            max_length,
+            charset: charset.into_iter().collect(),
+        }
     }
 }
 
 impl TryFrom<Description> for TextSpace {
     type Error = Error;
 
-    fn try_from(Description { min_length, max_length, charset }: Description) -> Result<Self> {
+    fn try_from(
+        Description {
+            min_length,
+            max_length,
+            charset,
+        }: Description,
+    ) -> Result<Self> {
         Self::new(min_length, max_length)?.with_charset(&charset)
     }
 }
@@ -183,7 +228,12 @@ mod tests {
 
     #[test]
     fn constructors_refuse_bad_lengths_and_empty_sets() {
-        assert!(TextSpace::new(3, 2).unwrap_err().to_string().contains("from 3 to 2"));
+        assert!(
+            TextSpace::new(3, 2)
+                .unwrap_err()
+                .to_string()
+                .contains("from 3 to 2")
+        );
         assert!(TextSpace::new(0, usize::MAX).is_err());
         assert!(TextSpace::new(0, 0).is_ok());
         assert!(TextSpace::new(0, 2).unwrap().with_charset("").is_err());
@@ -194,9 +244,18 @@ mod tests {
         let space = TextSpace::new(0, 2).unwrap().with_charset("cabac").unwrap();
         assert_eq!(space.charset(), ['c', 'a', 'b']);
         assert_eq!(space.to_string(), "Text(0, 2, charset=abc)");
-        assert_eq!(space, TextSpace::new(0, 2).unwrap().with_charset("abc").unwrap());
-        assert_ne!(space, TextSpace::new(0, 2).unwrap().with_charset("abd").unwrap());
-        assert_ne!(space, TextSpace::new(1, 2).unwrap().with_charset("abc").unwrap());
+        assert_eq!(
+            space,
+            TextSpace::new(0, 2).unwrap().with_charset("abc").unwrap()
+        );
+        assert_ne!(
+            space,
+            TextSpace::new(0, 2).unwrap().with_charset("abd").unwrap()
+        );
+        assert_ne!(
+            space,
+            TextSpace::new(1, 2).unwrap().with_charset("abc").unwrap()
+        );
     }
 
     #[test]
@@ -211,7 +270,12 @@ mod tests {
     #[test]
     fn faults_name_the_character() {
         let space = TextSpace::new(1, 3).unwrap().with_charset("ab").unwrap();
-        let fault = |text: &str| space.check(&Value::Text(text.to_owned())).unwrap_err().to_string();
+        let fault = |text: &str| {
+            space
+                .check(&Value::Text(text.to_owned()))
+                .unwrap_err()
+                .to_string()
+        };
         assert_eq!(fault("abc"), "[2]: 'c' is not among the characters");
         assert_eq!(fault("abab"), "4 characters are not between 1 and 3");
     }
@@ -221,6 +285,11 @@ mod tests {
         let space = TextSpace::new(0, 2).unwrap().with_charset("ba").unwrap();
         let stored = serde_json::to_string(&space).unwrap();
         assert_eq!(stored, r#"{"min_length":0,"max_length":2,"charset":"ba"}"#);
-        assert_eq!(serde_json::from_str::<TextSpace>(&stored).unwrap().charset(), ['b', 'a']);
+        assert_eq!(
+            serde_json::from_str::<TextSpace>(&stored)
+                .unwrap()
+                .charset(),
+            ['b', 'a']
+        );
     }
 }

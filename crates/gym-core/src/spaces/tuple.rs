@@ -28,7 +28,9 @@ pub struct TupleSpace {
 impl TupleSpace {
     /// The members in order; there may be none.
     pub fn new(spaces: impl IntoIterator<Item = Space>) -> Self {
-        Self { spaces: spaces.into_iter().collect() }
+        Self {
+            spaces: spaces.into_iter().collect(),
+        }
     }
 
     /// The members.
@@ -37,9 +39,15 @@ impl TupleSpace {
     }
 
     pub(super) fn contains(&self, value: &Value) -> bool {
-        let Value::Tuple(items) = value else { return false };
+        let Value::Tuple(items) = value else {
+            return false;
+        };
         items.len() == self.spaces.len()
-            && self.spaces.iter().zip(items).all(|(space, item)| space.contains(item))
+            && self
+                .spaces
+                .iter()
+                .zip(items)
+                .all(|(space, item)| space.contains(item))
     }
 
     pub(super) fn check(&self, value: &Value) -> Result<(), Fault> {
@@ -54,21 +62,34 @@ impl TupleSpace {
         &'a self,
         value: &'a Value,
     ) -> Result<impl Iterator<Item = (&'a Space, &'a Value)>, Fault> {
-        let Value::Tuple(items) = value else { return Err(Fault::kind("a tuple", value)) };
+        let Value::Tuple(items) = value else {
+            return Err(Fault::kind("a tuple", value));
+        };
         let (actual, expected) = (items.len(), self.spaces.len());
         if actual != expected {
-            return Err(Fault::new(format!("there are {actual} members and should be {expected}")));
+            return Err(Fault::new(format!(
+                "there are {actual} members and should be {expected}"
+            )));
         }
         Ok(self.spaces.iter().zip(items))
     }
 
-    pub(super) fn draw<T: Weight>(&self, streams: &mut Streams, selection: &Selection<T>, out: &mut Value) {
+    pub(super) fn draw<T: Weight>(
+        &self,
+        streams: &mut Streams,
+        selection: &Selection<T>,
+        out: &mut Value,
+    ) {
         if !matches!(out, Value::Tuple(items) if items.len() == self.spaces.len()) {
             *out = Value::Tuple(vec![Value::Null; self.spaces.len()]);
         }
         let Value::Tuple(items) = out else { return };
-        for (i, ((space, streams), out)) in
-            self.spaces.iter().zip(&mut streams.members).zip(items).enumerate()
+        for (i, ((space, streams), out)) in self
+            .spaces
+            .iter()
+            .zip(&mut streams.members)
+            .zip(items)
+            .enumerate()
         {
             space.draw(streams, selection.at(i), out);
         }
@@ -87,7 +108,10 @@ mod tests {
     use super::*;
 
     fn space() -> TupleSpace {
-        TupleSpace::new([Space::discrete(2), TupleSpace::new([Space::discrete(3)]).into()])
+        TupleSpace::new([
+            Space::discrete(2),
+            TupleSpace::new([Space::discrete(3)]).into(),
+        ])
     }
 
     fn value(a: i64, b: i64) -> Value {
@@ -98,7 +122,10 @@ mod tests {
     fn contains_members_in_order() {
         assert!(space().contains(&value(1, 2)));
         assert!(!space().contains(&value(2, 2)) && !space().contains(&value(1, 3)));
-        assert!(!space().contains(&Value::Tuple(vec![Value::Int(1)])) && !space().contains(&Value::Int(1)));
+        assert!(
+            !space().contains(&Value::Tuple(vec![Value::Int(1)]))
+                && !space().contains(&Value::Int(1))
+        );
         assert!(TupleSpace::new([]).contains(&Value::Tuple(vec![])));
     }
 
@@ -106,13 +133,22 @@ mod tests {
     fn faults_name_the_place() {
         let fault = |value: &Value| space().check(value).unwrap_err().to_string();
         assert_eq!(fault(&value(1, 5)), "[1][0]: 5 is not between 0 and 2");
-        assert_eq!(fault(&Value::Tuple(vec![])), "there are 0 members and should be 2");
-        assert_eq!(fault(&Value::Text("a".into())), "expected a tuple, not a text");
+        assert_eq!(
+            fault(&Value::Tuple(vec![])),
+            "there are 0 members and should be 2"
+        );
+        assert_eq!(
+            fault(&Value::Text("a".into())),
+            "expected a tuple, not a text"
+        );
     }
 
     #[test]
     fn prints_as_gymnasium() {
-        assert_eq!(space().to_string(), "Tuple(Discrete(2), Tuple(Discrete(3)))");
+        assert_eq!(
+            space().to_string(),
+            "Tuple(Discrete(2), Tuple(Discrete(3)))"
+        );
         assert_eq!(TupleSpace::new([]).to_string(), "Tuple()");
     }
 }

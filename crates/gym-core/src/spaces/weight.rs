@@ -46,7 +46,11 @@ pub(super) fn toss(rng: &mut Generator, values: &mut [i8]) {
 /// The weights of a [`Mask`](super::Mask).
 impl Weight for i8 {
     fn check_choice(weights: &[Self], _: f64) -> Result<(), Fault> {
-        check_each(weights, |&entry| entry == 0 || entry == 1, "neither 0 nor 1")
+        check_each(
+            weights,
+            |&entry| entry == 0 || entry == 1,
+            "neither 0 nor 1",
+        )
     }
 
     fn check_tosses(weights: &[Self]) -> Result<(), Fault> {
@@ -54,7 +58,13 @@ impl Weight for i8 {
     }
 
     fn choose(weights: &[Self], rng: &mut Generator) -> usize {
-        let allowed = || weights.iter().enumerate().filter(|(_, entry)| **entry == 1).map(|(i, _)| i);
+        let allowed = || {
+            weights
+                .iter()
+                .enumerate()
+                .filter(|(_, entry)| **entry == 1)
+                .map(|(i, _)| i)
+        };
         match allowed().count() {
             0 => 0,
             n => allowed().nth(rng.choice(n)).unwrap_or(0),
@@ -63,14 +73,25 @@ impl Weight for i8 {
 
     fn toss(weights: &[Self], rng: &mut Generator, out: &mut [i8]) {
         toss(rng, out);
-        for (out, entry) in out.iter_mut().zip(weights).filter(|(_, entry)| **entry != 2) {
+        for (out, entry) in out
+            .iter_mut()
+            .zip(weights)
+            .filter(|(_, entry)| **entry != 2)
+        {
             *out = *entry;
         }
     }
 
     fn probabilities(weights: &[Self]) -> Vec<f64> {
-        let total = weights.iter().map(|&entry| i64::from(entry)).sum::<i64>().max(1);
-        weights.iter().map(|&entry| f64::from(entry) / total as f64).collect()
+        let total = weights
+            .iter()
+            .map(|&entry| i64::from(entry))
+            .sum::<i64>()
+            .max(1);
+        weights
+            .iter()
+            .map(|&entry| f64::from(entry) / total as f64)
+            .collect()
     }
 }
 
@@ -82,11 +103,17 @@ impl Weight for f64 {
         if (sum - 1.0).abs() <= tolerance {
             return Ok(());
         }
-        Err(Fault::new(format!("the probabilities sum to {sum} and should sum to 1")))
+        Err(Fault::new(format!(
+            "the probabilities sum to {sum} and should sum to 1"
+        )))
     }
 
     fn check_tosses(weights: &[Self]) -> Result<(), Fault> {
-        check_each(weights, |entry| (0.0..=1.0).contains(entry), "not between 0 and 1")
+        check_each(
+            weights,
+            |entry| (0.0..=1.0).contains(entry),
+            "not between 0 and 1",
+        )
     }
 
     fn choose(weights: &[Self], rng: &mut Generator) -> usize {
@@ -144,7 +171,8 @@ fn pairwise_sum(numbers: &[f64]) -> f64 {
         }
     }
     let [a, b, c, d, e, f, g, h] = sums;
-    rest.iter().fold(((a + b) + (c + d)) + ((e + f) + (g + h)), |sum, x| sum + x)
+    rest.iter()
+        .fold(((a + b) + (c + d)) + ((e + f) + (g + h)), |sum, x| sum + x)
 }
 
 #[cfg(test)]

@@ -27,17 +27,30 @@ impl Space {
             }
             Self::Discrete(space) => Value::Int(space.start()),
             Self::MultiDiscrete(space) => Value::Array(space.array(space.start())),
-            Self::MultiBinary(space) => Value::Array(Array::zeros(MultiBinary::DTYPE, space.shape())?),
+            Self::MultiBinary(space) => {
+                Value::Array(Array::zeros(MultiBinary::DTYPE, space.shape())?)
+            }
             Self::Text(space) => {
                 let first = space.charset().first().copied().unwrap_or_default();
                 Value::Text(std::iter::repeat_n(first, space.min_length()).collect())
             }
-            Self::Tuple(space) => Value::Tuple(space.spaces().iter().map(Self::zero).collect::<Result<_>>()?),
+            Self::Tuple(space) => Value::Tuple(
+                space
+                    .spaces()
+                    .iter()
+                    .map(Self::zero)
+                    .collect::<Result<_>>()?,
+            ),
             Self::Dict(space) => {
-                let entries = space.spaces().iter().map(|(key, space)| Ok((key.clone(), space.zero()?)));
+                let entries = space
+                    .spaces()
+                    .iter()
+                    .map(|(key, space)| Ok((key.clone(), space.zero()?)));
                 Value::Dict(entries.collect::<Result<_>>()?)
             }
-            Self::Sequence(space) if space.is_stacked() => space.feature_space().batch(0)?.zero()?,
+            Self::Sequence(space) if space.is_stacked() => {
+                space.feature_space().batch(0)?.zero()?
+            }
             Self::Sequence(_) => Value::Tuple(Vec::new()),
             Self::Graph(space) => {
                 let row = |space: &Self| -> Result<Array> {
@@ -45,10 +58,16 @@ impl Space {
                     Ok(zero.as_array().cloned().unwrap_or_default())
                 };
                 let edges = space.edge_space().map(row).transpose()?;
-                let edge_links =
-                    edges.as_ref().map(|_| Array::zeros(crate::DType::I32, [1, 2])).transpose()?;
+                let edge_links = edges
+                    .as_ref()
+                    .map(|_| Array::zeros(crate::DType::I32, [1, 2]))
+                    .transpose()?;
                 let nodes = row(space.node_space())?;
-                Value::Graph(Box::new(GraphInstance { nodes, edges, edge_links }))
+                Value::Graph(Box::new(GraphInstance {
+                    nodes,
+                    edges,
+                    edge_links,
+                }))
             }
             Self::OneOf(space) => match space.spaces().first() {
                 Some(first) => Value::OneOf(0, Box::new(first.zero()?)),
@@ -86,7 +105,10 @@ mod tests {
         .into();
         let zero = space.zero().unwrap();
         assert!(space.contains(&zero), "{zero}");
-        assert_eq!(zero.as_tuple().unwrap()[0], Value::Array([0.0f32, 0.5, -2.0].into()));
+        assert_eq!(
+            zero.as_tuple().unwrap()[0],
+            Value::Array([0.0f32, 0.5, -2.0].into())
+        );
         assert_eq!(zero.as_tuple().unwrap()[1], Value::Int(4));
     }
 }

@@ -4,8 +4,8 @@
 use serde::Serialize;
 use serde::de::value::{BorrowedStrDeserializer, MapAccessDeserializer};
 use serde::de::{
-    DeserializeOwned, DeserializeSeed, Deserializer, Error as _, Expected, MapAccess, SeqAccess, Unexpected,
-    Visitor,
+    DeserializeOwned, DeserializeSeed, Deserializer, Error as _, Expected, MapAccess, SeqAccess,
+    Unexpected, Visitor,
 };
 use serde::ser::{self, Serializer};
 use serde_json::{Error, Value as Json};
@@ -26,7 +26,10 @@ pub(crate) fn write<T: Serialize + ?Sized>(state: &T) -> Result<Json, Error> {
 /// # Errors
 /// For JSON of something else.
 pub(crate) fn read<T: DeserializeOwned>(json: &Json) -> Result<T, Error> {
-    T::deserialize(Stored { json, as_it_is: false })
+    T::deserialize(Stored {
+        json,
+        as_it_is: false,
+    })
 }
 
 /// A value whose non-finite floats are kept.
@@ -66,7 +69,11 @@ impl<S: Serializer> Serializer for Writer<S> {
     type Error = S::Error;
 
     fn serialize_f32(self, value: f32) -> Result<S::Ok, S::Error> {
-        if value.is_finite() { self.0.serialize_f32(value) } else { self.serialize_f64(value.into()) }
+        if value.is_finite() {
+            self.0.serialize_f32(value)
+        } else {
+            self.serialize_f64(value.into())
+        }
     }
 
     fn serialize_f64(self, value: f64) -> Result<S::Ok, S::Error> {
@@ -161,13 +168,18 @@ impl<'de> Stored<'de> {
 
     /// The number that JSON lacks, if this is one.
     fn float(self) -> Result<Option<f64>, Error> {
-        let tagged = self.json.as_object().and_then(|map| Some((map.get(FLOAT)?, map.len())));
+        let tagged = self
+            .json
+            .as_object()
+            .and_then(|map| Some((map.get(FLOAT)?, map.len())));
         let Some((text, 1)) = tagged.filter(|_| !self.as_it_is) else {
             return Ok(None);
         };
         let x = text.as_str().and_then(parse_float);
         x.map(Some).ok_or_else(|| {
-            Error::custom(format!("expected \"inf\", \"-inf\" or \"NaN\" under `{FLOAT}`, not {text}"))
+            Error::custom(format!(
+                "expected \"inf\", \"-inf\" or \"NaN\" under `{FLOAT}`, not {text}"
+            ))
         })
     }
 
@@ -207,22 +219,39 @@ impl<'de> Stored<'de> {
     }
 
     fn list<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
-        let Json::Array(list) = self.json else { return Err(self.is_not(&visitor)) };
-        let mut items = Items { list: self, rest: list.iter() };
+        let Json::Array(list) = self.json else {
+            return Err(self.is_not(&visitor));
+        };
+        let mut items = Items {
+            list: self,
+            rest: list.iter(),
+        };
         let value = visitor.visit_seq(&mut items)?;
         match items.rest.len() {
             0 => Ok(value),
-            rest => Err(Error::invalid_length(list.len(), &&*format!("{} items", list.len() - rest))),
+            rest => Err(Error::invalid_length(
+                list.len(),
+                &&*format!("{} items", list.len() - rest),
+            )),
         }
     }
 
     fn map<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
-        let Json::Object(map) = self.json else { return Err(self.is_not(&visitor)) };
-        let mut entries = Entries { map: self, rest: map.iter(), value: None };
+        let Json::Object(map) = self.json else {
+            return Err(self.is_not(&visitor));
+        };
+        let mut entries = Entries {
+            map: self,
+            rest: map.iter(),
+            value: None,
+        };
         let value = visitor.visit_map(&mut entries)?;
         match entries.rest.len() {
             0 => Ok(value),
-            rest => Err(Error::invalid_length(map.len(), &&*format!("{} entries", map.len() - rest))),
+            rest => Err(Error::invalid_length(
+                map.len(),
+                &&*format!("{} entries", map.len() - rest),
+            )),
         }
     }
 }
@@ -267,7 +296,11 @@ impl<'de> Deserializer<'de> for Stored<'de> {
     }
 
     fn deserialize_option<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Error> {
-        if self.json.is_null() { visitor.visit_none() } else { visitor.visit_some(self) }
+        if self.json.is_null() {
+            visitor.visit_none()
+        } else {
+            visitor.visit_some(self)
+        }
     }
 
     fn deserialize_newtype_struct<V: Visitor<'de>>(
@@ -289,7 +322,11 @@ impl<'de> Deserializer<'de> for Stored<'de> {
         match self.json {
             Json::String(variant) => visitor.visit_enum(BorrowedStrDeserializer::new(variant)),
             Json::Object(map) if map.len() == 1 => {
-                let entries = Entries { map: self, rest: map.iter(), value: None };
+                let entries = Entries {
+                    map: self,
+                    rest: map.iter(),
+                    value: None,
+                };
                 visitor.visit_enum(MapAccessDeserializer::new(entries))
             }
             _ => Err(self.is_not(&"the name of a variant, or a map with one")),
@@ -306,8 +343,14 @@ struct Items<'de> {
 impl<'de> SeqAccess<'de> for Items<'de> {
     type Error = Error;
 
-    fn next_element_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, Error> {
-        self.rest.next().map(|item| seed.deserialize(self.list.part(item))).transpose()
+    fn next_element_seed<T: DeserializeSeed<'de>>(
+        &mut self,
+        seed: T,
+    ) -> Result<Option<T::Value>, Error> {
+        self.rest
+            .next()
+            .map(|item| seed.deserialize(self.list.part(item)))
+            .transpose()
     }
 
     fn size_hint(&self) -> Option<usize> {
@@ -326,14 +369,23 @@ struct Entries<'de> {
 impl<'de> MapAccess<'de> for Entries<'de> {
     type Error = Error;
 
-    fn next_key_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<Option<T::Value>, Error> {
-        let Some((key, value)) = self.rest.next() else { return Ok(None) };
+    fn next_key_seed<T: DeserializeSeed<'de>>(
+        &mut self,
+        seed: T,
+    ) -> Result<Option<T::Value>, Error> {
+        let Some((key, value)) = self.rest.next() else {
+            return Ok(None);
+        };
         self.value = Some(value);
-        seed.deserialize(BorrowedStrDeserializer::new(key)).map(Some)
+        seed.deserialize(BorrowedStrDeserializer::new(key))
+            .map(Some)
     }
 
     fn next_value_seed<T: DeserializeSeed<'de>>(&mut self, seed: T) -> Result<T::Value, Error> {
-        let value = self.value.take().ok_or_else(|| Error::custom("a value was read before its key"))?;
+        let value = self
+            .value
+            .take()
+            .ok_or_else(|| Error::custom("a value was read before its key"))?;
         seed.deserialize(self.map.part(value))
     }
 
@@ -381,7 +433,10 @@ mod tests {
                 Shape::Point,
                 Shape::Circle(f64::INFINITY),
                 Shape::Ellipse(f64::NEG_INFINITY, f32::INFINITY),
-                Shape::Rectangle { width: f64::INFINITY, height: Some(f64::NEG_INFINITY) },
+                Shape::Rectangle {
+                    width: f64::INFINITY,
+                    height: Some(f64::NEG_INFINITY),
+                },
             ],
         }
     }

@@ -40,7 +40,12 @@ const AS_IT_IS: &str = "$json";
 /// [`Error::Snapshot`] for another number of them than `len`, or for numbers of another type.
 pub fn numbers<T: Scalar>(array: &Array, len: usize) -> crate::Result<Vec<T>> {
     let numbers = array.as_slice::<T>().filter(|numbers| numbers.len() == len);
-    let expected = || Error::Snapshot(format!("expected {len} numbers of type {}, not {array}", T::DTYPE));
+    let expected = || {
+        Error::Snapshot(format!(
+            "expected {len} numbers of type {}, not {array}",
+            T::DTYPE
+        ))
+    };
     numbers.map(<[T]>::to_vec).ok_or_else(expected)
 }
 
@@ -52,7 +57,10 @@ pub mod row {
     ///
     /// # Errors
     /// The serializer's errors.
-    pub fn serialize<T: Scalar, S: Serializer>(row: &[T], serializer: S) -> Result<S::Ok, S::Error> {
+    pub fn serialize<T: Scalar, S: Serializer>(
+        row: &[T],
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
         Array::from(row.to_vec()).serialize(serializer)
     }
 
@@ -60,7 +68,9 @@ pub mod row {
     ///
     /// # Errors
     /// The deserializer's errors, and one for an array of another type.
-    pub fn deserialize<'de, T: Scalar, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<T>, D::Error> {
+    pub fn deserialize<'de, T: Scalar, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Vec<T>, D::Error> {
         let array = Array::deserialize(deserializer)?;
         numbers(&array, array.len()).map_err(D::Error::custom)
     }
@@ -74,7 +84,10 @@ pub mod words {
     ///
     /// # Errors
     /// The serializer's errors.
-    pub fn serialize<T: Stream, S: Serializer>(streams: &[T], serializer: S) -> Result<S::Ok, S::Error> {
+    pub fn serialize<T: Stream, S: Serializer>(
+        streams: &[T],
+        serializer: S,
+    ) -> Result<S::Ok, S::Error> {
         let words: Vec<u64> = streams.iter().flat_map(Stream::words).collect();
         row::serialize(&words, serializer)
     }
@@ -83,13 +96,20 @@ pub mod words {
     ///
     /// # Errors
     /// The deserializer's errors, and one for numbers that are not streams of this type.
-    pub fn deserialize<'de, T: Stream, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<T>, D::Error> {
+    pub fn deserialize<'de, T: Stream, D: Deserializer<'de>>(
+        deserializer: D,
+    ) -> Result<Vec<T>, D::Error> {
         let words: Vec<u64> = row::deserialize(deserializer)?;
         let (streams, rest) = words.as_chunks();
         if !rest.is_empty() {
-            return Err(D::Error::custom("expected five words for each stream of random numbers"));
+            return Err(D::Error::custom(
+                "expected five words for each stream of random numbers",
+            ));
         }
-        streams.iter().map(|words| T::from_words(*words).map_err(D::Error::custom)).collect()
+        streams
+            .iter()
+            .map(|words| T::from_words(*words).map_err(D::Error::custom))
+            .collect()
     }
 }
 
@@ -150,7 +170,11 @@ impl Serialize for Value {
                     false => tagged(serializer, DICT, entries),
                 }
             }
-            Self::Graph(graph) => tagged(serializer, GRAPH, &(&graph.nodes, &graph.edges, &graph.edge_links)),
+            Self::Graph(graph) => tagged(
+                serializer,
+                GRAPH,
+                &(&graph.nodes, &graph.edges, &graph.edge_links),
+            ),
             Self::OneOf(index, value) => tagged(serializer, ONE_OF, &(index, value)),
         }
     }
@@ -185,15 +209,20 @@ fn read(json: &Json) -> Result<Value, Fault> {
         },
         Json::String(text) => Value::Text(text.clone()),
         Json::Array(items) => {
-            let items = items.iter().enumerate().map(|(i, item)| read(item).map_err(|fault| fault.at(i)));
+            let items = items
+                .iter()
+                .enumerate()
+                .map(|(i, item)| read(item).map_err(|fault| fault.at(i)));
             Value::Tuple(items.collect::<Result<_, _>>()?)
         }
         Json::Object(map) => match map.iter().find(|(key, _)| key.starts_with('$')) {
-            Some((tag, content)) => read_tagged(tag, content, map).map_err(|fault| fault.under(tag))?,
+            Some((tag, content)) => {
+                read_tagged(tag, content, map).map_err(|fault| fault.under(tag))?
+            }
             None => {
-                let entries = map
-                    .iter()
-                    .map(|(key, json)| Ok((key.clone(), read(json).map_err(|fault| fault.under(key))?)));
+                let entries = map.iter().map(|(key, json)| {
+                    Ok((key.clone(), read(json).map_err(|fault| fault.under(key))?))
+                });
                 Value::Dict(entries.collect::<Result<_, _>>()?)
             }
         },
@@ -201,11 +230,16 @@ fn read(json: &Json) -> Result<Value, Fault> {
 }
 
 fn read_tagged(tag: &str, content: &Json, map: &Map<String, Json>) -> Result<Value, Fault> {
-    if let Some(dtype) = DType::ALL.into_iter().find(|dtype| dtype.name() == &tag[1..]) {
+    if let Some(dtype) = DType::ALL
+        .into_iter()
+        .find(|dtype| dtype.name() == &tag[1..])
+    {
         return match (content.as_str(), map.get("shape"), map.len()) {
             (None, None, 1) => read_array(content, &shape_of(content), dtype),
             (Some(bytes), Some(shape), 2) => unpack(dtype, shape, bytes),
-            _ => Err(Fault::new("expected lists of numbers alone, or bytes and a `shape`")),
+            _ => Err(Fault::new(
+                "expected lists of numbers alone, or bytes and a `shape`",
+            )),
         }
         .map(Value::Array);
     }
@@ -228,7 +262,11 @@ fn read_tagged(tag: &str, content: &Json, map: &Map<String, Json>) -> Result<Val
             });
             match <[_; 3]>::try_from(parts.collect::<Result<Vec<_>, Fault>>()?) {
                 Ok([Some(nodes), edges, edge_links]) => {
-                    Some(Value::Graph(Box::new(GraphInstance { nodes, edges, edge_links })))
+                    Some(Value::Graph(Box::new(GraphInstance {
+                        nodes,
+                        edges,
+                        edge_links,
+                    })))
                 }
                 _ => None,
             }
@@ -236,7 +274,9 @@ fn read_tagged(tag: &str, content: &Json, map: &Map<String, Json>) -> Result<Val
         (ONE_OF, Json::Array(parts), 1) => match parts.as_slice() {
             [index, value] => {
                 let index = index.as_u64().and_then(|index| usize::try_from(index).ok());
-                index.map(|index| Ok::<_, Fault>(Value::OneOf(index, Box::new(read(value)?)))).transpose()?
+                index
+                    .map(|index| Ok::<_, Fault>(Value::OneOf(index, Box::new(read(value)?))))
+                    .transpose()?
             }
             _ => None,
         },
@@ -259,9 +299,13 @@ fn shape_of(mut json: &Json) -> Vec<usize> {
 fn unpack(dtype: DType, shape: &Json, bytes: &str) -> Result<Array, Fault> {
     let shape = Vec::<usize>::deserialize(shape).ok();
     let bytes = BASE64_STANDARD.decode(bytes).ok();
-    let array = shape.zip(bytes).and_then(|(shape, bytes)| Array::from_bytes(dtype, shape, &bytes));
+    let array = shape
+        .zip(bytes)
+        .and_then(|(shape, bytes)| Array::from_bytes(dtype, shape, &bytes));
     array.ok_or_else(|| {
-        Fault::new(format!("expected the bytes of {dtype} in base64, as many as the shape asks for"))
+        Fault::new(format!(
+            "expected the bytes of {dtype} in base64, as many as the shape asks for"
+        ))
     })
 }
 
@@ -271,9 +315,18 @@ mod tests {
     use crate::Snapshot;
 
     fn values() -> Vec<Value> {
-        let single = Array::from([1.5f32, f32::NAN, -0.0, f32::INFINITY]).reshape([2, 2]).unwrap();
-        let graph = GraphInstance { nodes: [1i64, 2].into(), edges: None, edge_links: Some([0u8].into()) };
-        let many: Vec<f64> = (0..33).map(|i| f64::from(i) / 7.0 - 1.0).chain([f64::NAN, -0.0]).collect();
+        let single = Array::from([1.5f32, f32::NAN, -0.0, f32::INFINITY])
+            .reshape([2, 2])
+            .unwrap();
+        let graph = GraphInstance {
+            nodes: [1i64, 2].into(),
+            edges: None,
+            edge_links: Some([0u8].into()),
+        };
+        let many: Vec<f64> = (0..33)
+            .map(|i| f64::from(i) / 7.0 - 1.0)
+            .chain([f64::NAN, -0.0])
+            .collect();
         vec![
             Value::Null,
             Value::Tuple(vec![
@@ -284,7 +337,9 @@ mod tests {
                 Value::Float(-0.0),
             ]),
             Value::Tuple(
-                [f64::INFINITY, f64::NEG_INFINITY, f64::NAN, 5e-324, f64::MAX].map(Value::Float).into(),
+                [f64::INFINITY, f64::NEG_INFINITY, f64::NAN, 5e-324, f64::MAX]
+                    .map(Value::Float)
+                    .into(),
             ),
             Value::Array(single),
             Value::Array([u64::MAX, 0].into()),
@@ -295,7 +350,10 @@ mod tests {
             Value::from([("b", Value::from("inf")), ("a", Value::Int(1))]),
             Value::from([("#", Value::from("é")), ("$float", Value::from("inf"))]),
             Value::from([("a", Value::Int(1)), ("a", Value::Int(2))]),
-            Value::from([("a", Value::Dict(vec![])), ("shape", Value::Float(f64::NAN))]),
+            Value::from([
+                ("a", Value::Dict(vec![])),
+                ("shape", Value::Float(f64::NAN)),
+            ]),
             Value::OneOf(3, Box::new(Value::Text(String::new()))),
             Value::Graph(Box::new(graph)),
         ]
@@ -319,8 +377,14 @@ mod tests {
     #[test]
     fn short_arrays_are_readable_and_long_ones_compact() {
         let json = |value: Value| serde_json::to_string(&value).unwrap();
-        assert_eq!(json([0.5f32, f32::NAN].into()), r#"{"$float32":[0.5,"NaN"]}"#);
-        assert_eq!(json(vec![0.1f64; 300].into()).len(), 4 * 800 + r#"{"$float64":"","shape":[300]}"#.len());
+        assert_eq!(
+            json([0.5f32, f32::NAN].into()),
+            r#"{"$float32":[0.5,"NaN"]}"#
+        );
+        assert_eq!(
+            json(vec![0.1f64; 300].into()).len(),
+            4 * 800 + r#"{"$float64":"","shape":[300]}"#.len()
+        );
     }
 
     #[test]

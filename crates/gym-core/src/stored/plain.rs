@@ -13,7 +13,9 @@ pub(crate) fn float_text(x: f64) -> Option<String> {
 
 /// The float of such a text.
 pub(crate) fn parse_float(text: &str) -> Option<f64> {
-    text.parse().ok().filter(|x| float_text(*x).is_some_and(|own| own == text))
+    text.parse()
+        .ok()
+        .filter(|x| float_text(*x).is_some_and(|own| own == text))
 }
 
 pub(crate) fn read_array(json: &Json, shape: &[usize], dtype: DType) -> Result<Array, Fault> {
@@ -22,7 +24,12 @@ pub(crate) fn read_array(json: &Json, shape: &[usize], dtype: DType) -> Result<A
     Array::new(shape, collect(dtype, numbers)).map_err(|error| Fault::new(error.to_string()))
 }
 
-fn read_numbers(json: &Json, shape: &[usize], dtype: DType, out: &mut Vec<Number>) -> Result<(), Fault> {
+fn read_numbers(
+    json: &Json,
+    shape: &[usize],
+    dtype: DType,
+    out: &mut Vec<Number>,
+) -> Result<(), Fault> {
     let Some((&n, inner)) = shape.split_first() else {
         out.push(read_number(json, dtype)?);
         return Ok(());
@@ -41,7 +48,9 @@ pub(crate) fn read_number(json: &Json, dtype: DType) -> Result<Number, Fault> {
     if number.fits(dtype) || dtype.is_float() && number.to_f64().is_nan() {
         Ok(number)
     } else {
-        Err(Fault::new(format!("{number} is not a number of type {dtype}")))
+        Err(Fault::new(format!(
+            "{number} is not a number of type {dtype}"
+        )))
     }
 }
 
@@ -54,7 +63,9 @@ pub(crate) fn check_length(items: &[Json], expected: usize) -> Result<(), Fault>
     if actual == expected {
         return Ok(());
     }
-    Err(Fault::new(format!("the list has {actual} items and should have {expected}")))
+    Err(Fault::new(format!(
+        "the list has {actual} items and should have {expected}"
+    )))
 }
 
 /// A number; one that JSON lacks as a text.
@@ -68,7 +79,11 @@ pub(crate) fn parse_number(json: &Json) -> Result<Number, Fault> {
         Json::String(text) => parse_float(text).map(Number::Float),
         _ => None,
     };
-    number.ok_or_else(|| Fault::new(format!("expected a number, \"inf\", \"-inf\" or \"NaN\", not {json}")))
+    number.ok_or_else(|| {
+        Fault::new(format!(
+            "expected a number, \"inf\", \"-inf\" or \"NaN\", not {json}"
+        ))
+    })
 }
 
 /// The form that [`parse_number`] reads.
@@ -86,7 +101,9 @@ pub(crate) fn rows(array: &Array) -> Json {
             None => write_number(Number::at(array.data(), start)),
             Some((&n, inner)) => {
                 let stride: usize = inner.iter().product();
-                (0..n).map(|i| rows(array, axis + 1, start + i * stride)).collect()
+                (0..n)
+                    .map(|i| rows(array, axis + 1, start + i * stride))
+                    .collect()
             }
         }
     }

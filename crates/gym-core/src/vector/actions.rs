@@ -106,7 +106,9 @@ impl<const N: usize> ActionColumn for Continuous<N> {
             Actions::Single(rows) => fill(room, &rows[first..][..len]),
             Actions::Double(rows) => fill(room, &rows[first..][..len]),
             Actions::Each(_) => {
-                room.iter_mut().zip(first..first + len).for_each(|(x, i)| *x = Self::item(items, i));
+                room.iter_mut()
+                    .zip(first..first + len)
+                    .for_each(|(x, i)| *x = Self::item(items, i));
             }
         }
         room
@@ -115,8 +117,14 @@ impl<const N: usize> ActionColumn for Continuous<N> {
     #[inline(always)]
     fn all_valid(items: Actions<'_, N>, n: usize) -> bool {
         match items {
-            Actions::Single(rows) => rows.as_flattened().iter().fold(true, |valid, x| valid & x.is_finite()),
-            Actions::Double(rows) => rows.as_flattened().iter().fold(true, |valid, x| valid & x.is_finite()),
+            Actions::Single(rows) => rows
+                .as_flattened()
+                .iter()
+                .fold(true, |valid, x| valid & x.is_finite()),
+            Actions::Double(rows) => rows
+                .as_flattened()
+                .iter()
+                .fold(true, |valid, x| valid & x.is_finite()),
             Actions::Each(_) => (0..n).all(|i| Self::item(items, i).is_finite()),
         }
     }
@@ -133,7 +141,11 @@ impl<const N: usize> ActionColumn for Continuous<N> {
 
     #[inline(always)]
     fn check(&self, space: impl Fn() -> Space) -> Result<()> {
-        if self.is_finite() { Ok(()) } else { Err(space().refuse_action(self)) }
+        if self.is_finite() {
+            Ok(())
+        } else {
+            Err(space().refuse_action(self))
+        }
     }
 }
 
@@ -151,11 +163,16 @@ fn fill<T: Copy, const N: usize, const LEN: usize>(room: &mut [Continuous<N>; LE
 where
     Continuous<N>: From<[T; N]>,
 {
-    room.iter_mut().zip(rows).for_each(|(x, row)| *x = Continuous::from(*row));
+    room.iter_mut()
+        .zip(rows)
+        .for_each(|(x, row)| *x = Continuous::from(*row));
 }
 
 /// The numbers of a batch of `n` elements of a `Discrete`.
 #[doc(hidden)]
 pub fn indices(batch: &Value, n: usize) -> Option<&[i64]> {
-    batch.as_array().filter(|array: &&Array| array.shape() == [n])?.as_slice()
+    batch
+        .as_array()
+        .filter(|array: &&Array| array.shape() == [n])?
+        .as_slice()
 }

@@ -81,7 +81,11 @@ impl Columns {
             }
         }
         self.rewards.resize(n, 0.0);
-        for column in [&mut self.terminated, &mut self.truncated, &mut self.has_final] {
+        for column in [
+            &mut self.terminated,
+            &mut self.truncated,
+            &mut self.has_final,
+        ] {
             column.resize(n, false);
         }
         self.progress.resize(n, Progress::Unchanged);
@@ -104,14 +108,21 @@ impl Columns {
         self.progress[into.clone()].copy_from_slice(&from.progress[rows.clone()]);
         space.copy_rows(&from.observations, rows.clone(), &mut self.observations, to)?;
         for (row, to) in rows.zip(into).filter(|(row, _)| from.has_final[*row]) {
-            space.copy_rows(&from.final_observations, row..row + 1, &mut self.final_observations, to)?;
+            space.copy_rows(
+                &from.final_observations,
+                row..row + 1,
+                &mut self.final_observations,
+                to,
+            )?;
         }
         Ok(())
     }
 
     /// Whether the last call changed any sub-environment.
     pub fn any_progress(&self) -> bool {
-        self.progress.iter().any(|progress| *progress != Progress::Unchanged)
+        self.progress
+            .iter()
+            .any(|progress| *progress != Progress::Unchanged)
     }
 
     /// The number of rows.

@@ -9,7 +9,10 @@ use crate::{Array, DType, Info, Value};
 /// See [`VectorEnvExt::infos`].
 pub(super) fn batch<V: VectorEnv + ?Sized>(envs: &V, columns: &Columns) -> Info {
     let n = envs.num_envs();
-    let space = columns.has_final.contains(&true).then(|| envs.single_observation_space());
+    let space = columns
+        .has_final
+        .contains(&true)
+        .then(|| envs.single_observation_space());
     let (mut columns_there, mut entries) = (BTreeSet::new(), Info::new());
     envs.column_infos(&mut |key, column| {
         columns_there.insert(key.to_owned());
@@ -21,11 +24,18 @@ pub(super) fn batch<V: VectorEnv + ?Sized>(envs: &V, columns: &Columns) -> Info 
             && columns.has_final.get(index) == Some(&true)
         {
             let mut observation = Value::Null;
-            if space.read_row(&columns.final_observations, index, &mut observation).is_ok() {
-                group.add_to("final_obs", index, observation, |n, _| Values::Objects(vec![Value::Null; n]));
+            if space
+                .read_row(&columns.final_observations, index, &mut observation)
+                .is_ok()
+            {
+                group.add_to("final_obs", index, observation, |n, _| {
+                    Values::Objects(vec![Value::Null; n])
+                });
             }
             let mut entries = Vec::new();
-            envs.final_info(index, &mut |key, value| entries.push((key.to_owned(), value)));
+            envs.final_info(index, &mut |key, value| {
+                entries.push((key.to_owned(), value))
+            });
             group.add("final_info", index, Value::Dict(entries));
         }
         envs.info(index, &mut |key, value| {
@@ -59,7 +69,10 @@ enum Values {
 
 impl Group {
     fn new(n: usize) -> Self {
-        Self { n, columns: BTreeMap::new() }
+        Self {
+            n,
+            columns: BTreeMap::new(),
+        }
     }
 
     /// Adds a value to a column; the first value decides the column's type.
@@ -79,16 +92,18 @@ impl Group {
 
     /// Each key with its values, and `_key` with the mask.
     fn into_entries(self) -> impl Iterator<Item = (String, Value)> {
-        self.columns.into_iter().flat_map(|(key, (values, is_there))| {
-            let mask = (format!("_{key}"), flags(&is_there));
-            let values = match values {
-                Values::Numbers(array) => Value::Array(array),
-                Values::Flags(values) => flags(&values),
-                Values::Objects(values) => Value::Tuple(values),
-                Values::Group(group) => Value::Dict(group.into_entries().collect()),
-            };
-            [(key, values), mask]
-        })
+        self.columns
+            .into_iter()
+            .flat_map(|(key, (values, is_there))| {
+                let mask = (format!("_{key}"), flags(&is_there));
+                let values = match values {
+                    Values::Numbers(array) => Value::Array(array),
+                    Values::Flags(values) => flags(&values),
+                    Values::Objects(values) => Value::Tuple(values),
+                    Values::Group(group) => Value::Dict(group.into_entries().collect()),
+                };
+                [(key, values), mask]
+            })
     }
 }
 
@@ -127,7 +142,9 @@ impl Values {
                 }
             }
             (Self::Group(group), Value::Dict(entries)) => {
-                entries.into_iter().for_each(|(key, value)| group.add(&key, index, value));
+                entries
+                    .into_iter()
+                    .for_each(|(key, value)| group.add(&key, index, value));
             }
             (Self::Objects(values), value) => values[index] = value,
             _ => return false,

@@ -88,7 +88,10 @@ struct Within<E: Lockstep, W> {
 
 impl<E: Lockstep, W> Default for Within<E, W> {
     fn default() -> Self {
-        Self { group: E::Group::default(), wrapped: PhantomData }
+        Self {
+            group: E::Group::default(),
+            wrapped: PhantomData,
+        }
     }
 }
 
@@ -112,7 +115,9 @@ impl<E: Lockstep, W: Env> Ahead<W> for Within<E, W> {
     fn begin(&mut self, slot: &mut Slot<W>, ask: &Ask) {
         let restart = slot.restarts();
         slot.go_ahead(|Slot { env, action, .. }| {
-            let Some(env) = env.unwrapped_mut::<E>() else { return };
+            let Some(env) = env.unwrapped_mut::<E>() else {
+                return;
+            };
             match ask {
                 Ask::Reset(reset) => env.begin_reset(reset, &mut self.group),
                 Ask::Step if restart => env.begin_reset(&Reset::default(), &mut self.group),
@@ -151,7 +156,10 @@ pub fn entry_point<E: Lockstep + Configure>(spec: &VectorSpec) -> Result<Box<dyn
     let version = find(&spec.env.id)?.rules();
     let make = |index| -> Result<E> {
         let EnvSpec { id, kwargs, .. } = spec.env_at(index);
-        E::configure(arguments::read(&E::defaults(version), version, &kwargs, &format!("`{id}`"))?, version)
+        E::configure(
+            arguments::read(&E::defaults(version), version, &kwargs, &format!("`{id}`"))?,
+            version,
+        )
     };
     match spec.env.max_episode_steps {
         Some(limit) => lockstep::<E, _>(spec, |index| TimeLimit::new(make(index)?, limit)),
@@ -166,11 +174,25 @@ fn lockstep<E: Lockstep, W: Env>(
     let num_envs = spec.num_envs;
     let first = make(0)?;
     let observation = first.observation_space();
-    size::check(num_envs, &observation, &first.action_space(), slot_bytes::<W>(&observation))?;
-    let envs: Vec<W> = std::iter::once(Ok(first)).chain((1..num_envs).map(make)).collect::<Result<_>>()?;
-    let spec = VectorSpec { vectorization_mode: VectorKind::Native, ..spec.clone() };
-    let vector = SyncVectorEnv::new(envs)?.with_autoreset(spec.autoreset_mode).with_spec(spec);
-    Ok(Box::new(vector.with_ahead(Box::new(Within::<E, W>::default()))))
+    size::check(
+        num_envs,
+        &observation,
+        &first.action_space(),
+        slot_bytes::<W>(&observation),
+    )?;
+    let envs: Vec<W> = std::iter::once(Ok(first))
+        .chain((1..num_envs).map(make))
+        .collect::<Result<_>>()?;
+    let spec = VectorSpec {
+        vectorization_mode: VectorKind::Native,
+        ..spec.clone()
+    };
+    let vector = SyncVectorEnv::new(envs)?
+        .with_autoreset(spec.autoreset_mode)
+        .with_spec(spec);
+    Ok(Box::new(
+        vector.with_ahead(Box::new(Within::<E, W>::default())),
+    ))
 }
 
 /// Lets environments made by id step together.
@@ -187,7 +209,9 @@ pub(super) fn go_all<E: Env, S: BorrowMut<Slot<E>>, A: Borrow<Ask>>(
     ask: impl Fn(usize) -> A,
     mut hand_on: impl FnMut(usize, &mut Slot<E>, Result<()>),
 ) {
-    let len = ahead.as_ref().map_or(1, |ahead| group_len(slots.len(), ahead.group_len()));
+    let len = ahead
+        .as_ref()
+        .map_or(1, |ahead| group_len(slots.len(), ahead.group_len()));
     for (group, slots) in slots.chunks_mut(len).enumerate() {
         let first = group * len;
         if let Some(ahead) = &mut ahead {

@@ -234,7 +234,9 @@ pub trait VectorEnv: Any + Send {
 }
 
 fn no_envs(vector: &str) -> Error {
-    Error::custom(format!("{vector} has no separate environments: make a sync or async vector"))
+    Error::custom(format!(
+        "{vector} has no separate environments: make a sync or async vector"
+    ))
 }
 
 fn no_snapshots(vector: &str) -> Error {

@@ -97,11 +97,19 @@ impl<E: Env> AsyncVectorEnv<E> {
     ///
     /// # Errors
     /// The errors of [`new`](Self::new), and one if they differ by more than `mode` allows.
-    pub fn with_observation_mode(envs: impl IntoIterator<Item = E>, mode: ObservationMode) -> Result<Self> {
+    pub fn with_observation_mode(
+        envs: impl IntoIterator<Item = E>,
+        mode: ObservationMode,
+    ) -> Result<Self> {
         let (slots, spaces) = slots(envs, mode)?;
         let spaces = Arc::new(spaces);
         let cores = thread::available_parallelism().map_or(1, NonZero::get);
-        let pool = Pool::new(cores.min(slots.len()).min(MAX_THREADS), slots.len(), &spaces, None)?;
+        let pool = Pool::new(
+            cores.min(slots.len()).min(MAX_THREADS),
+            slots.len(),
+            &spaces,
+            None,
+        )?;
         let first = slots.first().map(|slot| &slot.env);
         let metadata = first.map_or_else(Metadata::default, Env::metadata);
         let env_spec = first.and_then(Env::spec);
@@ -131,26 +139,47 @@ impl<E: Env> AsyncVectorEnv<E> {
             return Err(Error::argument("an async vector", reason));
         }
         if self.num_pending() > 0 {
-            return Err(Error::custom("sub-environments are still pending: receive them first"));
+            return Err(Error::custom(
+                "sub-environments are still pending: receive them first",
+            ));
         }
         let n = self.home.len();
-        Ok(Self { pool: Pool::new(threads.min(n), n, &self.spaces, self.ahead.as_deref())?, ..self })
+        Ok(Self {
+            pool: Pool::new(threads.min(n), n, &self.spaces, self.ahead.as_deref())?,
+            ..self
+        })
     }
 
     /// Lets the sub-environments that a worker takes at once step together.
     pub(crate) fn with_ahead(self, ahead: Box<dyn Ahead<E>>) -> Result<Self> {
-        let pool = Pool::new(self.num_threads(), self.home.len(), &self.spaces, Some(&*ahead))?;
-        Ok(Self { pool, ahead: Some(ahead), ..self })
+        let pool = Pool::new(
+            self.num_threads(),
+            self.home.len(),
+            &self.spaces,
+            Some(&*ahead),
+        )?;
+        Ok(Self {
+            pool,
+            ahead: Some(ahead),
+            ..self
+        })
     }
 
     /// Resets sub-environments at another time.
     #[must_use]
     pub fn with_autoreset(self, autoreset: Autoreset) -> Self {
-        Self { autoreset, all_go_on: false, ..self }
+        Self {
+            autoreset,
+            all_go_on: false,
+            ..self
+        }
     }
 
     pub(crate) fn with_spec(self, spec: VectorSpec) -> Self {
-        Self { spec: Some(spec), ..self }
+        Self {
+            spec: Some(spec),
+            ..self
+        }
     }
 
     /// The number of threads.
@@ -177,10 +206,16 @@ impl<E: Env> AsyncVectorEnv<E> {
         for (row, &id) in ids.iter().enumerate() {
             let refuse = |reason: &str| Err(Error::argument("ids", format!("{id} {reason}")));
             let packed = match self.home.get(id) {
-                None => refuse(&format!("is not the index of a sub-environment: there are {n}")),
+                None => refuse(&format!(
+                    "is not the index of a sub-environment: there are {n}"
+                )),
                 Some(None) if ids[..row].contains(&id) => refuse("occurs twice"),
-                Some(None) => Err(Error::custom("it is still pending: receive it first").at_env(id)),
-                Some(Some(_)) => self.pack(id..id + 1, 1, |_| Some(Ask::Step), Some((actions, row))),
+                Some(None) => {
+                    Err(Error::custom("it is still pending: receive it first").at_env(id))
+                }
+                Some(Some(_)) => {
+                    self.pack(id..id + 1, 1, |_| Some(Ask::Step), Some((actions, row)))
+                }
             };
             packed.or_else(|error| self.unpack(error))?;
         }
@@ -195,7 +230,12 @@ impl<E: Env> AsyncVectorEnv<E> {
     /// [`Error::InvalidArgument`] for fewer pending than `m`, or for an `m` of 0; then nothing was
     /// received. [`Error::SubEnvironment`] for one whose step failed; only this one was received;
     /// the next call receives the others.
-    pub fn recv_into(&mut self, m: usize, ids: &mut Vec<usize>, columns: &mut Columns) -> Result<()> {
+    pub fn recv_into(
+        &mut self,
+        m: usize,
+        ids: &mut Vec<usize>,
+        columns: &mut Columns,
+    ) -> Result<()> {
         let pending = self.num_pending();
         if m == 0 || m > pending {
             let reason = format!("m is {m}: it must be from 1 to the {pending} that are pending");
@@ -208,15 +248,20 @@ impl<E: Env> AsyncVectorEnv<E> {
         if let Some(failed) = self.ready.iter().position(|group| !group.failed.is_empty())
             && let Some(group) = self.ready.remove(failed)
         {
-            return self.welcome(group).map_or(Ok(()), |(index, error)| Err(error.at_env(index)));
+            return self
+                .welcome(group)
+                .map_or(Ok(()), |(index, error)| Err(error.at_env(index)));
         }
         columns.prepare(&self.spaces.observation, m)?;
         ids.clear();
         let mut result = Ok(());
         for row in 0..m {
-            let Some(group) = self.ready.pop_front() else { break };
+            let Some(group) = self.ready.pop_front() else {
+                break;
+            };
             ids.extend(&group.indices);
-            result = result.and(columns.copy_rows(&self.spaces.observation, row, &group.columns, 0..1));
+            result =
+                result.and(columns.copy_rows(&self.spaces.observation, row, &group.columns, 0..1));
             self.welcome(group);
         }
         result
@@ -235,15 +280,17 @@ impl<E: Env> AsyncVectorEnv<E> {
         self.all_home()?;
         self.all_go_on = false;
         let slots = self.home.iter_mut().flatten().enumerate();
-        Ok(slots.map(|(index, slot)| slot.lend(|env| f(index, env))).collect())
+        Ok(slots
+            .map(|(index, slot)| slot.lend(|env| f(index, env)))
+            .collect())
     }
 
     fn all_home(&self) -> Result<()> {
         match self.num_pending() {
             0 => Ok(()),
-            pending => {
-                Err(Error::custom(format!("{pending} sub-environments are pending: receive them first")))
-            }
+            pending => Err(Error::custom(format!(
+                "{pending} sub-environments are pending: receive them first"
+            ))),
         }
     }
 
@@ -251,7 +298,10 @@ impl<E: Env> AsyncVectorEnv<E> {
     fn group_len(&self) -> usize {
         let share = self.home.len().div_ceil(self.pool.workers.len());
         // whole groups of those that step together
-        let together = self.ahead.as_ref().map_or(1, |ahead| group_len(share, ahead.group_len()));
+        let together = self
+            .ahead
+            .as_ref()
+            .map_or(1, |ahead| group_len(share, ahead.group_len()));
         share.div_ceil(together).div_ceil(GROUPS_PER_THREAD) * together
     }
 
@@ -272,12 +322,19 @@ impl<E: Env> AsyncVectorEnv<E> {
         }
         for index in indices {
             let Some(ask) = ask(index) else { continue };
-            let Some(slot) = self.home[index].take() else { continue };
+            let Some(slot) = self.home[index].take() else {
+                continue;
+            };
             if let Some((actions, row)) = actions {
                 let place = group.slots.len();
-                let ready = if self.all_go_on { Ok(()) } else { slot.check(self.autoreset) };
+                let ready = if self.all_go_on {
+                    Ok(())
+                } else {
+                    slot.check(self.autoreset)
+                };
                 let action = &mut group.actions[place];
-                let ready = ready.and_then(|()| self.spaces.action.read_action(actions, row + place, action));
+                let ready = ready
+                    .and_then(|()| self.spaces.action.read_action(actions, row + place, action));
                 result = result.and(ready.map_err(|error| error.at_env(index)));
             }
             group.indices.push(index);
@@ -297,14 +354,30 @@ impl<E: Env> AsyncVectorEnv<E> {
     }
 
     fn send_packed(&mut self) -> Result<()> {
-        let Self { outgoing, pool, autoreset, .. } = self;
-        outgoing.drain(..).try_for_each(|group| pool.send(group, *autoreset))
+        let Self {
+            outgoing,
+            pool,
+            autoreset,
+            ..
+        } = self;
+        outgoing
+            .drain(..)
+            .try_for_each(|group| pool.send(group, *autoreset))
     }
 
     /// Takes back the sub-environments of a group, and returns the first error.
     fn welcome(&mut self, mut group: Group<E>) -> Option<(usize, Error)> {
-        let Group { indices, slots, asks, failed, .. } = &mut group;
-        let error = failed.drain(..).next().map(|(place, error)| (indices[place], error));
+        let Group {
+            indices,
+            slots,
+            asks,
+            failed,
+            ..
+        } = &mut group;
+        let error = failed
+            .drain(..)
+            .next()
+            .map(|(place, error)| (indices[place], error));
         for (index, slot) in indices.drain(..).zip(slots.drain(..)) {
             self.home[index] = Some(slot);
         }
@@ -323,7 +396,12 @@ impl<E: Env> AsyncVectorEnv<E> {
         let (n, group_len) = (self.home.len(), self.group_len());
         for start in (0..n).step_by(group_len) {
             let indices = start..n.min(start + group_len);
-            let packed = self.pack(indices, group_len, &ask, actions.map(|actions| (actions, start)));
+            let packed = self.pack(
+                indices,
+                group_len,
+                &ask,
+                actions.map(|actions| (actions, start)),
+            );
             packed.or_else(|error| self.unpack(error))?;
         }
         let mut result = columns.prepare(&self.spaces.observation, n);
@@ -347,7 +425,8 @@ impl<E: Env> AsyncVectorEnv<E> {
             for run in group.indices.chunk_by(|a, b| a + 1 == *b) {
                 let rows = row..row + run.len();
                 row = rows.end;
-                let copied = columns.copy_rows(&self.spaces.observation, run[0], &group.columns, rows);
+                let copied =
+                    columns.copy_rows(&self.spaces.observation, run[0], &group.columns, rows);
                 result = result.and(copied);
             }
             if let Some(error) = self.welcome(group)
@@ -411,7 +490,9 @@ impl<E: Env> VectorEnv for AsyncVectorEnv<E> {
     }
 
     fn render(&mut self) -> Result<Vec<Rendered>> {
-        self.call(|index, env| env.render().map_err(|error| error.at_env(index)))?.into_iter().collect()
+        self.call(|index, env| env.render().map_err(|error| error.at_env(index)))?
+            .into_iter()
+            .collect()
     }
 
     fn metadata(&self) -> Metadata {
@@ -428,7 +509,10 @@ impl<E: Env> VectorEnv for AsyncVectorEnv<E> {
 
     fn snapshot(&self) -> Result<Snapshot> {
         self.all_home()?;
-        slot::snapshot(self.autoreset, self.home.iter().flatten().map(AsRef::as_ref))
+        slot::snapshot(
+            self.autoreset,
+            self.home.iter().flatten().map(AsRef::as_ref),
+        )
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
@@ -478,11 +562,22 @@ struct Job<E> {
 
 impl<E: Env> Pool<E> {
     /// Threads for `n` sub-environments.
-    fn new(threads: usize, n: usize, spaces: &Arc<Spaces>, ahead: Option<&dyn Ahead<E>>) -> Result<Self> {
+    fn new(
+        threads: usize,
+        n: usize,
+        spaces: &Arc<Spaces>,
+        ahead: Option<&dyn Ahead<E>>,
+    ) -> Result<Self> {
         let (jobs, queue) = channel();
         let (answers, results) = channel();
         let stop = Arc::new(AtomicBool::new(false));
-        let mut pool = Self { jobs: Some(jobs), results, stop, workers: Vec::new(), spare: Vec::new() };
+        let mut pool = Self {
+            jobs: Some(jobs),
+            results,
+            stop,
+            workers: Vec::new(),
+            spare: Vec::new(),
+        };
         let queue = Arc::new(Mutex::new(queue));
         for i in 0..threads {
             let mut worker = Worker {
@@ -493,17 +588,24 @@ impl<E: Env> Pool<E> {
                 ahead: ahead.map(Ahead::another),
                 is_cached: is_cached(n.div_ceil(threads)),
             };
-            let worker =
-                thread::Builder::new().name(format!("gym-vector-{i}")).spawn(move || worker.run()).map_err(
-                    |error| Error::custom(format!("the system gives no thread for an async vector: {error}")),
-                )?;
+            let worker = thread::Builder::new()
+                .name(format!("gym-vector-{i}"))
+                .spawn(move || worker.run())
+                .map_err(|error| {
+                    Error::custom(format!(
+                        "the system gives no thread for an async vector: {error}"
+                    ))
+                })?;
             pool.workers.push(worker);
         }
         Ok(pool)
     }
 
     fn send(&self, group: Group<E>, autoreset: Autoreset) -> Result<()> {
-        let is_sent = self.jobs.as_ref().is_some_and(|jobs| jobs.send(Job { group, autoreset }).is_ok());
+        let is_sent = self
+            .jobs
+            .as_ref()
+            .is_some_and(|jobs| jobs.send(Job { group, autoreset }).is_ok());
         if is_sent { Ok(()) } else { Err(no_workers()) }
     }
 
@@ -530,8 +632,18 @@ impl<E: Env> Worker<E> {
     /// Works until no more groups come.
     fn run(&mut self) {
         loop {
-            let job = self.queue.lock().unwrap_or_else(PoisonError::into_inner).recv();
-            let Ok(Job { mut group, autoreset }) = job else { return };
+            let job = self
+                .queue
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .recv();
+            let Ok(Job {
+                mut group,
+                autoreset,
+            }) = job
+            else {
+                return;
+            };
             if self.stop.load(Ordering::Relaxed) {
                 return;
             }
@@ -543,19 +655,38 @@ impl<E: Env> Worker<E> {
     }
 
     fn work(&mut self, group: &mut Group<E>, autoreset: Autoreset) {
-        let Self { spaces, ahead, is_cached, .. } = self;
-        let Group { slots, asks, actions, columns, failed, .. } = group;
+        let Self {
+            spaces,
+            ahead,
+            is_cached,
+            ..
+        } = self;
+        let Group {
+            slots,
+            asks,
+            actions,
+            columns,
+            failed,
+            ..
+        } = group;
         for ((slot, ask), action) in slots.iter_mut().zip(&*asks).zip(actions) {
             if let Ask::Step = ask {
                 mem::swap(&mut slot.action, action);
             }
         }
         let ask = |place: usize| &asks[place];
-        go_all(slots, ahead.as_deref_mut(), autoreset, *is_cached, ask, |place, slot, result| {
-            if let Err(error) = result.and(slot.write(spaces, columns, place)) {
-                failed.push((place, error));
-            }
-        });
+        go_all(
+            slots,
+            ahead.as_deref_mut(),
+            autoreset,
+            *is_cached,
+            ask,
+            |place, slot, result| {
+                if let Err(error) = result.and(slot.write(spaces, columns, place)) {
+                    failed.push((place, error));
+                }
+            },
+        );
     }
 }
 

@@ -36,7 +36,10 @@ impl VectorReset {
     /// A reset with a seed for each sub-environment.
     pub fn seeds<S: Into<Seed>>(seeds: impl IntoIterator<Item = S>) -> Self {
         let seeds = seeds.into_iter().map(|seed| Some(seed.into())).collect();
-        Self { seeds: Seeds::Each(seeds), ..Self::default() }
+        Self {
+            seeds: Seeds::Each(seeds),
+            ..Self::default()
+        }
     }
 
     /// Adds an option.
@@ -49,7 +52,10 @@ impl VectorReset {
     /// Resets only the sub-environments where `mask` is true.
     #[must_use]
     pub fn mask(self, mask: impl Into<Vec<bool>>) -> Self {
-        Self { mask: Some(mask.into()), ..self }
+        Self {
+            mask: Some(mask.into()),
+            ..self
+        }
     }
 
     /// Checks that this is a reset for `n` sub-environments.
@@ -60,24 +66,30 @@ impl VectorReset {
         let refuse = |reason: String| Err(Error::argument("the reset of a vector", reason));
         match &self.seeds {
             Seeds::Each(seeds) if seeds.len() != n => {
-                return refuse(format!("there are {} seeds for {n} sub-environments", seeds.len()));
+                return refuse(format!(
+                    "there are {} seeds for {n} sub-environments",
+                    seeds.len()
+                ));
             }
             _ => {}
         }
         match &self.mask {
-            Some(mask) if mask.len() != n => {
-                refuse(format!("the mask has {} entries for {n} sub-environments", mask.len()))
-            }
-            Some(mask) if !mask.contains(&true) => {
-                refuse("the mask selects no sub-environment: at least one entry must be true".into())
-            }
+            Some(mask) if mask.len() != n => refuse(format!(
+                "the mask has {} entries for {n} sub-environments",
+                mask.len()
+            )),
+            Some(mask) if !mask.contains(&true) => refuse(
+                "the mask selects no sub-environment: at least one entry must be true".into(),
+            ),
             _ => Ok(()),
         }
     }
 
     /// Whether a sub-environment is reset.
     pub fn selects(&self, index: usize) -> bool {
-        self.mask.as_ref().is_none_or(|mask| mask.get(index).copied().unwrap_or(false))
+        self.mask
+            .as_ref()
+            .is_none_or(|mask| mask.get(index).copied().unwrap_or(false))
     }
 
     /// The reset of one sub-environment; `None` if it is left out.
@@ -87,7 +99,10 @@ impl VectorReset {
             Seeds::From(seed) => Some(seed.plus(index as u64)),
             Seeds::Each(seeds) => seeds.get(index).cloned().flatten(),
         };
-        self.selects(index).then(|| Reset { seed, options: self.options.clone() })
+        self.selects(index).then(|| Reset {
+            seed,
+            options: self.options.clone(),
+        })
     }
 }
 
@@ -105,7 +120,10 @@ impl From<u64> for VectorReset {
 
 impl From<Seed> for VectorReset {
     fn from(seed: Seed) -> Self {
-        Self { seeds: Seeds::From(seed), ..Self::default() }
+        Self {
+            seeds: Seeds::From(seed),
+            ..Self::default()
+        }
     }
 }
 
@@ -118,6 +136,10 @@ impl From<Option<u64>> for VectorReset {
 /// The seed counts up, as `From<u64>`; the options go to every sub-environment.
 impl From<Reset> for VectorReset {
     fn from(Reset { seed, options }: Reset) -> Self {
-        Self { seeds: seed.map_or(Seeds::None, Seeds::From), options, mask: None }
+        Self {
+            seeds: seed.map_or(Seeds::None, Seeds::From),
+            options,
+            mask: None,
+        }
     }
 }

@@ -12,10 +12,17 @@ pub(super) const MAX_THREADS: usize = 1024;
 /// hold, or more than fit in memory at `bytes` each beside their rows of the columns.
 pub fn check(n: usize, observation: &Space, action: &Space, bytes: usize) -> Result<()> {
     if n == 0 {
-        return Err(Error::argument("a vector", "it needs at least one sub-environment"));
+        return Err(Error::argument(
+            "a vector",
+            "it needs at least one sub-environment",
+        ));
     }
     check_len(n, action.len_of_row())?;
-    check_bytes(n, observation, bytes.saturating_add(8 * action.len_of_row()))
+    check_bytes(
+        n,
+        observation,
+        bytes.saturating_add(8 * action.len_of_row()),
+    )
 }
 
 /// Refuses columns of more rows than can be.
@@ -31,7 +38,10 @@ fn check_bytes(n: usize, observation: &Space, bytes: usize) -> Result<()> {
     if fits(n.checked_mul((2 * 8 * numbers + 16).saturating_add(bytes))) {
         return Ok(());
     }
-    Err(Error::argument("a vector", format!("num_envs = {n} does not fit in memory")))
+    Err(Error::argument(
+        "a vector",
+        format!("num_envs = {n} does not fit in memory"),
+    ))
 }
 
 /// Whether a batch can have `n` elements of this many numbers.
@@ -62,21 +72,35 @@ mod tests {
     #[test]
     fn numbers_of_environments_that_cannot_be_are_refused() {
         let (observation, action) = (Space::boxed([-1.0; 4], [1.0; 4]), Space::discrete(2));
-        let refusal = |n, bytes| check(n, &observation, &action, bytes).map_err(|error| error.to_string());
+        let refusal =
+            |n, bytes| check(n, &observation, &action, bytes).map_err(|error| error.to_string());
         assert_eq!(refusal(1, 0), Ok(()));
         assert_eq!(refusal(1000, 1000), Ok(()));
-        assert!(refusal(0, 0).unwrap_err().contains("at least one sub-environment"));
+        assert!(
+            refusal(0, 0)
+                .unwrap_err()
+                .contains("at least one sub-environment")
+        );
         // four numbers of an observation, or one of an action of this many
         let most = MAX_ELEMENTS / 4;
         let reason = format!("num_envs is {}: at most {most} are possible", most + 1);
         assert!(refusal(most + 1, 0).unwrap_err().contains(&reason));
-        let swapped = check(most + 1, &action, &observation, 0).unwrap_err().to_string();
+        let swapped = check(most + 1, &action, &observation, 0)
+            .unwrap_err()
+            .to_string();
         assert!(swapped.contains(&reason), "{swapped}");
-        assert!(check_rows(most + 1, &observation).unwrap_err().to_string().contains(&reason));
+        assert!(
+            check_rows(most + 1, &observation)
+                .unwrap_err()
+                .to_string()
+                .contains(&reason)
+        );
         // the size of each besides its row
         for bytes in [usize::MAX, usize::MAX / 8, usize::MAX / 16] {
             assert!(
-                refusal(16, bytes).unwrap_err().contains("num_envs = 16 does not fit in memory"),
+                refusal(16, bytes)
+                    .unwrap_err()
+                    .contains("num_envs = 16 does not fit in memory"),
                 "{bytes}"
             );
         }

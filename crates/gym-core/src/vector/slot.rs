@@ -84,9 +84,9 @@ impl<E: Env> Slot<E> {
             Stage::Done if autoreset == Autoreset::NextStep => Ok(()),
             Stage::Done => Err(episode_over()),
             Stage::Made => Err(Error::ResetNeeded("step")),
-            Stage::Panicked => {
-                Err(Error::custom("it panicked in an earlier call: call `reset_into` with a mask"))
-            }
+            Stage::Panicked => Err(Error::custom(
+                "it panicked in an earlier call: call `reset_into` with a mask",
+            )),
             Stage::Moved => Err(Error::custom(
                 "it was changed through `call`: \
                  call `reset_into` with a mask before the next step",
@@ -97,7 +97,11 @@ impl<E: Env> Slot<E> {
 
     /// Lends the environment to a caller, which may step it.
     pub(super) fn lend<R>(&mut self, f: impl FnOnce(&mut E) -> R) -> R {
-        let moves = |env: &E| (env as &dyn Any).downcast_ref::<BoxEnv>().map(BoxEnv::moves);
+        let moves = |env: &E| {
+            (env as &dyn Any)
+                .downcast_ref::<BoxEnv>()
+                .map(BoxEnv::moves)
+        };
         let before = moves(&self.env);
         let result = f(&mut self.env);
         if before != moves(&self.env) && self.stage != Stage::Closed {
@@ -107,7 +111,12 @@ impl<E: Env> Slot<E> {
     }
 
     /// Takes the action of the next step from a row.
-    pub(super) fn read_action(&mut self, spaces: &Spaces, actions: &Value, row: usize) -> Result<()> {
+    pub(super) fn read_action(
+        &mut self,
+        spaces: &Spaces,
+        actions: &Value,
+        row: usize,
+    ) -> Result<()> {
         spaces.action.read_action(actions, row, &mut self.action)
     }
 
@@ -164,7 +173,9 @@ impl<E: Env> Slot<E> {
                 slot.outcome = slot.advance()?;
                 slot.progress = Progress::Stepped;
                 if slot.stage == Stage::Done && autoreset == Autoreset::SameStep {
-                    let Self { env, final_info, .. } = slot;
+                    let Self {
+                        env, final_info, ..
+                    } = slot;
                     final_info.clear();
                     env.info(&mut |key, value| final_info.push((key.to_owned(), value)));
                     slot.begin(&Reset::default())?;
@@ -186,13 +197,20 @@ impl<E: Env> Slot<E> {
 
     /// Takes the action.
     fn advance(&mut self) -> Result<Outcome> {
-        let Self { env, action, spare, .. } = self;
+        let Self {
+            env, action, spare, ..
+        } = self;
         let outcome = E::Action::with(action, |action| {
             E::Observation::fill(spare, |observation| env.step_into(action, observation))
         });
-        let outcome = outcome.unwrap_or_else(|| Err(self.env.action_space().refuse_action(&self.action)))?;
+        let outcome =
+            outcome.unwrap_or_else(|| Err(self.env.action_space().refuse_action(&self.action)))?;
         std::mem::swap(&mut self.observation, &mut self.spare);
-        self.stage = if outcome.done() { Stage::Done } else { Stage::Running };
+        self.stage = if outcome.done() {
+            Stage::Done
+        } else {
+            Stage::Running
+        };
         Ok(outcome)
     }
 
@@ -212,13 +230,17 @@ impl<E: Env> Slot<E> {
         let result = catch_unwind(AssertUnwindSafe(|| call(self)));
         result.unwrap_or_else(|panic| {
             self.stage = Stage::Panicked;
-            Err(Error::Contract(format!("it panicked; reset it before the next step: {}", message(&*panic))))
+            Err(Error::Contract(format!(
+                "it panicked; reset it before the next step: {}",
+                message(&*panic)
+            )))
         })
     }
 
     /// Clears its last result, except the observation.
     pub(super) fn clear(&mut self) {
-        (self.outcome, self.progress, self.has_final) = (Outcome::default(), Progress::Unchanged, false);
+        (self.outcome, self.progress, self.has_final) =
+            (Outcome::default(), Progress::Unchanged, false);
     }
 
     /// Writes its result to a row of the columns.
@@ -228,9 +250,13 @@ impl<E: Env> Slot<E> {
         columns.truncated[row] = self.outcome.truncated;
         columns.has_final[row] = self.has_final;
         columns.progress[row] = self.progress;
-        spaces.observation.write_row(&mut columns.observations, row, &self.observation)?;
+        spaces
+            .observation
+            .write_row(&mut columns.observations, row, &self.observation)?;
         if self.has_final {
-            spaces.observation.write_row(&mut columns.final_observations, row, &self.spare)?;
+            spaces
+                .observation
+                .write_row(&mut columns.final_observations, row, &self.spare)?;
         }
         Ok(())
     }
@@ -243,12 +269,20 @@ impl<E: Env> Slot<E> {
 
     pub(super) fn final_info(&self, visit: &mut dyn FnMut(&str, Value)) {
         if self.has_final {
-            self.final_info.iter().for_each(|(key, value)| visit(key, value.clone()));
+            self.final_info
+                .iter()
+                .for_each(|(key, value)| visit(key, value.clone()));
         }
     }
 
     pub(super) fn store(&self) -> Result<StoredSlot> {
-        let Self { env, stage, progress, observation, .. } = self;
+        let Self {
+            env,
+            stage,
+            progress,
+            observation,
+            ..
+        } = self;
         Ok(StoredSlot {
             env: env.snapshot()?,
             stage: *stage,
@@ -266,12 +300,15 @@ impl<E: Env> Slot<E> {
             return Err(Error::Snapshot("it was taken after `close`".into()));
         }
         let mut batch = spaces.observation.empty_batch(1)?;
-        spaces.observation.write_row(&mut batch, 0, &stored.observation).map_err(|_| {
-            Error::Snapshot(format!(
-                "its observation {} does not fit the observation space",
-                stored.observation
-            ))
-        })?;
+        spaces
+            .observation
+            .write_row(&mut batch, 0, &stored.observation)
+            .map_err(|_| {
+                Error::Snapshot(format!(
+                    "its observation {} does not fit the observation space",
+                    stored.observation
+                ))
+            })?;
         self.env.clone().restore(&stored.env)
     }
 
@@ -293,7 +330,8 @@ impl<E: Env> Slot<E> {
 /// The message of a panic.
 fn message(panic: &(dyn Any + Send)) -> &str {
     let text = panic.downcast_ref::<String>().map(String::as_str);
-    text.or_else(|| panic.downcast_ref::<&str>().copied()).unwrap_or("no message")
+    text.or_else(|| panic.downcast_ref::<&str>().copied())
+        .unwrap_or("no message")
 }
 
 /// The spaces of the sub-environments.
@@ -310,7 +348,9 @@ impl Spaces {
     /// The space of the observations of `n` sub-environments together. It is as large as their observations,
     /// so it is made on request.
     pub(super) fn observations(&self, n: usize) -> Result<Space> {
-        self.differing.clone().map_or_else(|| self.observation.batch(n), Ok)
+        self.differing
+            .clone()
+            .map_or_else(|| self.observation.batch(n), Ok)
     }
 }
 
@@ -326,8 +366,13 @@ pub(super) fn snapshot<'a, E: Env>(
     autoreset: Autoreset,
     slots: impl Iterator<Item = &'a Slot<E>>,
 ) -> Result<Snapshot> {
-    let stored = slots.enumerate().map(|(index, slot)| slot.store().map_err(|error| error.at_env(index)));
-    Snapshot::of(&StoredSlots { autoreset, slots: stored.collect::<Result<_>>()? })
+    let stored = slots
+        .enumerate()
+        .map(|(index, slot)| slot.store().map_err(|error| error.at_env(index)));
+    Snapshot::of(&StoredSlots {
+        autoreset,
+        slots: stored.collect::<Result<_>>()?,
+    })
 }
 
 /// Restores all sub-environments, or none if one refuses.
@@ -339,17 +384,23 @@ pub(super) fn restore<E: Env>(
 ) -> Result<()> {
     let stored: StoredSlots = snapshot.get()?;
     if stored.autoreset != autoreset {
-        let reason =
-            format!("it was taken with autoreset {:?}, and this vector has {autoreset:?}", stored.autoreset);
+        let reason = format!(
+            "it was taken with autoreset {:?}, and this vector has {autoreset:?}",
+            stored.autoreset
+        );
         return Err(Error::Snapshot(reason));
     }
     if stored.slots.len() != slots.len() {
-        let reason =
-            format!("it has {} sub-environments, and this vector {}", stored.slots.len(), slots.len());
+        let reason = format!(
+            "it has {} sub-environments, and this vector {}",
+            stored.slots.len(),
+            slots.len()
+        );
         return Err(Error::Snapshot(reason));
     }
     for (index, (slot, stored)) in slots.iter().zip(&stored.slots).enumerate() {
-        slot.check_restore(spaces, stored).map_err(|error| error.at_env(index))?;
+        slot.check_restore(spaces, stored)
+            .map_err(|error| error.at_env(index))?;
     }
     for (index, (slot, stored)) in slots.iter_mut().zip(stored.slots).enumerate() {
         slot.restore(stored).map_err(|error| error.at_env(index))?;
@@ -375,14 +426,23 @@ pub(super) fn slots<E: Env>(
         return refuse("it needs at least one sub-environment".into());
     };
     let (observation, action) = (first.observation_space(), first.action_space());
-    size::check(envs.len(), &observation, &action, slot_bytes::<E>(&observation))?;
+    size::check(
+        envs.len(),
+        &observation,
+        &action,
+        slot_bytes::<E>(&observation),
+    )?;
     for (index, env) in envs.iter().enumerate() {
         let (seen, taken) = (env.observation_space(), env.action_space());
         let (fits, rule) = match mode {
-            ObservationMode::Same => {
-                (seen == observation, "be equal, or differ in bounds with ObservationMode::Different")
-            }
-            ObservationMode::Different => (seen.has_form_of(&observation), "differ only in their bounds"),
+            ObservationMode::Same => (
+                seen == observation,
+                "be equal, or differ in bounds with ObservationMode::Different",
+            ),
+            ObservationMode::Different => (
+                seen.has_form_of(&observation),
+                "differ only in their bounds",
+            ),
         };
         for (kind, fits, space, first, rule) in [
             ("observation", fits, &seen, &observation, rule),
@@ -397,12 +457,19 @@ pub(super) fn slots<E: Env>(
     }
     let differing = match mode {
         ObservationMode::Same => None,
-        ObservationMode::Different => {
-            Some(Space::batch_differing(&envs.iter().map(Env::observation_space).collect::<Vec<_>>())?)
-        }
+        ObservationMode::Different => Some(Space::batch_differing(
+            &envs.iter().map(Env::observation_space).collect::<Vec<_>>(),
+        )?),
     };
-    let spaces = Spaces { observation, differing, action };
-    let slots = envs.into_iter().map(|env| Slot::new(env, &spaces)).collect::<Result<_>>()?;
+    let spaces = Spaces {
+        observation,
+        differing,
+        action,
+    };
+    let slots = envs
+        .into_iter()
+        .map(|env| Slot::new(env, &spaces))
+        .collect::<Result<_>>()?;
     Ok((slots, spaces))
 }
 

@@ -48,9 +48,18 @@ impl<E: Env> SyncVectorEnv<E> {
     ///
     /// # Errors
     /// The errors of [`new`](Self::new), and one if they differ by more than `mode` allows.
-    pub fn with_observation_mode(envs: impl IntoIterator<Item = E>, mode: ObservationMode) -> Result<Self> {
+    pub fn with_observation_mode(
+        envs: impl IntoIterator<Item = E>,
+        mode: ObservationMode,
+    ) -> Result<Self> {
         let (slots, spaces) = slots(envs, mode)?;
-        Ok(Self { slots, spaces, autoreset: Autoreset::default(), spec: None, ahead: None })
+        Ok(Self {
+            slots,
+            spaces,
+            autoreset: Autoreset::default(),
+            spec: None,
+            ahead: None,
+        })
     }
 
     /// Resets sub-environments at another time.
@@ -60,11 +69,17 @@ impl<E: Env> SyncVectorEnv<E> {
     }
 
     pub(crate) fn with_spec(self, spec: VectorSpec) -> Self {
-        Self { spec: Some(spec), ..self }
+        Self {
+            spec: Some(spec),
+            ..self
+        }
     }
 
     pub(super) fn with_ahead(self, ahead: Box<dyn Ahead<E>>) -> Self {
-        Self { ahead: Some(ahead), ..self }
+        Self {
+            ahead: Some(ahead),
+            ..self
+        }
     }
 
     /// Calls a function with each sub-environment and its index; the results are in the order of the
@@ -74,20 +89,37 @@ impl<E: Env> SyncVectorEnv<E> {
     /// otherwise an error: the vector cannot know whether its episode has ended. (The vector detects this only for
     /// [`BoxEnv`](crate::BoxEnv)s.)
     pub fn call<R>(&mut self, mut f: impl FnMut(usize, &mut E) -> R) -> Vec<R> {
-        self.slots.iter_mut().enumerate().map(|(index, slot)| slot.lend(|env| f(index, env))).collect()
+        self.slots
+            .iter_mut()
+            .enumerate()
+            .map(|(index, slot)| slot.lend(|env| f(index, env)))
+            .collect()
     }
 
     /// Resets or steps each sub-environment and writes its row. Returns the first error, after all have finished.
     fn gather(&mut self, columns: &mut Columns, ask: impl Fn(usize) -> Ask) -> Result<()> {
-        let Self { slots, spaces, autoreset, ahead, .. } = self;
+        let Self {
+            slots,
+            spaces,
+            autoreset,
+            ahead,
+            ..
+        } = self;
         let is_cached = is_cached(slots.len());
         let mut result = Ok(());
-        go_all(slots, ahead.as_deref_mut(), *autoreset, is_cached, ask, |index, slot, answer| {
-            let answer = answer.and(slot.write(spaces, columns, index));
-            if let (Ok(()), Err(error)) = (&result, answer) {
-                result = Err(error.at_env(index));
-            }
-        });
+        go_all(
+            slots,
+            ahead.as_deref_mut(),
+            *autoreset,
+            is_cached,
+            ask,
+            |index, slot, answer| {
+                let answer = answer.and(slot.write(spaces, columns, index));
+                if let (Ok(()), Err(error)) = (&result, answer) {
+                    result = Err(error.at_env(index));
+                }
+            },
+        );
         result
     }
 }
@@ -116,11 +148,15 @@ impl<E: Env> VectorEnv for SyncVectorEnv<E> {
     fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
         reset.check(self.slots.len())?;
         columns.prepare(&self.spaces.observation, self.slots.len())?;
-        self.gather(columns, |index| reset.of(index).map_or(Ask::Nothing, Ask::Reset))
+        self.gather(columns, |index| {
+            reset.of(index).map_or(Ask::Nothing, Ask::Reset)
+        })
     }
 
     fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
-        self.spaces.action.check_actions(actions, self.slots.len())?;
+        self.spaces
+            .action
+            .check_actions(actions, self.slots.len())?;
         for (index, slot) in self.slots.iter_mut().enumerate() {
             slot.check(self.autoreset)
                 .and_then(|()| slot.read_action(&self.spaces, actions, index))
@@ -151,13 +187,22 @@ impl<E: Env> VectorEnv for SyncVectorEnv<E> {
     }
 
     fn render(&mut self) -> Result<Vec<Rendered>> {
-        self.slots.iter_mut().map(|slot| slot.env.render()).collect()
+        self.slots
+            .iter_mut()
+            .map(|slot| slot.env.render())
+            .collect()
     }
 
     fn metadata(&self) -> Metadata {
-        let metadata = self.slots.first().map_or_else(Metadata::default, |slot| slot.env.metadata());
+        let metadata = self
+            .slots
+            .first()
+            .map_or_else(Metadata::default, |slot| slot.env.metadata());
         match self.ahead {
-            Some(_) => Metadata { render_modes: &[], ..metadata },
+            Some(_) => Metadata {
+                render_modes: &[],
+                ..metadata
+            },
             None => metadata,
         }
     }

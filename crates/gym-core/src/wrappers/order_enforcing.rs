@@ -34,11 +34,18 @@ super::reach!(OrderEnforcing<E>);
 impl<E: Env> OrderEnforcing<E> {
     /// Watches over `env`.
     pub fn new(env: E) -> Self {
-        Self { inner: env, stage: Stage::Made }
+        Self {
+            inner: env,
+            stage: Stage::Made,
+        }
     }
 
     fn check_open(&self, call: &'static str) -> Result<()> {
-        if self.stage == Stage::Closed { Err(Error::Closed(call)) } else { Ok(()) }
+        if self.stage == Stage::Closed {
+            Err(Error::Closed(call))
+        } else {
+            Ok(())
+        }
     }
 
     fn check(&self, call: &'static str) -> Result<()> {
@@ -64,7 +71,11 @@ impl<E: Env> crate::Wrapper for OrderEnforcing<E> {
     }
 
     #[inline]
-    fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
+    fn step_into(
+        &mut self,
+        action: &E::Action,
+        observation: &mut E::Observation,
+    ) -> Result<Outcome> {
         self.check("step")?;
         self.inner.step_into(action, observation)
     }
@@ -94,9 +105,14 @@ impl<E: Env> crate::Wrapper for OrderEnforcing<E> {
 
     fn spec(&self) -> Option<EnvSpec> {
         // inside all other wrappers it is that of `make`; further out, an additional one
-        self.inner.spec().map(|spec| match spec.additional_wrappers.is_empty() {
-            true => EnvSpec { order_enforce: true, ..spec },
-            false => spec.wrapped(Config {}.spec()),
-        })
+        self.inner
+            .spec()
+            .map(|spec| match spec.additional_wrappers.is_empty() {
+                true => EnvSpec {
+                    order_enforce: true,
+                    ..spec
+                },
+                false => spec.wrapped(Config {}.spec()),
+            })
     }
 }

@@ -33,7 +33,12 @@ super::reach!(PassiveEnvChecker<E>);
 impl<E: Env> PassiveEnvChecker<E> {
     /// Watches over `env`.
     pub fn new(env: E) -> Self {
-        Self { inner: env, checked_reset: false, checked_step: false, has_options: false }
+        Self {
+            inner: env,
+            checked_reset: false,
+            checked_step: false,
+            has_options: false,
+        }
     }
 
     fn check_observation(&self, call: &str, observation: &E::Observation) -> Result<()> {
@@ -61,12 +66,19 @@ impl<E: Env> crate::Wrapper for PassiveEnvChecker<E> {
     }
 
     #[inline]
-    fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
+    fn step_into(
+        &mut self,
+        action: &E::Action,
+        observation: &mut E::Observation,
+    ) -> Result<Outcome> {
         let outcome = self.inner.step_into(action, observation)?;
         if !self.checked_step && !self.has_options {
             self.check_observation("step", observation)?;
             if !outcome.reward.is_finite() {
-                return Err(Error::Contract(format!("the reward of `step` is {}", outcome.reward)));
+                return Err(Error::Contract(format!(
+                    "the reward of `step` is {}",
+                    outcome.reward
+                )));
             }
             self.checked_step = true;
         }
@@ -75,9 +87,14 @@ impl<E: Env> crate::Wrapper for PassiveEnvChecker<E> {
 
     fn spec(&self) -> Option<EnvSpec> {
         // inside all other wrappers it is that of `make`; further out, an additional one
-        self.inner.spec().map(|spec| match spec.additional_wrappers.is_empty() {
-            true => EnvSpec { disable_env_checker: false, ..spec },
-            false => spec.wrapped(Config {}.spec()),
-        })
+        self.inner
+            .spec()
+            .map(|spec| match spec.additional_wrappers.is_empty() {
+                true => EnvSpec {
+                    disable_env_checker: false,
+                    ..spec
+                },
+                false => spec.wrapped(Config {}.spec()),
+            })
     }
 }

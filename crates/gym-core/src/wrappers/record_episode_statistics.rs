@@ -92,7 +92,12 @@ struct Running {
 
 impl Running {
     fn new(ended: Option<EpisodeStatistics>) -> Self {
-        Self { started: Instant::now(), episode_return: 0.0, length: 0, ended }
+        Self {
+            started: Instant::now(),
+            episode_return: 0.0,
+            length: 0,
+            ended,
+        }
     }
 }
 
@@ -104,13 +109,17 @@ impl Record {
         }
         let lacking = buffer_length.saturating_sub(self.episodes.len());
         self.episodes.try_reserve(lacking).map_err(|_| {
-            Config::refuse(format!("buffer_length = {buffer_length} episodes do not fit in memory"))
+            Config::refuse(format!(
+                "buffer_length = {buffer_length} episodes do not fit in memory"
+            ))
         })
     }
 
     /// Counts a step of an environment, and keeps the episode if it has ended.
     fn step(&mut self, index: usize, reward: f64, done: bool, buffer_length: usize) {
-        let Some(running) = self.running.get_mut(index) else { return };
+        let Some(running) = self.running.get_mut(index) else {
+            return;
+        };
         running.episode_return += reward;
         // a snapshot may hold any number
         running.length = running.length.saturating_add(1);
@@ -151,8 +160,13 @@ impl Record {
     /// The content of a snapshot. Equal episodes give equal bytes, even if they took more or less time.
     fn without_time(&self) -> Self {
         let mut record = self.clone();
-        let ended = record.running.iter_mut().filter_map(|running| running.ended.as_mut());
-        ended.chain(&mut record.episodes).for_each(|episode| episode.seconds = 0.0);
+        let ended = record
+            .running
+            .iter_mut()
+            .filter_map(|running| running.ended.as_mut());
+        ended
+            .chain(&mut record.episodes)
+            .for_each(|episode| episode.seconds = 0.0);
         record
     }
 
@@ -161,7 +175,9 @@ impl Record {
         let (inner, mut record): (_, Self) = snapshot.get()?;
         let there = record.running.len();
         if there != n && there != 0 {
-            return Err(Error::Snapshot(format!("it has {there} sub-environments, and this vector {n}")));
+            return Err(Error::Snapshot(format!(
+                "it has {there} sub-environments, and this vector {n}"
+            )));
         }
         let surplus = record.episodes.len().saturating_sub(buffer_length);
         record.episodes.drain(..surplus);
@@ -173,7 +189,11 @@ impl Record {
 impl<T> RecordEpisodeStatistics<T> {
     /// Records the last 100 episodes of `inner`.
     pub fn new(inner: T) -> Self {
-        Self { inner, config: Config::default(), record: Record::default() }
+        Self {
+            inner,
+            config: Config::default(),
+            record: Record::default(),
+        }
     }
 
     /// Records the episodes of `inner`.
@@ -186,7 +206,11 @@ impl<T> RecordEpisodeStatistics<T> {
         }
         let mut record = Record::default();
         record.reserve(0, config.buffer_length)?;
-        Ok(Self { inner, config, record })
+        Ok(Self {
+            inner,
+            config,
+            record,
+        })
     }
 
     /// The last finished episodes, oldest first.
@@ -220,9 +244,14 @@ impl<E: Env> crate::Wrapper for RecordEpisodeStatistics<E> {
         Ok(())
     }
 
-    fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
+    fn step_into(
+        &mut self,
+        action: &E::Action,
+        observation: &mut E::Observation,
+    ) -> Result<Outcome> {
         let outcome = self.inner.step_into(action, observation)?;
-        self.record.step(0, outcome.reward, outcome.done(), self.config.buffer_length);
+        self.record
+            .step(0, outcome.reward, outcome.done(), self.config.buffer_length);
         Ok(outcome)
     }
 
@@ -259,7 +288,8 @@ impl<V: VectorEnv> crate::VectorWrapper for RecordEpisodeStatistics<V> {
     }
 
     fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
-        self.record.reserve(self.inner.num_envs(), self.config.buffer_length)?;
+        self.record
+            .reserve(self.inner.num_envs(), self.config.buffer_length)?;
         columns.begin();
         let result = self.inner.reset_into(reset, columns);
         self.record.columns(columns, self.config.buffer_length);
@@ -290,7 +320,9 @@ impl<V: VectorEnv> crate::VectorWrapper for RecordEpisodeStatistics<V> {
             let column: Vec<f64> = ended().map(|episode| episode.map_or(0.0, of)).collect();
             Value::Array(column.into())
         };
-        let lengths: Vec<i64> = ended().map(|episode| episode.map_or(0, |e| e.length as i64)).collect();
+        let lengths: Vec<i64> = ended()
+            .map(|episode| episode.map_or(0, |e| e.length as i64))
+            .collect();
         let columns = [
             ("r", real(|episode| episode.episode_return)),
             ("l", Value::Array(lengths.into())),
@@ -307,7 +339,8 @@ impl<V: VectorEnv> crate::VectorWrapper for RecordEpisodeStatistics<V> {
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        let (inner, record) = Record::read(snapshot, self.inner.num_envs(), self.config.buffer_length)?;
+        let (inner, record) =
+            Record::read(snapshot, self.inner.num_envs(), self.config.buffer_length)?;
         self.inner.restore(&inner)?;
         self.record = record;
         Ok(())

@@ -45,7 +45,11 @@ impl<E: Env> Render<E> {
             reason,
         };
         if !metadata.render_modes.contains(&mode) {
-            let modes: Vec<_> = metadata.render_modes.iter().map(|mode| mode.name()).collect();
+            let modes: Vec<_> = metadata
+                .render_modes
+                .iter()
+                .map(|mode| mode.name())
+                .collect();
             return Err(unsupported(match modes[..] {
                 [] => "it has no render modes".into(),
                 _ => format!("its modes are {}", modes.join(", ")),
@@ -54,7 +58,10 @@ impl<E: Env> Render<E> {
         let painter = match mode {
             RenderMode::Ansi => None,
             _ => Some(painter().ok_or_else(|| {
-                unsupported("no crate that draws is linked: add gym-render and `use gym_render as _;`".into())
+                unsupported(
+                    "no crate that draws is linked: add gym-render and `use gym_render as _;`"
+                        .into(),
+                )
             })?),
         };
         let window = match mode {
@@ -72,7 +79,13 @@ impl<E: Env> Render<E> {
         if painter.is_some() {
             env.start_rendering();
         }
-        Ok(Self { inner: env, mode, size: metadata.render_size, painter, window })
+        Ok(Self {
+            inner: env,
+            mode,
+            size: metadata.render_size,
+            painter,
+            window,
+        })
     }
 
     /// Renders at another size.
@@ -87,7 +100,10 @@ impl<E: Env> Render<E> {
                 format!("{width}x{height}: width and height must be between 1 and 16384"),
             ));
         }
-        Ok(Self { size: (width, height), ..self })
+        Ok(Self {
+            size: (width, height),
+            ..self
+        })
     }
 
     /// Opens the window, if one is wanted, before the environment changes: if the window cannot be opened, the
@@ -96,7 +112,10 @@ impl<E: Env> Render<E> {
         if let Window::Wanted = self.window
             && let Some(open) = open_screen()
         {
-            let title = self.inner.spec().map_or_else(|| self.inner.describe(), |spec| spec.id);
+            let title = self
+                .inner
+                .spec()
+                .map_or_else(|| self.inner.describe(), |spec| spec.id);
             let screen = open(&title, self.size, self.inner.metadata().render_fps)?;
             self.window = Window::Open(screen, Frame::new(self.size.0, self.size.1)?);
         }
@@ -105,9 +124,14 @@ impl<E: Env> Render<E> {
 
     /// Shows the picture in the window, if there is one.
     fn show(&mut self) {
-        if let (Window::Open(screen, frame), Some(painter)) = (&mut self.window, &mut self.painter) {
+        if let (Window::Open(screen, frame), Some(painter)) = (&mut self.window, &mut self.painter)
+        {
             let size = self.inner.metadata().render_size;
-            painter.paint(size, &mut |canvas: &mut dyn Canvas| self.inner.draw(canvas), frame);
+            painter.paint(
+                size,
+                &mut |canvas: &mut dyn Canvas| self.inner.draw(canvas),
+                frame,
+            );
             self.inner.picture_taken();
             if !screen.show(frame) {
                 self.window = Window::None;
@@ -129,7 +153,11 @@ impl<E: Env> crate::Wrapper for Render<E> {
         Ok(())
     }
 
-    fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
+    fn step_into(
+        &mut self,
+        action: &E::Action,
+        observation: &mut E::Observation,
+    ) -> Result<Outcome> {
         self.open()?;
         let outcome = self.inner.step_into(action, observation)?;
         self.show();
@@ -146,7 +174,11 @@ impl<E: Env> crate::Wrapper for Render<E> {
             return Ok(());
         }
         let Some(painter) = &mut self.painter else {
-            *rendered = self.inner.ansi().map(Rendered::Text).ok_or(Error::ResetNeeded("render"))?;
+            *rendered = self
+                .inner
+                .ansi()
+                .map(Rendered::Text)
+                .ok_or(Error::ResetNeeded("render"))?;
             return Ok(());
         };
         let mut frame = match used {
@@ -154,7 +186,11 @@ impl<E: Env> crate::Wrapper for Render<E> {
             _ => Frame::new(self.size.0, self.size.1)?,
         };
         let size = self.inner.metadata().render_size;
-        painter.paint(size, &mut |canvas: &mut dyn Canvas| self.inner.draw(canvas), &mut frame);
+        painter.paint(
+            size,
+            &mut |canvas: &mut dyn Canvas| self.inner.draw(canvas),
+            &mut frame,
+        );
         self.inner.picture_taken();
         *rendered = Rendered::Frame(frame);
         Ok(())
@@ -184,7 +220,13 @@ impl<E: Env> crate::Wrapper for Render<E> {
 impl<E: Clone> Clone for Render<E> {
     fn clone(&self) -> Self {
         let painter = self.painter.as_ref().and_then(|_| painter());
-        Self { inner: self.inner.clone(), mode: self.mode, size: self.size, painter, window: Window::None }
+        Self {
+            inner: self.inner.clone(),
+            mode: self.mode,
+            size: self.size,
+            painter,
+            window: Window::None,
+        }
     }
 }
 

@@ -27,7 +27,10 @@ super::reach!(RenderCollection<E>);
 impl<E: Env> RenderCollection<E> {
     /// Collects the frames or texts of `env`.
     pub fn new(env: E) -> Self {
-        Self { inner: env, items: Vec::new() }
+        Self {
+            inner: env,
+            items: Vec::new(),
+        }
     }
 }
 
@@ -44,7 +47,11 @@ impl<E: Env> crate::Wrapper for RenderCollection<E> {
         Ok(())
     }
 
-    fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
+    fn step_into(
+        &mut self,
+        action: &E::Action,
+        observation: &mut E::Observation,
+    ) -> Result<Outcome> {
         let outcome = self.inner.step_into(action, observation)?;
         self.items.push(self.inner.render()?);
         Ok(outcome)
@@ -66,7 +73,8 @@ impl<E: Env> crate::Wrapper for RenderCollection<E> {
                 Rendered::Frame(frame) => frames.push(frame),
                 Rendered::Text(text) => texts.push(text),
                 Rendered::Shown | Rendered::Frames(_) | Rendered::Texts(_) => {
-                    let reason = "RenderCollection needs a mode of single items: `rgb_array` or `ansi`";
+                    let reason =
+                        "RenderCollection needs a mode of single items: `rgb_array` or `ansi`";
                     return Err(Error::Contract(reason.into()));
                 }
             }
@@ -93,6 +101,9 @@ impl<E: Env> crate::Wrapper for RenderCollection<E> {
             RenderMode::Ansi => RenderMode::AnsiList,
             _ => return None,
         };
-        Some(EnvSpec { render_mode: Some(list), ..spec })
+        Some(EnvSpec {
+            render_mode: Some(list),
+            ..spec
+        })
     }
 }

@@ -34,9 +34,16 @@ impl<E: Env> TimeLimit<E> {
     /// [`Error::InvalidArgument`] for a limit of 0.
     pub fn new(env: E, max_episode_steps: u32) -> Result<Self> {
         if max_episode_steps == 0 {
-            return Err(Error::argument("TimeLimit", "max_episode_steps is 0: it must be at least 1"));
+            return Err(Error::argument(
+                "TimeLimit",
+                "max_episode_steps is 0: it must be at least 1",
+            ));
         }
-        Ok(Self { inner: env, max_episode_steps, elapsed_steps: 0 })
+        Ok(Self {
+            inner: env,
+            max_episode_steps,
+            elapsed_steps: 0,
+        })
     }
 
     /// The limit.
@@ -63,7 +70,11 @@ impl<E: Env> crate::Wrapper for TimeLimit<E> {
     }
 
     #[inline]
-    fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
+    fn step_into(
+        &mut self,
+        action: &E::Action,
+        observation: &mut E::Observation,
+    ) -> Result<Outcome> {
         let mut outcome = self.inner.step_into(action, observation)?;
         self.elapsed_steps = self.elapsed_steps.saturating_add(1);
         outcome.truncated |= self.elapsed_steps >= self.max_episode_steps;
@@ -87,9 +98,17 @@ impl<E: Env> crate::Wrapper for TimeLimit<E> {
             // the limit of `make` is inside all other wrappers; a shorter one replaces it
             let replaces = spec.max_episode_steps.is_none_or(|inner| limit <= inner);
             if replaces && spec.additional_wrappers.is_empty() {
-                EnvSpec { max_episode_steps: Some(limit), ..spec }
+                EnvSpec {
+                    max_episode_steps: Some(limit),
+                    ..spec
+                }
             } else {
-                spec.wrapped(Config { max_episode_steps: limit }.spec())
+                spec.wrapped(
+                    Config {
+                        max_episode_steps: limit,
+                    }
+                    .spec(),
+                )
             }
         })
     }

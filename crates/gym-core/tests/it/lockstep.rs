@@ -61,7 +61,10 @@ impl Env for Brittle {
         assert_ne!(*action, ENDS, "a bad end");
         self.steps += 1;
         *observation = self.steps;
-        Ok(Outcome { reward: 1.0, ..Outcome::default() })
+        Ok(Outcome {
+            reward: 1.0,
+            ..Outcome::default()
+        })
     }
 }
 
@@ -80,7 +83,10 @@ impl Lockstep for Brittle {
     }
 
     fn collect(&mut self, group: &mut Count) {
-        assert!(group.solved > 0 && self.begun.is_some(), "nothing has begun");
+        assert!(
+            group.solved > 0 && self.begun.is_some(),
+            "nothing has begun"
+        );
         assert_ne!(self.begun, Some(COLLECTS), "a bad second half");
     }
 }
@@ -101,23 +107,39 @@ fn a_panic_ahead_of_a_step_is_an_error_of_that_sub_environment_alone() {
     let seen = |value: &Value| value.as_slice::<i64>().unwrap().to_vec();
     let reset = |mask: [bool; 3]| VectorReset::default().mask(mask);
     for kind in [VectorKind::Native, VectorKind::Async] {
-        for (action, message) in
-            [(BEGINS, "a bad begin"), (COLLECTS, "a bad second half"), (ENDS, "a bad end")]
-        {
+        for (action, message) in [
+            (BEGINS, "a bad begin"),
+            (COLLECTS, "a bad second half"),
+            (ENDS, "a bad end"),
+        ] {
             let mut envs = make_vec("lockstep/Brittle-v0", 3, kind).unwrap();
             let mut columns = envs.reset(5).unwrap();
             envs.step_into(&actions(0), &mut columns).unwrap();
-            let error = envs.step_into(&actions(action), &mut columns).unwrap_err().to_string();
+            let error = envs
+                .step_into(&actions(action), &mut columns)
+                .unwrap_err()
+                .to_string();
             let what = format!("{kind:?}, {action}: {error}");
-            assert!(error.starts_with("sub-environment 1: ") && error.contains(message), "{what}");
+            assert!(
+                error.starts_with("sub-environment 1: ") && error.contains(message),
+                "{what}"
+            );
             assert_eq!(seen(&columns.observations), [2, 1, 2], "{what}");
             assert_eq!(columns.rewards, [1.0, 0.0, 1.0], "{what}");
             // it steps again after a reset, and not before
-            let error = envs.step_into(&actions(0), &mut columns).unwrap_err().to_string();
-            assert!(error.contains("it panicked in an earlier call"), "{what}, then {error}");
-            envs.reset_into(&reset([true, false, false]), &mut columns).unwrap();
+            let error = envs
+                .step_into(&actions(0), &mut columns)
+                .unwrap_err()
+                .to_string();
+            assert!(
+                error.contains("it panicked in an earlier call"),
+                "{what}, then {error}"
+            );
+            envs.reset_into(&reset([true, false, false]), &mut columns)
+                .unwrap();
             assert_eq!(seen(&columns.observations), [0, 1, 2], "{what}");
-            envs.reset_into(&reset([false, true, false]), &mut columns).unwrap();
+            envs.reset_into(&reset([false, true, false]), &mut columns)
+                .unwrap();
             envs.step_into(&actions(0), &mut columns).unwrap();
             assert_eq!(seen(&columns.observations), [1, 1, 3], "{what}");
         }

@@ -4,7 +4,8 @@ use gym_core::spaces::{BoxSpace, Discrete, OneOfSpace};
 use gym_core::vector::{AsyncVectorEnv, Autoreset, SyncVectorEnv, VectorReset};
 use gym_core::wrappers::PassiveEnvChecker;
 use gym_core::{
-    DType, Env, EnvExt, Error, Generator, Outcome, Reset, Result, Space, Value, VectorEnv, VectorEnvExt,
+    DType, Env, EnvExt, Error, Generator, Outcome, Reset, Result, Space, Value, VectorEnv,
+    VectorEnvExt,
 };
 
 /// Counts its steps; an episode has two, and as many resets as are asked for succeed.
@@ -21,7 +22,13 @@ struct Counter {
 
 impl Counter {
     fn new(resets_left: u32) -> Self {
-        Self { rng: Generator::from(0), steps: 0, resets_left, is_odd: false, misfit: None }
+        Self {
+            rng: Generator::from(0),
+            steps: 0,
+            resets_left,
+            is_odd: false,
+            misfit: None,
+        }
     }
 
     fn observe(&self) -> Value {
@@ -53,12 +60,27 @@ impl Env for Counter {
 
     fn step_into(&mut self, _action: &i64, observation: &mut Value) -> Result<Outcome> {
         self.steps += 1;
-        *observation = if self.misfit == Some(self.steps) { Value::from([0.0_f32]) } else { self.observe() };
-        Ok(Outcome { reward: 5.0, terminated: self.steps == 2, truncated: false })
+        *observation = if self.misfit == Some(self.steps) {
+            Value::from([0.0_f32])
+        } else {
+            self.observe()
+        };
+        Ok(Outcome {
+            reward: 5.0,
+            terminated: self.steps == 2,
+            truncated: false,
+        })
     }
 
     fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
-        visit("steps", if self.is_odd { Value::Text("many".into()) } else { Value::Int(self.steps) });
+        visit(
+            "steps",
+            if self.is_odd {
+                Value::Text("many".into())
+            } else {
+                Value::Int(self.steps)
+            },
+        );
     }
 
     fn generator(&mut self) -> Option<&mut Generator> {
@@ -72,17 +94,28 @@ fn numbers_of_sixteen_bits_are_drawn_as_numpy_draws_them() {
     use rand::Rng;
 
     for n in [3_u32, 40_000, 65_535] {
-        let space: Space = Discrete::new(n.into()).unwrap().with_dtype(DType::U16).unwrap().into();
+        let space: Space = Discrete::new(n.into())
+            .unwrap()
+            .with_dtype(DType::U16)
+            .unwrap()
+            .into();
         let (mut sampler, mut rng) = (space.sampler(7), Generator::from(7));
         let threshold = (0x1_0000 - n) % n;
         let mut met = 0;
         for _ in 0..30_000 {
             // the rest of a word after a draw is dropped
-            let mut halves =
-                std::iter::repeat_with(|| rng.next_u32()).flat_map(|word| [word & 0xffff, word >> 16]);
-            let product = halves.find(|half| half * n % 0x1_0000 >= threshold).expect("endless") * n;
+            let mut halves = std::iter::repeat_with(|| rng.next_u32())
+                .flat_map(|word| [word & 0xffff, word >> 16]);
+            let product = halves
+                .find(|half| half * n % 0x1_0000 >= threshold)
+                .expect("endless")
+                * n;
             met += u32::from(product % 0x1_0000 == threshold);
-            assert_eq!(sampler.sample(), Value::Int(i64::from(product >> 16)), "{n}");
+            assert_eq!(
+                sampler.sample(),
+                Value::Int(i64::from(product >> 16)),
+                "{n}"
+            );
         }
         assert!(met > 0 || n != 40_000, "the threshold is never met");
     }
@@ -92,26 +125,47 @@ fn numbers_of_sixteen_bits_are_drawn_as_numpy_draws_them() {
 fn the_shorter_choice_is_padded_with_its_first_number() {
     let line = |n: usize| Space::from(BoxSpace::uniform(-1.0, 1.0, [n], DType::F64).unwrap());
     let space: Space = OneOfSpace::new([line(2), line(4)]).unwrap().into();
-    let flat = space.flatten(&Value::OneOf(0, Box::new(Value::from([0.5, -0.25])))).unwrap();
-    assert_eq!(flat.as_array().unwrap().iter_f64().collect::<Vec<_>>(), [0.0, 0.5, -0.25, 0.5, 0.5]);
+    let flat = space
+        .flatten(&Value::OneOf(0, Box::new(Value::from([0.5, -0.25]))))
+        .unwrap();
+    assert_eq!(
+        flat.as_array().unwrap().iter_f64().collect::<Vec<_>>(),
+        [0.0, 0.5, -0.25, 0.5, 0.5]
+    );
 }
 
 /// The step that ends an episode succeeds, the reset after it fails: neither leaves a reward or a flag behind.
 #[test]
 fn a_step_that_fails_half_way_answers_nothing() {
     for autoreset in [Autoreset::SameStep, Autoreset::NextStep] {
-        let mut envs =
-            SyncVectorEnv::new([Counter::new(1), Counter::new(9)]).unwrap().with_autoreset(autoreset);
+        let mut envs = SyncVectorEnv::new([Counter::new(1), Counter::new(9)])
+            .unwrap()
+            .with_autoreset(autoreset);
         let mut columns = envs.columns().unwrap();
         let actions = envs.action_space().unwrap().sampler(0).sample();
-        envs.reset_into(&VectorReset::default(), &mut columns).unwrap();
-        let steps = if autoreset == Autoreset::SameStep { 1 } else { 2 };
+        envs.reset_into(&VectorReset::default(), &mut columns)
+            .unwrap();
+        let steps = if autoreset == Autoreset::SameStep {
+            1
+        } else {
+            2
+        };
         for _ in 0..steps {
             envs.step_into(&actions, &mut columns).unwrap();
         }
-        let error = envs.step_into(&actions, &mut columns).unwrap_err().to_string();
+        let error = envs
+            .step_into(&actions, &mut columns)
+            .unwrap_err()
+            .to_string();
         assert_eq!(error, "sub-environment 0: no more episodes");
-        assert_eq!((columns.rewards[0], columns.terminated[0], columns.has_final[0]), (0.0, false, false));
+        assert_eq!(
+            (
+                columns.rewards[0],
+                columns.terminated[0],
+                columns.has_final[0]
+            ),
+            (0.0, false, false)
+        );
         assert!(envs.info_map(0).is_empty(), "{autoreset:?}");
         assert!(!envs.info_map(1).is_empty(), "{autoreset:?}");
     }
@@ -119,28 +173,56 @@ fn a_step_that_fails_half_way_answers_nothing() {
 
 #[test]
 fn an_observation_that_does_not_fit_is_an_error_of_its_environment() {
-    let envs = || [Counter::new(9), Counter { misfit: Some(1), ..Counter::new(9) }, Counter::new(9)];
+    let envs = || {
+        [
+            Counter::new(9),
+            Counter {
+                misfit: Some(1),
+                ..Counter::new(9)
+            },
+            Counter::new(9),
+        ]
+    };
     let mut sync = SyncVectorEnv::new(envs()).unwrap();
-    let mut pool = AsyncVectorEnv::new(envs()).and_then(|pool| pool.with_threads(2)).unwrap();
+    let mut pool = AsyncVectorEnv::new(envs())
+        .and_then(|pool| pool.with_threads(2))
+        .unwrap();
     let actions = sync.action_space().unwrap().sampler(0).sample();
     let mut columns = sync.reset(0).unwrap();
-    let error = sync.step_into(&actions, &mut columns).unwrap_err().to_string();
+    let error = sync
+        .step_into(&actions, &mut columns)
+        .unwrap_err()
+        .to_string();
     assert!(error.starts_with("sub-environment 1: "), "{error}");
     pool.reset_into(&0.into(), &mut columns).unwrap();
-    assert_eq!(pool.step_into(&actions, &mut columns).unwrap_err().to_string(), error);
+    assert_eq!(
+        pool.step_into(&actions, &mut columns)
+            .unwrap_err()
+            .to_string(),
+        error
+    );
     pool.reset_into(&0.into(), &mut columns).unwrap();
     pool.send(&actions, &[0, 1, 2]).unwrap();
-    assert_eq!(pool.recv_into(3, &mut Vec::new(), &mut columns).unwrap_err().to_string(), error);
+    assert_eq!(
+        pool.recv_into(3, &mut Vec::new(), &mut columns)
+            .unwrap_err()
+            .to_string(),
+        error
+    );
     pool.recv_into(2, &mut Vec::new(), &mut columns).unwrap();
     assert_eq!(pool.num_pending(), 0);
 }
 
 #[test]
 fn a_value_that_a_column_cannot_hold_is_marked_as_missing() {
-    let odd = Counter { is_odd: true, ..Counter::new(9) };
+    let odd = Counter {
+        is_odd: true,
+        ..Counter::new(9)
+    };
     let mut envs = SyncVectorEnv::new([Counter::new(9), odd, Counter::new(9)]).unwrap();
     let mut columns = envs.columns().unwrap();
-    envs.reset_into(&VectorReset::default(), &mut columns).unwrap();
+    envs.reset_into(&VectorReset::default(), &mut columns)
+        .unwrap();
     let infos = envs.infos(&columns);
     let flags = [true, false, true].map(Value::Bool).to_vec();
     assert_eq!(infos["_steps"], Value::Tuple(flags), "{infos:?}");
@@ -154,7 +236,10 @@ impl Told {
     fn next(&mut self, observation: &mut i64) -> Result<Outcome> {
         let (told, reward) = self.0.next().expect("an answer");
         *observation = told;
-        Ok(Outcome { reward, ..Outcome::default() })
+        Ok(Outcome {
+            reward,
+            ..Outcome::default()
+        })
     }
 }
 
@@ -204,7 +289,10 @@ fn the_passive_checker_looks_until_it_has_seen_a_sound_answer() {
         ('s', 1, 0.0, false),
         ('s', 2, f64::NAN, false),
     ];
-    let answers: Vec<_> = CALLS.iter().map(|(_, told, reward, _)| (*told, *reward)).collect();
+    let answers: Vec<_> = CALLS
+        .iter()
+        .map(|(_, told, reward, _)| (*told, *reward))
+        .collect();
     let mut env = PassiveEnvChecker::new(Told(answers.into_iter()));
     for (i, (call, told, reward, is_refused)) in CALLS.into_iter().enumerate() {
         let answer = match call {
@@ -213,7 +301,11 @@ fn the_passive_checker_looks_until_it_has_seen_a_sound_answer() {
             _ => env.step(&0).map(drop),
         };
         let what = format!("call {i}, {call} of {told} with {reward}: {answer:?}");
-        assert_eq!(matches!(answer, Err(Error::Contract(_))), is_refused, "{what}");
+        assert_eq!(
+            matches!(answer, Err(Error::Contract(_))),
+            is_refused,
+            "{what}"
+        );
         assert!(is_refused || answer.is_ok(), "{what}");
     }
 }

@@ -3,8 +3,8 @@
 
 use gym_core::wrappers::{OrderEnforcing, RecordEpisodeStatistics, record_episode_statistics};
 use gym_core::{
-    Array, BoxEnv, Dynamics, Env, EnvExt, Error, Generator, NoArguments, Registration, Reset, Result,
-    Snapshot, Space, Stateful, Task, Transition, Value, VectorEnv, VectorEnvExt, registry,
+    Array, BoxEnv, Dynamics, Env, EnvExt, Error, Generator, NoArguments, Registration, Reset,
+    Result, Snapshot, Space, Stateful, Task, Transition, Value, VectorEnv, VectorEnvExt, registry,
 };
 
 /// Walk on until the budget of 3 steps is spent; observed as an array.
@@ -52,8 +52,17 @@ impl Task for Budget {
 }
 
 impl Dynamics for Budget {
-    fn transition(&self, state: &i64, _action: &i64, _rng: &mut Generator) -> Result<Transition<i64>> {
-        Ok(Transition { state: state + 1, reward: 1.0, terminated: *state == 9 })
+    fn transition(
+        &self,
+        state: &i64,
+        _action: &i64,
+        _rng: &mut Generator,
+    ) -> Result<Transition<i64>> {
+        Ok(Transition {
+            state: state + 1,
+            reward: 1.0,
+            terminated: *state == 9,
+        })
     }
 
     fn observe(&self, state: &i64) -> Array {
@@ -98,7 +107,10 @@ fn dynamics_truncate_and_keep_their_buffer() {
                 .unwrap()
         })
         .collect();
-    assert_eq!(ends, [(false, false), (false, false), (false, true), (false, true)]);
+    assert_eq!(
+        ends,
+        [(false, false), (false, false), (false, true), (false, true)]
+    );
     assert_eq!(observation.as_slice::<f32>().unwrap(), [4.0]);
     assert_eq!(observation.as_slice::<f32>().unwrap().as_ptr(), place);
 }
@@ -110,7 +122,10 @@ fn a_smaller_buffer_keeps_the_last_episodes() {
     play(&mut env, 20);
     for (buffer_length, kept) in [(5, 5), (8, 5), (3, 3)] {
         let snapshot = Env::snapshot(&env).unwrap();
-        let config = record_episode_statistics::Config { buffer_length, ..Default::default() };
+        let config = record_episode_statistics::Config {
+            buffer_length,
+            ..Default::default()
+        };
         env = RecordEpisodeStatistics::with_config(budget(), config).unwrap();
         Env::restore(&mut env, &snapshot).unwrap();
         assert_eq!(env.episodes().len(), kept);
@@ -149,7 +164,11 @@ fn nothing_opens_a_closed_environment() {
 #[test]
 fn messages_name_what_is_wrong() {
     let message = |error: Error| {
-        assert_eq!(format!("{error:?}"), error.to_string(), "`fn main() -> Result<()>` prints the first");
+        assert_eq!(
+            format!("{error:?}"),
+            error.to_string(),
+            "`fn main() -> Result<()>` prints the first"
+        );
         error.to_string()
     };
     let error = message(registry::find("seams/Budget").unwrap_err());
@@ -159,19 +178,33 @@ fn messages_name_what_is_wrong() {
     );
     let error = message(registry::find("seams/Budget-v3").unwrap_err());
     assert!(error.contains("version 3"), "{error}");
-    let error = message(gym_core::builder("seams/Budget-v4").arg("budget", f64::NAN).build().unwrap_err());
+    let error = message(
+        gym_core::builder("seams/Budget-v4")
+            .arg("budget", f64::NAN)
+            .build()
+            .unwrap_err(),
+    );
     assert!(error.contains("NaN and infinite"), "{error}");
     let mut env = RecordEpisodeStatistics::new(make());
     env.reset(0).unwrap();
     let error = message(env.step(&Value::from([0.5; 900])).unwrap_err());
     assert!(error.starts_with("invalid action [0.5 0.5 "), "{error}");
     assert!(
-        error.ends_with("...: expected a whole number, not an array; the action space is Discrete(2)"),
+        error.ends_with(
+            "...: expected a whole number, not an array; the action space is Discrete(2)"
+        ),
         "{error}"
     );
     assert!(error.len() < 500, "{} characters", error.len());
-    let error = message(Space::boxed([-1.0], [1.0]).check(&Value::from([0.5_f64])).unwrap_err());
-    assert!(error.starts_with("the numbers are float64 and should be float32"), "{error}");
+    let error = message(
+        Space::boxed([-1.0], [1.0])
+            .check(&Value::from([0.5_f64]))
+            .unwrap_err(),
+    );
+    assert!(
+        error.starts_with("the numbers are float64 and should be float32"),
+        "{error}"
+    );
 }
 
 /// An environment without snapshots.
@@ -216,14 +249,30 @@ fn snapshots_of_something_else_say_whose_they_are() {
     let other = Snapshot::with_config("CartPole", &NoArguments {}, &Some(1)).unwrap();
     let mut bare = Stateful::<Budget>::new(Config::default()).unwrap();
     let error = bare.restore(&other).unwrap_err().to_string();
-    assert!(error.contains("this is a snapshot of CartPole, not of Budget"), "{error}");
-    let error = env.restore(&Snapshot::of(&(other, 3)).unwrap()).unwrap_err().to_string();
+    assert!(
+        error.contains("this is a snapshot of CartPole, not of Budget"),
+        "{error}"
+    );
+    let error = env
+        .restore(&Snapshot::of(&(other, 3)).unwrap())
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("CartPole"), "{error}");
-    let error = bare.restore(&env.snapshot().unwrap()).unwrap_err().to_string();
+    let error = bare
+        .restore(&env.snapshot().unwrap())
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("its wrappers"), "{error}");
-    for error in [Forgetful.snapshot().unwrap_err(), Forgetful.restore(&env.snapshot().unwrap()).unwrap_err()]
-    {
-        assert!(error.to_string().contains("implement `Env::snapshot` and `Env::restore`"), "{error}");
+    for error in [
+        Forgetful.snapshot().unwrap_err(),
+        Forgetful.restore(&env.snapshot().unwrap()).unwrap_err(),
+    ] {
+        assert!(
+            error
+                .to_string()
+                .contains("implement `Env::snapshot` and `Env::restore`"),
+            "{error}"
+        );
     }
 }
 
@@ -240,7 +289,10 @@ fn lists_of_arguments_are_as_long_as_their_vector() {
         for budgets in [&[1.0][..], &[1.0, 2.0, 3.0], &[]] {
             let error = vector(budgets).map(drop).unwrap_err().to_string();
             let expected = format!("there are {} values for 2 environments", budgets.len());
-            assert!(error.contains("budget") && error.contains(&expected), "{kind:?}: {error}");
+            assert!(
+                error.contains("budget") && error.contains(&expected),
+                "{kind:?}: {error}"
+            );
         }
         let mut envs = vector(&[1.0, 2.0]).unwrap();
         let mut columns = envs.reset(0).unwrap();
@@ -268,7 +320,10 @@ fn arguments_of_make_go_before_what_the_builder_was_told() {
         (spec.disable_env_checker, spec.max_episode_steps)
     };
     assert_eq!(told(built()), (true, Some(5)));
-    assert_eq!(told(built().arg("disable_env_checker", false)), (false, Some(5)));
+    assert_eq!(
+        told(built().arg("disable_env_checker", false)),
+        (false, Some(5))
+    );
     assert_eq!(told(built().arg("max_episode_steps", 7)), (true, Some(7)));
     assert_eq!(told(built().arg("max_episode_steps", -1)), (true, None));
 }

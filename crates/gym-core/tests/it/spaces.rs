@@ -6,7 +6,13 @@ use gym_core::spaces::*;
 use gym_core::{Array, DType, Space, Value};
 
 fn discrete(n: i64, start: i64, dtype: DType) -> Space {
-    Discrete::new(n).unwrap().with_start(start).unwrap().with_dtype(dtype).unwrap().into()
+    Discrete::new(n)
+        .unwrap()
+        .with_start(start)
+        .unwrap()
+        .with_dtype(dtype)
+        .unwrap()
+        .into()
 }
 
 fn uniform(low: f64, high: f64, shape: &[usize], dtype: DType) -> Space {
@@ -14,7 +20,11 @@ fn uniform(low: f64, high: f64, shape: &[usize], dtype: DType) -> Space {
 }
 
 fn text(max_length: usize, charset: &str) -> Space {
-    TextSpace::new(1, max_length).unwrap().with_charset(charset).unwrap().into()
+    TextSpace::new(1, max_length)
+        .unwrap()
+        .with_charset(charset)
+        .unwrap()
+        .into()
 }
 
 fn bits(shape: &[usize]) -> Space {
@@ -45,29 +55,63 @@ fn many() -> Vec<Space> {
         uniform(-inf, inf, &[], DType::F64),
         uniform(0.0, 255.0, &[3], DType::U8),
         uniform(0.0, inf, &[2], DType::F32),
-        BoxSpace::with_dtype([-inf, 0.0, -3.0], [4.0, inf, 3.0], DType::I32).unwrap().into(),
-        BoxSpace::new([i64::MIN, 1 << 60], [i64::MAX - 1, i64::MAX - 1]).unwrap().into(),
+        BoxSpace::with_dtype([-inf, 0.0, -3.0], [4.0, inf, 3.0], DType::I32)
+            .unwrap()
+            .into(),
+        BoxSpace::new([i64::MIN, 1 << 60], [i64::MAX - 1, i64::MAX - 1])
+            .unwrap()
+            .into(),
         discrete(5, -2, DType::I64),
         discrete(200, 0, DType::U8),
-        MultiDiscrete::new([3, 1, 4]).unwrap().with_start([10, -2, 0]).unwrap().into(),
+        MultiDiscrete::new([3, 1, 4])
+            .unwrap()
+            .with_start([10, -2, 0])
+            .unwrap()
+            .into(),
         bits(&[2, 2]),
         text(5, "cab"),
     ];
-    let leaves =
-        || [discrete(3, 1, DType::I64), uniform(0.0, 1.0, &[2], DType::F32), text(3, "xy"), bits(&[3])];
-    let pair = || tuple([discrete(3, 0, DType::I8), uniform(-1.0, 1.0, &[2], DType::F32)]);
+    let leaves = || {
+        [
+            discrete(3, 1, DType::I64),
+            uniform(0.0, 1.0, &[2], DType::F32),
+            text(3, "xy"),
+            bits(&[3]),
+        ]
+    };
+    let pair = || {
+        tuple([
+            discrete(3, 0, DType::I8),
+            uniform(-1.0, 1.0, &[2], DType::F32),
+        ])
+    };
     spaces.extend([
         tuple(leaves()),
-        dict([("b", pair()), ("a", discrete(4, 0, DType::I64)), ("c", tuple(leaves()))]),
+        dict([
+            ("b", pair()),
+            ("a", discrete(4, 0, DType::I64)),
+            ("c", tuple(leaves())),
+        ]),
         one_of(leaves()),
         tuple([one_of([pair(), text(4, "ab")]), bits(&[2])]),
-        graph(uniform(-1.0, 1.0, &[2], DType::F64), Some(discrete(3, 0, DType::I64))),
+        graph(
+            uniform(-1.0, 1.0, &[2], DType::F64),
+            Some(discrete(3, 0, DType::I64)),
+        ),
         graph(bits(&[2]), None),
     ]);
-    for feature in [pair(), text(3, "ab"), dict([("a", pair()), ("b", bits(&[2]))]), one_of(leaves())] {
+    for feature in [
+        pair(),
+        text(3, "ab"),
+        dict([("a", pair()), ("b", bits(&[2]))]),
+        one_of(leaves()),
+    ] {
         spaces.push(SequenceSpace::new(feature.clone()).into());
         spaces.push(SequenceSpace::stacked(feature.clone()).into());
-        spaces.push(tuple([SequenceSpace::new(feature).into(), discrete(2, 0, DType::I64)]));
+        spaces.push(tuple([
+            SequenceSpace::new(feature).into(),
+            discrete(2, 0, DType::I64),
+        ]));
     }
     spaces
 }
@@ -90,7 +134,11 @@ fn flat_samples_lie_in_the_flat_space_and_return() {
     for space in many() {
         let flat_space = space.flatten_space().unwrap();
         if space.is_flattenable() {
-            assert_eq!(flat_space.shape(), Some(&[space.flatdim().unwrap()][..]), "{space}");
+            assert_eq!(
+                flat_space.shape(),
+                Some(&[space.flatdim().unwrap()][..]),
+                "{space}"
+            );
         }
         let mut sampler = space.sampler(12);
         for _ in 0..30 {
@@ -107,10 +155,17 @@ fn flat_samples_lie_in_the_flat_space_and_return() {
 
 #[test]
 fn contains_and_check_agree() {
-    let samples: Vec<Value> = many().iter().map(|space| space.sampler(13).sample()).collect();
+    let samples: Vec<Value> = many()
+        .iter()
+        .map(|space| space.sampler(13).sample())
+        .collect();
     for (i, space) in many().iter().enumerate() {
         for (j, sample) in samples.iter().enumerate() {
-            assert_eq!(space.contains(sample), space.check(sample).is_ok(), "{sample} in {space}");
+            assert_eq!(
+                space.contains(sample),
+                space.check(sample).is_ok(),
+                "{sample} in {space}"
+            );
             assert!(i != j || space.contains(sample));
         }
         assert!(!space.contains(&Value::Null) && space.flatten(&Value::Null).is_err());
@@ -129,7 +184,10 @@ fn descriptions_are_stored() {
         assert_eq!(restored.sampler(3).sample(), space.sampler(3).sample());
     }
     let stored = serde_json::to_value(Space::discrete(3)).unwrap();
-    assert_eq!(stored, json!({"type": "Discrete", "n": 3, "start": 0, "dtype": "int64"}));
+    assert_eq!(
+        stored,
+        json!({"type": "Discrete", "n": 3, "start": 0, "dtype": "int64"})
+    );
     assert!(serde_json::from_value::<Space>(json!({"type": "Discrete", "n": 3})).is_err());
     assert!(serde_json::from_value::<Space>(json!({"type": "Ring", "n": 3})).is_err());
 }
@@ -145,21 +203,41 @@ fn spaces_differ() {
 
 #[test]
 fn bad_flat_values_are_refused() {
-    let refused =
-        |space: &Space, flat: Vec<f64>| space.unflatten(&Value::Array(flat.into())).unwrap_err().to_string();
+    let refused = |space: &Space, flat: Vec<f64>| {
+        space
+            .unflatten(&Value::Array(flat.into()))
+            .unwrap_err()
+            .to_string()
+    };
     let three = Space::discrete(3);
-    assert!(refused(&three, vec![0.0; 3]).starts_with("exactly one of its numbers must be 1, but none is"));
+    assert!(
+        refused(&three, vec![0.0; 3])
+            .starts_with("exactly one of its numbers must be 1, but none is")
+    );
     assert!(refused(&three, vec![0.0; 4]).starts_with("the shape is (4,) and should be (3,)"));
     let grid = MultiDiscrete::new([2, 2]).unwrap().into();
     assert!(
-        refused(&grid, vec![1.0, 0.0, 1.0, 1.0]).starts_with("[1]: exactly one of its numbers must be 1")
+        refused(&grid, vec![1.0, 0.0, 1.0, 1.0])
+            .starts_with("[1]: exactly one of its numbers must be 1")
     );
     assert!(refused(&text(2, "ab"), vec![0.0, 3.0]).starts_with("a number is not between 0 and 2"));
-    assert!(refused(&one_of([three.clone()]), vec![1.0, 0.0, 0.0, 1.0]).contains("not the index of a space"));
-    assert!(refused(&one_of([three]), vec![f64::NAN, 0.0, 0.0, 1.0]).contains("not the index of a space"));
+    assert!(
+        refused(&one_of([three.clone()]), vec![1.0, 0.0, 0.0, 1.0])
+            .contains("not the index of a space")
+    );
+    assert!(
+        refused(&one_of([three]), vec![f64::NAN, 0.0, 0.0, 1.0])
+            .contains("not the index of a space")
+    );
 
-    let error = tuple([Space::discrete(3)]).flatten(&Value::Tuple(vec![Value::Int(3)])).unwrap_err();
-    assert!(error.to_string().starts_with("[0]: 3 is not between 0 and 2"));
+    let error = tuple([Space::discrete(3)])
+        .flatten(&Value::Tuple(vec![Value::Int(3)]))
+        .unwrap_err();
+    assert!(
+        error
+            .to_string()
+            .starts_with("[0]: 3 is not between 0 and 2")
+    );
 }
 
 /// Compares samples with Gymnasium's for the same seed.
@@ -173,31 +251,51 @@ fn assert_samples(space: &Space, mut sample: impl FnMut(&mut Sampler) -> Value, 
 #[test]
 fn samples_are_gymnasiums() {
     let inf = f64::INFINITY;
-    let half_bounded = BoxSpace::with_dtype([-inf, 0.0, -inf], [5.0, inf, inf], DType::I32).unwrap();
+    let half_bounded =
+        BoxSpace::with_dtype([-inf, 0.0, -inf], [5.0, inf, inf], DType::I32).unwrap();
     let pair = tuple([Space::discrete(3), bits(&[2])]);
     for (space, expected) in [
         (discrete(100, 0, DType::I8), json!([54, 25, 41, 73])),
         (discrete(200, 0, DType::U8), json!([108, 50, 116, 146])),
-        (discrete(40_000, 0, DType::U16), json!([10_259, 16_653, 32_145, 13_495])),
-        (discrete(1 << 32, 0, DType::I64), json!([4_058_335_883_i64, 2_684_764_585_i64])),
+        (
+            discrete(40_000, 0, DType::U16),
+            json!([10_259, 16_653, 32_145, 13_495]),
+        ),
+        (
+            discrete(1 << 32, 0, DType::I64),
+            json!([4_058_335_883_i64, 2_684_764_585_i64]),
+        ),
         (half_bounded.into(), json!([[5, 1, 0], [2, 0, -1]])),
         (
-            BoxSpace::new([i64::MIN; 2], [i64::MAX - 1; 2]).unwrap().into(),
+            BoxSpace::new([i64::MIN; 2], [i64::MAX - 1; 2])
+                .unwrap()
+                .into(),
             json!([
                 [2_307_604_057_237_571_584_i64, 7_327_301_329_031_161_856_i64],
-                [5_085_503_372_737_050_624_i64, -5_069_032_639_539_044_352_i64]
+                [
+                    5_085_503_372_737_050_624_i64,
+                    -5_069_032_639_539_044_352_i64
+                ]
             ]),
         ),
         (
-            BoxSpace::new([i64::MAX - 8; 2], [i64::MAX - 1; 2]).unwrap().into(),
+            BoxSpace::new([i64::MAX - 8; 2], [i64::MAX - 1; 2])
+                .unwrap()
+                .into(),
             json!([[i64::MAX - 8, i64::MAX - 8]]),
         ),
         (
             SequenceSpace::stacked(pair).into(),
-            json!([[[2, 1, 2], [[1, 0], [0, 1], [0, 0]]], [[2, 1, 2, 2], [[0, 1], [0, 1], [1, 0], [1, 0]]]]),
+            json!([
+                [[2, 1, 2], [[1, 0], [0, 1], [0, 0]]],
+                [[2, 1, 2, 2], [[0, 1], [0, 1], [1, 0], [1, 0]]]
+            ]),
         ),
         (
-            one_of([Space::discrete(3), dict([("a", Space::discrete(2)), ("b", text(3, "xyz"))])]),
+            one_of([
+                Space::discrete(3),
+                dict([("a", Space::discrete(2)), ("b", text(3, "xyz"))]),
+            ]),
             json!([[1, {"a": 1, "b": "zx"}], [1, {"a": 1, "b": "y"}], [1, {"a": 1, "b": "zx"}]]),
         ),
     ] {
@@ -215,12 +313,18 @@ fn masked_samples_are_gymnasiums() {
     for (space, mask, expected) in [
         (
             text(4, "abcd"),
-            Mask::Text { length: None, characters: Some(vec![1, 0, 0, 1]) },
+            Mask::Text {
+                length: None,
+                characters: Some(vec![1, 0, 0, 1]),
+            },
             json!(["ddaa", "dad", "a"]),
         ),
         (
             SequenceSpace::new(Space::discrete(3)).into(),
-            Mask::Sequence { lengths: Some(vec![1, 4]), member: Box::new([1, 0, 1].into()) },
+            Mask::Sequence {
+                lengths: Some(vec![1, 4]),
+                member: Box::new([1, 0, 1].into()),
+            },
             json!([[0, 0, 0, 2], [2, 2, 0, 2], [2, 2, 0, 0]]),
         ),
         (
@@ -234,7 +338,11 @@ fn masked_samples_are_gymnasiums() {
             json!([{"nodes": [0, 0], "edges": [1], "edge_links": [[1, 1]]}]),
         ),
     ] {
-        assert_samples(&space, |sampler| sampler.sample_masked(&mask).unwrap(), &expected);
+        assert_samples(
+            &space,
+            |sampler| sampler.sample_masked(&mask).unwrap(),
+            &expected,
+        );
     }
     let ten = vec![0.05, 0.1, 0.15, 0.2, 0.1, 0.1, 0.1, 0.1, 0.05, 0.05];
     for (space, probabilities, expected) in [
@@ -245,25 +353,42 @@ fn masked_samples_are_gymnasiums() {
         ),
         (
             text(4, "abcd"),
-            Probabilities::Text { length: Some(3), characters: Some(vec![0.5, 0.0, 0.0, 0.5]) },
+            Probabilities::Text {
+                length: Some(3),
+                characters: Some(vec![0.5, 0.0, 0.0, 0.5]),
+            },
             json!(["ddd", "aad", "add"]),
         ),
-        (bits(&[6]), [0.0, 0.2, 0.4, 0.6, 0.8, 1.0].into(), json!([[0, 0, 0, 1, 1, 1], [0, 0, 0, 1, 1, 1]])),
+        (
+            bits(&[6]),
+            [0.0, 0.2, 0.4, 0.6, 0.8, 1.0].into(),
+            json!([[0, 0, 0, 1, 1, 1], [0, 0, 0, 1, 1, 1]]),
+        ),
     ] {
-        assert_samples(&space, |sampler| sampler.sample_weighted(&probabilities).unwrap(), &expected);
+        assert_samples(
+            &space,
+            |sampler| sampler.sample_weighted(&probabilities).unwrap(),
+            &expected,
+        );
     }
 }
 
 #[test]
 fn a_choice_without_numbers_lies_in_the_flat_space() {
-    let empty = TextSpace::new(0, 0).unwrap().with_charset("x").unwrap().into();
+    let empty = TextSpace::new(0, 0)
+        .unwrap()
+        .with_charset("x")
+        .unwrap()
+        .into();
     for one in [1.0, -1.0] {
         let space = one_of([uniform(one, one, &[2], DType::I8), Space::clone(&empty)]);
         let flat_space = space.flatten_space().unwrap();
         let samples: Vec<_> = space.sampler(0).take(20).collect();
-        assert!(
-            [0, 1].iter().all(|i| samples.iter().any(|value| matches!(value, Value::OneOf(j, _) if i == j)))
-        );
+        assert!([0, 1].iter().all(|i| {
+            samples
+                .iter()
+                .any(|value| matches!(value, Value::OneOf(j, _) if i == j))
+        }));
         for value in samples {
             let flat = space.flatten(&value).unwrap();
             assert!(flat_space.contains(&flat), "{flat} of {flat_space}");

@@ -16,8 +16,11 @@ pub(super) const MOST: usize = 1000;
 
 /// The figures, but for those that follow from the inertia matrix in the initial configuration.
 pub(super) fn compile(spec: &Spec) -> Result<CompiledModel> {
-    let mut m =
-        CompiledModel { model: spec.name.clone(), opt: spec.option.clone(), ..CompiledModel::default() };
+    let mut m = CompiledModel {
+        model: spec.name.clone(),
+        opt: spec.option.clone(),
+        ..CompiledModel::default()
+    };
     check_counts(spec)?;
     for (id, body) in spec.bodies.iter().enumerate() {
         add_body(&mut m, spec, id, body)?;
@@ -40,8 +43,16 @@ fn add_body(m: &mut CompiledModel, spec: &Spec, id: usize, body: &Body) -> Resul
     let degree = spec.compiler.degree;
     m.names.body.push(body.name.clone());
     m.body_parentid.push(parent);
-    m.body_rootid.push(if id == 0 || parent == 0 { id } else { m.body_rootid[parent] });
-    m.body_weldid.push(if id == 0 || !body.joints.is_empty() { id } else { m.body_weldid[parent] });
+    m.body_rootid.push(if id == 0 || parent == 0 {
+        id
+    } else {
+        m.body_rootid[parent]
+    });
+    m.body_weldid.push(if id == 0 || !body.joints.is_empty() {
+        id
+    } else {
+        m.body_weldid[parent]
+    });
     m.body_pos.push(body.pos);
     m.body_quat.push(body.orientation.resolve(degree));
 
@@ -53,8 +64,13 @@ fn add_body(m: &mut CompiledModel, spec: &Spec, id: usize, body: &Body) -> Resul
     }
     m.body_dofnum.push(m.nv() - first_dof);
     m.body_dofadr.push(address(first_dof, m.nv() - first_dof));
-    let last_dof = if m.nv() > first_dof { m.nv() as i32 - 1 } else { last_dof(m, parent) };
-    m.body_treeid.push(usize::try_from(last_dof).map_or(-1, |dof| m.dof_treeid[dof] as i32));
+    let last_dof = if m.nv() > first_dof {
+        m.nv() as i32 - 1
+    } else {
+        last_dof(m, parent)
+    };
+    m.body_treeid
+        .push(usize::try_from(last_dof).map_or(-1, |dof| m.dof_treeid[dof] as i32));
 
     m.body_geomnum.push(body.geoms.len());
     m.body_geomadr.push(address(m.ngeom(), body.geoms.len()));
@@ -80,7 +96,8 @@ fn add_body(m: &mut CompiledModel, spec: &Spec, id: usize, body: &Body) -> Resul
         m.site_rgba.push(single(site.rgba));
     }
     if m.nbody() > MOST || m.ngeom() > MOST || m.nv() > MOST {
-        let reason = format!("more than {MOST} bodies, geoms or degrees of freedom are not supported");
+        let reason =
+            format!("more than {MOST} bodies, geoms or degrees of freedom are not supported");
         return Err(body.place.error(reason));
     }
     Ok(())
@@ -96,18 +113,34 @@ fn last_dof(m: &CompiledModel, mut body: usize) -> i32 {
     while body > 0 && m.body_dofnum[body] == 0 {
         body = m.body_parentid[body];
     }
-    if m.body_dofnum[body] == 0 { -1 } else { m.body_dofadr[body] + m.body_dofnum[body] as i32 - 1 }
+    if m.body_dofnum[body] == 0 {
+        -1
+    } else {
+        m.body_dofadr[body] + m.body_dofnum[body] as i32 - 1
+    }
 }
 
-fn add_joint(m: &mut CompiledModel, spec: &Spec, body_id: usize, body: &Body, joint: &Joint) -> Result<()> {
+fn add_joint(
+    m: &mut CompiledModel,
+    spec: &Spec,
+    body_id: usize,
+    body: &Body,
+    joint: &Joint,
+) -> Result<()> {
     let Joint { place, kind, .. } = joint;
     let free = *kind == JointType::Free;
     let limited = !free
         && limited(joint.limited, joint.range, spec.compiler.autolimits).ok_or_else(|| {
-            place.attribute("range", "needs limited=\"true\" here, where autolimits is false")
+            place.attribute(
+                "range",
+                "needs limited=\"true\" here, where autolimits is false",
+            )
         })?;
     if free && body.parent != 0 {
-        return Err(place.attribute("type", "a free joint belongs to a body directly in the world"));
+        return Err(place.attribute(
+            "type",
+            "a free joint belongs to a body directly in the world",
+        ));
     }
     if free && body.joints.len() > 1 {
         return Err(place.attribute("type", "a free joint must be the only joint of its body"));
@@ -116,7 +149,13 @@ fn add_joint(m: &mut CompiledModel, spec: &Spec, body_id: usize, body: &Body, jo
         return Err(place.attribute("range", "the lower limit must be less than the upper one"));
     }
     let to_radians = spec.compiler.degree && *kind == JointType::Hinge;
-    let angle = |x: f64| if to_radians { x * (std::f64::consts::PI / 180.0) } else { x };
+    let angle = |x: f64| {
+        if to_radians {
+            x * (std::f64::consts::PI / 180.0)
+        } else {
+            x
+        }
+    };
     m.names.joint.push(joint.name.clone());
     m.jnt_type.push(*kind);
     m.jnt_qposadr.push(m.nq());
@@ -124,8 +163,16 @@ fn add_joint(m: &mut CompiledModel, spec: &Spec, body_id: usize, body: &Body, jo
     m.jnt_bodyid.push(body_id);
     m.jnt_limited.push(limited);
     m.jnt_pos.push(if free { [0.0; 3] } else { joint.pos });
-    m.jnt_axis.push(if free { [0.0, 0.0, 1.0] } else { unit(joint.axis).0 });
-    m.jnt_range.push(if limited { joint.range.map(angle) } else { joint.range });
+    m.jnt_axis.push(if free {
+        [0.0, 0.0, 1.0]
+    } else {
+        unit(joint.axis).0
+    });
+    m.jnt_range.push(if limited {
+        joint.range.map(angle)
+    } else {
+        joint.range
+    });
     m.jnt_margin.push(joint.margin);
     m.jnt_stiffness.push(joint.stiffness);
     m.jnt_solref.push(joint.solref);
@@ -141,12 +188,17 @@ fn add_joint(m: &mut CompiledModel, spec: &Spec, body_id: usize, body: &Body, jo
     for _ in 0..if free { 6 } else { 1 } {
         let dof = m.nv();
         let first_of_body = dof == 0 || m.dof_bodyid[dof - 1] != body_id;
-        let parent = if first_of_body { last_dof(m, body.parent) } else { dof as i32 - 1 };
+        let parent = if first_of_body {
+            last_dof(m, body.parent)
+        } else {
+            dof as i32 - 1
+        };
         let new_tree = m.dof_treeid.last().map_or(0, |tree| tree + 1);
         m.dof_bodyid.push(body_id);
         m.dof_jntid.push(m.njnt() - 1);
         m.dof_parentid.push(parent);
-        m.dof_treeid.push(usize::try_from(parent).map_or(new_tree, |parent| m.dof_treeid[parent]));
+        m.dof_treeid
+            .push(usize::try_from(parent).map_or(new_tree, |parent| m.dof_treeid[parent]));
         m.dof_armature.push(joint.armature);
         m.dof_damping.push(joint.damping);
     }
@@ -165,13 +217,17 @@ fn limited(stated: Option<bool>, range: [f64; 2], autolimits: bool) -> Option<bo
 /// Adds a geom and returns its mass and where it is in its body.
 fn add_geom(m: &mut CompiledModel, spec: &Spec, body: usize, geom: &Geom) -> Result<Inertia> {
     let Geom { place, shape, .. } = geom;
-    let (mut size, mut pos, mut quat) =
-        (geom.size, geom.pos.unwrap_or_default(), geom.orientation.resolve(spec.compiler.degree));
+    let (mut size, mut pos, mut quat) = (
+        geom.size,
+        geom.pos.unwrap_or_default(),
+        geom.orientation.resolve(spec.compiler.degree),
+    );
     if let Some([x0, y0, z0, x1, y1, z1]) = geom.fromto {
         if !matches!(shape, GeomType::Capsule | GeomType::Cylinder) {
-            return Err(
-                place.attribute("fromto", "only capsules and cylinders have ends: give type=\"capsule\"")
-            );
+            return Err(place.attribute(
+                "fromto",
+                "only capsules and cylinders have ends: give type=\"capsule\"",
+            ));
         }
         if geom.pos.is_some() {
             return Err(place.attribute("fromto", "does not go with pos, which it implies"));
@@ -186,17 +242,30 @@ fn add_geom(m: &mut CompiledModel, spec: &Spec, body: usize, geom: &Geom) -> Res
     }
     check_size(geom, size)?;
     if *shape == GeomType::Plane && m.body_weldid[body] != 0 {
-        return Err(place.attribute("type", "a plane belongs to the world or to a body fixed to it"));
+        return Err(place.attribute(
+            "type",
+            "a plane belongs to the world or to a body fixed to it",
+        ));
     }
     let volume = inertia::volume(*shape, size);
     let mass = geom.mass.unwrap_or(geom.density * volume);
     // a shape without volume has no inertia, even with a mass
-    let dense = if volume > MINVAL || geom.mass.is_none() { mass } else { 0.0 };
+    let dense = if volume > MINVAL || geom.mass.is_none() {
+        mass
+    } else {
+        0.0
+    };
     let material = match &geom.material {
         None => -1,
-        Some(name) => match spec.materials.iter().position(|material| material.name == *name) {
+        Some(name) => match spec
+            .materials
+            .iter()
+            .position(|material| material.name == *name)
+        {
             Some(id) => id as i32,
-            None => return Err(place.attribute("material", format!("there is no material {name:?}"))),
+            None => {
+                return Err(place.attribute("material", format!("there is no material {name:?}")));
+            }
         },
     };
     m.names.geom.push(geom.name.clone());
@@ -223,16 +292,22 @@ fn add_geom(m: &mut CompiledModel, spec: &Spec, body: usize, geom: &Geom) -> Res
     m.geom_gap.push(geom.gap);
     m.geom_rgba.push(single(geom.rgba));
     m.geom_matid.push(material);
-    Ok(Inertia { mass, pos, quat, moments: inertia::moments(*shape, dense, size) })
+    Ok(Inertia {
+        mass,
+        pos,
+        quat,
+        moments: inertia::moments(*shape, dense, size),
+    })
 }
 
 fn check_size(geom: &Geom, size: [f64; 3]) -> Result<()> {
     let (needed, what) = match geom.shape {
         GeomType::Plane => {
             return if size[2] <= 0.0 || size[0] < 0.0 || size[1] < 0.0 {
-                Err(geom
-                    .place
-                    .attribute("size", "a plane has two half sizes, which may be 0, and a positive spacing"))
+                Err(geom.place.attribute(
+                    "size",
+                    "a plane has two half sizes, which may be 0, and a positive spacing",
+                ))
             } else {
                 Ok(())
             };
@@ -242,7 +317,10 @@ fn check_size(geom: &Geom, size: [f64; 3]) -> Result<()> {
         GeomType::Cylinder => (2, "a radius and a half length (or fromto)"),
     };
     if size[..needed].iter().any(|x| *x <= 0.0) {
-        return Err(geom.place.attribute("size", format!("this shape has {what}, which must be positive")));
+        return Err(geom.place.attribute(
+            "size",
+            format!("this shape has {what}, which must be positive"),
+        ));
     }
     Ok(())
 }
@@ -255,21 +333,44 @@ fn single(rgba: [f64; 4]) -> [f64; 4] {
 /// The mass of a body: that of its element `inertial`, or that of its geoms.
 ///
 /// Where there is neither, MuJoCo takes the body's frame in its parent for the inertial frame, and so does this.
-fn inertia_of(body: &Body, degree: bool, from_geoms: Option<bool>, parts: &[Inertia]) -> Result<Inertia> {
-    let heavy: Vec<Inertia> = parts.iter().copied().filter(|part| part.mass > EPS).collect();
+fn inertia_of(
+    body: &Body,
+    degree: bool,
+    from_geoms: Option<bool>,
+    parts: &[Inertia],
+) -> Result<Inertia> {
+    let heavy: Vec<Inertia> = parts
+        .iter()
+        .copied()
+        .filter(|part| part.mass > EPS)
+        .collect();
     let from_geoms = from_geoms.unwrap_or(body.inertial.is_none());
-    let combined = if from_geoms { inertia::combine(&heavy) } else { None };
+    let combined = if from_geoms {
+        inertia::combine(&heavy)
+    } else {
+        None
+    };
     let (inertia, place) = match (combined, &body.inertial) {
         (Some(combined), _) => (combined, &body.place),
         (None, Some(inertial)) => (explicit(inertial, degree), &inertial.place),
         (None, None) => {
             let (pos, quat) = (body.pos, body.orientation.resolve(degree));
-            (Inertia { mass: 0.0, pos, quat, moments: [0.0; 3] }, &body.place)
+            (
+                Inertia {
+                    mass: 0.0,
+                    pos,
+                    quat,
+                    moments: [0.0; 3],
+                },
+                &body.place,
+            )
         }
     };
     let [a, b, c] = inertia.moments;
     if inertia.moments.iter().any(|x| *x < 0.0) {
-        return Err(place.error(format!("the moments of inertia {a}, {b}, {c} must not be negative")));
+        return Err(place.error(format!(
+            "the moments of inertia {a}, {b}, {c} must not be negative"
+        )));
     }
     if a + b < c || a + c < b || b + c < a {
         return Err(place.error(format!(
@@ -284,20 +385,30 @@ fn explicit(inertial: &Inertial, degree: bool) -> Inertia {
         Moments::Principal(moments) => (moments, inertial.orientation.resolve(degree)),
         Moments::Full(full) => inertia::principal_axes(full),
     };
-    Inertia { mass: inertial.mass, pos: inertial.pos, quat, moments }
+    Inertia {
+        mass: inertial.mass,
+        pos: inertial.pos,
+        quat,
+        moments,
+    }
 }
 
 fn scale_mass(m: &mut CompiledModel, total: Option<f64>) {
     let Some(total) = total else { return };
     let scale = (total / m.body_mass[1..].iter().sum::<f64>().max(MINVAL)).max(MINVAL);
     m.body_mass[1..].iter_mut().for_each(|mass| *mass *= scale);
-    m.body_inertia[1..].iter_mut().flatten().for_each(|moment| *moment *= scale);
+    m.body_inertia[1..]
+        .iter_mut()
+        .flatten()
+        .for_each(|moment| *moment *= scale);
 }
 
 /// Refuses bodies that can move and have no mass: nothing would resist a force on them.
 fn check_mass(m: &CompiledModel, spec: &Spec) -> Result<()> {
     let mut heavy: Vec<bool> = (0..m.nbody())
-        .map(|b| m.body_mass[b] >= MINVAL && m.body_inertia[b].iter().all(|moment| *moment >= MINVAL))
+        .map(|b| {
+            m.body_mass[b] >= MINVAL && m.body_inertia[b].iter().all(|moment| *moment >= MINVAL)
+        })
         .collect();
     for b in (1..m.nbody()).rev() {
         if m.body_jntnum[b] > 0 {
@@ -346,7 +457,11 @@ fn mark_simple(m: &mut CompiledModel) {
     m.dof_simplenum = vec![0; m.nv()];
     let mut count = 0;
     for i in (0..m.nv()).rev() {
-        count = if m.body_simple[m.dof_bodyid[i]] > 0 { count + 1 } else { 0 };
+        count = if m.body_simple[m.dof_bodyid[i]] > 0 {
+            count + 1
+        } else {
+            0
+        };
         m.dof_simplenum[i] = count;
     }
 }
@@ -354,22 +469,26 @@ fn mark_simple(m: &mut CompiledModel) {
 fn add_looks(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
     for (id, body) in spec.bodies.iter().enumerate() {
         for camera in &body.cameras {
-            let target =
-                match &camera.target {
-                    Some(name) => Some(m.body_id(name).ok_or_else(|| {
-                        camera.place.attribute("target", format!("there is no body {name:?}"))
-                    })?),
-                    None if camera.mode >= 3 => {
-                        return Err(camera.place.attribute("target", "missing: this mode needs it"));
-                    }
-                    None => None,
-                };
+            let target = match &camera.target {
+                Some(name) => Some(m.body_id(name).ok_or_else(|| {
+                    camera
+                        .place
+                        .attribute("target", format!("there is no body {name:?}"))
+                })?),
+                None if camera.mode >= 3 => {
+                    return Err(camera
+                        .place
+                        .attribute("target", "missing: this mode needs it"));
+                }
+                None => None,
+            };
             m.names.camera.push(camera.name.clone());
             m.cam_mode.push(camera.mode);
             m.cam_bodyid.push(id);
             m.cam_targetbodyid.push(target.map_or(-1, |id| id as i32));
             m.cam_pos.push(camera.pos);
-            m.cam_quat.push(camera.orientation.resolve(spec.compiler.degree));
+            m.cam_quat
+                .push(camera.orientation.resolve(spec.compiler.degree));
             m.cam_fovy.push(camera.fovy);
         }
     }
@@ -378,19 +497,30 @@ fn add_looks(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
         m.light_pos.push(light.pos);
         m.light_dir.push(light.dir);
     }
-    m.mat_rgba = spec.materials.iter().map(|material| single(material.rgba)).collect();
+    m.mat_rgba = spec
+        .materials
+        .iter()
+        .map(|material| single(material.rgba))
+        .collect();
     Ok(())
 }
 
 fn add_excludes(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
     for exclude in &spec.excludes {
         let id = |name: &str, attribute: &str| {
-            m.body_id(name)
-                .ok_or_else(|| exclude.place.attribute(attribute, format!("there is no body {name:?}")))
+            m.body_id(name).ok_or_else(|| {
+                exclude
+                    .place
+                    .attribute(attribute, format!("there is no body {name:?}"))
+            })
         };
-        let bodies = [id(&exclude.bodies[0], "body1")?, id(&exclude.bodies[1], "body2")?];
+        let bodies = [
+            id(&exclude.bodies[0], "body1")?,
+            id(&exclude.bodies[1], "body2")?,
+        ];
         let (first, second) = (bodies[0].min(bodies[1]), bodies[0].max(bodies[1]));
-        m.exclude_signature.push(((first as u32) << 16) + second as u32);
+        m.exclude_signature
+            .push(((first as u32) << 16) + second as u32);
     }
     m.exclude_signature.sort_unstable();
     Ok(())
@@ -398,12 +528,16 @@ fn add_excludes(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
 
 /// The slide or hinge of that name.
 fn scalar_joint(m: &CompiledModel, place: &Place, name: &str) -> Result<usize> {
-    let found = m.names.joint.iter().position(|joint| joint.as_deref() == Some(name));
+    let found = m
+        .names
+        .joint
+        .iter()
+        .position(|joint| joint.as_deref() == Some(name));
     match found {
-        Some(id) if m.jnt_type[id] == JointType::Free => {
-            Err(place
-                .attribute("joint", format!("{name:?} is free: only a slide or hinge is supported here")))
-        }
+        Some(id) if m.jnt_type[id] == JointType::Free => Err(place.attribute(
+            "joint",
+            format!("{name:?} is free: only a slide or hinge is supported here"),
+        )),
         Some(id) => Ok(id),
         None => Err(place.attribute("joint", format!("there is no joint {name:?}"))),
     }
@@ -426,15 +560,27 @@ fn add_tendons(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
 fn add_motors(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
     for motor in &spec.motors {
         let place = &motor.place;
-        let name =
-            motor.joint.as_ref().ok_or_else(|| place.attribute("joint", "missing: it must be given"))?;
+        let name = motor
+            .joint
+            .as_ref()
+            .ok_or_else(|| place.attribute("joint", "missing: it must be given"))?;
         let joint = scalar_joint(m, place, name)?;
-        let limited =
-            limited(motor.ctrl_limited, motor.ctrl_range, spec.compiler.autolimits).ok_or_else(|| {
-                place.attribute("ctrlrange", "needs ctrllimited=\"true\" here, where autolimits is false")
-            })?;
+        let limited = limited(
+            motor.ctrl_limited,
+            motor.ctrl_range,
+            spec.compiler.autolimits,
+        )
+        .ok_or_else(|| {
+            place.attribute(
+                "ctrlrange",
+                "needs ctrllimited=\"true\" here, where autolimits is false",
+            )
+        })?;
         if limited && motor.ctrl_range[0] >= motor.ctrl_range[1] {
-            return Err(place.attribute("ctrlrange", "the lower limit must be less than the upper one"));
+            return Err(place.attribute(
+                "ctrlrange",
+                "the lower limit must be less than the upper one",
+            ));
         }
         m.names.actuator.push(motor.name.clone());
         m.actuator_trnid.push([joint as i32, -1]);
@@ -450,7 +596,9 @@ fn add_keys(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
         let fitting = |name: &str, given: &Option<Vec<f64>>, default: &[f64]| match given {
             Some(numbers) if numbers.len() != default.len() => {
                 let (have, need) = (numbers.len(), default.len());
-                Err(key.place.attribute(name, format!("{have} numbers, and the model needs {need}")))
+                Err(key
+                    .place
+                    .attribute(name, format!("{have} numbers, and the model needs {need}")))
             }
             Some(numbers) => Ok(numbers.clone()),
             None => Ok(default.to_vec()),
@@ -489,7 +637,10 @@ fn check_counts(spec: &Spec) -> Result<()> {
         ("tendons", spec.tendons.len()),
         ("motors", spec.motors.len()),
         ("keys", spec.keys.len()),
-        ("terms of tendons", spec.tendons.iter().map(|tendon| tendon.terms.len()).sum()),
+        (
+            "terms of tendons",
+            spec.tendons.iter().map(|tendon| tendon.terms.len()).sum(),
+        ),
     ];
     match sections.iter().find(|(_, count)| *count > MOST) {
         Some((kind, count)) => {
@@ -511,11 +662,23 @@ fn check_names(spec: &Spec) -> Result<()> {
     };
     for body in &spec.bodies {
         check("body", &body.name, &body.place)?;
-        body.joints.iter().try_for_each(|joint| check("joint", &joint.name, &joint.place))?;
-        body.geoms.iter().try_for_each(|geom| check("geom", &geom.name, &geom.place))?;
-        body.sites.iter().try_for_each(|site| check("site", &site.name, &site.place))?;
-        body.cameras.iter().try_for_each(|camera| check("camera", &camera.name, &camera.place))?;
+        body.joints
+            .iter()
+            .try_for_each(|joint| check("joint", &joint.name, &joint.place))?;
+        body.geoms
+            .iter()
+            .try_for_each(|geom| check("geom", &geom.name, &geom.place))?;
+        body.sites
+            .iter()
+            .try_for_each(|site| check("site", &site.name, &site.place))?;
+        body.cameras
+            .iter()
+            .try_for_each(|camera| check("camera", &camera.name, &camera.place))?;
     }
-    spec.motors.iter().try_for_each(|motor| check("actuator", &motor.name, &motor.place))?;
-    spec.tendons.iter().try_for_each(|tendon| check("tendon", &tendon.name, &tendon.place))
+    spec.motors
+        .iter()
+        .try_for_each(|motor| check("actuator", &motor.name, &motor.place))?;
+    spec.tendons
+        .iter()
+        .try_for_each(|tendon| check("tendon", &tendon.name, &tendon.place))
 }

@@ -14,7 +14,10 @@ pub(super) fn add_constants(mut m: CompiledModel, stated: &Statistic) -> Result<
     m.dof_invweight0 = vec![0.0; m.nv()];
     m.dof_m0 = vec![0.0; m.nv()];
     m.body_invweight0 = vec![[0.0; 2]; m.nbody()];
-    let general = Model::new(CompiledModel { dof_simplenum: vec![0; m.nv()], ..m.clone() })?;
+    let general = Model::new(CompiledModel {
+        dof_simplenum: vec![0; m.nv()],
+        ..m.clone()
+    })?;
     let mut d = Data::new(&general);
     initial_inertia(&general, &mut d);
     for i in 0..m.nv() {
@@ -22,7 +25,11 @@ pub(super) fn add_constants(mut m: CompiledModel, stated: &Statistic) -> Result<
     }
 
     // again, with the simple bodies' diagonals
-    m.stat.meaninertia = if m.nv() == 0 { 1.0 } else { m.dof_m0.iter().sum::<f64>() / m.nv() as f64 };
+    m.stat.meaninertia = if m.nv() == 0 {
+        1.0
+    } else {
+        m.dof_m0.iter().sum::<f64>() / m.nv() as f64
+    };
     let model = Model::new(m)?;
     factor_inertia(&model, &mut d);
     let mut m = model.clone().into_compiled();
@@ -90,7 +97,11 @@ fn add_body_weights(m: &mut CompiledModel, model: &Model, d: &Data) {
                     let [wx, wy, wz, vx, vy, vz] = d.cdof[i];
                     let turn = [wx, wy, wz];
                     let across = cross(turn, offset);
-                    row[i] = if kind == 1 { turn[axis] } else { [vx, vy, vz][axis] + across[axis] };
+                    row[i] = if kind == 1 {
+                        turn[axis]
+                    } else {
+                        [vx, vy, vz][axis] + across[axis]
+                    };
                 }
                 solved.copy_from_slice(&row);
                 solve_m(model, d, &mut solved);
@@ -148,12 +159,17 @@ fn add_statistics(m: &mut CompiledModel, d: &Data) {
     (m.stat.meansize, m.stat.meanmass) = match m.nbody() - 1 {
         0 => (0.2, 1.0),
         n => {
-            let sizes = body_sizes(m, d)[1..].iter().map(|size| size / n as f64).sum();
+            let sizes = body_sizes(m, d)[1..]
+                .iter()
+                .map(|size| size / n as f64)
+                .sum();
             (sizes, m.body_mass[1..].iter().sum::<f64>() / n as f64)
         }
     };
     (m.stat.extent, m.stat.center) = if min[0] <= max[0] {
-        let extent = (0..3).map(|k| max[k] - min[k]).fold(2.0 * m.stat.meansize, f64::max);
+        let extent = (0..3)
+            .map(|k| max[k] - min[k])
+            .fold(2.0 * m.stat.meansize, f64::max);
         (extent, std::array::from_fn(|k| (min[k] + max[k]) / 2.0))
     } else {
         (2.0, [0.0; 3])

@@ -23,7 +23,10 @@ const MAIN: &str = "main";
 
 impl Default for Classes {
     fn default() -> Self {
-        Self(vec![Class { name: MAIN.to_owned(), ..Class::default() }])
+        Self(vec![Class {
+            name: MAIN.to_owned(),
+            ..Class::default()
+        }])
     }
 }
 
@@ -31,9 +34,10 @@ impl Classes {
     /// Reads a `default` section. A later section changes what the classes are from there on.
     pub(super) fn read(&mut self, mut section: Element<'_, '_>) -> Result<()> {
         match section.text("class") {
-            Some(name) if name != MAIN => Err(section
-                .place()
-                .attribute("class", format!("the outermost class is {MAIN:?}, not {name:?}"))),
+            Some(name) if name != MAIN => Err(section.place().attribute(
+                "class",
+                format!("the outermost class is {MAIN:?}, not {name:?}"),
+            )),
             _ => self.read_classes(section),
         }
     }
@@ -57,12 +61,17 @@ impl Classes {
     fn add(&mut self, section: &mut Element<'_, '_>, parent: usize) -> Result<usize> {
         let name = section.required_text("class")?;
         if self.0.iter().any(|class| class.name == name) {
-            return Err(section.place().attribute("class", format!("there is a class {name:?} already")));
+            return Err(section
+                .place()
+                .attribute("class", format!("there is a class {name:?} already")));
         }
         if self.0.len() == MOST {
             return Err(section.error(format!("more than {MOST} classes are not supported")));
         }
-        self.0.push(Class { name, ..self.0[parent].clone() });
+        self.0.push(Class {
+            name,
+            ..self.0[parent].clone()
+        });
         Ok(self.0.len() - 1)
     }
 
@@ -72,8 +81,10 @@ impl Classes {
         section: Element<'a, 'input>,
         class: usize,
     ) -> Result<Vec<Element<'a, 'input>>> {
-        let (within, own): (Vec<_>, Vec<_>) =
-            section.children()?.into_iter().partition(|child| child.name() == "default");
+        let (within, own): (Vec<_>, Vec<_>) = section
+            .children()?
+            .into_iter()
+            .partition(|child| child.name() == "default");
         for mut child in own {
             let values = &mut self.0[class];
             match child.name() {
@@ -81,7 +92,11 @@ impl Classes {
                 "geom" => values.geom.read(&mut child)?,
                 "site" => values.site.read(&mut child)?,
                 "motor" => values.motor.read(&mut child)?,
-                _ => return Err(section.unsupported(&child, &["joint", "geom", "site", "motor", "default"])),
+                _ => {
+                    return Err(
+                        section.unsupported(&child, &["joint", "geom", "site", "motor", "default"])
+                    );
+                }
             }
             child.finish_without_children()?;
         }
@@ -96,12 +111,20 @@ impl Classes {
         attribute: &'static str,
         inherited: usize,
     ) -> Result<usize> {
-        let Some(name) = element.text(attribute) else { return Ok(inherited) };
-        self.0.iter().position(|class| class.name == name).ok_or_else(|| {
-            let names: Vec<&str> = self.0.iter().map(|class| &*class.name).collect();
-            let reason = format!("there is no class {name:?}: the classes are {}", names.join(", "));
-            element.place().attribute(attribute, reason)
-        })
+        let Some(name) = element.text(attribute) else {
+            return Ok(inherited);
+        };
+        self.0
+            .iter()
+            .position(|class| class.name == name)
+            .ok_or_else(|| {
+                let names: Vec<&str> = self.0.iter().map(|class| &*class.name).collect();
+                let reason = format!(
+                    "there is no class {name:?}: the classes are {}",
+                    names.join(", ")
+                );
+                element.place().attribute(attribute, reason)
+            })
     }
 
     /// A class by its number.

@@ -31,7 +31,11 @@ impl Model {
         }
         // bits have a sign in MuJoCo
         for name in ["geom_contype", "geom_conaffinity"] {
-            let bits = if name == "geom_contype" { &self.geom_contype } else { &self.geom_conaffinity };
+            let bits = if name == "geom_contype" {
+                &self.geom_contype
+            } else {
+                &self.geom_conaffinity
+            };
             figures.insert(name.into(), bits.iter().map(|bits| *bits as i32).collect());
         }
         figures
@@ -48,7 +52,8 @@ fn sizes(m: &CompiledModel) -> Value {
     // elements of the inertia matrix: each degree of freedom with its ancestors; simple ones have none
     let (mut n_m, mut n_c) = (0, 0);
     for i in 0..m.nv() {
-        let ancestors = std::iter::successors(Some(i), |i| usize::try_from(m.dof_parentid[*i]).ok()).count();
+        let ancestors =
+            std::iter::successors(Some(i), |i| usize::try_from(m.dof_parentid[*i]).ok()).count();
         n_m += ancestors;
         n_c += if m.dof_simplenum[i] > 0 { 1 } else { ancestors };
     }
@@ -132,7 +137,9 @@ fn derived(m: &Model) -> Value {
         .collect();
     let tendon_length = |t: usize, qpos: &[f64]| {
         let terms = m.tendon_adr[t]..m.tendon_adr[t] + m.tendon_num[t];
-        terms.map(|w| m.wrap_prm[w] * qpos[m.jnt_qposadr[m.wrap_objid[w]]]).sum::<f64>()
+        terms
+            .map(|w| m.wrap_prm[w] * qpos[m.jnt_qposadr[m.wrap_objid[w]]])
+            .sum::<f64>()
     };
     let length = |row: &[f64]| dot_slices(row, row).sqrt();
     let sizes = body_sizes(m, &d);

@@ -56,7 +56,13 @@ pub(super) fn combine(parts: &[Inertia]) -> Option<Inertia> {
         _ => {}
     }
     let mass: f64 = parts.iter().map(|part| part.mass).sum();
-    let pos = std::array::from_fn(|i| parts.iter().map(|part| part.mass * part.pos[i]).sum::<f64>() / mass);
+    let pos = std::array::from_fn(|i| {
+        parts
+            .iter()
+            .map(|part| part.mass * part.pos[i])
+            .sum::<f64>()
+            / mass
+    });
     let mut total = [0.0; 6];
     for part in parts {
         let turned = inertia_at(part.moments, &quat_to_mat(part.quat), [0.0; 3], part.mass);
@@ -75,7 +81,12 @@ pub(super) fn combine(parts: &[Inertia]) -> Option<Inertia> {
         }
     }
     let (moments, quat) = principal_axes(total);
-    Some(Inertia { mass, pos, quat, moments })
+    Some(Inertia {
+        mass,
+        pos,
+        quat,
+        moments,
+    })
 }
 
 /// Principal moments of an inertia matrix (xx, yy, zz, xy, xz, yz), falling, and the orientation of their axes: Jacobi's method on a quaternion, in the order of
@@ -84,7 +95,10 @@ pub(super) fn principal_axes([xx, yy, zz, xy, xz, yz]: [f64; 6]) -> ([f64; 3], Q
     const EIG_EPS: f64 = 1e-12;
     const MAX_ITERATIONS: usize = 500;
     // the root of one half, with as many digits as libmujoco has
-    #[expect(clippy::approx_constant, reason = "the last digits of the moments' axes depend on it")]
+    #[expect(
+        clippy::approx_constant,
+        reason = "the last digits of the moments' axes depend on it"
+    )]
     const QUARTER_TURN: f64 = 0.707106781186548;
     let full = [xx, xy, xz, xy, yy, yz, xz, yz, zz];
     let mut quat = [1.0, 0.0, 0.0, 0.0];
@@ -93,7 +107,8 @@ pub(super) fn principal_axes([xx, yy, zz, xy, xz, yz]: [f64; 6]) -> ([f64; 3], Q
         let d = in_axes(&full, &quat_to_mat(quat));
         moments = [d[0][0], d[1][1], d[2][2]];
         // the largest entry off the diagonal, and the axis of the rotation that removes it
-        let (row, column, axis) = if d[0][1].abs() > d[0][2].abs() && d[0][1].abs() > d[1][2].abs() {
+        let (row, column, axis) = if d[0][1].abs() > d[0][2].abs() && d[0][1].abs() > d[1][2].abs()
+        {
             (0, 1, 2)
         } else if d[0][2].abs() > d[1][2].abs() {
             (0, 2, 1)
@@ -106,14 +121,22 @@ pub(super) fn principal_axes([xx, yy, zz, xy, xz, yz]: [f64; 6]) -> ([f64; 3], Q
         }
         let tau = (d[column][column] - d[row][row]) / (2.0 * off);
         let root = (1.0 + tau * tau).sqrt();
-        let tan = if tau >= 0.0 { 1.0 / (tau + root) } else { -1.0 / (root - tau) };
+        let tan = if tau >= 0.0 {
+            1.0 / (tau + root)
+        } else {
+            -1.0 / (root - tau)
+        };
         let cos = 1.0 / (1.0 + tan * tan).sqrt();
         if cos > 1.0 - EIG_EPS {
             break;
         }
         let mut turn = [0.0; 4];
         let half_sin = (0.5 - 0.5 * cos).sqrt();
-        turn[axis + 1] = if (tau >= 0.0) == (axis == 1) { half_sin } else { -half_sin };
+        turn[axis + 1] = if (tau >= 0.0) == (axis == 1) {
+            half_sin
+        } else {
+            -half_sin
+        };
         turn[0] = (1.0 - half_sin * half_sin).sqrt();
         quat = unit(compose(quat, unit(turn).0)).0;
     }
@@ -130,6 +153,12 @@ pub(super) fn principal_axes([xx, yy, zz, xy, xz, yz]: [f64; 6]) -> ([f64; 3], Q
 
 /// `axes' full axes`.
 fn in_axes(full: &Mat3, axes: &Mat3) -> [[f64; 3]; 3] {
-    let half = |i: usize, j: usize| (0..3).map(|k| axes[3 * k + i] * full[3 * k + j]).sum::<f64>();
-    std::array::from_fn(|i| std::array::from_fn(|j| (0..3).map(|k| half(i, k) * axes[3 * k + j]).sum()))
+    let half = |i: usize, j: usize| {
+        (0..3)
+            .map(|k| axes[3 * k + i] * full[3 * k + j])
+            .sum::<f64>()
+    };
+    std::array::from_fn(|i| {
+        std::array::from_fn(|j| (0..3).map(|k| half(i, k) * axes[3 * k + j]).sum())
+    })
 }

@@ -55,11 +55,16 @@ impl Model {
     /// [`Error::File`] if the file cannot be read, or with the error of [`from_xml`](Self::from_xml).
     pub fn from_xml_file(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let in_file = |reason: String| Error::File { path: path.display().to_string(), reason };
+        let in_file = |reason: String| Error::File {
+            path: path.display().to_string(),
+            reason,
+        };
         let mut text = String::new();
         let file = File::open(path).map_err(|error| in_file(error.to_string()))?;
         // one byte more than is read, which `from_xml` refuses: a device such as `/dev/zero` never ends
-        let read = file.take(reader::MAX_LEN as u64 + 1).read_to_string(&mut text);
+        let read = file
+            .take(reader::MAX_LEN as u64 + 1)
+            .read_to_string(&mut text);
         read.map_err(|error| in_file(error.to_string()))?;
         Self::from_xml(&text).map_err(|error| in_file(error.to_string()))
     }

@@ -26,7 +26,10 @@ enum Form {
 
 impl Default for Orientation {
     fn default() -> Self {
-        Self { quat: IDENTITY, other: None }
+        Self {
+            quat: IDENTITY,
+            other: None,
+        }
     }
 }
 
@@ -64,7 +67,9 @@ impl Orientation {
         if axes {
             if let Some(xyaxes) = element.numbers::<6>("xyaxes")? {
                 if plane_of(&xyaxes).is_none() {
-                    return Err(element.place().attribute("xyaxes", "the axes are zero or parallel"));
+                    return Err(element
+                        .place()
+                        .attribute("xyaxes", "the axes are zero or parallel"));
                 }
                 self.other = Some(Form::XyAxes(xyaxes));
                 given.push("xyaxes");
@@ -78,29 +83,40 @@ impl Orientation {
             }
         }
         match given[..] {
-            [_, second, ..] => {
-                Err(element.place().attribute(second, format!("only one of {}", given.join(", "))))
-            }
+            [_, second, ..] => Err(element
+                .place()
+                .attribute(second, format!("only one of {}", given.join(", ")))),
             _ => Ok(()),
         }
     }
 
     /// The quaternion; angles are in degrees where `degree`.
     pub(super) fn resolve(&self, degree: bool) -> Quat {
-        let radians = |angle: f64| if degree { angle / 180.0 * std::f64::consts::PI } else { angle };
+        let radians = |angle: f64| {
+            if degree {
+                angle / 180.0 * std::f64::consts::PI
+            } else {
+                angle
+            }
+        };
         match &self.other {
             None => unit(self.quat).0,
-            Some(Form::AxisAngle([x, y, z, angle])) => axis_angle(unit([*x, *y, *z]).0, radians(*angle)),
+            Some(Form::AxisAngle([x, y, z, angle])) => {
+                axis_angle(unit([*x, *y, *z]).0, radians(*angle))
+            }
             Some(Form::Euler(angles)) => {
                 let mut quat = IDENTITY;
-                for (axis, angle) in
-                    [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].into_iter().zip(angles)
+                for (axis, angle) in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
+                    .into_iter()
+                    .zip(angles)
                 {
                     quat = compose(quat, axis_angle(axis, radians(*angle)));
                 }
                 unit(quat).0
             }
-            Some(Form::XyAxes(axes)) => plane_of(axes).map_or(IDENTITY, |[x, y, z]| from_columns(x, y, z)),
+            Some(Form::XyAxes(axes)) => {
+                plane_of(axes).map_or(IDENTITY, |[x, y, z]| from_columns(x, y, z))
+            }
             Some(Form::ZAxis(axis)) => from_z(unit(*axis).0),
         }
     }
@@ -114,7 +130,14 @@ pub(super) fn unit<const N: usize>(v: [f64; N]) -> ([f64; N], f64) {
         return (v, 0.0);
     }
     let length = square.sqrt();
-    (if (length - 1.0).abs() > EPS { v.map(|x| x / length) } else { v }, length)
+    (
+        if (length - 1.0).abs() > EPS {
+            v.map(|x| x / length)
+        } else {
+            v
+        },
+        length,
+    )
 }
 
 /// The rotation `a`, after the rotation `b` in its frame: MuJoCo's `mjuu_mulquat`.
@@ -135,25 +158,52 @@ fn plane_of(axes: &[f64; 6]) -> Option<[[f64; 3]; 3]> {
     let long = |(v, length): ([f64; 3], f64)| (length >= EPS).then_some(v);
     let x = long(unit([axes[0], axes[1], axes[2]]))?;
     let along = x[0] * axes[3] + x[1] * axes[4] + x[2] * axes[5];
-    let y = long(unit([axes[3] - x[0] * along, axes[4] - x[1] * along, axes[5] - x[2] * along]))?;
+    let y = long(unit([
+        axes[3] - x[0] * along,
+        axes[4] - x[1] * along,
+        axes[5] - x[2] * along,
+    ]))?;
     Some([x, y, long(unit(cross(x, y)))?])
 }
 
 /// The quaternion of a rotation matrix with these columns: MuJoCo's `mjuu_frame2quat`.
 fn from_columns(x: [f64; 3], y: [f64; 3], z: [f64; 3]) -> Quat {
-    let (half, quarter) = (|square: f64| 0.5 * square.sqrt(), |difference: f64| 0.25 * difference);
+    let (half, quarter) = (
+        |square: f64| 0.5 * square.sqrt(),
+        |difference: f64| 0.25 * difference,
+    );
     let quat = if x[0] + y[1] + z[2] > 0.0 {
         let w = half(1.0 + x[0] + y[1] + z[2]);
-        [w, quarter(y[2] - z[1]) / w, quarter(z[0] - x[2]) / w, quarter(x[1] - y[0]) / w]
+        [
+            w,
+            quarter(y[2] - z[1]) / w,
+            quarter(z[0] - x[2]) / w,
+            quarter(x[1] - y[0]) / w,
+        ]
     } else if x[0] > y[1] && x[0] > z[2] {
         let i = half(1.0 + x[0] - y[1] - z[2]);
-        [quarter(y[2] - z[1]) / i, i, quarter(y[0] + x[1]) / i, quarter(z[0] + x[2]) / i]
+        [
+            quarter(y[2] - z[1]) / i,
+            i,
+            quarter(y[0] + x[1]) / i,
+            quarter(z[0] + x[2]) / i,
+        ]
     } else if y[1] > z[2] {
         let j = half(1.0 - x[0] + y[1] - z[2]);
-        [quarter(z[0] - x[2]) / j, quarter(y[0] + x[1]) / j, j, quarter(z[1] + y[2]) / j]
+        [
+            quarter(z[0] - x[2]) / j,
+            quarter(y[0] + x[1]) / j,
+            j,
+            quarter(z[1] + y[2]) / j,
+        ]
     } else {
         let k = half(1.0 - x[0] - y[1] + z[2]);
-        [quarter(x[1] - y[0]) / k, quarter(z[0] + x[2]) / k, quarter(z[1] + y[2]) / k, k]
+        [
+            quarter(x[1] - y[0]) / k,
+            quarter(z[0] + x[2]) / k,
+            quarter(z[1] + y[2]) / k,
+            k,
+        ]
     };
     unit(quat).0
 }
@@ -174,12 +224,20 @@ mod tests {
             for angle in [0.0, 0.4, 2.0, 3.0, 3.1, -3.0, -1.0] {
                 let length = norm(&axis);
                 let (s, c) = libm::sin_cos(angle / 2.0);
-                let quat = [c, s * axis[0] / length, s * axis[1] / length, s * axis[2] / length];
+                let quat = [
+                    c,
+                    s * axis[0] / length,
+                    s * axis[1] / length,
+                    s * axis[2] / length,
+                ];
                 let m = quat_to_mat(quat);
                 let column = |k: usize| [m[k], m[3 + k], m[6 + k]];
                 let again = quat_to_mat(from_columns(column(0), column(1), column(2)));
                 for (a, b) in again.iter().zip(m) {
-                    assert!((a - b).abs() < 1e-12, "{angle} about {axis:?}: {again:?} for {m:?}");
+                    assert!(
+                        (a - b).abs() < 1e-12,
+                        "{angle} about {axis:?}: {again:?} for {m:?}"
+                    );
                 }
             }
         }

@@ -36,13 +36,24 @@ const SECTIONS: [&str; 13] = [
 
 /// Reads a model. Sections may come in any order and repeat.
 pub(super) fn read(text: &str) -> Result<Spec> {
-    let not_xml =
-        |line: u32, reason: String| Error::Mjcf { line, element: "mujoco".into(), attribute: None, reason };
+    let not_xml = |line: u32, reason: String| Error::Mjcf {
+        line,
+        element: "mujoco".into(),
+        attribute: None,
+        reason,
+    };
     if text.len() > MAX_LEN {
-        return Err(not_xml(1, format!("the text is too long: the limit is {MAX_LEN} bytes")));
+        return Err(not_xml(
+            1,
+            format!("the text is too long: the limit is {MAX_LEN} bytes"),
+        ));
     }
     check_tags(text).map_err(|(line, reason)| not_xml(line, reason))?;
-    let options = ParsingOptions { allow_dtd: false, nodes_limit: MAX_NODES, ..ParsingOptions::default() };
+    let options = ParsingOptions {
+        allow_dtd: false,
+        nodes_limit: MAX_NODES,
+        ..ParsingOptions::default()
+    };
     let document = Document::parse_with_options(text, options)
         .map_err(|error| not_xml(error.pos().row, format!("the text is not XML: {error}")))?;
     let lines = Lines::of(text);
@@ -50,8 +61,14 @@ pub(super) fn read(text: &str) -> Result<Spec> {
     if root.name() != "mujoco" {
         return Err(root.error("not supported: the outermost element is <mujoco>"));
     }
-    let mut spec = Spec { name: root.text("model").unwrap_or_default(), ..Spec::default() };
-    let mut reader = Reader { spec: &mut spec, classes: Classes::default() };
+    let mut spec = Spec {
+        name: root.text("model").unwrap_or_default(),
+        ..Spec::default()
+    };
+    let mut reader = Reader {
+        spec: &mut spec,
+        classes: Classes::default(),
+    };
     reader.read_sections(&root)?;
     root.finish()?;
     Ok(spec)
@@ -110,11 +127,19 @@ impl Reader<'_> {
                 _ => return Err(root.unsupported(&section, &SECTIONS)),
             }
         }
-        for section in root.children()?.into_iter().filter(|section| section.name() == "default") {
+        for section in root
+            .children()?
+            .into_iter()
+            .filter(|section| section.name() == "default")
+        {
             self.classes.read(section)?;
         }
         let place = root.place();
-        self.spec.bodies.push(Body { name: Some("world".to_owned()), place, ..Body::default() });
+        self.spec.bodies.push(Body {
+            name: Some("world".to_owned()),
+            place,
+            ..Body::default()
+        });
         for section in root.children()? {
             match section.name() {
                 "asset" => self.read_asset(section)?,
@@ -154,9 +179,10 @@ impl Reader<'_> {
         if let Some(integrator) = element.keyword("integrator", &integrators)? {
             option.integrator = integrator;
         }
-        if let Some(solver) =
-            element.keyword("solver", &[("Newton", Solver::Newton), ("PGS", Solver::PGS)])?
-        {
+        if let Some(solver) = element.keyword(
+            "solver",
+            &[("Newton", Solver::Newton), ("PGS", Solver::PGS)],
+        )? {
             option.solver = solver;
         }
         if let Some(iterations) = element.integer("iterations")? {
@@ -170,10 +196,15 @@ impl Reader<'_> {
         }
         element.keyword("cone", &[("pyramidal", ())])?;
         // how the Jacobian is stored in MuJoCo; the results are the same
-        if let Some(jacobian) = element.keyword("jacobian", &[("dense", 0), ("sparse", 1), ("auto", 2)])? {
+        if let Some(jacobian) =
+            element.keyword("jacobian", &[("dense", 0), ("sparse", 1), ("auto", 2)])?
+        {
             option.jacobian = jacobian;
         }
-        if element.number("impratio")?.is_some_and(|ratio| ratio != 1.0) {
+        if element
+            .number("impratio")?
+            .is_some_and(|ratio| ratio != 1.0)
+        {
             return Err(place.attribute("impratio", "only 1 is supported"));
         }
         element.finish_without_children()
@@ -184,7 +215,9 @@ impl Reader<'_> {
         const MAX_KEYS: usize = 1000;
         if let Some(nkey) = element.integer("nkey")? {
             if nkey > MAX_KEYS {
-                return Err(element.place().attribute("nkey", format!("more than {MAX_KEYS}")));
+                return Err(element
+                    .place()
+                    .attribute("nkey", format!("more than {MAX_KEYS}")));
             }
             self.spec.nkey = self.spec.nkey.max(nkey);
         }
@@ -229,7 +262,12 @@ impl Reader<'_> {
     /// would lead beyond the end of the stack.
     fn read_bodies(&mut self, world: Element<'_, '_>) -> Result<()> {
         let children = world.children()?.into_iter();
-        let mut open = vec![OpenBody { element: world, children, id: 0, class: 0 }];
+        let mut open = vec![OpenBody {
+            element: world,
+            children,
+            id: 0,
+            class: 0,
+        }];
         while let Some(body) = open.last_mut() {
             match body.children.next() {
                 Some(child) if child.name() == "body" => {
@@ -254,7 +292,12 @@ impl Reader<'_> {
         parent: usize,
         class: usize,
     ) -> Result<OpenBody<'a, 'input>> {
-        let mut body = Body { place: element.place(), name: element.text("name"), parent, ..Body::default() };
+        let mut body = Body {
+            place: element.place(),
+            name: element.text("name"),
+            parent,
+            ..Body::default()
+        };
         if let Some(pos) = element.numbers("pos")? {
             body.pos = pos;
         }
@@ -272,11 +315,28 @@ impl Reader<'_> {
 
     /// Reads an element of a body that is not a body.
     fn read_part(&mut self, mut child: Element<'_, '_>, body: &OpenBody<'_, '_>) -> Result<()> {
-        const IN_BODIES: [&str; 8] =
-            ["body", "geom", "joint", "freejoint", "inertial", "site", "camera", "light"];
+        const IN_BODIES: [&str; 8] = [
+            "body",
+            "geom",
+            "joint",
+            "freejoint",
+            "inertial",
+            "site",
+            "camera",
+            "light",
+        ];
         const IN_THE_WORLD: [&str; 5] = ["body", "geom", "site", "camera", "light"];
-        let OpenBody { ref element, id, class, .. } = *body;
-        let supported = if id == 0 { &IN_THE_WORLD[..] } else { &IN_BODIES };
+        let OpenBody {
+            ref element,
+            id,
+            class,
+            ..
+        } = *body;
+        let supported = if id == 0 {
+            &IN_THE_WORLD[..]
+        } else {
+            &IN_BODIES
+        };
         if !supported.contains(&child.name()) {
             return Err(element.unsupported(&child, supported));
         }
@@ -284,24 +344,35 @@ impl Reader<'_> {
         match child.name() {
             "geom" => {
                 let class = self.classes.named(&mut child, "class", class)?;
-                let mut geom = Geom { name: child.text("name"), ..self.classes.get(class).geom.clone() };
+                let mut geom = Geom {
+                    name: child.text("name"),
+                    ..self.classes.get(class).geom.clone()
+                };
                 geom.read(&mut child)?;
                 child.finish_without_children()?;
                 parts.geoms.push(geom);
             }
             "joint" => {
                 let class = self.classes.named(&mut child, "class", class)?;
-                let mut joint = Joint { name: child.text("name"), ..self.classes.get(class).joint.clone() };
+                let mut joint = Joint {
+                    name: child.text("name"),
+                    ..self.classes.get(class).joint.clone()
+                };
                 joint.read(&mut child)?;
                 child.finish_without_children()?;
                 parts.joints.push(joint);
             }
             "freejoint" => parts.joints.push(Joint::read_free(child)?),
-            "inertial" if parts.inertial.is_some() => return Err(child.error("the body has one already")),
+            "inertial" if parts.inertial.is_some() => {
+                return Err(child.error("the body has one already"));
+            }
             "inertial" => parts.inertial = Some(Inertial::read(child)?),
             "site" => {
                 let class = self.classes.named(&mut child, "class", class)?;
-                let mut site = Site { name: child.text("name"), ..self.classes.get(class).site.clone() };
+                let mut site = Site {
+                    name: child.text("name"),
+                    ..self.classes.get(class).site.clone()
+                };
                 site.read(&mut child)?;
                 child.finish_without_children()?;
                 parts.sites.push(site);
@@ -338,7 +409,10 @@ impl Reader<'_> {
                 return Err(section.unsupported(&child, &["motor"]));
             }
             let class = self.classes.named(&mut child, "class", 0)?;
-            let mut motor = Motor { name: child.text("name"), ..self.classes.get(class).motor.clone() };
+            let mut motor = Motor {
+                name: child.text("name"),
+                ..self.classes.get(class).motor.clone()
+            };
             motor.read(&mut child)?;
             child.finish_without_children()?;
             self.spec.motors.push(motor);

@@ -29,7 +29,9 @@ impl Spec {
     /// Says where in the text the cause of an error is that was found in the figures.
     pub(super) fn located(&self, error: Error) -> Error {
         let geom = match error {
-            Error::Pair { second, .. } => self.bodies.iter().flat_map(|body| &body.geoms).nth(second),
+            Error::Pair { second, .. } => {
+                self.bodies.iter().flat_map(|body| &body.geoms).nth(second)
+            }
             _ => None,
         };
         match (geom, self.bodies.first()) {
@@ -52,16 +54,27 @@ pub(super) struct Compiler {
 
 impl Default for Compiler {
     fn default() -> Self {
-        Self { degree: true, autolimits: true, inertia_from_geom: None, total_mass: None }
+        Self {
+            degree: true,
+            autolimits: true,
+            inertia_from_geom: None,
+            total_mass: None,
+        }
     }
 }
 
 impl Compiler {
     pub(super) fn read(&mut self, mut element: Element<'_, '_>) -> Result<()> {
-        replace(&mut self.degree, element.keyword("angle", &[("degree", true), ("radian", false)])?);
+        replace(
+            &mut self.degree,
+            element.keyword("angle", &[("degree", true), ("radian", false)])?,
+        );
         element.keyword("coordinate", &[("local", ())])?;
         let choices = [("auto", None), ("false", Some(false)), ("true", Some(true))];
-        replace(&mut self.inertia_from_geom, element.keyword("inertiafromgeom", &choices)?);
+        replace(
+            &mut self.inertia_from_geom,
+            element.keyword("inertiafromgeom", &choices)?,
+        );
         if let Some(mass) = element.number("settotalmass")? {
             self.total_mass = (mass > 0.0).then_some(mass);
         }
@@ -125,24 +138,38 @@ pub(super) enum Moments {
 impl Inertial {
     pub(super) fn read(mut element: Element<'_, '_>) -> Result<Self> {
         let place = element.place();
-        let pos = element.numbers("pos")?.ok_or_else(|| element.missing("pos"))?;
-        let mass = element.non_negative("mass")?.ok_or_else(|| element.missing("mass"))?;
+        let pos = element
+            .numbers("pos")?
+            .ok_or_else(|| element.missing("pos"))?;
+        let mass = element
+            .non_negative("mass")?
+            .ok_or_else(|| element.missing("mass"))?;
         let mut orientation = Orientation::default();
         orientation.read(&mut element)?;
-        let moments = match (element.numbers("diaginertia")?, element.numbers("fullinertia")?) {
+        let moments = match (
+            element.numbers("diaginertia")?,
+            element.numbers("fullinertia")?,
+        ) {
             (Some(_), Some(_)) => {
                 return Err(place.attribute("fullinertia", "only one of diaginertia, fullinertia"));
             }
             (_, Some(_)) if orientation != Orientation::default() => {
-                return Err(
-                    place.attribute("fullinertia", "does not go with an orientation, which it implies")
-                );
+                return Err(place.attribute(
+                    "fullinertia",
+                    "does not go with an orientation, which it implies",
+                ));
             }
             (_, Some(full)) => Moments::Full(full),
             (diagonal, None) => Moments::Principal(diagonal.unwrap_or_default()),
         };
         element.finish_without_children()?;
-        Ok(Self { place, pos, orientation, mass, moments })
+        Ok(Self {
+            place,
+            pos,
+            orientation,
+            mass,
+            moments,
+        })
     }
 }
 
@@ -168,7 +195,8 @@ pub(super) struct Joint {
 
 const SOLREF: [f64; 2] = [0.02, 1.0];
 const SOLIMP: [f64; 5] = [0.9, 0.95, 0.001, 0.5, 2.0];
-const LIMITED: [(&str, Option<bool>); 3] = [("auto", None), ("false", Some(false)), ("true", Some(true))];
+const LIMITED: [(&str, Option<bool>); 3] =
+    [("auto", None), ("false", Some(false)), ("true", Some(true))];
 
 impl Default for Joint {
     fn default() -> Self {
@@ -195,7 +223,11 @@ impl Default for Joint {
 impl Joint {
     pub(super) fn read(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
         self.place = element.place();
-        let kinds = [("free", JointType::Free), ("slide", JointType::Slide), ("hinge", JointType::Hinge)];
+        let kinds = [
+            ("free", JointType::Free),
+            ("slide", JointType::Slide),
+            ("hinge", JointType::Hinge),
+        ];
         replace(&mut self.kind, element.keyword("type", &kinds)?);
         replace(&mut self.pos, element.numbers("pos")?);
         if let Some(axis) = element.numbers::<3>("axis")? {
@@ -311,13 +343,23 @@ impl Geom {
         }
         if let Some(condim) = element.integer("condim")? {
             if condim != 1 && condim != 3 {
-                return Err(self.place.attribute("condim", format!("{condim} is not supported: use 1 or 3")));
+                return Err(self
+                    .place
+                    .attribute("condim", format!("{condim} is not supported: use 1 or 3")));
             }
             self.condim = condim;
         }
         // bits, which may be written as a negative number
-        replace(&mut self.contype, element.integer::<i32>("contype")?.map(|bits| bits as u32));
-        replace(&mut self.conaffinity, element.integer::<i32>("conaffinity")?.map(|bits| bits as u32));
+        replace(
+            &mut self.contype,
+            element.integer::<i32>("contype")?.map(|bits| bits as u32),
+        );
+        replace(
+            &mut self.conaffinity,
+            element
+                .integer::<i32>("conaffinity")?
+                .map(|bits| bits as u32),
+        );
         replace(&mut self.margin, element.number("margin")?);
         replace(&mut self.gap, element.number("gap")?);
         replace(&mut self.priority, element.integer("priority")?);
@@ -361,7 +403,13 @@ impl Default for Site {
 impl Site {
     pub(super) fn read(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
         self.place = element.place();
-        let shapes = [("sphere", 2), ("capsule", 3), ("ellipsoid", 4), ("cylinder", 5), ("box", 6)];
+        let shapes = [
+            ("sphere", 2),
+            ("capsule", 3),
+            ("ellipsoid", 4),
+            ("cylinder", 5),
+            ("box", 6),
+        ];
         replace(&mut self.shape, element.keyword("type", &shapes)?);
         element.up_to("size", &mut self.size)?;
         replace(&mut self.pos, element.numbers("pos")?);
@@ -386,7 +434,13 @@ pub(super) struct Camera {
 
 impl Camera {
     pub(super) fn read(mut element: Element<'_, '_>) -> Result<Self> {
-        let modes = [("fixed", 0), ("track", 1), ("trackcom", 2), ("targetbody", 3), ("targetbodycom", 4)];
+        let modes = [
+            ("fixed", 0),
+            ("track", 1),
+            ("trackcom", 2),
+            ("targetbody", 3),
+            ("targetbodycom", 4),
+        ];
         let mut camera = Self {
             place: element.place(),
             name: element.text("name"),
@@ -397,7 +451,9 @@ impl Camera {
             fovy: element.number("fovy")?.unwrap_or(45.0),
         };
         if !(camera.fovy > 0.0 && camera.fovy < 180.0) {
-            return Err(camera.place.attribute("fovy", "must lie between 0 and 180 degrees"));
+            return Err(camera
+                .place
+                .attribute("fovy", "must lie between 0 and 180 degrees"));
         }
         camera.orientation.read_of_camera(&mut element)?;
         element.ignore(&["user"]);
@@ -459,8 +515,14 @@ pub(super) struct Exclude {
 impl Exclude {
     pub(super) fn read(mut element: Element<'_, '_>) -> Result<Self> {
         element.ignore(&["name"]);
-        let bodies = [element.required_text("body1")?, element.required_text("body2")?];
-        let exclude = Self { place: element.place(), bodies };
+        let bodies = [
+            element.required_text("body1")?,
+            element.required_text("body2")?,
+        ];
+        let exclude = Self {
+            place: element.place(),
+            bodies,
+        };
         element.finish_without_children()?;
         Ok(exclude)
     }
@@ -496,7 +558,11 @@ impl Tendon {
                 return Err(element.unsupported(&child, &["joint"]));
             }
             let coefficient = child.number("coef")?.ok_or_else(|| child.missing("coef"))?;
-            terms.push(Term { place: child.place(), joint: child.required_text("joint")?, coefficient });
+            terms.push(Term {
+                place: child.place(),
+                joint: child.required_text("joint")?,
+                coefficient,
+            });
             child.finish_without_children()?;
         }
         if terms.is_empty() {
@@ -537,7 +603,10 @@ impl Motor {
         replace_some(&mut self.joint, element.text("joint"));
         element.up_to("gear", &mut self.gear)?;
         replace(&mut self.ctrl_range, element.numbers("ctrlrange")?);
-        replace(&mut self.ctrl_limited, element.keyword("ctrllimited", &LIMITED)?);
+        replace(
+            &mut self.ctrl_limited,
+            element.keyword("ctrllimited", &LIMITED)?,
+        );
         element.ignore(&["user", "group"]);
         Ok(())
     }
@@ -569,7 +638,11 @@ impl Key {
 }
 
 /// Reads the softness of a constraint. MuJoCo's direct form, which is negative, is not supported.
-fn read_solref(element: &mut Element<'_, '_>, name: &'static str, solref: &mut [f64; 2]) -> Result<()> {
+fn read_solref(
+    element: &mut Element<'_, '_>,
+    name: &'static str,
+    solref: &mut [f64; 2],
+) -> Result<()> {
     element.up_to(name, solref)?;
     if solref.iter().any(|x| *x <= 0.0) {
         let reason = "time constant and damping ratio must be positive: the direct form, with negative numbers, is not supported";
@@ -581,9 +654,9 @@ fn read_solref(element: &mut Element<'_, '_>, name: &'static str, solref: &mut [
 /// Reads an attribute that may be there, but only to say that there is none of what it is about.
 fn only_zero(element: &mut Element<'_, '_>, name: &'static str, what: &str) -> Result<()> {
     match element.number(name)? {
-        Some(x) if x != 0.0 => {
-            Err(element.place().attribute(name, format!("{what} is not supported: use 0")))
-        }
+        Some(x) if x != 0.0 => Err(element
+            .place()
+            .attribute(name, format!("{what} is not supported: use 0"))),
         _ => Ok(()),
     }
 }

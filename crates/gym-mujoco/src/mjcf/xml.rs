@@ -19,7 +19,11 @@ pub(super) struct Lines(Vec<usize>);
 
 impl Lines {
     pub(super) fn of(text: &str) -> Self {
-        Self(std::iter::once(0).chain(text.match_indices('\n').map(|(at, _)| at + 1)).collect())
+        Self(
+            std::iter::once(0)
+                .chain(text.match_indices('\n').map(|(at, _)| at + 1))
+                .collect(),
+        )
     }
 
     /// The line of a position in the text, counted from 1.
@@ -41,20 +45,38 @@ pub(super) struct Place {
 impl Place {
     /// An error about an attribute of this element.
     pub(super) fn attribute(&self, attribute: &str, reason: impl Into<String>) -> Error {
-        let (line, element, attribute) = (self.line, self.element.clone(), Some(attribute.to_owned()));
-        Error::Mjcf { line, element, attribute, reason: reason.into() }
+        let (line, element, attribute) =
+            (self.line, self.element.clone(), Some(attribute.to_owned()));
+        Error::Mjcf {
+            line,
+            element,
+            attribute,
+            reason: reason.into(),
+        }
     }
 
     /// An error about this element.
     pub(super) fn error(&self, reason: impl Into<String>) -> Error {
-        Error::Mjcf { line: self.line, element: self.element.clone(), attribute: None, reason: reason.into() }
+        Error::Mjcf {
+            line: self.line,
+            element: self.element.clone(),
+            attribute: None,
+            reason: reason.into(),
+        }
     }
 }
 
 impl<'a, 'input> Element<'a, 'input> {
     pub(super) fn new(node: Node<'a, 'input>, lines: &'a Lines) -> Self {
         let line = lines.at(node.range().start);
-        Self { node, unread: node.attributes().collect(), known: Vec::new(), lines, line, depth: 0 }
+        Self {
+            node,
+            unread: node.attributes().collect(),
+            known: Vec::new(),
+            lines,
+            line,
+            depth: 0,
+        }
     }
 
     /// The element's name.
@@ -64,7 +86,10 @@ impl<'a, 'input> Element<'a, 'input> {
 
     /// Where it stands.
     pub(super) fn place(&self) -> Place {
-        Place { line: self.line, element: self.name().to_owned() }
+        Place {
+            line: self.line,
+            element: self.name().to_owned(),
+        }
     }
 
     /// The elements within.
@@ -75,7 +100,10 @@ impl<'a, 'input> Element<'a, 'input> {
         let mut children = Vec::new();
         for node in self.node.children() {
             if node.is_element() {
-                let child = Self { depth: self.depth + 1, ..Self::new(node, self.lines) };
+                let child = Self {
+                    depth: self.depth + 1,
+                    ..Self::new(node, self.lines)
+                };
                 if child.depth > MAX_DEPTH {
                     return Err(child.error(format!("elements are nested deeper than {MAX_DEPTH}")));
                 }
@@ -83,7 +111,10 @@ impl<'a, 'input> Element<'a, 'input> {
                     return Err(child.error("an element of another namespace is not part of MJCF"));
                 }
                 children.push(child);
-            } else if let Some(text) = node.text().filter(|text| node.is_text() && !text.trim().is_empty()) {
+            } else if let Some(text) = node
+                .text()
+                .filter(|text| node.is_text() && !text.trim().is_empty())
+            {
                 let excerpt: String = text.trim().chars().take(20).collect();
                 return Err(self.error(format!("text is not allowed within it: {excerpt:?}")));
             }
@@ -94,16 +125,28 @@ impl<'a, 'input> Element<'a, 'input> {
     /// Refuses elements within, and attributes that were not read.
     pub(super) fn finish_without_children(self) -> Result<()> {
         if let Some(child) = self.children()?.first() {
-            return Err(child.error(format!("not supported within <{}>, which has no elements", self.name())));
+            return Err(child.error(format!(
+                "not supported within <{}>, which has no elements",
+                self.name()
+            )));
         }
         self.finish()
     }
 
     /// Refuses attributes that were not read.
     pub(super) fn finish(self) -> Result<()> {
-        let Some(attribute) = self.unread.first() else { return Ok(()) };
-        let known = if self.known.is_empty() { "none".to_owned() } else { self.known.join(", ") };
-        Err(self.at(attribute, format!("not supported: the attributes that are, are {known}")))
+        let Some(attribute) = self.unread.first() else {
+            return Ok(());
+        };
+        let known = if self.known.is_empty() {
+            "none".to_owned()
+        } else {
+            self.known.join(", ")
+        };
+        Err(self.at(
+            attribute,
+            format!("not supported: the attributes that are, are {known}"),
+        ))
     }
 
     /// An error about this element.
@@ -114,18 +157,28 @@ impl<'a, 'input> Element<'a, 'input> {
     /// The error of an element within that is not supported.
     pub(super) fn unsupported(&self, child: &Self, supported: &[&str]) -> Error {
         let within = self.name();
-        child.error(format!("not supported within <{within}>, where these are: {}", supported.join(", ")))
+        child.error(format!(
+            "not supported within <{within}>, where these are: {}",
+            supported.join(", ")
+        ))
     }
 
     fn at(&self, attribute: &Attribute<'_, '_>, reason: impl Into<String>) -> Error {
         let line = self.lines.at(attribute.range().start);
-        Place { line, ..self.place() }.attribute(attribute.name(), reason)
+        Place {
+            line,
+            ..self.place()
+        }
+        .attribute(attribute.name(), reason)
     }
 
     /// Takes an attribute out.
     fn take(&mut self, name: &'static str) -> Option<Attribute<'a, 'input>> {
         self.known.push(name);
-        let index = self.unread.iter().position(|a| a.name() == name && a.namespace().is_none())?;
+        let index = self
+            .unread
+            .iter()
+            .position(|a| a.name() == name && a.namespace().is_none())?;
         Some(self.unread.swap_remove(index))
     }
 
@@ -138,7 +191,9 @@ impl<'a, 'input> Element<'a, 'input> {
 
     /// Takes out a text. An empty one counts as absent.
     pub(super) fn text(&mut self, name: &'static str) -> Option<String> {
-        self.take(name).map(|attribute| attribute.value().to_owned()).filter(|text| !text.is_empty())
+        self.take(name)
+            .map(|attribute| attribute.value().to_owned())
+            .filter(|text| !text.is_empty())
     }
 
     /// Takes out a text that must be there.
@@ -152,14 +207,23 @@ impl<'a, 'input> Element<'a, 'input> {
     }
 
     /// Takes out one of some words.
-    pub(super) fn keyword<T: Copy>(&mut self, name: &'static str, words: &[(&str, T)]) -> Result<Option<T>> {
-        let Some(attribute) = self.take(name) else { return Ok(None) };
+    pub(super) fn keyword<T: Copy>(
+        &mut self,
+        name: &'static str,
+        words: &[(&str, T)],
+    ) -> Result<Option<T>> {
+        let Some(attribute) = self.take(name) else {
+            return Ok(None);
+        };
         let value = attribute.value();
         match words.iter().find(|(word, _)| *word == value) {
             Some((_, meaning)) => Ok(Some(*meaning)),
             None => {
                 let words: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
-                Err(self.at(&attribute, format!("{value:?} is not supported: use {}", words.join(", "))))
+                Err(self.at(
+                    &attribute,
+                    format!("{value:?} is not supported: use {}", words.join(", ")),
+                ))
             }
         }
     }
@@ -171,21 +235,33 @@ impl<'a, 'input> Element<'a, 'input> {
 
     /// Takes out up to as many numbers as `out` holds, which replace its first ones; returns how many came.
     pub(super) fn up_to(&mut self, name: &'static str, out: &mut [f64]) -> Result<usize> {
-        let Some(attribute) = self.take(name) else { return Ok(0) };
+        let Some(attribute) = self.take(name) else {
+            return Ok(0);
+        };
         let mut count = 0;
         for word in attribute.value().split_ascii_whitespace() {
             let Some(slot) = out.get_mut(count) else {
                 let most = out.len();
-                return Err(self.at(&attribute, format!("too many numbers: at most {most} are expected")));
+                return Err(self.at(
+                    &attribute,
+                    format!("too many numbers: at most {most} are expected"),
+                ));
             };
             *slot = self.parse(&attribute, word)?;
             count += 1;
         }
-        if count == 0 { Err(self.at(&attribute, "a number is expected")) } else { Ok(count) }
+        if count == 0 {
+            Err(self.at(&attribute, "a number is expected"))
+        } else {
+            Ok(count)
+        }
     }
 
     /// Takes out exactly `N` numbers.
-    pub(super) fn numbers<const N: usize>(&mut self, name: &'static str) -> Result<Option<[f64; N]>> {
+    pub(super) fn numbers<const N: usize>(
+        &mut self,
+        name: &'static str,
+    ) -> Result<Option<[f64; N]>> {
         let place = self.unread.iter().find(|a| a.name() == name).copied();
         let mut out = [0.0; N];
         match (self.up_to(name, &mut out)?, place) {
@@ -197,14 +273,20 @@ impl<'a, 'input> Element<'a, 'input> {
 
     /// Takes out numbers, as many as there are.
     pub(super) fn list(&mut self, name: &'static str) -> Result<Option<Vec<f64>>> {
-        let Some(attribute) = self.take(name) else { return Ok(None) };
+        let Some(attribute) = self.take(name) else {
+            return Ok(None);
+        };
         let words = attribute.value().split_ascii_whitespace();
-        words.map(|word| self.parse(&attribute, word)).collect::<Result<_>>().map(Some)
+        words
+            .map(|word| self.parse(&attribute, word))
+            .collect::<Result<_>>()
+            .map(Some)
     }
 
     /// Takes out a number.
     pub(super) fn number(&mut self, name: &'static str) -> Result<Option<f64>> {
-        self.numbers(name).map(|numbers| numbers.map(|[x]: [f64; 1]| x))
+        self.numbers(name)
+            .map(|numbers| numbers.map(|[x]: [f64; 1]| x))
     }
 
     /// Takes out a number that must not be negative.
@@ -218,12 +300,20 @@ impl<'a, 'input> Element<'a, 'input> {
 
     /// Takes out a whole number.
     pub(super) fn integer<T: TryFrom<i64>>(&mut self, name: &'static str) -> Result<Option<T>> {
-        let Some(attribute) = self.take(name) else { return Ok(None) };
+        let Some(attribute) = self.take(name) else {
+            return Ok(None);
+        };
         let value = attribute.value().trim();
-        let number = value.parse::<i64>().ok().and_then(|number| T::try_from(number).ok());
+        let number = value
+            .parse::<i64>()
+            .ok()
+            .and_then(|number| T::try_from(number).ok());
         match number {
             Some(number) => Ok(Some(number)),
-            None => Err(self.at(&attribute, format!("{value:?} is not a whole number in range"))),
+            None => Err(self.at(
+                &attribute,
+                format!("{value:?} is not a whole number in range"),
+            )),
         }
     }
 

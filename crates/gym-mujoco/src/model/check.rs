@@ -34,7 +34,10 @@ macro_rules! same_length {
 
 /// Not part of the macro: a text for each array would take much of a thread's stack where nothing is optimised.
 fn same_length(name: &str, length: usize, expected: usize) -> Result<()> {
-    ensure!(length == expected, "{name} has {length} elements, expected {expected}");
+    ensure!(
+        length == expected,
+        "{name} has {length} elements, expected {expected}"
+    );
     Ok(())
 }
 
@@ -66,19 +69,57 @@ fn bodies(m: &CompiledModel) -> Result<()> {
     let (mut joint, mut dof, mut geom) = (0, 0, 0);
     for b in 0..m.nbody() {
         let parent = m.body_parentid[b];
-        ensure!(b == 0 || parent < b, "body_parentid[{b}] is {parent}, which is not before the body");
-        let root = if b == 0 || parent == 0 { b } else { m.body_rootid[parent] };
-        ensure!(m.body_rootid[b] == root, "body_rootid[{b}] is {}, expected {root}", m.body_rootid[b]);
-        let weld = if b == 0 || m.body_jntnum[b] > 0 { b } else { m.body_weldid[parent] };
-        ensure!(m.body_weldid[b] == weld, "body_weldid[{b}] is {}, expected {weld}", m.body_weldid[b]);
+        ensure!(
+            b == 0 || parent < b,
+            "body_parentid[{b}] is {parent}, which is not before the body"
+        );
+        let root = if b == 0 || parent == 0 {
+            b
+        } else {
+            m.body_rootid[parent]
+        };
+        ensure!(
+            m.body_rootid[b] == root,
+            "body_rootid[{b}] is {}, expected {root}",
+            m.body_rootid[b]
+        );
+        let weld = if b == 0 || m.body_jntnum[b] > 0 {
+            b
+        } else {
+            m.body_weldid[parent]
+        };
+        ensure!(
+            m.body_weldid[b] == weld,
+            "body_weldid[{b}] is {}, expected {weld}",
+            m.body_weldid[b]
+        );
         for (name, number, address, next, total) in [
-            ("jnt", m.body_jntnum[b], m.body_jntadr[b], &mut joint, m.njnt()),
+            (
+                "jnt",
+                m.body_jntnum[b],
+                m.body_jntadr[b],
+                &mut joint,
+                m.njnt(),
+            ),
             ("dof", m.body_dofnum[b], m.body_dofadr[b], &mut dof, m.nv()),
-            ("geom", m.body_geomnum[b], m.body_geomadr[b], &mut geom, m.ngeom()),
+            (
+                "geom",
+                m.body_geomnum[b],
+                m.body_geomadr[b],
+                &mut geom,
+                m.ngeom(),
+            ),
         ] {
-            ensure!(number <= total - *next, "body_{name}num[{b}] is {number}, beyond the last");
             ensure!(
-                if number == 0 { address == -1 } else { usize::try_from(address) == Ok(*next) },
+                number <= total - *next,
+                "body_{name}num[{b}] is {number}, beyond the last"
+            );
+            ensure!(
+                if number == 0 {
+                    address == -1
+                } else {
+                    usize::try_from(address) == Ok(*next)
+                },
                 "body_{name}adr[{b}] is {address}: the bodies' elements must follow each other, and it is -1 where there is none"
             );
             *next += number;
@@ -112,10 +153,16 @@ fn joints(m: &CompiledModel) -> Result<()> {
             !free || (m.body_jntnum[body] == 1 && m.body_parentid[body] == 0),
             "joint {j} is free, but not the only one of a child of the world"
         );
-        ensure!(!free || !m.jnt_limited[j], "joint {j} is free, and cannot be limited");
+        ensure!(
+            !free || !m.jnt_limited[j],
+            "joint {j} is free, and cannot be limited"
+        );
         qpos += nq;
         for i in dof..dof + nv {
-            ensure!(m.dof_jntid.get(i) == Some(&j) && m.dof_bodyid[i] == body, "dof {i} is not of joint {j}");
+            ensure!(
+                m.dof_jntid.get(i) == Some(&j) && m.dof_bodyid[i] == body,
+                "dof {i} is not of joint {j}"
+            );
             let parent = if i > m.body_dofadr[body].max(0) as usize {
                 i as i32 - 1
             } else {
@@ -136,15 +183,26 @@ fn joints(m: &CompiledModel) -> Result<()> {
                     }
                 }
             };
-            ensure!(m.dof_treeid[i] == tree, "dof_treeid[{i}] is {}, expected {tree}", m.dof_treeid[i]);
+            ensure!(
+                m.dof_treeid[i] == tree,
+                "dof_treeid[{i}] is {}, expected {tree}",
+                m.dof_treeid[i]
+            );
         }
         dof += nv;
     }
-    ensure!(qpos == m.nq() && dof == m.nv(), "qpos0 or the dofs do not fit the joints");
+    ensure!(
+        qpos == m.nq() && dof == m.nv(),
+        "qpos0 or the dofs do not fit the joints"
+    );
     for b in 0..m.nbody() {
         let dof = last_dof(m, b);
         let tree = usize::try_from(dof).map_or(-1, |dof| m.dof_treeid[dof] as i32);
-        ensure!(m.body_treeid[b] == tree, "body_treeid[{b}] is {}, expected {tree}", m.body_treeid[b]);
+        ensure!(
+            m.body_treeid[b] == tree,
+            "body_treeid[{b}] is {}, expected {tree}",
+            m.body_treeid[b]
+        );
     }
     for i in 0..m.nv() {
         ensure!(
@@ -161,7 +219,11 @@ fn last_dof(m: &CompiledModel, mut body: usize) -> i32 {
     while body > 0 && m.body_dofnum[body] == 0 {
         body = m.body_parentid[body];
     }
-    if m.body_dofnum[body] == 0 { -1 } else { m.body_dofadr[body] + m.body_dofnum[body] as i32 - 1 }
+    if m.body_dofnum[body] == 0 {
+        -1
+    } else {
+        m.body_dofadr[body] + m.body_dofnum[body] as i32 - 1
+    }
 }
 
 fn owns(address: Option<&i32>, number: Option<&usize>, element: usize) -> bool {
@@ -188,16 +250,29 @@ fn geoms(m: &CompiledModel) -> Result<()> {
             GeomType::Sphere => 1,
             GeomType::Capsule | GeomType::Cylinder => 2,
         };
-        ensure!(m.geom_size[g][..needed].iter().all(|&s| s > 0.0), "geom_size[{g}] must be positive");
-        ensure!(m.geom_solref[g][0] > 0.0 && m.geom_solref[g][1] > 0.0, "geom_solref[{g}] must be positive");
-        ensure!(m.geom_friction[g].iter().all(|&f| f >= 0.0), "geom_friction[{g}] must not be negative");
+        ensure!(
+            m.geom_size[g][..needed].iter().all(|&s| s > 0.0),
+            "geom_size[{g}] must be positive"
+        );
+        ensure!(
+            m.geom_solref[g][0] > 0.0 && m.geom_solref[g][1] > 0.0,
+            "geom_solref[{g}] must be positive"
+        );
+        ensure!(
+            m.geom_friction[g].iter().all(|&f| f >= 0.0),
+            "geom_friction[{g}] must not be negative"
+        );
     }
     Ok(())
 }
 
 fn others(m: &CompiledModel) -> Result<()> {
     let body = |what: &str, ids: &[usize]| match ids.iter().position(|&b| b >= m.nbody()) {
-        Some(i) => Err(bad(format!("{what}[{i}] is {}, but there are {} bodies", ids[i], m.nbody()))),
+        Some(i) => Err(bad(format!(
+            "{what}[{i}] is {}, but there are {} bodies",
+            ids[i],
+            m.nbody()
+        ))),
         None => Ok(()),
     };
     body("site_bodyid", &m.site_bodyid)?;
@@ -212,14 +287,22 @@ fn others(m: &CompiledModel) -> Result<()> {
     }
     for t in 0..m.ntendon() {
         let end = m.tendon_adr[t].checked_add(m.tendon_num[t]);
-        ensure!(end.is_some_and(|end| end <= m.wrap_objid.len()), "tendon {t} has terms beyond the last");
+        ensure!(
+            end.is_some_and(|end| end <= m.wrap_objid.len()),
+            "tendon {t} has terms beyond the last"
+        );
     }
     for (i, &j) in m.wrap_objid.iter().enumerate() {
-        ensure!(scalar(j), "wrap_objid[{i}] is {j}, which is no slide or hinge joint");
+        ensure!(
+            scalar(j),
+            "wrap_objid[{i}] is {j}, which is no slide or hinge joint"
+        );
     }
     for k in 0..m.key_time.len() {
         ensure!(
-            m.key_qpos[k].len() == m.nq() && m.key_qvel[k].len() == m.nv() && m.key_ctrl[k].len() == m.nu(),
+            m.key_qpos[k].len() == m.nq()
+                && m.key_qvel[k].len() == m.nv()
+                && m.key_ctrl[k].len() == m.nu(),
             "keyframe {k} has another size than the model"
         );
     }
@@ -228,7 +311,11 @@ fn others(m: &CompiledModel) -> Result<()> {
 
 fn numbers(m: &CompiledModel) -> Result<()> {
     let o = &m.opt;
-    ensure!(o.timestep > 0.0 && o.timestep.is_finite(), "opt.timestep is {}, must be positive", o.timestep);
+    ensure!(
+        o.timestep > 0.0 && o.timestep.is_finite(),
+        "opt.timestep is {}, must be positive",
+        o.timestep
+    );
     ensure!(
         o.tolerance >= 0.0 && o.ls_tolerance >= 0.0,
         "opt.tolerance and opt.ls_tolerance must not be negative"
@@ -253,16 +340,29 @@ fn numbers(m: &CompiledModel) -> Result<()> {
             jnt_solimp geom_size geom_pos geom_quat geom_friction geom_solref geom_solimp site_pos site_quat actuator_gear
             actuator_ctrlrange
     );
-    finite("opt", &mut o.gravity.iter().chain(&o.wind).chain(&[o.density, o.viscosity]).copied())?;
+    finite(
+        "opt",
+        &mut o
+            .gravity
+            .iter()
+            .chain(&o.wind)
+            .chain(&[o.density, o.viscosity])
+            .copied(),
+    )?;
     finite("stat", &mut [m.stat.meaninertia].into_iter())?;
     let range = |what: &str, ranges: &[[f64; 2]]| match ranges.iter().position(|r| r[0] > r[1]) {
-        Some(i) => Err(bad(format!("{what}[{i}] has its limits in the wrong order"))),
+        Some(i) => Err(bad(format!(
+            "{what}[{i}] has its limits in the wrong order"
+        ))),
         None => Ok(()),
     };
     range("jnt_range", &m.jnt_range)?;
     range("actuator_ctrlrange", &m.actuator_ctrlrange)?;
     for (j, solref) in m.jnt_solref.iter().enumerate() {
-        ensure!(solref[0] > 0.0 && solref[1] > 0.0, "jnt_solref[{j}] must be positive");
+        ensure!(
+            solref[0] > 0.0 && solref[1] > 0.0,
+            "jnt_solref[{j}] must be positive"
+        );
     }
     Ok(())
 }

@@ -373,8 +373,12 @@ mod tests {
     /// The compiled model of a reference file, if `GYM_REFERENCE` points to the recordings.
     fn reference(name: &str) -> Option<Model> {
         let root = std::env::var_os("GYM_REFERENCE")?;
-        let path = std::path::Path::new(&root).join("models_mujoco").join(name).with_extension("json");
-        let text = std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+        let path = std::path::Path::new(&root)
+            .join("models_mujoco")
+            .join(name)
+            .with_extension("json");
+        let text =
+            std::fs::read_to_string(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
         Some(serde_json::from_str(&text).unwrap_or_else(|e| panic!("{}: {e}", path.display())))
     }
 
@@ -385,8 +389,13 @@ mod tests {
             let Some(m) = reference(name) else { return };
             assert!(m.nv() > 0, "{name}");
         }
-        let Some(m) = reference("humanoid") else { return };
-        assert_eq!((m.nq(), m.nv(), m.nu(), m.nbody(), m.ntendon()), (24, 23, 17, 14, 2));
+        let Some(m) = reference("humanoid") else {
+            return;
+        };
+        assert_eq!(
+            (m.nq(), m.nv(), m.nu(), m.nbody(), m.ntendon()),
+            (24, 23, 17, 14, 2)
+        );
         assert_eq!(m.body_id("torso"), Some(1));
     }
 }

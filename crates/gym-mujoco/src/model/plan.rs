@@ -62,11 +62,17 @@ pub(crate) struct Placed {
 
 impl Placed {
     fn new(pos: &[f64; 3], quat: &[f64; 4]) -> Self {
-        Self { moved: *pos != [0.0; 3], turned: *quat != [1.0, 0.0, 0.0, 0.0] }
+        Self {
+            moved: *pos != [0.0; 3],
+            turned: *quat != [1.0, 0.0, 0.0, 0.0],
+        }
     }
 
     fn all(pos: &[[f64; 3]], quat: &[[f64; 4]]) -> Vec<Self> {
-        pos.iter().zip(quat).map(|(pos, quat)| Self::new(pos, quat)).collect()
+        pos.iter()
+            .zip(quat)
+            .map(|(pos, quat)| Self::new(pos, quat))
+            .collect()
     }
 }
 
@@ -131,7 +137,15 @@ pub(crate) struct Reach {
 impl Reach {
     fn new(pair: &Pair) -> Self {
         let plane = pair.kind.0 == GeomType::Plane;
-        Self { geom: pair.geom, plane, most: if plane { pair.reach } else { pair.reach * pair.reach } }
+        Self {
+            geom: pair.geom,
+            plane,
+            most: if plane {
+                pair.reach
+            } else {
+                pair.reach * pair.reach
+            },
+        }
     }
 }
 
@@ -159,7 +173,8 @@ pub(crate) struct Softness {
 impl Softness {
     fn new(solref: [f64; 2], solimp: [f64; 5], timestep: f64) -> Self {
         let [dmin, dmax, width, midpoint, power] = solimp;
-        let [dmin, dmax, midpoint] = [dmin, dmax, midpoint].map(|x| x.clamp(IMPEDANCE[0], IMPEDANCE[1]));
+        let [dmin, dmax, midpoint] =
+            [dmin, dmax, midpoint].map(|x| x.clamp(IMPEDANCE[0], IMPEDANCE[1]));
         let (time, ratio) = (solref[0].max(2.0 * timestep), solref[1]);
         Self {
             stiffness: 1.0 / f64::max(1e-15, dmax * dmax * time * time * ratio * ratio),
@@ -178,7 +193,8 @@ impl Plan {
         let mut ways: Vec<Vec<usize>> = Vec::new();
         let mut trees: Vec<Range<usize>> = Vec::new();
         for i in 0..m.nv() {
-            let mut way = usize::try_from(m.dof_parentid[i]).map_or(vec![], |parent| ways[parent].clone());
+            let mut way =
+                usize::try_from(m.dof_parentid[i]).map_or(vec![], |parent| ways[parent].clone());
             way.push(i);
             ways.push(way);
             match trees.get_mut(m.dof_treeid[i]) {
@@ -186,7 +202,12 @@ impl Plan {
                 None => trees.push(i..i + 1),
             }
         }
-        let m_groups = match ways.iter().map(|way| way.len().div_ceil(4)).max().unwrap_or(1) {
+        let m_groups = match ways
+            .iter()
+            .map(|way| way.len().div_ceil(4))
+            .max()
+            .unwrap_or(1)
+        {
             few @ ..=4 => few,
             many => many.next_multiple_of(4),
         };
@@ -201,11 +222,13 @@ impl Plan {
             last_dof.push(match m.body_dofnum[b] {
                 0 if b == 0 => None,
                 0 => last_dof[m.body_parentid[b]],
-                number => usize::try_from(m.body_dofadr[b]).ok().map(|first| first + number - 1),
+                number => usize::try_from(m.body_dofadr[b])
+                    .ok()
+                    .map(|first| first + number - 1),
             });
         }
-        let implicit =
-            m.opt.integrator == Integrator::Euler && m.dof_damping.iter().any(|&damping| damping > 0.0);
+        let implicit = m.opt.integrator == Integrator::Euler
+            && m.dof_damping.iter().any(|&damping| damping > 0.0);
         let geoms = (0..m.ngeom()).map(|g| {
             let (b, pos, quat) = (m.geom_bodyid[g], &m.geom_pos[g], &m.geom_quat[g]);
             let inertial = *pos == m.body_ipos[b] && *quat == m.body_iquat[b];
@@ -213,11 +236,15 @@ impl Plan {
         });
         let mut m_local = m_colind.clone();
         for (row, &tree) in m_rows.iter().zip(&m.dof_treeid) {
-            m_local[row.clone()].iter_mut().for_each(|j| *j -= trees[tree].start);
+            m_local[row.clone()]
+                .iter_mut()
+                .for_each(|j| *j -= trees[tree].start);
         }
         let lead = |row: &Range<usize>| {
             let columns = &m_colind[row.clone()];
-            (0..columns.len()).take_while(|&place| columns[place] == place).count()
+            (0..columns.len())
+                .take_while(|&place| columns[place] == place)
+                .count()
         };
         let m_lead: Vec<usize> = m_rows.iter().map(lead).collect();
         let mut plan = Self {
@@ -233,7 +260,9 @@ impl Plan {
             reaches: Vec::new(),
             limits: Vec::new(),
             implicit,
-            springs: (0..m.njnt()).filter(|&j| m.jnt_stiffness[j] != 0.0).collect(),
+            springs: (0..m.njnt())
+                .filter(|&j| m.jnt_stiffness[j] != 0.0)
+                .collect(),
             boxes: boxes(m),
             bodies: Placed::all(&m.body_pos, &m.body_quat),
             inertias: Placed::all(&m.body_ipos, &m.body_iquat),
@@ -254,7 +283,11 @@ impl Plan {
     pub(crate) fn bounds(&self) -> Bounds {
         // both sides of each limit
         let limits = 2 * self.limits.len();
-        let mut bounds = Bounds { contacts: 0, blocks: limits, rows: limits };
+        let mut bounds = Bounds {
+            contacts: 0,
+            blocks: limits,
+            rows: limits,
+        };
         for pair in &self.pairs {
             let contacts = match pair.kind {
                 (GeomType::Plane, GeomType::Capsule) | (GeomType::Capsule, GeomType::Capsule) => 2,
@@ -269,7 +302,11 @@ impl Plan {
         }
         // of so many rows hardly any state has all: buffers grow as they are needed
         const MOST_ROWS: usize = 4000;
-        if bounds.rows > MOST_ROWS { Bounds::default() } else { bounds }
+        if bounds.rows > MOST_ROWS {
+            Bounds::default()
+        } else {
+            bounds
+        }
     }
 
     /// The elements of a row of the inertia matrix; the last is the diagonal.
@@ -343,7 +380,11 @@ impl Plan {
     /// # Errors
     /// For shapes whose contacts are not supported.
     fn pair(&self, m: &CompiledModel, g1: usize, g2: usize) -> Result<Option<Pair>> {
-        let [g1, g2] = if m.geom_type[g1] > m.geom_type[g2] { [g2, g1] } else { [g1, g2] };
+        let [g1, g2] = if m.geom_type[g1] > m.geom_type[g2] {
+            [g2, g1]
+        } else {
+            [g1, g2]
+        };
         let kind = (m.geom_type[g1], m.geom_type[g2]);
         match kind {
             (GeomType::Plane, GeomType::Plane) => return Ok(None),
@@ -372,7 +413,12 @@ impl Plan {
             )
         } else {
             let g = if priority1 > priority2 { g1 } else { g2 };
-            (m.geom_condim[g], m.geom_friction[g], m.geom_solref[g], m.geom_solimp[g])
+            (
+                m.geom_condim[g],
+                m.geom_friction[g],
+                m.geom_solref[g],
+                m.geom_solimp[g],
+            )
         };
         let [slide, spin, roll]: [f64; 3] = friction.map(|f| f.max(MIN_FRICTION));
         let tree = |b: usize| usize::try_from(m.body_treeid[b]).ok();
@@ -399,7 +445,13 @@ impl Plan {
         let (c1, c2) = (self.chain(b1), self.chain(b2));
         let of = |chain: &[usize], other: &[usize], b: usize, sign: f64| {
             let alone = chain.iter().filter(|dof| !other.contains(dof));
-            alone.map(|&dof| Column { dof, root: m.body_rootid[b], sign }).collect::<Vec<_>>()
+            alone
+                .map(|&dof| Column {
+                    dof,
+                    root: m.body_rootid[b],
+                    sign,
+                })
+                .collect::<Vec<_>>()
         };
         let mut columns = of(c1, c2, b1, -1.0);
         columns.extend(of(c2, c1, b2, 1.0));
@@ -436,7 +488,11 @@ fn bodies_collide(m: &CompiledModel, excluded: &[u32], b1: usize, b2: usize) -> 
     let (w1, w2) = (m.body_weldid[b1], m.body_weldid[b2]);
     let parent = |w: usize| m.body_weldid[m.body_parentid[w]];
     let related = w1 != 0 && w2 != 0 && (w1 == parent(w2) || w2 == parent(w1));
-    w1 != w2 && !related && excluded.binary_search(&(((b1 as u32) << 16) + b2 as u32)).is_err()
+    w1 != w2
+        && !related
+        && excluded
+            .binary_search(&(((b1 as u32) << 16) + b2 as u32))
+            .is_err()
 }
 
 fn geoms(m: &CompiledModel, body: usize) -> Range<usize> {

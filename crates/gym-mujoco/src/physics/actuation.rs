@@ -12,7 +12,11 @@ pub fn fwd_actuation(m: &Model, d: &mut Data) {
     for i in 0..m.nu() {
         let ctrl = d.ctrl[i];
         let [low, high] = m.actuator_ctrlrange[i];
-        d.actuator_force[i] = if m.actuator_ctrllimited[i] { ctrl.max(low).min(high) } else { ctrl };
+        d.actuator_force[i] = if m.actuator_ctrllimited[i] {
+            ctrl.max(low).min(high)
+        } else {
+            ctrl
+        };
         if ctrl.is_nan() || d.actuator_force[i].abs() > MAXVAL {
             d.actuator_force.fill(0.0);
             return;

@@ -9,9 +9,17 @@ use crate::{Data, Model};
 pub fn com_pos(m: &Model, d: &mut Data) {
     // slices of one length: an index is checked once for all of them
     let n = m.nbody();
-    let (parents, roots, masses) = (&m.body_parentid[..n], &m.body_rootid[..n], &m.body_mass[..n]);
-    let (xipos, ximat, com, cinert) =
-        (&d.xipos[..n], &d.ximat[..n], &mut d.subtree_com[..n], &mut d.cinert[..n]);
+    let (parents, roots, masses) = (
+        &m.body_parentid[..n],
+        &m.body_rootid[..n],
+        &m.body_mass[..n],
+    );
+    let (xipos, ximat, com, cinert) = (
+        &d.xipos[..n],
+        &d.ximat[..n],
+        &mut d.subtree_com[..n],
+        &mut d.cinert[..n],
+    );
     for b in 0..n {
         com[b] = scale(xipos[b], masses[b]);
     }
@@ -20,7 +28,11 @@ pub fn com_pos(m: &Model, d: &mut Data) {
     }
     for b in 0..n {
         let mass = m.body_subtreemass[b];
-        com[b] = if mass < MINVAL { xipos[b] } else { scale(com[b], 1.0 / mass) };
+        com[b] = if mass < MINVAL {
+            xipos[b]
+        } else {
+            scale(com[b], 1.0 / mass)
+        };
     }
 
     for b in 1..n {
@@ -49,14 +61,18 @@ pub fn com_pos(m: &Model, d: &mut Data) {
 /// Lengths of the tendons: MuJoCo's `mj_tendon`, for fixed tendons.
 pub fn tendon(m: &Model, d: &mut Data) {
     for t in 0..m.ntendon() {
-        d.ten_length[t] = terms(m, t).map(|(j, coef)| coef * d.qpos[m.jnt_qposadr[j]]).sum();
+        d.ten_length[t] = terms(m, t)
+            .map(|(j, coef)| coef * d.qpos[m.jnt_qposadr[j]])
+            .sum();
     }
 }
 
 /// Velocities of the tendons.
 pub fn tendon_velocity(m: &Model, d: &mut Data) {
     for t in 0..m.ntendon() {
-        d.ten_velocity[t] = terms(m, t).map(|(j, coef)| coef * d.qvel[m.jnt_dofadr[j]]).sum();
+        d.ten_velocity[t] = terms(m, t)
+            .map(|(j, coef)| coef * d.qvel[m.jnt_dofadr[j]])
+            .sum();
     }
 }
 

@@ -132,7 +132,9 @@ impl Constraints {
     #[must_use]
     pub fn full_jacobian(&self, nv: usize) -> Vec<f64> {
         let rows = self.jac.chunks(self.stride.max(1));
-        rows.flat_map(|row| &row.as_flattened()[..nv]).copied().collect()
+        rows.flat_map(|row| &row.as_flattened()[..nv])
+            .copied()
+            .collect()
     }
 }
 
@@ -181,9 +183,22 @@ fn limits(m: &Model, d: &mut Data) {
 
 /// Adds a block without numbers, and returns its first row.
 #[inline(always)]
-fn push_block(efc: &mut Constraints, source: Source, rows: usize, groups: usize, tree: usize) -> usize {
+fn push_block(
+    efc: &mut Constraints,
+    source: Source,
+    rows: usize,
+    groups: usize,
+    tree: usize,
+) -> usize {
     let row = efc.nefc();
-    efc.blocks.push(Block { source, row, rows, groups, tree, island: 0 });
+    efc.blocks.push(Block {
+        source,
+        row,
+        rows,
+        groups,
+        tree,
+        island: 0,
+    });
     efc.jac.resize((row + rows) * efc.stride, [0.0; 4]);
     row
 }
@@ -197,7 +212,9 @@ fn contacts(m: &Model, d: &mut Data) {
             continue;
         }
         let pair = &m.plan().pairs[contact.pair];
-        let Some(tree) = pair.trees[0].or(pair.trees[1]) else { continue };
+        let Some(tree) = pair.trees[0].or(pair.trees[1]) else {
+            continue;
+        };
         let efc = &mut d.efc;
         contact.efc_address = efc.nefc() as i32;
         let rows = if contact.dim == 1 { 1 } else { 4 };
@@ -205,9 +222,23 @@ fn contacts(m: &Model, d: &mut Data) {
         contact.mu = mu;
         let row = push_block(efc, Source::Contact(index), rows, pair.groups, tree);
         let jac = &mut efc.jac[row * efc.stride..];
-        contact_jacobian(pair, &d.cdof, &d.subtree_com, contact, jac.as_flattened_mut(), 4 * efc.stride);
+        contact_jacobian(
+            pair,
+            &d.cdof,
+            &d.subtree_com,
+            contact,
+            jac.as_flattened_mut(),
+            4 * efc.stride,
+        );
         let mu = (rows > 1).then_some(mu);
-        push_rows(efc, &pair.softness, contact.dist, contact.includemargin, pair.diag, mu);
+        push_rows(
+            efc,
+            &pair.softness,
+            contact.dist,
+            contact.includemargin,
+            pair.diag,
+            mu,
+        );
     }
 }
 
@@ -241,18 +272,31 @@ fn contact_jacobian(
 
 /// Rows at some distance: MuJoCo's `mj_makeImpedance`. Of the edges of a pyramid with friction `mu` each is a row.
 #[inline(always)]
-fn push_rows(efc: &mut Constraints, softness: &Softness, pos: f64, margin: f64, diag: f64, mu: Option<f64>) {
+fn push_rows(
+    efc: &mut Constraints,
+    softness: &Softness,
+    pos: f64,
+    margin: f64,
+    diag: f64,
+    mu: Option<f64>,
+) {
     let (impedance, slope) = softness.impedance(pos, margin);
     let diag = mu.map_or(diag, |mu| diag + mu * mu * diag);
     let r = f64::max(1e-15, (1.0 - impedance) * diag / impedance);
     // a pyramid as soft as the cone within it
     let r = mu.map_or(r, |mu| 2.0 * mu * mu * r);
     let rows = efc.pos.len() + if mu.is_some() { 4 } else { 1 };
-    for (column, value) in columns!(efc).into_iter().zip([pos, margin, diag, r, 1.0 / r, 0.0, 0.0, 0.0, 0.0])
+    for (column, value) in
+        columns!(efc)
+            .into_iter()
+            .zip([pos, margin, diag, r, 1.0 / r, 0.0, 0.0, 0.0, 0.0])
     {
         column.resize(rows, value);
     }
-    efc.kbip.resize(rows, [softness.stiffness, softness.damping, impedance, slope]);
+    efc.kbip.resize(
+        rows,
+        [softness.stiffness, softness.damping, impedance, slope],
+    );
     efc.island.resize(rows, 0);
 }
 
@@ -260,7 +304,14 @@ impl Softness {
     /// How much of the acceleration wanted a constraint gives, as a function of its position, and the derivative: MuJoCo's
     /// `getimpedance`.
     fn impedance(&self, pos: f64, margin: f64) -> (f64, f64) {
-        let &Self { dmin, dmax, width, midpoint, power, .. } = self;
+        let &Self {
+            dmin,
+            dmax,
+            width,
+            midpoint,
+            power,
+            ..
+        } = self;
         if dmin == dmax || width <= 1e-15 {
             return (0.5 * (dmin + dmax), 0.0);
         }
@@ -282,10 +333,16 @@ impl Softness {
             (x, 1.0)
         } else {
             let factor = 1.0 / self::power(end, power - 1.0);
-            (factor * self::power(x, power), power * factor * self::power(x, power - 1.0))
+            (
+                factor * self::power(x, power),
+                power * factor * self::power(x, power - 1.0),
+            )
         };
         let y = if turned { 1.0 - y } else { y };
-        (dmin + y * (dmax - dmin), signed.signum() * slope * (dmax - dmin) / width)
+        (
+            dmin + y * (dmax - dmin),
+            signed.signum() * slope * (dmax - dmin) / width,
+        )
     }
 }
 

@@ -30,7 +30,12 @@ pub(crate) fn dot(a: &[Lanes], b: &[Lanes], n: usize) -> f64 {
     let whole = groups.min(full);
     let mut sums = [0.0; 4];
     for (a, b) in a[..whole].iter().zip(&b[..whole]) {
-        sums = [sums[0] + a[0] * b[0], sums[1] + a[1] * b[1], sums[2] + a[2] * b[2], sums[3] + a[3] * b[3]];
+        sums = [
+            sums[0] + a[0] * b[0],
+            sums[1] + a[1] * b[1],
+            sums[2] + a[2] * b[2],
+            sums[3] + a[3] * b[3],
+        ];
     }
     let sum = total(&sums);
     match (a.get(full), b.get(full)) {
@@ -43,7 +48,11 @@ pub(crate) fn dot(a: &[Lanes], b: &[Lanes], n: usize) -> f64 {
 pub(crate) fn dot_slices(a: &[f64], b: &[f64]) -> f64 {
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
     let sum = dot(a, b, 4 * a.len());
-    let rest = a_rest.iter().zip(b_rest).map(|(a, b)| a * b).reduce(|sum, x| sum + x);
+    let rest = a_rest
+        .iter()
+        .zip(b_rest)
+        .map(|(a, b)| a * b)
+        .reduce(|sum, x| sum + x);
     rest.map_or(sum, |rest| sum + rest)
 }
 
@@ -67,13 +76,23 @@ pub(crate) fn dot_sparse(a: &[f64], columns: &[usize], x: &[f64]) -> f64 {
 /// `a + s b` of four numbers. All are read before one is written, so that the compiler makes them one operation.
 #[inline(always)]
 pub(crate) fn plus(a: Lanes, b: Lanes, s: f64) -> Lanes {
-    [a[0] + b[0] * s, a[1] + b[1] * s, a[2] + b[2] * s, a[3] + b[3] * s]
+    [
+        a[0] + b[0] * s,
+        a[1] + b[1] * s,
+        a[2] + b[2] * s,
+        a[3] + b[3] * s,
+    ]
 }
 
 /// `a - s b` of four numbers.
 #[inline(always)]
 pub(crate) fn minus(a: Lanes, b: Lanes, s: f64) -> Lanes {
-    [a[0] - b[0] * s, a[1] - b[1] * s, a[2] - b[2] * s, a[3] - b[3] * s]
+    [
+        a[0] - b[0] * s,
+        a[1] - b[1] * s,
+        a[2] - b[2] * s,
+        a[3] - b[3] * s,
+    ]
 }
 
 /// `s a` of four numbers.
@@ -104,7 +123,12 @@ pub(crate) fn add_scaled(a: &mut [Lanes], b: &[Lanes], s: f64) {
 ///
 /// `term` gives for each of `count` terms where the row starts, and the factor.
 #[inline(always)]
-pub(crate) fn combine(out: &mut [Lanes], rows: &[Lanes], count: usize, term: impl Fn(usize) -> (usize, f64)) {
+pub(crate) fn combine(
+    out: &mut [Lanes],
+    rows: &[Lanes],
+    count: usize,
+    term: impl Fn(usize) -> (usize, f64),
+) {
     for (chunk, out) in out.chunks_mut(4).enumerate() {
         let group = 4 * chunk;
         match out.len() {
@@ -141,9 +165,16 @@ fn sum_of_rows<const G: usize>(
 #[inline(always)]
 pub(crate) fn set(vector: &mut [Lanes], i: usize, x: f64) {
     const ALL: u64 = u64::MAX;
-    const LANES: [[u64; 4]; 4] = [[ALL, 0, 0, 0], [0, ALL, 0, 0], [0, 0, ALL, 0], [0, 0, 0, ALL]];
+    const LANES: [[u64; 4]; 4] = [
+        [ALL, 0, 0, 0],
+        [0, ALL, 0, 0],
+        [0, 0, ALL, 0],
+        [0, 0, 0, ALL],
+    ];
     let (four, lane) = (&mut vector[i / 4], &LANES[i % 4]);
-    *four = std::array::from_fn(|k| f64::from_bits((x.to_bits() & lane[k]) | (four[k].to_bits() & !lane[k])));
+    *four = std::array::from_fn(|k| {
+        f64::from_bits((x.to_bits() & lane[k]) | (four[k].to_bits() & !lane[k]))
+    });
 }
 
 /// Copies numbers to the front of a vector.
@@ -160,8 +191,9 @@ mod tests {
     #[test]
     fn rows_are_combined_and_elements_set() {
         for groups in 1..=9 {
-            let rows: Vec<Lanes> =
-                (0..3 * groups).map(|i| std::array::from_fn(|k| (4 * i + k) as f64 * 0.1)).collect();
+            let rows: Vec<Lanes> = (0..3 * groups)
+                .map(|i| std::array::from_fn(|k| (4 * i + k) as f64 * 0.1))
+                .collect();
             let terms = [(0, 0.3), (2 * groups, -0.7)];
             let mut expected = vec![[0.0; 4]; groups];
             for (start, factor) in terms {
@@ -192,7 +224,11 @@ mod tests {
         assert_eq!(dot(&padded[..2], &padded, 11), four);
         let columns: Vec<usize> = (0..11).collect();
         assert_eq!(dot_sparse(&x, &columns, &x), four + p(8) + p(9) + p(10));
-        assert_ne!(expected, four + p(8) + p(9) + p(10), "the two products differ");
+        assert_ne!(
+            expected,
+            four + p(8) + p(9) + p(10),
+            "the two products differ"
+        );
         assert_eq!(dot_slices(&x[..3], &x[..3]), p(0) + p(1) + p(2));
     }
 }

@@ -120,7 +120,12 @@ fn factor_chunks<const C: usize, const N: usize>(
 /// Makes a row that of the factors, once those below are, and returns the inverse of its diagonal. What is behind the end of a
 /// row changes too.
 #[inline(always)]
-fn eliminate<const C: usize>(plan: &Plan, matrix: &mut [[Lanes; C]], per_row: usize, k: usize) -> f64 {
+fn eliminate<const C: usize>(
+    plan: &Plan,
+    matrix: &mut [[Lanes; C]],
+    per_row: usize,
+    k: usize,
+) -> f64 {
     let (above, row) = matrix.split_at_mut(k * per_row);
     let row = &mut row[..per_row];
     let columns = &plan.m_colind[plan.m_ancestors(k)];
@@ -157,7 +162,13 @@ pub(crate) fn solve(m: &Model, factors: &[f64], diag_inv: &[f64], x: &mut [f64])
 
 /// The same for the degrees of freedom of one tree: MuJoCo's `mj_solveLD`.
 #[inline(never)]
-pub(crate) fn solve_tree(m: &Model, factors: &[f64], diag_inv: &[f64], tree: &Range<usize>, x: &mut [f64]) {
+pub(crate) fn solve_tree(
+    m: &Model,
+    factors: &[f64],
+    diag_inv: &[f64],
+    tree: &Range<usize>,
+    x: &mut [f64],
+) {
     let plan = m.plan();
     let diag_inv = &diag_inv[tree.clone()];
     for i in (1..x.len()).rev() {
@@ -234,7 +245,10 @@ mod tests {
             )
         };
         let chain = (0..length).map(body).collect::<String>() + &"</body>".repeat(length);
-        Model::from_xml(&format!("<mujoco><worldbody>{chain}{chain}</worldbody></mujoco>")).unwrap()
+        Model::from_xml(&format!(
+            "<mujoco><worldbody>{chain}{chain}</worldbody></mujoco>"
+        ))
+        .unwrap()
     }
 
     #[test]
@@ -252,17 +266,31 @@ mod tests {
             mul_m(&m, &d, &x, &mut solved);
             for (i, row) in full_m(&m, &d).chunks(m.nv()).enumerate() {
                 let product: f64 = row.iter().zip(&x).map(|(a, b)| a * b).sum();
-                assert!((product - solved[i]).abs() < 1e-9 * product.abs().max(1.0), "{length} {i}");
+                assert!(
+                    (product - solved[i]).abs() < 1e-9 * product.abs().max(1.0),
+                    "{length} {i}"
+                );
             }
             solve_m(&m, &d, &mut solved);
             // with damping, the same for the matrix that Euler's method uses
             let mut damped: Vec<f64> = x.clone();
             multiply(&m, &d.qm, &x, &mut damped);
-            damped.iter_mut().zip(&x).for_each(|(y, x)| *y += m.opt.timestep * x);
+            damped
+                .iter_mut()
+                .zip(&x)
+                .for_each(|(y, x)| *y += m.opt.timestep * x);
             solve(&m, &d.work.qh, &d.work.qh_diag_inv, &mut damped);
             for (i, &x) in x.iter().enumerate() {
-                assert!((solved[i] - x).abs() < 1e-4 * x, "{length} {i}: {}", solved[i]);
-                assert!((damped[i] - x).abs() < 1e-4 * x, "{length} {i}: {}", damped[i]);
+                assert!(
+                    (solved[i] - x).abs() < 1e-4 * x,
+                    "{length} {i}: {}",
+                    solved[i]
+                );
+                assert!(
+                    (damped[i] - x).abs() < 1e-4 * x,
+                    "{length} {i}: {}",
+                    damped[i]
+                );
             }
         }
     }

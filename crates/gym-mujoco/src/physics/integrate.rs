@@ -16,8 +16,11 @@ pub fn integrate_pos(m: &Model, qpos: &mut [f64], qvel: &[f64], dt: f64) {
                 qpos[p + k] += dt * qvel[v + k];
             }
             let q = &mut qpos[p + 3..p + 7];
-            let turned =
-                quat_integrate([q[0], q[1], q[2], q[3]], [qvel[v + 3], qvel[v + 4], qvel[v + 5]], dt);
+            let turned = quat_integrate(
+                [q[0], q[1], q[2], q[3]],
+                [qvel[v + 3], qvel[v + 4], qvel[v + 5]],
+                dt,
+            );
             q.copy_from_slice(&turned);
         } else {
             qpos[p] += dt * qvel[v];

@@ -14,14 +14,22 @@ pub fn kinematics(m: &Model, d: &mut Data) {
     // slices of one length: an index is checked once for all of them
     let n = m.nbody();
     let parents = &m.body_parentid[..n];
-    let (body_pos, body_quat, body_ipos, body_iquat) =
-        (&m.body_pos[..n], &m.body_quat[..n], &m.body_ipos[..n], &m.body_iquat[..n]);
+    let (body_pos, body_quat, body_ipos, body_iquat) = (
+        &m.body_pos[..n],
+        &m.body_quat[..n],
+        &m.body_ipos[..n],
+        &m.body_iquat[..n],
+    );
     let (placed, inertias) = (&m.plan().bodies[..n], &m.plan().inertias[..n]);
     let (xpos, xquat, xmat) = (&mut d.xpos[..n], &mut d.xquat[..n], &mut d.xmat[..n]);
     let (xipos, ximat) = (&mut d.xipos[..n], &mut d.ximat[..n]);
     let njnt = m.njnt();
-    let (types, axes, origins, addresses) =
-        (&m.jnt_type[..njnt], &m.jnt_axis[..njnt], &m.jnt_pos[..njnt], &m.jnt_qposadr[..njnt]);
+    let (types, axes, origins, addresses) = (
+        &m.jnt_type[..njnt],
+        &m.jnt_axis[..njnt],
+        &m.jnt_pos[..njnt],
+        &m.jnt_qposadr[..njnt],
+    );
     let (xaxis, xanchor) = (&mut d.xaxis[..njnt], &mut d.xanchor[..njnt]);
     let (anchored, nq) = (&m.plan().anchored[..njnt], m.nq());
     let (qpos, qpos0) = (&d.qpos[..nq], &m.qpos0[..nq]);
@@ -40,11 +48,19 @@ pub fn kinematics(m: &Model, d: &mut Data) {
             (pos, quat) = (body_pos[b], body_quat[b]);
             if parent > 0 {
                 pos = add(rotate(&xmat[parent], pos), xpos[parent]);
-                quat = if placed[b].turned { mul_quat(xquat[parent], quat) } else { xquat[parent] };
+                quat = if placed[b].turned {
+                    mul_quat(xquat[parent], quat)
+                } else {
+                    xquat[parent]
+                };
             }
             for j in joints {
                 let axis = rotate_quat(axes[j], quat);
-                let anchor = if anchored[j] { add(rotate_quat(origins[j], quat), pos) } else { pos };
+                let anchor = if anchored[j] {
+                    add(rotate_quat(origins[j], quat), pos)
+                } else {
+                    pos
+                };
                 let moved = qpos[addresses[j]] - qpos0[addresses[j]];
                 match types[j] {
                     JointType::Slide => pos = add_scaled(pos, axis, moved),
@@ -60,7 +76,14 @@ pub fn kinematics(m: &Model, d: &mut Data) {
         }
         quat = normalize_quat(quat);
         (xpos[b], xquat[b], xmat[b]) = (pos, quat, quat_to_mat(quat));
-        (xipos[b], ximat[b]) = local_to_global(pos, quat, &xmat[b], inertias[b], body_ipos[b], body_iquat[b]);
+        (xipos[b], ximat[b]) = local_to_global(
+            pos,
+            quat,
+            &xmat[b],
+            inertias[b],
+            body_ipos[b],
+            body_iquat[b],
+        );
     }
     let n = m.ngeom();
     let (bodies, placed) = (&m.geom_bodyid[..n], &m.plan().geoms[..n]);
@@ -69,15 +92,26 @@ pub fn kinematics(m: &Model, d: &mut Data) {
         let b = bodies[g];
         (geom_xpos[g], geom_xmat[g]) = match placed[g] {
             None => (xipos[b], ximat[b]),
-            Some(placed) => {
-                local_to_global(xpos[b], xquat[b], &xmat[b], placed, m.geom_pos[g], m.geom_quat[g])
-            }
+            Some(placed) => local_to_global(
+                xpos[b],
+                xquat[b],
+                &xmat[b],
+                placed,
+                m.geom_pos[g],
+                m.geom_quat[g],
+            ),
         };
     }
     for (s, &placed) in m.plan().sites.iter().enumerate() {
         let b = m.site_bodyid[s];
-        (d.site_xpos[s], d.site_xmat[s]) =
-            local_to_global(xpos[b], xquat[b], &xmat[b], placed, m.site_pos[s], m.site_quat[s]);
+        (d.site_xpos[s], d.site_xmat[s]) = local_to_global(
+            xpos[b],
+            xquat[b],
+            &xmat[b],
+            placed,
+            m.site_pos[s],
+            m.site_quat[s],
+        );
     }
 }
 
@@ -92,7 +126,15 @@ fn local_to_global(
     quat: Quat,
 ) -> (Vec3, Mat3) {
     (
-        if placed.moved { add(rotate(xmat, pos), xpos) } else { xpos },
-        if placed.turned { quat_to_mat(mul_quat(xquat, quat)) } else { *xmat },
+        if placed.moved {
+            add(rotate(xmat, pos), xpos)
+        } else {
+            xpos
+        },
+        if placed.turned {
+            quat_to_mat(mul_quat(xquat, quat))
+        } else {
+            *xmat
+        },
     )
 }

@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use super::spatial::{
-    add, cross, dot, normalize_quat, rotate, rotate_back, rotation, scale, sub, sub_quat, translation,
-    velocity_at,
+    add, cross, dot, normalize_quat, rotate, rotate_back, rotation, scale, sub, sub_quat,
+    translation, velocity_at,
 };
 use crate::model::JointType;
 use crate::{Data, Model};
@@ -51,7 +51,10 @@ fn fluid(m: &Model, d: &mut Data) {
         let mat = &d.ximat[b];
         let offset = sub(d.xipos[b], d.subtree_com[m.body_rootid[b]]);
         let w = rotate_back(mat, rotation(&d.cvel[b]));
-        let v = sub(rotate_back(mat, velocity_at(&d.cvel[b], offset)), rotate_back(mat, m.opt.wind));
+        let v = sub(
+            rotate_back(mat, velocity_at(&d.cvel[b], offset)),
+            rotate_back(mat, m.opt.wind),
+        );
 
         let (mut torque, mut force) = ([0.0; 3], [0.0; 3]);
         if viscosity > 0.0 {
@@ -63,7 +66,8 @@ fn fluid(m: &Model, d: &mut Data) {
             for (k, [i, j]) in [[1, 2], [0, 2], [0, 1]].into_iter().enumerate() {
                 let (a, c) = (edges[i], edges[j]);
                 force[k] -= 0.5 * density * a * c * v[k].abs() * v[k];
-                torque[k] -= density * edges[k] * (a * a * a * a + c * c * c * c) * w[k].abs() * w[k] / 64.0;
+                torque[k] -=
+                    density * edges[k] * (a * a * a * a + c * c * c * c) * w[k].abs() * w[k] / 64.0;
             }
         }
         let (torque, force) = (rotate(mat, torque), rotate(mat, force));

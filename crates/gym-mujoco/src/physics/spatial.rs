@@ -44,7 +44,11 @@ pub(crate) fn dot(a: Vec3, b: Vec3) -> f64 {
 
 #[inline]
 pub(crate) fn cross(a: Vec3, b: Vec3) -> Vec3 {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    [
+        a[1] * b[2] - a[2] * b[1],
+        a[2] * b[0] - a[0] * b[2],
+        a[0] * b[1] - a[1] * b[0],
+    ]
 }
 
 #[inline]
@@ -56,7 +60,11 @@ pub(crate) fn norm(a: Vec3) -> f64 {
 #[inline]
 pub(crate) fn normalize(a: Vec3) -> (Vec3, f64) {
     let length = norm(a);
-    if length < MINVAL { ([1.0, 0.0, 0.0], length) } else { (scale(a, 1.0 / length), length) }
+    if length < MINVAL {
+        ([1.0, 0.0, 0.0], length)
+    } else {
+        (scale(a, 1.0 / length), length)
+    }
 }
 
 /// Column `k` of a matrix.
@@ -179,7 +187,14 @@ pub(crate) fn translation(v: &Vec6) -> Vec3 {
 
 #[inline]
 pub(crate) fn join(rotation: Vec3, translation: Vec3) -> Vec6 {
-    [rotation[0], rotation[1], rotation[2], translation[0], translation[1], translation[2]]
+    [
+        rotation[0],
+        rotation[1],
+        rotation[2],
+        translation[0],
+        translation[1],
+        translation[2],
+    ]
 }
 
 /// The product of two vectors, in the order of [`dense::dot`](super::dense::dot).
@@ -200,14 +215,20 @@ pub(crate) fn add_to(a: &mut Vec6, b: &Vec6, s: f64) {
 #[inline]
 pub(crate) fn cross_motion(v: &Vec6, s: &Vec6) -> Vec6 {
     let w = rotation(v);
-    join(cross(w, rotation(s)), add(cross(w, translation(s)), cross(translation(v), rotation(s))))
+    join(
+        cross(w, rotation(s)),
+        add(cross(w, translation(s)), cross(translation(v), rotation(s))),
+    )
 }
 
 /// Cross product of a motion and a force: MuJoCo's `mju_crossForce`.
 #[inline]
 pub(crate) fn cross_force(v: &Vec6, f: &Vec6) -> Vec6 {
     let w = rotation(v);
-    join(add(cross(w, rotation(f)), cross(translation(v), translation(f))), cross(w, translation(f)))
+    join(
+        add(cross(w, rotation(f)), cross(translation(v), translation(f))),
+        cross(w, translation(f)),
+    )
 }
 
 /// The force that gives an inertia the motion `v`: MuJoCo's `mju_mulInertVec`.

@@ -17,7 +17,11 @@ pub fn com_vel(m: &Model, d: &mut Data) {
                 for k in i + 3..i + 6 {
                     d.cdof_dot[k] = cross_motion(&vel, &d.cdof[k]);
                 }
-                add_to(&mut vel, &along(&d.cdof[i + 3..i + 6], &d.qvel[i + 3..i + 6]), 1.0);
+                add_to(
+                    &mut vel,
+                    &along(&d.cdof[i + 3..i + 6], &d.qvel[i + 3..i + 6]),
+                    1.0,
+                );
             } else {
                 d.cdof_dot[i] = cross_motion(&vel, &d.cdof[i]);
                 add_to(&mut vel, &d.cdof[i], d.qvel[i]);

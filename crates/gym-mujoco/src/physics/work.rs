@@ -49,7 +49,16 @@ pub(crate) struct Work {
 
 fn sizes(m: &Model) -> [usize; 8] {
     let plan = m.plan();
-    [m.nq(), m.nv(), m.nu(), m.nbody(), m.njnt(), m.ngeom(), m.nsite(), plan.m_colind.len()]
+    [
+        m.nq(),
+        m.nv(),
+        m.nu(),
+        m.nbody(),
+        m.njnt(),
+        m.ngeom(),
+        m.nsite(),
+        plan.m_colind.len(),
+    ]
 }
 
 impl Work {
@@ -57,7 +66,11 @@ impl Work {
         let nv = m.nv();
         let bounds = m.plan().bounds();
         let trees = m.ntree();
-        let deep = m.plan().pairs.iter().any(|pair| pair.kind == (GeomType::Capsule, GeomType::Cylinder));
+        let deep = m
+            .plan()
+            .pairs
+            .iter()
+            .any(|pair| pair.kind == (GeomType::Capsule, GeomType::Cylinder));
         Self {
             tree_island: Vec::with_capacity(trees),
             tree_least: Vec::with_capacity(trees),
@@ -74,7 +87,11 @@ impl Work {
             body_force: vec![[0.0; 6]; m.nbody()],
             dofs: vec![[0.0; 4]; dense::groups(nv)],
             fluid: vec![0.0; nv],
-            polytope: if deep { Polytope::new() } else { Polytope::default() },
+            polytope: if deep {
+                Polytope::new()
+            } else {
+                Polytope::default()
+            },
             qh: vec![0.0; m.plan().m_colind.len()],
             qh_diag_inv: vec![0.0; nv],
             acc_sum: vec![0.0; nv],

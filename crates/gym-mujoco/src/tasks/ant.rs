@@ -131,7 +131,8 @@ impl Task {
 
     fn is_healthy(&self, data: &Data) -> bool {
         let Range { low, high } = self.config.healthy_z_range;
-        data.qpos.iter().chain(&data.qvel).all(|x| x.is_finite()) && (low..=high).contains(&data.qpos[2])
+        data.qpos.iter().chain(&data.qvel).all(|x| x.is_finite())
+            && (low..=high).contains(&data.qpos[2])
     }
 }
 
@@ -156,11 +157,21 @@ impl env::Task for Task {
         };
         let (observed_forces, forces_cost) = match version {
             5.. => (config.include_cfrc_ext_in_observation.then_some(1), true),
-            4 => (config.use_contact_forces.then_some(0), config.use_contact_forces),
+            4 => (
+                config.use_contact_forces.then_some(0),
+                config.use_contact_forces,
+            ),
             _ => (Some(0), true),
         };
         let cost = ControlCost::new(config.ctrl_cost_weight, version);
-        Ok(Self { config: config.clone(), cost, version, main_body, observed_forces, forces_cost })
+        Ok(Self {
+            config: config.clone(),
+            cost,
+            version,
+            main_body,
+            observed_forces,
+            forces_cost,
+        })
     }
 
     fn start(&self, simulation: &Simulation, data: &mut Data, rng: &mut Generator) {
@@ -194,18 +205,44 @@ impl env::Task for Task {
             forward - ctrl - contact + survive
         };
         let terminated = !healthy && config.terminate_when_unhealthy;
-        (Step { position, velocity, forward, ctrl, contact, survive }, reward, terminated)
+        (
+            Step {
+                position,
+                velocity,
+                forward,
+                ctrl,
+                contact,
+                survive,
+            },
+            reward,
+            terminated,
+        )
     }
 
     fn observe(&self, _simulation: &Simulation, data: &Data) -> impl Iterator<Item = f64> {
-        let skip = if self.config.exclude_current_positions_from_observation { 2 } else { 0 };
+        let skip = if self.config.exclude_current_positions_from_observation {
+            2
+        } else {
+            0
+        };
         let first = self.observed_forces.unwrap_or(data.cfrc_ext.len());
         let forces = data.cfrc_ext[first..].as_flattened().iter();
         let clipped = forces.map(|force| self.config.contact_force_range.clip(*force));
-        data.qpos.iter().skip(skip).chain(&data.qvel).copied().chain(clipped)
+        data.qpos
+            .iter()
+            .skip(skip)
+            .chain(&data.qvel)
+            .copied()
+            .chain(clipped)
     }
 
-    fn info(&self, _: &Simulation, data: &Data, step: Option<&Step>, visit: &mut dyn FnMut(&str, f64)) {
+    fn info(
+        &self,
+        _: &Simulation,
+        data: &Data,
+        step: Option<&Step>,
+        visit: &mut dyn FnMut(&str, f64),
+    ) {
         let position = match (self.version, step) {
             (5.., _) => Some([data.qpos[0], data.qpos[1]]),
             (3 | 4, Some(step)) => Some(step.position),
@@ -227,7 +264,14 @@ impl env::Task for Task {
         }
         if self.version == 4 {
             // Gymnasium's name for either cost
-            visit("reward_ctrl", if self.forces_cost { -step.contact } else { -step.ctrl });
+            visit(
+                "reward_ctrl",
+                if self.forces_cost {
+                    -step.contact
+                } else {
+                    -step.ctrl
+                },
+            );
         } else {
             visit("reward_ctrl", -step.ctrl);
             visit("reward_contact", -step.contact);
@@ -252,5 +296,10 @@ gym_core::register!(
         "contact forces are always 0 in this version, as in Gymnasium's"
     )]),
     ant("Ant-v4"),
-    ant("Ant-v5").clip(Clip { seeds: 0..2, every: 2, frames: 40, size: (200, 200) }),
+    ant("Ant-v5").clip(Clip {
+        seeds: 0..2,
+        every: 2,
+        frames: 40,
+        size: (200, 200)
+    }),
 );

@@ -9,7 +9,9 @@ use crate::view::CameraConfig;
 const LONGEST_SKIP: usize = 1000;
 
 /// The arguments of a task.
-pub trait TaskArguments: Arguments + Clone + PartialEq + std::fmt::Debug + Send + Sync + 'static {
+pub trait TaskArguments:
+    Arguments + Clone + PartialEq + std::fmt::Debug + Send + Sync + 'static
+{
     /// Their default values in a version.
     fn defaults(version: u32) -> Self {
         let _ = version;
@@ -57,8 +59,17 @@ gym_core::arguments! {
 
 impl Common {
     /// The default values: a model, a frame skip, a camera.
-    pub(super) fn new(xml_file: &str, frame_skip: usize, default_camera_config: CameraConfig) -> Self {
-        Self { xml_file: xml_file.to_owned(), frame_skip, default_camera_config, ..Self::default() }
+    pub(super) fn new(
+        xml_file: &str,
+        frame_skip: usize,
+        default_camera_config: CameraConfig,
+    ) -> Self {
+        Self {
+            xml_file: xml_file.to_owned(),
+            frame_skip,
+            default_camera_config,
+            ..Self::default()
+        }
     }
 
     pub(super) fn check(&self) -> Result<()> {
@@ -67,14 +78,21 @@ impl Common {
             return Err(Error::argument("frame_skip", reason));
         }
         if self.width == 0 || self.height == 0 || self.width > 16_384 || self.height > 16_384 {
-            return Err(Error::argument("width and height", "must lie between 1 and 16384 pixels"));
+            return Err(Error::argument(
+                "width and height",
+                "must lie between 1 and 16384 pixels",
+            ));
         }
         if self.camera_id.is_some() && self.camera_name.is_some() {
-            return Err(Error::argument("camera_id", "does not go with camera_name: give one of them"));
+            return Err(Error::argument(
+                "camera_id",
+                "does not go with camera_name: give one of them",
+            ));
         }
         if let Some(options) = &self.visual_options
-            && let Some((flag, value)) =
-                options.iter().find(|(flag, value)| flag.parse::<u32>().is_err() || !value.is_boolean())
+            && let Some((flag, value)) = options
+                .iter()
+                .find(|(flag, value)| flag.parse::<u32>().is_err() || !value.is_boolean())
         {
             return Err(Error::argument(
                 "visual_options",

@@ -16,7 +16,10 @@ pub(super) struct ControlCost {
 
 impl ControlCost {
     pub(super) fn new(weight: f64, version: u32) -> Self {
-        Self { weight, single: version >= 4 }
+        Self {
+            weight,
+            single: version >= 4,
+        }
     }
 
     pub(super) fn of(self, action: &Array) -> f64 {
@@ -25,6 +28,10 @@ impl ControlCost {
         let Some(sum) = sum.filter(|sum| sum.is_finite()) else {
             return self.weight * numpy::sum_of_squares(action.len(), |i| action.data().get_f64(i));
         };
-        if self.single { f64::from(self.weight as f32 * sum) } else { self.weight * f64::from(sum) }
+        if self.single {
+            f64::from(self.weight as f32 * sum)
+        } else {
+            self.weight * f64::from(sum)
+        }
     }
 }

@@ -33,7 +33,12 @@ pub trait Task: Clone + fmt::Debug + Send + Sync + Sized + 'static {
     fn start(&self, simulation: &Simulation, data: &mut Data, rng: &mut Generator);
 
     /// Takes a step by an action of any precision, and returns the measurements, the reward, and whether the episode ends.
-    fn step(&self, simulation: &Simulation, data: &mut Data, action: &Array) -> (Self::Step, f64, bool);
+    fn step(
+        &self,
+        simulation: &Simulation,
+        data: &mut Data,
+        action: &Array,
+    ) -> (Self::Step, f64, bool);
 
     /// The numbers of the observation.
     fn observe(&self, simulation: &Simulation, data: &Data) -> impl Iterator<Item = f64>;
@@ -95,14 +100,16 @@ impl<T: Task> MujocoEnv<T> {
     /// The errors of `new`; [`Error::InvalidArgument`] for a version below 2.
     pub fn with_version(config: T::Config, version: u32) -> Result<Self> {
         if version < 2 {
-            let reason =
-                format!("version {version} does not exist: set 2 to {NEWEST} with `Registration::version`");
+            let reason = format!(
+                "version {version} does not exist: set 2 to {NEWEST} with `Registration::version`"
+            );
             return Err(Error::argument("version", reason));
         }
         let version = version.min(NEWEST);
         let arguments = serde_json::to_value(&config).unwrap_or_default();
-        if let Some(scale) =
-            arguments["reset_noise_scale"].as_f64().filter(|scale| scale.abs() > LARGEST_NOISE)
+        if let Some(scale) = arguments["reset_noise_scale"]
+            .as_f64()
+            .filter(|scale| scale.abs() > LARGEST_NOISE)
         {
             let reason = format!(
                 "{scale:e} is not within ±{LARGEST_NOISE:e}: MuJoCo's numbers lie within ±{MAXVAL:e}"
@@ -129,13 +136,21 @@ impl<T: Task> MujocoEnv<T> {
     }
 
     fn observe(&self, observation: &mut Array) -> Result<()> {
-        let Some(episode) = &self.episode else { return Err(Error::ResetNeeded("step")) };
-        let fits = observation.as_slice::<f64>().is_some() && observation.shape() == [self.observations];
+        let Some(episode) = &self.episode else {
+            return Err(Error::ResetNeeded("step"));
+        };
+        let fits =
+            observation.as_slice::<f64>().is_some() && observation.shape() == [self.observations];
         if !fits {
             *observation = Array::from(vec![0.0; self.observations]);
         }
         let seen = self.task.observe(&self.simulation, &episode.data);
-        for (to, from) in observation.as_mut_slice::<f64>().unwrap_or_default().iter_mut().zip(seen) {
+        for (to, from) in observation
+            .as_mut_slice::<f64>()
+            .unwrap_or_default()
+            .iter_mut()
+            .zip(seen)
+        {
             *to = from;
         }
         Ok(())
@@ -152,17 +167,27 @@ impl<T: Task> Simulated for MujocoEnv<T> {
     }
 
     fn set_state(&mut self, qpos: &[f64], qvel: &[f64]) -> Result<()> {
-        let Self { simulation, episode, .. } = self;
-        let Some(episode) = episode else { return Err(Error::ResetNeeded("set_state")) };
-        for (name, numbers, needed) in
-            [("qpos", qpos, simulation.model.nq()), ("qvel", qvel, simulation.model.nv())]
-        {
+        let Self {
+            simulation,
+            episode,
+            ..
+        } = self;
+        let Some(episode) = episode else {
+            return Err(Error::ResetNeeded("set_state"));
+        };
+        for (name, numbers, needed) in [
+            ("qpos", qpos, simulation.model.nq()),
+            ("qvel", qvel, simulation.model.nv()),
+        ] {
             if numbers.len() != needed {
                 let reason = format!("the model has {needed} numbers, not {}", numbers.len());
                 return Err(Error::argument(name, reason));
             }
             if let Some(x) = numbers.iter().find(|x| x.is_nan() || x.abs() > MAXVAL) {
-                return Err(Error::argument(name, format!("{x} is not within ±{MAXVAL:e}")));
+                return Err(Error::argument(
+                    name,
+                    format!("{x} is not within ±{MAXVAL:e}"),
+                ));
             }
         }
         episode.data.qpos.copy_from_slice(qpos);
@@ -195,24 +220,36 @@ impl<T: Task> Env for MujocoEnv<T> {
                 (episode.rng, episode.step) = (rng, None);
                 episode
             }
-            None => Box::new(Episode { rng, step: None, data: Data::new(&self.simulation.model) }),
+            None => Box::new(Episode {
+                rng,
+                step: None,
+                data: Data::new(&self.simulation.model),
+            }),
         };
         episode.data.reset(&self.simulation.model);
-        self.task.start(&self.simulation, &mut episode.data, &mut episode.rng);
+        self.task
+            .start(&self.simulation, &mut episode.data, &mut episode.rng);
         self.simulation.start(&mut episode.data);
         self.episode = Some(episode);
         self.observe(observation)
     }
 
     fn step_into(&mut self, action: &Array, observation: &mut Array) -> Result<Outcome> {
-        let Some(episode) = &mut self.episode else { return Err(Error::ResetNeeded("step")) };
+        let Some(episode) = &mut self.episode else {
+            return Err(Error::ResetNeeded("step"));
+        };
         if action.shape() != [self.simulation.model.nu()] || !action.is_finite() {
             return Err(self.action_space.refuse_action(action));
         }
-        let (step, reward, terminated) = self.task.step(&self.simulation, &mut episode.data, action);
+        let (step, reward, terminated) =
+            self.task.step(&self.simulation, &mut episode.data, action);
         episode.step = Some(step);
         self.observe(observation)?;
-        Ok(Outcome { reward, terminated, truncated: false })
+        Ok(Outcome {
+            reward,
+            terminated,
+            truncated: false,
+        })
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
@@ -233,10 +270,19 @@ impl<T: Task> Env for MujocoEnv<T> {
     fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
         let Some(episode) = &self.episode else { return };
         let Episode { data, step, .. } = &**episode;
-        self.task.info(&self.simulation, data, step.as_ref(), &mut |name, x| visit(name, Value::Float(x)));
+        self.task
+            .info(&self.simulation, data, step.as_ref(), &mut |name, x| {
+                visit(name, Value::Float(x))
+            });
         if self.task.tells_tendons() {
-            visit("tendon_length", Value::Array(data.ten_length.clone().into()));
-            visit("tendon_velocity", Value::Array(data.ten_velocity.clone().into()));
+            visit(
+                "tendon_length",
+                Value::Array(data.ten_length.clone().into()),
+            );
+            visit(
+                "tendon_velocity",
+                Value::Array(data.ten_velocity.clone().into()),
+            );
         }
     }
 
@@ -246,9 +292,21 @@ impl<T: Task> Env for MujocoEnv<T> {
     }
 
     fn draw(&self, canvas: &mut dyn Canvas) {
-        let Self { simulation, episode: Some(episode), .. } = self else { return };
+        let Self {
+            simulation,
+            episode: Some(episode),
+            ..
+        } = self
+        else {
+            return;
+        };
         let common = self.arguments.1.common();
-        simulation.view.draw(&simulation.model, &episode.data, (common.width, common.height), canvas);
+        simulation.view.draw(
+            &simulation.model,
+            &episode.data,
+            (common.width, common.height),
+            canvas,
+        );
     }
 
     fn generator(&mut self) -> Option<&mut Generator> {

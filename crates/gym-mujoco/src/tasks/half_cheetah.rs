@@ -78,7 +78,11 @@ impl env::Task for Task {
 
     fn new(config: &Config, version: u32, simulation: &Simulation) -> Result<Self> {
         simulation.needs("positions", simulation.model.nq(), 1)?;
-        Ok(Self { config: config.clone(), cost: ControlCost::new(config.ctrl_cost_weight, version), version })
+        Ok(Self {
+            config: config.clone(),
+            cost: ControlCost::new(config.ctrl_cost_weight, version),
+            version,
+        })
     }
 
     fn start(&self, simulation: &Simulation, data: &mut Data, rng: &mut Generator) {
@@ -93,7 +97,15 @@ impl env::Task for Task {
         let x_velocity = (data.qpos[0] - before) / simulation.dt;
         let forward = self.config.forward_reward_weight * x_velocity;
         let ctrl = self.cost.of(action);
-        (Step { x_velocity, forward, ctrl }, forward - ctrl, false)
+        (
+            Step {
+                x_velocity,
+                forward,
+                ctrl,
+            },
+            forward - ctrl,
+            false,
+        )
     }
 
     fn observe(&self, _simulation: &Simulation, data: &Data) -> impl Iterator<Item = f64> {
@@ -101,7 +113,13 @@ impl env::Task for Task {
         data.qpos.iter().skip(skip).chain(&data.qvel).copied()
     }
 
-    fn info(&self, _: &Simulation, data: &Data, step: Option<&Step>, visit: &mut dyn FnMut(&str, f64)) {
+    fn info(
+        &self,
+        _: &Simulation,
+        data: &Data,
+        step: Option<&Step>,
+        visit: &mut dyn FnMut(&str, f64),
+    ) {
         if self.version >= 3 && (self.version >= 5 || step.is_some()) {
             visit("x_position", data.qpos[0]);
         }
@@ -109,7 +127,14 @@ impl env::Task for Task {
         if self.version >= 3 {
             visit("x_velocity", step.x_velocity);
         }
-        visit(if self.version >= 5 { "reward_forward" } else { "reward_run" }, step.forward);
+        visit(
+            if self.version >= 5 {
+                "reward_forward"
+            } else {
+                "reward_run"
+            },
+            step.forward,
+        );
         visit("reward_ctrl", -step.ctrl);
     }
 }
@@ -128,6 +153,13 @@ gym_core::register!(
     half_cheetah("HalfCheetah-v3"),
     half_cheetah("HalfCheetah-v4"),
     half_cheetah("HalfCheetah-v5")
-        .policy(Policy::network(include_str!("../../policies/half-cheetah.json")))
-        .clip(Clip { seeds: 0..2, every: 2, frames: 60, size: (240, 240) }),
+        .policy(Policy::network(include_str!(
+            "../../policies/half-cheetah.json"
+        )))
+        .clip(Clip {
+            seeds: 0..2,
+            every: 2,
+            frames: 60,
+            size: (240, 240)
+        }),
 );

@@ -102,10 +102,12 @@ gym_core::register!(
     hopper("Hopper-v2"),
     hopper("Hopper-v3"),
     hopper("Hopper-v4"),
-    hopper("Hopper-v5").policy(Policy::network(include_str!("../../policies/hopper.json"))).clip(Clip {
-        seeds: 0..2,
-        every: 3,
-        frames: 40,
-        size: (240, 240)
-    }),
+    hopper("Hopper-v5")
+        .policy(Policy::network(include_str!("../../policies/hopper.json")))
+        .clip(Clip {
+            seeds: 0..2,
+            every: 3,
+            frames: 40,
+            size: (240, 240)
+        }),
 );

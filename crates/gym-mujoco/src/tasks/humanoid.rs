@@ -93,9 +93,17 @@ impl Observed {
     /// The numbers. Before version 5 the world's body and the root joint's torques, all zeros, are among them.
     pub(super) fn numbers(self, version: u32, data: &Data) -> impl Iterator<Item = f64> {
         let (world, root) = if version >= 5 { (1, 6) } else { (0, 0) };
-        let skip = if self.exclude_current_positions_from_observation { 2 } else { 0 };
+        let skip = if self.exclude_current_positions_from_observation {
+            2
+        } else {
+            0
+        };
         let part = |included: bool, numbers: &'_ [f64], first: usize| {
-            let first = if included { first.min(numbers.len()) } else { numbers.len() };
+            let first = if included {
+                first.min(numbers.len())
+            } else {
+                numbers.len()
+            };
             first..numbers.len()
         };
         let inertias = data.cinert.as_flattened();
@@ -141,7 +149,13 @@ impl Task {
     /// The centre of mass in x and y, as of the last forward call.
     fn mass_center(&self, simulation: &Simulation, data: &Data) -> [f64; 2] {
         let masses = &simulation.model.body_mass;
-        let moment = |k: usize| masses.iter().zip(&data.xipos).map(|(mass, pos)| mass * pos[k]).sum::<f64>();
+        let moment = |k: usize| {
+            masses
+                .iter()
+                .zip(&data.xipos)
+                .map(|(mass, pos)| mass * pos[k])
+                .sum::<f64>()
+        };
         [moment(0) / self.total_mass, moment(1) / self.total_mass]
     }
 }
@@ -152,7 +166,11 @@ impl env::Task for Task {
 
     fn new(config: &Config, version: u32, simulation: &Simulation) -> Result<Self> {
         simulation.needs("positions", simulation.model.nq(), 3)?;
-        Ok(Self { config: config.clone(), version, total_mass: sum(&simulation.model.body_mass) })
+        Ok(Self {
+            config: config.clone(),
+            version,
+            total_mass: sum(&simulation.model.body_mass),
+        })
     }
 
     fn start(&self, simulation: &Simulation, data: &mut Data, rng: &mut Generator) {
@@ -191,14 +209,31 @@ impl env::Task for Task {
             forward - ctrl - contact + survive
         };
         let terminated = !healthy && config.terminate_when_unhealthy;
-        (Step { position, velocity, forward, ctrl, contact, survive }, reward, terminated)
+        (
+            Step {
+                position,
+                velocity,
+                forward,
+                ctrl,
+                contact,
+                survive,
+            },
+            reward,
+            terminated,
+        )
     }
 
     fn observe(&self, _simulation: &Simulation, data: &Data) -> impl Iterator<Item = f64> {
         self.config.observed.numbers(self.version, data)
     }
 
-    fn info(&self, _: &Simulation, data: &Data, step: Option<&Step>, visit: &mut dyn FnMut(&str, f64)) {
+    fn info(
+        &self,
+        _: &Simulation,
+        data: &Data,
+        step: Option<&Step>,
+        visit: &mut dyn FnMut(&str, f64),
+    ) {
         let position = match (self.version, step) {
             (5.., _) => Some([data.qpos[0], data.qpos[1]]),
             (3 | 4, Some(step)) => Some(step.position),
@@ -239,7 +274,9 @@ impl env::Task for Task {
 
 /// The registration that all versions share.
 const fn humanoid(id: &'static str) -> Registration {
-    Registration::new::<Humanoid>(id).description("Walk along x, upright.").max_episode_steps(1000)
+    Registration::new::<Humanoid>(id)
+        .description("Walk along x, upright.")
+        .max_episode_steps(1000)
 }
 
 #[cfg(not(test))]
@@ -250,5 +287,10 @@ gym_core::register!(
         "contact forces are always 0 in this version, as in Gymnasium's"
     )]),
     humanoid("Humanoid-v4"),
-    humanoid("Humanoid-v5").clip(Clip { seeds: 0..2, every: 2, frames: 30, size: (240, 240) }),
+    humanoid("Humanoid-v5").clip(Clip {
+        seeds: 0..2,
+        every: 2,
+        frames: 30,
+        size: (240, 240)
+    }),
 );

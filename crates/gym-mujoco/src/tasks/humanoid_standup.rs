@@ -85,7 +85,10 @@ impl env::Task for Task {
 
     fn new(config: &Config, version: u32, simulation: &Simulation) -> Result<Self> {
         simulation.needs("positions", simulation.model.nq(), 3)?;
-        Ok(Self { config: config.clone(), version })
+        Ok(Self {
+            config: config.clone(),
+            version,
+        })
     }
 
     fn start(&self, simulation: &Simulation, data: &mut Data, rng: &mut Generator) {
@@ -118,7 +121,10 @@ impl env::Task for Task {
         if self.version >= 5 {
             visit("x_position", data.qpos[0]);
             visit("y_position", data.qpos[1]);
-            visit("z_distance_from_origin", data.qpos[2] - simulation.model.qpos0[2]);
+            visit(
+                "z_distance_from_origin",
+                data.qpos[2] - simulation.model.qpos0[2],
+            );
         }
         if let Some(step) = step {
             visit("reward_linup", step.up);
@@ -144,6 +150,14 @@ gym_core::register!(
     humanoid_standup("HumanoidStandup-v2"),
     humanoid_standup("HumanoidStandup-v4"),
     humanoid_standup("HumanoidStandup-v5")
-        .exceptions(&[("arguments-matter.uph_cost_weight", "it has no effect, as in Gymnasium")])
-        .clip(Clip { seeds: 0..2, every: 3, frames: 40, size: (200, 200) }),
+        .exceptions(&[(
+            "arguments-matter.uph_cost_weight",
+            "it has no effect, as in Gymnasium"
+        )])
+        .clip(Clip {
+            seeds: 0..2,
+            every: 3,
+            frames: 40,
+            size: (200, 200)
+        }),
 );

@@ -72,7 +72,10 @@ impl env::Task for Task {
     fn new(config: &Config, version: u32, simulation: &Simulation) -> Result<Self> {
         simulation.needs("degrees of freedom", simulation.model.nv(), 3)?;
         simulation.needs("sites", simulation.model.nsite(), 1)?;
-        Ok(Self { config: config.clone(), version })
+        Ok(Self {
+            config: config.clone(),
+            version,
+        })
     }
 
     fn start(&self, simulation: &Simulation, data: &mut Data, rng: &mut Generator) {
@@ -91,11 +94,23 @@ impl env::Task for Task {
         let velocity = 1e-3 * square(v1) + 5e-3 * square(v2);
         let alive = self.version < 5 || !terminated;
         let survive = self.config.healthy_reward * f64::from(alive);
-        (Step { survive, distance, velocity }, survive - distance - velocity, terminated)
+        (
+            Step {
+                survive,
+                distance,
+                velocity,
+            },
+            survive - distance - velocity,
+            terminated,
+        )
     }
 
     fn observe(&self, _simulation: &Simulation, data: &Data) -> impl Iterator<Item = f64> {
-        let forces = if self.version >= 5 { 1 } else { data.qfrc_constraint.len() };
+        let forces = if self.version >= 5 {
+            1
+        } else {
+            data.qfrc_constraint.len()
+        };
         let angles = &data.qpos[1..];
         let clipped = data.qvel.iter().chain(&data.qfrc_constraint[..forces]);
         data.qpos[..1]
@@ -106,7 +121,13 @@ impl env::Task for Task {
             .chain(clipped.map(|x| x.clamp(-LIMIT, LIMIT)))
     }
 
-    fn info(&self, _: &Simulation, _: &Data, step: Option<&Step>, visit: &mut dyn FnMut(&str, f64)) {
+    fn info(
+        &self,
+        _: &Simulation,
+        _: &Data,
+        step: Option<&Step>,
+        visit: &mut dyn FnMut(&str, f64),
+    ) {
         if let Some(step) = step
             && self.version >= 5
         {
@@ -130,6 +151,13 @@ gym_core::register!(
     inverted_double_pendulum("InvertedDoublePendulum-v2"),
     inverted_double_pendulum("InvertedDoublePendulum-v4"),
     inverted_double_pendulum("InvertedDoublePendulum-v5")
-        .policy(Policy::network(include_str!("../../policies/inverted-double-pendulum.json")))
-        .clip(Clip { seeds: 0..2, every: 1, frames: 40, size: (240, 240) }),
+        .policy(Policy::network(include_str!(
+            "../../policies/inverted-double-pendulum.json"
+        )))
+        .clip(Clip {
+            seeds: 0..2,
+            every: 1,
+            frames: 40,
+            size: (240, 240)
+        }),
 );

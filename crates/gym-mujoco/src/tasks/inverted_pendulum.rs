@@ -66,7 +66,10 @@ impl env::Task for Task {
 
     fn new(config: &Config, version: u32, simulation: &Simulation) -> Result<Self> {
         simulation.needs("positions", simulation.model.nq(), 2)?;
-        Ok(Self { config: config.clone(), version })
+        Ok(Self {
+            config: config.clone(),
+            version,
+        })
     }
 
     fn start(&self, simulation: &Simulation, data: &mut Data, rng: &mut Generator) {
@@ -80,14 +83,24 @@ impl env::Task for Task {
         let finite = data.qpos.iter().chain(&data.qvel).all(|x| x.is_finite());
         let terminated = !finite || data.qpos[1].abs() > MAX_ANGLE;
         let survive = f64::from(!terminated);
-        (Step { survive }, if self.version >= 5 { survive } else { 1.0 }, terminated)
+        (
+            Step { survive },
+            if self.version >= 5 { survive } else { 1.0 },
+            terminated,
+        )
     }
 
     fn observe(&self, _simulation: &Simulation, data: &Data) -> impl Iterator<Item = f64> {
         data.qpos.iter().chain(&data.qvel).copied()
     }
 
-    fn info(&self, _: &Simulation, _: &Data, step: Option<&Step>, visit: &mut dyn FnMut(&str, f64)) {
+    fn info(
+        &self,
+        _: &Simulation,
+        _: &Data,
+        step: Option<&Step>,
+        visit: &mut dyn FnMut(&str, f64),
+    ) {
         if let Some(step) = step
             && self.version >= 5
         {
@@ -109,6 +122,13 @@ gym_core::register!(
     inverted_pendulum("InvertedPendulum-v2"),
     inverted_pendulum("InvertedPendulum-v4"),
     inverted_pendulum("InvertedPendulum-v5")
-        .policy(Policy::network(include_str!("../../policies/inverted-pendulum.json")))
-        .clip(Clip { seeds: 0..2, every: 1, frames: 40, size: (240, 240) }),
+        .policy(Policy::network(include_str!(
+            "../../policies/inverted-pendulum.json"
+        )))
+        .clip(Clip {
+            seeds: 0..2,
+            every: 1,
+            frames: 40,
+            size: (240, 240)
+        }),
 );

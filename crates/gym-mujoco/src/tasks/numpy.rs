@@ -18,7 +18,10 @@ pub(super) fn sum(numbers: &[f64]) -> f64 {
 }
 
 /// numpy's pairwise summation: eight lanes, in halves beyond 128 numbers.
-fn pairwise<T: Copy + Default + Add<Output = T>>(term: &impl Fn(usize) -> T, range: Range<usize>) -> T {
+fn pairwise<T: Copy + Default + Add<Output = T>>(
+    term: &impl Fn(usize) -> T,
+    range: Range<usize>,
+) -> T {
     const LANES: usize = 8;
     const BLOCK: usize = 128;
     let (start, n) = (range.start, range.len());

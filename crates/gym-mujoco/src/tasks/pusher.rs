@@ -89,7 +89,10 @@ impl Task {
     fn distances(&self, data: &Data) -> (f64, f64) {
         let object = data.xpos[self.object];
         let to = |body: usize| {
-            norm(self.version, &std::array::from_fn::<f64, 3, _>(|k| object[k] - data.xpos[body][k]))
+            norm(
+                self.version,
+                &std::array::from_fn::<f64, 3, _>(|k| object[k] - data.xpos[body][k]),
+            )
         };
         (to(self.tips), to(self.goal))
     }
@@ -104,7 +107,14 @@ impl env::Task for Task {
         simulation.needs("degrees of freedom", simulation.model.nv(), ARM + 4)?;
         let [tips, object, goal] = ["tips_arm", "object", "goal"].map(|name| simulation.body(name));
         let cost = ControlCost::new(config.reward_control_weight, version);
-        Ok(Self { config: config.clone(), cost, version, tips: tips?, object: object?, goal: goal? })
+        Ok(Self {
+            config: config.clone(),
+            cost,
+            version,
+            tips: tips?,
+            object: object?,
+            goal: goal?,
+        })
     }
 
     fn start(&self, _simulation: &Simulation, data: &mut Data, rng: &mut Generator) {
@@ -125,22 +135,47 @@ impl env::Task for Task {
     fn step(&self, simulation: &Simulation, data: &mut Data, action: &Array) -> (Step, f64, bool) {
         let before = self.distances(data);
         simulation.step(data, action);
-        let (near, distance) = if self.version >= 5 { self.distances(data) } else { before };
-        let (near, distance) =
-            (near * self.config.reward_near_weight, distance * self.config.reward_dist_weight);
+        let (near, distance) = if self.version >= 5 {
+            self.distances(data)
+        } else {
+            before
+        };
+        let (near, distance) = (
+            near * self.config.reward_near_weight,
+            distance * self.config.reward_dist_weight,
+        );
         let ctrl = self.cost.of(action);
         let reward = -distance - ctrl - near;
         // before version 5 `info` has the cost without its weight
-        let told = if self.version >= 5 { ctrl } else { ControlCost::new(1.0, self.version).of(action) };
-        (Step { near, distance, ctrl: told }, reward, false)
+        let told = if self.version >= 5 {
+            ctrl
+        } else {
+            ControlCost::new(1.0, self.version).of(action)
+        };
+        (
+            Step {
+                near,
+                distance,
+                ctrl: told,
+            },
+            reward,
+            false,
+        )
     }
 
     fn observe(&self, _simulation: &Simulation, data: &Data) -> impl Iterator<Item = f64> {
         let bodies = [self.tips, self.object, self.goal].map(|body| data.xpos[body]);
-        (data.qpos[..ARM].iter().chain(&data.qvel[..ARM]).copied()).chain(bodies.into_iter().flatten())
+        (data.qpos[..ARM].iter().chain(&data.qvel[..ARM]).copied())
+            .chain(bodies.into_iter().flatten())
     }
 
-    fn info(&self, _: &Simulation, _: &Data, step: Option<&Step>, visit: &mut dyn FnMut(&str, f64)) {
+    fn info(
+        &self,
+        _: &Simulation,
+        _: &Data,
+        step: Option<&Step>,
+        visit: &mut dyn FnMut(&str, f64),
+    ) {
         let Some(step) = step else { return };
         visit("reward_dist", -step.distance);
         visit("reward_ctrl", -step.ctrl);
@@ -162,5 +197,10 @@ const fn pusher(id: &'static str) -> Registration {
 gym_core::register!(
     pusher("Pusher-v2"),
     pusher("Pusher-v4"),
-    pusher("Pusher-v5").clip(Clip { seeds: 0..2, every: 2, frames: 60, size: (240, 240) }),
+    pusher("Pusher-v5").clip(Clip {
+        seeds: 0..2,
+        every: 2,
+        frames: 60,
+        size: (240, 240)
+    }),
 );

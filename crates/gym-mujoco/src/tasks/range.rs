@@ -46,7 +46,10 @@ impl Serialize for Range {
 impl<'de> Deserialize<'de> for Range {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let [low, high]: [Option<f64>; 2] = Deserialize::deserialize(deserializer)?;
-        let range = Self::new(low.unwrap_or(f64::NEG_INFINITY), high.unwrap_or(f64::INFINITY));
+        let range = Self::new(
+            low.unwrap_or(f64::NEG_INFINITY),
+            high.unwrap_or(f64::INFINITY),
+        );
         if range.low > range.high {
             return Err(serde::de::Error::custom(format!(
                 "the range {} to {} is empty",

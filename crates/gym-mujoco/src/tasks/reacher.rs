@@ -88,7 +88,13 @@ impl env::Task for Task {
         simulation.needs("degrees of freedom", simulation.model.nv(), 2)?;
         let (fingertip, target) = (simulation.body("fingertip")?, simulation.body("target")?);
         let cost = ControlCost::new(config.reward_control_weight, version);
-        Ok(Self { config: config.clone(), cost, version, fingertip, target })
+        Ok(Self {
+            config: config.clone(),
+            cost,
+            version,
+            fingertip,
+            target,
+        })
     }
 
     fn start(&self, simulation: &Simulation, data: &mut Data, rng: &mut Generator) {
@@ -109,7 +115,11 @@ impl env::Task for Task {
     fn step(&self, simulation: &Simulation, data: &mut Data, action: &Array) -> (Step, f64, bool) {
         let before = norm(self.version, &self.offset(data));
         simulation.step(data, action);
-        let measured = if self.version >= 5 { norm(self.version, &self.offset(data)) } else { before };
+        let measured = if self.version >= 5 {
+            norm(self.version, &self.offset(data))
+        } else {
+            before
+        };
         let distance = measured * self.config.reward_dist_weight;
         let ctrl = self.cost.of(action);
         (Step { distance, ctrl }, -distance - ctrl, false)
@@ -125,7 +135,13 @@ impl env::Task for Task {
             .chain(self.offset(data).into_iter().take(dimensions))
     }
 
-    fn info(&self, _: &Simulation, _: &Data, step: Option<&Step>, visit: &mut dyn FnMut(&str, f64)) {
+    fn info(
+        &self,
+        _: &Simulation,
+        _: &Data,
+        step: Option<&Step>,
+        visit: &mut dyn FnMut(&str, f64),
+    ) {
         if let Some(step) = step {
             visit("reward_dist", -step.distance);
             visit("reward_ctrl", -step.ctrl);
@@ -145,10 +161,12 @@ const fn reacher(id: &'static str) -> Registration {
 gym_core::register!(
     reacher("Reacher-v2"),
     reacher("Reacher-v4"),
-    reacher("Reacher-v5").policy(Policy::network(include_str!("../../policies/reacher.json"))).clip(Clip {
-        seeds: 0..2,
-        every: 2,
-        frames: 60,
-        size: (240, 240)
-    }),
+    reacher("Reacher-v5")
+        .policy(Policy::network(include_str!("../../policies/reacher.json")))
+        .clip(Clip {
+            seeds: 0..2,
+            every: 2,
+            frames: 60,
+            size: (240, 240)
+        }),
 );

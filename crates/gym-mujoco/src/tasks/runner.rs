@@ -55,7 +55,12 @@ pub struct Step {
 
 impl<C> Runner<C> {
     fn is_healthy(&self, data: &Data) -> bool {
-        let Settings { healthy_state_range, healthy_z_range, healthy_angle_range, .. } = &self.settings;
+        let Settings {
+            healthy_state_range,
+            healthy_z_range,
+            healthy_angle_range,
+            ..
+        } = &self.settings;
         let mut state = data.qpos[2..].iter().chain(&data.qvel);
         state.all(|x| healthy_state_range.contains_strictly(*x))
             && healthy_z_range.contains_strictly(data.qpos[1])
@@ -71,7 +76,12 @@ impl<C: RunnerArguments> env::Task for Runner<C> {
         simulation.needs("positions", simulation.model.nq(), 3)?;
         let settings = config.settings();
         let cost = ControlCost::new(settings.ctrl_cost_weight, version);
-        Ok(Self { settings, cost, version, arguments: PhantomData })
+        Ok(Self {
+            settings,
+            cost,
+            version,
+            arguments: PhantomData,
+        })
     }
 
     fn start(&self, simulation: &Simulation, data: &mut Data, rng: &mut Generator) {
@@ -92,12 +102,24 @@ impl<C: RunnerArguments> env::Task for Runner<C> {
         let survive = f64::from(paid) * settings.healthy_reward;
         let ctrl = self.cost.of(action);
         let terminated = !healthy && settings.terminate_when_unhealthy;
-        (Step { x_velocity, forward, ctrl, survive }, forward + survive - ctrl, terminated)
+        (
+            Step {
+                x_velocity,
+                forward,
+                ctrl,
+                survive,
+            },
+            forward + survive - ctrl,
+            terminated,
+        )
     }
 
     fn observe(&self, _simulation: &Simulation, data: &Data) -> impl Iterator<Item = f64> {
         let skip = usize::from(self.settings.exclude_positions);
-        let velocities = data.qvel.iter().map(|v| v.clamp(-VELOCITY_LIMIT, VELOCITY_LIMIT));
+        let velocities = data
+            .qvel
+            .iter()
+            .map(|v| v.clamp(-VELOCITY_LIMIT, VELOCITY_LIMIT));
         data.qpos.iter().skip(skip).copied().chain(velocities)
     }
 
@@ -110,7 +132,10 @@ impl<C: RunnerArguments> env::Task for Runner<C> {
     ) {
         if self.version >= 5 {
             visit("x_position", data.qpos[0]);
-            visit("z_distance_from_origin", data.qpos[1] - simulation.model.qpos0[1]);
+            visit(
+                "z_distance_from_origin",
+                data.qpos[1] - simulation.model.qpos0[1],
+            );
         }
         let Some(step) = step else { return };
         if matches!(self.version, 3 | 4) {

@@ -33,7 +33,14 @@ impl Simulation {
         let dt = model.opt.timestep * arguments.frame_skip as f64;
         let view = View::new(&model, arguments)?;
         let xml_file = arguments.xml_file.clone();
-        Ok(Self { model, xml_file, frame_skip: arguments.frame_skip, dt, view, contact_forces: version >= 4 })
+        Ok(Self {
+            model,
+            xml_file,
+            frame_skip: arguments.frame_skip,
+            dt,
+            view,
+            contact_forces: version >= 4,
+        })
     }
 
     /// The state at the start of an episode, from positions and velocities.
@@ -56,8 +63,13 @@ impl Simulation {
 
     /// The ranges of the controls.
     pub(super) fn action_space(&self) -> Result<Space> {
-        let bounds =
-            |k: usize| self.model.actuator_ctrlrange.iter().map(|range| range[k] as f32).collect::<Vec<_>>();
+        let bounds = |k: usize| {
+            self.model
+                .actuator_ctrlrange
+                .iter()
+                .map(|range| range[k] as f32)
+                .collect::<Vec<_>>()
+        };
         Ok(BoxSpace::new(bounds(0), bounds(1))?.into())
     }
 
@@ -153,7 +165,9 @@ pub fn load(xml_file: &str) -> Result<Arc<Model>> {
     match built_in.model.get() {
         Some(model) => Ok(Arc::clone(model)),
         None => {
-            let model = Model::from_xml(built_in.text).map(Arc::new).map_err(wrong)?;
+            let model = Model::from_xml(built_in.text)
+                .map(Arc::new)
+                .map_err(wrong)?;
             Ok(Arc::clone(built_in.model.get_or_init(|| model)))
         }
     }

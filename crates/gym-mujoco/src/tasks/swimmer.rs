@@ -79,7 +79,11 @@ impl env::Task for Task {
 
     fn new(config: &Config, version: u32, simulation: &Simulation) -> Result<Self> {
         simulation.needs("positions", simulation.model.nq(), 2)?;
-        Ok(Self { config: config.clone(), cost: ControlCost::new(config.ctrl_cost_weight, version), version })
+        Ok(Self {
+            config: config.clone(),
+            cost: ControlCost::new(config.ctrl_cost_weight, version),
+            version,
+        })
     }
 
     fn start(&self, simulation: &Simulation, data: &mut Data, rng: &mut Generator) {
@@ -94,15 +98,33 @@ impl env::Task for Task {
         let velocity = std::array::from_fn(|k| (data.qpos[k] - before[k]) / simulation.dt);
         let forward = self.config.forward_reward_weight * velocity[0];
         let ctrl = self.cost.of(action);
-        (Step { velocity, forward, ctrl }, forward - ctrl, false)
+        (
+            Step {
+                velocity,
+                forward,
+                ctrl,
+            },
+            forward - ctrl,
+            false,
+        )
     }
 
     fn observe(&self, _simulation: &Simulation, data: &Data) -> impl Iterator<Item = f64> {
-        let skip = if self.config.exclude_current_positions_from_observation { 2 } else { 0 };
+        let skip = if self.config.exclude_current_positions_from_observation {
+            2
+        } else {
+            0
+        };
         data.qpos.iter().skip(skip).chain(&data.qvel).copied()
     }
 
-    fn info(&self, _: &Simulation, data: &Data, step: Option<&Step>, visit: &mut dyn FnMut(&str, f64)) {
+    fn info(
+        &self,
+        _: &Simulation,
+        data: &Data,
+        step: Option<&Step>,
+        visit: &mut dyn FnMut(&str, f64),
+    ) {
         if self.version >= 5 || (self.version >= 3 && step.is_some()) {
             visit("x_position", data.qpos[0]);
             visit("y_position", data.qpos[1]);
@@ -113,7 +135,14 @@ impl env::Task for Task {
             visit("x_velocity", step.velocity[0]);
             visit("y_velocity", step.velocity[1]);
         }
-        visit(if self.version >= 5 { "reward_forward" } else { "reward_fwd" }, step.forward);
+        visit(
+            if self.version >= 5 {
+                "reward_forward"
+            } else {
+                "reward_fwd"
+            },
+            step.forward,
+        );
         if matches!(self.version, 3 | 4) {
             visit("forward_reward", step.forward);
         }
@@ -134,10 +163,12 @@ gym_core::register!(
     swimmer("Swimmer-v2"),
     swimmer("Swimmer-v3"),
     swimmer("Swimmer-v4"),
-    swimmer("Swimmer-v5").policy(Policy::network(include_str!("../../policies/swimmer.json"))).clip(Clip {
-        seeds: 0..2,
-        every: 3,
-        frames: 60,
-        size: (240, 240)
-    }),
+    swimmer("Swimmer-v5")
+        .policy(Policy::network(include_str!("../../policies/swimmer.json")))
+        .clip(Clip {
+            seeds: 0..2,
+            every: 3,
+            frames: 60,
+            size: (240, 240)
+        }),
 );

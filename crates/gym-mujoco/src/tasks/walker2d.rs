@@ -106,5 +106,10 @@ gym_core::register!(
     walker2d("Walker2d-v2"),
     walker2d("Walker2d-v3"),
     walker2d("Walker2d-v4"),
-    walker2d("Walker2d-v5").clip(Clip { seeds: 0..2, every: 3, frames: 40, size: (240, 240) }),
+    walker2d("Walker2d-v5").clip(Clip {
+        seeds: 0..2,
+        every: 3,
+        frames: 40,
+        size: (240, 240)
+    }),
 );

@@ -53,8 +53,13 @@ impl Camera {
         let ahead = [cos_e * cos_a, cos_e * sin_a, sin_e];
         let right = [sin_a, -cos_a, 0.0];
         let up = cross(right, ahead);
-        let axes = [right[0], up[0], -ahead[0], right[1], up[1], -ahead[1], right[2], up[2], -ahead[2]];
-        Self { focus: lookat, ..Self::new(add_scaled(lookat, ahead, -distance), &axes, fovy, size) }
+        let axes = [
+            right[0], up[0], -ahead[0], right[1], up[1], -ahead[1], right[2], up[2], -ahead[2],
+        ];
+        Self {
+            focus: lookat,
+            ..Self::new(add_scaled(lookat, ahead, -distance), &axes, fovy, size)
+        }
     }
 
     /// A camera that looks at a point, with the horizon level.
@@ -75,7 +80,10 @@ impl Camera {
     pub(super) fn project(&self, point: Vec3) -> Point {
         let to = sub(point, self.pos);
         let scale = self.focal / dot(to, self.ahead).max(NEAR);
-        [self.size[0] / 2.0 + dot(to, self.right) * scale, self.size[1] / 2.0 - dot(to, self.up) * scale]
+        [
+            self.size[0] / 2.0 + dot(to, self.right) * scale,
+            self.size[1] / 2.0 - dot(to, self.up) * scale,
+        ]
     }
 
     /// Direction in the picture, of length 1 or less, in which something points.
@@ -114,29 +122,49 @@ mod tests {
         (
             [0.3, -0.2, 0.5],
             [3.2, 90.0, -12.0],
-            [[214.0875, 149.2663], [147.33, 201.9499], [324.5585, 231.5445]],
+            [
+                [214.0875, 149.2663],
+                [147.33, 201.9499],
+                [324.5585, 231.5445],
+            ],
         ),
         (
             [0.0, 0.0, 1.15],
             [3.0, 60.0, -24.0],
-            [[251.656, 232.593], [165.3825, 290.5644], [328.5722, 268.1336]],
+            [
+                [251.656, 232.593],
+                [165.3825, 290.5644],
+                [328.5722, 268.1336],
+            ],
         ),
         (
             [0.1, 0.2, 0.3],
             [2.5, -112.0, -40.0],
-            [[226.3486, 102.449], [336.8054, 178.6512], [88.7772, 247.107]],
+            [
+                [226.3486, 102.449],
+                [336.8054, 178.6512],
+                [88.7772, 247.107],
+            ],
         ),
-        ([0.0, 0.0, 0.0], [0.92, 90.0, -90.0], [[437.5266, 180.0], [-61.7767, -1.066], [712.3461, 132.7654]]),
+        (
+            [0.0, 0.0, 0.0],
+            [0.92, 90.0, -90.0],
+            [[437.5266, 180.0], [-61.7767, -1.066], [712.3461, 132.7654]],
+        ),
     ];
 
     #[test]
     fn the_free_camera_sees_points_where_mujocos_does() {
         for (lookat, [distance, azimuth, elevation], expected) in SEEN {
             let camera = Camera::around(lookat, distance, azimuth, elevation, 45.0, [480.0, 360.0]);
-            for (point, expected) in [[0.1, 0.0, 0.7], [-0.5, 0.3, 0.2], [1.0, 0.1, 0.0]].iter().zip(expected)
+            for (point, expected) in [[0.1, 0.0, 0.7], [-0.5, 0.3, 0.2], [1.0, 0.1, 0.0]]
+                .iter()
+                .zip(expected)
             {
                 let seen = camera.project(*point);
-                let off = (seen[0] - expected[0]).abs().max((seen[1] - expected[1]).abs());
+                let off = (seen[0] - expected[0])
+                    .abs()
+                    .max((seen[1] - expected[1]).abs());
                 // its camera is float32
                 assert!(off < 2e-3, "{point:?}: {seen:?} for {expected:?}");
             }

@@ -21,7 +21,12 @@ const SHADOW: Color = Color::rgb(24, 34, 52).alpha(88);
 pub(super) fn blend(a: Color, b: Color, t: f64) -> Color {
     let t = t.clamp(0.0, 1.0);
     let mix = |a: u8, b: u8| (f64::from(a) + (f64::from(b) - f64::from(a)) * t).round() as u8;
-    Color { r: mix(a.r, b.r), g: mix(a.g, b.g), b: mix(a.b, b.b), a: a.a }
+    Color {
+        r: mix(a.r, b.r),
+        g: mix(a.g, b.g),
+        b: mix(a.b, b.b),
+        a: a.a,
+    }
 }
 
 /// Covers the picture with a sky that is bright at the horizon.
@@ -46,7 +51,13 @@ fn horizon(camera: &Camera) -> f64 {
 }
 
 /// The floor, as far as the eye reaches, with dark squares around the focus that fade into it.
-pub(super) fn draw(camera: &Camera, height: f64, rgba: [f64; 4], size: Vec3, canvas: &mut dyn Canvas) {
+pub(super) fn draw(
+    camera: &Camera,
+    height: f64,
+    rgba: [f64; 4],
+    size: Vec3,
+    canvas: &mut dyn Canvas,
+) {
     // so far away, squares have no width among the numbers
     const FARTHEST: f64 = 1e12;
     let visible = camera.pos[2] > height && camera.focus.iter().all(|x| x.abs() < FARTHEST);
@@ -61,7 +72,10 @@ pub(super) fn draw(camera: &Camera, height: f64, rgba: [f64; 4], size: Vec3, can
 
     // a small model stands on small squares
     let far = camera.pos[2] - height;
-    let square = [0.05, 0.1, 0.25, 0.5, 1.0, 2.0, 5.0].into_iter().find(|s| *s * 10.0 >= far).unwrap_or(10.0);
+    let square = [0.05, 0.1, 0.25, 0.5, 1.0, 2.0, 5.0]
+        .into_iter()
+        .find(|s| *s * 10.0 >= far)
+        .unwrap_or(10.0);
     let reach = square * SQUARES as f64;
     let center = [camera.focus[0], camera.focus[1]].map(|x| (x / square).floor() as i64);
     let corner = |i: i64, j: i64| [i as f64 * square, j as f64 * square, height];
@@ -77,7 +91,12 @@ pub(super) fn draw(camera: &Camera, height: f64, rgba: [f64; 4], size: Vec3, can
             if (i + j).rem_euclid(2) == 0 || away >= 1.0 || !inside {
                 continue;
             }
-            let corners = [corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)];
+            let corners = [
+                corner(i, j),
+                corner(i + 1, j),
+                corner(i + 1, j + 1),
+                corner(i, j + 1),
+            ];
             camera.project_polygon(&corners, &mut polygon);
             if polygon.len() >= 3 && on_screen(&polygon, camera.size) {
                 outline(&polygon, &mut rings[(away * away * RINGS as f64) as usize]);
@@ -86,7 +105,10 @@ pub(super) fn draw(camera: &Camera, height: f64, rgba: [f64; 4], size: Vec3, can
     }
     for (ring, squares) in rings.iter().enumerate() {
         if !squares.is_empty() {
-            canvas.fill(Shape::Path(squares), blend(dark, light, ring as f64 / RINGS as f64));
+            canvas.fill(
+                Shape::Path(squares),
+                blend(dark, light, ring as f64 / RINGS as f64),
+            );
         }
     }
 }
@@ -101,13 +123,20 @@ fn outline(polygon: &[Point], path: &mut Vec<Segment>) {
 }
 
 fn on_screen(polygon: &[Point], [width, height]: [f64; 2]) -> bool {
-    let inside =
-        |k: usize, end: f64| polygon.iter().any(|p| p[k] >= 0.0) && polygon.iter().any(|p| p[k] <= end);
+    let inside = |k: usize, end: f64| {
+        polygon.iter().any(|p| p[k] >= 0.0) && polygon.iter().any(|p| p[k] <= end)
+    };
     inside(0, width) && inside(1, height)
 }
 
 /// The shadows of all shapes under a light from straight above, in one shade.
-pub(super) fn shadows(camera: &Camera, model: &Model, data: &Data, height: f64, canvas: &mut dyn Canvas) {
+pub(super) fn shadows(
+    camera: &Camera,
+    model: &Model,
+    data: &Data,
+    height: f64,
+    canvas: &mut dyn Canvas,
+) {
     if camera.pos[2] <= height {
         return;
     }
@@ -117,12 +146,20 @@ pub(super) fn shadows(camera: &Camera, model: &Model, data: &Data, height: f64, 
     for g in 0..model.ngeom() {
         let [radius, half, _] = model.geom_size[g];
         let center = data.geom_xpos[g];
-        if model.geom_type[g] == GeomType::Plane || color_of(model, g).a < 128 || center[2] < height {
+        if model.geom_type[g] == GeomType::Plane || color_of(model, g).a < 128 || center[2] < height
+        {
             continue;
         }
         let axis = column(&data.geom_xmat[g], 2);
-        let half = if model.geom_type[g] == GeomType::Sphere { 0.0 } else { half };
-        let ends = [add_scaled(center, axis, half), add_scaled(center, axis, -half)];
+        let half = if model.geom_type[g] == GeomType::Sphere {
+            0.0
+        } else {
+            half
+        };
+        let ends = [
+            add_scaled(center, axis, half),
+            add_scaled(center, axis, -half),
+        ];
         // a capsule's shadow: a half circle around each end; a cylinder's is nearly that
         let along = sub(ends[0], ends[1]);
         let turn = libm::atan2(along[1], along[0]);

@@ -54,7 +54,10 @@ impl CameraConfig {
         elevation: f64,
         height: f64,
     ) -> Self {
-        Self { trackbodyid: Some(body), ..Self::at([0.0, 0.0, height], distance, azimuth, elevation) }
+        Self {
+            trackbodyid: Some(body),
+            ..Self::at([0.0, 0.0, height], distance, azimuth, elevation)
+        }
     }
 
     /// A camera that looks at a point.
@@ -121,10 +124,19 @@ impl View {
         com_pos(model, &mut data);
         let own = match (&arguments.camera_name, arguments.camera_id) {
             (Some(name), _) => Some(model.camera_id(name).ok_or_else(|| {
-                let names: Vec<&str> = model.names.camera.iter().flatten().map(|name| &**name).collect();
+                let names: Vec<&str> = model
+                    .names
+                    .camera
+                    .iter()
+                    .flatten()
+                    .map(|name| &**name)
+                    .collect();
                 Error::argument(
                     "camera_name",
-                    format!("there is no camera {name:?}: the cameras are {}", names.join(", ")),
+                    format!(
+                        "there is no camera {name:?}: the cameras are {}",
+                        names.join(", ")
+                    ),
                 )
             })?),
             (None, None | Some(-1)) => None,
@@ -143,7 +155,10 @@ impl View {
             Some(id) => Mount::Own(Own::new(model, &data, id)),
             None => free(model, &data, &arguments.default_camera_config)?,
         };
-        Ok(Self { mount, max_geom: arguments.max_geom })
+        Ok(Self {
+            mount,
+            max_geom: arguments.max_geom,
+        })
     }
 
     /// Turns the free camera by degrees and multiplies its distance.
@@ -167,13 +182,26 @@ impl View {
                 if let Some(body) = follows {
                     lookat = [data.xpos[*body][0], data.xpos[*body][1], lookat[2]];
                 }
-                Camera::around(lookat, config.distance, config.azimuth, config.elevation, FOVY, size)
+                Camera::around(
+                    lookat,
+                    config.distance,
+                    config.azimuth,
+                    config.elevation,
+                    FOVY,
+                    size,
+                )
             }
             Mount::Own(own) => own.camera(data, size),
         }
     }
 
-    pub(crate) fn draw(&self, model: &Model, data: &Data, size: (u32, u32), canvas: &mut dyn Canvas) {
+    pub(crate) fn draw(
+        &self,
+        model: &Model,
+        data: &Data,
+        size: (u32, u32),
+        canvas: &mut dyn Canvas,
+    ) {
         let camera = self.camera(data, size);
         let geoms = (0..model.ngeom()).take(self.max_geom);
         // the lowest plane is the floor; other planes are not shown
@@ -184,12 +212,23 @@ impl View {
         floor::sky(&camera, canvas);
         if let Some(g) = floor {
             let height = data.geom_xpos[g][2];
-            floor::draw(&camera, height, model.geom_rgba[g], model.geom_size[g], canvas);
+            floor::draw(
+                &camera,
+                height,
+                model.geom_rgba[g],
+                model.geom_size[g],
+                canvas,
+            );
             floor::shadows(&camera, model, data, height, canvas);
         }
         let mut solids: Vec<(f64, usize)> = geoms
             .filter(|g| model.geom_type[*g] != GeomType::Plane && color_of(model, *g).a > 0)
-            .map(|g| (camera.depth(data.geom_xpos[g]) - shapes::nearness(model, data, g, &camera), g))
+            .map(|g| {
+                (
+                    camera.depth(data.geom_xpos[g]) - shapes::nearness(model, data, g, &camera),
+                    g,
+                )
+            })
             .collect();
         solids.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         for (_, g) in solids {
@@ -218,7 +257,12 @@ fn color_of(model: &Model, g: usize) -> Color {
 
 fn rgba([r, g, b, a]: [f64; 4]) -> Color {
     let byte = |x: f64| (x.clamp(0.0, 1.0) * 255.0).round() as u8;
-    Color { r: byte(r), g: byte(g), b: byte(b), a: byte(a) }
+    Color {
+        r: byte(r),
+        g: byte(g),
+        b: byte(b),
+        a: byte(a),
+    }
 }
 
 /// The free camera, by default where MuJoCo's viewer puts it.
@@ -227,7 +271,12 @@ fn free(model: &Model, data: &Data, config: &CameraConfig) -> Result<Mount> {
     let follows = match config.trackbodyid {
         Some(id @ 1..) => match usize::try_from(id).ok().filter(|id| *id < model.nbody()) {
             Some(id) => Some(id),
-            None => return Err(wrong(&format!("trackbodyid {id}: the model has {} bodies", model.nbody()))),
+            None => {
+                return Err(wrong(&format!(
+                    "trackbodyid {id}: the model has {} bodies",
+                    model.nbody()
+                )));
+            }
         },
         _ => None,
     };
@@ -246,7 +295,9 @@ fn free(model: &Model, data: &Data, config: &CameraConfig) -> Result<Mount> {
     };
     let numbers = [config.distance, config.azimuth, config.elevation];
     if !numbers.iter().chain(&config.lookat).all(|x| x.is_finite()) || config.distance <= 0.0 {
-        return Err(wrong("the distance must be positive, and all numbers finite"));
+        return Err(wrong(
+            "the distance must be positive, and all numbers finite",
+        ));
     }
     Ok(Mount::Free { config, follows })
 }
@@ -272,11 +323,26 @@ impl Own {
         let body = self.body;
         let place = add(data.xpos[body], rotate(&data.xmat[body], self.pos));
         match self.mode {
-            1 => Camera::new(add(data.xpos[body], self.from_body), &self.mat0, self.fovy, size),
-            2 => Camera::new(add(data.subtree_com[body], self.from_com), &self.mat0, self.fovy, size),
+            1 => Camera::new(
+                add(data.xpos[body], self.from_body),
+                &self.mat0,
+                self.fovy,
+                size,
+            ),
+            2 => Camera::new(
+                add(data.subtree_com[body], self.from_com),
+                &self.mat0,
+                self.fovy,
+                size,
+            ),
             3 => Camera::towards(place, data.xpos[self.target], self.fovy, size),
             4 => Camera::towards(place, data.subtree_com[self.target], self.fovy, size),
-            _ => Camera::new(place, &quat_to_mat(mul_quat(data.xquat[body], self.quat)), self.fovy, size),
+            _ => Camera::new(
+                place,
+                &quat_to_mat(mul_quat(data.xquat[body], self.quat)),
+                self.fovy,
+                size,
+            ),
         }
     }
 }

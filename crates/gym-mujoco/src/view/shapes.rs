@@ -38,7 +38,10 @@ pub(super) fn draw(
     let [radius, half, _] = model.geom_size[g];
     let center = data.geom_xpos[g];
     let axis = column(&data.geom_xmat[g], 2);
-    let ends = [add_scaled(center, axis, half), add_scaled(center, axis, -half)];
+    let ends = [
+        add_scaled(center, axis, half),
+        add_scaled(center, axis, -half),
+    ];
     match model.geom_type[g] {
         GeomType::Plane => {}
         GeomType::Sphere => round(camera, [center; 2], radius, color, canvas),
@@ -48,7 +51,13 @@ pub(super) fn draw(
 }
 
 /// Draws a small ball, such as a site.
-pub(super) fn marker(camera: &Camera, center: Vec3, radius: f64, color: Color, canvas: &mut dyn Canvas) {
+pub(super) fn marker(
+    camera: &Camera,
+    center: Vec3,
+    radius: f64,
+    color: Color,
+    canvas: &mut dyn Canvas,
+) {
     if color.a > 0 {
         round(camera, [center; 2], radius, color, canvas);
     }
@@ -62,15 +71,26 @@ fn round(camera: &Camera, ends: [Vec3; 2], radius: f64, color: Color, canvas: &m
     let light = camera.flat(LIGHT);
     let centers = ends.map(|end| camera.project(end));
     let radii = ends.map(|end| camera.pixels(radius, end));
-    let (dark, bright) = (blend(color, Color::rgb(16, 18, 34), 0.52), blend(color, Color::WHITE, 0.22));
+    let (dark, bright) = (
+        blend(color, Color::rgb(16, 18, 34), 0.52),
+        blend(color, Color::WHITE, 0.22),
+    );
     // a line around it sets it off from what is behind
-    outline(centers, radii.map(|r| r + 0.6), blend(dark, Color::BLACK, 0.35), canvas);
+    outline(
+        centers,
+        radii.map(|r| r + 0.6),
+        blend(dark, Color::BLACK, 0.35),
+        canvas,
+    );
     for layer in 0..LAYERS {
         let t = layer as f64 / (LAYERS - 1) as f64;
         let shrink = 1.0 - 0.86 * t;
         let shift = 0.46 * t;
         let moved: [Point; 2] = std::array::from_fn(|i| {
-            [centers[i][0] + light[0] * radii[i] * shift, centers[i][1] + light[1] * radii[i] * shift]
+            [
+                centers[i][0] + light[0] * radii[i] * shift,
+                centers[i][1] + light[1] * radii[i] * shift,
+            ]
         });
         let shade = if t < 0.6 {
             blend(dark, color, (t / 0.6).sqrt())
@@ -92,7 +112,10 @@ fn outline([a, b]: [Point; 2], [ra, rb]: [f64; 2], color: Color, canvas: &mut dy
     }
     // the hull leaves each circle where its tangents touch
     let turn = libm::atan2(along[1], along[0]);
-    let slope = libm::atan2((ra - rb) / distance, (1.0 - ((ra - rb) / distance).powi(2)).max(0.0).sqrt());
+    let slope = libm::atan2(
+        (ra - rb) / distance,
+        (1.0 - ((ra - rb) / distance).powi(2)).max(0.0).sqrt(),
+    );
     let quarter = std::f64::consts::FRAC_PI_2;
     let points: [Point; 2 * ARC] = std::array::from_fn(|i| {
         let (center, radius, from, to) = if i < ARC {

@@ -5,7 +5,9 @@ use gym_mujoco::simulated;
 
 /// The newest version of each task.
 fn tasks() -> Vec<String> {
-    let ids = registry::all().into_iter().map(|entry| entry.id().to_owned());
+    let ids = registry::all()
+        .into_iter()
+        .map(|entry| entry.id().to_owned());
     let tasks: Vec<String> = ids.filter(|id| id.ends_with("-v5")).collect();
     assert_eq!(tasks.len(), 11, "{tasks:?}");
     tasks
@@ -14,7 +16,12 @@ fn tasks() -> Vec<String> {
 /// The task, in episodes that continue after a fall if the task allows it.
 fn unending(id: &str) -> BoxEnv {
     let plain = builder(id).max_episode_steps(500);
-    plain.clone().arg("terminate_when_unhealthy", false).build().or_else(|_| plain.build()).unwrap()
+    plain
+        .clone()
+        .arg("terminate_when_unhealthy", false)
+        .build()
+        .or_else(|_| plain.build())
+        .unwrap()
 }
 
 /// Draws from -1 to 1.
@@ -22,7 +29,10 @@ struct Random(u64);
 
 impl Random {
     fn next(&mut self) -> f32 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 40) as f32 / (1_u32 << 23) as f32 - 1.0
     }
 
@@ -51,11 +61,20 @@ enum Plan {
     Rest,
 }
 
-const PLANS: [Plan; 7] =
-    [Plan::BangBang, Plan::Alternating, Plan::Twist, Plan::Pump, Plan::Beyond, Plan::Utmost, Plan::Rest];
+const PLANS: [Plan; 7] = [
+    Plan::BangBang,
+    Plan::Alternating,
+    Plan::Twist,
+    Plan::Pump,
+    Plan::Beyond,
+    Plan::Utmost,
+    Plan::Rest,
+];
 
 fn act(plan: Plan, env: &BoxEnv, most: f32, step: usize, random: &mut Random, action: &mut [f32]) {
-    let velocities = simulated(env).and_then(|env| env.data()).map(|data| &data.qvel);
+    let velocities = simulated(env)
+        .and_then(|env| env.data())
+        .map(|data| &data.qvel);
     let n = action.len();
     for (i, a) in action.iter_mut().enumerate() {
         let draw = random.next();
@@ -65,7 +84,8 @@ fn act(plan: Plan, env: &BoxEnv, most: f32, step: usize, random: &mut Random, ac
             Plan::Twist => [most, -most][i % 2],
             Plan::Pump => {
                 // the last velocities are those of the joints with motors, nearly everywhere
-                let speed = velocities.and_then(|qvel| qvel.get((qvel.len() + i).saturating_sub(n)));
+                let speed =
+                    velocities.and_then(|qvel| qvel.get((qvel.len() + i).saturating_sub(n)));
                 most.copysign(speed.copied().unwrap_or_default() as f32)
             }
             Plan::Beyond => draw * 1e6,
@@ -81,7 +101,9 @@ fn adversarial_actions_leave_every_number_finite() {
     let steps: usize = std::env::var("GYM_SOAK_STEPS").map_or(3_000, |n| n.parse().unwrap());
     for id in tasks() {
         let mut env = unending(&id);
-        let Space::Box(space) = env.action_space() else { panic!("{id}") };
+        let Space::Box(space) = env.action_space() else {
+            panic!("{id}")
+        };
         let most = space.high().iter_f64().fold(0.0, f64::max) as f32;
         let mut action = vec![0.0f32; space.shape()[0]];
         let (mut random, mut plan, mut until) = (Random(11), Plan::Rest, 0);
@@ -93,15 +115,26 @@ fn adversarial_actions_leave_every_number_finite() {
                 until = step + 1 + random.below(120) as usize;
             }
             act(plan, &env, most, step, &mut random, &mut action);
-            let taken = env.step(&Value::Array(Array::from(action.clone()))).unwrap();
+            let taken = env
+                .step(&Value::Array(Array::from(action.clone())))
+                .unwrap();
             let what = || format!("{id}, step {step}, {plan:?}");
             let seen = taken.observation.as_slice::<f64>().unwrap();
             assert!(seen.iter().all(|x| x.is_finite()), "{}: {seen:?}", what());
             // a sum of squares in float32 overflows, as Gymnasium's does
             let costly = matches!(plan, Plan::Utmost);
-            assert!(taken.reward.is_finite() || (costly && taken.reward == f64::NEG_INFINITY), "{}", what());
+            assert!(
+                taken.reward.is_finite() || (costly && taken.reward == f64::NEG_INFINITY),
+                "{}",
+                what()
+            );
             let data = simulated(&env).and_then(|env| env.data()).unwrap();
-            let numbers = data.qpos.iter().chain(&data.qvel).chain(&data.qacc).chain(&data.qfrc_constraint);
+            let numbers = data
+                .qpos
+                .iter()
+                .chain(&data.qvel)
+                .chain(&data.qacc)
+                .chain(&data.qfrc_constraint);
             for x in numbers.chain(data.cfrc_ext.iter().flatten()) {
                 assert!(x.is_finite(), "{}", what());
             }
@@ -109,7 +142,8 @@ fn adversarial_actions_leave_every_number_finite() {
             // wherever it got to, it can be stored
             if step % 499 == 0 {
                 let mut twin = unending(&id);
-                twin.restore(&env.snapshot().unwrap()).unwrap_or_else(|error| panic!("{}: {error}", what()));
+                twin.restore(&env.snapshot().unwrap())
+                    .unwrap_or_else(|error| panic!("{}: {error}", what()));
             }
             if taken.done() {
                 episodes += 1;

@@ -22,14 +22,22 @@ fn root(prime: u128, power: u32) -> u128 {
     let goal = prime << (32 * power);
     (0..40).rev().fold(0, |x: u128, bit| {
         let next = x | 1 << bit;
-        if next.checked_pow(power).is_some_and(|p| p <= goal) { next } else { x }
+        if next.checked_pow(power).is_some_and(|p| p <= goal) {
+            next
+        } else {
+            x
+        }
     })
 }
 
 impl Sha256 {
     fn new() -> Self {
         let state = std::array::from_fn(|n| root_of_prime(n, |prime| root(prime, 2)));
-        Self { state, block: Vec::with_capacity(64), length: 0 }
+        Self {
+            state,
+            block: Vec::with_capacity(64),
+            length: 0,
+        }
     }
 
     fn put(&mut self, bytes: &[u8], constants: &[u32; 64]) {
@@ -52,13 +60,19 @@ impl Sha256 {
             let (a, b) = (w[i - 15], w[i - 2]);
             let s0 = a.rotate_right(7) ^ a.rotate_right(18) ^ (a >> 3);
             let s1 = b.rotate_right(17) ^ b.rotate_right(19) ^ (b >> 10);
-            w[i] = w[i - 16].wrapping_add(s0).wrapping_add(w[i - 7]).wrapping_add(s1);
+            w[i] = w[i - 16]
+                .wrapping_add(s0)
+                .wrapping_add(w[i - 7])
+                .wrapping_add(s1);
         }
         let [mut a, mut b, mut c, mut d, mut e, mut f, mut g, mut h] = self.state;
         for (w, constant) in w.iter().zip(constants) {
             let s1 = e.rotate_right(6) ^ e.rotate_right(11) ^ e.rotate_right(25);
-            let t1 =
-                h.wrapping_add(s1).wrapping_add((e & f) ^ (!e & g)).wrapping_add(*constant).wrapping_add(*w);
+            let t1 = h
+                .wrapping_add(s1)
+                .wrapping_add((e & f) ^ (!e & g))
+                .wrapping_add(*constant)
+                .wrapping_add(*w);
             let s0 = a.rotate_right(2) ^ a.rotate_right(13) ^ a.rotate_right(22);
             let t2 = s0.wrapping_add((a & b) ^ (a & c) ^ (b & c));
             (h, g, f, e, d, c, b, a) = (g, f, e, d.wrapping_add(t1), c, b, a, t1.wrapping_add(t2));
@@ -75,7 +89,10 @@ impl Sha256 {
             self.put(&[0], constants);
         }
         self.put(&length.to_be_bytes(), constants);
-        self.state.iter().map(|word| format!("{word:08x}")).collect()
+        self.state
+            .iter()
+            .map(|word| format!("{word:08x}"))
+            .collect()
     }
 }
 
@@ -88,7 +105,10 @@ fn the_digest_is_sha256() {
     let constants = constants();
     let mut sha = Sha256::new();
     sha.put(b"abc", &constants);
-    assert_eq!(sha.finish(&constants), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+    assert_eq!(
+        sha.finish(&constants),
+        "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad"
+    );
 }
 
 /// Plays with the actions that the space draws from a seed; a new episode starts where one ends.
@@ -97,7 +117,12 @@ fn digest(id: &str, seed: u64, steps: usize, constants: &[u32; 64]) -> (String, 
     let mut actions = env.action_sampler(seed).unwrap();
     let mut sha = Sha256::new();
     let mut put = |observation: &gym_core::Value, reward: f64, end: u8| {
-        for x in observation.as_slice::<f64>().unwrap().iter().chain(&[reward, f64::from(end)]) {
+        for x in observation
+            .as_slice::<f64>()
+            .unwrap()
+            .iter()
+            .chain(&[reward, f64::from(end)])
+        {
             sha.put(&x.to_le_bytes(), constants);
         }
     };
@@ -105,7 +130,11 @@ fn digest(id: &str, seed: u64, steps: usize, constants: &[u32; 64]) -> (String, 
     put(&env.reset(seed).unwrap(), 0.0, 0);
     for _ in 0..steps {
         let step = env.step(&actions.sample()).unwrap();
-        put(&step.observation, step.reward, u8::from(step.terminated) + 2 * u8::from(step.truncated));
+        put(
+            &step.observation,
+            step.reward,
+            u8::from(step.terminated) + 2 * u8::from(step.truncated),
+        );
         if step.done() {
             episodes += 1;
             put(&env.reset(()).unwrap(), 0.0, 0);

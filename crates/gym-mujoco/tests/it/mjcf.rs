@@ -4,7 +4,9 @@ use gym_mujoco::{Error, Model};
 
 /// A model with one line at fault, line 4.
 fn in_the_world(line: &str) -> String {
-    format!("<mujoco>\n<worldbody>\n<geom type=\"plane\" size=\"1 1 1\"/>\n{line}\n</worldbody>\n</mujoco>")
+    format!(
+        "<mujoco>\n<worldbody>\n<geom type=\"plane\" size=\"1 1 1\"/>\n{line}\n</worldbody>\n</mujoco>"
+    )
 }
 
 /// A model whose section is at fault, on line 6.
@@ -21,47 +23,100 @@ fn refused() -> Vec<Refused> {
     let world = |line: &str, element, attribute| (in_the_world(line), 4, element, attribute);
     let other = |line: &str, element, attribute| (section(line), 6, element, attribute);
     let body = |line: &str, element, attribute| {
-        (in_the_world(&format!("<body>{line}<geom size=\"0.1\"/></body>")), 4, element, attribute)
+        (
+            in_the_world(&format!("<body>{line}<geom size=\"0.1\"/></body>")),
+            4,
+            element,
+            attribute,
+        )
     };
     vec![
         // outside of the supported part
         world("<geom type=\"box\" size=\"1 1 1\"/>", "geom", Some("type")),
-        world("<geom type=\"ellipsoid\" size=\"1 1 1\"/>", "geom", Some("type")),
+        world(
+            "<geom type=\"ellipsoid\" size=\"1 1 1\"/>",
+            "geom",
+            Some("type"),
+        ),
         world("<geom type=\"mesh\" mesh=\"m\"/>", "geom", Some("type")),
         world("<geom size=\"1\" condim=\"4\"/>", "geom", Some("condim")),
         world("<geom size=\"1\" condim=\"6\"/>", "geom", Some("condim")),
         world("<geom size=\"1\" typo=\"3\"/>", "geom", Some("typo")),
-        world("<geom size=\"1\" solref=\"-100 -5\"/>", "geom", Some("solref")),
+        world(
+            "<geom size=\"1\" solref=\"-100 -5\"/>",
+            "geom",
+            Some("solref"),
+        ),
         world("<nonsense/>", "nonsense", None),
-        world("<body mocap=\"true\"><geom size=\"1\"/></body>", "body", Some("mocap")),
+        world(
+            "<body mocap=\"true\"><geom size=\"1\"/></body>",
+            "body",
+            Some("mocap"),
+        ),
         world("<frame pos=\"1 0 0\"/>", "frame", None),
         world("<joint/>", "joint", None),
         body("<joint type=\"ball\"/>", "joint", Some("type")),
-        body("<joint frictionloss=\"0.1\"/>", "joint", Some("frictionloss")),
-        body("<joint springdamper=\"1 1\"/>", "joint", Some("springdamper")),
-        body("<joint solreflimit=\"-1 -1\"/>", "joint", Some("solreflimit")),
+        body(
+            "<joint frictionloss=\"0.1\"/>",
+            "joint",
+            Some("frictionloss"),
+        ),
+        body(
+            "<joint springdamper=\"1 1\"/>",
+            "joint",
+            Some("springdamper"),
+        ),
+        body(
+            "<joint solreflimit=\"-1 -1\"/>",
+            "joint",
+            Some("solreflimit"),
+        ),
         body("<freejoint align=\"true\"/>", "freejoint", Some("align")),
         other("<option cone=\"elliptic\"/>", "option", Some("cone")),
         other("<option impratio=\"2\"/>", "option", Some("impratio")),
-        other("<option integrator=\"implicit\"/>", "option", Some("integrator")),
+        other(
+            "<option integrator=\"implicit\"/>",
+            "option",
+            Some("integrator"),
+        ),
         other("<option solver=\"CG\"/>", "option", Some("solver")),
         other("<option><flag contact=\"disable\"/></option>", "flag", None),
-        other("<option noslip_iterations=\"3\"/>", "option", Some("noslip_iterations")),
+        other(
+            "<option noslip_iterations=\"3\"/>",
+            "option",
+            Some("noslip_iterations"),
+        ),
         other("<compiler eulerseq=\"zyx\"/>", "compiler", Some("eulerseq")),
-        other("<compiler coordinate=\"global\"/>", "compiler", Some("coordinate")),
+        other(
+            "<compiler coordinate=\"global\"/>",
+            "compiler",
+            Some("coordinate"),
+        ),
         other("<include file=\"x.xml\"/>", "include", None),
         other("<equality/>", "equality", None),
         other("<sensor/>", "sensor", None),
         other("<asset><mesh file=\"x.obj\"/></asset>", "mesh", None),
-        other("<actuator><position joint=\"j\"/></actuator>", "position", None),
-        other("<actuator><motor joint=\"j\" forcerange=\"-1 1\"/></actuator>", "motor", Some("forcerange")),
+        other(
+            "<actuator><position joint=\"j\"/></actuator>",
+            "position",
+            None,
+        ),
+        other(
+            "<actuator><motor joint=\"j\" forcerange=\"-1 1\"/></actuator>",
+            "motor",
+            Some("forcerange"),
+        ),
         other("<tendon><spatial/></tendon>", "spatial", None),
         other(
             "<tendon><fixed stiffness=\"1\"><joint joint=\"j\" coef=\"1\"/></fixed></tendon>",
             "fixed",
             Some("stiffness"),
         ),
-        other("<contact><pair geom1=\"a\" geom2=\"b\"/></contact>", "pair", None),
+        other(
+            "<contact><pair geom1=\"a\" geom2=\"b\"/></contact>",
+            "pair",
+            None,
+        ),
         other("<default><position kp=\"1\"/></default>", "position", None),
         other("<keyframe><key act=\"1\"/></keyframe>", "key", Some("act")),
         // makes no sense
@@ -74,41 +129,101 @@ fn refused() -> Vec<Refused> {
         world("<geom size=\"1\" pos=\"1 2\"/>", "geom", Some("pos")),
         world("<geom size=\"1\" pos=\"1 2 3 4\"/>", "geom", Some("pos")),
         world("<geom size=\"1\" quat=\"0 0 0 0\"/>", "geom", Some("quat")),
-        world("<geom size=\"1\" quat=\"1 0 0 0\" euler=\"1 0 0\"/>", "geom", Some("euler")),
-        world("<geom size=\"1\" fromto=\"0 0 0 1 0 0\"/>", "geom", Some("fromto")),
-        world("<geom size=\"1\" type=\"capsule\" fromto=\"1 0 0 1 0 0\"/>", "geom", Some("fromto")),
-        world("<geom size=\"1\" contype=\"1.5\"/>", "geom", Some("contype")),
+        world(
+            "<geom size=\"1\" quat=\"1 0 0 0\" euler=\"1 0 0\"/>",
+            "geom",
+            Some("euler"),
+        ),
+        world(
+            "<geom size=\"1\" fromto=\"0 0 0 1 0 0\"/>",
+            "geom",
+            Some("fromto"),
+        ),
+        world(
+            "<geom size=\"1\" type=\"capsule\" fromto=\"1 0 0 1 0 0\"/>",
+            "geom",
+            Some("fromto"),
+        ),
+        world(
+            "<geom size=\"1\" contype=\"1.5\"/>",
+            "geom",
+            Some("contype"),
+        ),
         world("<geom size=\"1\" class=\"none\"/>", "geom", Some("class")),
-        world("<geom size=\"1\" material=\"none\"/>", "geom", Some("material")),
-        world("<geom size=\"1\" name=\"x\"/><geom size=\"1\" name=\"x\"/>", "geom", Some("name")),
+        world(
+            "<geom size=\"1\" material=\"none\"/>",
+            "geom",
+            Some("material"),
+        ),
+        world(
+            "<geom size=\"1\" name=\"x\"/><geom size=\"1\" name=\"x\"/>",
+            "geom",
+            Some("name"),
+        ),
         world("<geom size=\"1\">text</geom>", "geom", None),
         (
-            in_the_world("<geom size=\"1\"/>\n<body><joint/><geom type=\"cylinder\" size=\"1 1\"/></body>"),
+            in_the_world(
+                "<geom size=\"1\"/>\n<body><joint/><geom type=\"cylinder\" size=\"1 1\"/></body>",
+            ),
             5,
             "geom",
             Some("type"),
         ),
         (
-            in_the_world("<geom size=\"1\" density=\"1e308\"/><body><joint/><geom size=\"1e150\"/></body>"),
+            in_the_world(
+                "<geom size=\"1\" density=\"1e308\"/><body><joint/><geom size=\"1e150\"/></body>",
+            ),
             1,
             "mujoco",
             None,
         ),
         world("<body><joint/></body>", "body", None),
-        world("<body><freejoint/><geom type=\"plane\" size=\"1 1 1\"/></body>", "geom", Some("type")),
-        world("<body><body><freejoint/><geom size=\"1\"/></body></body>", "freejoint", Some("type")),
+        world(
+            "<body><freejoint/><geom type=\"plane\" size=\"1 1 1\"/></body>",
+            "geom",
+            Some("type"),
+        ),
+        world(
+            "<body><body><freejoint/><geom size=\"1\"/></body></body>",
+            "freejoint",
+            Some("type"),
+        ),
         body("<joint range=\"1 -1\"/>", "joint", Some("range")),
         body("<joint range=\"1 1\"/>", "joint", Some("range")),
         body("<joint axis=\"0 0 0\"/>", "joint", Some("axis")),
         body("<freejoint/><joint/>", "freejoint", Some("type")),
         body("<inertial mass=\"1\"/>", "inertial", Some("pos")),
-        body("<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 5\"/>", "inertial", None),
-        other("<actuator><motor joint=\"none\"/></actuator>", "motor", Some("joint")),
-        other("<actuator><motor joint=\"free\"/></actuator>", "motor", Some("joint")),
+        body(
+            "<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 5\"/>",
+            "inertial",
+            None,
+        ),
+        other(
+            "<actuator><motor joint=\"none\"/></actuator>",
+            "motor",
+            Some("joint"),
+        ),
+        other(
+            "<actuator><motor joint=\"free\"/></actuator>",
+            "motor",
+            Some("joint"),
+        ),
         other("<actuator><motor/></actuator>", "motor", Some("joint")),
-        other("<actuator><motor joint=\"j\" ctrlrange=\"1 0\"/></actuator>", "motor", Some("ctrlrange")),
-        other("<contact><exclude body1=\"b\" body2=\"none\"/></contact>", "exclude", Some("body2")),
-        other("<keyframe><key qpos=\"1 2 3\"/></keyframe>", "key", Some("qpos")),
+        other(
+            "<actuator><motor joint=\"j\" ctrlrange=\"1 0\"/></actuator>",
+            "motor",
+            Some("ctrlrange"),
+        ),
+        other(
+            "<contact><exclude body1=\"b\" body2=\"none\"/></contact>",
+            "exclude",
+            Some("body2"),
+        ),
+        other(
+            "<keyframe><key qpos=\"1 2 3\"/></keyframe>",
+            "key",
+            Some("qpos"),
+        ),
         body(
             "<inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/>\
              <inertial pos=\"0 0 0\" mass=\"1\" diaginertia=\"1 1 1\"/>",
@@ -118,16 +233,29 @@ fn refused() -> Vec<Refused> {
         other("<option timestep=\"0\"/>", "option", Some("timestep")),
         other("<option timestep=\"-0.01\"/>", "option", Some("timestep")),
         other("<statistic extent=\"0\"/>", "statistic", Some("extent")),
-        other("<statistic meaninertia=\"-1\"/>", "statistic", Some("meaninertia")),
+        other(
+            "<statistic meaninertia=\"-1\"/>",
+            "statistic",
+            Some("meaninertia"),
+        ),
         other("<size nkey=\"1001\"/>", "size", Some("nkey")),
         world("<camera mode=\"targetbody\"/>", "camera", Some("target")),
         world("<camera mode=\"targetbodycom\"/>", "camera", Some("target")),
-        world("<camera mode=\"targetbody\" target=\"none\"/>", "camera", Some("target")),
+        world(
+            "<camera mode=\"targetbody\" target=\"none\"/>",
+            "camera",
+            Some("target"),
+        ),
         // damaged
         ("<mujoco>\n<worldbody>".into(), 1, "mujoco", None),
         ("".into(), 1, "mujoco", None),
         ("<mujoco>\n\n<a></b></mujoco>".into(), 3, "mujoco", None),
-        ("<!DOCTYPE x [<!ENTITY a \"b\">]><mujoco>&a;</mujoco>".into(), 1, "mujoco", None),
+        (
+            "<!DOCTYPE x [<!ENTITY a \"b\">]><mujoco>&a;</mujoco>".into(),
+            1,
+            "mujoco",
+            None,
+        ),
         ("<robot/>".into(), 1, "robot", None),
     ]
 }
@@ -136,10 +264,22 @@ fn refused() -> Vec<Refused> {
 fn errors_name_line_element_and_attribute() {
     for (text, line, element, attribute) in refused() {
         match Model::from_xml(&text) {
-            Err(Error::Mjcf { line: l, element: e, attribute: a, reason }) => {
-                assert_eq!((l, &*e, a.as_deref()), (line, element, attribute), "{text}\n{reason}");
+            Err(Error::Mjcf {
+                line: l,
+                element: e,
+                attribute: a,
+                reason,
+            }) => {
+                assert_eq!(
+                    (l, &*e, a.as_deref()),
+                    (line, element, attribute),
+                    "{text}\n{reason}"
+                );
                 let message = Model::from_xml(&text).unwrap_err().to_string();
-                assert!(message.contains(&format!("line {line}")) && message.contains(element), "{message}");
+                assert!(
+                    message.contains(&format!("line {line}")) && message.contains(element),
+                    "{message}"
+                );
             }
             other => panic!("{text}\n{other:?}"),
         }
@@ -155,23 +295,40 @@ fn sizes_and_depths_have_limits() {
     );
     let message = Model::from_xml(&deep).unwrap_err().to_string();
     assert!(message.contains("nested deeper"), "{message}");
-    let many = format!("<mujoco><worldbody>{}</worldbody></mujoco>", "<geom size=\"1\"/>".repeat(5000));
+    let many = format!(
+        "<mujoco><worldbody>{}</worldbody></mujoco>",
+        "<geom size=\"1\"/>".repeat(5000)
+    );
     let message = Model::from_xml(&many).unwrap_err().to_string();
     assert!(message.contains("more than 1000"), "{message}");
     // 167 bodies and geoms, and six degrees of freedom of each
     let free = "<body><freejoint/><geom size=\"1\"/></body>".repeat(167);
-    let message =
-        Model::from_xml(&format!("<mujoco><worldbody>{free}</worldbody></mujoco>")).unwrap_err().to_string();
-    assert!(message.contains("more than 1000 bodies, geoms or degrees of freedom"), "{message}");
+    let message = Model::from_xml(&format!("<mujoco><worldbody>{free}</worldbody></mujoco>"))
+        .unwrap_err()
+        .to_string();
+    assert!(
+        message.contains("more than 1000 bodies, geoms or degrees of freedom"),
+        "{message}"
+    );
     let most = "<mujoco><size nkey=\"1000\"/><worldbody/></mujoco>";
     assert_eq!(Model::from_xml(most).unwrap().key_time.len(), 1000);
     let long = " ".repeat(9 << 20);
-    assert!(Model::from_xml(&long).unwrap_err().to_string().contains("the limit is"));
+    assert!(
+        Model::from_xml(&long)
+            .unwrap_err()
+            .to_string()
+            .contains("the limit is")
+    );
 }
 
 /// Runs in a thread of a small stack, whose end aborts the process.
 fn in_a_small_stack(work: impl FnOnce() + Send + 'static) {
-    std::thread::Builder::new().stack_size(128 << 10).spawn(work).unwrap().join().unwrap();
+    std::thread::Builder::new()
+        .stack_size(128 << 10)
+        .spawn(work)
+        .unwrap()
+        .join()
+        .unwrap();
 }
 
 /// As deep as elements may be nested, however the crate is compiled.
@@ -182,16 +339,26 @@ fn deep_nesting_needs_no_stack() {
         "<body><joint/><geom size=\"0.1\"/>".repeat(198),
         "</body>".repeat(198)
     );
-    let classes: String = (0..198).map(|i| format!("<default class=\"c{i}\">")).collect();
-    let classes = format!("<mujoco><default>{classes}{}</default></mujoco>", "</default>".repeat(198));
+    let classes: String = (0..198)
+        .map(|i| format!("<default class=\"c{i}\">"))
+        .collect();
+    let classes = format!(
+        "<mujoco><default>{classes}{}</default></mujoco>",
+        "</default>".repeat(198)
+    );
     in_a_small_stack(move || {
         let model = Model::from_xml(&bodies).unwrap();
         assert_eq!((model.nbody(), model.nv()), (199, 198));
         // each within the one before, in the order of the text
         assert!((2..199).all(|id| model.body_parentid[id] == id - 1));
         Model::from_xml(&classes).unwrap();
-        let deeper = format!("<mujoco><worldbody>{}", "<body>".repeat(300) + &"</body>".repeat(300));
-        let error = Model::from_xml(&(deeper + "</worldbody></mujoco>")).unwrap_err().to_string();
+        let deeper = format!(
+            "<mujoco><worldbody>{}",
+            "<body>".repeat(300) + &"</body>".repeat(300)
+        );
+        let error = Model::from_xml(&(deeper + "</worldbody></mujoco>"))
+            .unwrap_err()
+            .to_string();
         assert!(error.contains("nested deeper than 200"), "{error}");
     });
 }
@@ -206,7 +373,10 @@ fn classes_within_classes_start_from_them() {
     )
     .unwrap();
     let sizes: Vec<_> = model.geom_size.iter().map(|size| size[0]).collect();
-    assert_eq!((sizes, &model.geom_margin[..]), (vec![2.0, 2.0, 1.0], &[0.0, 0.0, 3.0][..]));
+    assert_eq!(
+        (sizes, &model.geom_margin[..]),
+        (vec![2.0, 2.0, 1.0], &[0.0, 0.0, 3.0][..])
+    );
 }
 
 /// Texts whose reading would take a machine for minutes if it took the square of their length. Each takes a moment, which a
@@ -218,21 +388,44 @@ fn large_texts_are_read_in_time_or_refused() {
         assert!(error.contains(message), "{message}: {error}");
     };
     let bodies = "<body><joint/><geom size=\"0.1\"/></body>\n".repeat(40_000);
-    refused(format!("<mujoco><worldbody>{bodies}</worldbody></mujoco>"), "more than 1000 bodies");
+    refused(
+        format!("<mujoco><worldbody>{bodies}</worldbody></mujoco>"),
+        "more than 1000 bodies",
+    );
     let attributes: String = (0..500_000).map(|i| format!(" a{i}=\"\"")).collect();
-    refused(format!("<mujoco>\n<!-- <= \n --><body{attributes}/></mujoco>"), "more than 1000 attributes");
-    let namespaces: String = (0..60_000).map(|i| format!("<a xmlns:a{i}=\"{i}\">")).collect();
+    refused(
+        format!("<mujoco>\n<!-- <= \n --><body{attributes}/></mujoco>"),
+        "more than 1000 attributes",
+    );
+    let namespaces: String = (0..60_000)
+        .map(|i| format!("<a xmlns:a{i}=\"{i}\">"))
+        .collect();
     refused(format!("<mujoco>{namespaces}"), "more than 10 namespaces");
-    let classes: String = (0..90_000).map(|i| format!("<default class=\"c{i}\"/>")).collect();
-    refused(format!("<mujoco><default>{classes}</default></mujoco>"), "more than 1000 classes");
+    let classes: String = (0..90_000)
+        .map(|i| format!("<default class=\"c{i}\"/>"))
+        .collect();
+    refused(
+        format!("<mujoco><default>{classes}</default></mujoco>"),
+        "more than 1000 classes",
+    );
     let body = |joints: usize, geoms: usize| {
-        format!("<body>{}{}</body>", "<joint/>".repeat(joints), "<geom size=\"0.1\"/>".repeat(geoms))
+        format!(
+            "<body>{}{}</body>",
+            "<joint/>".repeat(joints),
+            "<geom size=\"0.1\"/>".repeat(geoms)
+        )
     };
-    let touching = format!("<mujoco><worldbody>{}{}</worldbody></mujoco>", body(490, 490), body(490, 490));
+    let touching = format!(
+        "<mujoco><worldbody>{}{}</worldbody></mujoco>",
+        body(490, 490),
+        body(490, 490)
+    );
     refused(touching, "too many pairs of geoms can touch");
-    for (section, element) in
-        [("contact", "exclude body1=\"a\" body2=\"b\""), ("keyframe", "key"), ("actuator", "motor")]
-    {
+    for (section, element) in [
+        ("contact", "exclude body1=\"a\" body2=\"b\""),
+        ("keyframe", "key"),
+        ("actuator", "motor"),
+    ] {
         let elements = format!("<{element}/>").repeat(90_000);
         let text = format!("<mujoco><worldbody/><{section}>{elements}</{section}></mujoco>");
         refused(text, "more than 1000 are not supported");
@@ -243,7 +436,12 @@ fn large_texts_are_read_in_time_or_refused() {
 #[cfg(target_os = "linux")]
 #[test]
 fn endless_files_are_refused() {
-    assert!(Model::from_xml_file("/dev/zero").unwrap_err().to_string().contains("the limit is"));
+    assert!(
+        Model::from_xml_file("/dev/zero")
+            .unwrap_err()
+            .to_string()
+            .contains("the limit is")
+    );
 }
 
 /// Two of the three moments of inertia of a body exceed the third, whichever that is.
@@ -257,7 +455,10 @@ fn moments_of_inertia_are_those_of_a_body() {
     };
     for moments in ["3 1 1", "1 3 1", "1 1 3"] {
         let error = model(moments).unwrap_err().to_string();
-        assert!(error.contains("two must sum to at least the third"), "{moments}: {error}");
+        assert!(
+            error.contains("two must sum to at least the third"),
+            "{moments}: {error}"
+        );
     }
     for moments in ["2 1 1", "1 2 1", "1 1 2"] {
         model(moments).unwrap();
@@ -270,7 +471,11 @@ fn keyframes_are_as_many_as_the_largest_size_says() {
     for sizes in [[3, 1], [1, 3]] {
         let [a, b] = sizes.map(|n| format!("<size nkey=\"{n}\"/>"));
         let text = format!("<mujoco>{a}{b}<worldbody><geom size=\"1\"/></worldbody></mujoco>");
-        assert_eq!(Model::from_xml(&text).unwrap().key_time.len(), 3, "{sizes:?}");
+        assert_eq!(
+            Model::from_xml(&text).unwrap().key_time.len(),
+            3,
+            "{sizes:?}"
+        );
     }
 }
 
@@ -287,12 +492,18 @@ fn a_total_mass_scales_masses_and_moments() {
     let (plain, scaled) = (model(""), model("<compiler settotalmass=\"5\"/>"));
     assert_eq!((plain.body_mass[0], scaled.body_mass[0]), (0.0, 0.0));
     let [before, after] = [&plain, &scaled].map(|model| model.body_mass.iter().sum::<f64>());
-    assert!((after - 5.0).abs() < 1e-12 && (before - 5.0).abs() > 1.0, "{before} and {after}");
+    assert!(
+        (after - 5.0).abs() < 1e-12 && (before - 5.0).abs() > 1.0,
+        "{before} and {after}"
+    );
     let scale = after / before;
     for body in 1..3 {
         let of = |model: &Model| [&[model.body_mass[body]][..], &model.body_inertia[body]].concat();
         for (scaled, plain) in of(&scaled).iter().zip(of(&plain)) {
-            assert!((scaled - scale * plain).abs() < 1e-12 * scaled, "body {body}: {scaled} for {plain}");
+            assert!(
+                (scaled - scale * plain).abs() < 1e-12 * scaled,
+                "body {body}: {scaled} for {plain}"
+            );
         }
     }
 }
@@ -309,7 +520,12 @@ fn what_is_fixed_to_a_body_is_its_mass_as_well() {
     model(&format!("<body>{heavy}</body>")).unwrap();
     model("<geom size=\"1e-3\" mass=\"1\"/>").unwrap();
     // bodies that move against it do not help, nor does a point, even with a mass
-    for inner in ["", "<site name=\"s\"/>", "<geom size=\"1e-6\" mass=\"1\"/>", &format!("<joint/>{heavy}")] {
+    for inner in [
+        "",
+        "<site name=\"s\"/>",
+        "<geom size=\"1e-6\" mass=\"1\"/>",
+        &format!("<joint/>{heavy}"),
+    ] {
         let error = model(inner).unwrap_err().to_string();
         assert!(error.contains("needs mass and inertia"), "{inner}: {error}");
     }
@@ -354,22 +570,47 @@ fn attributes_of_sections_count_wherever_they_are() {
                 ("center", "1 2 3"),
             ],
         ),
-        ("compiler", &[("angle", "radian"), ("inertiafromgeom", "true"), ("settotalmass", "9")]),
+        (
+            "compiler",
+            &[
+                ("angle", "radian"),
+                ("inertiafromgeom", "true"),
+                ("settotalmass", "9"),
+            ],
+        ),
     ];
     let plain = with_lines("");
     for (section, attributes) in sections {
         let element = |attributes: &[(&str, &str)]| {
-            let text: Vec<_> =
-                attributes.iter().map(|(name, value)| format!(" {name}=\"{value}\"")).collect();
+            let text: Vec<_> = attributes
+                .iter()
+                .map(|(name, value)| format!(" {name}=\"{value}\""))
+                .collect();
             format!("<{section}{}/>", text.concat())
         };
         let whole = with_lines(&element(attributes));
         for (i, attribute) in attributes.iter().enumerate() {
-            assert_ne!(with_lines(&element(&[*attribute])), plain, "{section} {attribute:?} says nothing");
-            let others: Vec<_> = attributes.iter().copied().filter(|other| other != attribute).collect();
+            assert_ne!(
+                with_lines(&element(&[*attribute])),
+                plain,
+                "{section} {attribute:?} says nothing"
+            );
+            let others: Vec<_> = attributes
+                .iter()
+                .copied()
+                .filter(|other| other != attribute)
+                .collect();
             let (one, rest) = (element(&[*attribute]), element(&others));
-            assert_eq!(with_lines(&format!("{one}{rest}")), whole, "{section}, {i} first");
-            assert_eq!(with_lines(&format!("{rest}{one}")), whole, "{section}, {i} last");
+            assert_eq!(
+                with_lines(&format!("{one}{rest}")),
+                whole,
+                "{section}, {i} first"
+            );
+            assert_eq!(
+                with_lines(&format!("{rest}{one}")),
+                whole,
+                "{section}, {i} last"
+            );
         }
     }
 }
@@ -400,10 +641,19 @@ fn bodies_of_the_world_are_simple_by_their_joints() {
         (vec![hinge("0 1 0"), hinge("1 0 0")], 0),
         (vec![slide("1 1 0")], 0),
         (vec![hinge("0 1 1")], 0),
-        (vec!["<joint axis=\"0 1 0\" pos=\"0 0 0.1\"/>".to_owned()], 0),
+        (
+            vec!["<joint axis=\"0 1 0\" pos=\"0 0 0.1\"/>".to_owned()],
+            0,
+        ),
     ] {
         let joints = joints.concat();
-        let text = format!("<mujoco><worldbody><body>{joints}<geom size=\"1\"/></body></worldbody></mujoco>");
-        assert_eq!(Model::from_xml(&text).unwrap().body_simple[1], simple, "{joints}");
+        let text = format!(
+            "<mujoco><worldbody><body>{joints}<geom size=\"1\"/></body></worldbody></mujoco>"
+        );
+        assert_eq!(
+            Model::from_xml(&text).unwrap().body_simple[1],
+            simple,
+            "{joints}"
+        );
     }
 }

@@ -30,8 +30,11 @@ fn compare(path: &str, expected: &Value, got: &Value, differences: &mut Vec<Stri
 /// The folders of figures: the one in this crate, and the one that `GYM_REFERENCE` names.
 fn folders() -> Vec<PathBuf> {
     let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recorded");
-    let more = std::env::var_os("GYM_REFERENCE").map(|folder| PathBuf::from(folder).join("models_mujoco"));
-    std::iter::once(own).chain(more.filter(|folder| folder.is_dir())).collect()
+    let more =
+        std::env::var_os("GYM_REFERENCE").map(|folder| PathBuf::from(folder).join("models_mujoco"));
+    std::iter::once(own)
+        .chain(more.filter(|folder| folder.is_dir()))
+        .collect()
 }
 
 #[test]
@@ -55,11 +58,24 @@ fn models_have_mujocos_figures() {
             };
             // names and versions of the recorder, and what only MuJoCo's viewer uses
             let object = recorded.as_object_mut().unwrap();
-            for key in ["model", "xml", "gymnasium", "mujoco", "numpy", "vis", "mat_texrepeat"] {
+            for key in [
+                "model",
+                "xml",
+                "gymnasium",
+                "mujoco",
+                "numpy",
+                "vis",
+                "mat_texrepeat",
+            ] {
                 object.remove(key);
             }
             let mut differences = Vec::new();
-            compare("", &recorded, &Value::Object(model.figures()), &mut differences);
+            compare(
+                "",
+                &recorded,
+                &Value::Object(model.figures()),
+                &mut differences,
+            );
             if !differences.is_empty() {
                 differences.truncate(12);
                 wrong.push(format!("{}: {differences:#?}", path.display()));

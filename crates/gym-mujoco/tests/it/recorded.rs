@@ -12,14 +12,18 @@ use crate::common::same;
 /// All recordings of a kind.
 fn recordings(kind: &str) -> Vec<PathBuf> {
     let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recorded");
-    let more = std::env::var_os("GYM_REFERENCE").map(|folder| PathBuf::from(folder).join("mujoco_exact"));
+    let more =
+        std::env::var_os("GYM_REFERENCE").map(|folder| PathBuf::from(folder).join("mujoco_exact"));
     let folders = std::iter::once(own).chain(more.filter(|folder| folder.is_dir()));
     let entries = folders.flat_map(|folder| std::fs::read_dir(folder).unwrap());
     let is_kind = |path: &PathBuf| {
         let name = path.file_name().unwrap().to_string_lossy();
         name.starts_with(&format!("{kind}.")) || name.ends_with(&format!(".{kind}.json"))
     };
-    let mut paths: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).filter(is_kind).collect();
+    let mut paths: Vec<PathBuf> = entries
+        .map(|entry| entry.unwrap().path())
+        .filter(is_kind)
+        .collect();
     paths.sort();
     paths
 }
@@ -32,7 +36,10 @@ const TO_ROUNDING: [&str; 2] = ["steps.mixed01.json", "steps.mixed11.json"];
 fn off(expected: &Value, got: &Value) -> f64 {
     match (expected, got) {
         (Value::Number(a), Value::Number(b)) if a.is_f64() || b.is_f64() => {
-            let (a, b) = (a.as_f64().unwrap_or(f64::NAN), b.as_f64().unwrap_or(f64::NAN));
+            let (a, b) = (
+                a.as_f64().unwrap_or(f64::NAN),
+                b.as_f64().unwrap_or(f64::NAN),
+            );
             (a - b).abs() / a.abs().max(1.0)
         }
         (Value::Array(a), Value::Array(b)) if a.len() == b.len() => {
@@ -57,18 +64,31 @@ fn compare(path: &Path, side: &str) -> Result<(), String> {
     let (mut bad, mut compared) = (Vec::new(), 0);
     for (i, (case, got)) in asked.iter().zip(&answered).enumerate() {
         for (key, expected) in case[side].as_object().unwrap() {
-            let Some(got) = got[side].get(key) else { continue };
+            let Some(got) = got[side].get(key) else {
+                continue;
+            };
             compared += 1;
-            if if to_rounding { off(expected, got) > 1e-11 } else { !same(expected, got) } {
+            if if to_rounding {
+                off(expected, got) > 1e-11
+            } else {
+                !same(expected, got)
+            } {
                 bad.push(format!("case {i}, {key} {:.1e}", off(expected, got)));
             }
         }
     }
-    assert!(compared >= 11 * asked.len(), "{name}: {compared} numbers or lists of numbers compared");
+    assert!(
+        compared >= 11 * asked.len(),
+        "{name}: {compared} numbers or lists of numbers compared"
+    );
     if bad.is_empty() {
         Ok(())
     } else {
-        Err(format!("{name}: {} off: {}", bad.len(), bad[..bad.len().min(9)].join("; ")))
+        Err(format!(
+            "{name}: {} off: {}",
+            bad.len(),
+            bad[..bad.len().min(9)].join("; ")
+        ))
     }
 }
 
@@ -78,7 +98,10 @@ fn all(kind: &str, side: &str) {
         let expected = if kind == "steps" { 33 } else { 15 };
         assert_eq!(paths.len(), expected, "recordings of {kind}");
     }
-    let failed: Vec<String> = paths.iter().filter_map(|path| compare(path, side).err()).collect();
+    let failed: Vec<String> = paths
+        .iter()
+        .filter_map(|path| compare(path, side).err())
+        .collect();
     assert!(failed.is_empty(), "{}", failed.join("\n"));
 }
 
@@ -103,6 +126,9 @@ fn as_many_counts_of_the_solver_as_recorded() {
         let file = json!({"model": "hopper", "kind": "steps", "cases": [aloft]});
         let answer = recording::answer(file.as_object().unwrap(), Path::new("")).unwrap();
         let after = &answer["cases"][0]["after"];
-        assert_eq!((&after["nisland"], &after["solver_niter"]), (&json!(0), &recorded));
+        assert_eq!(
+            (&after["nisland"], &after["solver_niter"]),
+            (&json!(0), &recorded)
+        );
     }
 }

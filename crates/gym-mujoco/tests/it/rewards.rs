@@ -6,23 +6,32 @@ use serde_json::{Value as Json, json};
 
 /// An entry of the info that is a number.
 fn told(env: &BoxEnv, name: &str) -> f64 {
-    env.info_map()[name].as_float().unwrap_or_else(|| panic!("{name} is no number"))
+    env.info_map()[name]
+        .as_float()
+        .unwrap_or_else(|| panic!("{name} is no number"))
 }
 
 fn data(env: &BoxEnv) -> &Data {
-    simulated(env).and_then(|env| env.data()).expect("an episode")
+    simulated(env)
+        .and_then(|env| env.data())
+        .expect("an episode")
 }
 
 fn with(id: &str, arguments: &[(&str, Json)]) -> BoxEnv {
-    let named = arguments.iter().fold(builder(id), |env, (name, value)| env.arg(name, value.clone()));
-    named.build().unwrap_or_else(|error| panic!("{id}: {error}"))
+    let named = arguments.iter().fold(builder(id), |env, (name, value)| {
+        env.arg(name, value.clone())
+    });
+    named
+        .build()
+        .unwrap_or_else(|error| panic!("{id}: {error}"))
 }
 
 /// The parts of the reward among the entries of an info.
 fn parts(env: &BoxEnv) -> Vec<(String, f64)> {
     let is_part = |name: &str| name.starts_with("reward_") || name.ends_with("_penalty");
     let info = env.info_map().into_iter().filter(|(name, _)| is_part(name));
-    info.map(|(name, value)| (name.to_string(), value.as_float().expect("a number"))).collect()
+    info.map(|(name, value)| (name.to_string(), value.as_float().expect("a number")))
+        .collect()
 }
 
 /// The parts of each of some random steps from the same seed.
@@ -39,16 +48,27 @@ fn history(env: &mut BoxEnv, steps: usize) -> Vec<Vec<(String, f64)>> {
 
 #[test]
 fn the_reward_is_the_sum_of_its_parts() {
-    for id in registry::all().iter().map(Registration::id).filter(|id| id.ends_with("-v5")) {
+    for id in registry::all()
+        .iter()
+        .map(Registration::id)
+        .filter(|id| id.ends_with("-v5"))
+    {
         let mut env = make(id).unwrap();
         let mut actions = env.action_sampler(4).unwrap();
         env.reset(3).unwrap();
         // standing up pays 1 in each step, which no entry tells
-        let always = if id.starts_with("HumanoidStandup") { 1.0 } else { 0.0 };
+        let always = if id.starts_with("HumanoidStandup") {
+            1.0
+        } else {
+            0.0
+        };
         for step in 0..30 {
             let reward = env.step(&actions.sample()).unwrap().reward;
             let sum = always + parts(&env).iter().map(|(_, part)| part).sum::<f64>();
-            assert!((reward - sum).abs() <= 1e-9 * reward.abs().max(1.0), "{id}, {step}: {reward} for {sum}");
+            assert!(
+                (reward - sum).abs() <= 1e-9 * reward.abs().max(1.0),
+                "{id}, {step}: {reward} for {sum}"
+            );
         }
     }
 }
@@ -57,28 +77,58 @@ fn the_reward_is_the_sum_of_its_parts() {
 #[test]
 fn a_weight_scales_its_own_part() {
     for (id, name, weight, part) in [
-        ("HalfCheetah-v5", "forward_reward_weight", 1.0, "reward_forward"),
+        (
+            "HalfCheetah-v5",
+            "forward_reward_weight",
+            1.0,
+            "reward_forward",
+        ),
         ("HalfCheetah-v5", "ctrl_cost_weight", 0.1, "reward_ctrl"),
         ("Swimmer-v5", "forward_reward_weight", 1.0, "reward_forward"),
         ("Swimmer-v5", "ctrl_cost_weight", 1e-4, "reward_ctrl"),
         ("Hopper-v5", "forward_reward_weight", 1.0, "reward_forward"),
         ("Hopper-v5", "ctrl_cost_weight", 1e-3, "reward_ctrl"),
         ("Hopper-v5", "healthy_reward", 1.0, "reward_survive"),
-        ("Walker2d-v5", "forward_reward_weight", 1.0, "reward_forward"),
+        (
+            "Walker2d-v5",
+            "forward_reward_weight",
+            1.0,
+            "reward_forward",
+        ),
         ("Walker2d-v5", "ctrl_cost_weight", 1e-3, "reward_ctrl"),
         ("Walker2d-v5", "healthy_reward", 1.0, "reward_survive"),
         ("Ant-v5", "forward_reward_weight", 1.0, "reward_forward"),
         ("Ant-v5", "ctrl_cost_weight", 0.5, "reward_ctrl"),
         ("Ant-v5", "contact_cost_weight", 5e-4, "reward_contact"),
         ("Ant-v5", "healthy_reward", 1.0, "reward_survive"),
-        ("Humanoid-v5", "forward_reward_weight", 1.25, "reward_forward"),
+        (
+            "Humanoid-v5",
+            "forward_reward_weight",
+            1.25,
+            "reward_forward",
+        ),
         ("Humanoid-v5", "ctrl_cost_weight", 0.1, "reward_ctrl"),
         // below where the costs of forces are clipped
         ("Humanoid-v5", "contact_cost_weight", 5e-9, "reward_contact"),
         ("Humanoid-v5", "healthy_reward", 5.0, "reward_survive"),
-        ("HumanoidStandup-v5", "ctrl_cost_weight", 0.1, "reward_quadctrl"),
-        ("HumanoidStandup-v5", "impact_cost_weight", 5e-9, "reward_impact"),
-        ("InvertedDoublePendulum-v5", "healthy_reward", 10.0, "reward_survive"),
+        (
+            "HumanoidStandup-v5",
+            "ctrl_cost_weight",
+            0.1,
+            "reward_quadctrl",
+        ),
+        (
+            "HumanoidStandup-v5",
+            "impact_cost_weight",
+            5e-9,
+            "reward_impact",
+        ),
+        (
+            "InvertedDoublePendulum-v5",
+            "healthy_reward",
+            10.0,
+            "reward_survive",
+        ),
         ("Reacher-v5", "reward_dist_weight", 1.0, "reward_dist"),
         ("Reacher-v5", "reward_control_weight", 1.0, "reward_ctrl"),
         ("Pusher-v5", "reward_near_weight", 0.5, "reward_near"),
@@ -88,8 +138,15 @@ fn a_weight_scales_its_own_part() {
         let mut plain = history(&mut with(id, &[(name, json!(weight))]), 40);
         let scaled = history(&mut with(id, &[(name, json!(2.0 * weight))]), 40);
         let is_own = |(other, amount): &(String, f64)| other == part && *amount != 0.0;
-        assert!(plain.iter().flatten().any(is_own), "{id}: there is no {part}");
-        for (_, amount) in plain.iter_mut().flatten().filter(|(other, _)| other == part) {
+        assert!(
+            plain.iter().flatten().any(is_own),
+            "{id}: there is no {part}"
+        );
+        for (_, amount) in plain
+            .iter_mut()
+            .flatten()
+            .filter(|(other, _)| other == part)
+        {
             *amount *= 2.0;
         }
         assert_eq!(scaled, plain, "{id}: {name}");
@@ -100,14 +157,31 @@ fn a_weight_scales_its_own_part() {
 type Range = (&'static str, &'static str, [f64; 2], fn(&Data) -> Vec<f64>);
 
 const RANGES: [Range; 7] = [
-    ("Hopper-v5", "healthy_z_range", [1.2, 1.3], |data| vec![data.qpos[1]]),
-    ("Hopper-v5", "healthy_angle_range", [-0.01, 0.01], |data| vec![data.qpos[2]]),
+    ("Hopper-v5", "healthy_z_range", [1.2, 1.3], |data| {
+        vec![data.qpos[1]]
+    }),
+    ("Hopper-v5", "healthy_angle_range", [-0.01, 0.01], |data| {
+        vec![data.qpos[2]]
+    }),
     // all but the place
-    ("Hopper-v5", "healthy_state_range", [-3.0, 3.0], |data| [&data.qpos[2..], &data.qvel[..]].concat()),
-    ("Walker2d-v5", "healthy_z_range", [1.2, 1.3], |data| vec![data.qpos[1]]),
-    ("Walker2d-v5", "healthy_angle_range", [-0.05, 0.05], |data| vec![data.qpos[2]]),
-    ("Ant-v5", "healthy_z_range", [0.6, 0.9], |data| vec![data.qpos[2]]),
-    ("Humanoid-v5", "healthy_z_range", [1.35, 1.42], |data| vec![data.qpos[2]]),
+    ("Hopper-v5", "healthy_state_range", [-3.0, 3.0], |data| {
+        [&data.qpos[2..], &data.qvel[..]].concat()
+    }),
+    ("Walker2d-v5", "healthy_z_range", [1.2, 1.3], |data| {
+        vec![data.qpos[1]]
+    }),
+    (
+        "Walker2d-v5",
+        "healthy_angle_range",
+        [-0.05, 0.05],
+        |data| vec![data.qpos[2]],
+    ),
+    ("Ant-v5", "healthy_z_range", [0.6, 0.9], |data| {
+        vec![data.qpos[2]]
+    }),
+    ("Humanoid-v5", "healthy_z_range", [1.35, 1.42], |data| {
+        vec![data.qpos[2]]
+    }),
 ];
 
 /// A step is paid for where it ends in health, and the first that does not ends the episode, if it may.
@@ -115,12 +189,16 @@ const RANGES: [Range; 7] = [
 fn health_is_what_its_ranges_say() {
     for (id, name, [low, high], reads) in RANGES {
         let wide = RANGES.iter().filter(|(other, ..)| *other == id);
-        let mut arguments: Vec<(&str, Json)> =
-            wide.map(|(_, name, ..)| (*name, json!([null, null]))).collect();
+        let mut arguments: Vec<(&str, Json)> = wide
+            .map(|(_, name, ..)| (*name, json!([null, null])))
+            .collect();
         arguments.retain(|(other, _)| *other != name);
         arguments.push((name, json!([low, high])));
         for ends in [false, true] {
-            let mut env = with(id, &[&arguments[..], &[("terminate_when_unhealthy", json!(ends))]].concat());
+            let mut env = with(
+                id,
+                &[&arguments[..], &[("terminate_when_unhealthy", json!(ends))]].concat(),
+            );
             let healthy_reward = if id.starts_with("Humanoid") { 5.0 } else { 1.0 };
             let mut actions = env.action_sampler(4).unwrap();
             env.reset(3).unwrap();
@@ -137,7 +215,10 @@ fn health_is_what_its_ranges_say() {
                     break;
                 }
             }
-            assert!(!seen.contains(&0), "{id}, {name}: unhealthy and healthy steps are {seen:?}");
+            assert!(
+                !seen.contains(&0),
+                "{id}, {name}: unhealthy and healthy steps are {seen:?}"
+            );
         }
     }
 }
@@ -145,10 +226,16 @@ fn health_is_what_its_ranges_say() {
 /// Neither how far a hopper came nor how high it is counts among the numbers of its state range.
 #[test]
 fn a_place_is_not_unhealthy() {
-    let ranges = [("healthy_state_range", json!([-3, 3])), ("healthy_z_range", json!([0.7, null]))];
+    let ranges = [
+        ("healthy_state_range", json!([-3, 3])),
+        ("healthy_z_range", json!([0.7, null])),
+    ];
     let mut env = with("Hopper-v5", &ranges);
     env.reset(3).unwrap();
-    simulated_mut(&mut env).expect("a task").set_state(&[50.0, 50.0, 0.0, 0.0, 0.0, 0.0], &[0.0; 6]).unwrap();
+    simulated_mut(&mut env)
+        .expect("a task")
+        .set_state(&[50.0, 50.0, 0.0, 0.0, 0.0, 0.0], &[0.0; 6])
+        .unwrap();
     let action = env.action_space().zero().unwrap();
     assert!(!env.step(&action).unwrap().terminated);
     assert_eq!(told(&env, "reward_survive"), 1.0);
@@ -169,12 +256,20 @@ fn a_fall_is_not_paid_for_since_version_5() {
         env.reset(3).unwrap();
         let push = Value::from([1.0_f32]);
         // the costs of distance from the middle, and of speed, for a double pendulum
-        let cost = if id.starts_with("InvertedDouble") { 5.0 } else { 0.0 };
+        let cost = if id.starts_with("InvertedDouble") {
+            5.0
+        } else {
+            0.0
+        };
         let (steps, last) = (1..1000)
             .map(|count| (count, env.step(&push).unwrap()))
             .inspect(|(_, step)| {
                 let paid = if step.terminated { fallen } else { upright };
-                assert!((-cost..=0.0).contains(&(step.reward - paid)), "{id}: {} for {paid}", step.reward);
+                assert!(
+                    (-cost..=0.0).contains(&(step.reward - paid)),
+                    "{id}: {} for {paid}",
+                    step.reward
+                );
             })
             .find(|(_, step)| step.terminated)
             .expect("it falls");
@@ -186,8 +281,13 @@ fn a_fall_is_not_paid_for_since_version_5() {
 #[test]
 fn forces_of_an_ant_are_clipped_to_their_range() {
     const RANGE: [f64; 2] = [-0.05, 0.02];
-    let mut env =
-        with("Ant-v5", &[("contact_force_range", json!(RANGE)), ("contact_cost_weight", json!(3.0))]);
+    let mut env = with(
+        "Ant-v5",
+        &[
+            ("contact_force_range", json!(RANGE)),
+            ("contact_cost_weight", json!(3.0)),
+        ],
+    );
     let mut actions = env.action_sampler(4).unwrap();
     env.reset(3).unwrap();
     let mut beyond = [0; 2];
@@ -196,35 +296,59 @@ fn forces_of_an_ant_are_clipped_to_their_range() {
         let forces = data(&env).cfrc_ext.as_flattened();
         beyond[0] += forces.iter().filter(|force| **force < RANGE[0]).count();
         beyond[1] += forces.iter().filter(|force| **force > RANGE[1]).count();
-        let clipped: Vec<f64> = forces.iter().map(|force| force.clamp(RANGE[0], RANGE[1])).collect();
+        let clipped: Vec<f64> = forces
+            .iter()
+            .map(|force| force.clamp(RANGE[0], RANGE[1]))
+            .collect();
         let seen = seen.as_slice::<f64>().unwrap();
         // the world's own are not observed
         assert_eq!(seen[seen.len() - clipped.len() + 6..], clipped[6..]);
         let cost = 3.0 * clipped.iter().map(|force| force * force).sum::<f64>();
         let told = told(&env, "reward_contact");
-        assert!((told + cost).abs() <= 1e-12 * cost, "{told} for a cost of {cost}");
+        assert!(
+            (told + cost).abs() <= 1e-12 * cost,
+            "{told} for a cost of {cost}"
+        );
     }
-    assert!(!beyond.contains(&0), "forces lie beyond both ends: {beyond:?}");
+    assert!(
+        !beyond.contains(&0),
+        "forces lie beyond both ends: {beyond:?}"
+    );
 }
 
 /// The cost of all forces together is clipped in the tasks of the humanoid.
 #[test]
 fn costs_of_forces_are_clipped_to_their_range() {
     for (id, weight, range, part) in [
-        ("Humanoid-v5", "contact_cost_weight", "contact_cost_range", "reward_contact"),
-        ("HumanoidStandup-v5", "impact_cost_weight", "impact_cost_range", "reward_impact"),
+        (
+            "Humanoid-v5",
+            "contact_cost_weight",
+            "contact_cost_range",
+            "reward_contact",
+        ),
+        (
+            "HumanoidStandup-v5",
+            "impact_cost_weight",
+            "impact_cost_range",
+            "reward_impact",
+        ),
     ] {
         let costs = |[low, high]: [Option<f64>; 2]| -> Vec<f64> {
             let env = &mut with(id, &[(weight, json!(1e-3)), (range, json!([low, high]))]);
             let history = history(env, 60);
-            let cost = |parts: &Vec<(String, f64)>| -parts.iter().find(|(name, _)| name == part).unwrap().1;
+            let cost = |parts: &Vec<(String, f64)>| {
+                -parts.iter().find(|(name, _)| name == part).unwrap().1
+            };
             history.iter().map(cost).collect()
         };
         let whole = costs([None, None]);
         let mut sorted: Vec<f64> = whole.iter().copied().filter(|cost| *cost > 0.0).collect();
         sorted.sort_by(f64::total_cmp);
         let [low, high] = [1, 2].map(|third| sorted[third * sorted.len() / 3]);
-        assert!(sorted[0] < low && low < high && high < sorted[sorted.len() - 1], "{id}: {sorted:?}");
+        assert!(
+            sorted[0] < low && low < high && high < sorted[sorted.len() - 1],
+            "{id}: {sorted:?}"
+        );
         let clipped: Vec<f64> = whole.iter().map(|cost| cost.clamp(low, high)).collect();
         assert_eq!(costs([Some(low), Some(high)]), clipped, "{id}");
     }
@@ -233,18 +357,29 @@ fn costs_of_forces_are_clipped_to_their_range() {
 /// A hopper and a walker see no speed above 10; a cheetah sees what there is.
 #[test]
 fn speeds_are_observed_up_to_a_limit() {
-    for (id, limit) in
-        [("Hopper-v5", 10.0), ("Walker2d-v5", 10.0), ("Hopper-v3", 10.0), ("HalfCheetah-v5", f64::INFINITY)]
-    {
+    for (id, limit) in [
+        ("Hopper-v5", 10.0),
+        ("Walker2d-v5", 10.0),
+        ("Hopper-v3", 10.0),
+        ("HalfCheetah-v5", f64::INFINITY),
+    ] {
         let mut env = make(id).unwrap();
         env.reset(3).unwrap();
         let (qpos, nv) = (data(&env).qpos.clone(), data(&env).qvel.len());
-        let fast: Vec<f64> = (0..nv).map(|i| if i % 2 == 0 { 25.0 } else { -25.0 }).collect();
-        simulated_mut(&mut env).expect("a task").set_state(&qpos, &fast).unwrap();
+        let fast: Vec<f64> = (0..nv)
+            .map(|i| if i % 2 == 0 { 25.0 } else { -25.0 })
+            .collect();
+        simulated_mut(&mut env)
+            .expect("a task")
+            .set_state(&qpos, &fast)
+            .unwrap();
         let action = env.action_space().zero().unwrap();
         let seen = env.step(&action).unwrap().observation;
         let (seen, qvel) = (seen.as_slice::<f64>().unwrap(), &data(&env).qvel);
-        assert!(qvel.iter().any(|v| *v > 10.0) && qvel.iter().any(|v| *v < -10.0), "{id}: {qvel:?}");
+        assert!(
+            qvel.iter().any(|v| *v > 10.0) && qvel.iter().any(|v| *v < -10.0),
+            "{id}: {qvel:?}"
+        );
         let expected: Vec<f64> = qvel.iter().map(|v| v.clamp(-limit, limit)).collect();
         assert_eq!(seen[seen.len() - nv..], expected, "{id}");
     }
@@ -261,12 +396,21 @@ fn a_used_task_tells_after_a_reset_what_a_new_one_does() {
         let action = used.action_sampler(0).unwrap().sample();
         used.step(&action).unwrap();
         let after_a_step = used.info_map();
-        let [seen, expected] = [&mut used, &mut new].map(|env| (env.reset(3).unwrap(), env.info_map()));
+        let [seen, expected] =
+            [&mut used, &mut new].map(|env| (env.reset(3).unwrap(), env.info_map()));
         assert_eq!(seen, expected, "{id}");
-        assert!(expected.1.keys().all(|name| !name.contains("reward")), "{id}: {:?}", expected.1);
+        assert!(
+            expected.1.keys().all(|name| !name.contains("reward")),
+            "{id}: {:?}",
+            expected.1
+        );
         // the info describes the new state
-        let position = |info: &gym_core::Info| info.get("x_position").cloned().unwrap_or(Value::Null);
-        assert!(position(&after_a_step) != position(&seen.1) || position(&seen.1) == Value::Null, "{id}");
+        let position =
+            |info: &gym_core::Info| info.get("x_position").cloned().unwrap_or(Value::Null);
+        assert!(
+            position(&after_a_step) != position(&seen.1) || position(&seen.1) == Value::Null,
+            "{id}"
+        );
     }
 }
 

@@ -23,7 +23,10 @@ const MODELS: [&str; 13] = [
 
 fn built_in(name: &str) -> Model {
     Model::from_xml_file(
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("models").join(name).with_extension("xml"),
+        Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("models")
+            .join(name)
+            .with_extension("xml"),
     )
     .unwrap()
 }
@@ -33,7 +36,10 @@ struct Random(u64);
 
 impl Random {
     fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        self.0 = self
+            .0
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 40) as f64 / f64::from(1_u32 << 23) - 1.0
     }
 
@@ -60,15 +66,59 @@ impl Random {
 
 /// All that a user can see.
 fn everything(d: &Data) -> String {
-    let state = (d.time, &d.qpos, &d.qvel, &d.ctrl, &d.qacc_warmstart, &d.qacc);
-    let frames =
-        (&d.xpos, &d.xquat, &d.xmat, &d.xipos, &d.ximat, &d.xanchor, &d.xaxis, &d.geom_xpos, &d.geom_xmat);
-    let inertia =
-        (&d.site_xpos, &d.site_xmat, &d.subtree_com, &d.cinert, &d.cdof, &d.qm, &d.qld, &d.qld_diag_inv);
-    let velocity = (&d.cvel, &d.cdof_dot, &d.ten_length, &d.ten_velocity, &d.actuator_force);
-    let forces =
-        (&d.qfrc_passive, &d.qfrc_bias, &d.qfrc_actuator, &d.qfrc_smooth, &d.qacc_smooth, &d.qfrc_constraint);
-    let rows = (&d.efc.pos, &d.efc.d, &d.efc.vel, &d.efc.aref, &d.efc.b, &d.efc.force, &d.efc.island);
+    let state = (
+        d.time,
+        &d.qpos,
+        &d.qvel,
+        &d.ctrl,
+        &d.qacc_warmstart,
+        &d.qacc,
+    );
+    let frames = (
+        &d.xpos,
+        &d.xquat,
+        &d.xmat,
+        &d.xipos,
+        &d.ximat,
+        &d.xanchor,
+        &d.xaxis,
+        &d.geom_xpos,
+        &d.geom_xmat,
+    );
+    let inertia = (
+        &d.site_xpos,
+        &d.site_xmat,
+        &d.subtree_com,
+        &d.cinert,
+        &d.cdof,
+        &d.qm,
+        &d.qld,
+        &d.qld_diag_inv,
+    );
+    let velocity = (
+        &d.cvel,
+        &d.cdof_dot,
+        &d.ten_length,
+        &d.ten_velocity,
+        &d.actuator_force,
+    );
+    let forces = (
+        &d.qfrc_passive,
+        &d.qfrc_bias,
+        &d.qfrc_actuator,
+        &d.qfrc_smooth,
+        &d.qacc_smooth,
+        &d.qfrc_constraint,
+    );
+    let rows = (
+        &d.efc.pos,
+        &d.efc.d,
+        &d.efc.vel,
+        &d.efc.aref,
+        &d.efc.b,
+        &d.efc.force,
+        &d.efc.island,
+    );
     format!(
         "{state:?} {frames:?} {inertia:?} {velocity:?} {forces:?} {rows:?} {:?} {:?}",
         d.contact, d.cfrc_ext
@@ -118,10 +168,15 @@ fn stored_data_continues_bit_for_bit() {
 fn a_state_that_was_changed_is_stored_as_it_is() {
     let m = built_in("ant");
     let mut d = Data::new(&m);
-    let again = |d: &Data| -> Data { serde_json::from_str(&serde_json::to_string(d).unwrap()).unwrap() };
+    let again =
+        |d: &Data| -> Data { serde_json::from_str(&serde_json::to_string(d).unwrap()).unwrap() };
     let mut fresh = again(&d);
     fresh.resume(&m);
-    assert_eq!(everything(&d), everything(&fresh), "nothing was computed yet");
+    assert_eq!(
+        everything(&d),
+        everything(&fresh),
+        "nothing was computed yet"
+    );
     forward(&m, &mut d);
     d.qvel[3] = 0.5;
     d.ctrl.fill(0.25);
@@ -149,7 +204,11 @@ fn what_is_stored_of_another_model_is_refused() {
     step(&ant, &mut d);
     let stored = serde_json::to_value(&d).unwrap();
     let refusal = |stored: &Json, m: &Model| {
-        serde_json::from_value::<Data>(stored.clone()).unwrap().check(m).unwrap_err().to_string()
+        serde_json::from_value::<Data>(stored.clone())
+            .unwrap()
+            .check(m)
+            .unwrap_err()
+            .to_string()
     };
     assert!(refusal(&stored, &hopper).contains("qpos has 15 elements, the model needs 6"));
     let mut changed = stored.clone();
@@ -205,7 +264,10 @@ fn a_state_that_diverged_is_reset() {
         for bad in [f64::NAN, f64::INFINITY, 2e10] {
             let mut fresh = Data::new(&m);
             step(&m, &mut fresh);
-            for spoil in [|d: &mut Data, bad| d.qpos[1] = bad, |d: &mut Data, bad| d.qvel[1] = bad] {
+            for spoil in [
+                |d: &mut Data, bad| d.qpos[1] = bad,
+                |d: &mut Data, bad| d.qvel[1] = bad,
+            ] {
                 let mut d = Data::new(&m);
                 d.time = 3.0;
                 spoil(&mut d, bad);
@@ -237,16 +299,25 @@ fn damaged(figures: &Json) -> Vec<Json> {
     for (field, numbers) in figures.as_object().unwrap() {
         let rows = numbers.as_array().map_or(0, Vec::len);
         for row in [0, rows / 2, rows.saturating_sub(1)].into_iter().take(rows) {
-            let pointer =
-                if numbers[row].is_array() { format!("/{field}/{row}/0") } else { format!("/{field}/{row}") };
-            let Some(number) = figures.pointer(&pointer).filter(|number| number.is_number()) else {
+            let pointer = if numbers[row].is_array() {
+                format!("/{field}/{row}/0")
+            } else {
+                format!("/{field}/{row}")
+            };
+            let Some(number) = figures
+                .pointer(&pointer)
+                .filter(|number| number.is_number())
+            else {
                 continue;
             };
             for change in [1.0, -1.0, 1e3, -1e3, 1e300] {
                 let changed = number.as_f64().unwrap() + change;
                 let mut damaged = figures.clone();
-                *damaged.pointer_mut(&pointer).unwrap() =
-                    if number.is_f64() { json!(changed) } else { json!(changed.clamp(-2e9, 2e9) as i64) };
+                *damaged.pointer_mut(&pointer).unwrap() = if number.is_f64() {
+                    json!(changed)
+                } else {
+                    json!(changed.clamp(-2e9, 2e9) as i64)
+                };
                 all.push(damaged);
             }
         }
@@ -277,9 +348,13 @@ fn damaged_figures_are_refused_or_work() {
 #[test]
 fn few_evaluations_find_the_same_accelerations() {
     let model = |name: &str, option: &str| {
-        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("models").join(name).with_extension("xml");
+        let path = Path::new(env!("CARGO_MANIFEST_DIR"))
+            .join("models")
+            .join(name)
+            .with_extension("xml");
         let text = std::fs::read_to_string(path).unwrap();
-        Model::from_xml(&text.replace("</mujoco>", &format!("<option {option}/></mujoco>"))).unwrap()
+        Model::from_xml(&text.replace("</mujoco>", &format!("<option {option}/></mujoco>")))
+            .unwrap()
     };
     for name in ["ant", "humanoid"] {
         let m = model(name, "iterations=\"200\"");
@@ -292,16 +367,23 @@ fn few_evaluations_find_the_same_accelerations() {
                 continue;
             }
             let found = |ls_iterations: usize| {
-                let m = model(name, &format!("iterations=\"200\" ls_iterations=\"{ls_iterations}\""));
+                let m = model(
+                    name,
+                    &format!("iterations=\"200\" ls_iterations=\"{ls_iterations}\""),
+                );
                 let mut other = Data::new(&m);
-                (other.qpos, other.qvel, other.ctrl) = (d.qpos.clone(), d.qvel.clone(), d.ctrl.clone());
+                (other.qpos, other.qvel, other.ctrl) =
+                    (d.qpos.clone(), d.qvel.clone(), d.ctrl.clone());
                 forward(&m, &mut other);
                 other.qacc
             };
             let (thorough, few) = (found(50), found(1));
             let size = thorough.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
             for (a, b) in thorough.iter().zip(&few) {
-                assert!((a - b).abs() < 1e-5 * size, "{name}, step {i}: {few:?} for {thorough:?}");
+                assert!(
+                    (a - b).abs() < 1e-5 * size,
+                    "{name}, step {i}: {few:?} for {thorough:?}"
+                );
             }
         }
     }

@@ -14,7 +14,10 @@ fn refusal(id: &str, name: &str, value: Json) -> String {
 
 #[test]
 fn there_are_thirty_nine_ids() {
-    let ids: Vec<String> = registry::all().iter().map(|entry| entry.id().to_owned()).collect();
+    let ids: Vec<String> = registry::all()
+        .iter()
+        .map(|entry| entry.id().to_owned())
+        .collect();
     assert_eq!(ids.len(), 39, "{ids:?}");
     for version in ["v2", "v4", "v5"] {
         assert_eq!(ids.iter().filter(|id| id.ends_with(version)).count(), 11);
@@ -67,9 +70,18 @@ fn each_version_takes_its_own_arguments() {
     assert!(refusal("HalfCheetah-v3", "width", json!(100)).contains("ctrl_cost_weight"));
     assert!(refusal("Ant-v5", "use_contact_forces", json!(true)).contains("contact_force_range"));
     assert!(refusal("Ant-v2", "ctrl_cost_weight", json!(1.0)).contains("no arguments"));
-    builder("HalfCheetah-v3").arg("xml_file", "half_cheetah.xml").build().unwrap();
-    builder("Ant-v4").arg("use_contact_forces", true).build().unwrap();
-    builder("Hopper-v5").arg("healthy_z_range", json!([0.5, null])).build().unwrap();
+    builder("HalfCheetah-v3")
+        .arg("xml_file", "half_cheetah.xml")
+        .build()
+        .unwrap();
+    builder("Ant-v4")
+        .arg("use_contact_forces", true)
+        .build()
+        .unwrap();
+    builder("Hopper-v5")
+        .arg("healthy_z_range", json!([0.5, null]))
+        .build()
+        .unwrap();
     builder("Ant-v5").arg("main_body", "aux_1").build().unwrap();
 }
 
@@ -77,19 +89,44 @@ fn each_version_takes_its_own_arguments() {
 fn bad_arguments_say_what_is_wrong() {
     for (id, name, value, said) in [
         ("Ant-v5", "xml_file", json!("cat.xml"), "humanoid.xml"),
-        ("Ant-v5", "xml_file", json!("./no_such_file.xml"), "no_such_file.xml"),
+        (
+            "Ant-v5",
+            "xml_file",
+            json!("./no_such_file.xml"),
+            "no_such_file.xml",
+        ),
         ("Ant-v5", "main_body", json!("tail"), "tail"),
         ("Ant-v5", "main_body", json!(99), "0 to 13"),
         ("Ant-v5", "main_body", json!(14), "0 to 13"),
         ("Ant-v5", "frame_skip", json!(0), "frame_skip"),
         ("Ant-v5", "reset_noise_scale", json!(1e308), "within ±1e9"),
-        ("Walker2d-v3", "reset_noise_scale", json!(-1e10), "within ±1e9"),
+        (
+            "Walker2d-v3",
+            "reset_noise_scale",
+            json!(-1e10),
+            "within ±1e9",
+        ),
         ("Ant-v5", "camera_name", json!("none"), "track"),
         ("Ant-v5", "camera_id", json!(7), "1 cameras"),
-        ("Ant-v5", "healthy_z_range", json!([1.0, 0.2]), "healthy_z_range"),
-        ("Ant-v5", "default_camera_config", json!({"distance": -1.0}), "distance"),
+        (
+            "Ant-v5",
+            "healthy_z_range",
+            json!([1.0, 0.2]),
+            "healthy_z_range",
+        ),
+        (
+            "Ant-v5",
+            "default_camera_config",
+            json!({"distance": -1.0}),
+            "distance",
+        ),
         ("Reacher-v5", "xml_file", json!("pusher.xml"), "fingertip"),
-        ("InvertedDoublePendulum-v5", "xml_file", json!("swimmer.xml"), "sites"),
+        (
+            "InvertedDoublePendulum-v5",
+            "xml_file",
+            json!("swimmer.xml"),
+            "sites",
+        ),
     ] {
         let message = refusal(id, name, value);
         assert!(message.contains(said), "{id} {name}: {message}");
@@ -104,8 +141,14 @@ fn files_of_users_are_models() {
     let text = "<mujoco><worldbody><body><joint type=\"slide\" axis=\"1 0 0\" name=\"x\"/><geom size=\"0.1\"/></body></worldbody>\
                 <actuator><motor joint=\"x\" ctrlrange=\"-2 2\"/></actuator></mujoco>";
     std::fs::write(&path, text).unwrap();
-    let mut env = builder("HalfCheetah-v5").arg("xml_file", path.to_str().unwrap()).build().unwrap();
-    assert_eq!(env.action_space().to_string(), "Box(-2.0, 2.0, (1,), float32)");
+    let mut env = builder("HalfCheetah-v5")
+        .arg("xml_file", path.to_str().unwrap())
+        .build()
+        .unwrap();
+    assert_eq!(
+        env.action_space().to_string(),
+        "Box(-2.0, 2.0, (1,), float32)"
+    );
     env.reset(0).unwrap();
     let step = env.step(&Value::Array(Array::from([1.0f32]))).unwrap();
     assert!(step.reward.is_finite());
@@ -125,29 +168,46 @@ fn play(env: &mut BoxEnv, seed: u64, steps: usize) -> Vec<f64> {
 
 #[test]
 fn a_snapshot_in_mid_contact_continues_bit_for_bit() {
-    for id in ["HalfCheetah-v5", "Ant-v5", "Humanoid-v5", "Pusher-v5", "InvertedDoublePendulum-v4"] {
+    for id in [
+        "HalfCheetah-v5",
+        "Ant-v5",
+        "Humanoid-v5",
+        "Pusher-v5",
+        "InvertedDoublePendulum-v4",
+    ] {
         let mut env = builder(id).build().unwrap();
         env.reset(5).unwrap();
         play(&mut env, 1, 12);
         let text = serde_json::to_string(&env.snapshot().unwrap()).unwrap();
         let mut other = make(id).unwrap();
-        other.restore(&serde_json::from_str(&text).unwrap()).unwrap();
+        other
+            .restore(&serde_json::from_str(&text).unwrap())
+            .unwrap();
         assert_eq!(play(&mut env, 2, 8), play(&mut other, 2, 8), "{id}");
     }
 }
 
 #[test]
 fn a_snapshot_holds_states_alone() {
-    for task in registry::all().into_iter().filter(|entry| entry.id().ends_with("-v5")) {
+    for task in registry::all()
+        .into_iter()
+        .filter(|entry| entry.id().ends_with("-v5"))
+    {
         let mut env = make(task.id()).unwrap();
         env.reset(5).unwrap();
         play(&mut env, 1, 12);
-        let model = gym_mujoco::simulated(&env).map(|env| env.simulation().model.clone()).expect("a task");
+        let model = gym_mujoco::simulated(&env)
+            .map(|env| env.simulation().model.clone())
+            .expect("a task");
         let text = serde_json::to_value(env.snapshot().unwrap()).unwrap();
         // the state now, and the one that the last step started from; the generator's, and what was measured in the step
         let states = 2 * (model.nq() + 2 * model.nv() + model.nu() + 1);
         let held = numbers(&text);
-        assert!(held >= states && held < states + 60, "{}: {held} numbers for {states}", task.id());
+        assert!(
+            held >= states && held < states + 60,
+            "{}: {held} numbers for {states}",
+            task.id()
+        );
     }
 }
 
@@ -166,7 +226,9 @@ fn a_state_that_was_set_is_seen_at_once_and_gone_on_from() -> gym_core::Result<(
     use gym_mujoco::{simulated, simulated_mut};
 
     let mut env = make("Hopper-v5")?;
-    let early = simulated_mut(&mut env).expect("a Hopper").set_state(&[0.0; 6], &[0.0; 6]);
+    let early = simulated_mut(&mut env)
+        .expect("a Hopper")
+        .set_state(&[0.0; 6], &[0.0; 6]);
     let message = "cannot call `set_state` before `reset`: call `env.reset(seed)` first";
     assert_eq!(early.unwrap_err().to_string(), message);
     env.reset(1)?;
@@ -174,12 +236,18 @@ fn a_state_that_was_set_is_seen_at_once_and_gone_on_from() -> gym_core::Result<(
     let action = env.action_sampler(0)?.sample();
     twin.step(&action)?;
     let (qpos, qvel) = {
-        let data = simulated(&twin).and_then(|env| env.data()).expect("an episode");
+        let data = simulated(&twin)
+            .and_then(|env| env.data())
+            .expect("an episode");
         (data.qpos.clone(), data.qvel.clone())
     };
     let simulated = simulated_mut(&mut env).expect("a Hopper");
     for (qpos, qvel, message) in [
-        (&qpos[1..], &qvel[..], "qpos: the model has 6 numbers, not 5"),
+        (
+            &qpos[1..],
+            &qvel[..],
+            "qpos: the model has 6 numbers, not 5",
+        ),
         (&qpos, &[f64::NAN; 6], "qvel: NaN is not within ±1e10"),
         (&qpos, &[-2e10; 6], "qvel: -20000000000 is not within ±1e10"),
     ] {
@@ -189,14 +257,24 @@ fn a_state_that_was_set_is_seen_at_once_and_gone_on_from() -> gym_core::Result<(
     simulated.set_state(&qpos, &qvel)?;
     let data = simulated.data().expect("an episode");
     assert_eq!((&data.qpos, &data.qvel), (&qpos, &qvel));
-    let torso = simulated.simulation().model.body_id("torso").expect("a torso");
+    let torso = simulated
+        .simulation()
+        .model
+        .body_id("torso")
+        .expect("a torso");
     assert_eq!(data.xpos[torso][0], qpos[0], "positions of bodies follow");
     // the solver starts elsewhere, and ends at the same forces to rounding
-    let (Value::Array(a), Value::Array(b)) =
-        (env.step(&action)?.observation, twin.step(&action)?.observation)
-    else {
+    let (Value::Array(a), Value::Array(b)) = (
+        env.step(&action)?.observation,
+        twin.step(&action)?.observation,
+    ) else {
         panic!("observations are arrays")
     };
-    assert!(a.iter_f64().zip(b.iter_f64()).all(|(a, b)| (a - b).abs() < 1e-12), "{a:?} for {b:?}");
+    assert!(
+        a.iter_f64()
+            .zip(b.iter_f64())
+            .all(|(a, b)| (a - b).abs() < 1e-12),
+        "{a:?} for {b:?}"
+    );
     Ok(())
 }

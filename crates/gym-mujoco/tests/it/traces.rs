@@ -16,17 +16,33 @@ fn compare(path: &Path) -> Result<usize, String> {
     let text = std::fs::read_to_string(path).map_err(|error| error.to_string())?;
     let trace: Trace = serde_json::from_str(&text).map_err(|error| error.to_string())?;
     let state = |env: &gym_core::BoxEnv| {
-        simulated(env)?.data().map(|data| json!({"qpos": data.qpos, "qvel": data.qvel}))
+        simulated(env)?
+            .data()
+            .map(|data| json!({"qpos": data.qpos, "qvel": data.qvel}))
     };
     let answers = trace.replay(state).map_err(|error| error.to_string())?;
     if answers.events.len() != trace.events.len() {
-        return Err(format!("{} answers to {} events", answers.events.len(), trace.events.len()));
+        return Err(format!(
+            "{} answers to {} events",
+            answers.events.len(),
+            trace.events.len()
+        ));
     }
     for (i, (asked, answer)) in trace.events.iter().zip(&answers.events).enumerate() {
         let (asked, answer) = (json!(asked), json!(answer));
-        for part in ["observation", "reward", "terminated", "truncated", "info", "state"] {
+        for part in [
+            "observation",
+            "reward",
+            "terminated",
+            "truncated",
+            "info",
+            "state",
+        ] {
             if !asked[part].is_null() && !same(&asked[part], &answer[part]) {
-                return Err(format!("event {i}, {part}: {} for {}", answer[part], asked[part]));
+                return Err(format!(
+                    "event {i}, {part}: {} for {}",
+                    answer[part], asked[part]
+                ));
             }
         }
     }
@@ -45,7 +61,9 @@ fn traces(folder: &Path) -> Vec<PathBuf> {
 }
 
 fn name(path: &Path) -> String {
-    path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+    path.file_name()
+        .map(|name| name.to_string_lossy().into_owned())
+        .unwrap_or_default()
 }
 
 fn compare_all(paths: &[PathBuf]) {
@@ -53,10 +71,20 @@ fn compare_all(paths: &[PathBuf]) {
     for path in paths {
         match compare(path) {
             Ok(events) => println!("{}: {events} events", name(path)),
-            Err(error) => wrong.push(format!("{}: {}", name(path), &error[..error.len().min(400)])),
+            Err(error) => wrong.push(format!(
+                "{}: {}",
+                name(path),
+                &error[..error.len().min(400)]
+            )),
         }
     }
-    assert!(wrong.is_empty(), "{} of {} differ:\n{}", wrong.len(), paths.len(), wrong.join("\n"));
+    assert!(
+        wrong.is_empty(),
+        "{} of {} differ:\n{}",
+        wrong.len(),
+        paths.len(),
+        wrong.join("\n")
+    );
 }
 
 #[test]
@@ -64,7 +92,10 @@ fn every_id_repeats_the_beginning_of_a_recording() {
     let paths = traces(&Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recorded"));
     for registration in registry::all() {
         let recorded = format!("{}.seed0.json", registration.id());
-        assert!(paths.iter().any(|path| name(path) == recorded), "{recorded} is missing");
+        assert!(
+            paths.iter().any(|path| name(path) == recorded),
+            "{recorded} is missing"
+        );
     }
     compare_all(&paths);
 }
@@ -86,7 +117,10 @@ fn a_trace_that_differs_is_found() {
     let file: Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
     let differs = folder.join("Hopper-v5.json");
     for (place, other) in [
-        ("/events/5/reward", json!(file["events"][5]["reward"].as_f64().unwrap().next_up())),
+        (
+            "/events/5/reward",
+            json!(file["events"][5]["reward"].as_f64().unwrap().next_up()),
+        ),
         ("/events/5/info/x_velocity", json!(null)),
         ("/events/26/terminated", json!(false)),
         ("/events/3/state/qvel/2", json!(0.5)),

@@ -6,16 +6,30 @@ use gym_mujoco as _;
 
 /// The bits of all that a step gives back.
 fn bits(columns: &Columns) -> Vec<u64> {
-    let observations = columns.observations.as_slice::<f64>().expect("rows of float64");
-    let flags = columns.terminated.iter().chain(&columns.truncated).map(|flag| u64::from(*flag));
-    observations.iter().chain(&columns.rewards).map(|x| x.to_bits()).chain(flags).collect()
+    let observations = columns
+        .observations
+        .as_slice::<f64>()
+        .expect("rows of float64");
+    let flags = columns
+        .terminated
+        .iter()
+        .chain(&columns.truncated)
+        .map(|flag| u64::from(*flag));
+    observations
+        .iter()
+        .chain(&columns.rewards)
+        .map(|x| x.to_bits())
+        .chain(flags)
+        .collect()
 }
 
 #[test]
 fn the_bits_are_the_same_on_any_number_of_threads() {
     const N: usize = 6;
     const STEPS: usize = 60;
-    let ids = registry::all().into_iter().map(|entry| entry.id().to_owned());
+    let ids = registry::all()
+        .into_iter()
+        .map(|entry| entry.id().to_owned());
     let ids: Vec<String> = ids.filter(|id| id.ends_with("-v5")).collect();
     assert_eq!(ids.len(), 11);
     for id in ids {
@@ -30,12 +44,23 @@ fn the_bits_are_the_same_on_any_number_of_threads() {
             expected.push(bits(&columns));
         }
         for threads in [1, 2, 4] {
-            let mut pool = vector.clone().kind(VectorKind::Async).threads(threads).build().unwrap();
+            let mut pool = vector
+                .clone()
+                .kind(VectorKind::Async)
+                .threads(threads)
+                .build()
+                .unwrap();
             let mut columns = pool.reset(8).unwrap();
-            assert!(bits(&columns) == expected[0], "{id} on {threads} threads, reset");
+            assert!(
+                bits(&columns) == expected[0],
+                "{id} on {threads} threads, reset"
+            );
             for (step, (batch, expected)) in batches.iter().zip(&expected[1..]).enumerate() {
                 pool.step_into(batch, &mut columns).unwrap();
-                assert!(bits(&columns) == *expected, "{id} on {threads} threads, step {step}");
+                assert!(
+                    bits(&columns) == *expected,
+                    "{id} on {threads} threads, step {step}"
+                );
             }
         }
     }

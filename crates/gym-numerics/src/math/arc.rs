@@ -34,12 +34,23 @@ pub(super) fn atan2<F: Fma>(y: f64, x: f64) -> f64 {
     let (angle, rest) = if low == 0.0 {
         (0.0, 0.0)
     } else if high == f64::INFINITY {
-        (if low == f64::INFINITY { FRAC_PI_4 } else { 0.0 }, HALF_PI_REST / 2.0 * f64::from(low == high))
+        (
+            if low == f64::INFINITY { FRAC_PI_4 } else { 0.0 },
+            HALF_PI_REST / 2.0 * f64::from(low == high),
+        )
     } else {
         slope::<F>(low, high)
     };
-    let (angle, rest) = if steep { turned(FRAC_PI_2, HALF_PI_REST, angle, rest) } else { (angle, rest) };
-    let (angle, rest) = if x.is_sign_negative() { turned(PI, PI_REST, angle, rest) } else { (angle, rest) };
+    let (angle, rest) = if steep {
+        turned(FRAC_PI_2, HALF_PI_REST, angle, rest)
+    } else {
+        (angle, rest)
+    };
+    let (angle, rest) = if x.is_sign_negative() {
+        turned(PI, PI_REST, angle, rest)
+    } else {
+        (angle, rest)
+    };
     (angle + rest).copysign(y)
 }
 
@@ -73,7 +84,11 @@ fn slope<F: Fma>(low: f64, high: f64) -> (f64, f64) {
     let t_low = (F::fma(-t, along, across) + (across_low - t * along_low)) / along;
     let square = t * t;
     let series = [1.0 / 11.0, -1.0 / 9.0, 1.0 / 7.0, -0.2, 1.0 / 3.0];
-    let cubic = -t * square * series.iter().fold(-1.0 / 13.0, |sum: f64, c| F::fma(sum, square, *c));
+    let cubic = -t
+        * square
+        * series
+            .iter()
+            .fold(-1.0 / 13.0, |sum: f64, c| F::fma(sum, square, *c));
     if k == 0 {
         return (t, t_low + cubic);
     }

@@ -6,7 +6,10 @@ use super::tables::EXP;
 /// 128 / ln 2.
 const INVERSE: f64 = f64::from_bits(0x3ff7_1547_652b_82fe) * 128.0;
 /// -ln 2 / 128 in two parts.
-const MINUS_LN2: [f64; 2] = [f64::from_bits(0xbf76_2e42_fefa_0000), f64::from_bits(0xbd0c_f79a_bc9e_3b3a)];
+const MINUS_LN2: [f64; 2] = [
+    f64::from_bits(0xbf76_2e42_fefa_0000),
+    f64::from_bits(0xbd0c_f79a_bc9e_3b3a),
+];
 /// Adding and subtracting it rounds to the nearest whole number: 1.5 * 2^52.
 const ROUND: f64 = 6_755_399_441_055_744.0;
 /// Coefficients of x^2 to x^5 within ln 2 / 256.
@@ -32,7 +35,11 @@ pub(super) fn exp<F: Fma>(x: f64) -> f64 {
         let scale = f64::from_bits(scale);
         return F::fma(scale, fraction, scale);
     }
-    if k < 0 { small(scale, fraction) } else { large::<F>(scale, fraction) }
+    if k < 0 {
+        small(scale, fraction)
+    } else {
+        large::<F>(scale, fraction)
+    }
 }
 
 /// Arguments from 1024 on, and NaN.

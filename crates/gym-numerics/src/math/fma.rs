@@ -14,7 +14,10 @@ pub trait Fma: Copy + fmt::Debug + 'static {
 pub struct Hardware;
 
 impl Fma for Hardware {
-    #[expect(clippy::disallowed_methods, reason = "this is where it is used as it is meant")]
+    #[expect(
+        clippy::disallowed_methods,
+        reason = "this is where it is used as it is meant"
+    )]
     #[inline(always)]
     fn fma(a: f64, b: f64, c: f64) -> f64 {
         a.mul_add(b, c)
@@ -38,7 +41,11 @@ impl Fma for Emulated {
         let (sum, rest) = exact_sum(high, middle);
         let result = sum + sum_to_odd(lowest, rest);
         // if a part overflows or is NaN the parts are meaningless, and a sum of 0 is already exact
-        if result.is_finite() && result != 0.0 { result } else { a * b + c }
+        if result.is_finite() && result != 0.0 {
+            result
+        } else {
+            a * b + c
+        }
     }
 }
 
@@ -98,7 +105,9 @@ mod tests {
         let mut rng = Generator::from(0);
         let mut random = |exponents: i64| {
             let bits = (rng.integers(0, 1 << 52) | rng.integers(0, 2) << 63).cast_unsigned();
-            f64::from_bits(bits | (1023 + rng.integers(-exponents, exponents + 1)).cast_unsigned() << 52)
+            f64::from_bits(
+                bits | (1023 + rng.integers(-exponents, exponents + 1)).cast_unsigned() << 52,
+            )
         };
         for i in 0..400_000 {
             let (a, b) = (random(30), random(30));
@@ -115,7 +124,12 @@ mod tests {
                 "{a:e} {b:e} {c:e}"
             );
         }
-        for (a, b, c) in [(0.0, 1.0, 0.0), (1e308, 10.0, 0.0), (f64::INFINITY, 1.0, 1.0), (2.0, 3.0, -6.0)] {
+        for (a, b, c) in [
+            (0.0, 1.0, 0.0),
+            (1e308, 10.0, 0.0),
+            (f64::INFINITY, 1.0, 1.0),
+            (2.0, 3.0, -6.0),
+        ] {
             assert_eq!(Emulated::fma(a, b, c), Hardware::fma(a, b, c));
         }
         assert!(Emulated::fma(f64::NAN, 1.0, 1.0).is_nan());

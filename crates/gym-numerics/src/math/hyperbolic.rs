@@ -64,7 +64,12 @@ pub(super) fn exp_m1<F: Fma>(x: f64) -> f64 {
         1 if r < -0.25 => -2.0 * (e - (r + 0.5)),
         1 => F::fma(2.0, r - e, 1.0),
         _ => {
-            let add = |y: f64| f64::from_bits(y.to_bits().wrapping_add((i64::from(k) << 52).cast_unsigned()));
+            let add = |y: f64| {
+                f64::from_bits(
+                    y.to_bits()
+                        .wrapping_add((i64::from(k) << 52).cast_unsigned()),
+                )
+            };
             if k <= -2 || k > 56 {
                 return add(1.0 - (e - r)) - 1.0;
             }

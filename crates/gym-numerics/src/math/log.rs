@@ -5,8 +5,10 @@ use super::Fma;
 use super::tables::LOG;
 
 /// ln 2 in two parts, the first of 43 binary places.
-pub(super) const LN2: [f64; 2] =
-    [f64::from_bits(0x3fe6_2e42_fefa_3800), f64::from_bits(0x3d2e_f357_93c7_6730)];
+pub(super) const LN2: [f64; 2] = [
+    f64::from_bits(0x3fe6_2e42_fefa_3800),
+    f64::from_bits(0x3d2e_f357_93c7_6730),
+];
 /// The start of the octave that is reduced to.
 const START: u64 = 0x3fe6_0000_0000_0000;
 /// Coefficients of x^2 to x^6 of ln(1 + x) within 1 / 256.
@@ -69,7 +71,11 @@ fn near_one<F: Fma>(x: f64) -> f64 {
     let r2 = r * r;
     let r3 = r * r2;
     let three = |b: &[f64]| F::fma(r2, b[2], F::fma(r, b[1], b[0]));
-    let p = F::fma(r3, F::fma(r3, F::fma(r3, B[10], three(&B[7..10])), three(&B[4..7])), three(&B[1..4]));
+    let p = F::fma(
+        r3,
+        F::fma(r3, F::fma(r3, B[10], three(&B[7..10])), three(&B[4..7])),
+        three(&B[1..4]),
+    );
     let scaled = r * 134_217_728.0;
     let r_high = r + scaled - scaled;
     let r_low = r - r_high;
@@ -91,8 +97,10 @@ const L: [f64; 7] = [
     f64::from_bits(0x3fc2_f112_df3e_5244),
 ];
 /// ln 2 in two parts, the first of 32 bits.
-pub(super) const LN2_SHORT: [f64; 2] =
-    [f64::from_bits(0x3fe6_2e42_fee0_0000), f64::from_bits(0x3dea_39ef_3579_3c76)];
+pub(super) const LN2_SHORT: [f64; 2] = [
+    f64::from_bits(0x3fe6_2e42_fee0_0000),
+    f64::from_bits(0x3dea_39ef_3579_3c76),
+];
 
 /// The natural logarithm of 1 + x.
 #[inline(always)]
@@ -108,7 +116,11 @@ pub(super) fn ln_1p<F: Fma>(x: f64) -> f64 {
     }
     let magnitude = x.abs();
     if magnitude < 2f64.powi(-29) {
-        return if magnitude < 2f64.powi(-54) { x } else { F::fma(-(x * x), 0.5, x) };
+        return if magnitude < 2f64.powi(-54) {
+            x
+        } else {
+            F::fma(-(x * x), 0.5, x)
+        };
     }
     // 1 + x = 2^k (1 + f), with 1 + f between the square roots of 1/2 and 2 to the 32 highest bits, and c is
     // the rounding error, relative to 1 + x
@@ -119,14 +131,22 @@ pub(super) fn ln_1p<F: Fma>(x: f64) -> f64 {
         let (sum, k, c) = if high_word(x) < 0x4340_0000 || x < 0.0 {
             let sum = 1.0 + x;
             let k = (sum.to_bits() >> 52) as i64 - 1023;
-            let c = if k > 0 { 1.0 - (sum - x) } else { x - (sum - 1.0) };
+            let c = if k > 0 {
+                1.0 - (sum - x)
+            } else {
+                x - (sum - 1.0)
+            };
             (sum, k, c / sum)
         } else {
             (x, (x.to_bits() >> 52) as i64 - 1023, 0.0)
         };
         let mantissa = sum.to_bits() & ((1 << 52) - 1);
         let upper = (mantissa >> 32) as u32 >= 0x6_a09e;
-        let (k, exponent) = if upper { (k + 1, 0x3fe << 52) } else { (k, 0x3ff << 52) };
+        let (k, exponent) = if upper {
+            (k + 1, 0x3fe << 52)
+        } else {
+            (k, 0x3ff << 52)
+        };
         (k, f64::from_bits(mantissa | exponent) - 1.0, c)
     };
     let hfsq = 0.5 * f * f;
@@ -143,7 +163,11 @@ pub(super) fn ln_1p<F: Fma>(x: f64) -> f64 {
     let z = s * s;
     let z2 = z * z;
     let pair = |i: usize| F::fma(z, L[i + 1], L[i]);
-    let r = F::fma(z2 * z2 * z2, pair(5), F::fma(z2 * z2, pair(3), F::fma(z, L[0], z2 * pair(1))));
+    let r = F::fma(
+        z2 * z2 * z2,
+        pair(5),
+        F::fma(z2 * z2, pair(3), F::fma(z, L[0], z2 * pair(1))),
+    );
     let p = s * (hfsq + r);
     if k == 0 {
         return f - (hfsq - p);

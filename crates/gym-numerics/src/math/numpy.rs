@@ -9,12 +9,20 @@ use super::trig_f32;
 pub fn sin_cos(x: f32) -> (f32, f32) {
     /// Beyond this, numpy calls the C library.
     const MAX: f32 = 71_476.06;
-    #[expect(clippy::approx_constant, reason = "the first part has fewer digits than the constant")]
+    #[expect(
+        clippy::approx_constant,
+        reason = "the first part has fewer digits than the constant"
+    )]
     /// -pi/2 in three parts, for the reduction after Cody and Waite.
     const MINUS_PI_2: [f32; 3] = [-1.570_796, -3.139_164_7e-7, -5.390_302_5e-15];
     const TWO_OVER_PI: f32 = 0.636_619_75;
     // coefficients from the highest power down: x^9, x^7, x^5, x^3 and x^8, x^6, x^4, x^2, 1
-    const SIN: [f32; 4] = [2.840_409_7e-6, -0.000_198_564_91, 0.008_333_397, -0.166_666_67];
+    const SIN: [f32; 4] = [
+        2.840_409_7e-6,
+        -0.000_198_564_91,
+        0.008_333_397,
+        -0.166_666_67,
+    ];
     const COS: [f32; 5] = [2.437_226_6e-5, -0.001_388_652, 0.041_666_62, -0.5, 1.0];
 
     if x.abs() > MAX {
@@ -23,7 +31,9 @@ pub fn sin_cos(x: f32) -> (f32, f32) {
     // adding and subtracting 1.5 * 2^23 rounds to the nearest whole number
     const ROUND: f32 = 12_582_912.0;
     let quadrant = fma_f32(x, TWO_OVER_PI, ROUND) - ROUND;
-    let r = MINUS_PI_2.iter().fold(x, |r, part| fma_f32(quadrant, *part, r));
+    let r = MINUS_PI_2
+        .iter()
+        .fold(x, |r, part| fma_f32(quadrant, *part, r));
     let r2 = r * r;
     let sin = SIN.iter().fold(0.0, |sum: f32, c| fma_f32(sum, r2, *c));
     let sin = fma_f32(sin * r2, r, r);

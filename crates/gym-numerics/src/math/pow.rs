@@ -73,7 +73,11 @@ pub(super) fn pow<F: Fma>(x: f64, y: f64) -> f64 {
     let magnitude = y.abs();
     let plain = (f64::MIN_POSITIVE..f64::INFINITY).contains(&x)
         && (2f64.powi(-65)..2f64.powi(63)).contains(&magnitude);
-    if plain { positive::<F>(x.to_bits(), y, false) } else { special::<F>(x, y) }
+    if plain {
+        positive::<F>(x.to_bits(), y, false)
+    } else {
+        special::<F>(x, y)
+    }
 }
 
 #[inline(always)]
@@ -143,7 +147,11 @@ pub(super) fn square<R: Real>(x: R) -> R {
     let sure = rest.lt(product.exponent() * SURE)
         & product.same(1e-280).lt(product)
         & product.lt(product.same(f64::INFINITY));
-    if R::all(sure) { product } else { product.repair_unless(sure, x, square_in_full) }
+    if R::all(sure) {
+        product
+    } else {
+        product.repair_unless(sure, x, square_in_full)
+    }
 }
 
 /// x^2 of the C library's `powf`, for numbers that are those of `f32`, as the result is.
@@ -154,9 +162,14 @@ pub(super) fn square_f32<R: Real>(x: R) -> R {
     let exact = x * x;
     let product = exact.single();
     let rest = (exact - product).abs();
-    let sure =
-        rest.lt(product.exponent() * SURE) & product.same(1e-30).lt(product) & product.lt(product.same(1e30));
-    if R::all(sure) { product } else { product.repair_unless(sure, x, square_f32_in_full) }
+    let sure = rest.lt(product.exponent() * SURE)
+        & product.same(1e-30).lt(product)
+        & product.lt(product.same(1e30));
+    if R::all(sure) {
+        product
+    } else {
+        product.repair_unless(sure, x, square_f32_in_full)
+    }
 }
 
 #[cold]
@@ -196,8 +209,11 @@ pub(super) fn powf_2<F: Fma>(x: f32) -> f32 {
     if !(x > 0.0 && x < f32::INFINITY) {
         return x * x;
     }
-    let bits =
-        if x < f32::MIN_POSITIVE { (x * 8_388_608.0).to_bits().wrapping_sub(23 << 23) } else { x.to_bits() };
+    let bits = if x < f32::MIN_POSITIVE {
+        (x * 8_388_608.0).to_bits().wrapping_sub(23 << 23)
+    } else {
+        x.to_bits()
+    };
     let offset = bits.wrapping_sub(START);
     let [reciprocal, log] = POWF_LOG2[(offset >> 19) as usize & 15];
     let top = offset & 0xff80_0000;

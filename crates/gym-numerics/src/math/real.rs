@@ -176,7 +176,10 @@ impl<F> One<F> {
     /// That number.
     #[inline(always)]
     pub fn new(x: f64) -> Self {
-        Self { x, fma: PhantomData }
+        Self {
+            x,
+            fma: PhantomData,
+        }
     }
 
     /// That number.

@@ -51,16 +51,61 @@ macro_rules! function {
 fn functions() -> Vec<Function> {
     const ANGLES: &[f64] = &[0.25, 3.2, 80.0, 1e5, 1e8, 1e300];
     vec![
-        function!("sin", |F, x| trig::sin(One::<F>::new(x)).value(), f64::sin, ANGLES),
-        function!("cos", |F, x| trig::cos(One::<F>::new(x)).value(), f64::cos, ANGLES),
-        function!("sin", |F, x| trig::sin_cos(One::<F>::new(x)).0.value(), f64::sin, ANGLES),
-        function!("cos", |F, x| trig::sin_cos(One::<F>::new(x)).1.value(), f64::cos, ANGLES),
-        function!("exp", |F, x| exp::exp::<F>(x), f64::exp, &[1.0, 10.0, 750.0]),
-        function!("expm1", |F, x| hyperbolic::exp_m1::<F>(x), f64::exp_m1, &[1.0, 10.0, 750.0]),
+        function!(
+            "sin",
+            |F, x| trig::sin(One::<F>::new(x)).value(),
+            f64::sin,
+            ANGLES
+        ),
+        function!(
+            "cos",
+            |F, x| trig::cos(One::<F>::new(x)).value(),
+            f64::cos,
+            ANGLES
+        ),
+        function!(
+            "sin",
+            |F, x| trig::sin_cos(One::<F>::new(x)).0.value(),
+            f64::sin,
+            ANGLES
+        ),
+        function!(
+            "cos",
+            |F, x| trig::sin_cos(One::<F>::new(x)).1.value(),
+            f64::cos,
+            ANGLES
+        ),
+        function!(
+            "exp",
+            |F, x| exp::exp::<F>(x),
+            f64::exp,
+            &[1.0, 10.0, 750.0]
+        ),
+        function!(
+            "expm1",
+            |F, x| hyperbolic::exp_m1::<F>(x),
+            f64::exp_m1,
+            &[1.0, 10.0, 750.0]
+        ),
         function!("log", |F, x| log::ln::<F>(x), f64::ln, &[1.2, 100.0, 1e300]),
-        function!("log1p", |F, x| log::ln_1p::<F>(x), f64::ln_1p, &[1.0, 100.0, 1e10]),
-        function!("tanh", |F, x| hyperbolic::tanh::<F>(x), f64::tanh, &[1.0, 25.0]),
-        function!("pow_2", |F, x| pow::pow::<F>(x, 2.0), |x| x.powf(black_box(2.0)), &[1.0, 10.0, 1e100]),
+        function!(
+            "log1p",
+            |F, x| log::ln_1p::<F>(x),
+            f64::ln_1p,
+            &[1.0, 100.0, 1e10]
+        ),
+        function!(
+            "tanh",
+            |F, x| hyperbolic::tanh::<F>(x),
+            f64::tanh,
+            &[1.0, 25.0]
+        ),
+        function!(
+            "pow_2",
+            |F, x| pow::pow::<F>(x, 2.0),
+            |x| x.powf(black_box(2.0)),
+            &[1.0, 10.0, 1e100]
+        ),
         function!(
             "pow_2",
             |F, x| pow::square(One::<F>::new(x)).value(),
@@ -91,27 +136,44 @@ fn arguments(bounds: &[f64], count: usize, mut check: impl FnMut(f64)) {
         let quarters = k as f64 * std::f64::consts::FRAC_PI_4;
         let border = k as f64 / 128.0 + 1.0 / 256.0; // between two rows of a table
         for x in [quarters, border] {
-            [x, x.next_up(), x.next_down(), -x].into_iter().for_each(&mut check);
+            [x, x.next_up(), x.next_down(), -x]
+                .into_iter()
+                .for_each(&mut check);
         }
     }
     let [zero, infinity, tiny] = [0.0, f64::INFINITY, 5e-324];
-    [zero, infinity, tiny, 1.676_265_076_794_896_6, 1.0, f64::MAX, f64::MIN_POSITIVE].into_iter().for_each(
-        |x| {
-            check(x);
-            check(-x);
-        },
-    );
+    [
+        zero,
+        infinity,
+        tiny,
+        1.676_265_076_794_896_6,
+        1.0,
+        f64::MAX,
+        f64::MIN_POSITIVE,
+    ]
+    .into_iter()
+    .for_each(|x| {
+        check(x);
+        check(-x);
+    });
     check(f64::NAN);
 }
 
 /// The number of arguments of each function: 10^6, or `MATH_ARGUMENTS`.
 fn count() -> usize {
-    std::env::var("MATH_ARGUMENTS").ok().and_then(|text| text.parse().ok()).unwrap_or(1_000_000)
+    std::env::var("MATH_ARGUMENTS")
+        .ok()
+        .and_then(|text| text.parse().ok())
+        .unwrap_or(1_000_000)
 }
 
 /// Whether the platform's functions are those that ours equal, and if not, why.
 fn platform_is_the_reference() -> bool {
-    if !cfg!(all(target_os = "linux", target_env = "gnu", target_arch = "x86_64")) {
+    if !cfg!(all(
+        target_os = "linux",
+        target_env = "gnu",
+        target_arch = "x86_64"
+    )) {
         println!("skipped: the platform's functions are not glibc's on x86-64");
         return false;
     }
@@ -128,7 +190,14 @@ fn functions_are_the_platforms() {
     if !platform_is_the_reference() {
         return;
     }
-    for Function { name, ours, platform, bounds, .. } in functions() {
+    for Function {
+        name,
+        ours,
+        platform,
+        bounds,
+        ..
+    } in functions()
+    {
         arguments(bounds, count(), |x| {
             let (a, b) = (ours(x), platform(x));
             assert!(same(a, b), "{name}({x:?}) is {a:?}, the platform's {b:?}");
@@ -144,8 +213,15 @@ fn functions_are_the_platforms_where_their_series_change() {
         return;
     }
     let mut rng = Generator::from(5);
-    let highest =
-        [0x3fda_827au32, 0xbfd2_bec3, 0x4340_0000, 0x3fd6_2e42, 0x3ff0_a2b2, 0x3fe0_0000, 0x3c90_0000];
+    let highest = [
+        0x3fda_827au32,
+        0xbfd2_bec3,
+        0x4340_0000,
+        0x3fd6_2e42,
+        0x3ff0_a2b2,
+        0x3fe0_0000,
+        0x3c90_0000,
+    ];
     let numbers: Vec<f64> = (0..20_000)
         .map(|i| {
             let high = highest[i % highest.len()].wrapping_add(rng.integers(-1, 2) as u32);
@@ -153,7 +229,13 @@ fn functions_are_the_platforms_where_their_series_change() {
         })
         .flat_map(|x| [x, -x])
         .collect();
-    for Function { name, ours, platform, .. } in functions() {
+    for Function {
+        name,
+        ours,
+        platform,
+        ..
+    } in functions()
+    {
         for &x in &numbers {
             let (a, b) = (ours(x), platform(x));
             assert!(same(a, b), "{name}({x:?}) is {a:?}, the platform's {b:?}");
@@ -164,7 +246,14 @@ fn functions_are_the_platforms_where_their_series_change() {
 /// As on a CPU without fused multiply-add, and on a platform that is only asked for sums and products.
 #[test]
 fn emulated_multiply_adds_change_nothing() {
-    for Function { name, ours, emulated, bounds, .. } in functions() {
+    for Function {
+        name,
+        ours,
+        emulated,
+        bounds,
+        ..
+    } in functions()
+    {
         arguments(bounds, count() / 5, |x| {
             let (a, b) = (emulated(x), ours(x));
             assert!(same(a, b), "{name}({x:?}) is {a:?}, not {b:?}");
@@ -181,12 +270,33 @@ fn powers_are_the_platforms() {
     }
     let check = |x: f64, y: f64| {
         let (a, b) = (pow(x, y), x.powf(y));
-        assert!(same(a, b), "pow({x:?}, {y:?}) is {a:?}, the platform's {b:?}");
+        assert!(
+            same(a, b),
+            "pow({x:?}, {y:?}) is {a:?}, the platform's {b:?}"
+        );
     };
-    let special = [0.0, 1.0, 2.0, 3.0, 0.5, 1e-320, 1e300, 1e-300, 1e19, 1e-20, 9_007_199_254_740_993.0];
-    let special: Vec<f64> =
-        special.into_iter().chain([f64::INFINITY]).flat_map(|x| [x, -x]).chain([f64::NAN]).collect();
-    special.iter().for_each(|x| special.iter().for_each(|y| check(*x, *y)));
+    let special = [
+        0.0,
+        1.0,
+        2.0,
+        3.0,
+        0.5,
+        1e-320,
+        1e300,
+        1e-300,
+        1e19,
+        1e-20,
+        9_007_199_254_740_993.0,
+    ];
+    let special: Vec<f64> = special
+        .into_iter()
+        .chain([f64::INFINITY])
+        .flat_map(|x| [x, -x])
+        .chain([f64::NAN])
+        .collect();
+    special
+        .iter()
+        .for_each(|x| special.iter().for_each(|y| check(*x, *y)));
     let mut rng = Generator::from(12);
     for _ in 0..count() / 5 {
         let (x, y) = (rng.uniform(0.0, 10.0), rng.uniform(-300.0, 300.0));
@@ -210,11 +320,17 @@ fn single_precision_is_the_platforms() {
     for bits in (0..1u64 << 32).step_by(step as usize) {
         let x = f32::from_bits(bits as u32);
         let same = |a: f32, b: f32| a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan());
-        assert!(same(square_f32(x), x.powf(black_box(2.0))), "powf({x:?}, 2)");
+        assert!(
+            same(square_f32(x), x.powf(black_box(2.0))),
+            "powf({x:?}, 2)"
+        );
         let in_vector = pow::square_f32(One::<Emulated>::new(f64::from(x))).value() as f32;
         assert!(same(in_vector, square_f32(x)), "powf({x:?}, 2)");
         let (sin, cos) = sin_cos_f32(x);
-        assert!(same(sin, x.sin()) && same(cos, x.cos()), "sinf, cosf of {x:?}");
+        assert!(
+            same(sin, x.sin()) && same(cos, x.cos()),
+            "sinf, cosf of {x:?}"
+        );
     }
 }
 
@@ -229,13 +345,28 @@ fn arc_tangents_are_the_platforms_within_a_unit() {
     for _ in 0..n {
         let (y, x) = (rng.uniform(-350.0, 350.0), rng.uniform(-350.0, 350.0));
         let (a, b) = (atan2(y, x), y.atan2(x));
-        assert!(a == b || a.next_up() == b || a.next_down() == b, "atan2({y:?}, {x:?}): {a:?}, {b:?}");
+        assert!(
+            a == b || a.next_up() == b || a.next_down() == b,
+            "atan2({y:?}, {x:?}): {a:?}, {b:?}"
+        );
         others += usize::from(a != b);
     }
     assert!(others * 500 < n, "{others} of {n}");
-    let special = [0.0, -0.0, 1.0, -1.0, f64::INFINITY, f64::NEG_INFINITY, f64::NAN, 5e-324, 1e308];
+    let special = [
+        0.0,
+        -0.0,
+        1.0,
+        -1.0,
+        f64::INFINITY,
+        f64::NEG_INFINITY,
+        f64::NAN,
+        5e-324,
+        1e308,
+    ];
     for y in special {
-        special.into_iter().for_each(|x| assert!(same(atan2(y, x), y.atan2(x)), "atan2({y:?}, {x:?})"));
+        special
+            .into_iter()
+            .for_each(|x| assert!(same(atan2(y, x), y.atan2(x)), "atan2({y:?}, {x:?})"));
     }
 }
 
@@ -251,7 +382,9 @@ fn hard_cases_are_glibcs() {
         checked += 1;
         match fields[..] {
             ["powf_2", x, result] => assert_eq!(square_f32(single(x)), single(result), "{line}"),
-            ["pow", x, y, result] => assert!(same(pow(number(x), number(y)), number(result)), "{line}"),
+            ["pow", x, y, result] => {
+                assert!(same(pow(number(x), number(y)), number(result)), "{line}")
+            }
             [name, x, result] => {
                 let mut known = functions();
                 known.retain(|function| function.name == name);
@@ -315,23 +448,41 @@ fn check_vector(function: impl OfReals + Copy, name: &str, bounds: &[f64]) {
     let mut numbers = Vec::new();
     arguments(bounds, 200_000, |x| numbers.push(x));
     numbers.truncate(numbers.len() / 8 * 8);
-    let expected: Vec<f64> = numbers.iter().map(|x| function.of(One::<Emulated>::new(*x)).value()).collect();
+    let expected: Vec<f64> = numbers
+        .iter()
+        .map(|x| function.of(One::<Emulated>::new(*x)).value())
+        .collect();
     for level in [Level::new(), Level::baseline()] {
         let mut results = numbers.clone();
-        widest(level, Map { numbers: &mut results, function });
+        widest(
+            level,
+            Map {
+                numbers: &mut results,
+                function,
+            },
+        );
         for ((x, result), expected) in numbers.iter().zip(results).zip(&expected) {
-            assert!(same(result, *expected), "{name} of {x:?} at {level:?}: {result:?}, not {expected:?}");
+            assert!(
+                same(result, *expected),
+                "{name} of {x:?} at {level:?}: {result:?}, not {expected:?}"
+            );
         }
     }
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     if let Some(avx2) = Level::new().as_avx2() {
         let mut results = numbers.clone();
-        let map = Map { numbers: &mut results, function };
+        let map = Map {
+            numbers: &mut results,
+            function,
+        };
         avx2.vectorize(
             #[inline(always)]
             || map.run::<Lanes<_>>(avx2),
         );
-        assert!(results.iter().zip(&expected).all(|(a, b)| same(*a, *b)), "{name} with AVX2");
+        assert!(
+            results.iter().zip(&expected).all(|(a, b)| same(*a, *b)),
+            "{name} with AVX2"
+        );
     }
 }
 

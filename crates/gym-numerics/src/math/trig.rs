@@ -69,11 +69,20 @@ impl<R: Real> Reduced<R> {
         let magnitude = x.abs();
         let unreduced = magnitude.lt(x.same(UNREDUCED));
         if R::LANES == 1 && R::all(unreduced) {
-            return Self { a: x, da: x.same(0.0), turns: x.same(ROUND), huge: false };
+            return Self {
+                a: x,
+                da: x.same(0.0),
+                turns: x.same(ROUND),
+                huge: false,
+            };
         }
         let near = magnitude.lt(x.same(ONE_TURN));
         let one = R::select(unreduced, x.same(0.0), x.same(1.0).copysign(x));
-        if R::all(near) { Self::of_near(x, one) } else { Self::of_any(x, near, one) }
+        if R::all(near) {
+            Self::of_near(x, one)
+        } else {
+            Self::of_any(x, near, one)
+        }
     }
 
     /// With no turn or one, and the parts of QUARTER.
@@ -82,7 +91,12 @@ impl<R: Real> Reduced<R> {
         let (minus_n, rest) = (-n, x.same(QUARTER[1]));
         let y = minus_n.fma(x.same(QUARTER[0]), x);
         let a = minus_n.fma(rest, y);
-        Self { a, da: minus_n.fma(rest, y - a), turns: n + ROUND, huge: false }
+        Self {
+            a,
+            da: minus_n.fma(rest, y - a),
+            turns: n + ROUND,
+            huge: false,
+        }
     }
 
     /// One formula for small angles and for others, whose turns are counted and subtracted by the parts of PARTS.
@@ -100,7 +114,12 @@ impl<R: Real> Reduced<R> {
         let a = minus_n.fma(p4, t2);
         let da = da + minus_n.fma(p4, t2 - a);
         let huge = !R::all(x.abs().lt(x.same(HUGE)));
-        Self { a, da, turns: n + ROUND, huge }
+        Self {
+            a,
+            da,
+            turns: n + ROUND,
+            huge,
+        }
     }
 }
 
@@ -116,7 +135,9 @@ fn nearest<R: Real>(magnitude: R) -> (R, [R; 4]) {
 #[inline(always)]
 fn polynomials<R: Real>(square: R) -> (R, R) {
     let sin = square.fma(square.same(S5), square.same(S3));
-    let cos = square.fma(square.same(C6), square.same(C4)).fma(square, square.same(C2));
+    let cos = square
+        .fma(square.same(C6), square.same(C4))
+        .fma(square, square.same(C2));
     (sin, cos)
 }
 
@@ -131,7 +152,9 @@ fn turn<R: Real>([a, a_rest, b, b_rest]: [R; 4], s: R, c: R) -> R {
 fn sin_of_small<R: Real>(a: R, da: R) -> R {
     let square = a * a;
     let [first, rest @ ..] = SINE;
-    let p = rest.iter().fold(a.same(first), |p, c| p.fma(square, a.same(*c)));
+    let p = rest
+        .iter()
+        .fold(a.same(first), |p, c| p.fma(square, a.same(*c)));
     a + square.fma(p.fma(a, da * -0.5), da)
 }
 
@@ -186,7 +209,11 @@ fn or_small<R: Real>(a: R, da: R, large: impl FnOnce() -> R) -> R {
         sin_of_small(a, da)
     } else {
         let large = large();
-        if R::any(small) { R::select(small, sin_of_small(a, da), large) } else { large }
+        if R::any(small) {
+            R::select(small, sin_of_small(a, da), large)
+        } else {
+            large
+        }
     };
     sin.copysign(a)
 }
@@ -210,9 +237,18 @@ fn one_of_both<R: Real>(a: R, da: R, turns: R) -> R {
         let c = square * q;
         let c = R::select(odd, c, r.fma(dx, c));
         let pick = |odd_one: R, even_one: R| R::select(odd, odd_one, even_one);
-        let row = [pick(cos, sin), pick(cos_rest, sin_rest), pick(-sin, cos), pick(-sin_rest, cos_rest)];
+        let row = [
+            pick(cos, sin),
+            pick(cos_rest, sin_rest),
+            pick(-sin, cos),
+            pick(-sin_rest, cos_rest),
+        ];
         let value = turn(row, s, c);
-        let value = if R::any(small) { R::select(small, sin_of_small(a, da), value) } else { value };
+        let value = if R::any(small) {
+            R::select(small, sin_of_small(a, da), value)
+        } else {
+            value
+        };
         R::select(odd, value, value.copysign(a))
     };
     value.negate_if(turns.bit(1))
@@ -224,7 +260,10 @@ fn both_in_quadrant<R: Real>(a: R, da: R, turns: R) -> (R, R) {
     let (sin, cos) = both(a, da);
     let odd = turns.bit(0);
     let (sin, cos) = (R::select(odd, cos, sin), R::select(odd, sin, cos));
-    (sin.negate_if(turns.bit(1)), cos.negate_if((turns + 1.0).bit(1)))
+    (
+        sin.negate_if(turns.bit(1)),
+        cos.negate_if((turns + 1.0).bit(1)),
+    )
 }
 
 /// The sines for which the formula fails: HALF_WAY, and from HUGE on. Both are rare.
@@ -235,13 +274,21 @@ fn repair_sin<R: Real>(x: R, sin: R, huge: bool) -> R {
     if !R::any(unlucky) && !huge {
         return sin;
     }
-    sin.repair_unless(R::but_not(magnitude.lt(x.same(HUGE)), unlucky), x, sin_of_unusual)
+    sin.repair_unless(
+        R::but_not(magnitude.lt(x.same(HUGE)), unlucky),
+        x,
+        sin_of_unusual,
+    )
 }
 
 /// The cosines for which the formula fails: from HUGE on.
 #[inline(always)]
 fn repair_cos<R: Real>(x: R, cos: R, huge: bool) -> R {
-    if huge { cos.repair_unless(x.abs().lt(x.same(HUGE)), x, |x| sin_cos_of_huge(x).1) } else { cos }
+    if huge {
+        cos.repair_unless(x.abs().lt(x.same(HUGE)), x, |x| sin_cos_of_huge(x).1)
+    } else {
+        cos
+    }
 }
 
 /// Sines and cosines of angles in rad.
@@ -273,7 +320,11 @@ pub(super) fn cos<R: Real>(x: R) -> R {
 #[cold]
 #[inline(never)]
 fn sin_of_unusual(x: f64) -> f64 {
-    if x.abs() == HALF_WAY { SIN_HALF_WAY.copysign(x) } else { sin_cos_of_huge(x).0 }
+    if x.abs() == HALF_WAY {
+        SIN_HALF_WAY.copysign(x)
+    } else {
+        sin_cos_of_huge(x).0
+    }
 }
 
 /// Beyond HUGE, which no environment reaches.
@@ -300,7 +351,11 @@ fn reduce_huge(x: f64) -> Reduced<One<Emulated>> {
     let word = |i: usize| TWO_OVER_PI.get(i).copied().unwrap_or(0);
     let digits = |i: usize| {
         let (i, shift) = (start / 64 + i, start % 64);
-        if shift == 0 { word(i) } else { word(i) << shift | word(i + 1) >> (64 - shift) }
+        if shift == 0 {
+            word(i)
+        } else {
+            word(i) << shift | word(i + 1) >> (64 - shift)
+        }
     };
     // their product with the mantissa, the lowest word first
     let mut product = [0u64; 5];
@@ -313,7 +368,8 @@ fn reduce_huge(x: f64) -> Reduced<One<Emulated>> {
     product[4] = carry as u64;
     let shift = (2 - exponent).max(0) as u32; // below 64
     let shifted = |i: usize| (u128::from(product[i + 1]) << 64 | u128::from(product[i])) >> shift;
-    let [low, high] = [0, 2].map(|i| shifted(i) as u64 as u128 | (shifted(i + 1) as u64 as u128) << 64);
+    let [low, high] =
+        [0, 2].map(|i| shifted(i) as u64 as u128 | (shifted(i + 1) as u64 as u128) << 64);
 
     // the top two digits are quarter turns; the rest is brought between -1/2 and 1/2 of one
     let mut turns = (high >> 126) as i32;
@@ -330,7 +386,11 @@ fn reduce_huge(x: f64) -> Reduced<One<Emulated>> {
 
     // in two parts: 126 digits of the first, those of the second
     let leading = high.leading_zeros().min(127);
-    let joined = if leading == 0 { high } else { high << leading | low >> (128 - leading) };
+    let joined = if leading == 0 {
+        high
+    } else {
+        high << leading | low >> (128 - leading)
+    };
     let top = (joined >> 75) as f64;
     let rest = (joined & ((1 << 75) - 1)) as f64;
     let unit = 2f64.powi(-126 - leading as i32);

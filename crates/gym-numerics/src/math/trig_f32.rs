@@ -20,7 +20,10 @@ const COS: [f64; 4] = [
 const HALF_TURNS: f64 = f64::from_bits(0x4164_5F30_6DC9_C883);
 /// π/2 in two parts whose products with small whole numbers are exact, so that the reduction is
 /// rounded only once, as a fused multiply-add rounds it.
-const HALF_PI: [f64; 2] = [f64::from_bits(0x3FF9_21FB_5444_2D00), f64::from_bits(0x3CF8_0000_0000_0000)];
+const HALF_PI: [f64; 2] = [
+    f64::from_bits(0x3FF9_21FB_5444_2D00),
+    f64::from_bits(0x3CF8_0000_0000_0000),
+];
 /// π/2 · 2⁻⁶².
 const HALF_PI_62: f64 = f64::from_bits(0x3C19_21FB_5444_2D18);
 /// Digits of 2/π in base 2³², each word 8 bits after the one before.
@@ -41,7 +44,10 @@ pub fn sin_cos(angle: f32) -> (f32, f32) {
         if bits < 0x3980_0000 {
             return (angle, 1.0); // |angle| < 2⁻¹²
         }
-        return (sin_polynomial(x, x * x) as f32, cos_polynomial(x * x) as f32);
+        return (
+            sin_polynomial(x, x * x) as f32,
+            cos_polynomial(x * x) as f32,
+        );
     }
     let (x, quarter) = if bits < 0x42f0_0000 {
         // |angle| < 120
@@ -50,11 +56,18 @@ pub fn sin_cos(angle: f32) -> (f32, f32) {
         (x - n * HALF_PI[0] - n * HALF_PI[1], quarter)
     } else if bits < 0x7f80_0000 {
         let (x, quarter) = reduce_large(bits);
-        if angle < 0.0 { (-x, -quarter) } else { (x, quarter) }
+        if angle < 0.0 {
+            (-x, -quarter)
+        } else {
+            (x, quarter)
+        }
     } else {
         return (f32::NAN, f32::NAN);
     };
-    let (sin, cos) = (sin_polynomial(x, x * x) as f32, cos_polynomial(x * x) as f32);
+    let (sin, cos) = (
+        sin_polynomial(x, x * x) as f32,
+        cos_polynomial(x * x) as f32,
+    );
     match quarter & 3 {
         0 => (sin, cos),
         1 => (cos, -sin),
@@ -84,7 +97,10 @@ fn reduce_large(bits: u32) -> (f64, i32) {
     let high = u64::from(fraction.wrapping_mul(digits[0])) << 32;
     let product = (high | low).wrapping_add(u64::from(fraction) * u64::from(digits[4]));
     let quarter = product.wrapping_add(1 << 61) >> 62;
-    ((product.wrapping_sub(quarter << 62)).cast_signed() as f64 * HALF_PI_62, quarter as i32)
+    (
+        (product.wrapping_sub(quarter << 62)).cast_signed() as f64 * HALF_PI_62,
+        quarter as i32,
+    )
 }
 
 #[cfg(test)]
@@ -96,7 +112,12 @@ mod tests {
     fn equals_glibc() {
         for (angle, sin, cos) in GLIBC {
             let (s, c) = sin_cos(f32::from_bits(angle));
-            assert_eq!((s.to_bits(), c.to_bits()), (sin, cos), "angle {}", f32::from_bits(angle));
+            assert_eq!(
+                (s.to_bits(), c.to_bits()),
+                (sin, cos),
+                "angle {}",
+                f32::from_bits(angle)
+            );
         }
         assert!(sin_cos(f32::INFINITY).0.is_nan());
     }

@@ -34,7 +34,11 @@ impl Generator {
     /// A range of one value draws nothing. An empty range draws nothing and returns `low`.
     #[inline]
     pub fn integers(&mut self, low: i64, high: i64) -> i64 {
-        let n = if low < high { high.wrapping_sub(low) as u64 } else { 1 };
+        let n = if low < high {
+            high.wrapping_sub(low) as u64
+        } else {
+            1
+        };
         let offset = match u32::try_from(n) {
             Ok(1) => 0,
             Ok(n) => u64::from(below_u32(n, || self.next_u32())),
@@ -100,7 +104,9 @@ impl Generator {
             sum += p;
             sum / total > r
         };
-        p.iter().position(above).unwrap_or(p.len().saturating_sub(1))
+        p.iter()
+            .position(above)
+            .unwrap_or(p.len().saturating_sub(1))
     }
 
     /// An index into `p` with these probabilities: Gymnasium's `categorical_sample`
@@ -169,7 +175,11 @@ impl Generator {
         let mask = usize::MAX >> max.leading_zeros();
         let half = u32::try_from(max).is_ok();
         loop {
-            let word = if half { u64::from(self.next_u32()) } else { self.next_u64() };
+            let word = if half {
+                u64::from(self.next_u32())
+            } else {
+                self.next_u64()
+            };
             let value = word as usize & mask;
             if value <= max {
                 return value;
@@ -189,21 +199,39 @@ mod tests {
 
     #[test]
     fn integers_are_numpys() {
-        let tens = [[8, 6, 5, 2, 3, 0, 0, 0], [0, 7, 6, 4, 4, 8, 0, 6], [0, 6, 5, 0, 9, 2, 2, 1]];
-        let wide = [[700346781657, 296633628802], [850973674774, 482551947687], [750253807875, 59176835991]];
-        let subseeds = [[1826701614, 1367864806], [191664963, 1662057957], [33158374, 1465339467]];
+        let tens = [
+            [8, 6, 5, 2, 3, 0, 0, 0],
+            [0, 7, 6, 4, 4, 8, 0, 6],
+            [0, 6, 5, 0, 9, 2, 2, 1],
+        ];
+        let wide = [
+            [700346781657, 296633628802],
+            [850973674774, 482551947687],
+            [750253807875, 59176835991],
+        ];
+        let subseeds = [
+            [1826701614, 1367864806],
+            [191664963, 1662057957],
+            [33158374, 1465339467],
+        ];
         let signed = [[7011, 2738], [-8215, 5478], [-9691, 3646]];
         for (i, seed) in [0, 42, 123].into_iter().enumerate() {
             assert_eq!(draw(seed, |rng| rng.integers(0, 10)), tens[i]);
             assert_eq!(draw(seed, |rng| rng.integers(0, 1 << 40)), wide[i]);
-            assert_eq!(draw(seed, |rng| rng.integers(0, (1 << 31) - 1)), subseeds[i]);
+            assert_eq!(
+                draw(seed, |rng| rng.integers(0, (1 << 31) - 1)),
+                subseeds[i]
+            );
             assert_eq!(draw(seed, |rng| rng.integers(-9999, 9999)), signed[i]);
         }
     }
 
     #[test]
     fn integers_of_wide_ranges_are_numpys() {
-        assert_eq!(draw(42, |rng| rng.integers(0, 1 << 32)), [383329928, 3324115917, 2811363265, 1884968545]);
+        assert_eq!(
+            draw(42, |rng| rng.integers(0, 1 << 32)),
+            [383329928, 3324115917, 2811363265, 1884968545]
+        );
         assert_eq!(
             draw(42, |rng| rng.integers(-(1 << 31), 1 << 31)),
             [-1764153720, 1176632269, 663879617, -262515103]
@@ -211,7 +239,11 @@ mod tests {
         let mut rng = Generator::from(42);
         assert_eq!(
             [(); 3].map(|()| rng.integers(i64::MIN, i64::MAX)),
-            [5053597115156604551, -1127493779279708224, 6614964053969868323]
+            [
+                5053597115156604551,
+                -1127493779279708224,
+                6614964053969868323
+            ]
         );
         // About half of these draws are rejected.
         assert_eq!(
@@ -225,12 +257,18 @@ mod tests {
                 1326921525630756611
             ]
         );
-        assert_eq!([(); 2].map(|()| rng.integers(0, i64::MAX)), [7588636456839696474, 4089774122208370449]);
+        assert_eq!(
+            [(); 2].map(|()| rng.integers(0, i64::MAX)),
+            [7588636456839696474, 4089774122208370449]
+        );
         // About a quarter of these draws are rejected.
         let mut rng = Generator::from(42);
         assert_eq!(
             [(); 8].map(|()| rng.integers(0, 3 * (1 << 30) + 1)),
-            [2493086938, 2108522449, 1394839707, 2765737490, 276850281, 648978800, 303366471, 1695907497]
+            [
+                2493086938, 2108522449, 1394839707, 2765737490, 276850281, 648978800, 303366471,
+                1695907497
+            ]
         );
         assert_eq!(rng.half, Some(4190266093));
     }
@@ -256,7 +294,11 @@ mod tests {
     #[test]
     fn the_half_word_outlives_whole_words() {
         let mut rng = Generator::from(42);
-        let (first, between, second) = (rng.integers(0, 1 << 32), rng.random(), rng.integers(0, 1 << 32));
+        let (first, between, second) = (
+            rng.integers(0, 1 << 32),
+            rng.random(),
+            rng.integers(0, 1 << 32),
+        );
         assert_eq!([first, second], [383329928, 3324115917]);
         assert_eq!(between, 0.4388784397520523);
     }
@@ -268,9 +310,11 @@ mod tests {
             rng.integers_u8(low, high, &mut out);
             out
         }
-        for (seed, bits) in
-            [(0, [0, 1, 1, 1, 1, 1, 0, 1]), (42, [1, 0, 1, 0, 1, 1, 0, 1]), (123, [1, 1, 1, 0, 1, 1, 1, 1])]
-        {
+        for (seed, bits) in [
+            (0, [0, 1, 1, 1, 1, 1, 0, 1]),
+            (42, [1, 0, 1, 0, 1, 1, 0, 1]),
+            (123, [1, 1, 1, 0, 1, 1, 1, 1]),
+        ] {
             assert_eq!(bytes(&mut Generator::from(seed), 0, 1), bits);
         }
         // Unused bytes of the four at the end of a call are dropped, but not the half word.
@@ -281,7 +325,13 @@ mod tests {
         assert_eq!(rng.integers(0, 1000), 858);
         // A quarter of these draws are rejected.
         let mut rng = Generator::from(42);
-        assert_eq!(bytes::<200>(&mut rng, 0, 192).iter().map(|&x| u32::from(x)).sum::<u32>(), 18548);
+        assert_eq!(
+            bytes::<200>(&mut rng, 0, 192)
+                .iter()
+                .map(|&x| u32::from(x))
+                .sum::<u32>(),
+            18548
+        );
         assert_eq!(rng.integers(0, 1000), 469);
     }
 
@@ -294,14 +344,27 @@ mod tests {
             assert_eq!(draw(seed, |rng| rng.choice(5)), five[i]);
             assert_eq!(draw(seed, |rng| rng.choice_p(&p)), weighted[i]);
             assert_eq!(draw(seed, |rng| rng.categorical(&p)), weighted[i]);
-            assert_eq!(draw(seed, |rng| rng.choice_p(&p.map(|p| p * 8.0))), weighted[i]);
+            assert_eq!(
+                draw(seed, |rng| rng.choice_p(&p.map(|p| p * 8.0))),
+                weighted[i]
+            );
         }
-        assert_eq!(draw(42, |rng| rng.choice_p(&[1.0 / 3.0; 3])), [2, 1, 2, 2, 0, 2, 2, 2]);
+        assert_eq!(
+            draw(42, |rng| rng.choice_p(&[1.0 / 3.0; 3])),
+            [2, 1, 2, 2, 0, 2, 2, 2]
+        );
     }
 
     #[test]
     fn weighted_choices_always_draw_once() {
-        for p in [&[][..], &[1.0], &[0.0, 0.0], &[f64::NAN], &[0.0, 1.0], &[-1.0, f64::INFINITY]] {
+        for p in [
+            &[][..],
+            &[1.0],
+            &[0.0, 0.0],
+            &[f64::NAN],
+            &[0.0, 1.0],
+            &[-1.0, f64::INFINITY],
+        ] {
             let mut rng = Generator::from(5);
             assert!(rng.choice_p(p) < p.len().max(1));
             assert!(rng.categorical(p) < p.len().max(1));
@@ -317,7 +380,11 @@ mod tests {
     #[test]
     fn geometric_is_numpys() {
         let quarter = [[3, 4, 1, 1, 2, 6], [9, 9, 9, 1, 1, 6], [3, 1, 1, 2, 1, 9]];
-        let half = [[2, 1, 1, 1, 3, 4, 2, 2], [3, 1, 3, 2, 1, 6, 3, 3], [2, 1, 1, 1, 1, 3, 4, 1]];
+        let half = [
+            [2, 1, 1, 1, 3, 4, 2, 2],
+            [3, 1, 3, 2, 1, 6, 3, 3],
+            [2, 1, 1, 1, 1, 3, 4, 1],
+        ];
         let rare = [[6055, 3285, 2], [1047, 71, 1089], [826, 889, 365]];
         let next = [0.033585575305464355, 0.82276161327083, 0.21376296337509548];
         for (i, seed) in [0, 42, 123].into_iter().enumerate() {
@@ -330,7 +397,10 @@ mod tests {
             assert_eq!(rng.random(), next[i]);
         }
         // from a third on the probabilities are summed up
-        let third = [[3, 1, 1, 1, 5, 7, 3, 4, 2, 7, 5, 1], [2, 8, 1, 8, 1, 2, 5, 2, 2, 1, 4, 2]];
+        let third = [
+            [3, 1, 1, 1, 5, 7, 3, 4, 2, 7, 5, 1],
+            [2, 8, 1, 8, 1, 2, 5, 2, 2, 1, 4, 2],
+        ];
         for (seed, expected) in third.into_iter().enumerate() {
             assert_eq!(draw(seed as u64, |rng| rng.geometric(1.0 / 3.0)), expected);
         }
@@ -362,7 +432,10 @@ mod tests {
             assert_eq!(Generator::from(seed).permutation(10), order);
             let mut items = ["0", "1", "2", "3", "4", "5", "6", "7", "8", "9"];
             Generator::from(seed).shuffle(&mut items);
-            assert_eq!(items, order.map(|i| ["0", "1", "2", "3", "4", "5", "6", "7", "8", "9"][i]));
+            assert_eq!(
+                items,
+                order.map(|i| ["0", "1", "2", "3", "4", "5", "6", "7", "8", "9"][i])
+            );
         }
         let mut rng = Generator::from(42);
         rng.permutation(10);

@@ -50,7 +50,10 @@ impl Generator {
     pub fn new(seed: &Seed) -> Self {
         let [state_high, state_low, stream_high, stream_low] = seed::generate_state(seed);
         let join = |high, low| u128::from(high) << 64 | u128::from(low);
-        Self { pcg: Pcg64::new(join(state_high, state_low), join(stream_high, stream_low)), half: None }
+        Self {
+            pcg: Pcg64::new(join(state_high, state_low), join(stream_high, stream_low)),
+            half: None,
+        }
     }
 
     /// A generator seeded by the operating system. To know the seed, use [`Seed::from_os`].
@@ -154,9 +157,15 @@ mod tests {
     #[test]
     fn halves_and_bytes_are_numpys() {
         let mut rng = Generator::from(42);
-        assert_eq!([(); 4].map(|()| rng.random_f32()), [0.08925092, 0.773956, 0.6545715, 0.43887842]);
+        assert_eq!(
+            [(); 4].map(|()| rng.random_f32()),
+            [0.08925092, 0.773956, 0.6545715, 0.43887842]
+        );
         let mut rng = Generator::from(42);
-        assert_eq!([(); 4].map(|()| rng.next_u32()), [383329928, 3324115917, 2811363265, 1884968545]);
+        assert_eq!(
+            [(); 4].map(|()| rng.next_u32()),
+            [383329928, 3324115917, 2811363265, 1884968545]
+        );
         let (mut rng, mut bytes) = (Generator::from(42), [0; 11]);
         rng.fill_bytes(&mut bytes);
         assert_eq!(bytes, [136, 38, 217, 22, 205, 251, 33, 198, 193, 255, 145]);
@@ -169,7 +178,10 @@ mod tests {
         let rolls: Vec<u8> = (0..600).map(|_| rng.random_range(1..=6)).collect();
         for face in 1..=6 {
             let count = rolls.iter().filter(|roll| **roll == face).count();
-            assert!((60..140).contains(&count), "{count} of 600 rolls show {face}");
+            assert!(
+                (60..140).contains(&count),
+                "{count} of 600 rolls show {face}"
+            );
         }
         assert!([1, 2, 3].contains([1, 2, 3].choose(&mut rng).unwrap()));
         let word = rng.clone().next_u32();

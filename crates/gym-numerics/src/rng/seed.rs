@@ -46,13 +46,17 @@ pub enum SeedError {
 fn fill(bytes: &mut [u8]) -> Result<(), SeedError> {
     use rand::{TryRng, rngs::SysRng};
 
-    SysRng.try_fill_bytes(bytes).map_err(|error| SeedError::NoRandomness(error.to_string()))
+    SysRng
+        .try_fill_bytes(bytes)
+        .map_err(|error| SeedError::NoRandomness(error.to_string()))
 }
 
 /// WebAssembly in a browser has no operating system.
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]
 fn fill(_: &mut [u8]) -> Result<(), SeedError> {
-    Err(SeedError::NoRandomness("this platform has none: give each reset a seed".into()))
+    Err(SeedError::NoRandomness(
+        "this platform has none: give each reset a seed".into(),
+    ))
 }
 
 impl Seed {
@@ -213,7 +217,10 @@ impl<'de> Deserialize<'de> for Seed {
 /// M. E. O'Neill's `seed_seq` of fixed entropy; constants as in `numpy/random/bit_generator.pyx`.
 pub(super) fn generate_state(seed: &Seed) -> [u64; 4] {
     let pool = mix_entropy(&seed.words);
-    let mut hash = Hash { constant: 0x8b51_f9dd, multiplier: 0x58f3_8ded };
+    let mut hash = Hash {
+        constant: 0x8b51_f9dd,
+        multiplier: 0x58f3_8ded,
+    };
     let mut words = pool.iter().cycle().map(|&word| hash.apply(word));
     let mut next = || u64::from(words.next().unwrap_or_default());
     std::array::from_fn(|_| next() | next() << 32)
@@ -221,8 +228,12 @@ pub(super) fn generate_state(seed: &Seed) -> [u64; 4] {
 
 /// Spreads the seed's words, lowest first, over a pool in which each word depends on all of them.
 fn mix_entropy(entropy: &[u32]) -> [u32; 4] {
-    let mut hash = Hash { constant: 0x43b0_d7e5, multiplier: 0x931e_8875 };
-    let mut pool: [u32; 4] = std::array::from_fn(|i| hash.apply(entropy.get(i).copied().unwrap_or(0)));
+    let mut hash = Hash {
+        constant: 0x43b0_d7e5,
+        multiplier: 0x931e_8875,
+    };
+    let mut pool: [u32; 4] =
+        std::array::from_fn(|i| hash.apply(entropy.get(i).copied().unwrap_or(0)));
     for source in 0..4 {
         for target in 0..4 {
             if source != target {
@@ -254,7 +265,9 @@ impl Hash {
 }
 
 fn mix(x: u32, y: u32) -> u32 {
-    let word = x.wrapping_mul(0xca01_f9dd).wrapping_sub(y.wrapping_mul(0x4973_f715));
+    let word = x
+        .wrapping_mul(0xca01_f9dd)
+        .wrapping_sub(y.wrapping_mul(0x4973_f715));
     word ^ word >> 16
 }
 
@@ -268,33 +281,82 @@ mod tests {
     #[test]
     fn seeds_of_any_size_spread_as_numpys() {
         for (seed, state) in [
-            ("0", [0xdb2cd7e7b0f478be, 0xabf4641a2c71ba49, 0x20c6ed6d9d7b8d41, 0x2c4099de223c39d4]),
-            ("42", [0x9f1e2e6dcd540ab7, 0xd57873dc79fb94b6, 0x7d282a1b64d420b7, 0x336579714692d5ff]),
+            (
+                "0",
+                [
+                    0xdb2cd7e7b0f478be,
+                    0xabf4641a2c71ba49,
+                    0x20c6ed6d9d7b8d41,
+                    0x2c4099de223c39d4,
+                ],
+            ),
+            (
+                "42",
+                [
+                    0x9f1e2e6dcd540ab7,
+                    0xd57873dc79fb94b6,
+                    0x7d282a1b64d420b7,
+                    0x336579714692d5ff,
+                ],
+            ),
             // 2^32
-            ("4294967296", [0x50ff846cec53f444, 0x7a4918dbe8278562, 0x3bff9f6c362e2b19, 0xbdb177539a0654e3]),
+            (
+                "4294967296",
+                [
+                    0x50ff846cec53f444,
+                    0x7a4918dbe8278562,
+                    0x3bff9f6c362e2b19,
+                    0xbdb177539a0654e3,
+                ],
+            ),
             // 2^40 + 7
             (
                 "1099511627783",
-                [0x0d8672e10e3d1a15, 0x9aef4ada4ecfa161, 0x999c1c3b83dba903, 0x408927dc0dc8a316],
+                [
+                    0x0d8672e10e3d1a15,
+                    0x9aef4ada4ecfa161,
+                    0x999c1c3b83dba903,
+                    0x408927dc0dc8a316,
+                ],
             ),
             // 2^128 - 1 and 2^128
             (
                 "340282366920938463463374607431768211455",
-                [0x8395167830e01209, 0x84c0e37dcc99cac3, 0xd33f1bd2f788e841, 0xa9c6207b04082ba2],
+                [
+                    0x8395167830e01209,
+                    0x84c0e37dcc99cac3,
+                    0xd33f1bd2f788e841,
+                    0xa9c6207b04082ba2,
+                ],
             ),
             (
                 "340282366920938463463374607431768211456",
-                [0x43bfff7a2820a7af, 0xc28cba32643645e9, 0xfbc1be8429bf6610, 0x0cc5330b50571ea8],
+                [
+                    0x43bfff7a2820a7af,
+                    0xc28cba32643645e9,
+                    0xfbc1be8429bf6610,
+                    0x0cc5330b50571ea8,
+                ],
             ),
             // 2^150 + 3
             (
                 "1427247692705959881058285969449495136382746627",
-                [0x1b5310f00088170d, 0xc3cc3f875b8f7f85, 0x6d391f3a5458a91d, 0x99c620ed0005d6ff],
+                [
+                    0x1b5310f00088170d,
+                    0xc3cc3f875b8f7f85,
+                    0x6d391f3a5458a91d,
+                    0x99c620ed0005d6ff,
+                ],
             ),
             // 10^60
             (
                 "1000000000000000000000000000000000000000000000000000000000000",
-                [0x06808faff1247840, 0x15b9f7f43013ad54, 0x19548bdbade6c172, 0x148ab267f5e412e3],
+                [
+                    0x06808faff1247840,
+                    0x15b9f7f43013ad54,
+                    0x19548bdbade6c172,
+                    0x148ab267f5e412e3,
+                ],
             ),
         ] {
             assert_eq!(generate_state(&seed.parse().unwrap()), state, "seed {seed}");
@@ -308,11 +370,17 @@ mod tests {
         }
         let longest = "9".repeat(MAX_DIGITS);
         assert_eq!(longest.parse::<Seed>().unwrap().to_string(), longest);
-        assert_eq!("0".repeat(MAX_DIGITS + 1).parse::<Seed>(), Err(SeedError::TooLong(MAX_DIGITS + 1)));
+        assert_eq!(
+            "0".repeat(MAX_DIGITS + 1).parse::<Seed>(),
+            Err(SeedError::TooLong(MAX_DIGITS + 1))
+        );
         assert_eq!("007".parse::<Seed>().unwrap(), Seed::from(7));
         for text in ["", "-1", "+1", "1.0", "1_000", " 1", "0x1", "one"] {
             let error = text.parse::<Seed>().unwrap_err();
-            assert!(matches!(&error, SeedError::Invalid(shown) if shown == text), "{error}");
+            assert!(
+                matches!(&error, SeedError::Invalid(shown) if shown == text),
+                "{error}"
+            );
         }
     }
 
@@ -322,7 +390,11 @@ mod tests {
             ("0", 0, "0"),
             ("4294967295", 1, "4294967296"),
             ("18446744073709551615", u64::MAX, "36893488147419103230"),
-            ("340282366920938463463374607431768211455", 1, "340282366920938463463374607431768211456"),
+            (
+                "340282366920938463463374607431768211455",
+                1,
+                "340282366920938463463374607431768211456",
+            ),
         ] {
             assert_eq!(seed.parse::<Seed>().unwrap().plus(n), sum.parse().unwrap());
         }
@@ -339,11 +411,26 @@ mod tests {
             assert_eq!(serde_json::to_value(&seed).unwrap(), stored);
             assert_eq!(serde_json::from_value::<Seed>(stored).unwrap(), seed);
         }
-        assert_eq!(serde_json::from_value::<Seed>(json!("7")).unwrap(), Seed::from(7));
-        for stored in [json!(-1), json!(1.5), json!(1e30), json!("-1"), json!("1.5"), json!(null), json!([1])]
-        {
-            let error = serde_json::from_value::<Seed>(stored).unwrap_err().to_string();
-            assert!(error.contains("expected a seed: a whole number, zero or greater"), "{error}");
+        assert_eq!(
+            serde_json::from_value::<Seed>(json!("7")).unwrap(),
+            Seed::from(7)
+        );
+        for stored in [
+            json!(-1),
+            json!(1.5),
+            json!(1e30),
+            json!("-1"),
+            json!("1.5"),
+            json!(null),
+            json!([1]),
+        ] {
+            let error = serde_json::from_value::<Seed>(stored)
+                .unwrap_err()
+                .to_string();
+            assert!(
+                error.contains("expected a seed: a whole number, zero or greater"),
+                "{error}"
+            );
         }
     }
 

@@ -23,7 +23,13 @@ impl Generator {
         let fields = serde_json::to_string(&self.pcg).and_then(|json| serde_json::from_str(&json));
         let Fields { state, increment } = fields.expect("a generator has these fields");
         let half = self.half.map_or(0, |half| HAS_HALF | u64::from(half));
-        [(state >> 64) as u64, state as u64, (increment >> 64) as u64, increment as u64, half]
+        [
+            (state >> 64) as u64,
+            state as u64,
+            (increment >> 64) as u64,
+            increment as u64,
+            half,
+        ]
     }
 
     /// The generator of such [`words`](Self::words).
@@ -34,7 +40,9 @@ impl Generator {
         [state_high, state, increment_high, increment, half]: [u64; 5],
     ) -> Result<Self, String> {
         if increment % 2 == 0 {
-            return Err(format!("the generator's increment ends in {increment}: it must be odd"));
+            return Err(format!(
+                "the generator's increment ends in {increment}: it must be odd"
+            ));
         }
         let half = match half {
             0 => None,
@@ -48,7 +56,10 @@ impl Generator {
         let join = |high: u64, low: u64| u128::from(high) << 64 | u128::from(low);
         let fields = [join(state_high, state), join(increment_high, increment)];
         let pcg = Pcg64::deserialize(SeqDeserializer::<_, SerdeError>::new(fields.into_iter()));
-        Ok(Self { pcg: pcg.map_err(|error| error.to_string())?, half })
+        Ok(Self {
+            pcg: pcg.map_err(|error| error.to_string())?,
+            half,
+        })
     }
 }
 
@@ -75,13 +86,28 @@ mod tests {
     #[test]
     fn a_fresh_generator_has_numpys_state() {
         for (seed, state, increment) in [
-            (0, 0x1aa1b534_5996452d_09585eb7_a69561e3_u128, 0x418ddadb_3af71a82_588133bc_447873a9_u128),
-            (42, 0xcea44f67_98798f2a_acbc7c9d_68860ac8, 0xfa505436_c9a8416e_66caf2e2_8d25abff),
-            (123, 0x786df8ae_32b3fe64_5bee00f1_ac1e7b4d, 0x0d4e48fe_e886333a_26dbcfc7_823f9c3b),
+            (
+                0,
+                0x1aa1b534_5996452d_09585eb7_a69561e3_u128,
+                0x418ddadb_3af71a82_588133bc_447873a9_u128,
+            ),
+            (
+                42,
+                0xcea44f67_98798f2a_acbc7c9d_68860ac8,
+                0xfa505436_c9a8416e_66caf2e2_8d25abff,
+            ),
+            (
+                123,
+                0x786df8ae_32b3fe64_5bee00f1_ac1e7b4d,
+                0x0d4e48fe_e886333a_26dbcfc7_823f9c3b,
+            ),
         ] {
             let words = [state, increment].map(|number| [(number >> 64) as u64, number as u64]);
             let stored = serde_json::to_value(Generator::from(seed)).unwrap();
-            assert_eq!(stored, json!([words[0][0], words[0][1], words[1][0], words[1][1], 0]));
+            assert_eq!(
+                stored,
+                json!([words[0][0], words[0][1], words[1][0], words[1][1], 0])
+            );
         }
     }
 
@@ -105,11 +131,20 @@ mod tests {
 
     #[test]
     fn a_damaged_state_is_refused() {
-        let read = |json| serde_json::from_value::<Generator>(json).map_err(|error| error.to_string());
+        let read =
+            |json| serde_json::from_value::<Generator>(json).map_err(|error| error.to_string());
         assert!(read(json!([0, 0, 0, 1, 0])).is_ok());
-        assert!(read(json!([0, 0, 1, 16, 0])).unwrap_err().contains("must be odd"));
+        assert!(
+            read(json!([0, 0, 1, 16, 0]))
+                .unwrap_err()
+                .contains("must be odd")
+        );
         for half in [1, 1_u64 << 33, u64::MAX] {
-            assert!(read(json!([0, 0, 0, 1, half])).unwrap_err().contains("half of a word"));
+            assert!(
+                read(json!([0, 0, 0, 1, half]))
+                    .unwrap_err()
+                    .contains("half of a word")
+            );
         }
         assert!(read(json!([0, 0, 0, 1])).is_err() && read(json!([0, 0, 0, 1, 0, 0])).is_err());
     }

@@ -67,7 +67,10 @@ impl Stream for WordStream {
 
     #[inline(always)]
     fn lend<R>(&mut self, f: impl FnOnce(&mut Generator) -> R) -> R {
-        let mut generator = Generator { pcg: self.0.clone(), half: None };
+        let mut generator = Generator {
+            pcg: self.0.clone(),
+            half: None,
+        };
         let result = f(&mut generator);
         debug_assert!(generator.half.is_none(), "half a word would be lost");
         self.0 = generator.pcg;
@@ -75,7 +78,11 @@ impl Stream for WordStream {
     }
 
     fn words(&self) -> [u64; 5] {
-        Generator { pcg: self.0.clone(), half: None }.words()
+        Generator {
+            pcg: self.0.clone(),
+            half: None,
+        }
+        .words()
     }
 }
 
@@ -92,7 +99,10 @@ mod tests {
             assert_eq!(stream.random(), rng.random());
             stream.skip();
             rng.random();
-            assert_eq!(stream.lend(|rng| rng.uniform(-2.0, 3.0)), rng.uniform(-2.0, 3.0));
+            assert_eq!(
+                stream.lend(|rng| rng.uniform(-2.0, 3.0)),
+                rng.uniform(-2.0, 3.0)
+            );
         }
         assert_eq!(size_of::<WordStream>(), 32);
     }

@@ -160,11 +160,20 @@ mod tests {
             let mut rng = start.clone();
             assert_eq!(normals.map(|_| rng.standard_normal()), normals);
             let mut rng = start.clone();
-            assert_eq!(normals.map(|_| rng.normal(2.0, 3.0)), normals.map(|z| 2.0 + 3.0 * z));
+            assert_eq!(
+                normals.map(|_| rng.normal(2.0, 3.0)),
+                normals.map(|z| 2.0 + 3.0 * z)
+            );
             let mut rng = start.clone();
-            assert_eq!(exponentials.map(|_| rng.standard_exponential()), exponentials);
+            assert_eq!(
+                exponentials.map(|_| rng.standard_exponential()),
+                exponentials
+            );
             let mut rng = start.clone();
-            assert_eq!(exponentials.map(|_| rng.exponential(0.5)), exponentials.map(|x| 0.5 * x));
+            assert_eq!(
+                exponentials.map(|_| rng.exponential(0.5)),
+                exponentials.map(|x| 0.5 * x)
+            );
             let mut rng = start;
             assert_eq!(normals_f32.map(|_| rng.standard_normal_f32()), normals_f32);
         }
@@ -176,8 +185,18 @@ mod tests {
     fn long_runs_are_numpys() {
         type Draw = fn(&mut Generator) -> f64;
         let cases: [(Draw, f64, f64, u64); 3] = [
-            (Generator::standard_normal, 190.8526145758009, 4.522829666849905, 0xc70a_d0ff_47cf_517b),
-            (Generator::standard_exponential, 199928.6474211806, 11.45871735227823, 0x0898_16cb_fccf_392c),
+            (
+                Generator::standard_normal,
+                190.8526145758009,
+                4.522829666849905,
+                0xc70a_d0ff_47cf_517b,
+            ),
+            (
+                Generator::standard_exponential,
+                199928.6474211806,
+                11.45871735227823,
+                0x0898_16cb_fccf_392c,
+            ),
             (
                 |rng| f64::from(rng.standard_normal_f32()),
                 -772.4880594501337,
@@ -189,7 +208,9 @@ mod tests {
             let mut rng = Generator::from(7);
             let values: Vec<f64> = (0..200_000).map(|_| draw(&mut rng)).collect();
             assert!((values.iter().sum::<f64>() - sum).abs() < 1e-6);
-            assert!((values.iter().fold(0.0, |top: f64, x| top.max(x.abs())) - greatest).abs() < 1e-6);
+            assert!(
+                (values.iter().fold(0.0, |top: f64, x| top.max(x.abs())) - greatest).abs() < 1e-6
+            );
             assert_eq!(rng.next_u64(), next_word);
         }
     }
@@ -206,6 +227,10 @@ mod tests {
             exponential += rng.standard_exponential() / N as f64;
         }
         // Five standard errors: 1/sqrt(N) of the two means, sqrt(2/N) of the mean square.
-        assert!(mean.abs() < 0.0112 && (square - 1.0).abs() < 0.0159 && (exponential - 1.0).abs() < 0.0112);
+        assert!(
+            mean.abs() < 0.0112
+                && (square - 1.0).abs() < 0.0159
+                && (exponential - 1.0).abs() < 0.0112
+        );
     }
 }

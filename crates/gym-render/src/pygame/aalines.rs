@@ -29,7 +29,12 @@ pub(super) fn aalines(pixels: &mut impl Pixels, points: &[Point], closed: bool, 
             }
         };
         let off = to[0].fract() != 0.0 || to[1].fract() != 0.0;
-        let join = Join { off, turns, is_first: !closed && i == 0, is_last: !closed && i + 1 == segments };
+        let join = Join {
+            off,
+            turns,
+            is_first: !closed && i == 0,
+            is_last: !closed && i + 1 == segments,
+        };
         line(pixels, from, to, join, color);
         steep_before = Some(steep);
     }
@@ -56,12 +61,18 @@ fn line(pixels: &mut impl Pixels, mut from: [f32; 2], mut to: [f32; 2], join: Jo
     let mut mix = |x: i32, y: i32, f: f32| {
         let [x, y] = if steep { [y, x] } else { [x, y] };
         if pixels.keeps(x, y) {
-            pixels.change(x, y, color, |d, s| (f * f32::from(s) + (1.0 - f) * f32::from(d)) as i32 as u8);
+            pixels.change(x, y, color, |d, s| {
+                (f * f32::from(s) + (1.0 - f) * f32::from(d)) as i32 as u8
+            });
         }
     };
     if d.iter().all(|d| d.abs() < 0.0001) {
         let [x, y] = from.map(|x| (f64::from(x) + 0.5).floor() as i32);
-        return if steep { mix(y, x, 1.0) } else { mix(x, y, 1.0) };
+        return if steep {
+            mix(y, x, 1.0)
+        } else {
+            mix(x, y, 1.0)
+        };
     }
     // x is the longer way from here on
     if steep {
@@ -82,7 +93,11 @@ fn line(pixels: &mut impl Pixels, mut from: [f32; 2], mut to: [f32; 2], join: Jo
     if to[0] > high[0] {
         to = [high[0], to[1] + gradient * (high[0] - to[0])];
     }
-    let (upper, lower) = if gradient > 0.0 { (&mut from, &mut to) } else { (&mut to, &mut from) };
+    let (upper, lower) = if gradient > 0.0 {
+        (&mut from, &mut to)
+    } else {
+        (&mut to, &mut from)
+    };
     if lower[1] <= LOW || upper[1] >= high[1] {
         return;
     }
@@ -116,7 +131,11 @@ fn line(pixels: &mut impl Pixels, mut from: [f32; 2], mut to: [f32; 2], join: Jo
     }
     let end = to[0].ceil() as i32;
     if (!join.off || join.turns || join.is_last) && from[0] < high[0] - 1.0 {
-        pair(end, to[1] + gradient * (end as f32 - to[0]), (1 - end) as f32 + to[0]);
+        pair(
+            end,
+            to[1] + gradient * (end as f32 - to[0]),
+            (1 - end) as f32 + to[0],
+        );
     }
     while x < end {
         let row = y as i32;

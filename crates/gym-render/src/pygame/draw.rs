@@ -5,7 +5,13 @@ use gym_core::canvas::{Color, Point};
 use super::{Edge, Edges, FEW, MANY, Pixels, whole};
 
 /// Lines `width` pixels wide between points; from the last to the first too, if closed.
-pub(super) fn lines(pixels: &mut impl Pixels, points: &[Point], closed: bool, width: u32, color: Color) {
+pub(super) fn lines(
+    pixels: &mut impl Pixels,
+    points: &[Point],
+    closed: bool,
+    width: u32,
+    color: Color,
+) {
     for pair in points.windows(2) {
         line(pixels, whole(pair[0]), whole(pair[1]), width as i32, color);
     }
@@ -16,7 +22,13 @@ pub(super) fn lines(pixels: &mut impl Pixels, points: &[Point], closed: bool, wi
     }
 }
 
-fn line(pixels: &mut impl Pixels, [mut x, mut y]: [i32; 2], end: [i32; 2], width: i32, color: Color) {
+fn line(
+    pixels: &mut impl Pixels,
+    [mut x, mut y]: [i32; 2],
+    end: [i32; 2],
+    width: i32,
+    color: Color,
+) {
     let sign = |d: i32| if d > 0 { 1 } else { -1 };
     let (dx, dy) = ((end[0] - x).abs(), (end[1] - y).abs());
     let (sx, sy) = (sign(end[0] - x), sign(end[1] - y));
@@ -71,7 +83,11 @@ fn fill<const MOST: usize>(pixels: &mut impl Pixels, points: &[Point], color: Co
         }
         let q = (y - y1).wrapping_mul(x2 - x1) as f32 / (y2 - y1) as f32;
         // which way a cut is rounded depends on the order of the points
-        x1 + if before.is_multiple_of(2) { q.floor() } else { q.ceil() } as i32
+        x1 + if before.is_multiple_of(2) {
+            q.floor()
+        } else {
+            q.ceil()
+        } as i32
     };
     edges.scan(pixels.rows(), cut, |a, b, y| pixels.hline(a, b, y, color));
     // level edges inside
@@ -97,7 +113,9 @@ fn triangle(pixels: &mut impl Pixels, [mut a, mut b, mut c]: [[i32; 2]; 3], colo
     if a[1] == b[1] && b[1] == c[1] && a[0] == b[0] && b[0] != c[0] {
         std::mem::swap(&mut b, &mut c);
     }
-    let slope = |p: [i32; 2], q: [i32; 2]| (f64::from(q[0] - p[0]) / (f64::from(q[1] - p[1]) + 1e-17)) as f32;
+    let slope = |p: [i32; 2], q: [i32; 2]| {
+        (f64::from(q[0] - p[0]) / (f64::from(q[1] - p[1]) + 1e-17)) as f32
+    };
     let (ac, ab, bc) = (slope(a, c), slope(a, b), slope(b, c));
     let at = |p: [i32; 2], slope: f32, y: i32| p[0] + ((y - p[1]) as f32 * slope) as i32;
     let rows = pixels.rows();

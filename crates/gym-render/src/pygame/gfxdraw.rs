@@ -60,7 +60,9 @@ fn clip(mut p: [i16; 2], mut q: [i16; 2], [right, bottom]: [i16; 2]) -> Option<[
 /// line.
 fn aaline(pixels: &mut impl Pixels, p: [i32; 2], q: [i32; 2], color: Color) {
     let corner = [(pixels.width() - 1) as i16, (pixels.height() - 1) as i16];
-    let Some([p, q]) = clip(p.map(|x| x as i16), q.map(|x| x as i16), corner) else { return };
+    let Some([p, q]) = clip(p.map(|x| x as i16), q.map(|x| x as i16), corner) else {
+        return;
+    };
     let [p, q] = [p, q].map(|point| point.map(i32::from));
     let (top, end) = if q[1] < p[1] { (q, p) } else { (p, q) };
     let [tx, ty] = top;
@@ -78,10 +80,12 @@ fn aaline(pixels: &mut impl Pixels, p: [i32; 2], q: [i32; 2], color: Color) {
     let step = u64::from(((minor << 16) / major) << 16);
     let step = if step == 0 { 1 << 32 } else { step };
     // the first k at which the line has moved this number of pixels along the minor axis
-    let first_at = |minor: i32| u64::try_from(minor).map_or(0, |minor| (minor << 32).div_ceil(step));
+    let first_at =
+        |minor: i32| u64::try_from(minor).map_or(0, |minor| (minor << 32).div_ceil(step));
     let rows = pixels.rows();
     let (from, to) = (rows.start - ty, rows.end - ty);
-    let steps = |from: u64, to: u64| (from.max(1) as u32).min(major)..(to.min(u64::from(major)) as u32);
+    let steps =
+        |from: u64, to: u64| (from.max(1) as u32).min(major)..(to.min(u64::from(major)) as u32);
     let weights = |at: u64| {
         let w = (at >> 24 & 0xff) as i32;
         [(255 * (255 - w)) >> 8, (255 * w) >> 8]
@@ -131,18 +135,28 @@ pub(super) fn filled_polygon(pixels: &mut impl Pixels, points: &[Point], color: 
 }
 
 fn fill<const MOST: usize>(pixels: &mut impl Pixels, points: &[Point], color: Color) {
-    scan::<MOST>(pixels.rows(), points, |x1, x2, y| pixels.hline(x1, x2, y, color));
+    scan::<MOST>(pixels.rows(), points, |x1, x2, y| {
+        pixels.hline(x1, x2, y, color)
+    });
 }
 
 /// Shows `draw` the runs that are inside of a polygon, in these rows; the ends may come in either order.
 #[inline]
-fn scan<const MOST: usize>(rows: Range<i32>, points: &[Point], mut draw: impl FnMut(i32, i32, i32)) {
+fn scan<const MOST: usize>(
+    rows: Range<i32>,
+    points: &[Point],
+    mut draw: impl FnMut(i32, i32, i32),
+) {
     let edges = Edges::<MOST>::new(points);
     let cut = |edge: &Edge, y: i32, _: usize| {
-        edge.share(y).wrapping_mul(edge.x2 - edge.x1).wrapping_add(edge.x1.wrapping_mul(65536))
+        edge.share(y)
+            .wrapping_mul(edge.x2 - edge.x1)
+            .wrapping_add(edge.x1.wrapping_mul(65536))
     };
     let round = |v: i32| (v >> 16) + (v >> 15 & 1);
-    edges.scan(rows, cut, |a, b, y| draw(round(a.wrapping_add(1)), round(b.wrapping_sub(1)), y));
+    edges.scan(rows, cut, |a, b, y| {
+        draw(round(a.wrapping_add(1)), round(b.wrapping_sub(1)), y)
+    });
 }
 
 /// Rows that [`polygon`] takes at once.
@@ -152,7 +166,10 @@ pub(crate) const MOST_ROWS: usize = 64;
 /// not drawn.
 pub(crate) fn polygon(pixels: &mut impl Pixels, points: &[Point], color: Color) {
     let rows = pixels.rows();
-    let mut inside = Inside { top: rows.start, runs: [[0; 2]; MOST_ROWS] };
+    let mut inside = Inside {
+        top: rows.start,
+        runs: [[0; 2]; MOST_ROWS],
+    };
     let mut is_simple = points.len() <= FEW && rows.len() <= MOST_ROWS;
     if is_simple {
         let right = pixels.width() - 1;
@@ -171,7 +188,14 @@ pub(crate) fn polygon(pixels: &mut impl Pixels, points: &[Point], color: Color) 
             pixels.run(x1, x2 - 1, y, color);
         }
     }
-    aapolygon(&mut Outside { pixels, inside: &inside }, points, color);
+    aapolygon(
+        &mut Outside {
+            pixels,
+            inside: &inside,
+        },
+        points,
+        color,
+    );
 }
 
 /// For some rows, the pixels that the inside of a polygon covers: from the first to before the second.
@@ -275,8 +299,14 @@ pub(super) fn aacircle(pixels: &mut impl Pixels, [x, y]: [i32; 2], radius: i32, 
     let quarter = (area as f64 / ((2 * area) as f64).sqrt()).round_ties_even() as i32;
     let (mut t, mut s, mut d) = (0, -2 * area * i64::from(radius), 0);
     let (mut px, mut py) = (x, y - radius);
-    let mirrored =
-        |px: i32, py: i32| [[px, py], [2 * x - px, py], [px, 2 * y - py], [2 * x - px, 2 * y - py]];
+    let mirrored = |px: i32, py: i32| {
+        [
+            [px, py],
+            [2 * x - px, py],
+            [px, 2 * y - py],
+            [2 * x - px, 2 * y - py],
+        ]
+    };
     for [px, py] in mirrored(px, py) {
         pixels.hline(px, px, py, color);
     }
@@ -288,7 +318,11 @@ pub(super) fn aacircle(pixels: &mut impl Pixels, [x, y]: [i32; 2], radius: i32, 
         }
     };
     let weight = |d: i64, k: i64| {
-        if k == 0 { 255 } else { ((d as f32).abs() / (k as f32).abs() * 255.0).min(255.0) as i32 }
+        if k == 0 {
+            255
+        } else {
+            ((d as f32).abs() / (k as f32).abs() * 255.0).min(255.0) as i32
+        }
     };
     for _ in 0..quarter {
         px -= 1;

@@ -94,9 +94,18 @@ pub(crate) fn is_in_reach(primitive: &Primitive<'_>) -> bool {
         | Primitive::Polygon(points)
         | Primitive::Lines { points, .. }
         | Primitive::AaLines { points, .. } => points.as_flattened().iter().all(near),
-        Primitive::AaCircle { center: [x, y], radius }
-        | Primitive::FilledCircle { center: [x, y], radius }
-        | Primitive::Circle { center: [x, y], radius } => [x, y, radius].iter().all(near),
+        Primitive::AaCircle {
+            center: [x, y],
+            radius,
+        }
+        | Primitive::FilledCircle {
+            center: [x, y],
+            radius,
+        }
+        | Primitive::Circle {
+            center: [x, y],
+            radius,
+        } => [x, y, radius].iter().all(near),
         Primitive::HLine { x1, x2, y } => [x1, x2, y].iter().all(near),
         Primitive::VLine { x, y1, y2 } => [x, y1, y2].iter().all(near),
     }
@@ -121,8 +130,14 @@ pub(crate) fn paint(pixels: &mut impl Pixels, primitive: &Primitive<'_>, color: 
         Primitive::HLine { x1, x2, y } => pixels.hline(x1 as i32, x2 as i32, y as i32, color),
         Primitive::VLine { x, y1, y2 } => pixels.vline(x as i32, y1 as i32, y2 as i32, color),
         Primitive::Polygon(points) => draw::polygon(pixels, points, color),
-        Primitive::Lines { points, closed, width } => draw::lines(pixels, points, closed, width, color),
-        Primitive::Circle { center, radius } => draw::circle(pixels, whole(center), radius as i32, color),
+        Primitive::Lines {
+            points,
+            closed,
+            width,
+        } => draw::lines(pixels, points, closed, width, color),
+        Primitive::Circle { center, radius } => {
+            draw::circle(pixels, whole(center), radius as i32, color)
+        }
         Primitive::AaLines { points, closed } => aalines::aalines(pixels, points, closed, color),
     }
 }
@@ -141,7 +156,13 @@ struct Edge {
 impl Edge {
     /// From an upper to a lower end.
     fn new([x1, y1]: [i32; 2], [x2, y2]: [i32; 2]) -> Self {
-        Self { x1, y1, x2, y2, reciprocal: (1_u64 << 47).div_ceil((y2 - y1) as u64) }
+        Self {
+            x1,
+            y1,
+            x2,
+            y2,
+            reciprocal: (1_u64 << 47).div_ceil((y2 - y1) as u64),
+        }
     }
 
     /// `65536 * (y - y1) / (y2 - y1)`, for a row of the edge.
@@ -174,8 +195,15 @@ const MANY: usize = 80;
 
 impl<const MOST: usize> Edges<MOST> {
     fn new(points: &[Point]) -> Self {
-        let mut edges = Self { edges: [Edge::default(); MOST], count: 0, min: i32::MAX, max: i32::MIN };
-        let Some(last) = points.last() else { return edges };
+        let mut edges = Self {
+            edges: [Edge::default(); MOST],
+            count: 0,
+            min: i32::MAX,
+            max: i32::MIN,
+        };
+        let Some(last) = points.last() else {
+            return edges;
+        };
         let mut p = whole(*last);
         for point in points {
             let q = whole(*point);
@@ -237,7 +265,9 @@ impl<const MOST: usize> Edges<MOST> {
                         cuts[i] = cut(edge, y, i);
                     }
                     cuts[..count].sort_unstable();
-                    cuts[..count].chunks_exact(2).for_each(|pair| draw(pair[0], pair[1], y));
+                    cuts[..count]
+                        .chunks_exact(2)
+                        .for_each(|pair| draw(pair[0], pair[1], y));
                 }
             }
             y = next;

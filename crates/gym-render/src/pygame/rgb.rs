@@ -28,11 +28,21 @@ const SHORT: usize = 32 * RGB;
 
 impl<'a> RgbPixels<'a> {
     pub(crate) fn new(frame: &'a mut Frame, left: i32, flipped: bool) -> Self {
-        Self { frame, left, flipped, last: (0..0, Color::BLACK), short: ([0; SHORT], None) }
+        Self {
+            frame,
+            left,
+            flipped,
+            last: (0..0, Color::BLACK),
+            short: ([0; SHORT], None),
+        }
     }
 
     fn row(&mut self, y: i32) -> &mut [u8] {
-        let y = if self.flipped { self.height() - 1 - y } else { y };
+        let y = if self.flipped {
+            self.height() - 1 - y
+        } else {
+            y
+        };
         pixels::row(self.frame, y as usize)
     }
 }
@@ -57,7 +67,11 @@ impl Pixels for RgbPixels<'_> {
         }
         let columns = x1.max(0) as usize..(x2 + 1) as usize;
         let bytes = columns.len() * RGB;
-        let row = if self.flipped { self.height() - 1 - y } else { y } as usize;
+        let row = if self.flipped {
+            self.height() - 1 - y
+        } else {
+            y
+        } as usize;
         let start = (row * self.frame.width() as usize + columns.start) * RGB;
         if bytes <= SHORT {
             let (run, run_color) = &mut self.short;
@@ -71,7 +85,9 @@ impl Pixels for RgbPixels<'_> {
         let (last, last_color) = &self.last;
         if bytes <= last.len() && *last_color == color {
             let first = last.start;
-            self.frame.pixels_mut().copy_within(first..first + bytes, start);
+            self.frame
+                .pixels_mut()
+                .copy_within(first..first + bytes, start);
         } else {
             pixels::fill_run(self.row(y), columns, color);
         }
@@ -84,7 +100,11 @@ impl Pixels for RgbPixels<'_> {
         if column < 0 || x >= self.width() || low > high {
             return;
         }
-        let top = if self.flipped { self.height() - 1 - high } else { low };
+        let top = if self.flipped {
+            self.height() - 1 - high
+        } else {
+            low
+        };
         self.last.0 = 0..0;
         let bytes = self.frame.width() as usize * RGB;
         let first = top as usize * bytes + column as usize * RGB;
@@ -95,7 +115,9 @@ impl Pixels for RgbPixels<'_> {
     }
 
     fn change(&mut self, x: i32, y: i32, color: Color, f: impl Fn(u8, u8) -> u8) {
-        let Ok(x) = usize::try_from(x - self.left) else { return };
+        let Ok(x) = usize::try_from(x - self.left) else {
+            return;
+        };
         self.last.0 = 0..0;
         let pixel = &mut self.row(y)[x * RGB..][..RGB];
         for (d, s) in pixel.iter_mut().zip([color.r, color.g, color.b]) {

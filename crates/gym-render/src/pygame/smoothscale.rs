@@ -54,7 +54,14 @@ pub(crate) fn phases(from: usize, to: usize) -> Vec<Phase> {
                 left -= ONE;
                 at += 1;
             }
-            let phase = Phase { first, first_share, begin, last: at, last_share: left as u16, reciprocal };
+            let phase = Phase {
+                first,
+                first_share,
+                begin,
+                last: at,
+                last_share: left as u16,
+                reciprocal,
+            };
             (first, first_share) = (at, (ONE - left) as u16);
             left = space - (ONE - left);
             at += 1;

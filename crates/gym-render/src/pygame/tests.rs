@@ -63,11 +63,18 @@ impl Case {
         match &self.background {
             Json::String(name) => {
                 let seed = name.strip_prefix("noise:").unwrap().parse().unwrap();
-                frame.pixels_mut().iter_mut().zip(noise(seed)).for_each(|(pixel, byte)| *pixel = byte);
+                frame
+                    .pixels_mut()
+                    .iter_mut()
+                    .zip(noise(seed))
+                    .for_each(|(pixel, byte)| *pixel = byte);
             }
             color => {
                 let color: [u8; 3] = serde_json::from_value(color.clone()).unwrap();
-                frame.pixels_mut().chunks_exact_mut(3).for_each(|pixel| pixel.copy_from_slice(&color));
+                frame
+                    .pixels_mut()
+                    .chunks_exact_mut(3)
+                    .for_each(|pixel| pixel.copy_from_slice(&color));
             }
         }
         frame
@@ -89,56 +96,85 @@ fn check(name: &str, cases: &[Case], primitive: impl Fn(&Case) -> Primitive<'_>)
         crc32fast::hash(frame.pixels()) != case.crc32
     });
     let differ: Vec<usize> = differ.map(|(i, _)| i).collect();
-    assert!(differ.is_empty(), "{name}: {} of {} cases differ: {differ:?}", differ.len(), cases.len());
+    assert!(
+        differ.is_empty(),
+        "{name}: {} of {} cases differ: {differ:?}",
+        differ.len(),
+        cases.len()
+    );
 }
 
 #[test]
 fn gfxdraw_draws_what_pygame_drew() {
     let polygons: Vec<Case> = cases!("gfxdraw.aapolygon");
-    check("aapolygon", &polygons, |case| Primitive::AaPolygon(&case.points));
-    let polygons: Vec<Case> = cases!("gfxdraw.filled_polygon");
-    check("filled_polygon", &polygons, |case| Primitive::FilledPolygon(&case.points));
-    let circles: Vec<Case> = cases!("gfxdraw.aacircle");
-    check("aacircle", &circles, |&Case { center, radius, .. }| Primitive::AaCircle { center, radius });
-    let circles: Vec<Case> = cases!("gfxdraw.filled_circle");
-    check("filled_circle", &circles, |&Case { center, radius, .. }| Primitive::FilledCircle {
-        center,
-        radius,
+    check("aapolygon", &polygons, |case| {
+        Primitive::AaPolygon(&case.points)
     });
+    let polygons: Vec<Case> = cases!("gfxdraw.filled_polygon");
+    check("filled_polygon", &polygons, |case| {
+        Primitive::FilledPolygon(&case.points)
+    });
+    let circles: Vec<Case> = cases!("gfxdraw.aacircle");
+    check("aacircle", &circles, |&Case { center, radius, .. }| {
+        Primitive::AaCircle { center, radius }
+    });
+    let circles: Vec<Case> = cases!("gfxdraw.filled_circle");
+    check(
+        "filled_circle",
+        &circles,
+        |&Case { center, radius, .. }| Primitive::FilledCircle { center, radius },
+    );
     let lines: Vec<Case> = cases!("gfxdraw.hline");
-    check("hline", &lines, |&Case { x1, x2, y, .. }| Primitive::HLine { x1, x2, y });
+    check("hline", &lines, |&Case { x1, x2, y, .. }| {
+        Primitive::HLine { x1, x2, y }
+    });
     let lines: Vec<Case> = cases!("gfxdraw.vline");
-    check("vline", &lines, |&Case { x, y1, y2, .. }| Primitive::VLine { x, y1, y2 });
+    check("vline", &lines, |&Case { x, y1, y2, .. }| {
+        Primitive::VLine { x, y1, y2 }
+    });
 }
 
 #[test]
 fn draw_draws_what_pygame_drew() {
     let polygons: Vec<Case> = cases!("draw.polygon");
-    check("polygon", &polygons, |case| Primitive::Polygon(&case.points));
+    check("polygon", &polygons, |case| {
+        Primitive::Polygon(&case.points)
+    });
     for (name, width, closed, cases) in [
         ("polygon of width 1", 1, true, cases!("draw.polygon_width1")),
         ("line", 1, false, cases!("draw.line_width1")),
         ("lines of width 2", 2, false, cases!("draw.lines_width2")),
     ] {
-        check(name, &cases, |case| Primitive::Lines { points: &case.points, closed, width });
+        check(name, &cases, |case| Primitive::Lines {
+            points: &case.points,
+            closed,
+            width,
+        });
     }
     let circles: Vec<Case> = cases!("draw.circle");
-    check("circle", &circles, |&Case { center, radius, .. }| Primitive::Circle { center, radius });
+    check("circle", &circles, |&Case { center, radius, .. }| {
+        Primitive::Circle { center, radius }
+    });
     for (name, closed, cases) in [
         ("aaline", false, cases!("draw.aaline")),
         ("aalines, open", false, cases!("draw.aalines_open")),
         ("aalines, closed", true, cases!("draw.aalines_closed")),
     ] {
-        check(name, &cases, |case| Primitive::AaLines { points: &case.points, closed });
+        check(name, &cases, |case| Primitive::AaLines {
+            points: &case.points,
+            closed,
+        });
     }
 }
 
 /// A polygon without height is its row of pixels, from the leftmost point to the rightmost.
 #[test]
 fn a_flat_polygon_is_a_line() {
-    for points in
-        [&[[5.0, 2.0], [1.0, 2.0], [3.0, 2.0], [4.0, 2.0]][..], &[[1.0, 2.0]; 5], &[[2.0, 2.0], [6.0, 2.0]]]
-    {
+    for points in [
+        &[[5.0, 2.0], [1.0, 2.0], [3.0, 2.0], [4.0, 2.0]][..],
+        &[[1.0, 2.0]; 5],
+        &[[2.0, 2.0], [6.0, 2.0]],
+    ] {
         let mut frame = Frame::new(8, 4).unwrap();
         paint(
             &mut RgbPixels::new(&mut frame, 0, false),
@@ -191,22 +227,39 @@ fn smoothscale_shrinks_as_pygame_did() {
         #[serde(rename = "crc32_SSE2")]
         crc32: u32,
     }
-    for Case { from: [w, h], to: [w2, h2], seed, blocks, crc32 } in cases!("transform.smoothscale") {
+    for Case {
+        from: [w, h],
+        to: [w2, h2],
+        seed,
+        blocks,
+        crc32,
+    } in cases!("transform.smoothscale")
+    {
         let bytes: Vec<u8> = noise(seed).take(w * h * 4).collect();
         let source = |x: usize, y: usize, channel: usize| {
-            let (x, y, w) = if blocks { (x / 8, y / 8, w.div_ceil(8)) } else { (x, y, w) };
+            let (x, y, w) = if blocks {
+                (x / 8, y / 8, w.div_ceil(8))
+            } else {
+                (x, y, w)
+            };
             bytes[(y * w + x) * 4 + channel]
         };
         let mut scaled = vec![0; w2 * h2 * 4];
         for channel in 0..4 {
-            let narrow: Vec<Vec<u8>> = (0..h).map(|y| shrink(|x| source(x, y, channel), w, w2)).collect();
+            let narrow: Vec<Vec<u8>> = (0..h)
+                .map(|y| shrink(|x| source(x, y, channel), w, w2))
+                .collect();
             for x in 0..w2 {
                 for (y, value) in shrink(|y| narrow[y][x], h, h2).into_iter().enumerate() {
                     scaled[(y * w2 + x) * 4 + channel] = value;
                 }
             }
         }
-        assert_eq!(crc32fast::hash(&scaled), crc32, "{w}x{h} to {w2}x{h2}, seed {seed}, blocks {blocks}");
+        assert_eq!(
+            crc32fast::hash(&scaled),
+            crc32,
+            "{w}x{h} to {w2}x{h2}, seed {seed}, blocks {blocks}"
+        );
     }
 }
 
@@ -238,7 +291,9 @@ fn shrinks_as_whole(
     draw: &dyn Fn(&mut Paint<'_>),
 ) -> bool {
     let mut whole = Frame::new(from.0, from.1).unwrap();
-    draw(&mut |primitive, color| paint(&mut RgbPixels::new(&mut whole, 0, true), &primitive, color));
+    draw(&mut |primitive, color| {
+        paint(&mut RgbPixels::new(&mut whole, 0, true), &primitive, color)
+    });
     let mut frame = Frame::new(to.0, to.1).unwrap();
     let mut draw_in = |canvas: &mut dyn Canvas| {
         canvas.push_smoothscaled(from, to);
@@ -281,18 +336,56 @@ fn a_surface_that_is_never_whole_is_shrunk_as_one_that_is() {
                     let few = &points[..kind % 3];
                     match kind {
                         0 => paint(Primitive::Polygon(points), color),
-                        1 => paint(Primitive::Lines { points, closed: false, width: 2 }, color),
+                        1 => paint(
+                            Primitive::Lines {
+                                points,
+                                closed: false,
+                                width: 2,
+                            },
+                            color,
+                        ),
                         2 => paint(Primitive::HLine { x1, x2, y: y1 }, color),
                         3 => paint(Primitive::VLine { x: x1, y1, y2 }, color),
                         4 => paint(Primitive::AaCircle { center, radius }, color),
                         5 => paint(Primitive::FilledCircle { center, radius }, color),
                         6 => paint(Primitive::Circle { center, radius }, color),
-                        7 => paint(Primitive::AaLines { points, closed: true }, color),
-                        8 => paint(Primitive::AaLines { points, closed: false }, color),
+                        7 => paint(
+                            Primitive::AaLines {
+                                points,
+                                closed: true,
+                            },
+                            color,
+                        ),
+                        8 => paint(
+                            Primitive::AaLines {
+                                points,
+                                closed: false,
+                            },
+                            color,
+                        ),
                         9..12 => {
-                            paint(Primitive::AaLines { points: few, closed: true }, color);
-                            paint(Primitive::AaLines { points: few, closed: false }, color);
-                            paint(Primitive::Lines { points: few, closed: true, width: 1 }, color);
+                            paint(
+                                Primitive::AaLines {
+                                    points: few,
+                                    closed: true,
+                                },
+                                color,
+                            );
+                            paint(
+                                Primitive::AaLines {
+                                    points: few,
+                                    closed: false,
+                                },
+                                color,
+                            );
+                            paint(
+                                Primitive::Lines {
+                                    points: few,
+                                    closed: true,
+                                    width: 1,
+                                },
+                                color,
+                            );
                             paint(Primitive::Polygon(few), color);
                             paint(Primitive::AaPolygon(few), color);
                             paint(Primitive::FilledPolygon(few), color);
@@ -304,7 +397,10 @@ fn a_surface_that_is_never_whole_is_shrunk_as_one_that_is() {
                     }
                 }
             };
-            assert!(shrinks_as_whole(&mut raster, from, to, &draw), "{from:?} to {to:?}, picture {picture}");
+            assert!(
+                shrinks_as_whole(&mut raster, from, to, &draw),
+                "{from:?} to {to:?}, picture {picture}"
+            );
         }
     }
 }
@@ -319,7 +415,11 @@ fn a_slanting_side_covers_no_row() {
         for turn in 0..4 {
             for axis in 0..2 {
                 let mut points = rectangle;
-                points[corner][axis] = if points[corner][axis] > 40.0 { 35.0 } else { 20.0 };
+                points[corner][axis] = if points[corner][axis] > 40.0 {
+                    35.0
+                } else {
+                    20.0
+                };
                 points.rotate_left(turn);
                 let draw = |paint: &mut Paint<'_>| {
                     paint(Primitive::FilledPolygon(&rectangle), Color::rgb(0, 200, 0));

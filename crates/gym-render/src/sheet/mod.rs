@@ -133,7 +133,11 @@ impl Sheet {
                 self.points.extend(points);
                 (Kind::Polygon, 0.0)
             }
-            Primitive::Lines { points, closed, width } => {
+            Primitive::Lines {
+                points,
+                closed,
+                width,
+            } => {
                 self.points.extend(points);
                 (Kind::Lines { closed, width }, f64::from(width))
             }
@@ -156,11 +160,24 @@ impl Sheet {
         };
         let points = &self.points[first..];
         let low = points.iter().fold(f64::INFINITY, |low, [_, y]| low.min(*y)) - spread;
-        let high = points.iter().fold(f64::NEG_INFINITY, |high, [_, y]| high.max(*y)) + spread;
-        let left = points.iter().fold(f64::INFINITY, |left, [x, _]| left.min(*x)) - spread;
-        let right = points.iter().fold(f64::NEG_INFINITY, |right, [x, _]| right.max(*x)) + spread;
+        let high = points
+            .iter()
+            .fold(f64::NEG_INFINITY, |high, [_, y]| high.max(*y))
+            + spread;
+        let left = points
+            .iter()
+            .fold(f64::INFINITY, |left, [x, _]| left.min(*x))
+            - spread;
+        let right = points
+            .iter()
+            .fold(f64::NEG_INFINITY, |right, [x, _]| right.max(*x))
+            + spread;
         let is_beside = right < -1.0 || left > self.width as f64 + 1.0;
-        let rows = if is_beside { 0..0 } else { self.rows(low as i64, high as i64, flipped) };
+        let rows = if is_beside {
+            0..0
+        } else {
+            self.rows(low as i64, high as i64, flipped)
+        };
         let covers = match kind {
             Kind::FilledPolygon | Kind::Polygon => self.covered(points, flipped),
             _ => 0..0,
@@ -169,7 +186,14 @@ impl Sheet {
             self.points.truncate(first);
         } else {
             let points = first..self.points.len();
-            self.calls.push(Call { kind, points, color, flipped, rows, covers });
+            self.calls.push(Call {
+                kind,
+                points,
+                color,
+                flipped,
+                rows,
+                covers,
+            });
         }
     }
 
@@ -177,7 +201,11 @@ impl Sheet {
     fn rows(&self, low: i64, high: i64, flipped: bool) -> Range<usize> {
         let place = |row: i64| row.clamp(0, self.height as i64) as usize;
         let (low, high) = (place(low), place(high + 1));
-        if flipped { self.height - high..self.height - low } else { low..high }
+        if flipped {
+            self.height - high..self.height - low
+        } else {
+            low..high
+        }
     }
 
     /// The rows that a polygon covers completely, if easily computed.
@@ -190,7 +218,11 @@ impl Sheet {
             let (left, right) = (a[0].min(c[0]), a[0].max(c[0]));
             let (low, high) = (a[1].min(c[1]), a[1].max(c[1]));
             let across = left < 1.0 && right >= width - 1.0;
-            return if across { self.rows(low as i64, high as i64, flipped) } else { 0..0 };
+            return if across {
+                self.rows(low as i64, high as i64, flipped)
+            } else {
+                0..0
+            };
         }
         // the corners of the surface lie on one side of all edges, well away from them
         const AWAY: f64 = 4.0;
@@ -204,12 +236,19 @@ impl Sheet {
                 .into_iter()
                 .flat_map(move |(from, to)| corners.map(|corner| side(from, to, corner)))
         };
-        if sides().all(|s| s > AWAY) || sides().all(|s| s < -AWAY) { 0..self.height } else { 0..0 }
+        if sides().all(|s| s > AWAY) || sides().all(|s| s < -AWAY) {
+            0..self.height
+        } else {
+            0..0
+        }
     }
 
     /// Draws the surface and writes it, shrunk, to the frame.
     pub(crate) fn finish(&mut self, frame: &mut Frame) {
-        self.shrink.start((self.width, self.height), (frame.width() as usize, frame.height() as usize));
+        self.shrink.start(
+            (self.width, self.height),
+            (frame.width() as usize, frame.height() as usize),
+        );
         match self.shrink.layout.widest {
             0..=4 => self.draw::<4>(frame),
             5..=16 => self.draw::<16>(frame),
@@ -220,7 +259,14 @@ impl Sheet {
     /// As [`finish`](Self::finish), for windows of up to `N` pixels.
     fn draw<const N: usize>(&mut self, frame: &mut Frame) {
         let height = self.height;
-        let Self { calls, points, shrink, flat, pixels, .. } = self;
+        let Self {
+            calls,
+            points,
+            shrink,
+            flat,
+            pixels,
+            ..
+        } = self;
         let windows = shrink.layout.windows.len();
         pixels.resize(BAND * windows * 3 * N, 0);
         let pixels = pixels.as_chunks_mut::<N>().0.as_chunks_mut::<3>().0;
@@ -235,12 +281,23 @@ impl Sheet {
                 if call.rows.start >= bottom || call.rows.end <= top {
                     continue;
                 }
-                let (rows, flipped) = (top.max(call.rows.start)..bottom.min(call.rows.end), call.flipped);
-                let rows = if flipped { height - rows.end..height - rows.start } else { rows };
+                let (rows, flipped) = (
+                    top.max(call.rows.start)..bottom.min(call.rows.end),
+                    call.flipped,
+                );
+                let rows = if flipped {
+                    height - rows.end..height - rows.start
+                } else {
+                    rows
+                };
                 let mut band = Band {
                     rows: rows.start as i32..rows.end as i32,
                     // the place of row 0 of the surface, and the way to the next
-                    origin: if flipped { height as isize - 1 - top as isize } else { -(top as isize) },
+                    origin: if flipped {
+                        height as isize - 1 - top as isize
+                    } else {
+                        -(top as isize)
+                    },
                     step: if flipped { -1 } else { 1 },
                     color: packed(call.color),
                     flat: &mut *flat,
@@ -249,7 +306,9 @@ impl Sheet {
                 };
                 match call.primitive(points) {
                     Some(primitive) => pygame::paint(&mut band, &primitive, call.color),
-                    None => pygame::gfx_polygon(&mut band, &points[call.points.clone()], call.color),
+                    None => {
+                        pygame::gfx_polygon(&mut band, &points[call.points.clone()], call.color)
+                    }
                 }
             }
             let rows = flat.chunks_exact(windows).zip(pixels.chunks_exact(windows));
@@ -266,7 +325,11 @@ impl Sheet {
 fn band(calls: &[Call], top: usize, height: usize) -> (usize, usize) {
     let mut bottom = (top + BAND).min(height);
     let mut first = 0;
-    for (i, call) in calls.iter().enumerate().filter(|(_, call)| !call.covers.is_empty()) {
+    for (i, call) in calls
+        .iter()
+        .enumerate()
+        .filter(|(_, call)| !call.covers.is_empty())
+    {
         if call.covers.contains(&top) {
             bottom = bottom.min(call.covers.end);
             first = i + 1;
@@ -284,16 +347,37 @@ impl Call {
         let first = points.first().copied().unwrap_or_default();
         let last = points.last().copied().unwrap_or_default();
         Some(match self.kind {
-            Kind::Line => Primitive::HLine { x1: first[0], x2: last[0], y: first[1] },
-            Kind::Column => Primitive::VLine { x: first[0], y1: first[1], y2: last[1] },
+            Kind::Line => Primitive::HLine {
+                x1: first[0],
+                x2: last[0],
+                y: first[1],
+            },
+            Kind::Column => Primitive::VLine {
+                x: first[0],
+                y1: first[1],
+                y2: last[1],
+            },
             Kind::AaPolygon => Primitive::AaPolygon(points),
             Kind::FilledPolygon => Primitive::FilledPolygon(points),
             Kind::GfxPolygon => return None,
-            Kind::AaCircle(radius) => Primitive::AaCircle { center: first, radius },
-            Kind::FilledCircle(radius) => Primitive::FilledCircle { center: first, radius },
+            Kind::AaCircle(radius) => Primitive::AaCircle {
+                center: first,
+                radius,
+            },
+            Kind::FilledCircle(radius) => Primitive::FilledCircle {
+                center: first,
+                radius,
+            },
             Kind::Polygon => Primitive::Polygon(points),
-            Kind::Lines { closed, width } => Primitive::Lines { points, closed, width },
-            Kind::Circle(radius) => Primitive::Circle { center: first, radius },
+            Kind::Lines { closed, width } => Primitive::Lines {
+                points,
+                closed,
+                width,
+            },
+            Kind::Circle(radius) => Primitive::Circle {
+                center: first,
+                radius,
+            },
             Kind::AaLines { closed } => Primitive::AaLines { points, closed },
         })
     }

@@ -66,12 +66,25 @@ impl Shrink {
         border[0] = 0;
         let mut windows = Vec::new();
         for (i, phase) in self.columns.iter().enumerate() {
-            windows.push(Window { first: phase.first as u16, last: phase.last as u16 });
+            windows.push(Window {
+                first: phase.first as u16,
+                last: phase.last as u16,
+            });
             border[phase.first + 1..=phase.last].fill(i as u16);
         }
-        let widest = self.columns.iter().map(|phase| phase.last - phase.first + 1).max();
+        let widest = self
+            .columns
+            .iter()
+            .map(|phase| phase.last - phase.first + 1)
+            .max();
         let widest = widest.unwrap_or_default();
-        self.layout = Layout { from, to, windows, border, widest };
+        self.layout = Layout {
+            from,
+            to,
+            windows,
+            border,
+            widest,
+        };
         self.before = vec![0; to.0];
         self.marks = vec![0; words];
         // black, which becomes black
@@ -80,10 +93,17 @@ impl Shrink {
     }
 
     /// Adds a row of the surface; completes a row of the frame if it is its last.
-    pub(super) fn row<const N: usize>(&mut self, flat: &[u32], pixels: &[Written<N>], frame: &mut Frame) {
+    pub(super) fn row<const N: usize>(
+        &mut self,
+        flat: &[u32],
+        pixels: &[Written<N>],
+        frame: &mut Frame,
+    ) {
         let (y, k) = self.at;
         self.at.0 += 1;
-        let Some(&phase) = self.rows.get(k) else { return };
+        let Some(&phase) = self.rows.get(k) else {
+            return;
+        };
         self.change_colors(flat, &phase);
         for word in 0..self.marks.len() {
             let marks = self.marks[word];
@@ -198,7 +218,12 @@ impl Shrink {
                 self.narrow[window] = mean(&self.columns[window], &pixels[window]);
             }
         }
-        for (sum, v) in self.sums.as_flattened_mut().iter_mut().zip(self.narrow.as_flattened_mut()) {
+        for (sum, v) in self
+            .sums
+            .as_flattened_mut()
+            .iter_mut()
+            .zip(self.narrow.as_flattened_mut())
+        {
             let total = u32::from(sum.wrapping_add(part(*v, phase.last_share)));
             *sum = part(*v, next_share);
             *v = ((total * u32::from(phase.reciprocal)) >> 16) as u16;
@@ -210,7 +235,12 @@ impl Shrink {
     }
 
     /// Completes a row of the frame, of which the loose windows are as above.
-    fn complete_tight<const N: usize>(&mut self, pixels: &[Written<N>], phase: &Phase, frame: &mut Frame) {
+    fn complete_tight<const N: usize>(
+        &mut self,
+        pixels: &[Written<N>],
+        phase: &Phase,
+        frame: &mut Frame,
+    ) {
         let bytes = self.layout.to.0 * RGB;
         let (above, row) = frame.pixels_mut()[(self.at.1 - 2) * bytes..].split_at_mut(bytes);
         row[..bytes].copy_from_slice(above);
@@ -218,14 +248,21 @@ impl Shrink {
             let marks = self.marks[word];
             for i in Bits(self.tight[word]) {
                 let window = 64 * word + i;
-                let Some(&plain) = self.plain.get(window) else { break };
+                let Some(&plain) = self.plain.get(window) else {
+                    break;
+                };
                 let is_marked = marks & 1 << i != 0;
-                let values = if is_marked { mean(&self.columns[window], &pixels[window]) } else { plain };
+                let values = if is_marked {
+                    mean(&self.columns[window], &pixels[window])
+                } else {
+                    plain
+                };
                 self.add_plain(window, phase.last as u16);
                 self.since[window] += 1;
                 let sum = std::mem::take(&mut self.sums[window]);
-                for (pixel, (sum, v)) in
-                    row[window * RGB..][..RGB].iter_mut().zip(sum.into_iter().zip(values))
+                for (pixel, (sum, v)) in row[window * RGB..][..RGB]
+                    .iter_mut()
+                    .zip(sum.into_iter().zip(values))
                 {
                     *pixel = phase.of(sum, v);
                 }
@@ -244,7 +281,9 @@ fn is_equal(a: &[u32], b: &[u32]) -> bool {
 #[inline]
 fn changes(now: &[u32], before: &[u32]) -> u64 {
     let bits = now.iter().zip(before).zip(0..);
-    bits.fold(0, |changes, ((now, before), i)| changes | u64::from(now != before) << i)
+    bits.fold(0, |changes, ((now, before), i)| {
+        changes | u64::from(now != before) << i
+    })
 }
 
 /// The numbers of the bits that are set, from the lowest.
@@ -274,8 +313,14 @@ fn mean<const N: usize>(phase: &Phase, window: &Written<N>) -> Sum {
     let marks = mark::<N>(phase.begin - phase.first..last);
     let mut mean = [0; 4];
     for (mean, channel) in mean.iter_mut().zip(window) {
-        let whole: u32 = channel.iter().zip(marks).map(|(value, mark)| u32::from(value & mark)).sum();
-        *mean = phase.mean(channel[0].into(), whole as u16, channel[last].into()).into();
+        let whole: u32 = channel
+            .iter()
+            .zip(marks)
+            .map(|(value, mark)| u32::from(value & mark))
+            .sum();
+        *mean = phase
+            .mean(channel[0].into(), whole as u16, channel[last].into())
+            .into();
     }
     mean
 }

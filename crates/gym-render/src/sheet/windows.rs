@@ -47,7 +47,8 @@ pub(super) fn mark<const N: usize>(pixels: Range<usize>) -> [u8; N] {
         }
         step
     };
-    let [from_start, from_end] = [pixels.start, pixels.end].map(|first| &STEP[MOST - first.min(N)..][..N]);
+    let [from_start, from_end] =
+        [pixels.start, pixels.end].map(|first| &STEP[MOST - first.min(N)..][..N]);
     // (a loop, as `array::from_fn` is not inlined)
     let mut marks = [0; N];
     for (mark, (in_start, in_end)) in marks.iter_mut().zip(from_start.iter().zip(from_end)) {

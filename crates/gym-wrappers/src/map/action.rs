@@ -58,7 +58,16 @@ impl<T, M: ActionMap> MapAction<T, M> {
         let (config, inner_space) = (config.into(), inner.actions());
         let (map, space) = M::new(&config, &inner_space)?;
         let [action, buffer, rows] = Default::default();
-        Ok(Self { inner, config, map, space, inner_space, action, buffer, rows })
+        Ok(Self {
+            inner,
+            config,
+            map,
+            space,
+            inner_space,
+            action,
+            buffer,
+            rows,
+        })
     }
 
     /// The arguments.
@@ -100,8 +109,19 @@ impl<E: Env, M: ActionMap> gym_core::Wrapper for MapAction<E, M> {
         self.space.clone()
     }
 
-    fn step_into(&mut self, outer: &Self::Action, observation: &mut E::Observation) -> Result<Outcome> {
-        let Self { inner, map, space, action, buffer, .. } = self;
+    fn step_into(
+        &mut self,
+        outer: &Self::Action,
+        observation: &mut E::Observation,
+    ) -> Result<Outcome> {
+        let Self {
+            inner,
+            map,
+            space,
+            action,
+            buffer,
+            ..
+        } = self;
         outer.write(action);
         Self::take(space, action, buffer)?;
         act(inner, map.map(action, buffer), observation)
@@ -119,14 +139,29 @@ impl<V: VectorEnv, M: ActionMap> gym_core::VectorWrapper for MapAction<V, M> {
 
     fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
         let n = self.inner.num_envs();
-        let Self { inner, map, space, inner_space, action, buffer, rows, .. } = self;
+        let Self {
+            inner,
+            map,
+            space,
+            inner_space,
+            action,
+            buffer,
+            rows,
+            ..
+        } = self;
         space.check_actions(actions, n)?;
         if M::TAKES_BATCHES {
             let real = matches!(space, Space::Box(space) if space.dtype().is_float());
             match (actions.as_array(), space.dtype()) {
                 _ if real => space.real_action(actions, Some(n), action)?,
-                (Some(batch), Some(dtype)) => array_of(action, dtype, batch.shape()).assign_cast(batch)?,
-                _ => return Err(Error::Contract(format!("{space} does not batch into an array"))),
+                (Some(batch), Some(dtype)) => {
+                    array_of(action, dtype, batch.shape()).assign_cast(batch)?
+                }
+                _ => {
+                    return Err(Error::Contract(format!(
+                        "{space} does not batch into an array"
+                    )));
+                }
             }
             return inner.step_into(map.map(action, buffer), columns);
         }

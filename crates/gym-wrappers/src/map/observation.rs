@@ -57,7 +57,15 @@ impl<T, M: ObservationMap> MapObservation<T, M> {
     {
         let (config, inner_space) = (config.into(), inner.observations());
         let (map, space) = M::new(&config, &inner_space)?;
-        Ok(Self { inner, config, map, space, inner_space, seen: Seen::default(), row: Default::default() })
+        Ok(Self {
+            inner,
+            config,
+            map,
+            space,
+            inner_space,
+            seen: Seen::default(),
+            row: Default::default(),
+        })
     }
 
     /// The arguments.
@@ -77,7 +85,14 @@ impl<T, M: ObservationMap> MapObservation<T, M> {
 
     fn observe_columns(&mut self, n: usize, columns: &mut Columns) -> Result<()> {
         columns.prepare(&self.space, n)?;
-        let Self { map, space, inner_space, seen, row: [before, after], .. } = self;
+        let Self {
+            map,
+            space,
+            inner_space,
+            seen,
+            row: [before, after],
+            ..
+        } = self;
         if M::TAKES_BATCHES {
             return seen.map(columns, |inner, out| map.map(inner, out));
         }
@@ -90,7 +105,11 @@ impl<T, M: ObservationMap> MapObservation<T, M> {
         for index in 0..n {
             map_row(index, &seen.observations, &mut columns.observations)?;
             if columns.has_final[index] {
-                map_row(index, &seen.final_observations, &mut columns.final_observations)?;
+                map_row(
+                    index,
+                    &seen.final_observations,
+                    &mut columns.final_observations,
+                )?;
             }
         }
         Ok(())
@@ -99,9 +118,11 @@ impl<T, M: ObservationMap> MapObservation<T, M> {
 
 /// Makes `out` an array of the type and shape of the space, if its elements are arrays.
 fn prepare(space: &Space, out: &mut Value) {
-    if let (false, Some(dtype), Some(shape)) =
-        (matches!(space, Space::Discrete(_)), space.dtype(), space.shape())
-    {
+    if let (false, Some(dtype), Some(shape)) = (
+        matches!(space, Space::Discrete(_)),
+        space.dtype(),
+        space.shape(),
+    ) {
         array_of(out, dtype, shape);
     }
 }
@@ -147,7 +168,10 @@ impl Seen {
 
     fn swap(&mut self, columns: &mut Columns) {
         std::mem::swap(&mut self.observations, &mut columns.observations);
-        std::mem::swap(&mut self.final_observations, &mut columns.final_observations);
+        std::mem::swap(
+            &mut self.final_observations,
+            &mut columns.final_observations,
+        );
     }
 
     /// Maps each column that counts.

@@ -36,7 +36,11 @@ impl<T, M: RewardMap> MapReward<T, M> {
     /// The errors of [`RewardMap::new`].
     pub fn new(inner: T, config: impl Into<M::Config>) -> Result<Self> {
         let config = config.into();
-        Ok(Self { inner, map: M::new(&config)?, config })
+        Ok(Self {
+            inner,
+            map: M::new(&config)?,
+            config,
+        })
     }
 
     /// The arguments.
@@ -52,9 +56,16 @@ impl<E: Env, M: RewardMap> gym_core::Wrapper for MapReward<E, M> {
     env_within!(E);
     reset_within!(E);
 
-    fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
+    fn step_into(
+        &mut self,
+        action: &E::Action,
+        observation: &mut E::Observation,
+    ) -> Result<Outcome> {
         let outcome = self.inner.step_into(action, observation)?;
-        Ok(Outcome { reward: self.map.map(outcome.reward), ..outcome })
+        Ok(Outcome {
+            reward: self.map.map(outcome.reward),
+            ..outcome
+        })
     }
 
     named_by!(config: M::Config);
@@ -64,7 +75,9 @@ impl<V: VectorEnv, M: RewardMap> gym_core::VectorWrapper for MapReward<V, M> {
     vector_within!();
 
     fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
-        step_rewards(&mut self.inner, actions, columns, |reward| self.map.map(reward))
+        step_rewards(&mut self.inner, actions, columns, |reward| {
+            self.map.map(reward)
+        })
     }
 
     named_by!(config: M::Config);

@@ -12,10 +12,17 @@ pub(crate) struct AreaResize {
 #[derive(Clone, Debug)]
 enum Method {
     /// Both sizes shrink by a whole factor: the mean of a block of that height and width.
-    Blocks { height: usize, width: usize, out_width: usize },
+    Blocks {
+        height: usize,
+        width: usize,
+        out_width: usize,
+    },
     /// Neither size grows: for each row and column of the result, the rows and columns of the source
     /// that it covers, with their shares.
-    Shares { rows: Vec<Vec<(usize, f32)>>, columns: Vec<Vec<(usize, f32)>> },
+    Shares {
+        rows: Vec<Vec<(usize, f32)>>,
+        columns: Vec<Vec<(usize, f32)>>,
+    },
     /// A size grows: for each row and column of the result, the two of the source that it lies between,
     /// with their shares in units of 1/2048.
     Between { rows: Vec<Pair>, columns: Vec<Pair> },
@@ -37,14 +44,22 @@ impl AreaResize {
             }
         } else if is_whole(scale_y) && is_whole(scale_x) {
             let (height, width) = (scale_y.round() as usize, scale_x.round() as usize);
-            Method::Blocks { height, width, out_width: target.1 }
+            Method::Blocks {
+                height,
+                width,
+                out_width: target.1,
+            }
         } else {
             Method::Shares {
                 rows: shares(source.0, target.0, scale_y),
                 columns: shares(source.1, target.1, scale_x),
             }
         };
-        Self { source, channels, method }
+        Self {
+            source,
+            channels,
+            method,
+        }
     }
 
     /// Whether an image has the source size.
@@ -57,7 +72,11 @@ impl AreaResize {
         let channels = self.channels;
         let at = |y: usize, x: usize, c: usize| source[(y * self.source.1 + x) * channels + c];
         match &self.method {
-            Method::Blocks { height, width, out_width } => {
+            Method::Blocks {
+                height,
+                width,
+                out_width,
+            } => {
                 let scale = 1.0 / (height * width) as f32;
                 for (i, out) in out.iter_mut().enumerate() {
                     let (pixel, c) = (i / channels, i % channels);
@@ -77,9 +96,9 @@ impl AreaResize {
                         for (c, out) in (0..channels).zip(&mut *out) {
                             let mut sum = 0.0;
                             for (y, beta) in row {
-                                let part = column
-                                    .iter()
-                                    .fold(0.0, |part, (x, alpha)| part + f32::from(at(*y, *x, c)) * alpha);
+                                let part = column.iter().fold(0.0, |part, (x, alpha)| {
+                                    part + f32::from(at(*y, *x, c)) * alpha
+                                });
                                 sum += beta * part;
                             }
                             *out = saturate(sum);
@@ -92,9 +111,11 @@ impl AreaResize {
                 for row in rows {
                     for [(left, a), (right, b)] in columns {
                         for (c, out) in (0..channels).zip(&mut *out) {
-                            let across =
-                                |y: usize| i32::from(at(y, *left, c)) * a + i32::from(at(y, *right, c)) * b;
-                            let [upper, lower] = row.map(|(y, share)| (share * (across(y) >> 4)) >> 16);
+                            let across = |y: usize| {
+                                i32::from(at(y, *left, c)) * a + i32::from(at(y, *right, c)) * b
+                            };
+                            let [upper, lower] =
+                                row.map(|(y, share)| (share * (across(y) >> 4)) >> 16);
                             *out = ((upper + lower + 2) >> 2) as u8;
                         }
                     }
@@ -125,7 +146,10 @@ fn shares(source: usize, target: usize, scale: f64) -> Vec<Vec<(usize, f32)>> {
         }
         shares.extend((first..last).map(|k| (k, (1.0 / width) as f32)));
         if end - last as f64 > LEAST {
-            shares.push((last, ((end - last as f64).min(1.0).min(width) / width) as f32));
+            shares.push((
+                last,
+                ((end - last as f64).min(1.0).min(width) / width) as f32,
+            ));
         }
         shares
     };
@@ -138,7 +162,11 @@ fn between(source: usize, target: usize, scale: f64, inverse: f64) -> Vec<Pair> 
     let pair = |i: usize| {
         let left = (i as f64 * scale).floor() as usize;
         let share = ((i + 1) as f64 - (left + 1) as f64 * inverse) as f32;
-        let share = if share <= 0.0 { 0.0 } else { share - share.floor() };
+        let share = if share <= 0.0 {
+            0.0
+        } else {
+            share - share.floor()
+        };
         if left + 1 >= source {
             return [(source - 1, ONE as i32), (source - 1, 0)];
         }
@@ -154,7 +182,9 @@ mod tests {
 
     /// The images from which OpenCV 5.0.0 computed the vectors below.
     fn picture(height: usize, width: usize, channels: usize) -> Vec<u8> {
-        (0..height * width * channels).map(|i| (i * i * 7 + i * 13) as u8).collect()
+        (0..height * width * channels)
+            .map(|i| (i * i * 7 + i * 13) as u8)
+            .collect()
     }
 
     fn resize(source: (usize, usize), target: (usize, usize), channels: usize) -> Vec<u8> {
@@ -173,14 +203,19 @@ mod tests {
     fn pictures_are_opencvs() {
         type Case = ((usize, usize), (usize, usize), usize, &'static [u8]);
         let cases: &[Case] = &[
-            ((10, 9), (3, 3), 1, &[133, 116, 157, 122, 133, 124, 122, 134, 101]),
+            (
+                (10, 9),
+                (3, 3),
+                1,
+                &[133, 116, 157, 122, 133, 124, 122, 134, 101],
+            ),
             (
                 (10, 9),
                 (5, 5),
                 1,
                 &[
-                    66, 122, 121, 150, 151, 173, 136, 129, 165, 116, 94, 136, 121, 136, 123, 129, 163, 141,
-                    149, 129, 91, 118, 160, 90, 62,
+                    66, 122, 121, 150, 151, 173, 136, 129, 165, 116, 94, 136, 121, 136, 123, 129,
+                    163, 141, 149, 129, 91, 118, 160, 90, 62,
                 ],
             ),
             ((10, 9), (1, 1), 3, &[128, 125, 125]),
@@ -188,7 +223,10 @@ mod tests {
                 (8, 12),
                 (2, 3),
                 3,
-                &[103, 126, 115, 135, 134, 131, 135, 126, 115, 135, 78, 131, 135, 182, 131, 135, 110, 147],
+                &[
+                    103, 126, 115, 135, 134, 131, 135, 126, 115, 135, 78, 131, 135, 182, 131, 135,
+                    110, 147,
+                ],
             ),
             ((8, 12), (2, 3), 1, &[104, 160, 120, 136, 96, 120]),
             (
@@ -196,8 +234,8 @@ mod tests {
                 (4, 6),
                 1,
                 &[
-                    58, 102, 202, 166, 122, 134, 122, 134, 138, 134, 122, 102, 122, 166, 138, 102, 186, 134,
-                    122, 134, 74, 70, 58, 102,
+                    58, 102, 202, 166, 122, 134, 122, 134, 138, 134, 122, 102, 122, 166, 138, 102,
+                    186, 134, 122, 134, 74, 70, 58, 102,
                 ],
             ),
             // larger in one direction or both
@@ -206,9 +244,9 @@ mod tests {
                 (6, 7),
                 1,
                 &[
-                    0, 0, 13, 20, 31, 54, 54, 51, 51, 78, 92, 110, 147, 147, 102, 102, 143, 164, 189, 240,
-                    240, 74, 74, 143, 178, 132, 40, 40, 123, 123, 121, 120, 123, 131, 131, 172, 172, 99, 62,
-                    115, 222, 222,
+                    0, 0, 13, 20, 31, 54, 54, 51, 51, 78, 92, 110, 147, 147, 102, 102, 143, 164,
+                    189, 240, 240, 74, 74, 143, 178, 132, 40, 40, 123, 123, 121, 120, 123, 131,
+                    131, 172, 172, 99, 62, 115, 222, 222,
                 ],
             ),
             (
@@ -216,30 +254,44 @@ mod tests {
                 (7, 3),
                 1,
                 &[
-                    8, 47, 139, 49, 75, 134, 174, 157, 119, 150, 157, 79, 126, 156, 40, 199, 188, 165, 224,
-                    198, 208,
+                    8, 47, 139, 49, 75, 134, 174, 157, 119, 150, 157, 79, 126, 156, 40, 199, 188,
+                    165, 224, 198, 208,
                 ],
             ),
             (
                 (5, 4),
                 (3, 6),
                 1,
-                &[66, 87, 108, 62, 97, 132, 65, 125, 186, 64, 139, 213, 181, 163, 146, 126, 174, 222],
+                &[
+                    66, 87, 108, 62, 97, 132, 65, 125, 186, 64, 139, 213, 181, 163, 146, 126, 174,
+                    222,
+                ],
             ),
-            ((3, 3), (5, 3), 1, &[0, 20, 54, 34, 68, 116, 102, 164, 240, 83, 173, 107, 74, 178, 40]),
+            (
+                (3, 3),
+                (5, 3),
+                1,
+                &[
+                    0, 20, 54, 34, 68, 116, 102, 164, 240, 83, 173, 107, 74, 178, 40,
+                ],
+            ),
             (
                 (2, 3),
                 (3, 5),
                 3,
                 &[
-                    0, 20, 54, 34, 68, 116, 102, 164, 240, 83, 173, 107, 74, 178, 40, 86, 41, 138, 98, 67,
-                    135, 121, 118, 129, 143, 168, 122, 154, 193, 118, 172, 62, 222, 161, 65, 154, 140, 72,
-                    18, 203, 163, 137, 234, 208, 196,
+                    0, 20, 54, 34, 68, 116, 102, 164, 240, 83, 173, 107, 74, 178, 40, 86, 41, 138,
+                    98, 67, 135, 121, 118, 129, 143, 168, 122, 154, 193, 118, 172, 62, 222, 161,
+                    65, 154, 140, 72, 18, 203, 163, 137, 234, 208, 196,
                 ],
             ),
         ];
         for (source, target, channels, expected) in cases {
-            assert_eq!(resize(*source, *target, *channels), *expected, "{source:?} to {target:?}");
+            assert_eq!(
+                resize(*source, *target, *channels),
+                *expected,
+                "{source:?} to {target:?}"
+            );
         }
     }
 

@@ -32,13 +32,19 @@ pub struct Resize(AreaResize);
 impl ObservationMap for Resize {
     type Config = Config;
 
-    fn new(&Config { shape: [height, width] }: &Config, inner: &Space) -> Result<(Self, Space)> {
+    fn new(
+        &Config {
+            shape: [height, width],
+        }: &Config,
+        inner: &Space,
+    ) -> Result<(Self, Space)> {
         let shape = expect_picture::<Config>(inner)?.shape();
         let (source, channels) = match *shape {
             [height, width] => ((height, width), 1),
             [height, width, channels] => ((height, width), channels),
             _ => {
-                let reason = format!("it needs images with two or three axes, and the space is {inner}");
+                let reason =
+                    format!("it needs images with two or three axes, and the space is {inner}");
                 return Err(Config::refuse(reason));
             }
         };
@@ -48,13 +54,19 @@ impl ObservationMap for Resize {
         }
         let shape = [&[height, width], &shape[2..]].concat();
         let space = BoxSpace::uniform(0.0, 255.0, shape, DType::U8)?;
-        Ok((Self(AreaResize::new(source, (height, width), channels)), space.into()))
+        Ok((
+            Self(AreaResize::new(source, (height, width), channels)),
+            space.into(),
+        ))
     }
 
     fn map(&self, inner: &Value, out: &mut Value) -> Result<()> {
         let source = inner.as_slice::<u8>().filter(|source| self.0.fits(source));
-        let (Some(source), Value::Array(out)) = (source, out) else { return Err(not_an_array(inner)) };
-        self.0.resize(source, out.as_mut_slice::<u8>().unwrap_or_default());
+        let (Some(source), Value::Array(out)) = (source, out) else {
+            return Err(not_an_array(inner));
+        };
+        self.0
+            .resize(source, out.as_mut_slice::<u8>().unwrap_or_default());
         Ok(())
     }
 }

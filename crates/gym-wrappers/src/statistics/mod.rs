@@ -81,7 +81,9 @@ impl TryFrom<Parts> for RunningMeanStd {
         let (mean, var) = each!(&moments, of => (of.mean.len(), of.var.len()));
         let refuse = |reason: String| Err(Error::argument("RunningMeanStd", reason));
         if mean != var {
-            return refuse(format!("the mean has {mean} numbers and the variance {var}"));
+            return refuse(format!(
+                "the mean has {mean} numbers and the variance {var}"
+            ));
         }
         if !each!(&moments, of => of.var.iter().all(|x| *x >= 0.0)) {
             return refuse("a variance is negative or NaN".into());
@@ -96,14 +98,26 @@ impl TryFrom<Parts> for RunningMeanStd {
 impl RunningMeanStd {
     /// The statistics of `len` numbers before the first row: mean 0, variance 1, and next to no weight.
     pub fn new(len: usize) -> Self {
-        let moments = Moments::F32(Of { mean: vec![0.0; len], var: vec![1.0; len] });
-        Self { moments, count: INITIAL_COUNT }
+        let moments = Moments::F32(Of {
+            mean: vec![0.0; len],
+            var: vec![1.0; len],
+        });
+        Self {
+            moments,
+            count: INITIAL_COUNT,
+        }
     }
 
     /// As [`new`](Self::new), in `float64` from the start.
     pub fn new_f64(len: usize) -> Self {
-        let moments = Moments::F64(Of { mean: vec![0.0; len], var: vec![1.0; len] });
-        Self { moments, count: INITIAL_COUNT }
+        let moments = Moments::F64(Of {
+            mean: vec![0.0; len],
+            var: vec![1.0; len],
+        });
+        Self {
+            moments,
+            count: INITIAL_COUNT,
+        }
     }
 
     /// These statistics: `mean` and `variance` of as many numbers, both `float32` or both `float64`, of
@@ -114,12 +128,19 @@ impl RunningMeanStd {
     /// count that is not above 0.
     pub fn from_moments(mean: &Array, variance: &Array, count: f64) -> Result<Self> {
         let moments = match (mean.data(), variance.data()) {
-            (Data::F32(mean), Data::F32(var)) => Moments::F32(Of { mean: mean.clone(), var: var.clone() }),
-            (Data::F64(mean), Data::F64(var)) => Moments::F64(Of { mean: mean.clone(), var: var.clone() }),
+            (Data::F32(mean), Data::F32(var)) => Moments::F32(Of {
+                mean: mean.clone(),
+                var: var.clone(),
+            }),
+            (Data::F64(mean), Data::F64(var)) => Moments::F64(Of {
+                mean: mean.clone(),
+                var: var.clone(),
+            }),
             _ => {
                 let [mean, variance] = [mean.dtype(), variance.dtype()];
-                let reason =
-                    format!("mean and variance are {mean} and {variance}: both must be float32 or float64");
+                let reason = format!(
+                    "mean and variance are {mean} and {variance}: both must be float32 or float64"
+                );
                 return Err(Error::argument("RunningMeanStd", reason));
             }
         };
@@ -166,7 +187,10 @@ impl RunningMeanStd {
         if self.len() == len {
             return Ok(());
         }
-        let reason = format!("the statistics are of {} numbers, and a row has {len}", self.len());
+        let reason = format!(
+            "the statistics are of {} numbers, and a row has {len}",
+            self.len()
+        );
         Err(Error::argument("RunningMeanStd", reason))
     }
 
@@ -218,9 +242,17 @@ impl RunningMeanStd {
             Moments::F64(of) => of.update(self.count, batches, n),
             Moments::F32(of) => {
                 // the product of variance and count is still float32 in this update
-                let scaled: Vec<_> = of.var.iter().map(|var| f64::from(var * self.count as f32)).collect();
-                let [mean, var] = [&of.mean, &of.var].map(|numbers| numbers.iter().map(|x| f64::from(*x)));
-                let mut of = Of { mean: mean.collect(), var: var.collect() };
+                let scaled: Vec<_> = of
+                    .var
+                    .iter()
+                    .map(|var| f64::from(var * self.count as f32))
+                    .collect();
+                let [mean, var] =
+                    [&of.mean, &of.var].map(|numbers| numbers.iter().map(|x| f64::from(*x)));
+                let mut of = Of {
+                    mean: mean.collect(),
+                    var: var.collect(),
+                };
                 of.update_scaled(self.count, scaled.into_iter(), batches);
                 self.moments = Moments::F64(of);
             }
@@ -274,7 +306,12 @@ impl<T: Real> Of<T> {
         scaled: impl Iterator<Item = T>,
         batches: impl Iterator<Item = Batch<T>>,
     ) {
-        for (((mean, var), scaled), batch) in self.mean.iter_mut().zip(&mut self.var).zip(scaled).zip(batches)
+        for (((mean, var), scaled), batch) in self
+            .mean
+            .iter_mut()
+            .zip(&mut self.var)
+            .zip(scaled)
+            .zip(batches)
         {
             update(mean, var, scaled, count, batch);
         }
@@ -283,7 +320,10 @@ impl<T: Real> Of<T> {
 
 /// Takes a batch into the moments of `count` samples; `scaled` is the variance times the count.
 fn update<T: Real>(mean: &mut T, var: &mut T, scaled: T, count: f64, batch: Batch<T>) {
-    let (total, n) = (T::from_f64(count + batch.n as f64), T::from_f64(batch.n as f64));
+    let (total, n) = (
+        T::from_f64(count + batch.n as f64),
+        T::from_f64(batch.n as f64),
+    );
     let delta = batch.mean - *mean;
     let m2 = scaled + batch.m2 + delta * delta * T::from_f64(count) * n / total;
     *mean = *mean + delta * n / total;
@@ -296,16 +336,23 @@ mod tests {
 
     #[test]
     fn what_is_no_statistics_is_refused() {
-        let parse =
-            |json: &str| serde_json::from_str::<RunningMeanStd>(json).map_err(|error| error.to_string());
+        let parse = |json: &str| {
+            serde_json::from_str::<RunningMeanStd>(json).map_err(|error| error.to_string())
+        };
         parse(r#"{"moments": {"F64": {"mean": [0.5], "var": [2.0]}}, "count": 3.0}"#).unwrap();
         for (json, reason) in [
             (
                 r#"{"moments": {"F64": {"mean": [0.5], "var": [-2.0]}}, "count": 3.0}"#,
                 "a variance is negative",
             ),
-            (r#"{"moments": {"F32": {"mean": [0.5], "var": []}}, "count": 3.0}"#, "the mean has 1 numbers"),
-            (r#"{"moments": {"F32": {"mean": [0.5], "var": [1.0]}}, "count": 0.0}"#, "count is 0"),
+            (
+                r#"{"moments": {"F32": {"mean": [0.5], "var": []}}, "count": 3.0}"#,
+                "the mean has 1 numbers",
+            ),
+            (
+                r#"{"moments": {"F32": {"mean": [0.5], "var": [1.0]}}, "count": 0.0}"#,
+                "count is 0",
+            ),
             (
                 r#"{"moments": {"F32": {"mean": [0.5], "var": [1.0]}}, "count": 1.0, "cout": 1}"#,
                 "unknown field",
@@ -322,7 +369,8 @@ mod tests {
         for dtype in [DType::F32, DType::F64] {
             let mut running = RunningMeanStd::new(2);
             running.update_row(dtype, [0.1, 3.0].into_iter());
-            let again = RunningMeanStd::from_moments(&running.mean(), &running.variance(), running.count());
+            let again =
+                RunningMeanStd::from_moments(&running.mean(), &running.variance(), running.count());
             assert_eq!(again.unwrap(), running);
         }
     }
@@ -332,18 +380,30 @@ mod tests {
         let samples: Vec<f64> = (0..1000).map(|i| f64::from(i % 10)).collect();
         for dtype in [DType::F32, DType::F64] {
             let mut running = RunningMeanStd::new(1);
-            samples.iter().for_each(|x| running.update_row(dtype, std::iter::once(*x)));
+            samples
+                .iter()
+                .for_each(|x| running.update_row(dtype, std::iter::once(*x)));
             let mut out = [0.0; 2];
             running.normalize(dtype, std::iter::once(4.5), 1e-8, &mut out[..1]);
-            running.normalize(dtype, std::iter::once(4.5 + 8.25f64.sqrt()), 1e-8, &mut out[1..]);
-            assert!(out[0].abs() < 1e-4 && (out[1] - 1.0).abs() < 1e-3, "{out:?}");
+            running.normalize(
+                dtype,
+                std::iter::once(4.5 + 8.25f64.sqrt()),
+                1e-8,
+                &mut out[1..],
+            );
+            assert!(
+                out[0].abs() < 1e-4 && (out[1] - 1.0).abs() < 1e-3,
+                "{out:?}"
+            );
         }
     }
 
     #[test]
     fn numbers_of_each_type_are_normalized_by_moments_of_each_type() {
-        let moments: [[Array; 2]; 2] =
-            [[[2.0_f32].into(), [4.0_f32].into()], [[2.0_f64].into(), [4.0_f64].into()]];
+        let moments: [[Array; 2]; 2] = [
+            [[2.0_f32].into(), [4.0_f32].into()],
+            [[2.0_f64].into(), [4.0_f64].into()],
+        ];
         for (moments, dtype) in moments
             .iter()
             .flat_map(|moments| [DType::U8, DType::F32, DType::F64].map(|dtype| (moments, dtype)))

@@ -18,13 +18,21 @@ impl<T: Real> Batch<T> {
     /// The moments of a single sample: variance 0, or NaN if the sample is not finite.
     pub(crate) fn of_one(x: T) -> Self {
         let mean = x;
-        Self { mean, m2: (x - mean) * (x - mean), n: 1 }
+        Self {
+            mean,
+            m2: (x - mean) * (x - mean),
+            n: 1,
+        }
     }
 }
 
 impl Batch<f32> {
     pub(crate) fn widen(self) -> Batch<f64> {
-        Batch { mean: self.mean.into(), m2: self.m2.into(), n: self.n }
+        Batch {
+            mean: self.mean.into(),
+            m2: self.m2.into(),
+            n: self.n,
+        }
     }
 }
 
@@ -58,7 +66,9 @@ impl Rows {
     /// Restarts with the selected rows of an array of `n` rows.
     pub(crate) fn collect(&mut self, array: &Array, n: usize, selects: impl Fn(usize) -> bool) {
         let len = array.len() / n.max(1);
-        let rows = (0..n).filter(|index| selects(*index)).map(|index| index * len..(index + 1) * len);
+        let rows = (0..n)
+            .filter(|index| selects(*index))
+            .map(|index| index * len..(index + 1) * len);
         if let Some(numbers) = array.as_slice::<f32>() {
             self.f32s.begin(len);
             rows.for_each(|row| self.f32s.extend(numbers[row].iter().copied()));
@@ -92,7 +102,12 @@ impl<T: Real> Samples<T> {
 
     /// Computes mean and variance of each column, and returns the number of rows. The rows are used up.
     pub(crate) fn moments(&mut self) -> usize {
-        let Self { row_len, values, mean, var } = self;
+        let Self {
+            row_len,
+            values,
+            mean,
+            var,
+        } = self;
         let n = values.len().checked_div(*row_len).unwrap_or(0);
         let count = T::from_f64(n as f64);
         mean.resize(*row_len, T::default());
@@ -113,7 +128,11 @@ impl<T: Real> Samples<T> {
     pub(crate) fn batches(&self) -> impl Iterator<Item = Batch<T>> {
         let n = self.values.len() / self.row_len.max(1);
         let moments = self.mean.iter().zip(&self.var);
-        moments.map(move |(mean, var)| Batch { mean: *mean, m2: *var * T::from_f64(n as f64), n })
+        moments.map(move |(mean, var)| Batch {
+            mean: *mean,
+            m2: *var * T::from_f64(n as f64),
+            n,
+        })
     }
 }
 
@@ -213,7 +232,13 @@ mod tests {
     #[test]
     fn moments_are_numpys() {
         let of_f64 = [
-            (1, [0x3fd5555555555555], [0x0], [0x3fd5555555555555, 0x0, 0xbff0000000000000], [0x0, 0x0, 0x0]),
+            (
+                1,
+                [0x3fd5555555555555],
+                [0x0],
+                [0x3fd5555555555555, 0x0, 0xbff0000000000000],
+                [0x0, 0x0, 0x0],
+            ),
             (
                 9,
                 [0x3fc59db45c90c675],
@@ -237,10 +262,20 @@ mod tests {
             ),
         ];
         for (n, mean, var, means, vars) in of_f64 {
-            assert_eq!(moments::<f64>(n, f64::to_bits), ((mean, var), (means, vars)), "{n} rows");
+            assert_eq!(
+                moments::<f64>(n, f64::to_bits),
+                ((mean, var), (means, vars)),
+                "{n} rows"
+            );
         }
         let of_f32 = [
-            (1, [0x3eaaaaab], [0x0], [0x3eaaaaab, 0x0, 0xbf800000], [0x0, 0x0, 0x0]),
+            (
+                1,
+                [0x3eaaaaab],
+                [0x0],
+                [0x3eaaaaab, 0x0, 0xbf800000],
+                [0x0, 0x0, 0x0],
+            ),
             (
                 9,
                 [0x3e2ceda4],
@@ -264,7 +299,11 @@ mod tests {
             ),
         ];
         for (n, mean, var, means, vars) in of_f32 {
-            assert_eq!(moments::<f32>(n, |x| x.to_bits().into()), ((mean, var), (means, vars)), "{n} rows");
+            assert_eq!(
+                moments::<f32>(n, |x| x.to_bits().into()),
+                ((mean, var), (means, vars)),
+                "{n} rows"
+            );
         }
     }
 }

@@ -20,8 +20,15 @@ impl Normalizer {
         updates: bool,
     ) -> Result<Self> {
         match epsilon > 0.0 && epsilon.is_finite() {
-            true => Ok(Self { statistics, updates, epsilon, rows: Rows::default() }),
-            false => Err(C::refuse(format!("epsilon is {epsilon}: it must be above 0"))),
+            true => Ok(Self {
+                statistics,
+                updates,
+                epsilon,
+                rows: Rows::default(),
+            }),
+            false => Err(C::refuse(format!(
+                "epsilon is {epsilon}: it must be above 0"
+            ))),
         }
     }
 
@@ -34,11 +41,18 @@ impl Normalizer {
 
     /// Fails unless the statistics of a snapshot have as many numbers.
     pub(crate) fn check(&self, statistics: &RunningMeanStd) -> Result<()> {
-        statistics.expect_len(self.statistics.len()).map_err(|error| Error::Snapshot(error.to_string()))
+        statistics
+            .expect_len(self.statistics.len())
+            .map_err(|error| Error::Snapshot(error.to_string()))
     }
 
     /// Takes in the numbers of one observation and normalizes them.
-    pub(crate) fn row<I: Iterator<Item = f64> + Clone>(&mut self, dtype: DType, row: I, out: &mut [f32]) {
+    pub(crate) fn row<I: Iterator<Item = f64> + Clone>(
+        &mut self,
+        dtype: DType,
+        row: I,
+        out: &mut [f32],
+    ) {
         if self.updates {
             self.statistics.update_row(dtype, row.clone());
         }
@@ -62,9 +76,14 @@ impl Normalizer {
         selects: impl Fn(usize) -> bool,
     ) {
         let len = array.len() / n;
-        for (i, out) in out.chunks_exact_mut(len.max(1)).enumerate().filter(|(i, _)| selects(*i)) {
+        for (i, out) in out
+            .chunks_exact_mut(len.max(1))
+            .enumerate()
+            .filter(|(i, _)| selects(*i))
+        {
             let row = (i * len..(i + 1) * len).map(|j| array.data().get_f64(j));
-            self.statistics.normalize(array.dtype(), row, self.epsilon, out);
+            self.statistics
+                .normalize(array.dtype(), row, self.epsilon, out);
         }
     }
 
@@ -74,7 +93,8 @@ impl Normalizer {
         samples.begin(1);
         samples.extend(numbers);
         let n = samples.moments();
-        self.statistics.update_f64(self.rows.f32s.batches().map(Batch::widen), n);
+        self.statistics
+            .update_f64(self.rows.f32s.batches().map(Batch::widen), n);
     }
 
     /// The standard deviation of the only number.
@@ -102,13 +122,19 @@ macro_rules! normalizes {
             /// # Errors
             /// [`Error::InvalidArgument`](gym_core::Error::InvalidArgument) if their number of
             /// elements differs.
-            pub fn set_statistics(&mut self, statistics: crate::RunningMeanStd) -> gym_core::Result<()> {
+            pub fn set_statistics(
+                &mut self,
+                statistics: crate::RunningMeanStd,
+            ) -> gym_core::Result<()> {
                 self.normalizer.set_statistics(statistics)
             }
 
             fn own_spec(&self) -> Option<gym_core::WrapperSpec> {
                 let update_running_mean = self.normalizer.updates;
-                Some(gym_core::registry::WrapperConfig::spec(&Config { update_running_mean, ..self.config }))
+                Some(gym_core::registry::WrapperConfig::spec(&Config {
+                    update_running_mean,
+                    ..self.config
+                }))
             }
         }
     };

@@ -121,7 +121,9 @@ gym_core::register!(
         .max_episode_steps(12)
 );
 gym_core::register!(
-    Registration::new::<Walk>("broken/described.unfinished-v0").description("TODO").max_episode_steps(12)
+    Registration::new::<Walk>("broken/described.unfinished-v0")
+        .description("TODO")
+        .max_episode_steps(12)
 );
 gym_core::register!(
     Registration::new::<Walk>("broken/exceptions-known.argument-v0")

@@ -46,7 +46,14 @@ impl Clone for Mind {
     fn clone(&self) -> Self {
         let shared = Arc::new(self.shared.load(Ordering::Relaxed).into());
         let (looked, is_spoilt) = (self.looked.clone(), self.is_spoilt.clone());
-        Self { looked, is_spoilt, shared, other: self.other.clone(), seen: self.seen.clone(), ..*self }
+        Self {
+            looked,
+            is_spoilt,
+            shared,
+            other: self.other.clone(),
+            seen: self.seen.clone(),
+            ..*self
+        }
     }
 }
 
@@ -117,16 +124,26 @@ pub(crate) trait Twist: Sized + 'static {
 }
 
 /// Arguments of a [`Twisted`] walk.
-pub(crate) trait Arguments: gym_core::Arguments + Clone + fmt::Debug + Send + 'static {}
+pub(crate) trait Arguments:
+    gym_core::Arguments + Clone + fmt::Debug + Send + 'static
+{
+}
 
 impl<T: gym_core::Arguments + Clone + fmt::Debug + Send + 'static> Arguments for T {}
 
 impl<T: Twist> Twisted<T> {
     /// A step of the walk, whose reward is another where something was spoilt.
-    pub(crate) fn step_of_spoilt(&mut self, action: &Value, observation: &mut Value) -> Result<Outcome> {
+    pub(crate) fn step_of_spoilt(
+        &mut self,
+        action: &Value,
+        observation: &mut Value,
+    ) -> Result<Outcome> {
         let outcome = self.walk.step_into(action, observation)?;
         let spoilt = if self.mind.is_spoilt.get() { 0.5 } else { 0.0 };
-        Ok(Outcome { reward: outcome.reward + spoilt, ..outcome })
+        Ok(Outcome {
+            reward: outcome.reward + spoilt,
+            ..outcome
+        })
     }
 
     /// The state of the walk, and for how long it has gone on.
@@ -150,14 +167,22 @@ impl<T: Twist> Twisted<T> {
 
 impl<T: Twist> fmt::Debug for Twisted<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_struct("Twisted").field("walk", &self.walk).field("mind", &self.mind).finish_non_exhaustive()
+        f.debug_struct("Twisted")
+            .field("walk", &self.walk)
+            .field("mind", &self.mind)
+            .finish_non_exhaustive()
     }
 }
 
 impl<T: Twist> Clone for Twisted<T> {
     fn clone(&self) -> Self {
         let (walk, arguments) = (self.walk.clone(), self.arguments.clone());
-        Self { walk, mind: T::copied(self), arguments, twist: PhantomData }
+        Self {
+            walk,
+            mind: T::copied(self),
+            arguments,
+            twist: PhantomData,
+        }
     }
 }
 
@@ -166,7 +191,12 @@ impl<T: Twist> Configure for Twisted<T> {
 
     fn configure(arguments: T::Arguments, _: u32) -> Result<Self> {
         let walk = Walk::<Config>::new(Fault::None)?;
-        Ok(Self { walk, mind: Mind::default(), arguments, twist: PhantomData })
+        Ok(Self {
+            walk,
+            mind: Mind::default(),
+            arguments,
+            twist: PhantomData,
+        })
     }
 }
 

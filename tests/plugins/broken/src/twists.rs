@@ -10,8 +10,8 @@ use gym_core::canvas::{Align, Canvas, Color, Segment, Shape, Transform};
 use gym_core::render::{Metadata, RenderMode};
 use gym_core::spaces::{DictSpace, TextSpace, TupleSpace};
 use gym_core::{
-    Array, DType, Element, Env, Error, Generator, Outcome, Registration, Reset, Result, Seed, Snapshot,
-    Space, Value,
+    Array, DType, Element, Env, Error, Generator, Outcome, Registration, Reset, Result, Seed,
+    Snapshot, Space, Value,
 };
 use serde_json::Value as Json;
 
@@ -723,7 +723,9 @@ fn without_numbers<T: Twist>(
     observation: &mut Value,
 ) -> Result<()> {
     let mut reset = reset.clone();
-    reset.options.retain(|_, value| !(ignores && value.is_number()));
+    reset
+        .options
+        .retain(|_, value| !(ignores && value.is_number()));
     env.walk.reset_into(&reset, observation)
 }
 
@@ -734,8 +736,18 @@ fn with_seed<T: Twist>(
     other: impl Fn(u64) -> u64,
     observation: &mut Value,
 ) -> Result<()> {
-    let cut = |seed: &Seed| seed.to_string().parse().map_or_else(|_| seed.clone(), |x| other(x).into());
-    env.walk.reset_into(&Reset { seed: reset.seed.as_ref().map(cut), ..reset.clone() }, observation)
+    let cut = |seed: &Seed| {
+        seed.to_string()
+            .parse()
+            .map_or_else(|_| seed.clone(), |x| other(x).into())
+    };
+    env.walk.reset_into(
+        &Reset {
+            seed: reset.seed.as_ref().map(cut),
+            ..reset.clone()
+        },
+        observation,
+    )
 }
 
 /// The numbers of an action.
@@ -745,16 +757,21 @@ fn numbers<T: Twist, const N: usize>(env: &Of<T>, action: &Value) -> Result<[f32
         _ => None,
     };
     let numbers = numbers.and_then(|numbers| <[f32; N]>::try_from(numbers).ok());
-    numbers.filter(|numbers| numbers.iter().all(|x| x.is_finite())).ok_or_else(|| Error::InvalidAction {
-        action: action.to_string(),
-        space: T::action_space(env).to_string(),
-        hint: String::new(),
-    })
+    numbers
+        .filter(|numbers| numbers.iter().all(|x| x.is_finite()))
+        .ok_or_else(|| Error::InvalidAction {
+            action: action.to_string(),
+            space: T::action_space(env).to_string(),
+            hint: String::new(),
+        })
 }
 
 /// How the walk is drawn, in other modes.
 fn drawn(render_modes: &'static [RenderMode]) -> Metadata {
-    Metadata { render_modes, ..Metadata::drawn(10, (200, 40)) }
+    Metadata {
+        render_modes,
+        ..Metadata::drawn(10, (200, 40))
+    }
 }
 
 // drawings

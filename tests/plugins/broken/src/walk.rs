@@ -9,7 +9,9 @@ use std::thread::{self, ThreadId};
 use gym_core::canvas::{Canvas, Color, Transform};
 use gym_core::render::{Metadata, RenderMode};
 use gym_core::spaces::{MultiDiscrete, TupleSpace};
-use gym_core::{Element, Env, Error, Generator, Outcome, Reset, Result, Seed, Snapshot, Space, Value};
+use gym_core::{
+    Element, Env, Error, Generator, Outcome, Reset, Result, Seed, Snapshot, Space, Value,
+};
 use serde::{Deserialize, Serialize};
 
 use crate::{Config, Fault};
@@ -81,7 +83,9 @@ impl<C> Walk<C> {
         let line = || Space::boxed([-1.0; 2], [1.0; 2]);
         let observation_space = match fault {
             Fault::SpaceBounded => Space::boxed([-1.0; 2], [1.0, f32::INFINITY]),
-            Fault::ObservationFinite => Space::boxed([-1.0, f32::NEG_INFINITY], [1.0, f32::INFINITY]),
+            Fault::ObservationFinite => {
+                Space::boxed([-1.0, f32::NEG_INFINITY], [1.0, f32::INFINITY])
+            }
             Fault::SpaceWidth => Space::boxed([-1.0, -1.0, 0.0], [1.0, 1.0, 0.0]),
             Fault::SpaceNotEmpty => TupleSpace::new([line(), TupleSpace::new([]).into()]).into(),
             _ => line(),
@@ -119,7 +123,16 @@ impl<C> Walk<C> {
     }
 
     fn observe(&self, observation: &mut Value) {
-        let Some(State { position, wind, steps, held, .. }) = &self.state else { return };
+        let Some(State {
+            position,
+            wind,
+            steps,
+            held,
+            ..
+        }) = &self.state
+        else {
+            return;
+        };
         let [mut x, mut wind] = [*position as f32, *wind as f32];
         match self.fault {
             Fault::ObservationInSpace if *steps > 3 => x = 1.5,
@@ -157,19 +170,27 @@ impl<C> Walk<C> {
                 [x] if x.is_finite() => Some(f64::from(*x).clamp(-1.0, 1.0)),
                 _ => None,
             },
-            (Fault::ObservationInSpaceHugeAction, Value::Array(array)) => match array.as_slice::<f32>()? {
-                [x] if x.is_finite() => Some(f64::from(*x).clamp(-4.0, 4.0)),
-                _ => None,
-            },
+            (Fault::ObservationInSpaceHugeAction, Value::Array(array)) => {
+                match array.as_slice::<f32>()? {
+                    [x] if x.is_finite() => Some(f64::from(*x).clamp(-4.0, 4.0)),
+                    _ => None,
+                }
+            }
             // the second element may be anything
-            (Fault::ActionValidatedOneElement, Value::Array(array)) => match array.as_slice::<f32>()? {
-                [x, _] if array.shape() == [2] && x.is_finite() => Some(f64::from(*x).clamp(-1.0, 1.0)),
-                _ => None,
-            },
-            (Fault::ActionValidatedOneNumber, Value::Array(array)) => match array.as_slice::<i64>()? {
-                [x @ 0..2, _] if array.shape() == [2] => Some(*x as f64 * 2.0 - 1.0),
-                _ => None,
-            },
+            (Fault::ActionValidatedOneElement, Value::Array(array)) => {
+                match array.as_slice::<f32>()? {
+                    [x, _] if array.shape() == [2] && x.is_finite() => {
+                        Some(f64::from(*x).clamp(-1.0, 1.0))
+                    }
+                    _ => None,
+                }
+            }
+            (Fault::ActionValidatedOneNumber, Value::Array(array)) => {
+                match array.as_slice::<i64>()? {
+                    [x @ 0..2, _] if array.shape() == [2] => Some(*x as f64 * 2.0 - 1.0),
+                    _ => None,
+                }
+            }
             (
                 Fault::ActionNormalised
                 | Fault::ObservationInSpaceHugeAction
@@ -204,9 +225,9 @@ impl<C> Walk<C> {
             Fault::SameSeedSameEpisodeLate => late(STEPS.fetch_add(1, Ordering::Relaxed)),
             Fault::SnapshotContinuesLate => late(self.age.into()),
             Fault::DrawingPure => unit(self.drawn.get().into()),
-            Fault::AnyThreadMoved => {
-                unit(u64::from(self.home.is_some_and(|home| home != thread::current().id())))
-            }
+            Fault::AnyThreadMoved => unit(u64::from(
+                self.home.is_some_and(|home| home != thread::current().id()),
+            )),
             Fault::CloneApartClosed => unit(self.shared.load(Ordering::Relaxed)),
             Fault::AnyThread => {
                 let here = thread::current().id();
@@ -224,7 +245,9 @@ impl<C> Clone for Walk<C> {
             state.position = 0.0;
         }
         let shared = match self.fault {
-            Fault::CloneApart | Fault::CloneApartLate | Fault::CloneApartClosed => Arc::clone(&self.shared),
+            Fault::CloneApart | Fault::CloneApartLate | Fault::CloneApartClosed => {
+                Arc::clone(&self.shared)
+            }
             _ => Arc::new(self.shared.load(Ordering::Relaxed).into()),
         };
         Self {
@@ -259,7 +282,11 @@ impl<C: 'static> Env for Walk<C> {
     }
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
-        if self.fault == Fault::Resets && reset.seed.as_ref().is_some_and(|seed| seed.to_string().len() > 20)
+        if self.fault == Fault::Resets
+            && reset
+                .seed
+                .as_ref()
+                .is_some_and(|seed| seed.to_string().len() > 20)
         {
             return Err(Error::custom("the seed is too large"));
         }
@@ -274,7 +301,12 @@ impl<C: 'static> Env for Walk<C> {
             (Fault::OptionsMatter, Some(start)) if start.is_number() => None,
             (_, Some(start)) => match start.as_f64() {
                 Some(start) if (-1.0..=1.0).contains(&start) => Some(start),
-                _ => return Err(Error::argument("reset", "`start` must be a number from -1 to 1")),
+                _ => {
+                    return Err(Error::argument(
+                        "reset",
+                        "`start` must be a number from -1 to 1",
+                    ));
+                }
             },
         };
         let last = self.state.take();
@@ -289,13 +321,17 @@ impl<C: 'static> Env for Walk<C> {
             (_, _) if self.fault == Fault::OtherSeedOtherEpisode && reset.seed.is_some() => {
                 Some(Seed::from(0))
             }
-            (Some(seed), _) if self.fault == Fault::OtherSeedOtherEpisodeCut => {
-                Some(Seed::from(seed.to_string().parse().map_or(0, |seed: u64| seed % (1 << 32))))
-            }
+            (Some(seed), _) if self.fault == Fault::OtherSeedOtherEpisodeCut => Some(Seed::from(
+                seed.to_string()
+                    .parse()
+                    .map_or(0, |seed: u64| seed % (1 << 32)),
+            )),
             (Some(seed), _) => Some(seed.clone()),
-            (None, Some(last)) if self.fault == Fault::ResetCarriesOnToTheNextSeed => {
-                last.seed.parse().ok().map(|seed: u64| Seed::from(seed.wrapping_add(1)))
-            }
+            (None, Some(last)) if self.fault == Fault::ResetCarriesOnToTheNextSeed => last
+                .seed
+                .parse()
+                .ok()
+                .map(|seed: u64| Seed::from(seed.wrapping_add(1))),
             (None, Some(last))
                 if self.fault == Fault::SameSeedSameEpisodeInterrupted
                     && last.steps < LIMIT
@@ -311,14 +347,24 @@ impl<C: 'static> Env for Walk<C> {
             (None, Some(last)) => last.rng.clone(),
             (None, None) => Generator::from_os()?,
         };
-        let seed = seed.map(|seed| seed.to_string()).or(last.as_ref().map(|last| last.seed.clone()));
+        let seed = seed
+            .map(|seed| seed.to_string())
+            .or(last.as_ref().map(|last| last.seed.clone()));
         let mut position = rng.uniform(-0.3, 0.3) + self.disturbance();
         position = start.unwrap_or(position);
         if self.fault == Fault::ResetForgets {
             position += last.map_or(0.0, |last| f64::from(last.steps.min(20)) / 100.0);
         }
         let (seed, number) = (seed.unwrap_or_default(), self.number);
-        self.state = Some(State { rng, seed, position, wind: 0.0, steps: 0, held: (0.0, 0), number });
+        self.state = Some(State {
+            rng,
+            seed,
+            position,
+            wind: 0.0,
+            steps: 0,
+            held: (0.0, 0),
+            number,
+        });
         self.observe(observation);
         Ok(())
     }
@@ -329,7 +375,9 @@ impl<C: 'static> Env for Walk<C> {
         if self.state.is_none() && self.fault == Fault::ResetNeeded {
             self.reset_into(&0.into(), observation)?;
         }
-        let Some(state) = &mut self.state else { return Err(Error::ResetNeeded("step")) };
+        let Some(state) = &mut self.state else {
+            return Err(Error::ResetNeeded("step"));
+        };
         if direction.is_none() && self.fault == Fault::RefusalChangesNothing {
             state.rng.random();
         }
@@ -352,9 +400,16 @@ impl<C: 'static> Env for Walk<C> {
             _ => direction.abs().max(1.0),
         };
         state.position = moved.clamp(-reach, reach);
-        state.held = if state.held.0 == direction { (direction, state.held.1 + 1) } else { (direction, 1) };
+        state.held = if state.held.0 == direction {
+            (direction, state.held.1 + 1)
+        } else {
+            (direction, 1)
+        };
         state.steps = state.steps.saturating_add(1);
-        let is_endless = matches!(self.fault, Fault::ActionAcceptedHeld | Fault::ObservationInSpaceHeld);
+        let is_endless = matches!(
+            self.fault,
+            Fault::ActionAcceptedHeld | Fault::ObservationInSpaceHeld
+        );
         let (steps, terminated) = (state.steps, state.is_at_end() && !is_endless);
         self.observe(observation);
         let reward = match self.fault {
@@ -363,7 +418,11 @@ impl<C: 'static> Env for Walk<C> {
             Fault::RewardFiniteLate if steps == 15 => f64::NAN,
             _ => f64::from(terminated),
         };
-        Ok(Outcome { reward, terminated, truncated: self.fault == Fault::TimeLimit && steps == 1 })
+        Ok(Outcome {
+            reward,
+            terminated,
+            truncated: self.fault == Fault::TimeLimit && steps == 1,
+        })
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
@@ -379,7 +438,9 @@ impl<C: 'static> Env for Walk<C> {
         if state.is_err() && self.fault == Fault::SnapshotRefused {
             return Ok(());
         }
-        if let (Err(_), Fault::SnapshotRefusedChanges, Some(old)) = (&state, self.fault, &mut self.state) {
+        if let (Err(_), Fault::SnapshotRefusedChanges, Some(old)) =
+            (&state, self.fault, &mut self.state)
+        {
             old.wind = 0.0;
         }
         let state = state?;
@@ -390,9 +451,10 @@ impl<C: 'static> Env for Walk<C> {
         }
         let state = match (self.fault, &self.state, state) {
             (Fault::SnapshotContinuesUnused, Some(_), None) => return Ok(()),
-            (Fault::SnapshotContinuesUsed, Some(old), Some(new)) => {
-                Some(State { rng: old.rng.clone(), ..new })
-            }
+            (Fault::SnapshotContinuesUsed, Some(old), Some(new)) => Some(State {
+                rng: old.rng.clone(),
+                ..new
+            }),
             (_, _, state) => state,
         };
         // the number is part of the state: an environment restored is the one that was stored
@@ -402,7 +464,10 @@ impl<C: 'static> Env for Walk<C> {
     }
 
     fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
-        assert!(self.state.is_some() || self.fault != Fault::NoPanic, "info before reset");
+        assert!(
+            self.state.is_some() || self.fault != Fault::NoPanic,
+            "info before reset"
+        );
         if let Some(state) = &self.state {
             match self.fault {
                 Fault::InfoConstantType if state.steps > 3 => {
@@ -448,7 +513,11 @@ impl<C: 'static> Env for Walk<C> {
         };
         canvas.push(Transform::translate(100.0, y));
         canvas.line([-100.0, 0.0], [100.0, 0.0], 2.0, color);
-        let shown = if self.fault == Fault::DrawingFollows { 0.0 } else { state.position };
+        let shown = if self.fault == Fault::DrawingFollows {
+            0.0
+        } else {
+            state.position
+        };
         canvas.circle([shown * 100.0, 0.0], 8.0, color);
         match self.fault {
             Fault::DrawingSound => (),
@@ -470,7 +539,10 @@ impl<C: 'static> Env for Walk<C> {
         if self.fault == Fault::GeneratorLentFixed {
             return self.state.as_ref().map(|_| &mut self.other);
         }
-        self.state.as_mut().filter(|_| self.fault != Fault::GeneratorLent).map(|state| &mut state.rng)
+        self.state
+            .as_mut()
+            .filter(|_| self.fault != Fault::GeneratorLent)
+            .map(|state| &mut state.rng)
     }
 
     fn close(&mut self) {

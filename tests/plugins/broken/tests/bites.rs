@@ -24,10 +24,16 @@ fn expected(id: &str) -> &str {
 #[test]
 fn each_check_flags_its_fault_and_no_other() {
     let is_right = |report: &Report| {
-        let flagged: Vec<_> = report.findings.iter().map(|finding| finding.check).collect();
+        let flagged: Vec<_> = report
+            .findings
+            .iter()
+            .map(|finding| finding.check)
+            .collect();
         match expected(&report.id) {
             // a sound environment is checked whole, but for what chance decides
-            "none" if report.id.contains("by-chance") => flagged.is_empty() && compares_nothing(report),
+            "none" if report.id.contains("by-chance") => {
+                flagged.is_empty() && compares_nothing(report)
+            }
             "none" => flagged.is_empty() && report.skipped.is_empty(),
             check => flagged == [check],
         }
@@ -41,7 +47,10 @@ fn compares_nothing(report: &Report) -> bool {
     let is_chance = |reason: &str| {
         reason == "it is registered as nondeterministic" || reason.starts_with("it depends on")
     };
-    report.skipped.iter().all(|skipped| is_chance(&skipped.reason))
+    report
+        .skipped
+        .iter()
+        .all(|skipped| is_chance(&skipped.reason))
         && ["same-seed-same-episode", "reset-forgets"]
             .iter()
             .all(|check| report.skipped.iter().any(|skipped| skipped.check == *check))
@@ -50,7 +59,11 @@ fn compares_nothing(report: &Report) -> bool {
 #[test]
 fn every_check_has_a_faulty_environment() {
     let ids = gym_conform::ids_of("broken-envs");
-    let faulty: BTreeSet<_> = ids.iter().map(|id| expected(id)).filter(|name| *name != "none").collect();
+    let faulty: BTreeSet<_> = ids
+        .iter()
+        .map(|id| expected(id))
+        .filter(|name| *name != "none")
+        .collect();
     let checks: BTreeSet<_> = CHECKS.iter().map(|check| check.name).collect();
     assert_eq!(faulty, checks);
 }
@@ -58,8 +71,14 @@ fn every_check_has_a_faulty_environment() {
 #[test]
 fn findings_say_what_why_and_how() {
     for Report { findings, id, .. } in REPORTS.iter() {
-        for Finding { message, why, mend, .. } in findings {
-            assert!(message.len() > 10 && why.len() > 10 && mend.len() > 10, "{id}: {message}");
+        for Finding {
+            message, why, mend, ..
+        } in findings
+        {
+            assert!(
+                message.len() > 10 && why.len() > 10 && mend.len() > 10,
+                "{id}: {message}"
+            );
         }
     }
 }
@@ -67,8 +86,12 @@ fn findings_say_what_why_and_how() {
 #[test]
 fn an_unregistered_environment_is_checked_as_well() {
     let check = |fault| {
-        let walk = move || broken_envs::Walk::<broken_envs::Config>::new(fault).map(gym_core::BoxEnv::new);
-        gym_conform::check(walk).iter().map(|finding| finding.check).collect::<Vec<_>>()
+        let walk =
+            move || broken_envs::Walk::<broken_envs::Config>::new(fault).map(gym_core::BoxEnv::new);
+        gym_conform::check(walk)
+            .iter()
+            .map(|finding| finding.check)
+            .collect::<Vec<_>>()
     };
     assert_eq!(check(broken_envs::Fault::None), [""; 0]);
     assert_eq!(check(broken_envs::Fault::RewardFinite), ["reward-finite"]);
@@ -95,16 +118,24 @@ fn a_limit_that_is_lost_on_the_way_is_seen_without_a_registration() {
         }
         fn step_into(&mut self, action: &Value, observation: &mut Value) -> Result<Outcome> {
             let outcome = self.0.step_into(action, observation)?;
-            Ok(Outcome { truncated: outcome.truncated && self.1, ..outcome })
+            Ok(Outcome {
+                truncated: outcome.truncated && self.1,
+                ..outcome
+            })
         }
     }
     let check = |is_truncated| {
         let findings = gym_conform::check(|| {
-            let walk = BoxEnv::new(broken_envs::Walk::<broken_envs::Config>::new(broken_envs::Fault::None)?);
+            let walk = BoxEnv::new(broken_envs::Walk::<broken_envs::Config>::new(
+                broken_envs::Fault::None,
+            )?);
             let limited = BoxEnv::new(TimeLimit::new(walk, 9)?);
             Ok(BoxEnv::new(Overrides(limited, is_truncated)))
         });
-        findings.iter().map(|finding| finding.check).collect::<Vec<_>>()
+        findings
+            .iter()
+            .map(|finding| finding.check)
+            .collect::<Vec<_>>()
     };
     assert_eq!(check(true), [""; 0]);
     assert_eq!(check(false), ["time-limit"]);
@@ -112,16 +143,32 @@ fn a_limit_that_is_lost_on_the_way_is_seen_without_a_registration() {
 
 #[test]
 fn what_make_puts_around_an_environment_hides_nothing() {
-    for name in ["reset-needed", "observation-dtype", "observation-in-space", "info-consistent"] {
+    for name in [
+        "reset-needed",
+        "observation-dtype",
+        "observation-in-space",
+        "info-consistent",
+    ] {
         let findings = gym_conform::check(|| gym_core::make(&format!("broken/{name}-v0")));
-        assert_eq!(findings.iter().map(|finding| finding.check).collect::<Vec<_>>(), [name]);
+        assert_eq!(
+            findings
+                .iter()
+                .map(|finding| finding.check)
+                .collect::<Vec<_>>(),
+            [name]
+        );
     }
 }
 
 #[test]
 fn unknown_ids_are_refused() {
     let error = gym_conform::reports(&["broken/reward-finit-v0".into()]).unwrap_err();
-    assert!(error.to_string().contains("did you mean `broken/reward-finite-v0`?"), "{error}");
+    assert!(
+        error
+            .to_string()
+            .contains("did you mean `broken/reward-finite-v0`?"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -133,9 +180,13 @@ fn a_check_that_takes_long_is_told() {
             Progress::Begins { id } => format!("{id} begins"),
             Progress::Runs { id, check } => format!("{id} runs: {check}"),
             Progress::Slow { id, slow } => {
-                assert!(slow.took > slow.reset && slow.took.as_secs() >= 5, "{slow:?}");
                 assert!(
-                    slow.to_string().contains(&format!("took {:.0} s", slow.took.as_secs_f64())),
+                    slow.took > slow.reset && slow.took.as_secs() >= 5,
+                    "{slow:?}"
+                );
+                assert!(
+                    slow.to_string()
+                        .contains(&format!("took {:.0} s", slow.took.as_secs_f64())),
                     "{slow}"
                 );
                 format!("{id}: {}", slow.check)
@@ -144,7 +195,11 @@ fn a_check_that_takes_long_is_told() {
         });
     })
     .unwrap();
-    let expected = [format!("{id} begins"), format!("{id} runs: resets"), format!("{id}: resets")];
+    let expected = [
+        format!("{id} begins"),
+        format!("{id} runs: resets"),
+        format!("{id}: resets"),
+    ];
     assert_eq!(told.into_inner().unwrap(), expected);
 }
 

@@ -55,7 +55,11 @@ impl gym_core::Wrapper for Other {
     }
 
     fn action_space(&self) -> Space {
-        if self.is(Otherwise::ActionSpace) { Space::discrete(1) } else { self.walk.action_space() }
+        if self.is(Otherwise::ActionSpace) {
+            Space::discrete(1)
+        } else {
+            self.walk.action_space()
+        }
     }
 
     fn observation_space(&self) -> Space {
@@ -90,7 +94,14 @@ impl gym_core::Wrapper for Other {
     }
 
     fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
-        visit("steps", Value::Int(if self.is(Otherwise::InfoValue) { -1 } else { self.steps.into() }));
+        visit(
+            "steps",
+            Value::Int(if self.is(Otherwise::InfoValue) {
+                -1
+            } else {
+                self.steps.into()
+            }),
+        );
         if self.is(Otherwise::InfoKey) {
             visit("more", Value::Bool(true));
         }
@@ -111,41 +122,135 @@ fn elsewhere() -> Value {
 
 fn env(otherwise: Otherwise) -> BoxEnv {
     let walk = Walk::<Config>::new(Fault::None).unwrap();
-    let env = BoxEnv::new(Other { walk, otherwise, steps: 0 });
+    let env = BoxEnv::new(Other {
+        walk,
+        otherwise,
+        steps: 0,
+    });
     BoxEnv::new(Render::new(env, RenderMode::RgbArray).unwrap())
 }
 
 /// What the two differ in, if they do.
 fn difference(a: Otherwise, b: Otherwise, matching: Matching) -> Option<String> {
-    environments_match(&mut env(a), &mut env(b), &matching).err().map(|error| error.to_string())
+    environments_match(&mut env(a), &mut env(b), &matching)
+        .err()
+        .map(|error| error.to_string())
 }
 
 #[test]
 fn each_difference_is_seen_unless_it_is_left_out() {
-    let all = Matching { num_steps: 5, ..Matching::default() };
-    assert_eq!(difference(Otherwise::Nothing, Otherwise::Nothing, all), None);
-    let skip_info = Matching { info_comparison: InfoComparison::Skip, ..all };
+    let all = Matching {
+        num_steps: 5,
+        ..Matching::default()
+    };
+    assert_eq!(
+        difference(Otherwise::Nothing, Otherwise::Nothing, all),
+        None
+    );
+    let skip_info = Matching {
+        info_comparison: InfoComparison::Skip,
+        ..all
+    };
     for (otherwise, named, without) in [
         (Otherwise::ActionSpace, "the action space", None),
-        (Otherwise::ObservationSpace, "the observation space", Some(Matching { skip_obs: true, ..all })),
-        (Otherwise::Reset, "the observation of reset", Some(Matching { skip_obs: true, ..all })),
-        (Otherwise::Observation, "the observation of step 1", Some(Matching { skip_obs: true, ..all })),
-        (Otherwise::Reward, "the reward of step 1", Some(Matching { skip_rew: true, ..all })),
-        (Otherwise::Terminated, "`terminated` of step 1", Some(Matching { skip_terminal: true, ..all })),
-        (Otherwise::Truncated, "`truncated` of step 1", Some(Matching { skip_truncated: true, ..all })),
+        (
+            Otherwise::ObservationSpace,
+            "the observation space",
+            Some(Matching {
+                skip_obs: true,
+                ..all
+            }),
+        ),
+        (
+            Otherwise::Reset,
+            "the observation of reset",
+            Some(Matching {
+                skip_obs: true,
+                ..all
+            }),
+        ),
+        (
+            Otherwise::Observation,
+            "the observation of step 1",
+            Some(Matching {
+                skip_obs: true,
+                ..all
+            }),
+        ),
+        (
+            Otherwise::Reward,
+            "the reward of step 1",
+            Some(Matching {
+                skip_rew: true,
+                ..all
+            }),
+        ),
+        (
+            Otherwise::Terminated,
+            "`terminated` of step 1",
+            Some(Matching {
+                skip_terminal: true,
+                ..all
+            }),
+        ),
+        (
+            Otherwise::Truncated,
+            "`truncated` of step 1",
+            Some(Matching {
+                skip_truncated: true,
+                ..all
+            }),
+        ),
         (Otherwise::InfoValue, "the info of reset", Some(skip_info)),
         (Otherwise::InfoKey, "the info of reset", Some(skip_info)),
-        (Otherwise::Picture, "the picture of reset", Some(Matching { skip_render: true, ..all })),
+        (
+            Otherwise::Picture,
+            "the picture of reset",
+            Some(Matching {
+                skip_render: true,
+                ..all
+            }),
+        ),
     ] {
-        for (a, b) in [(otherwise, Otherwise::Nothing), (Otherwise::Nothing, otherwise)] {
+        for (a, b) in [
+            (otherwise, Otherwise::Nothing),
+            (Otherwise::Nothing, otherwise),
+        ] {
             let text = difference(a, b, all).unwrap_or_default();
-            assert!(text.contains(&format!("differ in {named}")), "{otherwise:?}: {text}");
-            assert_eq!(without.and_then(|matching| difference(a, b, matching)), None, "{otherwise:?}");
+            assert!(
+                text.contains(&format!("differ in {named}")),
+                "{otherwise:?}: {text}"
+            );
+            assert_eq!(
+                without.and_then(|matching| difference(a, b, matching)),
+                None,
+                "{otherwise:?}"
+            );
         }
     }
     // no step, no difference in steps
-    assert_eq!(difference(Otherwise::Reward, Otherwise::Nothing, Matching { num_steps: 0, ..all }), None);
-    assert_eq!(difference(Otherwise::Reward, Otherwise::Nothing, Matching { num_steps: 1, ..all }), None);
+    assert_eq!(
+        difference(
+            Otherwise::Reward,
+            Otherwise::Nothing,
+            Matching {
+                num_steps: 0,
+                ..all
+            }
+        ),
+        None
+    );
+    assert_eq!(
+        difference(
+            Otherwise::Reward,
+            Otherwise::Nothing,
+            Matching {
+                num_steps: 1,
+                ..all
+            }
+        ),
+        None
+    );
 }
 
 #[test]
@@ -153,7 +258,16 @@ fn infos_are_compared_as_asked() {
     use InfoComparison::{Equivalence, KeysEquivalence, KeysSuperset, Superset};
     use Otherwise::{InfoKey, InfoValue, Nothing};
     let matches = |a, b, info_comparison| {
-        difference(a, b, Matching { num_steps: 3, info_comparison, ..Matching::default() }).is_none()
+        difference(
+            a,
+            b,
+            Matching {
+                num_steps: 3,
+                info_comparison,
+                ..Matching::default()
+            },
+        )
+        .is_none()
     };
     for (a, b, expected) in [
         (Nothing, Nothing, [true, true, true, true]),
@@ -162,7 +276,8 @@ fn infos_are_compared_as_asked() {
         (Nothing, InfoKey, [false, true, false, true]),
         (InfoKey, Nothing, [false, false, false, false]),
     ] {
-        let found = [Equivalence, Superset, KeysEquivalence, KeysSuperset].map(|how| matches(a, b, how));
+        let found =
+            [Equivalence, Superset, KeysEquivalence, KeysSuperset].map(|how| matches(a, b, how));
         assert_eq!(found, expected, "{a:?} and {b:?}");
     }
 }
@@ -193,9 +308,17 @@ fn the_seed_chooses_the_actions() {
     let actions = |seed: u64| {
         let seen = std::sync::Arc::default();
         let walk = || Walk::<Config>::new(Fault::None).unwrap();
-        let matching = Matching { num_steps: 20, seed, ..Matching::default() };
-        environments_match(&mut Recorder(walk(), std::sync::Arc::clone(&seen)), &mut walk(), &matching)
-            .unwrap();
+        let matching = Matching {
+            num_steps: 20,
+            seed,
+            ..Matching::default()
+        };
+        environments_match(
+            &mut Recorder(walk(), std::sync::Arc::clone(&seen)),
+            &mut walk(),
+            &matching,
+        )
+        .unwrap();
         std::mem::take(&mut *seen.lock().unwrap())
     };
     let drawn = |seed: u64| {

@@ -17,7 +17,10 @@ const ESTIMATES: &[&str] = &["reset-forgets"];
 /// Wrappers with their arguments, the inner one first, and the rules that they break with a reason.
 fn stacks() -> Vec<(Json, &'static [&'static str])> {
     vec![
-        (json!([["RecordEpisodeStatistics", {"buffer_length": 3}]]), &[]),
+        (
+            json!([["RecordEpisodeStatistics", {"buffer_length": 3}]]),
+            &[],
+        ),
         (
             json!([["FrameStackObservation", {"stack_size": 3, "padding_type": [0.5, -0.5]}]]),
             KEEPS_OBSERVATIONS,
@@ -26,24 +29,45 @@ fn stacks() -> Vec<(Json, &'static [&'static str])> {
             json!([["FrameStackObservation", {"stack_size": 2}], ["FlattenObservation", {}]]),
             KEEPS_OBSERVATIONS,
         ),
-        (json!([["DelayObservation", {"delay": 2}]]), KEEPS_OBSERVATIONS),
+        (
+            json!([["DelayObservation", {"delay": 2}]]),
+            KEEPS_OBSERVATIONS,
+        ),
         (
             json!([["TimeAwareObservation", {"flatten": false}], ["FilterObservation", {"filter_keys": ["time"]}]]),
             COUNTS_STEPS,
         ),
-        (json!([["TimeAwareObservation", {"normalize_time": true}]]), COUNTS_STEPS),
-        (json!([["NormalizeObservation", {"epsilon": 0.1}]]), ESTIMATES),
-        (json!([["MaxAndSkipObservation", {"skip": 2}], ["ReshapeObservation", {"shape": [2, 1]}]]), &[]),
+        (
+            json!([["TimeAwareObservation", {"normalize_time": true}]]),
+            COUNTS_STEPS,
+        ),
+        (
+            json!([["NormalizeObservation", {"epsilon": 0.1}]]),
+            ESTIMATES,
+        ),
+        (
+            json!([["MaxAndSkipObservation", {"skip": 2}], ["ReshapeObservation", {"shape": [2, 1]}]]),
+            &[],
+        ),
         (json!([["DtypeObservation", {"dtype": "float64"}]]), &[]),
-        (json!([["RescaleObservation", {"min_obs": 0.0, "max_obs": [0.5, 1.0]}]]), &[]),
-        (json!([["DiscretizeObservation", {"bins": [5, 9], "multidiscrete": true}]]), &[]),
+        (
+            json!([["RescaleObservation", {"min_obs": 0.0, "max_obs": [0.5, 1.0]}]]),
+            &[],
+        ),
+        (
+            json!([["DiscretizeObservation", {"bins": [5, 9], "multidiscrete": true}]]),
+            &[],
+        ),
         (json!([["DiscretizeObservation", {"bins": 7}]]), &[]),
         (
             json!([["StickyAction", {"repeat_action_probability": 0.5, "repeat_action_duration": [2, 4]}]]),
             &[],
         ),
         (json!([["RepeatAction", {"num_repeats": 2}]]), &[]),
-        (json!([["NormalizeReward", {"gamma": 0.9, "epsilon": 1e-4}]]), ESTIMATES),
+        (
+            json!([["NormalizeReward", {"gamma": 0.9, "epsilon": 1e-4}]]),
+            ESTIMATES,
+        ),
         (json!([["ClipReward", {"max_reward": 0.5}]]), &[]),
         (json!([["TimeLimit", {"max_episode_steps": 9}]]), &[]),
     ]
@@ -51,17 +75,27 @@ fn stacks() -> Vec<(Json, &'static [&'static str])> {
 
 fn spec(wrappers: &Json) -> Result<EnvSpec> {
     let spec = gym_core::builder("broken/none-v0").spec()?;
-    Ok(wrappers.as_array().expect("a list").iter().fold(spec, |spec, wrapper| {
-        let kwargs = wrapper[1].as_object().expect("arguments").clone();
-        spec.wrapped(WrapperSpec { name: wrapper[0].as_str().expect("a name").into(), kwargs })
-    }))
+    Ok(wrappers
+        .as_array()
+        .expect("a list")
+        .iter()
+        .fold(spec, |spec, wrapper| {
+            let kwargs = wrapper[1].as_object().expect("arguments").clone();
+            spec.wrapped(WrapperSpec {
+                name: wrapper[0].as_str().expect("a name").into(),
+                kwargs,
+            })
+        }))
 }
 
 #[test]
 fn wrappers_keep_the_rules() {
     for (wrappers, excused) in stacks() {
         let findings = gym_conform::check(|| spec(&wrappers)?.make());
-        let errors: Vec<_> = findings.iter().filter(|finding| finding.severity == Severity::Error).collect();
+        let errors: Vec<_> = findings
+            .iter()
+            .filter(|finding| finding.severity == Severity::Error)
+            .collect();
         let checks: Vec<_> = errors.iter().map(|finding| finding.check).collect();
         assert_eq!(checks, excused, "{wrappers}: {errors:#?}");
     }

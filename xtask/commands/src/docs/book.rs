@@ -14,7 +14,10 @@ pub(super) fn check(folder: &Path) -> Result<()> {
     collect(folder, &mut files)?;
     let mut faults = Vec::new();
     let mut listed = BTreeSet::new();
-    for page in files.iter().filter(|file| file.extension().is_some_and(|extension| extension == "md")) {
+    for page in files
+        .iter()
+        .filter(|file| file.extension().is_some_and(|extension| extension == "md"))
+    {
         let text = std::fs::read_to_string(page).map_err(|error| Error::io(page, error))?;
         let name = page.strip_prefix(folder).unwrap_or(page).display();
         for link in links(&text) {
@@ -29,17 +32,30 @@ pub(super) fn check(folder: &Path) -> Result<()> {
         let name = page.strip_prefix(folder).unwrap_or(page);
         let is_page = page.extension().is_some_and(|extension| extension == "md");
         if is_page && !page.ends_with("SUMMARY.md") && !listed.contains(page) {
-            faults.push(format!("{} is not in SUMMARY.md: add it there", name.display()));
+            faults.push(format!(
+                "{} is not in SUMMARY.md: add it there",
+                name.display()
+            ));
         }
     }
-    let images = files.iter().filter(|file| file.extension().is_some_and(|extension| extension == "gif"));
-    let bytes: u64 = images.filter_map(|image| image.metadata().ok()).map(|image| image.len()).sum();
+    let images = files
+        .iter()
+        .filter(|file| file.extension().is_some_and(|extension| extension == "gif"));
+    let bytes: u64 = images
+        .filter_map(|image| image.metadata().ok())
+        .map(|image| image.len())
+        .sum();
     if bytes > MAX_IMAGE_BYTES {
-        faults.push(format!("the GIFs take {bytes} bytes: more than {MAX_IMAGE_BYTES}"));
+        faults.push(format!(
+            "the GIFs take {bytes} bytes: more than {MAX_IMAGE_BYTES}"
+        ));
     }
     match &faults[..] {
         [] => Ok(()),
-        faults => Err(Error::custom(format!("the book has faults:\n{}", faults.join("\n")))),
+        faults => Err(Error::custom(format!(
+            "the book has faults:\n{}",
+            faults.join("\n")
+        ))),
     }
 }
 
@@ -63,7 +79,11 @@ fn links(text: &str) -> Vec<&str> {
         // text between backticks is code: every second part
         for part in line.split('`').step_by(2) {
             let targets = part.split("](").skip(1);
-            links.extend(targets.filter_map(|rest| rest.split_once(')')).map(|(target, _)| target));
+            links.extend(
+                targets
+                    .filter_map(|rest| rest.split_once(')'))
+                    .map(|(target, _)| target),
+            );
         }
     }
     links
@@ -90,7 +110,9 @@ fn target(folder: &Path, page: &Path, link: &str) -> Result<Option<PathBuf>, Str
         "" => page.to_owned(),
         path => page.parent().unwrap_or(folder).join(path),
     };
-    let file = file.canonicalize().map_err(|_| "leads nowhere".to_owned())?;
+    let file = file
+        .canonicalize()
+        .map_err(|_| "leads nowhere".to_owned())?;
     let root = folder.canonicalize().map_err(|error| error.to_string())?;
     let Ok(inside) = file.strip_prefix(&root) else {
         return Err("leads out of the book".into());
@@ -108,7 +130,9 @@ fn target(folder: &Path, page: &Path, link: &str) -> Result<Option<PathBuf>, Str
 /// The anchor of a heading, as forges and mdBook make it.
 fn slug(heading: &str) -> String {
     let text = heading.trim_start_matches('#').trim().to_lowercase();
-    let kept = text.chars().filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_'));
+    let kept = text
+        .chars()
+        .filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_'));
     kept.map(|c| if c == ' ' { '-' } else { c }).collect()
 }
 
@@ -124,7 +148,10 @@ mod tests {
 
     #[test]
     fn headings_become_anchors() {
-        assert_eq!(slug("## Why is my environment not found?"), "why-is-my-environment-not-found");
+        assert_eq!(
+            slug("## Why is my environment not found?"),
+            "why-is-my-environment-not-found"
+        );
         assert_eq!(slug("# `make`, and so on"), "make-and-so-on");
     }
 
@@ -135,11 +162,22 @@ mod tests {
         std::fs::create_dir_all(&folder).unwrap();
         let write = |name: &str, text: &str| std::fs::write(folder.join(name), text).unwrap();
         write("SUMMARY.md", "- [One](one.md)\n- [Later]()");
-        write("one.md", "# First things\n[here](#first-things), [gym](https://example.org)");
+        write(
+            "one.md",
+            "# First things\n[here](#first-things), [gym](https://example.org)",
+        );
         check(&folder).unwrap();
-        write("two.md", "[gone](gone.md), [out](../../Cargo.toml), [lost](one.md#lost)");
+        write(
+            "two.md",
+            "[gone](gone.md), [out](../../Cargo.toml), [lost](one.md#lost)",
+        );
         let faults = check(&folder).unwrap_err().to_string();
-        for fault in ["`gone.md` leads nowhere", "leads out", "heading", "two.md is not in SUMMARY.md"] {
+        for fault in [
+            "`gone.md` leads nowhere",
+            "leads out",
+            "heading",
+            "two.md is not in SUMMARY.md",
+        ] {
             assert!(faults.contains(fault), "{faults}");
         }
         std::fs::remove_dir_all(&folder).unwrap();

@@ -27,23 +27,38 @@ const SHEET: [(&str, (u32, u32), usize); 9] = [
 
 /// The GIF of a page, if a registration has a clip.
 pub(super) fn gif(page: &Page) -> Result<Option<Document>> {
-    let Some(Clip { seeds, every, frames, size }) = &page.shown().clip else { return Ok(None) };
+    let Some(Clip {
+        seeds,
+        every,
+        frames,
+        size,
+    }) = &page.shown().clip
+    else {
+        return Ok(None);
+    };
     let mut env = make(page.shown().id(), *size)?;
-    drawn(&format!("docs/environments/images/{}.gif", page.name), |path| {
-        let mut video = GifWriter::create(path, env.metadata().render_fps / every)?;
-        let mut states = 0;
-        let policy = if Policy::good(&env)?.is_some() { Policy::Good } else { Policy::Random };
-        for seed in seeds.clone() {
-            policy.play(&mut env, seed, |env| {
-                if states % every == 0 && states / every < *frames {
-                    video.write(&frame(env)?)?;
-                }
-                states += 1;
-                Ok(())
-            })?;
-        }
-        video.finish()
-    })
+    drawn(
+        &format!("docs/environments/images/{}.gif", page.name),
+        |path| {
+            let mut video = GifWriter::create(path, env.metadata().render_fps / every)?;
+            let mut states = 0;
+            let policy = if Policy::good(&env)?.is_some() {
+                Policy::Good
+            } else {
+                Policy::Random
+            };
+            for seed in seeds.clone() {
+                policy.play(&mut env, seed, |env| {
+                    if states % every == 0 && states / every < *frames {
+                        video.write(&frame(env)?)?;
+                    }
+                    states += 1;
+                    Ok(())
+                })?;
+            }
+            video.finish()
+        },
+    )
     .map(Some)
 }
 
@@ -58,15 +73,22 @@ pub(super) fn sheet() -> Result<Document> {
         frame(&mut env)
     });
     let frames = frames.collect::<Result<Vec<_>>>()?;
-    drawn("docs/images/environments.png", |path| write_png(path, &contact_sheet(&frames, 3)?))
+    drawn("docs/images/environments.png", |path| {
+        write_png(path, &contact_sheet(&frames, 3)?)
+    })
 }
 
 fn make(id: &str, (width, height): (u32, u32)) -> Result<BoxEnv> {
-    gym::builder(id).render_mode(RenderMode::RgbArray).render_size(width, height).build()
+    gym::builder(id)
+        .render_mode(RenderMode::RgbArray)
+        .render_size(width, height)
+        .build()
 }
 
 fn frame(env: &mut BoxEnv) -> Result<Frame> {
-    env.render()?.into_frame().ok_or_else(|| Error::Contract(format!("{env} renders no frame")))
+    env.render()?
+        .into_frame()
+        .ok_or_else(|| Error::Contract(format!("{env} renders no frame")))
 }
 
 /// The content that `write` writes to a file, for the document at `path`.

@@ -8,7 +8,10 @@ use gym::{Result, registry};
 use super::{Document, Marks, between, read};
 
 const PAGE: &str = "docs/atari.md";
-const MARKS: Marks = ["<!-- games: written by cargo xtask docs -->\n", "<!-- end of games -->\n"];
+const MARKS: Marks = [
+    "<!-- games: written by cargo xtask docs -->\n",
+    "<!-- end of games -->\n",
+];
 
 /// The page with its table as the games are, if the book has it.
 pub(super) fn document(folder: &Path) -> Result<Option<Document>> {
@@ -23,7 +26,13 @@ fn table() -> String {
     let rows = GAMES.iter().map(|game| {
         let has_older = registry::find(&format!("{}-v4", game.title)).is_ok();
         let ids = if has_older { "v0, v4, v5" } else { "v5" };
-        format!("| {} | `{}` | {ids} | {} | {} |\n", game.title, game.name, modes(game), difficulties(game))
+        format!(
+            "| {} | `{}` | {ids} | {} | {} |\n",
+            game.title,
+            game.name,
+            modes(game),
+            difficulties(game)
+        )
     });
     let head = "| game | name | ids | modes | difficulties |\n|---|---|---|---|---|\n";
     head.to_owned() + &rows.collect::<String>()
@@ -31,7 +40,11 @@ fn table() -> String {
 
 /// All modes, or the first, the last and their number.
 fn modes(game: &Game) -> String {
-    let modes: Vec<_> = game.modes.iter().map(|(mode, _)| mode.to_string()).collect();
+    let modes: Vec<_> = game
+        .modes
+        .iter()
+        .map(|(mode, _)| mode.to_string())
+        .collect();
     match &modes[..] {
         [_] => "default".to_owned(),
         [first, .., last] if modes.len() > 10 => format!("{first} to {last} ({})", modes.len()),

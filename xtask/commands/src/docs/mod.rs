@@ -34,7 +34,10 @@ type Document = (PathBuf, Vec<u8>);
 
 /// A file whose path starts at a folder, or at one of those around it.
 fn read(folder: &Path, path: &str) -> Result<String> {
-    let found = folder.ancestors().map(|folder| folder.join(path)).find(|path| path.exists());
+    let found = folder
+        .ancestors()
+        .map(|folder| folder.join(path))
+        .find(|path| path.exists());
     let path = found.unwrap_or_else(|| folder.join(path));
     std::fs::read_to_string(&path).map_err(|error| Error::io(&path, error))
 }
@@ -44,7 +47,9 @@ type Marks = [&'static str; 2];
 
 /// A page with this text between its marks.
 fn between(name: &str, page: &str, marks: Marks, text: &str) -> Result<String> {
-    let parts = page.split_once(marks[0]).and_then(|(head, rest)| Some((head, rest.split_once(marks[1])?.1)));
+    let parts = page
+        .split_once(marks[0])
+        .and_then(|(head, rest)| Some((head, rest.split_once(marks[1])?.1)));
     let (head, tail) =
         parts.ok_or_else(|| Error::custom(format!("{name} lacks the marks around its table")))?;
     Ok(format!("{head}{}\n{text}\n{}{tail}", marks[0], marks[1]))
@@ -52,7 +57,11 @@ fn between(name: &str, page: &str, marks: Marks, text: &str) -> Result<String> {
 
 pub(crate) fn docs(arguments: &Arguments, selection: Selection) -> Result<()> {
     let folder = selection.folder();
-    let returns = if arguments.measure { returns::measure(selection)? } else { returns::read(&folder)? };
+    let returns = if arguments.measure {
+        returns::measure(selection)?
+    } else {
+        returns::read(&folder)?
+    };
     let pages = page::all(selection)?;
     let mut documents = page::documents(&pages, &returns)?;
     if !returns.is_empty() {
@@ -69,9 +78,9 @@ pub(crate) fn docs(arguments: &Arguments, selection: Selection) -> Result<()> {
             documents.push(draw::sheet()?);
         }
     }
-    let mut changed = documents
-        .into_iter()
-        .filter(|(path, content)| std::fs::read(folder.join(path)).map_or(true, |old| old != *content));
+    let mut changed = documents.into_iter().filter(|(path, content)| {
+        std::fs::read(folder.join(path)).map_or(true, |old| old != *content)
+    });
     if arguments.check {
         if let Some((path, _)) = changed.next() {
             let reason = format!("{} is out of date: run `cargo xtask docs`", path.display());
@@ -88,7 +97,11 @@ pub(crate) fn docs(arguments: &Arguments, selection: Selection) -> Result<()> {
     }
     let book = folder.join("docs");
     // a plugin need not have a book around its pages
-    if book.join("SUMMARY.md").exists() { book::check(&book) } else { Ok(()) }
+    if book.join("SUMMARY.md").exists() {
+        book::check(&book)
+    } else {
+        Ok(())
+    }
 }
 
 #[cfg(test)]
@@ -102,7 +115,9 @@ mod tests {
         assert_eq!(page, "head\n<a>\n\nnew\n\n<b>\ntail\n");
         assert_eq!(between("page.md", &page, marks, "new\n").unwrap(), page);
         for page in ["", "<a>\n", "<b>\n<a>\n"] {
-            let error = between("page.md", page, marks, "new\n").unwrap_err().to_string();
+            let error = between("page.md", page, marks, "new\n")
+                .unwrap_err()
+                .to_string();
             assert!(error.contains("page.md lacks the marks"), "{error}");
         }
     }

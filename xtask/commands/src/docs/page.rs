@@ -28,7 +28,9 @@ pub(super) fn all(selection: Selection) -> Result<Vec<Page>> {
     let mut registrations = selection.of(&[])?;
     registrations.sort_by_key(|entry| entry.source.module);
     let modules = registrations.chunk_by(|a, b| a.source.module == b.source.module);
-    modules.map(|registrations| Page::read(registrations, selection)).collect()
+    modules
+        .map(|registrations| Page::read(registrations, selection))
+        .collect()
 }
 
 /// The texts of the pages, and the page that lists them.
@@ -41,7 +43,10 @@ pub(super) fn documents(pages: &[Page], returns: &Returns) -> Result<Vec<Documen
     let folder = PathBuf::from("docs/environments");
     let mut documents = vec![(folder.join("README.md"), list.into_bytes())];
     for page in pages {
-        documents.push((folder.join(format!("{}.md", page.name)), page.text(returns)?.into_bytes()));
+        documents.push((
+            folder.join(format!("{}.md", page.name)),
+            page.text(returns)?.into_bytes(),
+        ));
     }
     Ok(documents)
 }
@@ -87,16 +92,21 @@ struct Docs {
 impl Docs {
     /// From the text of a source file.
     fn parse(source: &str, file: &str, has_actions: bool) -> Result<Self> {
-        let missing = |what: &str| Error::custom(format!("{file}: its module docs (`//!`) lack {what}"));
+        let missing =
+            |what: &str| Error::custom(format!("{file}: its module docs (`//!`) lack {what}"));
         let lines = source.lines().map_while(|line| line.strip_prefix("//!"));
-        let lines: Vec<_> = lines.map(|line| line.strip_prefix(' ').unwrap_or(line)).collect();
-        let mut text = without_item_links(&lines.join("\n")).replace("`Config`", "[`Config`](#arguments)");
+        let lines: Vec<_> = lines
+            .map(|line| line.strip_prefix(' ').unwrap_or(line))
+            .collect();
+        let mut text =
+            without_item_links(&lines.join("\n")).replace("`Config`", "[`Config`](#arguments)");
         if has_actions {
             text = text.replace("`Action`", "[`Action`](#actions)");
         }
         let mut paragraphs = text.split("\n\n").map(str::trim);
         let title = paragraphs.next().and_then(|title| title.split_once(": "));
-        let (title, summary) = title.ok_or_else(|| missing("a title, as in `Name: what to do.`"))?;
+        let (title, summary) =
+            title.ok_or_else(|| missing("a title, as in `Name: what to do.`"))?;
         let mut docs = Self {
             title: title.to_owned(),
             summary: capitalised(&summary.replace('\n', " ")),
@@ -113,14 +123,19 @@ impl Docs {
                 docs.observation = Some(paragraph.to_owned());
             } else if let Some(versions) = paragraph.strip_prefix("Versions: ") {
                 docs.versions = Some(versions.to_owned());
-            } else if let Some(differences) = paragraph.strip_prefix("Differences from Gymnasium: ") {
+            } else if let Some(differences) = paragraph.strip_prefix("Differences from Gymnasium: ")
+            {
                 docs.differences = Some(capitalised(differences));
             } else {
                 docs.rest.push(paragraph.to_owned());
             }
         }
         for row in ["observation", "action", "reward", "start", "end", "limit"] {
-            if !docs.table.iter().any(|line| line.starts_with(&format!("| {row} |"))) {
+            if !docs
+                .table
+                .iter()
+                .any(|line| line.starts_with(&format!("| {row} |")))
+            {
                 return Err(missing(&format!("the row `{row}` of the table")));
             }
         }
@@ -131,12 +146,18 @@ impl Docs {
 /// Rustdoc's links to items as plain code, without the brackets around it.
 fn without_item_links(text: &str) -> String {
     // where more code follows at once, both become one: [`f`]`(x)` is `f(x)`
-    text.replace("`]`", "").replace("[`", "`").replace("`]", "`").replace("`Config::", "`")
+    text.replace("`]`", "")
+        .replace("[`", "`")
+        .replace("`]", "`")
+        .replace("`Config::", "`")
 }
 
 fn capitalised(text: &str) -> String {
     let mut letters = text.chars();
-    letters.next().map(|first| first.to_uppercase().to_string() + letters.as_str()).unwrap_or_default()
+    letters
+        .next()
+        .map(|first| first.to_uppercase().to_string() + letters.as_str())
+        .unwrap_or_default()
 }
 
 impl Page {
@@ -155,26 +176,48 @@ impl Page {
 
     /// The registration that the GIF and the arguments are of.
     pub(super) fn shown(&self) -> &Registration {
-        self.registrations.iter().find(|entry| entry.clip.is_some()).unwrap_or(&self.registrations[0])
+        self.registrations
+            .iter()
+            .find(|entry| entry.clip.is_some())
+            .unwrap_or(&self.registrations[0])
     }
 
     /// The picture, if there is one.
     fn image(&self, text: &str) -> String {
-        let image = self.shown().clip.as_ref().map(|_| format!("![{text}](images/{}.gif)", self.name));
+        let image = self
+            .shown()
+            .clip
+            .as_ref()
+            .map(|_| format!("![{text}](images/{}.gif)", self.name));
         image.unwrap_or_default()
     }
 
     /// The line of the list.
     fn row(&self) -> String {
-        let ids: Vec<_> = self.registrations.iter().map(|entry| format!("`{}`", entry.id())).collect();
+        let ids: Vec<_> = self
+            .registrations
+            .iter()
+            .map(|entry| format!("`{}`", entry.id()))
+            .collect();
         let (name, Docs { title, summary, .. }) = (&self.name, &self.docs);
         let image = self.image(title);
-        let image = if image.is_empty() { image } else { format!("[{image}]({name}.md)") };
-        format!("| {image} | [{title}]({name}.md): {summary} | {} |\n", ids.join(", "))
+        let image = if image.is_empty() {
+            image
+        } else {
+            format!("[{image}]({name}.md)")
+        };
+        format!(
+            "| {image} | [{title}]({name}.md): {summary} | {} |\n",
+            ids.join(", ")
+        )
     }
 
     fn text(&self, returns: &Returns) -> Result<String> {
-        let Self { registrations, docs, .. } = self;
+        let Self {
+            registrations,
+            docs,
+            ..
+        } = self;
         let Docs { title, summary, .. } = docs;
         let mut text = format!(
             "<!-- Written by `cargo xtask docs` from {} and the registry: change those. -->\n\n# {title}\n\n{summary}\n",
@@ -185,7 +228,8 @@ impl Page {
             text += &format!("\n{image}\n");
         }
         text += &format!("\n| | |\n|---|---|\n{}\n", docs.table.join("\n"));
-        let mut section = |title: &str, body: &str| text += &format!("\n## {title}\n\n{}\n", body.trim_end());
+        let mut section =
+            |title: &str, body: &str| text += &format!("\n## {title}\n\n{}\n", body.trim_end());
         if let Some(observation) = &docs.observation {
             section("Observation", observation);
         }
@@ -203,7 +247,10 @@ impl Page {
         if let Some(differences) = docs.differences.as_deref().or(no_difference) {
             section("Differences from Gymnasium", differences);
         }
-        if registrations.iter().any(|entry| returns.contains_key(entry.id())) {
+        if registrations
+            .iter()
+            .any(|entry| returns.contains_key(entry.id()))
+        {
             section("Returns", &self.returns(returns));
         }
         if !docs.rest.is_empty() {
@@ -238,7 +285,11 @@ fn arguments(shown: &Registration, registrations: &[Registration]) -> Result<Str
     }
     let mut text = String::from("| argument | type | default | meaning |\n|---|---|---|---|\n");
     for argument in &table {
-        let unit = if argument.unit.is_empty() { String::new() } else { format!(" {}", argument.unit) };
+        let unit = if argument.unit.is_empty() {
+            String::new()
+        } else {
+            format!(" {}", argument.unit)
+        };
         let versions = match argument.versions {
             "" => String::new(),
             _ if registrations.len() == 1 => String::new(),
@@ -274,10 +325,22 @@ fn ids(registrations: &[Registration]) -> Result<String> {
         .to_owned();
     for entry in registrations {
         let spec = entry.spec()?;
-        let kwargs: Vec<_> = spec.kwargs.iter().map(|(name, value)| format!("`{name}`: `{value}`")).collect();
-        let kwargs = if kwargs.is_empty() { "none".into() } else { kwargs.join(", ") };
-        let limit = spec.max_episode_steps.map_or("none".into(), |limit| limit.to_string());
-        let threshold = spec.reward_threshold.map_or("not defined".into(), |threshold| threshold.to_string());
+        let kwargs: Vec<_> = spec
+            .kwargs
+            .iter()
+            .map(|(name, value)| format!("`{name}`: `{value}`"))
+            .collect();
+        let kwargs = if kwargs.is_empty() {
+            "none".into()
+        } else {
+            kwargs.join(", ")
+        };
+        let limit = spec
+            .max_episode_steps
+            .map_or("none".into(), |limit| limit.to_string());
+        let threshold = spec
+            .reward_threshold
+            .map_or("not defined".into(), |threshold| threshold.to_string());
         text += &format!("| `{}` | {kwargs} | {limit} | {threshold} |\n", spec.id);
     }
     Ok(text)
@@ -288,9 +351,16 @@ fn spaces(registrations: &[Registration]) -> Result<String> {
     let mut rows: Vec<(String, Vec<String>)> = Vec::new();
     for entry in registrations {
         let env = entry.spec()?.make()?;
-        for (kind, space) in [("action", env.action_space()), ("observation", env.observation_space())] {
+        for (kind, space) in [
+            ("action", env.action_space()),
+            ("observation", env.observation_space()),
+        ] {
             // numpy breaks long arrays into lines
-            let space = space.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
+            let space = space
+                .to_string()
+                .split_whitespace()
+                .collect::<Vec<_>>()
+                .join(" ");
             let row = format!("{kind} | `{space}`");
             match rows.iter_mut().find(|(other, _)| *other == row) {
                 Some((_, ids)) => ids.push(format!("`{}`", entry.id())),
@@ -302,7 +372,11 @@ fn spaces(registrations: &[Registration]) -> Result<String> {
     let rows: String = rows
         .iter()
         .map(|(row, ids)| {
-            let ids = if ids.len() == registrations.len() { "all".into() } else { ids.join(", ") };
+            let ids = if ids.len() == registrations.len() {
+                "all".into()
+            } else {
+                ids.join(", ")
+            };
             format!("| {row} | {ids} |\n")
         })
         .collect();
@@ -319,21 +393,35 @@ fn actions(variants: &[(&str, &str)]) -> String {
 }
 
 fn rendering(registrations: &[Registration]) -> Result<String> {
-    let Some(entry) = registrations.first() else { return Ok(String::new()) };
+    let Some(entry) = registrations.first() else {
+        return Ok(String::new());
+    };
     let metadata = entry.spec()?.make()?.metadata();
     let can = |mode: &&RenderMode| metadata.render_modes.contains(&mode.single());
-    let modes: Vec<_> = RenderMode::ALL.iter().filter(can).map(|mode| format!("`{mode}`")).collect();
+    let modes: Vec<_> = RenderMode::ALL
+        .iter()
+        .filter(can)
+        .map(|mode| format!("`{mode}`"))
+        .collect();
     let (width, height) = metadata.render_size;
     let fps = metadata.render_fps;
-    Ok(format!("Modes {}; {width}x{height} pixels, {fps} frames per second.", modes.join(", ")))
+    Ok(format!(
+        "Modes {}; {width}x{height} pixels, {fps} frames per second.",
+        modes.join(", ")
+    ))
 }
 
 fn table_of_returns(registrations: &[Registration], returns: &Returns) -> String {
     let cells = |summary: &Summary| {
-        let Summary { mean, deviation, mean_length } = summary;
+        let Summary {
+            mean,
+            deviation,
+            mean_length,
+        } = summary;
         format!("{mean:.2} \u{b1} {deviation:.2} | {mean_length:.1}")
     };
-    let mut text = "| id | random policy | steps | good policy | steps |\n|---|---|---|---|---|\n".to_owned();
+    let mut text =
+        "| id | random policy | steps | good policy | steps |\n|---|---|---|---|---|\n".to_owned();
     for entry in registrations {
         let id = entry.id();
         let Some(Measured { random, good }) = returns.get(id) else {
@@ -360,9 +448,20 @@ mod tests {
             rows.concat()
         );
         let docs = Docs::parse(&source, "lake.rs", false).unwrap();
-        assert_eq!((&*docs.title, &*docs.summary, docs.table.len()), ("Lake", "Cross it.", 6));
-        assert_eq!(docs.versions.as_deref(), Some("1, with [`Config`](#arguments) and `f(x)`."));
-        let error = Docs::parse(&source.replace("| end |", "| ends |"), "lake.rs", false).err().unwrap();
-        assert!(error.to_string().contains("lake.rs") && error.to_string().contains("`end`"), "{error}");
+        assert_eq!(
+            (&*docs.title, &*docs.summary, docs.table.len()),
+            ("Lake", "Cross it.", 6)
+        );
+        assert_eq!(
+            docs.versions.as_deref(),
+            Some("1, with [`Config`](#arguments) and `f(x)`.")
+        );
+        let error = Docs::parse(&source.replace("| end |", "| ends |"), "lake.rs", false)
+            .err()
+            .unwrap();
+        assert!(
+            error.to_string().contains("lake.rs") && error.to_string().contains("`end`"),
+            "{error}"
+        );
     }
 }

@@ -41,7 +41,9 @@ pub(super) fn read(folder: &Path) -> Result<Returns> {
         return Ok(Returns::new());
     }
     serde_json::from_str(&super::read(folder, FILE)?).map_err(|error| {
-        Error::custom(format!("{FILE}: {error}: write it with `cargo xtask docs --measure`"))
+        Error::custom(format!(
+            "{FILE}: {error}: write it with `cargo xtask docs --measure`"
+        ))
     })
 }
 
@@ -54,7 +56,9 @@ pub(super) fn measure(selection: Selection) -> Result<Returns> {
             let spec = registration.spec()?;
             let measured = Measured {
                 random: summary(&spec, Policy::Random)?,
-                good: Policy::good(&spec.make()?)?.map(|_| summary(&spec, Policy::Good)).transpose()?,
+                good: Policy::good(&spec.make()?)?
+                    .map(|_| summary(&spec, Policy::Good))
+                    .transpose()?,
             };
             let good = measured.good.as_ref().map_or(f64::NAN, |good| good.mean);
             tell!("{:32} {:>12.2} {good:>12.2}", spec.id, measured.random.mean);
@@ -65,18 +69,35 @@ pub(super) fn measure(selection: Selection) -> Result<Returns> {
 
 fn summary(spec: &EnvSpec, policy: Policy) -> Result<Summary> {
     let mut env = spec.make()?;
-    let episodes =
-        (0..EPISODES).map(|seed| policy.play(&mut env, seed, |_| Ok(()))).collect::<Result<Vec<_>>>()?;
+    let episodes = (0..EPISODES)
+        .map(|seed| policy.play(&mut env, seed, |_| Ok(())))
+        .collect::<Result<Vec<_>>>()?;
     let count = episodes.len() as f64;
-    let mean = episodes.iter().map(|episode| episode.episode_return).sum::<f64>() / count;
-    let variance =
-        episodes.iter().map(|episode| (episode.episode_return - mean).powi(2)).sum::<f64>() / count;
-    let mean_length = episodes.iter().map(|episode| episode.length as f64).sum::<f64>() / count;
+    let mean = episodes
+        .iter()
+        .map(|episode| episode.episode_return)
+        .sum::<f64>()
+        / count;
+    let variance = episodes
+        .iter()
+        .map(|episode| (episode.episode_return - mean).powi(2))
+        .sum::<f64>()
+        / count;
+    let mean_length = episodes
+        .iter()
+        .map(|episode| episode.length as f64)
+        .sum::<f64>()
+        / count;
     let round = |x: f64| (x * 100.0).round() / 100.0;
-    Ok(Summary { mean: round(mean), deviation: round(variance.sqrt()), mean_length: round(mean_length) })
+    Ok(Summary {
+        mean: round(mean),
+        deviation: round(variance.sqrt()),
+        mean_length: round(mean_length),
+    })
 }
 
 pub(super) fn document(returns: &Returns) -> Result<Document> {
-    let json = serde_json::to_string_pretty(returns).map_err(|error| Error::custom(error.to_string()))?;
+    let json =
+        serde_json::to_string_pretty(returns).map_err(|error| Error::custom(error.to_string()))?;
     Ok((PathBuf::from(FILE), (json + "\n").into_bytes()))
 }

@@ -9,21 +9,28 @@ use gym::{Argument, Error, Result};
 use super::{Document, Marks, between, read};
 
 const PAGE: &str = "docs/wrappers.md";
-const MARKS: Marks = ["<!-- wrappers: written by cargo xtask docs -->\n", "<!-- end of wrappers -->\n"];
+const MARKS: Marks = [
+    "<!-- wrappers: written by cargo xtask docs -->\n",
+    "<!-- end of wrappers -->\n",
+];
 
 /// The page with its table as the registrations are, if the book has it.
 pub(super) fn document(folder: &Path) -> Result<Option<Document>> {
     if !folder.join(PAGE).exists() {
         return Ok(None);
     }
-    let mut table = String::from("| wrapper | around | what it does | arguments |\n|---|---|---|---|\n");
+    let mut table =
+        String::from("| wrapper | around | what it does | arguments |\n|---|---|---|---|\n");
     let all = registry::wrappers();
     for (i, wrapper) in all.iter().enumerate() {
         // one row where an environment's and a vector's are two types
         if i > 0 && all[i - 1].name == wrapper.name {
             continue;
         }
-        let same: Vec<_> = all.iter().filter(|other| other.name == wrapper.name).collect();
+        let same: Vec<_> = all
+            .iter()
+            .filter(|other| other.name == wrapper.name)
+            .collect();
         let (mut arguments, mut seen) = (Vec::new(), Vec::new());
         for argument in same.iter().flat_map(|wrapper| wrapper.arguments()) {
             if !seen.contains(&argument.name) {
@@ -32,14 +39,20 @@ pub(super) fn document(folder: &Path) -> Result<Option<Document>> {
             }
         }
         let around = |is: fn(&WrapperRegistration) -> bool| same.iter().any(|wrapper| is(wrapper));
-        let around =
-            match (around(WrapperRegistration::wraps_envs), around(WrapperRegistration::wraps_vectors)) {
-                (true, true) => "both",
-                (true, false) => "environments",
-                _ => "vectors",
-            };
+        let around = match (
+            around(WrapperRegistration::wraps_envs),
+            around(WrapperRegistration::wraps_vectors),
+        ) {
+            (true, true) => "both",
+            (true, false) => "environments",
+            _ => "vectors",
+        };
         let (name, what) = (wrapper.name, wrapper.description);
-        let row = writeln!(table, "| `{name}` | {around} | {what} | {} |", arguments.join("<br>"));
+        let row = writeln!(
+            table,
+            "| `{name}` | {around} | {what} | {} |",
+            arguments.join("<br>")
+        );
         row.map_err(|error| Error::custom(error.to_string()))?;
     }
     let page = between(PAGE, &read(folder, PAGE)?, MARKS, &table)?;
@@ -48,9 +61,26 @@ pub(super) fn document(folder: &Path) -> Result<Option<Document>> {
 
 /// `` `delay`: integer. By how many steps observations are late ``
 fn described(argument: &Argument) -> String {
-    let Argument { name, kind, meaning, default, required, .. } = argument;
-    let default = if *required { "required".to_owned() } else { format!("default `{default}`") };
+    let Argument {
+        name,
+        kind,
+        meaning,
+        default,
+        required,
+        ..
+    } = argument;
+    let default = if *required {
+        "required".to_owned()
+    } else {
+        format!("default `{default}`")
+    };
     // a link leads somewhere in the documentation of the crate alone
-    let meaning = meaning.replace("[`", "`").replace("`]", "`").replace("(crate::VideoWriter)", "");
-    format!("`{name}` ({kind}, {default}): {}", meaning.replace('|', "\\|"))
+    let meaning = meaning
+        .replace("[`", "`")
+        .replace("`]", "`")
+        .replace("(crate::VideoWriter)", "");
+    format!(
+        "`{name}` ({kind}, {default}): {}",
+        meaning.replace('|', "\\|")
+    )
 }

@@ -49,8 +49,10 @@ pub(crate) fn stays_away(ground: &Moving<'_>, moving: &Moving<'_>, reach: f32) -
 
 /// The least and the greatest place of points along an axis.
 fn range(points: &[Vec2], axis: Vec2) -> (f32, f32) {
-    points.iter().fold((f32::MAX, f32::MIN), |(low, high), point| {
-        let x = dot(axis, *point);
-        (min(low, x), max(high, x))
-    })
+    points
+        .iter()
+        .fold((f32::MAX, f32::MIN), |(low, high), point| {
+            let x = dot(axis, *point);
+            (min(low, x), max(high, x))
+        })
 }

@@ -12,7 +12,10 @@ pub(crate) struct Arena<T> {
 
 impl<T> Default for Arena<T> {
     fn default() -> Self {
-        Self { slots: Vec::new(), free: Vec::new() }
+        Self {
+            slots: Vec::new(),
+            free: Vec::new(),
+        }
     }
 }
 
@@ -43,7 +46,9 @@ impl<T> Arena<T> {
     }
 
     pub(crate) fn iter(&self) -> impl Iterator<Item = (u32, &T)> {
-        (0..).zip(&self.slots).filter_map(|(slot, value)| Some((slot, value.as_ref()?)))
+        (0..)
+            .zip(&self.slots)
+            .filter_map(|(slot, value)| Some((slot, value.as_ref()?)))
     }
 
     /// The memory of the slots.
@@ -55,7 +60,9 @@ impl<T> Arena<T> {
     /// Whether data read from outside is consistent: exactly the empty slots are free.
     pub(crate) fn is_valid(&self) -> bool {
         let mut empty: Vec<bool> = self.slots.iter().map(Option::is_none).collect();
-        self.free.iter().all(|slot| empty.get_mut(*slot as usize).is_some_and(std::mem::take))
+        self.free
+            .iter()
+            .all(|slot| empty.get_mut(*slot as usize).is_some_and(std::mem::take))
             && !empty.contains(&true)
     }
 }
@@ -65,13 +72,17 @@ impl<T> Index<u32> for Arena<T> {
 
     #[inline]
     fn index(&self, slot: u32) -> &T {
-        self.slots[slot as usize].as_ref().expect("the body, fixture or joint was destroyed")
+        self.slots[slot as usize]
+            .as_ref()
+            .expect("the body, fixture or joint was destroyed")
     }
 }
 
 impl<T> IndexMut<u32> for Arena<T> {
     #[inline]
     fn index_mut(&mut self, slot: u32) -> &mut T {
-        self.slots[slot as usize].as_mut().expect("the body, fixture or joint was destroyed")
+        self.slots[slot as usize]
+            .as_mut()
+            .expect("the body, fixture or joint was destroyed")
     }
 }

@@ -37,14 +37,27 @@ impl BroadPhase {
     pub(crate) fn insert_terrain(&mut self, points: &[Vec2], friction: f32) {
         self.terrain = Terrain::new(points.to_vec(), friction, self.proxies.len() as u32);
         self.moved.clear();
-        self.moved.extend((0..).zip(&self.proxies).filter(|(_, proxy)| proxy.used).map(|(id, _)| id));
+        self.moved.extend(
+            (0..)
+                .zip(&self.proxies)
+                .filter(|(_, proxy)| proxy.used)
+                .map(|(id, _)| id),
+        );
     }
 
     /// A new proxy, and its id.
     pub(crate) fn insert(&mut self, aabb: &Aabb, fixture: u32, dynamic: bool) -> u32 {
         let r = vec2(AABB_EXTENSION, AABB_EXTENSION);
-        let fat = Aabb { lower: aabb.lower - r, upper: aabb.upper + r };
-        let proxy = Proxy { fat, fixture, dynamic, used: true };
+        let fat = Aabb {
+            lower: aabb.lower - r,
+            upper: aabb.upper + r,
+        };
+        let proxy = Proxy {
+            fat,
+            fixture,
+            dynamic,
+            used: true,
+        };
         let id = if let Some(id) = self.free.pop() {
             let place = self.place(id);
             self.proxies[place] = proxy;
@@ -61,14 +74,22 @@ impl BroadPhase {
     #[inline]
     fn place(&self, id: u32) -> usize {
         let id = id as usize;
-        if id < self.terrain.first as usize { id } else { id.wrapping_sub(self.terrain.len()) }
+        if id < self.terrain.first as usize {
+            id
+        } else {
+            id.wrapping_sub(self.terrain.len())
+        }
     }
 
     /// The id of the proxy at a place.
     #[inline]
     fn id(&self, place: usize) -> u32 {
         let behind = place >= self.terrain.first as usize;
-        (if behind { place + self.terrain.len() } else { place }) as u32
+        (if behind {
+            place + self.terrain.len()
+        } else {
+            place
+        }) as u32
     }
 
     pub(crate) fn remove(&mut self, id: u32) {
@@ -87,7 +108,10 @@ impl BroadPhase {
             return;
         }
         let r = vec2(AABB_EXTENSION, AABB_EXTENSION);
-        *fat = Aabb { lower: aabb.lower - r, upper: aabb.upper + r };
+        *fat = Aabb {
+            lower: aabb.lower - r,
+            upper: aabb.upper + r,
+        };
         let ahead = AABB_MULTIPLIER * displacement;
         for axis in 0..2 {
             if ahead[axis] < 0.0 {
@@ -124,7 +148,8 @@ impl BroadPhase {
             let query = self.proxies[self.place(id)];
             let mut pair = |other: u32| pairs.push((id.min(other), id.max(other)));
             for (place, proxy) in self.proxies.iter().enumerate() {
-                if proxy.fat.overlaps(&query.fat) && (proxy.dynamic || query.dynamic) && proxy.used {
+                if proxy.fat.overlaps(&query.fat) && (proxy.dynamic || query.dynamic) && proxy.used
+                {
                     let other = self.id(place);
                     if other != id {
                         pair(other);
@@ -132,7 +157,8 @@ impl BroadPhase {
                 }
             }
             if query.dynamic {
-                self.terrain.query(&query.fat, |edge| pair(self.terrain.first + edge as u32));
+                self.terrain
+                    .query(&query.fat, |edge| pair(self.terrain.first + edge as u32));
             }
         }
         self.moved.clear();
@@ -149,7 +175,9 @@ impl BroadPhase {
 
     /// Reads a number of each box, so that it is fetched.
     pub(crate) fn touch(&self) -> u32 {
-        self.proxies.iter().fold(self.terrain.touch(), |seen, proxy| seen ^ proxy.fixture)
+        self.proxies
+            .iter()
+            .fold(self.terrain.touch(), |seen, proxy| seen ^ proxy.fixture)
     }
 
     /// The fixture of a proxy that is not of the terrain.
@@ -160,7 +188,10 @@ impl BroadPhase {
     /// Whether a proxy exists and belongs to a fixture; any fixture may stand for an edge of the terrain.
     pub(crate) fn holds(&self, id: u32, fixture: u32) -> bool {
         self.terrain.edge_of(id).is_some()
-            || self.proxies.get(self.place(id)).is_some_and(|proxy| proxy.used && proxy.fixture == fixture)
+            || self
+                .proxies
+                .get(self.place(id))
+                .is_some_and(|proxy| proxy.used && proxy.fixture == fixture)
     }
 
     /// The fixtures whose box meets `aabb`, but for the terrain.
@@ -178,7 +209,10 @@ impl BroadPhase {
         self.terrain.is_valid()
             && self.terrain.first as usize <= self.proxies.len()
             && self.moved.iter().all(|id| proxy(id).is_some())
-            && self.free.iter().all(|id| proxy(id).is_some_and(|proxy| !proxy.used))
+            && self
+                .free
+                .iter()
+                .all(|id| proxy(id).is_some_and(|proxy| !proxy.used))
             && (self.proxies.iter().enumerate())
                 .all(|(place, proxy)| !proxy.used || owns(proxy.fixture, self.id(place)))
     }

@@ -35,7 +35,8 @@ fn circles(a: &Geometry, xf_a: &Pose, b: &Geometry, xf_b: &Pose) -> Manifold {
     if dot(d, d) > radius * radius {
         return Manifold::EMPTY;
     }
-    Manifold::new(Kind::Circles, Vec2::zeros(), center_a).with_point(center_b, [Feature::vertex(0); 2])
+    Manifold::new(Kind::Circles, Vec2::zeros(), center_a)
+        .with_point(center_b, [Feature::vertex(0); 2])
 }
 
 fn edge_circle(edge: &Geometry, xf_a: &Pose, circle: &Geometry, xf_b: &Pose) -> Manifold {
@@ -82,11 +83,15 @@ fn polygon_circle(polygon: &Geometry, xf_a: &Pose, circle: &Geometry, xf_b: &Pos
             face = i;
         }
     }
-    let (v1, v2) = (polygon.vertices()[face], polygon.vertices()[polygon.next(face)]);
+    let (v1, v2) = (
+        polygon.vertices()[face],
+        polygon.vertices()[polygon.next(face)],
+    );
     let normal = polygon.normals()[face];
     let middle = 0.5 * (v1 + v2);
-    let contact =
-        |normal, point| Manifold::new(Kind::FaceA, normal, point).with_point(center, [Feature::vertex(0); 2]);
+    let contact = |normal, point| {
+        Manifold::new(Kind::FaceA, normal, point).with_point(center, [Feature::vertex(0); 2])
+    };
     if separation < f32::EPSILON {
         return contact(normal, middle); // the centre is inside
     }

@@ -22,7 +22,12 @@ struct ReferenceFace {
     normal: Vec2,
 }
 
-pub(crate) fn edge_polygon(edge: &Geometry, xf_a: &Pose, polygon: &Geometry, xf_b: &Pose) -> Manifold {
+pub(crate) fn edge_polygon(
+    edge: &Geometry,
+    xf_a: &Pose,
+    polygon: &Geometry,
+    xf_b: &Pose,
+) -> Manifold {
     let xf = relative(xf_a, xf_b);
     let (v1, v2) = (edge.vertices()[0], edge.vertices()[1]);
     let direction = normalize(v2 - v1).0;
@@ -31,14 +36,18 @@ pub(crate) fn edge_polygon(edge: &Geometry, xf_a: &Pose, polygon: &Geometry, xf_
     let normal = if front { edge_normal } else { -edge_normal };
 
     let count = polygon.vertices().len();
-    let (mut vertices, mut normals) = ([Vec2::zeros(); MAX_VERTICES], [Vec2::zeros(); MAX_VERTICES]);
+    let (mut vertices, mut normals) =
+        ([Vec2::zeros(); MAX_VERTICES], [Vec2::zeros(); MAX_VERTICES]);
     for i in 0..count {
         vertices[i] = transform(&xf, polygon.vertices()[i]);
         normals[i] = rotate(xf.rotation, polygon.normals()[i]);
     }
     let (vertices, normals) = (&vertices[..count], &normals[..count]);
 
-    let edge_separation = vertices.iter().map(|v| dot(normal, v - v1)).fold(f32::MAX, |a, b| min(b, a));
+    let edge_separation = vertices
+        .iter()
+        .map(|v| dot(normal, v - v1))
+        .fold(f32::MAX, |a, b| min(b, a));
     if edge_separation > RADIUS {
         return Manifold::EMPTY;
     }
@@ -54,7 +63,16 @@ pub(crate) fn edge_polygon(edge: &Geometry, xf_a: &Pose, polygon: &Geometry, xf_
         let incident = [ClipVertex { v: v1, id }, ClipVertex { v: v2, id }];
         let next = polygon.next(face);
         let normal = normals[face];
-        (incident, ReferenceFace { i1: face, i2: next, v1: vertices[face], v2: vertices[next], normal })
+        (
+            incident,
+            ReferenceFace {
+                i1: face,
+                i2: next,
+                v1: vertices[face],
+                v2: vertices[next],
+                normal,
+            },
+        )
     } else {
         let mut best = 0;
         let mut best_value = dot(normal, normals[0]);
@@ -65,12 +83,26 @@ pub(crate) fn edge_polygon(edge: &Geometry, xf_a: &Pose, polygon: &Geometry, xf_
                 best = i;
             }
         }
-        let incident = [best, polygon.next(best)]
-            .map(|i| ClipVertex { v: vertices[i], id: [Feature::face(0), Feature::vertex(i)] });
+        let incident = [best, polygon.next(best)].map(|i| ClipVertex {
+            v: vertices[i],
+            id: [Feature::face(0), Feature::vertex(i)],
+        });
         let face = if front {
-            ReferenceFace { i1: 0, i2: 1, v1, v2, normal }
+            ReferenceFace {
+                i1: 0,
+                i2: 1,
+                v1,
+                v2,
+                normal,
+            }
         } else {
-            ReferenceFace { i1: 1, i2: 0, v1: v2, v2: v1, normal }
+            ReferenceFace {
+                i1: 1,
+                i2: 0,
+                v1: v2,
+                v2: v1,
+                normal,
+            }
         };
         (incident, face)
     };
@@ -79,7 +111,11 @@ pub(crate) fn edge_polygon(edge: &Geometry, xf_a: &Pose, polygon: &Geometry, xf_
     let clipped = clip(incident, side, dot(side, face.v1), face.i1)
         .and_then(|points| clip(points, -side, dot(-side, face.v2), face.i2));
     let mut manifold = if polygon_face.is_some() {
-        Manifold::new(Kind::FaceB, polygon.normals()[face.i1], polygon.vertices()[face.i1])
+        Manifold::new(
+            Kind::FaceB,
+            polygon.normals()[face.i1],
+            polygon.vertices()[face.i1],
+        )
     } else {
         Manifold::new(Kind::FaceA, face.normal, face.v1)
     };

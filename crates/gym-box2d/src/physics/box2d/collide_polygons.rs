@@ -2,7 +2,9 @@
 //! `b2CollidePolygon.cpp` of Box2D 2.3.0 has it (later versions search another way).
 
 use super::manifold::{ClipVertex, Feature, Kind, Manifold, clip};
-use super::math::{Pose, cross_one, dot, normalize, rotate, rotate_back, transform, transform_back};
+use super::math::{
+    Pose, cross_one, dot, normalize, rotate, rotate_back, transform, transform_back,
+};
 use super::shape::Geometry;
 
 /// By how much the second polygon's face must be better to be taken: it keeps contacts steady.
@@ -39,7 +41,10 @@ fn face_separation(a: &Geometry, xf_a: &Pose, face: usize, b: &Geometry, xf_b: &
             deepest = *vertex;
         }
     }
-    dot(transform(xf_b, deepest) - transform(xf_a, a.vertices()[face]), normal)
+    dot(
+        transform(xf_b, deepest) - transform(xf_a, a.vertices()[face]),
+        normal,
+    )
 }
 
 /// The face of `a` that `b` is furthest from, climbing from the one that looks towards `b`.
@@ -69,7 +74,11 @@ fn max_separation(a: &Geometry, xf_a: &Pose, b: &Geometry, xf_b: &Pose) -> (usiz
         return (face, s);
     };
     loop {
-        let i = if forward { a.next(best) } else { previous(best) };
+        let i = if forward {
+            a.next(best)
+        } else {
+            previous(best)
+        };
         let s = separation(i);
         if s <= best_separation || s.is_nan() {
             return (best, best_separation);
@@ -86,7 +95,10 @@ fn clip_to_face(
     (incident, xf2): (&Geometry, &Pose),
     radius: f32,
 ) -> Manifold {
-    let normal = rotate_back(xf2.rotation, rotate(xf1.rotation, reference.normals()[face]));
+    let normal = rotate_back(
+        xf2.rotation,
+        rotate(xf1.rotation, reference.normals()[face]),
+    );
     let mut edge = 0;
     let mut min_dot = f32::MAX;
     for (i, other) in incident.normals().iter().enumerate() {
@@ -114,7 +126,11 @@ fn clip_to_face(
     for point in clipped.into_iter().flatten() {
         if dot(normal, point.v) - front <= radius {
             let [one, two] = point.id;
-            let id = if kind == Kind::FaceB { [two, one] } else { [one, two] };
+            let id = if kind == Kind::FaceB {
+                [two, one]
+            } else {
+                [one, two]
+            };
             manifold.push(transform_back(xf2, point.v), id);
         }
     }

@@ -87,7 +87,10 @@ impl Contact {
     ) {
         let was_touching = self.touching;
         self.enabled = true;
-        let (shape_a, shape_b) = (&fixtures[self.fixture_a].shape, &fixtures[self.fixture_b].shape);
+        let (shape_a, shape_b) = (
+            &fixtures[self.fixture_a].shape,
+            &fixtures[self.fixture_b].shape,
+        );
         let (xf_a, xf_b) = (&bodies[self.body_a].xf, &bodies[self.body_b].xf);
         if self.sensor {
             self.touching = overlap(shape_a, xf_a, shape_b, xf_b);

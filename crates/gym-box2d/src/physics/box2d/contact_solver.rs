@@ -6,11 +6,13 @@ pub(super) mod lanes;
 use super::contact::Contact;
 use super::manifold::{Kind, Manifold};
 use super::math::{
-    Pose, Vec2, clamp, cross, cross_one, cross_scalar, dot, max, min, normalize, pose_about, reciprocal,
-    rotate, transform, vec2,
+    Pose, Vec2, clamp, cross, cross_one, cross_scalar, dot, max, min, normalize, pose_about,
+    reciprocal, rotate, transform, vec2,
 };
 use super::motion::{Position, Side, Velocity};
-use super::settings::{BAUMGARTE, LINEAR_SLOP, MAX_LINEAR_CORRECTION, TOI_BAUMGARTE, VELOCITY_THRESHOLD};
+use super::settings::{
+    BAUMGARTE, LINEAR_SLOP, MAX_LINEAR_CORRECTION, TOI_BAUMGARTE, VELOCITY_THRESHOLD,
+};
 
 #[derive(Clone, Copy, Debug, Default)]
 struct Point {
@@ -33,13 +35,19 @@ struct Mat22 {
 impl Mat22 {
     #[inline]
     fn mul(&self, v: Vec2) -> Vec2 {
-        vec2(self.ex.x * v.x + self.ey.x * v.y, self.ex.y * v.x + self.ey.y * v.y)
+        vec2(
+            self.ex.x * v.x + self.ey.x * v.y,
+            self.ex.y * v.x + self.ey.y * v.y,
+        )
     }
 
     fn inverse(&self) -> Self {
         let (a, b, c, d) = (self.ex.x, self.ey.x, self.ex.y, self.ey.y);
         let det = reciprocal(a * d - b * c);
-        Self { ex: vec2(det * d, -det * c), ey: vec2(-det * b, det * a) }
+        Self {
+            ex: vec2(det * d, -det * c),
+            ey: vec2(-det * b, det * a),
+        }
     }
 }
 
@@ -64,7 +72,13 @@ pub(crate) struct Constraint {
 impl Constraint {
     /// A contact between two bodies, whose impulses start at `ratio` times those of the last step,
     /// or at 0.
-    pub(crate) fn new(index: usize, contact: &Contact, a: Side, b: Side, ratio: Option<f32>) -> Self {
+    pub(crate) fn new(
+        index: usize,
+        contact: &Contact,
+        a: Side,
+        b: Side,
+        ratio: Option<f32>,
+    ) -> Self {
         let mut points = [Point::default(); 2];
         if let Some(ratio) = ratio {
             for (point, old) in points.iter_mut().zip(contact.manifold.points()) {
@@ -110,10 +124,15 @@ impl Constraint {
             point.tangent_mass = mass(tangent);
             let approach = dot(
                 normal,
-                vel_b.v + cross_scalar(vel_b.w, point.r_b) - vel_a.v - cross_scalar(vel_a.w, point.r_a),
+                vel_b.v + cross_scalar(vel_b.w, point.r_b)
+                    - vel_a.v
+                    - cross_scalar(vel_a.w, point.r_a),
             );
-            point.velocity_bias =
-                if approach < -VELOCITY_THRESHOLD { -self.restitution * approach } else { 0.0 };
+            point.velocity_bias = if approach < -VELOCITY_THRESHOLD {
+                -self.restitution * approach
+            } else {
+                0.0
+            };
         }
         if self.count == 2 {
             self.prepare_block();
@@ -131,7 +150,10 @@ impl Constraint {
         let k22 = m_a + m_b + i_a * rn2_a * rn2_a + i_b * rn2_b * rn2_b;
         let k12 = m_a + m_b + i_a * rn1_a * rn2_a + i_b * rn1_b * rn2_b;
         if k11 * k11 < MAX_CONDITION_NUMBER * (k11 * k22 - k12 * k12) {
-            self.k = Mat22 { ex: vec2(k11, k12), ey: vec2(k12, k22) };
+            self.k = Mat22 {
+                ex: vec2(k11, k12),
+                ey: vec2(k12, k22),
+            };
             self.normal_mass = self.k.inverse();
         } else {
             self.count = 1;
@@ -168,7 +190,11 @@ impl Constraint {
         for point in &mut self.points[..self.count] {
             let vt = dot(relative(point, &vel_a, &vel_b), tangent);
             let max_friction = self.friction * point.normal_impulse;
-            let new = clamp(point.tangent_impulse + point.tangent_mass * -vt, -max_friction, max_friction);
+            let new = clamp(
+                point.tangent_impulse + point.tangent_mass * -vt,
+                -max_friction,
+                max_friction,
+            );
             let p = (new - point.tangent_impulse) * tangent;
             point.tangent_impulse = new;
             vel_a.v -= m_a * p;
@@ -194,7 +220,13 @@ impl Constraint {
             let vn1 = dot(relative(p1, &vel_a, &vel_b), normal);
             let vn2 = dot(relative(p2, &vel_a, &vel_b), normal);
             let b = vec2(vn1 - p1.velocity_bias, vn2 - p2.velocity_bias) - self.k.mul(old);
-            if let Some(x) = solve_block(&self.k, &self.normal_mass, p1.normal_mass, p2.normal_mass, b) {
+            if let Some(x) = solve_block(
+                &self.k,
+                &self.normal_mass,
+                p1.normal_mass,
+                p2.normal_mass,
+                b,
+            ) {
                 let d = x - old;
                 let (impulse1, impulse2) = (d.x * normal, d.y * normal);
                 vel_a.v -= m_a * (impulse1 + impulse2);
@@ -213,18 +245,32 @@ impl Constraint {
     #[inline]
     pub(crate) fn impulses(&self) -> [f32; 4] {
         let [p1, p2] = &self.points;
-        [p1.normal_impulse, p1.tangent_impulse, p2.normal_impulse, p2.tangent_impulse]
+        [
+            p1.normal_impulse,
+            p1.tangent_impulse,
+            p2.normal_impulse,
+            p2.tangent_impulse,
+        ]
     }
 
     /// Sets the impulses that [`impulses`](Self::impulses) returned.
     pub(crate) fn set_impulses(&mut self, impulses: &[f32; 4]) {
         let [p1, p2] = &mut self.points;
-        [p1.normal_impulse, p1.tangent_impulse, p2.normal_impulse, p2.tangent_impulse] = *impulses;
+        [
+            p1.normal_impulse,
+            p1.tangent_impulse,
+            p2.normal_impulse,
+            p2.tangent_impulse,
+        ] = *impulses;
     }
 
     /// Keeps the impulses for the next step.
     pub(crate) fn store_impulses(&self, manifold: &mut Manifold) {
-        for (to, from) in manifold.points_mut().iter_mut().zip(&self.points[..self.count]) {
+        for (to, from) in manifold
+            .points_mut()
+            .iter_mut()
+            .zip(&self.points[..self.count])
+        {
             to.normal_impulse = from.normal_impulse;
             to.tangent_impulse = from.tangent_impulse;
         }
@@ -236,21 +282,35 @@ impl Constraint {
     }
 
     /// The same at a time of impact, where only two bodies of the island may move.
-    pub(crate) fn solve_toi_position(&self, positions: &mut [Position], movable: [usize; 2]) -> f32 {
+    pub(crate) fn solve_toi_position(
+        &self,
+        positions: &mut [Position],
+        movable: [usize; 2],
+    ) -> f32 {
         let moves = [&self.a, &self.b].map(|side| movable.contains(&side.index));
         self.push_apart(positions, TOI_BAUMGARTE, moves)
     }
 
     fn push_apart(&self, positions: &mut [Position], baumgarte: f32, moves: [bool; 2]) -> f32 {
-        let [(m_a, i_a), (m_b, i_b)] = [(&self.a, moves[0]), (&self.b, moves[1])]
-            .map(|(side, moves)| if moves { (side.inv_mass, side.inv_inertia) } else { (0.0, 0.0) });
+        let [(m_a, i_a), (m_b, i_b)] =
+            [(&self.a, moves[0]), (&self.b, moves[1])].map(|(side, moves)| {
+                if moves {
+                    (side.inv_mass, side.inv_inertia)
+                } else {
+                    (0.0, 0.0)
+                }
+            });
         let (mut a, mut b) = (positions[self.a.index], positions[self.b.index]);
         let mut min_separation = 0.0;
         for i in 0..self.manifold.points().len() {
             let (normal, point, separation) = self.separation(i, &a, &b);
             let (r_a, r_b) = (point - a.c, point - b.c);
             min_separation = min(min_separation, separation);
-            let c = clamp(baumgarte * (separation + LINEAR_SLOP), -MAX_LINEAR_CORRECTION, 0.0);
+            let c = clamp(
+                baumgarte * (separation + LINEAR_SLOP),
+                -MAX_LINEAR_CORRECTION,
+                0.0,
+            );
             let (rn_a, rn_b) = (cross(r_a, normal), cross(r_b, normal));
             let k = m_a + m_b + i_a * rn_a * rn_a + i_b * rn_b * rn_b;
             let impulse = if k > 0.0 { -c / k } else { 0.0 };
@@ -269,13 +329,22 @@ impl Constraint {
     fn separation(&self, index: usize, a: &Position, b: &Position) -> (Vec2, Vec2, f32) {
         let xf_a = pose_about(a.c, a.a, self.a.local_center);
         let xf_b = pose_about(b.c, b.a, self.b.local_center);
-        let Manifold { kind, local_normal, local_point, .. } = self.manifold;
+        let Manifold {
+            kind,
+            local_normal,
+            local_point,
+            ..
+        } = self.manifold;
         let point = self.manifold.points()[index].local_point;
         let face = |xf_face: &Pose, xf_point: &Pose| {
             let normal = rotate(xf_face.rotation, local_normal);
             let plane = transform(xf_face, local_point);
             let clip = transform(xf_point, point);
-            (normal, clip, dot(clip - plane, normal) - self.a.radius - self.b.radius)
+            (
+                normal,
+                clip,
+                dot(clip - plane, normal) - self.a.radius - self.b.radius,
+            )
         };
         match kind {
             Kind::Circles => {

@@ -59,7 +59,9 @@ impl Box2d {
                 min_alpha = alpha;
             }
         }
-        first.filter(|_| min_alpha <= 1.0 - 10.0 * f32::EPSILON).map(|i| (i, min_alpha))
+        first
+            .filter(|_| min_alpha <= 1.0 - 10.0 * f32::EPSILON)
+            .map(|i| (i, min_alpha))
     }
 
     /// The part of the step after which a contact touches; 1 if it does not.
@@ -134,7 +136,11 @@ impl Box2d {
                 continue;
             }
             self.synchronize_fixtures(id);
-            for contact in self.contacts.iter_mut().filter(|contact| contact.other(id).is_some()) {
+            for contact in self
+                .contacts
+                .iter_mut()
+                .filter(|contact| contact.other(id).is_some())
+            {
                 contact.toi = None;
                 contact.island = false;
             }
@@ -145,11 +151,15 @@ impl Box2d {
     /// Adds the static bodies that a body also touches at that time.
     fn gather_touching(&mut self, island: &mut Island, id: u32, alpha: f32) {
         for i in (0..self.contacts.len()).rev() {
-            if island.bodies.len() == 2 * MAX_TOI_CONTACTS || island.contacts.len() == MAX_TOI_CONTACTS {
+            if island.bodies.len() == 2 * MAX_TOI_CONTACTS
+                || island.contacts.len() == MAX_TOI_CONTACTS
+            {
                 break;
             }
             let contact = &self.contacts[i];
-            let Some(other) = contact.other(id) else { continue };
+            let Some(other) = contact.other(id) else {
+                continue;
+            };
             if contact.island || contact.sensor || self.bodies[other].dynamic {
                 continue;
             }

@@ -1,7 +1,9 @@
 //! The distance of two shapes: the algorithm of Gilbert, Johnson and Keerthi, as `b2Distance.cpp`
 //! has it.
 
-use super::math::{Pose, Vec2, cross, cross_one, cross_scalar, dot, length, rotate_back, transform};
+use super::math::{
+    Pose, Vec2, cross, cross_one, cross_scalar, dot, length, rotate_back, transform,
+};
 use super::shape::Geometry;
 
 const MAX_ITERATIONS: usize = 20;
@@ -48,13 +50,29 @@ pub(crate) fn support(vertices: &[Vec2], direction: Vec2) -> usize {
 }
 
 /// The distance of the hulls of two shapes, without their radii.
-pub(crate) fn distance(a: &Geometry, xf_a: &Pose, b: &Geometry, xf_b: &Pose, cache: &mut Cache) -> f32 {
+pub(crate) fn distance(
+    a: &Geometry,
+    xf_a: &Pose,
+    b: &Geometry,
+    xf_b: &Pose,
+    cache: &mut Cache,
+) -> f32 {
     let vertex = |index_a: usize, index_b: usize| {
         let point_a = transform(xf_a, a.vertices()[index_a]);
         let point_b = transform(xf_b, b.vertices()[index_b]);
-        Vertex { point_a, point_b, w: point_b - point_a, share: 0.0, index_a, index_b }
+        Vertex {
+            point_a,
+            point_b,
+            w: point_b - point_a,
+            share: 0.0,
+            index_a,
+            index_b,
+        }
     };
-    let mut simplex = Simplex { vertices: [Vertex::default(); 3], count: cache.count };
+    let mut simplex = Simplex {
+        vertices: [Vertex::default(); 3],
+        count: cache.count,
+    };
     for i in 0..cache.count {
         simplex.vertices[i] = vertex(cache.index_a[i], cache.index_b[i]);
     }
@@ -65,12 +83,18 @@ pub(crate) fn distance(a: &Geometry, xf_a: &Pose, b: &Geometry, xf_b: &Pose, cac
         }
     }
     if simplex.count == 0 {
-        simplex.vertices[0] = Vertex { share: 1.0, ..vertex(0, 0) };
+        simplex.vertices[0] = Vertex {
+            share: 1.0,
+            ..vertex(0, 0)
+        };
         simplex.count = 1;
     }
 
     for _ in 0..MAX_ITERATIONS {
-        let (saved, saved_count) = (simplex.vertices.map(|v| (v.index_a, v.index_b)), simplex.count);
+        let (saved, saved_count) = (
+            simplex.vertices.map(|v| (v.index_a, v.index_b)),
+            simplex.count,
+        );
         match simplex.count {
             2 => simplex.solve2(),
             3 => simplex.solve3(),
@@ -103,7 +127,11 @@ pub(crate) fn distance(a: &Geometry, xf_a: &Pose, b: &Geometry, xf_b: &Pose, cac
 pub(crate) fn overlap(a: &Geometry, xf_a: &Pose, b: &Geometry, xf_b: &Pose) -> bool {
     let distance = distance(a, xf_a, b, xf_b, &mut Cache::default());
     let radii = a.radius + b.radius;
-    let apart = if distance > radii && distance > f32::EPSILON { distance - radii } else { 0.0 };
+    let apart = if distance > radii && distance > f32::EPSILON {
+        distance - radii
+    } else {
+        0.0
+    };
     apart < 10.0 * f32::EPSILON
 }
 
@@ -124,7 +152,11 @@ impl Simplex {
             return -w1;
         }
         let e12 = self.vertices[1].w - w1;
-        if cross(e12, -w1) > 0.0 { cross_scalar(1.0, e12) } else { cross_one(e12) }
+        if cross(e12, -w1) > 0.0 {
+            cross_scalar(1.0, e12)
+        } else {
+            cross_one(e12)
+        }
     }
 
     /// The distance of the two closest points.
@@ -142,15 +174,24 @@ impl Simplex {
     }
 
     fn keep1(&mut self, i: usize) {
-        self.vertices[0] = Vertex { share: 1.0, ..self.vertices[i] };
+        self.vertices[0] = Vertex {
+            share: 1.0,
+            ..self.vertices[i]
+        };
         self.count = 1;
     }
 
     /// Keeps vertices `i` and `j`, with shares in the ratio of `a` to `b`, as first and second.
     fn keep2(&mut self, (i, a): (usize, f32), (j, b): (usize, f32)) {
         let inverse = 1.0 / (a + b);
-        let first = Vertex { share: a * inverse, ..self.vertices[i] };
-        let second = Vertex { share: b * inverse, ..self.vertices[j] };
+        let first = Vertex {
+            share: a * inverse,
+            ..self.vertices[i]
+        };
+        let second = Vertex {
+            share: b * inverse,
+            ..self.vertices[j]
+        };
         self.vertices[0] = first;
         self.vertices[1] = second;
         self.count = 2;
@@ -199,7 +240,10 @@ impl Simplex {
             // the third vertex takes the place of the first
             let inverse = 1.0 / (d23_1 + d23_2);
             self.vertices[1].share = d23_1 * inverse;
-            self.vertices[0] = Vertex { share: d23_2 * inverse, ..self.vertices[2] };
+            self.vertices[0] = Vertex {
+                share: d23_2 * inverse,
+                ..self.vertices[2]
+            };
             self.count = 2;
         } else {
             let inverse = 1.0 / (d123_1 + d123_2 + d123_3);

@@ -85,9 +85,18 @@ impl Island {
         self.contact_constraints.clear();
         for &index in &self.contacts {
             let contact = &world.contacts[index];
-            let a = Self::side(world, contact.body_a, world.fixtures[contact.fixture_a].shape.radius);
-            let b = Self::side(world, contact.body_b, world.fixtures[contact.fixture_b].shape.radius);
-            self.contact_constraints.push(ContactConstraint::new(index, contact, a, b, ratio));
+            let a = Self::side(
+                world,
+                contact.body_a,
+                world.fixtures[contact.fixture_a].shape.radius,
+            );
+            let b = Self::side(
+                world,
+                contact.body_b,
+                world.fixtures[contact.fixture_b].shape.radius,
+            );
+            self.contact_constraints
+                .push(ContactConstraint::new(index, contact, a, b, ratio));
         }
     }
 
@@ -124,7 +133,10 @@ impl Island {
                 v += h * (world.gravity + body.inv_mass * body.force);
                 w += h * body.inv_inertia * body.torque;
             }
-            self.positions.push(Position { c: body.sweep.c, a: body.sweep.a });
+            self.positions.push(Position {
+                c: body.sweep.c,
+                a: body.sweep.a,
+            });
             self.velocities.push(Velocity { v, w });
         }
     }
@@ -134,7 +146,10 @@ impl Island {
         self.joint_constraints.clear();
         for &id in &self.joints {
             let joint = &world.joints[id];
-            let sides = (Self::side(world, joint.body_a, 0.0), Self::side(world, joint.body_b, 0.0));
+            let sides = (
+                Self::side(world, joint.body_a, 0.0),
+                Self::side(world, joint.body_b, 0.0),
+            );
             let times = (step.dt, step.ratio);
             self.joint_constraints.push(JointConstraint::new(
                 id,
@@ -159,13 +174,22 @@ impl Island {
 
     /// The velocity sweeps of the step that has begun.
     pub(in crate::physics) fn sweep(&mut self) {
-        if let Some(Begun { step, seed: Some(_) }) = self.begun {
+        if let Some(Begun {
+            step,
+            seed: Some(_),
+        }) = self.begun
+        {
             self.sweep_velocities(step.velocity_iterations);
         }
     }
 
     pub(crate) fn sweep_velocities(&mut self, sweeps: u32) {
-        let Self { joint_constraints: joints, contact_constraints: contacts, velocities, .. } = self;
+        let Self {
+            joint_constraints: joints,
+            contact_constraints: contacts,
+            velocities,
+            ..
+        } = self;
         if self.plain {
             (0..sweeps).for_each(|_| sweep(joints, contacts, velocities));
         } else {
@@ -233,7 +257,8 @@ impl Island {
             }
             let w = body.angular_velocity;
             if w * w > ANGULAR_SLEEP_TOLERANCE * ANGULAR_SLEEP_TOLERANCE
-                || dot(body.velocity, body.velocity) > LINEAR_SLEEP_TOLERANCE * LINEAR_SLEEP_TOLERANCE
+                || dot(body.velocity, body.velocity)
+                    > LINEAR_SLEEP_TOLERANCE * LINEAR_SLEEP_TOLERANCE
             {
                 body.sleep_time = 0.0;
             } else {
@@ -255,14 +280,23 @@ impl Island {
         self.velocities.clear();
         for &id in &self.bodies {
             let body = &world.bodies[id];
-            self.positions.push(Position { c: body.sweep.c, a: body.sweep.a });
-            self.velocities.push(Velocity { v: body.velocity, w: body.angular_velocity });
+            self.positions.push(Position {
+                c: body.sweep.c,
+                a: body.sweep.a,
+            });
+            self.velocities.push(Velocity {
+                v: body.velocity,
+                w: body.angular_velocity,
+            });
         }
         self.build_contacts(world, None);
         for _ in 0..step.position_iterations {
             let mut min_separation = 0.0;
             for contact in &self.contact_constraints {
-                min_separation = min(min_separation, contact.solve_toi_position(&mut self.positions, [0, 1]));
+                min_separation = min(
+                    min_separation,
+                    contact.solve_toi_position(&mut self.positions, [0, 1]),
+                );
             }
             if min_separation >= -1.5 * LINEAR_SLOP {
                 break;

@@ -137,8 +137,11 @@ impl Constraint {
         let eyy = m_a + m_b + r_a.x * r_a.x * i_a + r_b.x * r_b.x * i_b;
         let ezy = r_a.x * i_a + r_b.x * i_b;
         let ezz = i_a + i_b;
-        let (ex, ey, ez) =
-            (Vector3::new(exx, eyx, ezx), Vector3::new(eyx, eyy, ezy), Vector3::new(ezx, ezy, ezz));
+        let (ex, ey, ez) = (
+            Vector3::new(exx, eyx, ezx),
+            Vector3::new(eyx, eyy, ezy),
+            Vector3::new(ezx, ezy, ezz),
+        );
         let ey_ez = cross3(ey, ez);
         let fixed_rotation = ezz == 0.0;
 
@@ -161,7 +164,8 @@ impl Constraint {
                 } else {
                     LimitState::Inactive
                 };
-                if state == LimitState::Inactive || (state != LimitState::Equal && state != joint.limit_state)
+                if state == LimitState::Inactive
+                    || (state != LimitState::Equal && state != joint.limit_state)
                 {
                     impulse.z = 0.0;
                 }
@@ -224,7 +228,8 @@ impl Constraint {
             vel_b.w += i_b * increment.motor_applied;
         }
 
-        let cdot = vel_b.v + cross_scalar(vel_b.w, self.r_b) - vel_a.v - cross_scalar(vel_a.w, self.r_a);
+        let cdot =
+            vel_b.v + cross_scalar(vel_b.w, self.r_b) - vel_a.v - cross_scalar(vel_a.w, self.r_a);
         if self.limit_state == LimitState::Inactive {
             let p = self.solve22(-cdot);
             increment.hinge = Vector3::new(p.x, p.y, 0.0);
@@ -243,7 +248,8 @@ impl Constraint {
                 // the limit only pushes: without it, the hinge alone
                 let reduced = self.solve22(-cdot + self.impulse.z * vec2(self.ez.x, self.ez.y));
                 impulse = Vector3::new(reduced.x, reduced.y, -self.impulse.z);
-                self.impulse = Vector3::new(self.impulse.x + reduced.x, self.impulse.y + reduced.y, 0.0);
+                self.impulse =
+                    Vector3::new(self.impulse.x + reduced.x, self.impulse.y + reduced.y, 0.0);
             } else {
                 self.impulse += impulse;
             }
@@ -311,7 +317,10 @@ impl Constraint {
     #[inline]
     fn solve22(&self, b: Vec2) -> Vec2 {
         let (ex, ey) = (self.ex, self.ey);
-        vec2(self.det2 * (ey.y * b.x - ey.x * b.y), self.det2 * (ex.x * b.y - ex.y * b.x))
+        vec2(
+            self.det2 * (ey.y * b.x - ey.x * b.y),
+            self.det2 * (ex.x * b.y - ex.y * b.x),
+        )
     }
 
     #[inline]

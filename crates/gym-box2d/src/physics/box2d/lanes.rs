@@ -70,7 +70,10 @@ impl Lanes {
     #[cfg(test)]
     pub(crate) fn of_each_level() -> Vec<Self> {
         let best = Level::new();
-        #[cfg_attr(not(any(target_arch = "x86", target_arch = "x86_64")), expect(unused_mut))]
+        #[cfg_attr(
+            not(any(target_arch = "x86", target_arch = "x86_64")),
+            expect(unused_mut)
+        )]
         let mut levels = vec![best, Level::baseline()];
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
         {
@@ -97,7 +100,10 @@ impl Lanes {
         }
         let mut island = std::mem::take(&mut self.islands[self.begun]);
         world.begin(&mut island, dt, velocity_iterations, position_iterations);
-        let place = Place { island: self.begun, lane: self.load(world, &island) };
+        let place = Place {
+            island: self.begun,
+            lane: self.load(world, &island),
+        };
         self.islands[self.begun] = island;
         self.begun += 1;
         place
@@ -106,23 +112,39 @@ impl Lanes {
     /// Takes the island of a step that has begun into the next lane, and gives its number; `None` if it is not like
     /// those that are there, or there are [`LANES`].
     fn load(&mut self, world: &Box2d, island: &Island) -> Option<usize> {
-        let Begun { step, seed: Some(_) } = island.begun? else { return None };
+        let Begun {
+            step,
+            seed: Some(_),
+        } = island.begun?
+        else {
+            return None;
+        };
         let sweeps = step.velocity_iterations;
         let bodies = island.bodies.iter().map(|id| &world.bodies[*id]);
         let dynamic = bodies.clone().take_while(|body| body.dynamic).count();
         let joints = &island.joint_constraints;
         let alike = self.len == 0
-            || (sweeps == self.sweeps && dynamic == self.bodies.len() && joints.len() == self.ends.len());
+            || (sweeps == self.sweeps
+                && dynamic == self.bodies.len()
+                && joints.len() == self.ends.len());
         let fits = |i: usize, ends: Option<(usize, usize)>| {
-            ends.is_some_and(|(a, b)| a < dynamic && b < dynamic && (self.len == 0 || self.ends[i] == (a, b)))
+            ends.is_some_and(|(a, b)| {
+                a < dynamic && b < dynamic && (self.len == 0 || self.ends[i] == (a, b))
+            })
         };
         let mut places = Places::default();
         let mut room = |body: usize| places.next(body).1 < TOUCHES;
         if !alike
             || self.len == LANES
-            || !joints.iter().enumerate().all(|(i, joint)| fits(i, joint.driven_ends()))
-            || !(island.contact_constraints.iter())
-                .all(|contact| contact.moving_body(dynamic, &island.velocities).is_some_and(&mut room))
+            || !joints
+                .iter()
+                .enumerate()
+                .all(|(i, joint)| fits(i, joint.driven_ends()))
+            || !(island.contact_constraints.iter()).all(|contact| {
+                contact
+                    .moving_body(dynamic, &island.velocities)
+                    .is_some_and(&mut room)
+            })
         {
             return None;
         }
@@ -130,10 +152,12 @@ impl Lanes {
         if self.len == 0 {
             self.sweeps = sweeps;
             self.ends.clear();
-            self.ends.extend(joints.iter().filter_map(Joint::driven_ends));
+            self.ends
+                .extend(joints.iter().filter_map(Joint::driven_ends));
             self.bodies.resize(dynamic);
             self.hinges.resize(joints.len(), Hinge::ZERO);
-            self.touches.resize(dynamic, [const { Touch::NONE }; TOUCHES]);
+            self.touches
+                .resize(dynamic, [const { Touch::NONE }; TOUCHES]);
             for touch in self.touches.as_flattened_mut() {
                 if !touch.is_none() {
                     *touch = Touch::NONE;
@@ -165,7 +189,9 @@ impl Lanes {
             self.bodies.pad(len);
             self.hinges.iter_mut().for_each(|rows| rows.pad(len));
             let touches = self.touches.as_flattened_mut().iter_mut();
-            touches.filter(|touch| !touch.is_none()).for_each(|touch| touch.pad(len));
+            touches
+                .filter(|touch| !touch.is_none())
+                .for_each(|touch| touch.pad(len));
         }
         let level = self.level;
         dispatch!(level, simd => self.sweep_all(simd));
@@ -191,7 +217,13 @@ impl Lanes {
     /// independent.
     #[inline(always)]
     fn sweep_strip<S: Simd, const R: usize>(&mut self, strip: Strip<S, R>) {
-        let Self { ends, bodies, hinges, touches, .. } = self;
+        let Self {
+            ends,
+            bodies,
+            hinges,
+            touches,
+            ..
+        } = self;
         for _ in 0..self.sweeps {
             for (hinge, ends) in hinges.iter_mut().zip(&*ends) {
                 hinge.sweep(strip, bodies, *ends);
@@ -245,7 +277,10 @@ struct Places {
 
 impl Places {
     fn next(&mut self, body: usize) -> (usize, usize) {
-        let place = self.last.filter(|(last, _)| *last == body).map_or(0, |(_, place)| place + 1);
+        let place = self
+            .last
+            .filter(|(last, _)| *last == body)
+            .map_or(0, |(_, place)| place + 1);
         *self.last.insert((body, place))
     }
 }

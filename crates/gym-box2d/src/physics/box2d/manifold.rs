@@ -24,11 +24,17 @@ pub(crate) struct Feature {
 
 impl Feature {
     pub(crate) fn vertex(index: usize) -> Self {
-        Self { index: index as u8, is_face: false }
+        Self {
+            index: index as u8,
+            is_face: false,
+        }
     }
 
     pub(crate) fn face(index: usize) -> Self {
-        Self { index: index as u8, is_face: true }
+        Self {
+            index: index as u8,
+            is_face: true,
+        }
     }
 }
 
@@ -61,7 +67,10 @@ impl Manifold {
             local_point: Vec2::new(0.0, 0.0),
             normal_impulse: 0.0,
             tangent_impulse: 0.0,
-            id: [Feature { index: 0, is_face: false }; 2],
+            id: [Feature {
+                index: 0,
+                is_face: false,
+            }; 2],
         };
         Self {
             kind: Kind::FaceA,
@@ -73,11 +82,20 @@ impl Manifold {
     };
 
     pub(crate) fn new(kind: Kind, local_normal: Vec2, local_point: Vec2) -> Self {
-        Self { kind, local_normal, local_point, ..Self::EMPTY }
+        Self {
+            kind,
+            local_normal,
+            local_point,
+            ..Self::EMPTY
+        }
     }
 
     pub(crate) fn push(&mut self, local_point: Vec2, id: ContactId) {
-        let point = ManifoldPoint { local_point, id, ..Self::EMPTY.points[0] };
+        let point = ManifoldPoint {
+            local_point,
+            id,
+            ..Self::EMPTY.points[0]
+        };
         self.points[usize::from(self.count)] = point;
         self.count += 1;
     }
@@ -108,7 +126,13 @@ impl Manifold {
     }
 
     /// The normal from A to B and the points in world coordinates, halfway between the surfaces.
-    pub(crate) fn world(&self, xf_a: &Pose, radius_a: f32, xf_b: &Pose, radius_b: f32) -> (Vec2, [Vec2; 2]) {
+    pub(crate) fn world(
+        &self,
+        xf_a: &Pose,
+        radius_a: f32,
+        xf_b: &Pose,
+        radius_b: f32,
+    ) -> (Vec2, [Vec2; 2]) {
         let mut points = [Vec2::zeros(); 2];
         match self.kind {
             Kind::Circles => {
@@ -169,7 +193,13 @@ pub(crate) fn clip(
     // a distance product that rounds to zero leaves too few points: no contact
     let cut = || {
         let v = first.v + d0 / (d0 - d1) * (second.v - first.v);
-        ClipVertex { v, id: [Feature::vertex(vertex), Feature::face(usize::from(first.id[1].index))] }
+        ClipVertex {
+            v,
+            id: [
+                Feature::vertex(vertex),
+                Feature::face(usize::from(first.id[1].index)),
+            ],
+        }
     };
     match (d0 <= 0.0, d1 <= 0.0) {
         (true, true) => Some(segment),

@@ -49,7 +49,11 @@ pub(crate) fn dot3(a: Vector3<f32>, b: Vector3<f32>) -> f32 {
 
 #[inline]
 pub(crate) fn cross3(a: Vector3<f32>, b: Vector3<f32>) -> Vector3<f32> {
-    Vector3::new(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x)
+    Vector3::new(
+        a.y * b.z - a.z * b.y,
+        a.z * b.x - a.x * b.z,
+        a.x * b.y - a.y * b.x,
+    )
 }
 
 #[inline]
@@ -96,7 +100,11 @@ pub(crate) fn max2(a: Vec2, b: Vec2) -> Vec2 {
 /// The reciprocal of a determinant, or 0 for a singular matrix.
 #[inline]
 pub(crate) fn reciprocal(determinant: f32) -> f32 {
-    if determinant == 0.0 { determinant } else { 1.0 / determinant }
+    if determinant == 0.0 {
+        determinant
+    } else {
+        1.0 / determinant
+    }
 }
 
 #[inline]
@@ -141,8 +149,12 @@ pub(crate) fn pose_about(c: Vec2, angle: f32, local_center: Vec2) -> Pose {
 #[inline]
 pub(crate) fn relative(a: &Pose, b: &Pose) -> Pose {
     let (q, r) = (a.rotation, b.rotation);
-    let rotation = Rot::from_cos_sin_unchecked(q.re * r.re + q.im * r.im, q.re * r.im - q.im * r.re);
-    pose(rotate_back(q, b.translation.vector - a.translation.vector), rotation)
+    let rotation =
+        Rot::from_cos_sin_unchecked(q.re * r.re + q.im * r.im, q.re * r.im - q.im * r.re);
+    pose(
+        rotate_back(q, b.translation.vector - a.translation.vector),
+        rotation,
+    )
 }
 
 /// The motion of a body's centre of mass through a step.

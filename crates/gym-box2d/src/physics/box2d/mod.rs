@@ -57,7 +57,9 @@ use math::{Vec2, max2, min2};
 use nalgebra::Vector3;
 use shape::{Aabb, Geometry, Segment};
 
-use super::{BodyDef, ContactEvent, Filter, FixtureDef, FixtureId, RayHit, RevoluteJointDef, Shape};
+use super::{
+    BodyDef, ContactEvent, Filter, FixtureDef, FixtureId, RayHit, RevoluteJointDef, Shape,
+};
 
 /// The contacts, bodies and joints that the working memory of a step has room for without allocating: more than the
 /// environments ever have.
@@ -130,7 +132,9 @@ impl Box2d {
     }
 
     pub(crate) fn create_body(&mut self, def: &BodyDef) -> u32 {
-        let id = self.bodies.insert(Body::new(def.dynamic, def.position, def.angle));
+        let id = self
+            .bodies
+            .insert(Body::new(def.dynamic, def.position, def.angle));
         if def.dynamic {
             self.dynamic.push(id);
         }
@@ -147,7 +151,12 @@ impl Box2d {
 
     /// The fixture of an edge of the terrain, on a static body of its own; both are made if there are none.
     fn fixture_of_edge(&mut self, edge: usize, proxy: u32) -> u32 {
-        for Contact { fixture_a, fixture_b, .. } in &self.contacts {
+        for Contact {
+            fixture_a,
+            fixture_b,
+            ..
+        } in &self.contacts
+        {
             for id in [*fixture_a, *fixture_b] {
                 if self.fixtures[id].proxy == proxy {
                     return id;
@@ -156,15 +165,27 @@ impl Box2d {
         }
         let terrain = &self.broad_phase.terrain;
         let [a, b] = terrain.ends(edge);
-        let def = FixtureDef { friction: terrain.friction, ..FixtureDef::new(Shape::Edge(a, b)) };
+        let def = FixtureDef {
+            friction: terrain.friction,
+            ..FixtureDef::new(Shape::Edge(a, b))
+        };
         let body = self.bodies.insert(Body::new(false, Vec2::zeros(), 0.0));
         self.add_fixture(body, &def, proxy)
     }
 
     /// Takes body and fixture of an edge away once no contact needs them.
     fn leave_edge(&mut self, fixture: u32, body: u32) {
-        let of_terrain = self.broad_phase.terrain.edge_of(self.fixtures[fixture].proxy).is_some();
-        if of_terrain && !self.contacts.iter().any(|contact| contact.other(body).is_some()) {
+        let of_terrain = self
+            .broad_phase
+            .terrain
+            .edge_of(self.fixtures[fixture].proxy)
+            .is_some();
+        if of_terrain
+            && !self
+                .contacts
+                .iter()
+                .any(|contact| contact.other(body).is_some())
+        {
             self.fixtures.remove(fixture);
             self.bodies.remove(body);
         }
@@ -194,8 +215,11 @@ impl Box2d {
         if def.density > 0.0 && dynamic {
             let fixtures = &self.fixtures;
             let newest_first = std::iter::successors(Some(id), |id| fixtures[*id].next);
-            let massive = newest_first.map(|id| &fixtures[id]).filter(|fixture| fixture.density != 0.0);
-            self.bodies[body].reset_mass(massive.map(|fixture| fixture.shape.mass(fixture.density)));
+            let massive = newest_first
+                .map(|id| &fixtures[id])
+                .filter(|fixture| fixture.density != 0.0);
+            self.bodies[body]
+                .reset_mass(massive.map(|fixture| fixture.shape.mass(fixture.density)));
         }
         self.new_fixture = true;
         id
@@ -226,35 +250,67 @@ impl Box2d {
 
     /// Makes room for the contacts of the fixtures that there are, so that steps do not allocate.
     fn make_room(&mut self) {
-        let moving = self.fixtures.iter().filter(|(_, fixture)| self.bodies[fixture.body].dynamic).count();
+        let moving = self
+            .fixtures
+            .iter()
+            .filter(|(_, fixture)| self.bodies[fixture.body].dynamic)
+            .count();
         let more = |each: usize, len: usize| (each * moving).saturating_sub(len);
-        self.contacts.reserve_exact(more(CONTACTS_EACH, self.contacts.len()));
-        self.events.reserve_exact(more(EVENTS_EACH, self.events.len()));
+        self.contacts
+            .reserve_exact(more(CONTACTS_EACH, self.contacts.len()));
+        self.events
+            .reserve_exact(more(EVENTS_EACH, self.events.len()));
     }
 
     /// Reads a number or two of each object, so that its cache lines are fetched. This is safe in a world that a panic left
     /// inconsistent, too.
     pub(crate) fn touch(&self) -> u32 {
-        let joints = self.joints.iter().map(|(_, joint)| joint.body_a ^ joint.motor_speed.to_bits());
-        let bodies = self.bodies.iter().map(|(_, body)| body.sweep.a.to_bits() ^ body.sleep_time.to_bits());
-        let contacts = self.contacts.iter().map(|contact| contact.fixture_a ^ contact.toi_count);
-        let seen = joints.chain(bodies).chain(contacts).fold(self.broad_phase.touch(), |a, b| a ^ b);
-        let newest = self.dynamic.iter().filter_map(|id| self.bodies.get(*id)?.fixtures);
-        let shapes = newest.filter_map(|id| self.fixtures.get(id)).map(|fixture| &fixture.shape);
+        let joints = self
+            .joints
+            .iter()
+            .map(|(_, joint)| joint.body_a ^ joint.motor_speed.to_bits());
+        let bodies = self
+            .bodies
+            .iter()
+            .map(|(_, body)| body.sweep.a.to_bits() ^ body.sleep_time.to_bits());
+        let contacts = self
+            .contacts
+            .iter()
+            .map(|contact| contact.fixture_a ^ contact.toi_count);
+        let seen = joints
+            .chain(bodies)
+            .chain(contacts)
+            .fold(self.broad_phase.touch(), |a, b| a ^ b);
+        let newest = self
+            .dynamic
+            .iter()
+            .filter_map(|id| self.bodies.get(*id)?.fixtures);
+        let shapes = newest
+            .filter_map(|id| self.fixtures.get(id))
+            .map(|fixture| &fixture.shape);
         shapes.fold(seen, |seen, shape| seen ^ shape.touch())
     }
 
     /// Has contacts of two bodies checked again when a joint between them comes or goes.
     fn refilter(&mut self, a: u32, b: u32, collide_connected: bool) {
         if !collide_connected {
-            for contact in self.contacts.iter_mut().filter(|contact| contact.other(a) == Some(b)) {
+            for contact in self
+                .contacts
+                .iter_mut()
+                .filter(|contact| contact.other(a) == Some(b))
+            {
                 contact.refilter = true;
             }
         }
     }
 
     fn destroy_joint(&mut self, id: u32) {
-        let Joint { body_a, body_b, collide_connected, .. } = self.joints[id];
+        let Joint {
+            body_a,
+            body_b,
+            collide_connected,
+            ..
+        } = self.joints[id];
         self.joint_order.retain(|other| *other != id);
         self.joints.remove(id);
         self.bodies[body_a].wake();
@@ -312,7 +368,9 @@ impl Box2d {
 
     pub(crate) fn joint_angle(&self, id: u32) -> f32 {
         let joint = &self.joints[id];
-        self.bodies[joint.body_b].sweep.a - self.bodies[joint.body_a].sweep.a - joint.reference_angle
+        self.bodies[joint.body_b].sweep.a
+            - self.bodies[joint.body_a].sweep.a
+            - joint.reference_angle
     }
 
     pub(crate) fn joint_speed(&self, id: u32) -> f32 {
@@ -360,31 +418,54 @@ impl Box2d {
         categories: u16,
     ) -> [Option<RayHit>; N] {
         let mut hits = [None; N];
-        let boxes = to.map(|to| Aabb { lower: min2(from, to), upper: max2(from, to) });
-        let Some(all) = boxes.iter().copied().reduce(|a, b| a.union(&b)) else { return hits };
+        let boxes = to.map(|to| Aabb {
+            lower: min2(from, to),
+            upper: max2(from, to),
+        });
+        let Some(all) = boxes.iter().copied().reduce(|a, b| a.union(&b)) else {
+            return hits;
+        };
         let mut meet = |fat: &Aabb, fixture, cast: &dyn Fn(usize, f32) -> Option<f32>| {
-            for (i, hit) in hits.iter_mut().enumerate().filter(|(i, _)| fat.overlaps(&boxes[*i])) {
+            for (i, hit) in hits
+                .iter_mut()
+                .enumerate()
+                .filter(|(i, _)| fat.overlaps(&boxes[*i]))
+            {
                 let limit = hit.map_or(1.0, |hit: RayHit| hit.fraction);
                 if let Some(fraction) = cast(i, limit) {
                     let point = (1.0 - fraction) * from + fraction * to[i];
-                    *hit = Some(RayHit { fixture, point, fraction });
+                    *hit = Some(RayHit {
+                        fixture,
+                        point,
+                        fraction,
+                    });
                 }
             }
         };
         for id in self.broad_phase.query(all) {
-            let Fixture { body, shape, filter, proxy, .. } = &self.fixtures[id];
+            let Fixture {
+                body,
+                shape,
+                filter,
+                proxy,
+                ..
+            } = &self.fixtures[id];
             if filter.category & categories != 0 {
                 let xf = &self.bodies[*body].xf;
-                meet(&self.broad_phase.fat(*proxy), Some(FixtureId(id)), &|i, limit| {
-                    shape.ray_cast(xf, from, to[i], limit)
-                });
+                meet(
+                    &self.broad_phase.fat(*proxy),
+                    Some(FixtureId(id)),
+                    &|i, limit| shape.ray_cast(xf, from, to[i], limit),
+                );
             }
         }
         if Filter::default().category & categories != 0 {
             let terrain = &self.broad_phase.terrain;
             terrain.query(&all, |edge| {
                 let segment = Segment::new(terrain.ends(edge));
-                meet(&terrain.edge_box(edge), None, &|i, limit| segment.ray_cast(from, to[i] - from, limit));
+                meet(&terrain.edge_box(edge), None, &|i, limit| {
+                    segment.ray_cast(from, to[i] - from, limit)
+                });
             });
         }
         hits

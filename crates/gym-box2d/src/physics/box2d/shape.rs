@@ -63,19 +63,33 @@ impl Aabb {
     }
 
     pub(crate) fn union(&self, other: &Self) -> Self {
-        Self { lower: min2(self.lower, other.lower), upper: max2(self.upper, other.upper) }
+        Self {
+            lower: min2(self.lower, other.lower),
+            upper: max2(self.upper, other.upper),
+        }
     }
 }
 
 impl From<&Shape> for Geometry {
     fn from(shape: &Shape) -> Self {
         match *shape {
-            Shape::Circle { center, radius } => Self { radius, ..Self::new(Kind::Circle, &[center]) },
+            Shape::Circle { center, radius } => Self {
+                radius,
+                ..Self::new(Kind::Circle, &[center])
+            },
             Shape::Edge(a, b) => Self::new(Kind::Edge, &[a, b]),
-            Shape::Rect { half_width: x, half_height: y } => {
+            Shape::Rect {
+                half_width: x,
+                half_height: y,
+            } => {
                 let corners = [vec2(-x, -y), vec2(x, -y), vec2(x, y), vec2(-x, y)];
                 let mut rect = Self::new(Kind::Polygon, &corners);
-                let normals = [vec2(0.0, -1.0), vec2(1.0, 0.0), vec2(0.0, 1.0), vec2(-1.0, 0.0)];
+                let normals = [
+                    vec2(0.0, -1.0),
+                    vec2(1.0, 0.0),
+                    vec2(0.0, 1.0),
+                    vec2(-1.0, 0.0),
+                ];
                 rect.normals[..4].copy_from_slice(&normals);
                 rect
             }
@@ -103,10 +117,17 @@ impl Geometry {
     /// side 2, as Box2D has it.
     fn polygon(points: &[Vec2]) -> Self {
         let points = &points[..points.len().min(MAX_VERTICES)];
-        let unit = Self::from(&Shape::Rect { half_width: 1.0, half_height: 1.0 });
+        let unit = Self::from(&Shape::Rect {
+            half_width: 1.0,
+            half_height: 1.0,
+        });
         let Some(first) = (0..points.len()).reduce(|best, i| {
             let (p, b) = (points[i], points[best]);
-            if p.x > b.x || (p.x == b.x && p.y < b.y) { i } else { best }
+            if p.x > b.x || (p.x == b.x && p.y < b.y) {
+                i
+            } else {
+                best
+            }
         }) else {
             return unit;
         };
@@ -153,7 +174,11 @@ impl Geometry {
     /// The number after `i` on the way around.
     #[inline]
     pub(crate) fn next(&self, i: usize) -> usize {
-        if i + 1 < usize::from(self.count) { i + 1 } else { 0 }
+        if i + 1 < usize::from(self.count) {
+            i + 1
+        } else {
+            0
+        }
     }
 
     /// Reads a number of its first vertex and normal, so that they are fetched.
@@ -170,7 +195,10 @@ impl Geometry {
             upper = max2(upper, vertex);
         }
         let r = vec2(self.radius, self.radius);
-        Aabb { lower: lower - r, upper: upper + r }
+        Aabb {
+            lower: lower - r,
+            upper: upper + r,
+        }
     }
 
     pub(crate) fn mass(&self, density: f32) -> MassData {
@@ -178,11 +206,19 @@ impl Geometry {
             Kind::Circle => {
                 let (center, r) = (self.vertices[0], self.radius);
                 let mass = density * std::f32::consts::PI * r * r;
-                MassData { mass, center, inertia: mass * (0.5 * r * r + dot(center, center)) }
+                MassData {
+                    mass,
+                    center,
+                    inertia: mass * (0.5 * r * r + dot(center, center)),
+                }
             }
             Kind::Edge => {
                 let center = 0.5 * (self.vertices[0] + self.vertices[1]);
-                MassData { mass: 0.0, center, inertia: 0.0 }
+                MassData {
+                    mass: 0.0,
+                    center,
+                    inertia: 0.0,
+                }
             }
             Kind::Polygon => self.polygon_mass(density),
         }
@@ -213,7 +249,11 @@ impl Geometry {
         let shifted = center + origin;
         inertia *= density;
         inertia += mass * (dot(shifted, shifted) - dot(center, center));
-        MassData { mass, center: shifted, inertia }
+        MassData {
+            mass,
+            center: shifted,
+            inertia,
+        }
     }
 
     /// The part of the way from `from` to `to` at which a ray meets the shape, up to `limit`.
@@ -269,7 +309,11 @@ impl Geometry {
         count.contains(&self.count)
             && self.radius >= 0.0
             && length(self.centroid).is_finite()
-            && self.vertices.iter().chain(&self.normals).all(|v| length(*v).is_finite())
+            && self
+                .vertices
+                .iter()
+                .chain(&self.normals)
+                .all(|v| length(*v).is_finite())
             && (self.kind == Kind::Circle || self.radius >= LINEAR_SLOP)
     }
 }
@@ -286,7 +330,11 @@ impl Segment {
     #[inline]
     pub(crate) fn new([v1, v2]: [Vec2; 2]) -> Self {
         let e = v2 - v1;
-        Self { start: v1, along: e, normal: normalize(cross_one(e)).0 }
+        Self {
+            start: v1,
+            along: e,
+            normal: normalize(cross_one(e)).0,
+        }
     }
 
     /// The part of the way `d` from `p1` at which a ray meets it, up to `limit`.

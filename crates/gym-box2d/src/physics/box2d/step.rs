@@ -23,12 +23,19 @@ impl Box2d {
             self.find_new_contacts(&mut island.pairs);
             self.new_fixture = false;
         }
-        let step = TimeStep { dt, ratio: self.inv_dt0 * dt, velocity_iterations, position_iterations };
+        let step = TimeStep {
+            dt,
+            ratio: self.inv_dt0 * dt,
+            velocity_iterations,
+            position_iterations,
+        };
         self.update_contacts();
         let mut seed = None;
         if dt > 0.0 {
             self.forget_islands();
-            seed = (0..self.dynamic.len()).rev().find(|i| self.gather(island, self.dynamic[*i]));
+            seed = (0..self.dynamic.len())
+                .rev()
+                .find(|i| self.gather(island, self.dynamic[*i]));
             if seed.is_some() {
                 island.prepare(self, &step);
             }
@@ -38,7 +45,9 @@ impl Box2d {
 
     /// The rest of the step that has begun, if one has: positions, further islands, times of impact.
     pub(in crate::physics) fn finish(&mut self, island: &mut Island) {
-        let Some(Begun { step, seed }) = island.begun.take() else { return };
+        let Some(Begun { step, seed }) = island.begun.take() else {
+            return;
+        };
         if step.dt > 0.0 {
             if let Some(seed) = seed {
                 island.conclude(self, &step);
@@ -65,7 +74,14 @@ impl Box2d {
     pub(crate) fn update_contacts(&mut self) {
         for i in (0..self.contacts.len()).rev() {
             let contact = &self.contacts[i];
-            let Contact { fixture_a, fixture_b, body_a, body_b, refilter, .. } = *contact;
+            let Contact {
+                fixture_a,
+                fixture_b,
+                body_a,
+                body_b,
+                refilter,
+                ..
+            } = *contact;
             if refilter {
                 if !self.should_collide(fixture_a, fixture_b) {
                     self.destroy_contact(i);
@@ -76,7 +92,10 @@ impl Box2d {
             if !self.bodies[body_a].active() && !self.bodies[body_b].active() {
                 continue;
             }
-            if !self.broad_phase.overlap(self.fixtures[fixture_a].proxy, self.fixtures[fixture_b].proxy) {
+            if !self.broad_phase.overlap(
+                self.fixtures[fixture_a].proxy,
+                self.fixtures[fixture_b].proxy,
+            ) {
                 self.destroy_contact(i);
                 continue;
             }
@@ -123,14 +142,19 @@ impl Box2d {
         self.broad_phase.find_pairs(pairs);
         for &(a, b) in &*pairs {
             let known = |contact: &Contact| {
-                let [x, y] = [contact.fixture_a, contact.fixture_b].map(|id| self.fixtures[id].proxy);
+                let [x, y] =
+                    [contact.fixture_a, contact.fixture_b].map(|id| self.fixtures[id].proxy);
                 (x, y) == (a, b) || (x, y) == (b, a)
             };
             if self.contacts.iter().any(known) {
                 continue;
             }
-            let Some((a, b)) = self.fixtures_of(a, b) else { continue };
-            let Some(contact) = Contact::new(&self.fixtures, a, b) else { continue };
+            let Some((a, b)) = self.fixtures_of(a, b) else {
+                continue;
+            };
+            let Some(contact) = Contact::new(&self.fixtures, a, b) else {
+                continue;
+            };
             if !contact.sensor {
                 self.bodies[contact.body_a].wake();
                 self.bodies[contact.body_b].wake();
@@ -180,7 +204,9 @@ impl Box2d {
                 continue;
             }
             for (index, contact) in self.contacts.iter_mut().enumerate().rev() {
-                let Some(other) = contact.other(id) else { continue };
+                let Some(other) = contact.other(id) else {
+                    continue;
+                };
                 if contact.island || !contact.enabled || !contact.touching || contact.sensor {
                     continue;
                 }
@@ -191,7 +217,9 @@ impl Box2d {
                 }
             }
             for &joint in self.joint_order.iter().rev() {
-                let Some(other) = self.joints[joint].other(id) else { continue };
+                let Some(other) = self.joints[joint].other(id) else {
+                    continue;
+                };
                 if std::mem::replace(&mut self.joints[joint].island, true) {
                     continue;
                 }
@@ -218,7 +246,10 @@ impl Box2d {
         let mut next = body.fixtures;
         while let Some(id) = next {
             let fixture = &self.fixtures[id];
-            let swept = fixture.shape.aabb(&before).union(&fixture.shape.aabb(&body.xf));
+            let swept = fixture
+                .shape
+                .aabb(&before)
+                .union(&fixture.shape.aabb(&body.xf));
             self.broad_phase.update(fixture.proxy, &swept, displacement);
             next = fixture.next;
         }

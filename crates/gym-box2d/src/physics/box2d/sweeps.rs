@@ -29,9 +29,14 @@ pub(crate) struct Sweeps {
 
 impl Sweeps {
     pub(crate) fn new() -> Self {
-        let start =
-            || Start { velocities: Vec::with_capacity(BODIES), impulses: Vec::with_capacity(CONTACTS) };
-        Self { starts: [start(), start()], increments: [JOINTS; 2].map(Vec::with_capacity) }
+        let start = || Start {
+            velocities: Vec::with_capacity(BODIES),
+            impulses: Vec::with_capacity(CONTACTS),
+        };
+        Self {
+            starts: [start(), start()],
+            increments: [JOINTS; 2].map(Vec::with_capacity),
+        }
     }
 }
 
@@ -50,7 +55,11 @@ impl Start {
     fn is(&self, velocities: &[Velocity], contacts: &[Contact]) -> bool {
         let bits = |x: &Velocity| [x.v.x, x.v.y, x.w].map(f32::to_bits);
         self.velocities.len() == velocities.len()
-            && self.velocities.iter().zip(velocities).all(|(a, b)| bits(a) == bits(b))
+            && self
+                .velocities
+                .iter()
+                .zip(velocities)
+                .all(|(a, b)| bits(a) == bits(b))
             && self.impulses.len() == contacts.len()
             && (self.impulses.iter().zip(contacts))
                 .all(|(a, b)| a.map(f32::to_bits) == b.impulses().map(f32::to_bits))
@@ -107,7 +116,11 @@ impl Sweeps {
         let mut unchanged = 0;
         while left > 0 {
             let increments = &self.increments[(left % 2) as usize];
-            if !joints.iter().zip(increments).all(|(joint, increment)| joint.repeats(increment)) {
+            if !joints
+                .iter()
+                .zip(increments)
+                .all(|(joint, increment)| joint.repeats(increment))
+            {
                 break;
             }
             let mut changed = false;

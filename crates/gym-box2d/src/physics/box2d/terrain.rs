@@ -33,24 +33,48 @@ struct Stored {
 }
 
 impl From<Stored> for Terrain {
-    fn from(Stored { points, friction, first }: Stored) -> Self {
+    fn from(
+        Stored {
+            points,
+            friction,
+            first,
+        }: Stored,
+    ) -> Self {
         Self::new(points, friction, first)
     }
 }
 
 impl From<Terrain> for Stored {
-    fn from(Terrain { points, friction, first, .. }: Terrain) -> Self {
-        Self { points, friction, first }
+    fn from(
+        Terrain {
+            points,
+            friction,
+            first,
+            ..
+        }: Terrain,
+    ) -> Self {
+        Self {
+            points,
+            friction,
+            first,
+        }
     }
 }
 
 impl Terrain {
     pub(crate) fn new(points: Vec<Vec2>, friction: f32, first: u32) -> Self {
-        let mut terrain = Self { points, friction, first, blocks: Vec::new() };
+        let mut terrain = Self {
+            points,
+            friction,
+            first,
+            blocks: Vec::new(),
+        };
         let union = |a: Aabb, b: Aabb| a.union(&b);
         let edges: Vec<Aabb> = (0..terrain.len()).map(|i| terrain.edge_box(i)).collect();
-        terrain.blocks =
-            edges.chunks(BLOCK).filter_map(|boxes| boxes.iter().copied().reduce(union)).collect();
+        terrain.blocks = edges
+            .chunks(BLOCK)
+            .filter_map(|boxes| boxes.iter().copied().reduce(union))
+            .collect();
         terrain
     }
 
@@ -74,8 +98,14 @@ impl Terrain {
     #[inline]
     pub(crate) fn edge_box(&self, edge: usize) -> Aabb {
         let (a, b) = (self.points[edge], self.points[edge + 1]);
-        let (r, margin) = (vec2(POLYGON_RADIUS, POLYGON_RADIUS), vec2(AABB_EXTENSION, AABB_EXTENSION));
-        Aabb { lower: min2(a, b) - r - margin, upper: max2(a, b) + r + margin }
+        let (r, margin) = (
+            vec2(POLYGON_RADIUS, POLYGON_RADIUS),
+            vec2(AABB_EXTENSION, AABB_EXTENSION),
+        );
+        Aabb {
+            lower: min2(a, b) - r - margin,
+            upper: max2(a, b) + r + margin,
+        }
     }
 
     /// Shows `visit` the edges whose boxes meet `aabb`.
@@ -101,7 +131,9 @@ impl Terrain {
 
     /// Reads a number of each box around edges, so that it is fetched.
     pub(crate) fn touch(&self) -> u32 {
-        self.blocks.iter().fold(0, |seen, block| seen ^ block.lower.x.to_bits())
+        self.blocks
+            .iter()
+            .fold(0, |seen, block| seen ^ block.lower.x.to_bits())
     }
 
     /// The two ends of an edge.

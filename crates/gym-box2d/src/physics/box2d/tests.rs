@@ -7,10 +7,21 @@ use crate::physics::{BodyId, Filter, FixtureId, Shape};
 
 impl Box2d {
     fn step(&mut self, dt: f32, velocity_iterations: u32, position_iterations: u32) {
-        self.step_in(&mut Island::new(), dt, velocity_iterations, position_iterations);
+        self.step_in(
+            &mut Island::new(),
+            dt,
+            velocity_iterations,
+            position_iterations,
+        );
     }
 
-    fn step_in(&mut self, island: &mut Island, dt: f32, velocity_iterations: u32, position_iterations: u32) {
+    fn step_in(
+        &mut self,
+        island: &mut Island,
+        dt: f32,
+        velocity_iterations: u32,
+        position_iterations: u32,
+    ) {
         self.begin(island, dt, velocity_iterations, position_iterations);
         island.sweep();
         self.finish(island);
@@ -22,7 +33,13 @@ fn v(x: f32, y: f32) -> Vec2 {
 }
 
 fn rect(half_width: f32, half_height: f32) -> FixtureDef {
-    FixtureDef { density: 1.0, ..FixtureDef::new(Shape::Rect { half_width, half_height }) }
+    FixtureDef {
+        density: 1.0,
+        ..FixtureDef::new(Shape::Rect {
+            half_width,
+            half_height,
+        })
+    }
 }
 
 /// A ground, and a chain of links with motors and limits that hangs over it from a heavy block.
@@ -32,14 +49,36 @@ fn chain() -> Box2d {
     for i in -3..3 {
         let (x, y) = (i as f32 * 2.0, (i * i) as f32 * 0.1);
         let edge = Shape::Edge(v(x, y), v(x + 2.0, ((i + 1) * (i + 1)) as f32 * 0.1));
-        world.create_fixture(ground, &FixtureDef { friction: 0.9, ..FixtureDef::new(edge) });
+        world.create_fixture(
+            ground,
+            &FixtureDef {
+                friction: 0.9,
+                ..FixtureDef::new(edge)
+            },
+        );
     }
-    let filter = Filter { category: 2, mask: 1 };
+    let filter = Filter {
+        category: 2,
+        mask: 1,
+    };
     let mut last = world.create_body(&BodyDef::dynamic(v(0.0, 3.0), 0.1));
-    world.create_fixture(last, &FixtureDef { density: 20.0, filter, ..rect(0.5, 0.3) });
+    world.create_fixture(
+        last,
+        &FixtureDef {
+            density: 20.0,
+            filter,
+            ..rect(0.5, 0.3)
+        },
+    );
     for i in 1..4 {
         let link = world.create_body(&BodyDef::dynamic(v(i as f32 * 0.8, 3.0), 0.1 * i as f32));
-        world.create_fixture(link, &FixtureDef { filter, ..rect(0.4, 0.1) });
+        world.create_fixture(
+            link,
+            &FixtureDef {
+                filter,
+                ..rect(0.4, 0.1)
+            },
+        );
         world.create_revolute_joint(&RevoluteJointDef {
             body_a: BodyId(last),
             body_b: BodyId(link),
@@ -60,7 +99,9 @@ fn chain() -> Box2d {
 /// and times of impact.
 #[test]
 fn terrain_is_as_many_static_bodies() {
-    let points: Vec<Vec2> = (0..60).map(|i| v(i as f32 * 0.47, math::rotation(i as f32 * 0.9).im)).collect();
+    let points: Vec<Vec2> = (0..60)
+        .map(|i| v(i as f32 * 0.47, math::rotation(i as f32 * 0.9).im))
+        .collect();
     let [mut terrain, mut bodies] = [true, false].map(|compact| {
         let mut world = Box2d::new(v(0.0, -10.0));
         // one proxy before the edges and some after them
@@ -70,7 +111,10 @@ fn terrain_is_as_many_static_bodies() {
             world.create_terrain(&points, 0.7);
         } else {
             for ends in points.windows(2) {
-                let edge = FixtureDef { friction: 0.7, ..FixtureDef::new(Shape::Edge(ends[0], ends[1])) };
+                let edge = FixtureDef {
+                    friction: 0.7,
+                    ..FixtureDef::new(Shape::Edge(ends[0], ends[1]))
+                };
                 let body = world.create_body(&BodyDef::fixed(v(0.0, 0.0), 0.0));
                 world.create_fixture(body, &edge);
             }
@@ -91,8 +135,15 @@ fn terrain_is_as_many_static_bodies() {
             let of = |id: &u32| {
                 let body = world.body(*id);
                 let xf = body.xf.translation;
-                [xf.x, xf.y, body.sweep.a, body.velocity.x, body.velocity.y, body.angular_velocity]
-                    .map(f32::to_bits)
+                [
+                    xf.x,
+                    xf.y,
+                    body.sweep.a,
+                    body.velocity.x,
+                    body.velocity.y,
+                    body.angular_velocity,
+                ]
+                .map(f32::to_bits)
             };
             world.dynamic.iter().map(of).collect()
         };
@@ -100,7 +151,9 @@ fn terrain_is_as_many_static_bodies() {
         assert_eq!(terrain.events.len(), bodies.events.len());
         let ends = [v(step as f32 * 0.07, -3.0), v(28.0, 0.5), v(14.0, 3.0)];
         let rays = |world: &Box2d| {
-            world.ray_casts(v(14.0, 3.0), &ends, 1).map(|hit| hit.map(|hit| (hit.point, hit.fraction)))
+            world
+                .ray_casts(v(14.0, 3.0), &ends, 1)
+                .map(|hit| hit.map(|hit| (hit.point, hit.fraction)))
         };
         assert_eq!(rays(&terrain), rays(&bodies));
         if step % 50 == 0 {
@@ -118,7 +171,10 @@ fn terrain_is_as_many_static_bodies() {
     };
     assert!(damage("/gravity/0", 1.5.into()));
     assert!(!damage("/contacts", serde_json::json!([])));
-    assert!(!damage("/broad_phase/terrain/points", serde_json::json!([])));
+    assert!(!damage(
+        "/broad_phase/terrain/points",
+        serde_json::json!([])
+    ));
     assert!(!damage("/broad_phase/terrain/first", 99.into()));
 }
 
@@ -134,7 +190,9 @@ fn saved_sweeps_keep_the_bits() {
     for step in 0..600 {
         if step % 150 == 149 {
             for world in [&mut quick, &mut plain] {
-                world.body_mut(1).apply_impulse(v(step as f32 * 0.1, 30.0), v(0.3, 2.0));
+                world
+                    .body_mut(1)
+                    .apply_impulse(v(step as f32 * 0.1, 30.0), v(0.3, 2.0));
             }
         }
         quick.step_in(&mut some_sweeps, 0.02, 180, 60);
@@ -147,10 +205,19 @@ fn saved_sweeps_keep_the_bits() {
 fn falling_pair(height: f32) -> Box2d {
     let mut world = Box2d::new(v(0.0, -10.0));
     world.create_terrain(&[v(-9.0, 0.0), v(0.1, 0.0), v(9.0, 0.1)], 0.8);
-    let filter = Filter { category: 2, mask: 1 };
+    let filter = Filter {
+        category: 2,
+        mask: 1,
+    };
     let [a, b] = [-0.4, 0.4].map(|x| {
         let body = world.create_body(&BodyDef::dynamic(v(x, height), 0.1));
-        world.create_fixture(body, &FixtureDef { filter, ..rect(0.4, 0.2) });
+        world.create_fixture(
+            body,
+            &FixtureDef {
+                filter,
+                ..rect(0.4, 0.2)
+            },
+        );
         body
     });
     world.create_revolute_joint(&RevoluteJointDef {
@@ -171,10 +238,21 @@ fn falling_pair(height: f32) -> Box2d {
 #[test]
 fn worlds_that_sleep_and_wake_keep_their_bits_in_lanes() {
     let worlds = || -> Vec<Box2d> {
-        (0..21).map(|i| if i == 5 { chain() } else { falling_pair(0.5 + 0.4 * i as f32) }).collect()
+        (0..21)
+            .map(|i| {
+                if i == 5 {
+                    chain()
+                } else {
+                    falling_pair(0.5 + 0.4 * i as f32)
+                }
+            })
+            .collect()
     };
     let awake = |worlds: &[Box2d]| -> usize {
-        worlds.iter().filter(|world| world.dynamic.iter().any(|id| world.body(*id).awake)).count()
+        worlds
+            .iter()
+            .filter(|world| world.dynamic.iter().any(|id| world.body(*id).awake))
+            .count()
     };
     for mut lanes in Lanes::of_each_level() {
         let (mut alone, mut together) = (worlds(), worlds());
@@ -182,23 +260,38 @@ fn worlds_that_sleep_and_wake_keep_their_bits_in_lanes() {
         for step in 0..400 {
             if step == 300 {
                 for worlds in [&mut alone, &mut together] {
-                    worlds.iter_mut().for_each(|world| world.body_mut(world.dynamic[0]).wake());
+                    worlds
+                        .iter_mut()
+                        .for_each(|world| world.body_mut(world.dynamic[0]).wake());
                 }
             }
             alone.iter_mut().for_each(|world| world.step(0.02, 40, 20));
             lanes.clear();
-            let places: Vec<_> = together.iter_mut().map(|world| lanes.begin(world, 0.02, 40, 20)).collect();
+            let places: Vec<_> = together
+                .iter_mut()
+                .map(|world| lanes.begin(world, 0.02, 40, 20))
+                .collect();
             lanes.sweep();
-            together.iter_mut().zip(places).for_each(|(world, place)| lanes.finish(place, world));
+            together
+                .iter_mut()
+                .zip(places)
+                .for_each(|(world, place)| lanes.finish(place, world));
             counts.push(awake(&alone));
             if step % 20 == 19 {
                 let bits = |worlds: &[Box2d]| worlds.iter().map(json).collect::<Vec<_>>();
-                assert!(bits(&alone) == bits(&together), "step {step}, {:?}", lanes.level());
+                assert!(
+                    bits(&alone) == bits(&together),
+                    "step {step}, {:?}",
+                    lanes.level()
+                );
             }
         }
         // all are awake, then some, then few; in the end all have been woken
         let some = counts.iter().any(|count| (5..15).contains(count));
-        assert!(counts[0] == 21 && some && counts[299] < 5 && counts[301] == 21, "{counts:?}");
+        assert!(
+            counts[0] == 21 && some && counts[299] < 5 && counts[301] == 21,
+            "{counts:?}"
+        );
     }
 }
 
@@ -243,9 +336,13 @@ fn damaged_worlds_are_refused() {
 fn bodies_rest_sleep_and_wake() {
     let mut world = Box2d::new(v(0.0, -10.0));
     let ground = world.create_body(&BodyDef::fixed(v(0.0, 0.0), 0.0));
-    world.create_fixture(ground, &FixtureDef::new(Shape::Edge(v(-9.0, 0.0), v(9.0, 0.0))));
-    let stack: Vec<u32> =
-        (0..3).map(|i| world.create_body(&BodyDef::dynamic(v(0.0, 0.6 + 1.1 * i as f32), 0.0))).collect();
+    world.create_fixture(
+        ground,
+        &FixtureDef::new(Shape::Edge(v(-9.0, 0.0), v(9.0, 0.0))),
+    );
+    let stack: Vec<u32> = (0..3)
+        .map(|i| world.create_body(&BodyDef::dynamic(v(0.0, 0.6 + 1.1 * i as f32), 0.0)))
+        .collect();
     for body in &stack {
         world.create_fixture(*body, &rect(0.5, 0.5));
     }
@@ -258,7 +355,11 @@ fn bodies_rest_sleep_and_wake() {
     for (i, body) in stack.iter().enumerate() {
         let body = world.body(*body);
         assert!(!body.awake);
-        assert!((body.xf.translation.y - (0.5 + i as f32)).abs() < 0.05, "{:?}", body.xf);
+        assert!(
+            (body.xf.translation.y - (0.5 + i as f32)).abs() < 0.05,
+            "{:?}",
+            body.xf
+        );
     }
     // bodies that lay on a removed one fall
     world.destroy_body(stack[0]);
@@ -275,15 +376,32 @@ fn bodies_rest_sleep_and_wake() {
 fn fast_bodies_do_not_tunnel() {
     let mut world = Box2d::new(v(0.0, 0.0));
     let wall = world.create_body(&BodyDef::fixed(v(5.0, 0.0), 0.0));
-    world.create_fixture(wall, &FixtureDef::new(Shape::Edge(v(0.0, -5.0), v(0.0, 5.0))));
+    world.create_fixture(
+        wall,
+        &FixtureDef::new(Shape::Edge(v(0.0, -5.0), v(0.0, 5.0))),
+    );
     for shape in [
-        Shape::Circle { center: v(0.0, 0.0), radius: 0.1 },
-        Shape::Rect { half_width: 0.1, half_height: 0.1 },
+        Shape::Circle {
+            center: v(0.0, 0.0),
+            radius: 0.1,
+        },
+        Shape::Rect {
+            half_width: 0.1,
+            half_height: 0.1,
+        },
     ] {
         let bullet = world.create_body(&BodyDef::dynamic(v(0.0, 0.0), 0.3));
-        world.create_fixture(bullet, &FixtureDef { density: 1.0, ..FixtureDef::new(shape) });
+        world.create_fixture(
+            bullet,
+            &FixtureDef {
+                density: 1.0,
+                ..FixtureDef::new(shape)
+            },
+        );
         let mass = world.body(bullet).mass;
-        world.body_mut(bullet).apply_impulse(v(90.0 * mass, 0.0), v(0.0, 0.0));
+        world
+            .body_mut(bullet)
+            .apply_impulse(v(90.0 * mass, 0.0), v(0.0, 0.0));
         for _ in 0..10 {
             world.step(0.02, 10, 5);
         }
@@ -296,15 +414,35 @@ fn fast_bodies_do_not_tunnel() {
 fn sensors_tell_and_rays_meet() {
     let mut world = Box2d::new(v(0.0, 0.0));
     let gate = world.create_body(&BodyDef::fixed(v(2.0, 0.0), 0.0));
-    let sensor = world.create_fixture(gate, &FixtureDef { sensor: true, ..rect(0.5, 0.5) });
+    let sensor = world.create_fixture(
+        gate,
+        &FixtureDef {
+            sensor: true,
+            ..rect(0.5, 0.5)
+        },
+    );
     let body = world.create_body(&BodyDef::dynamic(v(0.0, 0.0), 0.0));
-    let circle = Shape::Circle { center: v(0.0, 0.0), radius: 0.25 };
-    let disc = world.create_fixture(body, &FixtureDef { density: 1.0, ..FixtureDef::new(circle) });
+    let circle = Shape::Circle {
+        center: v(0.0, 0.0),
+        radius: 0.25,
+    };
+    let disc = world.create_fixture(
+        body,
+        &FixtureDef {
+            density: 1.0,
+            ..FixtureDef::new(circle)
+        },
+    );
     world.body_mut(body).velocity = v(5.0, 0.0);
     let mut events = Vec::new();
     for _ in 0..50 {
         world.step(0.02, 10, 5);
-        events.extend(world.events().iter().map(|event| (event.begin, event.fixtures[0], event.fixtures[1])));
+        events.extend(
+            world
+                .events()
+                .iter()
+                .map(|event| (event.begin, event.fixtures[0], event.fixtures[1])),
+        );
     }
     let pair = (FixtureId(sensor), FixtureId(disc));
     assert_eq!(events, [(true, pair.0, pair.1), (false, pair.0, pair.1)]);
@@ -312,7 +450,10 @@ fn sensors_tell_and_rays_meet() {
 
     let ray = |to, categories| world.ray_casts(v(0.0, 0.25), &[to], categories)[0];
     let hit = ray(v(4.0, 0.25), 1).unwrap();
-    assert_eq!((hit.fixture, hit.fraction), (Some(FixtureId(sensor)), 0.375));
+    assert_eq!(
+        (hit.fixture, hit.fraction),
+        (Some(FixtureId(sensor)), 0.375)
+    );
     assert_eq!(ray(v(4.0, 0.25), 2), None);
     assert_eq!(ray(v(1.0, 0.25), 1), None);
 }
@@ -321,14 +462,30 @@ fn sensors_tell_and_rays_meet() {
 #[test]
 fn masses_are_box2ds() {
     let mut world = Box2d::new(v(0.0, 0.0));
-    let lander = [[-14.0, 17.0], [-17.0, 0.0], [-17.0, -10.0], [17.0, -10.0], [17.0, 0.0], [14.0, 17.0]];
-    let points = lander.map(|[x, y]: [f64; 2]| v((x / 30.0) as f32, (y / 30.0) as f32)).to_vec();
+    let lander = [
+        [-14.0, 17.0],
+        [-17.0, 0.0],
+        [-17.0, -10.0],
+        [17.0, -10.0],
+        [17.0, 0.0],
+        [14.0, 17.0],
+    ];
+    let points = lander
+        .map(|[x, y]: [f64; 2]| v((x / 30.0) as f32, (y / 30.0) as f32))
+        .to_vec();
     let body = world.create_body(&BodyDef::dynamic(v(0.0, 0.0), 0.0));
-    world.create_fixture(body, &FixtureDef { density: 5.0, ..FixtureDef::new(Shape::Polygon(points)) });
+    world.create_fixture(
+        body,
+        &FixtureDef {
+            density: 5.0,
+            ..FixtureDef::new(Shape::Polygon(points))
+        },
+    );
     let body = world.body(body);
     assert_eq!(body.mass, 4.816_666_6);
     assert_eq!(body.sweep.local_center.y, 0.101_307_19);
-    let about_origin = body.inertia + body.mass * math::dot(body.sweep.local_center, body.sweep.local_center);
+    let about_origin =
+        body.inertia + body.mass * math::dot(body.sweep.local_center, body.sweep.local_center);
     assert_eq!(about_origin, 0.833_314_9);
 }
 
@@ -337,22 +494,48 @@ fn masses_are_box2ds() {
 fn a_pile_falls_as_box2ds() {
     let mut world = Box2d::new(v(0.0, -10.0));
     let ground = world.create_body(&BodyDef::fixed(v(0.0, 0.0), 0.0));
-    for edge in [Shape::Edge(v(-4.0, 2.0), v(0.0, 0.0)), Shape::Edge(v(0.0, 0.0), v(4.0, 2.0))] {
-        world.create_fixture(ground, &FixtureDef { friction: 0.4, ..FixtureDef::new(edge) });
+    for edge in [
+        Shape::Edge(v(-4.0, 2.0), v(0.0, 0.0)),
+        Shape::Edge(v(0.0, 0.0), v(4.0, 2.0)),
+    ] {
+        world.create_fixture(
+            ground,
+            &FixtureDef {
+                friction: 0.4,
+                ..FixtureDef::new(edge)
+            },
+        );
     }
     let f = |x: f64| x as f32;
     let bodies: [u32; 12] = std::array::from_fn(|i| {
         let x = i as f64;
-        let position = v(f((i % 4) as f64 * 0.9 - 1.3 + 0.07 * x), f(1.5 + (i / 4) as f64 * 1.1));
+        let position = v(
+            f((i % 4) as f64 * 0.9 - 1.3 + 0.07 * x),
+            f(1.5 + (i / 4) as f64 * 1.1),
+        );
         let body = world.create_body(&BodyDef::dynamic(position, f(0.2 * x)));
         let shape = match i % 3 {
-            0 => Shape::Rect { half_width: f(0.3 + 0.02 * x), half_height: 0.25 },
-            1 => Shape::Circle { center: v(0.0, 0.0), radius: 0.3 },
+            0 => Shape::Rect {
+                half_width: f(0.3 + 0.02 * x),
+                half_height: 0.25,
+            },
+            1 => Shape::Circle {
+                center: v(0.0, 0.0),
+                radius: 0.3,
+            },
             _ => Shape::Polygon(vec![v(-0.35, -0.25), v(0.35, -0.3), v(0.05, 0.4)]),
         };
         let def = FixtureDef::new(shape);
         let (density, friction, restitution) = (f(1.0 + 0.5 * x), f(0.1 * x), f(0.05 * x));
-        world.create_fixture(body, &FixtureDef { density, friction, restitution, ..def });
+        world.create_fixture(
+            body,
+            &FixtureDef {
+                density,
+                friction,
+                restitution,
+                ..def
+            },
+        );
         world.body_mut(body).velocity = v(f(0.5 * x - 2.0), f(-0.3 * x));
         body
     });
@@ -379,7 +562,13 @@ fn a_pile_falls_as_box2ds() {
 }
 
 /// Steps on from `done` to `step`, where bodies have the recorded position, angle, velocity and angular velocity.
-fn move_as_recorded(world: &mut Box2d, bodies: &[u32], done: &mut u32, step: u32, expected: Vec<[u32; 6]>) {
+fn move_as_recorded(
+    world: &mut Box2d,
+    bodies: &[u32],
+    done: &mut u32,
+    step: u32,
+    expected: Vec<[u32; 6]>,
+) {
     while *done < step {
         world.step(0.02, 8, 3);
         *done += 1;
@@ -387,7 +576,14 @@ fn move_as_recorded(world: &mut Box2d, bodies: &[u32], done: &mut u32, step: u32
     for (i, expected) in expected.into_iter().enumerate() {
         let body = world.body(bodies[i]);
         let (position, velocity) = (body.xf.translation, body.velocity);
-        let found = [position.x, position.y, body.sweep.a, velocity.x, velocity.y, body.angular_velocity];
+        let found = [
+            position.x,
+            position.y,
+            body.sweep.a,
+            velocity.x,
+            velocity.y,
+            body.angular_velocity,
+        ];
         assert_eq!(found, expected.map(f32::from_bits), "step {step}, body {i}");
     }
 }
@@ -409,16 +605,33 @@ fn bodies_in_tight_places_move_as_box2ds() {
             [x - 3.0, 6.0, x + 3.0, 6.0],
         ] {
             let edge = FixtureDef::new(Shape::Edge(v(f(ax), f(ay)), v(f(bx), f(by))));
-            world.create_fixture(ground, &FixtureDef { friction: f(0.05 * of), ..edge });
+            world.create_fixture(
+                ground,
+                &FixtureDef {
+                    friction: f(0.05 * of),
+                    ..edge
+                },
+            );
         }
         let position = v(f(x), if i % 3 == 0 { 0.45 } else { 2.0 });
         let body = world.create_body(&BodyDef::dynamic(position, 0.0));
         let shape = match i % 2 {
-            0 => Shape::Circle { center: v(0.0, 0.0), radius: 0.45 },
-            _ => Shape::Rect { half_width: 0.45, half_height: 0.4 },
+            0 => Shape::Circle {
+                center: v(0.0, 0.0),
+                radius: 0.45,
+            },
+            _ => Shape::Rect {
+                half_width: 0.45,
+                half_height: 0.4,
+            },
         };
         let restitution = if i < 8 { 1.0 } else { 0.0 };
-        let def = FixtureDef { density: 1.0, friction: 0.1, restitution, ..FixtureDef::new(shape) };
+        let def = FixtureDef {
+            density: 1.0,
+            friction: 0.1,
+            restitution,
+            ..FixtureDef::new(shape)
+        };
         world.create_fixture(body, &def);
         if i < 8 {
             world.body_mut(body).velocity = v(f(37.0 * of), f(5.0 - 20.0 * of));

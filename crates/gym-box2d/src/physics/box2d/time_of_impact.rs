@@ -2,7 +2,9 @@
 //! `b2TimeOfImpact.cpp` has it.
 
 use super::distance::{Cache, distance, support};
-use super::math::{Pose, Sweep, Vec2, cross_one, dot, max, normalize, rotate, rotate_back, transform};
+use super::math::{
+    Pose, Sweep, Vec2, cross_one, dot, max, normalize, rotate, rotate_back, transform,
+};
 use super::settings::{LINEAR_SLOP, MAX_PUSH_BACKS};
 use super::shape::Geometry;
 
@@ -21,15 +23,24 @@ pub(crate) const TOLERANCE: f32 = 0.25 * LINEAR_SLOP;
 
 /// The distance of the hulls of two shapes that touch.
 pub(crate) fn target(a: &Moving<'_>, b: &Moving<'_>) -> f32 {
-    max(LINEAR_SLOP, a.shape.radius + b.shape.radius - 3.0 * LINEAR_SLOP)
+    max(
+        LINEAR_SLOP,
+        a.shape.radius + b.shape.radius - 3.0 * LINEAR_SLOP,
+    )
 }
 
 /// The part of the motion after which the shapes touch, or `None` where they stay apart, overlap
 /// from the start, or no time is found.
 pub(crate) fn time_of_impact(a: Moving<'_>, b: Moving<'_>) -> Option<f32> {
     const T_MAX: f32 = 1.0;
-    let a = Moving { sweep: a.sweep.normalized(), ..a };
-    let b = Moving { sweep: b.sweep.normalized(), ..b };
+    let a = Moving {
+        sweep: a.sweep.normalized(),
+        ..a
+    };
+    let b = Moving {
+        sweep: b.sweep.normalized(),
+        ..b
+    };
     let (target, tolerance) = (target(&a, &b), TOLERANCE);
 
     let mut t1 = 0.0;
@@ -123,7 +134,13 @@ impl<'a> Separation<'a> {
         let point_b = |i: usize| b.shape.vertices()[cache.index_b[i]];
         if cache.count == 1 {
             let axis = normalize(transform(xf_b, point_b(0)) - transform(xf_a, point_a(0))).0;
-            return Self { a, b, kind: Kind::Points, axis, local_point: Vec2::zeros() };
+            return Self {
+                a,
+                b,
+                kind: Kind::Points,
+                axis,
+                local_point: Vec2::zeros(),
+            };
         }
         // a face of one shape, and a vertex of the other
         let on_b = cache.index_a[0] == cache.index_a[1];
@@ -139,7 +156,13 @@ impl<'a> Separation<'a> {
         let normal = rotate(xf_face.rotation, axis);
         let local_point = 0.5 * (p1 + p2);
         let s = dot(vertex - transform(xf_face, local_point), normal);
-        Self { a, b, kind, axis: if s < 0.0 { -axis } else { axis }, local_point }
+        Self {
+            a,
+            b,
+            kind,
+            axis: if s < 0.0 { -axis } else { axis },
+            local_point,
+        }
     }
 
     /// The vertices that are deepest at `t`, and how far they are apart.
@@ -153,11 +176,17 @@ impl<'a> Separation<'a> {
             },
             Kind::FaceA => {
                 let normal = rotate(xf_a.rotation, self.axis);
-                Witness { a: 0, b: support(vb, rotate_back(xf_b.rotation, -normal)) }
+                Witness {
+                    a: 0,
+                    b: support(vb, rotate_back(xf_b.rotation, -normal)),
+                }
             }
             Kind::FaceB => {
                 let normal = rotate(xf_b.rotation, self.axis);
-                Witness { a: support(va, rotate_back(xf_a.rotation, -normal)), b: 0 }
+                Witness {
+                    a: support(va, rotate_back(xf_a.rotation, -normal)),
+                    b: 0,
+                }
             }
         };
         (witness, self.between(witness, &xf_a, &xf_b))
@@ -171,7 +200,10 @@ impl<'a> Separation<'a> {
     fn between(&self, witness: Witness, xf_a: &Pose, xf_b: &Pose) -> f32 {
         let point_a = |local| transform(xf_a, local);
         let point_b = |local| transform(xf_b, local);
-        let (vertex_a, vertex_b) = (self.a.shape.vertices()[witness.a], self.b.shape.vertices()[witness.b]);
+        let (vertex_a, vertex_b) = (
+            self.a.shape.vertices()[witness.a],
+            self.b.shape.vertices()[witness.b],
+        );
         match self.kind {
             Kind::Points => dot(point_b(vertex_b) - point_a(vertex_a), self.axis),
             Kind::FaceA => {

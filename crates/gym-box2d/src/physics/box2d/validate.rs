@@ -16,11 +16,14 @@ impl Box2d {
     fn is_of_terrain_rightly(&self, id: u32) -> bool {
         let terrain = &self.broad_phase.terrain;
         let fixture = &self.fixtures[id];
-        let Some(edge) = terrain.edge_of(fixture.proxy) else { return true };
+        let Some(edge) = terrain.edge_of(fixture.proxy) else {
+            return true;
+        };
         let body = &self.bodies[fixture.body];
         let needed = |contact: &Contact| contact.fixture_a == id || contact.fixture_b == id;
-        let same =
-            |(other, fixture): (u32, &Fixture)| other != id && fixture.proxy == self.fixtures[id].proxy;
+        let same = |(other, fixture): (u32, &Fixture)| {
+            other != id && fixture.proxy == self.fixtures[id].proxy
+        };
         fixture.shape == terrain.shape(edge)
             && !body.dynamic
             && body.sweep.c == Vec2::zeros()
@@ -34,17 +37,37 @@ impl Box2d {
         let vectors = |vectors: &[Vec2]| vectors.iter().all(|v| length(*v).is_finite());
         let bodies = self.bodies.iter().all(|(id, body)| {
             let s = &body.sweep;
-            vectors(&[s.local_center, s.c0, s.c, body.velocity, body.force, body.xf.translation.vector])
-                && finite(&[s.a0, s.a, s.alpha0, body.angular_velocity, body.torque, body.sleep_time])
-                && finite(&[body.inv_mass, body.inv_inertia, body.xf.rotation.re, body.xf.rotation.im])
-                && has(&self.fixtures, body.fixtures.as_slice())
+            vectors(&[
+                s.local_center,
+                s.c0,
+                s.c,
+                body.velocity,
+                body.force,
+                body.xf.translation.vector,
+            ]) && finite(&[
+                s.a0,
+                s.a,
+                s.alpha0,
+                body.angular_velocity,
+                body.torque,
+                body.sleep_time,
+            ]) && finite(&[
+                body.inv_mass,
+                body.inv_inertia,
+                body.xf.rotation.re,
+                body.xf.rotation.im,
+            ]) && has(&self.fixtures, body.fixtures.as_slice())
                 && body.dynamic == self.dynamic.contains(&id)
         });
         let fixtures = self.fixtures.iter().all(|(id, fixture)| {
             // each list of fixtures ends: it leads to older ones, and no two lead to the same
             has(&self.bodies, &[fixture.body])
                 && has(&self.fixtures, fixture.next.as_slice())
-                && self.fixtures.iter().filter(|(_, other)| other.next == Some(id)).count()
+                && self
+                    .fixtures
+                    .iter()
+                    .filter(|(_, other)| other.next == Some(id))
+                    .count()
                     + usize::from(self.bodies[fixture.body].fixtures == Some(id))
                     == 1
                 && self.broad_phase.holds(fixture.proxy, id)
@@ -55,7 +78,11 @@ impl Box2d {
         let joints = self.joints.iter().all(|(id, joint)| {
             has(&self.bodies, &[joint.body_a, joint.body_b])
                 && self.joint_order.contains(&id)
-                && finite(&[joint.motor_speed, joint.max_motor_torque, joint.motor_impulse])
+                && finite(&[
+                    joint.motor_speed,
+                    joint.max_motor_torque,
+                    joint.motor_impulse,
+                ])
         });
         let contacts = self.contacts.iter().all(|contact| {
             has(&self.fixtures, &[contact.fixture_a, contact.fixture_b])
@@ -72,9 +99,11 @@ impl Box2d {
             && contacts
             && has(&self.bodies, &self.dynamic)
             && has(&self.joints, &self.joint_order)
-            && self
-                .broad_phase
-                .is_valid(|fixture, id| self.fixtures.get(fixture).is_some_and(|fixture| fixture.proxy == id))
+            && self.broad_phase.is_valid(|fixture, id| {
+                self.fixtures
+                    .get(fixture)
+                    .is_some_and(|fixture| fixture.proxy == id)
+            })
             && finite(&[self.gravity.x, self.gravity.y, self.inv_dt0])
     }
 }

@@ -57,7 +57,10 @@ impl<S: Simd, const R: usize> Strip<S, R> {
 
     #[inline(always)]
     pub(super) fn pair(self, x: &Row, y: &Row) -> Pair<S, R> {
-        Pair { x: self.load(x), y: self.load(y) }
+        Pair {
+            x: self.load(x),
+            y: self.load(y),
+        }
     }
 
     #[inline(always)]
@@ -148,7 +151,10 @@ impl<S: Simd, const R: usize> Mask<S, R> {
 
     #[inline(always)]
     pub(super) fn choose(self, yes: Pair<S, R>, no: Pair<S, R>) -> Pair<S, R> {
-        Pair { x: self.select(yes.x, no.x), y: self.select(yes.y, no.y) }
+        Pair {
+            x: self.select(yes.x, no.x),
+            y: self.select(yes.y, no.y),
+        }
     }
 
     #[inline(always)]
@@ -217,19 +223,28 @@ impl<S: Simd, const R: usize> Pair<S, R> {
 
     #[inline(always)]
     pub(super) fn times(self, s: Wide<S, R>) -> Self {
-        Self { x: s * self.x, y: s * self.y }
+        Self {
+            x: s * self.x,
+            y: s * self.y,
+        }
     }
 
     /// The velocity of a point at this lever due to an angular velocity: [`math::cross_scalar`](super::math::cross_scalar).
     #[inline(always)]
     pub(super) fn turned_by(self, w: Wide<S, R>) -> Self {
-        Self { x: -w * self.y, y: w * self.x }
+        Self {
+            x: -w * self.y,
+            y: w * self.x,
+        }
     }
 
     /// A quarter turn clockwise.
     #[inline(always)]
     pub(super) fn cross_one(self) -> Self {
-        Self { x: self.y, y: -self.x }
+        Self {
+            x: self.y,
+            y: -self.x,
+        }
     }
 }
 
@@ -238,7 +253,10 @@ impl<S: Simd, const R: usize> Add for Pair<S, R> {
 
     #[inline(always)]
     fn add(self, other: Self) -> Self {
-        Self { x: self.x + other.x, y: self.y + other.y }
+        Self {
+            x: self.x + other.x,
+            y: self.y + other.y,
+        }
     }
 }
 
@@ -247,7 +265,10 @@ impl<S: Simd, const R: usize> Sub for Pair<S, R> {
 
     #[inline(always)]
     fn sub(self, other: Self) -> Self {
-        Self { x: self.x - other.x, y: self.y - other.y }
+        Self {
+            x: self.x - other.x,
+            y: self.y - other.y,
+        }
     }
 }
 
@@ -256,7 +277,10 @@ impl<S: Simd, const R: usize> Neg for Pair<S, R> {
 
     #[inline(always)]
     fn neg(self) -> Self {
-        Self { x: -self.x, y: -self.y }
+        Self {
+            x: -self.x,
+            y: -self.y,
+        }
     }
 }
 

@@ -82,7 +82,10 @@ impl Polytope {
         let weights = parts.map(|part| part / whole);
         let point = |of: fn(&Vertex) -> Vec3| {
             let [a, b, c] = corners.map(|v| of(&v));
-            add(add(scale(a, weights[0]), scale(b, weights[1])), scale(c, weights[2]))
+            add(
+                add(scale(a, weights[0]), scale(b, weights[1])),
+                scale(c, weights[2]),
+            )
         };
         Some(([point(|v| v.w1), point(|v| v.w2)], face.square.sqrt()))
     }
@@ -99,8 +102,17 @@ impl Polytope {
     }
 
     /// Inserts the furthest vertex in a direction of some length.
-    fn insert_furthest(&mut self, direction: Vec3, length: f64, support: &impl Fn(Vec3) -> Vertex) -> usize {
-        let direction = if length > MINVAL { direction.map(|x| x / length) } else { [1.0, 0.0, 0.0] };
+    fn insert_furthest(
+        &mut self,
+        direction: Vec3,
+        length: f64,
+        support: &impl Fn(Vec3) -> Vertex,
+    ) -> usize {
+        let direction = if length > MINVAL {
+            direction.map(|x| x / length)
+        } else {
+            [1.0, 0.0, 0.0]
+        };
         self.insert(support(direction))
     }
 
@@ -111,20 +123,40 @@ impl Polytope {
             None => ([0.0; 3], 0.0),
             Some(nearest) => {
                 let inward = dot(nearest, sub(a, self.center)) < 0.0;
-                let nearest = if inward { scale(nearest, -1.0) } else { nearest };
+                let nearest = if inward {
+                    scale(nearest, -1.0)
+                } else {
+                    nearest
+                };
                 (nearest, dot(nearest, nearest))
             }
         };
-        self.faces.push(Face { corners, beyond, nearest, square, place: Place::Aside });
+        self.faces.push(Face {
+            corners,
+            beyond,
+            nearest,
+            square,
+            place: Place::Aside,
+        });
         square
     }
 
     /// Two pyramids on a triangle of points around the line: MuJoCo's `polytope2`.
-    fn start_from_line(&mut self, [a, b]: [Vertex; 2], support: &impl Fn(Vec3) -> Vertex) -> Option<()> {
+    fn start_from_line(
+        &mut self,
+        [a, b]: [Vertex; 2],
+        support: &impl Fn(Vec3) -> Vertex,
+    ) -> Option<()> {
         self.center = scale(add(a.x, b.x), 0.5);
         let along = sub(b.x, a.x);
         // across the line and the axis on which it is shortest
-        let axis = (0..3).fold(0, |best, k| if along[k].abs() < along[best].abs() { k } else { best });
+        let axis = (0..3).fold(0, |best, k| {
+            if along[k].abs() < along[best].abs() {
+                k
+            } else {
+                best
+            }
+        });
         let mut unit = [0.0; 3];
         unit[axis] = 1.0;
         let turn = third_of_a_turn(along);
@@ -132,7 +164,8 @@ impl Polytope {
         let second = rotate(&turn, across);
         let third = rotate(&turn, second);
         let (v1, v2) = (self.insert(a), self.insert(b));
-        let [v3, v4, v5] = [across, second, third].map(|d| self.insert_furthest(d, norm(d), support));
+        let [v3, v4, v5] =
+            [across, second, third].map(|d| self.insert_furthest(d, norm(d), support));
         for (corners, beyond) in [
             ([v1, v3, v4], [1, 3, 2]),
             ([v1, v5, v3], [2, 4, 0]),
@@ -149,7 +182,11 @@ impl Polytope {
         crosses([x1, x2], [x3, x4, x5]).then_some(())
     }
 
-    fn restart_from_face(&mut self, corners: [usize; 3], support: &impl Fn(Vec3) -> Vertex) -> Option<()> {
+    fn restart_from_face(
+        &mut self,
+        corners: [usize; 3],
+        support: &impl Fn(Vec3) -> Vertex,
+    ) -> Option<()> {
         let triangle = corners.map(|v| self.vertices[v]);
         self.clear_faces();
         self.vertices.clear();
@@ -157,7 +194,11 @@ impl Polytope {
     }
 
     /// A pyramid on each side of the triangle: MuJoCo's `polytope3`.
-    fn start_from_triangle(&mut self, t: [Vertex; 3], support: &impl Fn(Vec3) -> Vertex) -> Option<()> {
+    fn start_from_triangle(
+        &mut self,
+        t: [Vertex; 3],
+        support: &impl Fn(Vec3) -> Vertex,
+    ) -> Option<()> {
         let [a, b, c] = t.map(|v| v.x);
         self.center = scale(add(add(a, b), c), 1.0 / 3.0);
         let normal = cross(sub(b, a), sub(c, a));
@@ -169,7 +210,10 @@ impl Polytope {
         // the second of these is inserted first
         let v5 = self.insert_furthest(scale(normal, -1.0), length, support);
         let v4 = self.insert_furthest(normal, length, support);
-        if [v4, v5].into_iter().any(|v| is_in_triangle([a, b, c], self.vertices[v].x)) {
+        if [v4, v5]
+            .into_iter()
+            .any(|v| is_in_triangle([a, b, c], self.vertices[v].x))
+        {
             return None;
         }
         for (corners, beyond) in [
@@ -188,7 +232,11 @@ impl Polytope {
     }
 
     /// MuJoCo's `polytope4`.
-    fn start_from_tetrahedron(&mut self, t: &[Vertex; 4], support: &impl Fn(Vec3) -> Vertex) -> Option<()> {
+    fn start_from_tetrahedron(
+        &mut self,
+        t: &[Vertex; 4],
+        support: &impl Fn(Vec3) -> Vertex,
+    ) -> Option<()> {
         let [v1, v2, v3, v4] = t.map(|v| self.insert(v));
         let [a, b, c, d] = t.map(|v| v.x);
         self.center = scale(add(add(add(a, b), c), d), 0.25);
@@ -218,7 +266,9 @@ impl Polytope {
                     (face, lower_square) = (Some(candidate), self.faces[candidate].square);
                 }
             }
-            let Some(nearest) = face.filter(|_| lower_square <= upper_square) else { return before };
+            let Some(nearest) = face.filter(|_| lower_square <= upper_square) else {
+                return before;
+            };
             if lower_square <= 0.0 {
                 return face;
             }
@@ -281,7 +331,9 @@ impl Polytope {
     /// Removes the faces that can be seen from a point, from one of them on, and lists the edges where those begin that cannot.
     fn find_horizon(&mut self, face: usize, w: Vec3) {
         self.remove(face);
-        let Face { corners, beyond, .. } = self.faces[face];
+        let Face {
+            corners, beyond, ..
+        } = self.faces[face];
         for edge in 0..3 {
             let neighbour = beyond[edge];
             if edge == 0 || self.faces[neighbour].place != Place::Removed {
@@ -292,7 +344,13 @@ impl Polytope {
 
     /// Goes on at a face that is entered at the edge from a corner.
     fn look_beyond(&mut self, face: usize, corner: usize, w: Vec3) {
-        let Face { corners, beyond, nearest, square, .. } = self.faces[face];
+        let Face {
+            corners,
+            beyond,
+            nearest,
+            square,
+            ..
+        } = self.faces[face];
         let entry = corners[..2].iter().position(|c| *c == corner).unwrap_or(2);
         if dot(nearest, w) - square > MINVAL {
             self.remove(face);
@@ -341,7 +399,10 @@ fn is_in_triangle(corners: [Vec3; 3], p: Vec3) -> bool {
     let (whole, parts) = areas(corners, p);
     let weights = parts.map(|part| part / whole);
     let [a, b, c] = corners;
-    let nearest = add(add(scale(a, weights[0]), scale(b, weights[1])), scale(c, weights[2]));
+    let nearest = add(
+        add(scale(a, weights[0]), scale(b, weights[1])),
+        scale(c, weights[2]),
+    );
     !weights.iter().any(|w| *w < 0.0) && norm(sub(nearest, p)) < MINVAL
 }
 

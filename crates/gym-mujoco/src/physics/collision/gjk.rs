@@ -20,7 +20,11 @@ pub(super) struct Vertex {
 
 impl Vertex {
     pub(super) fn new(w1: Vec3, w2: Vec3) -> Self {
-        Self { w1, w2, x: sub(w1, w2) }
+        Self {
+            w1,
+            w2,
+            x: sub(w1, w2),
+        }
     }
 }
 
@@ -78,7 +82,15 @@ pub(super) fn distance(centers: [Vec3; 2], reach: f64, support: &impl Fn(Vec3) -
         simplex[number] = vertex;
         if number == 3 && portal {
             match contains_origin(&mut simplex, &mut iteration, support) {
-                Some(true) => return Found { distance: 0.0, nearest, simplex, number: 4, separated: false },
+                Some(true) => {
+                    return Found {
+                        distance: 0.0,
+                        nearest,
+                        simplex,
+                        number: 4,
+                        separated: false,
+                    };
+                }
                 Some(false) => return Found::beyond(),
                 None => portal = false,
             }
@@ -104,15 +116,32 @@ pub(super) fn distance(centers: [Vec3; 2], reach: f64, support: &impl Fn(Vec3) -
         iteration += 1;
     }
     if number > 0 {
-        nearest =
-            [combine(&simplex, &weights, number, |v| v.w1), combine(&simplex, &weights, number, |v| v.w2)];
+        nearest = [
+            combine(&simplex, &weights, number, |v| v.w1),
+            combine(&simplex, &weights, number, |v| v.w2),
+        ];
     }
     let separated = dot(x, toward_origin(x, length).x) > 0.0;
-    let distance = if number == 4 && !separated { 0.0 } else { length };
-    Found { distance, nearest, simplex, number, separated }
+    let distance = if number == 4 && !separated {
+        0.0
+    } else {
+        length
+    };
+    Found {
+        distance,
+        nearest,
+        simplex,
+        number,
+        separated,
+    }
 }
 
-fn combine(simplex: &[Vertex; 4], weights: &[f64; 4], number: usize, of: impl Fn(&Vertex) -> Vec3) -> Vec3 {
+fn combine(
+    simplex: &[Vertex; 4],
+    weights: &[f64; 4],
+    number: usize,
+    of: impl Fn(&Vertex) -> Vec3,
+) -> Vec3 {
     let first = scale(of(&simplex[0]), weights[0]);
     (1..number).fold(first, |sum, i| add_scaled(sum, of(&simplex[i]), weights[i]))
 }
@@ -195,7 +224,13 @@ fn segment(a: Vec3, b: Vec3) -> [f64; 2] {
     let along = sub(b, a);
     let nearest = add_scaled(b, along, -(dot(b, along) / dot(along, along)));
     // the axis on which the segment is longest
-    let k = (0..3).fold(0, |best, k| if (a[k] - b[k]).abs() >= (a[best] - b[best]).abs() { k } else { best });
+    let k = (0..3).fold(0, |best, k| {
+        if (a[k] - b[k]).abs() >= (a[best] - b[best]).abs() {
+            k
+        } else {
+            best
+        }
+    });
     let (whole, from_b, from_a) = (a[k] - b[k], nearest[k] - b[k], a[k] - nearest[k]);
     if same_sign(whole, from_b) && same_sign(whole, from_a) {
         [from_b / whole, from_a / whole]
@@ -235,8 +270,9 @@ pub(super) fn areas([a, b, c]: [Vec3; 3], p: Vec3) -> (f64, [f64; 3]) {
     } else {
         (minors[2], 0, 1)
     };
-    let part =
-        |q: Vec3, r: Vec3| p[x] * q[y] + p[y] * r[x] + q[x] * r[y] - p[x] * r[y] - p[y] * q[x] - r[x] * q[y];
+    let part = |q: Vec3, r: Vec3| {
+        p[x] * q[y] + p[y] * r[x] + q[x] * r[y] - p[x] * r[y] - p[y] * q[x] - r[x] * q[y]
+    };
     (whole, [part(b, c), part(c, a), part(a, b)])
 }
 
@@ -252,7 +288,11 @@ fn triangle(a: Vec3, b: Vec3, c: Vec3) -> [f64; 3] {
     }
     let mut best = ([0.0; 3], f64::MAX);
     let edges = [([b, c], [1, 2]), ([a, c], [0, 2]), ([a, b], [0, 1])];
-    for ([p, q], corners) in edges.into_iter().zip(inside).filter(|(_, inside)| !inside).map(|(edge, _)| edge)
+    for ([p, q], corners) in edges
+        .into_iter()
+        .zip(inside)
+        .filter(|(_, inside)| !inside)
+        .map(|(edge, _)| edge)
     {
         let weights = segment(p, q);
         let nearest = add_scaled(scale(p, weights[0]), q, weights[1]);
@@ -268,20 +308,36 @@ fn triangle(a: Vec3, b: Vec3, c: Vec3) -> [f64; 3] {
 fn tetrahedron([a, b, c, d]: [Vec3; 4]) -> [f64; 4] {
     let volume = |p: Vec3, q: Vec3, r: Vec3| dot(p, cross(q, r));
     // the volumes of the origin with each face, with the sign of the whole for the inside
-    let parts = [-volume(b, c, d), volume(a, c, d), -volume(a, b, d), volume(a, b, c)];
+    let parts = [
+        -volume(b, c, d),
+        volume(a, c, d),
+        -volume(a, b, d),
+        volume(a, b, c),
+    ];
     let whole = parts[0] + parts[1] + parts[2] + parts[3];
     let inside = parts.map(|part| same_sign(whole, part));
     if inside == [true; 4] {
         return parts.map(|part| part / whole);
     }
     let mut best = ([0.0; 4], f64::MAX);
-    let faces =
-        [([b, c, d], [1, 2, 3]), ([a, c, d], [0, 2, 3]), ([a, b, d], [0, 1, 3]), ([a, b, c], [0, 1, 2])];
-    for ([p, q, r], corners) in
-        faces.into_iter().zip(inside).filter(|(_, inside)| !inside).map(|(face, _)| face)
+    let faces = [
+        ([b, c, d], [1, 2, 3]),
+        ([a, c, d], [0, 2, 3]),
+        ([a, b, d], [0, 1, 3]),
+        ([a, b, c], [0, 1, 2]),
+    ];
+    for ([p, q, r], corners) in faces
+        .into_iter()
+        .zip(inside)
+        .filter(|(_, inside)| !inside)
+        .map(|(face, _)| face)
     {
         let weights = triangle(p, q, r);
-        let nearest = add_scaled(add_scaled(scale(p, weights[0]), q, weights[1]), r, weights[2]);
+        let nearest = add_scaled(
+            add_scaled(scale(p, weights[0]), q, weights[1]),
+            r,
+            weights[2],
+        );
         let square = dot(nearest, nearest);
         if square < best.1 {
             best = (spread(weights, corners), square);
@@ -303,7 +359,10 @@ mod tests {
                 for k in 0..=N - i - j {
                     let w = [i, j, k, N - i - j - k].map(|n| n as f64 / N as f64);
                     if w[s.len()..].iter().all(|&w| w == 0.0) {
-                        let p = s.iter().zip(w).fold([0.0; 3], |sum, (&p, w)| add_scaled(sum, p, w));
+                        let p = s
+                            .iter()
+                            .zip(w)
+                            .fold([0.0; 3], |sum, (&p, w)| add_scaled(sum, p, w));
                         best = best.min(norm(p));
                     }
                 }
@@ -317,7 +376,9 @@ mod tests {
     fn finds_the_nearest_point_of_simplices() {
         let mut seed = 1_u64;
         let mut number = move || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            seed = seed
+                .wrapping_mul(6_364_136_223_846_793_005)
+                .wrapping_add(1_442_695_040_888_963_407);
             (seed >> 33) as f64 / f64::from(1_u32 << 31) * 4.0 - 1.5
         };
         let mut found = [0; 5];
@@ -330,9 +391,16 @@ mod tests {
                 if weights[..n].contains(&0.0) {
                     continue;
                 }
-                let p = corners.iter().zip(weights).fold([0.0; 3], |sum, (&p, w)| add_scaled(sum, p, w));
+                let p = corners
+                    .iter()
+                    .zip(weights)
+                    .fold([0.0; 3], |sum, (&p, w)| add_scaled(sum, p, w));
                 let many = nearest_of_many(&corners[..n]);
-                assert!(norm(p) <= many + 1e-12 && norm(p) > many - 0.15, "{} {many} {n}", norm(p));
+                assert!(
+                    norm(p) <= many + 1e-12 && norm(p) > many - 0.15,
+                    "{} {many} {n}",
+                    norm(p)
+                );
                 found[n] += 1;
             }
         }

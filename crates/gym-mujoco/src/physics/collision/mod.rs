@@ -47,16 +47,29 @@ pub fn collision(m: &Model, d: &mut Data) {
             continue;
         }
         let pair = &plan.pairs[index];
-        let [a, b] =
-            pair.geom.map(|g| Shape { pos: d.geom_xpos[g], mat: &d.geom_xmat[g], size: &m.geom_size[g] });
+        let [a, b] = pair.geom.map(|g| Shape {
+            pos: d.geom_xpos[g],
+            mat: &d.geom_xmat[g],
+            size: &m.geom_size[g],
+        });
         let (contacts, polytope) = (&mut d.contact, &mut d.work.polytope);
         let mut push = |hit: Hit| contacts.push(contact(pair, index, &hit));
         match pair.kind {
-            (GeomType::Plane, GeomType::Sphere) => primitive::plane_sphere(a, b, pair.margin, &mut push),
-            (GeomType::Plane, GeomType::Capsule) => primitive::plane_capsule(a, b, pair.margin, &mut push),
-            (GeomType::Plane, GeomType::Cylinder) => primitive::plane_cylinder(a, b, pair.margin, &mut push),
-            (GeomType::Sphere, GeomType::Sphere) => primitive::sphere_sphere(a, b, pair.margin, &mut push),
-            (GeomType::Sphere, GeomType::Capsule) => primitive::sphere_capsule(a, b, pair.margin, &mut push),
+            (GeomType::Plane, GeomType::Sphere) => {
+                primitive::plane_sphere(a, b, pair.margin, &mut push)
+            }
+            (GeomType::Plane, GeomType::Capsule) => {
+                primitive::plane_capsule(a, b, pair.margin, &mut push)
+            }
+            (GeomType::Plane, GeomType::Cylinder) => {
+                primitive::plane_cylinder(a, b, pair.margin, &mut push)
+            }
+            (GeomType::Sphere, GeomType::Sphere) => {
+                primitive::sphere_sphere(a, b, pair.margin, &mut push)
+            }
+            (GeomType::Sphere, GeomType::Capsule) => {
+                primitive::sphere_capsule(a, b, pair.margin, &mut push)
+            }
             (GeomType::Capsule, GeomType::Capsule) => {
                 primitive::capsule_capsule(a, b, pair.margin, &mut push);
             }
@@ -74,7 +87,11 @@ pub fn collision(m: &Model, d: &mut Data) {
 fn out_of_reach(d: &Data, reach: &Reach) -> bool {
     let [g1, g2] = reach.geom;
     let between = sub(d.geom_xpos[g2], d.geom_xpos[g1]);
-    let along = if reach.plane { column(&d.geom_xmat[g1], 2) } else { between };
+    let along = if reach.plane {
+        column(&d.geom_xmat[g1], 2)
+    } else {
+        between
+    };
     dot(between, along) > reach.most
 }
 
@@ -122,5 +139,10 @@ fn spheres(c1: Vec3, r1: f64, c2: Vec3, r2: f64, axes: (Vec3, Vec3), margin: f64
     } else {
         super::spatial::scale(between, 1.0 / distance)
     };
-    Some(Hit { dist, pos: add_scaled(c1, normal, r1 + 0.5 * dist), normal, tangent: [0.0; 3] })
+    Some(Hit {
+        dist,
+        pos: add_scaled(c1, normal, r1 + 0.5 * dist),
+        normal,
+        tangent: [0.0; 3],
+    })
 }

@@ -1,10 +1,18 @@
 //! Pairs of shapes whose contacts have a closed form.
 
-use super::super::spatial::{MINVAL, Vec3, add, add_scaled, column, cross, dot, norm, normalize, scale, sub};
+use super::super::spatial::{
+    MINVAL, Vec3, add, add_scaled, column, cross, dot, norm, normalize, scale, sub,
+};
 use super::{Hit, Shape, spheres};
 
 /// A plane and a sphere of some centre and radius.
-fn plane_point(plane: Shape<'_>, centre: Vec3, radius: f64, tangent: Vec3, margin: f64) -> Option<Hit> {
+fn plane_point(
+    plane: Shape<'_>,
+    centre: Vec3,
+    radius: f64,
+    tangent: Vec3,
+    margin: f64,
+) -> Option<Hit> {
     let normal = plane.axis();
     let height = dot(sub(centre, plane.pos), normal);
     let dist = height - radius;
@@ -16,17 +24,33 @@ fn plane_point(plane: Shape<'_>, centre: Vec3, radius: f64, tangent: Vec3, margi
     })
 }
 
-pub(super) fn plane_sphere(plane: Shape<'_>, sphere: Shape<'_>, margin: f64, push: &mut impl FnMut(Hit)) {
+pub(super) fn plane_sphere(
+    plane: Shape<'_>,
+    sphere: Shape<'_>,
+    margin: f64,
+    push: &mut impl FnMut(Hit),
+) {
     if let Some(hit) = plane_point(plane, sphere.pos, sphere.size[0], [0.0; 3], margin) {
         push(hit);
     }
 }
 
 /// The ends of the capsule as spheres, first the one at +z; the tangent is the capsule's axis.
-pub(super) fn plane_capsule(plane: Shape<'_>, capsule: Shape<'_>, margin: f64, push: &mut impl FnMut(Hit)) {
+pub(super) fn plane_capsule(
+    plane: Shape<'_>,
+    capsule: Shape<'_>,
+    margin: f64,
+    push: &mut impl FnMut(Hit),
+) {
     let (axis, &[radius, half, _]) = (capsule.axis(), capsule.size);
     for end in [half, -half] {
-        if let Some(hit) = plane_point(plane, add_scaled(capsule.pos, axis, end), radius, axis, margin) {
+        if let Some(hit) = plane_point(
+            plane,
+            add_scaled(capsule.pos, axis, end),
+            radius,
+            axis,
+            margin,
+        ) {
             push(hit);
         }
     }
@@ -34,7 +58,12 @@ pub(super) fn plane_capsule(plane: Shape<'_>, capsule: Shape<'_>, margin: f64, p
 
 /// The lowest point of the rim nearest to the plane, the one opposite on the other rim, and two more of the nearest rim, so
 /// that a cylinder can stand.
-pub(super) fn plane_cylinder(plane: Shape<'_>, cylinder: Shape<'_>, margin: f64, push: &mut impl FnMut(Hit)) {
+pub(super) fn plane_cylinder(
+    plane: Shape<'_>,
+    cylinder: Shape<'_>,
+    margin: f64,
+    push: &mut impl FnMut(Hit),
+) {
     let normal = plane.axis();
     let &[radius, half, _] = cylinder.size;
     let mut axis = cylinder.axis();
@@ -47,15 +76,23 @@ pub(super) fn plane_cylinder(plane: Shape<'_>, cylinder: Shape<'_>, margin: f64,
     // from the centre to the lowest point of the rim
     let down = sub(scale(axis, slope), normal);
     let length = norm(down);
-    let rim =
-        if length < MINVAL { scale(column(cylinder.mat, 0), radius) } else { scale(down, radius / length) };
+    let rim = if length < MINVAL {
+        scale(column(cylinder.mat, 0), radius)
+    } else {
+        scale(down, radius / length)
+    };
     let fall = dot(rim, normal);
     let (axis, slope) = (scale(axis, half), slope * half);
 
     let mut point = |offset: Vec3, dist: f64| {
         if dist <= margin {
             let pos = add_scaled(add(cylinder.pos, offset), normal, -0.5 * dist);
-            push(Hit { dist, pos, normal, tangent: [0.0; 3] });
+            push(Hit {
+                dist,
+                pos,
+                normal,
+                tangent: [0.0; 3],
+            });
         }
         dist <= margin
     };
@@ -71,16 +108,35 @@ pub(super) fn plane_cylinder(plane: Shape<'_>, cylinder: Shape<'_>, margin: f64,
 }
 
 pub(super) fn sphere_sphere(a: Shape<'_>, b: Shape<'_>, margin: f64, push: &mut impl FnMut(Hit)) {
-    if let Some(hit) = spheres(a.pos, a.size[0], b.pos, b.size[0], (a.axis(), b.axis()), margin) {
+    if let Some(hit) = spheres(
+        a.pos,
+        a.size[0],
+        b.pos,
+        b.size[0],
+        (a.axis(), b.axis()),
+        margin,
+    ) {
         push(hit);
     }
 }
 
-pub(super) fn sphere_capsule(sphere: Shape<'_>, capsule: Shape<'_>, margin: f64, push: &mut impl FnMut(Hit)) {
+pub(super) fn sphere_capsule(
+    sphere: Shape<'_>,
+    capsule: Shape<'_>,
+    margin: f64,
+    push: &mut impl FnMut(Hit),
+) {
     let (axis, &[radius, half, _]) = (capsule.axis(), capsule.size);
     let along = dot(axis, sub(sphere.pos, capsule.pos)).clamp(-half, half);
     let nearest = add_scaled(capsule.pos, axis, along);
-    if let Some(hit) = spheres(sphere.pos, sphere.size[0], nearest, radius, (sphere.axis(), axis), margin) {
+    if let Some(hit) = spheres(
+        sphere.pos,
+        sphere.size[0],
+        nearest,
+        radius,
+        (sphere.axis(), axis),
+        margin,
+    ) {
         push(hit);
     }
 }

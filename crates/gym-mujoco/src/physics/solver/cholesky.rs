@@ -104,7 +104,13 @@ pub(super) fn solve(factor: &[Lanes], n: usize, stride: usize, x: &mut [Lanes]) 
 /// Makes `L` the factor of `L L' + x x'`, or of `L L' - x x'`: MuJoCo's `mju_cholUpdate`. False where the difference is not positive
 /// definite.
 #[inline(always)]
-pub(super) fn update(factor: &mut [Lanes], n: usize, stride: usize, x: &mut [Lanes], adds: bool) -> bool {
+pub(super) fn update(
+    factor: &mut [Lanes],
+    n: usize,
+    stride: usize,
+    x: &mut [Lanes],
+    adds: bool,
+) -> bool {
     let mut definite = true;
     for k in 0..n {
         let (first, lane) = (k / 4, k % 4);
@@ -141,7 +147,8 @@ mod tests {
 
     /// A positive definite matrix, by rows.
     fn matrix() -> [[f64; N]; N] {
-        let entry = |i: usize, j: usize| 1.0 / (1.0 + i as f64 + j as f64) + if i == j { 2.0 } else { 0.0 };
+        let entry =
+            |i: usize, j: usize| 1.0 / (1.0 + i as f64 + j as f64) + if i == j { 2.0 } else { 0.0 };
         std::array::from_fn(|i| std::array::from_fn(|j| entry(i, j)))
     }
 
@@ -161,8 +168,8 @@ mod tests {
             let diagonal = (matrix[j][j] - dot_slices(&matrix[j][..j], &matrix[j][..j])).sqrt();
             matrix[j][j] = diagonal;
             for i in j + 1..N {
-                matrix[i][j] =
-                    (matrix[i][j] - dot_slices(&matrix[i][..j], &matrix[j][..j])) * (1.0 / diagonal);
+                matrix[i][j] = (matrix[i][j] - dot_slices(&matrix[i][..j], &matrix[j][..j]))
+                    * (1.0 / diagonal);
             }
         }
         for i in 0..N {
@@ -215,11 +222,17 @@ mod tests {
             for j in 0..N {
                 for i in j..N {
                     let at = j * groups(N) + i / 4;
-                    assert!((factors[at][i % 4] - expected[at][i % 4]).abs() < 1e-14, "{i} {j}");
+                    assert!(
+                        (factors[at][i % 4] - expected[at][i % 4]).abs() < 1e-14,
+                        "{i} {j}"
+                    );
                 }
             }
         }
         let mut far = vec![[9.0; 4]; groups(N)];
-        assert!(!update(&mut factors, N, groups(N), &mut far, false), "not positive definite any more");
+        assert!(
+            !update(&mut factors, N, groups(N), &mut far, false),
+            "not positive definite any more"
+        );
     }
 }

@@ -19,7 +19,12 @@ impl Row {
     pub(super) fn new(jar: f64, jv: f64, stiffness: f64) -> Self {
         let force = stiffness * jar;
         let quad = [jar * force * 0.5, jv * force, jv * stiffness * jv * 0.5];
-        Self { jar, jv, quad, cost: if jar < 0.0 { quad[0] } else { 0.0 } }
+        Self {
+            jar,
+            jv,
+            quad,
+            cost: if jar < 0.0 { quad[0] } else { 0.0 },
+        }
     }
 }
 

@@ -130,11 +130,18 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
     multiply(m, &d.qm, &d.qacc_warmstart, &mut b.ma_start);
     let mut warm = cost_of_rows(&efc.d, &b.jar);
     for i in 0..m.nv() {
-        let (force, a) = (b.ma_start[i] - d.qfrc_smooth[i], d.qacc_warmstart[i] - d.qacc_smooth[i]);
+        let (force, a) = (
+            b.ma_start[i] - d.qfrc_smooth[i],
+            d.qacc_warmstart[i] - d.qacc_smooth[i],
+        );
         warm += 0.5 * force * a;
     }
     let cold = warm > cost_of_rows(&efc.d, &efc.b);
-    let start = if cold { &d.qacc_smooth } else { &d.qacc_warmstart };
+    let start = if cold {
+        &d.qacc_smooth
+    } else {
+        &d.qacc_warmstart
+    };
     d.qacc.copy_from_slice(start);
 
     for tree in (0..m.ntree()).filter(|&tree| work.tree_island[tree] == usize::MAX) {
@@ -142,8 +149,10 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
         d.qacc[dofs.clone()].copy_from_slice(&d.qacc_smooth[dofs]);
     }
     for island in &work.islands {
-        let (trees, blocks) =
-            (&work.island_trees[island.trees.clone()], &work.island_blocks[island.blocks.clone()]);
+        let (trees, blocks) = (
+            &work.island_trees[island.trees.clone()],
+            &work.island_blocks[island.blocks.clone()],
+        );
         let n = trees.iter().map(|&tree| m.plan().trees[tree].len()).sum();
         let mut problem = Problem {
             m,
@@ -171,14 +180,18 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
         } else {
             let mut rows = std::mem::take(&mut b.gathered);
             gather(&problem, efc, &mut rows, blocks);
-            (problem.blocks, problem.jac, problem.stride) = (&rows.blocks, &rows.jac, dense::groups(n));
+            (problem.blocks, problem.jac, problem.stride) =
+                (&rows.blocks, &rows.jac, dense::groups(n));
             (problem.d, problem.aref) = (&rows.d, &rows.aref);
             let iterations = solve_island(&problem, b, answer, false);
             b.gathered = rows;
             let mut forces = b.force.iter();
             for &index in blocks {
                 let block = &efc.blocks[index];
-                for (to, from) in efc.force[block.row..block.row + block.rows].iter_mut().zip(&mut forces) {
+                for (to, from) in efc.force[block.row..block.row + block.rows]
+                    .iter_mut()
+                    .zip(&mut forces)
+                {
                     *to = *from;
                 }
             }
@@ -239,7 +252,10 @@ impl Problem<'_> {
     #[inline(always)]
     fn mul_m(&self, x: &[Lanes], y: &mut [Lanes]) {
         for (dofs, place) in self.places() {
-            let (x, y) = (&x.as_flattened()[place.clone()], &mut y.as_flattened_mut()[place]);
+            let (x, y) = (
+                &x.as_flattened()[place.clone()],
+                &mut y.as_flattened_mut()[place],
+            );
             mul_m_tree(self.m, self.qm, &dofs, x, y);
         }
     }
@@ -254,7 +270,11 @@ fn gather(problem: &Problem<'_>, efc: &Constraints, b: &mut Gathered, blocks: &[
     b.aref.clear();
     for &index in blocks {
         let block = &efc.blocks[index];
-        b.blocks.push(Block { row: b.d.len(), groups: stride, ..block.clone() });
+        b.blocks.push(Block {
+            row: b.d.len(),
+            groups: stride,
+            ..block.clone()
+        });
         for row in block.row..block.row + block.rows {
             let from = efc.jacobian()[row * efc.stride()..(row + 1) * efc.stride()].as_flattened();
             let start = b.jac.len();
@@ -294,7 +314,10 @@ fn solve_island(
     if !whole {
         b.jar.resize(nefc, 0.0);
         problem.mul_jacobian(&b.acc, &mut b.jar);
-        b.jar.iter_mut().zip(problem.aref).for_each(|(jar, aref)| *jar -= aref);
+        b.jar
+            .iter_mut()
+            .zip(problem.aref)
+            .for_each(|(jar, aref)| *jar -= aref);
     }
     b.jv.resize(nefc, 0.0);
     b.force.resize(nefc, 0.0);
@@ -373,7 +396,9 @@ fn iterate(problem: &Problem<'_>, b: &mut Buffers, scale: f64, tolerance: f64) -
 #[inline(always)]
 fn update(problem: &Problem<'_>, b: &mut Buffers) {
     b.terms.clear();
-    for (row, ((force, &jar), &stiffness)) in b.force.iter_mut().zip(&b.jar).zip(problem.d).enumerate() {
+    for (row, ((force, &jar), &stiffness)) in
+        b.force.iter_mut().zip(&b.jar).zip(problem.d).enumerate()
+    {
         *force = if jar < 0.0 { -stiffness * jar } else { 0.0 };
         if *force != 0.0 {
             b.terms.push((row * problem.stride, *force));
@@ -386,7 +411,13 @@ fn update(problem: &Problem<'_>, b: &mut Buffers) {
         #[inline(always)]
         |index| b.terms[index],
     );
-    for (((grad, ma), smooth), constraint) in b.grad.iter_mut().zip(&b.ma).zip(&b.smooth).zip(&b.constraint) {
+    for (((grad, ma), smooth), constraint) in b
+        .grad
+        .iter_mut()
+        .zip(&b.ma)
+        .zip(&b.smooth)
+        .zip(&b.constraint)
+    {
         *grad = minus(minus(*ma, *smooth, 1.0), *constraint, 1.0);
     }
 }
@@ -402,7 +433,8 @@ fn hessian(problem: &Problem<'_>, b: &mut Buffers) {
         if pushes && stiffness != 0.0 {
             let jac = problem.row(row);
             b.pushing.extend_from_slice(jac);
-            b.pushed.extend(jac.iter().map(|&four| times(four, stiffness)));
+            b.pushed
+                .extend(jac.iter().map(|&four| times(four, stiffness)));
         }
     }
     b.hessian.resize(n * stride, [0.0; 4]);
@@ -446,7 +478,13 @@ fn update_hessian(problem: &Problem<'_>, b: &mut Buffers) -> bool {
             for (x, jac) in b.row_update.iter_mut().zip(problem.row(row)) {
                 *x = times(*jac, root);
             }
-            definite = cholesky::update(&mut b.hessian, problem.n, problem.stride, &mut b.row_update, pushes);
+            definite = cholesky::update(
+                &mut b.hessian,
+                problem.n,
+                problem.stride,
+                &mut b.row_update,
+                pushes,
+            );
         }
     }
     definite
@@ -463,12 +501,22 @@ fn search(problem: &Problem<'_>, b: &mut Buffers, scale: f64) -> (f64, f64) {
     problem.mul_m(&b.search, &mut b.mv);
     problem.mul_jacobian(&b.search, &mut b.jv);
     b.rows.clear();
-    b.rows.extend(b.jar.iter().zip(&b.jv).zip(problem.d).map(|((&jar, &jv), &d)| Row::new(jar, jv, d)));
+    b.rows.extend(
+        b.jar
+            .iter()
+            .zip(&b.jv)
+            .zip(problem.d)
+            .map(|((&jar, &jv), &d)| Row::new(jar, jv, d)),
+    );
     let along = Along {
         rows: &b.rows,
         linear: dot(&b.search, &b.ma, n) - dot(&b.smooth, &b.search, n),
         quadratic: 0.5 * dot(&b.search, &b.mv, n),
         evaluations: 0,
     };
-    line_search(along, opt.tolerance * opt.ls_tolerance * length / scale, opt.ls_iterations)
+    line_search(
+        along,
+        opt.tolerance * opt.ls_tolerance * length / scale,
+        opt.ls_iterations,
+    )
 }

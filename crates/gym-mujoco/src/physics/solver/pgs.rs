@@ -86,7 +86,12 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
     for ((force, &jar), d) in force.iter_mut().zip(&s.jar).zip(&d.efc.d) {
         *force = if jar < 0.0 { -d * jar } else { 0.0 };
     }
-    for (product, row) in s.product.as_flattened_mut().iter_mut().zip(s.ar.chunks_exact(stride)) {
+    for (product, row) in s
+        .product
+        .as_flattened_mut()
+        .iter_mut()
+        .zip(s.ar.chunks_exact(stride))
+    {
         *product = dot(row, &s.force, nefc);
     }
     // with what it is used for below, one more product of vectors
@@ -111,12 +116,18 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
 
     let sum = &mut d.work.dofs;
     sum.fill([0.0; 4]);
-    for (row, &force) in d.efc.jacobian().chunks_exact(d.efc.stride()).zip(&d.efc.force) {
+    for (row, &force) in d
+        .efc
+        .jacobian()
+        .chunks_exact(d.efc.stride())
+        .zip(&d.efc.force)
+    {
         if force != 0.0 {
             add_scaled(sum, row, force);
         }
     }
-    d.qfrc_constraint.copy_from_slice(&sum.as_flattened()[..m.nv()]);
+    d.qfrc_constraint
+        .copy_from_slice(&sum.as_flattened()[..m.nv()]);
     d.qacc.copy_from_slice(&d.qfrc_constraint);
     inertia::solve(m, &d.qld, &d.qld_diag_inv, &mut d.qacc);
     for (a, smooth) in d.qacc.iter_mut().zip(&d.qacc_smooth) {
@@ -133,9 +144,18 @@ fn project(m: &Model, d: &Data, s: &mut Buffers) {
     s.half.clear();
     s.half.resize(nv * stride, [0.0; 4]);
     let width = 4 * d.efc.stride();
-    for (g, rows) in d.efc.jacobian().as_flattened().chunks(4 * width).enumerate() {
+    for (g, rows) in d
+        .efc
+        .jacobian()
+        .as_flattened()
+        .chunks(4 * width)
+        .enumerate()
+    {
         if rows.len() == 4 * width {
-            let ((a, b), (c, e)) = (rows[..2 * width].split_at(width), rows[2 * width..].split_at(width));
+            let ((a, b), (c, e)) = (
+                rows[..2 * width].split_at(width),
+                rows[2 * width..].split_at(width),
+            );
             let elements = a.iter().zip(b).zip(c.iter().zip(e));
             for (half, ((a, b), (c, e))) in s.half.chunks_exact_mut(stride).zip(elements) {
                 half[g] = [*a, *b, *c, *e];
@@ -165,7 +185,8 @@ fn project(m: &Model, d: &Data, s: &mut Buffers) {
         }
         // the root of D, not of its inverse
         let scale = 1.0 / d.qld[plan.m_diagonal(i)].sqrt();
-        own.iter_mut().for_each(|group| *group = times(*group, scale));
+        own.iter_mut()
+            .for_each(|group| *group = times(*group, scale));
     }
 
     s.ar.resize(nefc * stride, [0.0; 4]);
@@ -219,7 +240,12 @@ fn iterate(m: &Model, d: &Data, s: &mut Buffers) -> usize {
     s.steps.clear();
     s.steps.extend(rows.iter().map(|&row| {
         let diag_inv = 1.0 / s.ar[row * stride + row / 4][row % 4];
-        Step { row, b: d.efc.b[row], diag_inv, diag: 1.0 / diag_inv }
+        Step {
+            row,
+            b: d.efc.b[row],
+            diag_inv,
+            diag: 1.0 / diag_inv,
+        }
     }));
     let mut generator = Pcg32(0);
     generator.next();
@@ -237,11 +263,19 @@ fn iterate(m: &Model, d: &Data, s: &mut Buffers) -> usize {
 
     // slices: the compiler cannot know that forces do not change where the vectors are
     let (steps, ar) = (&s.steps[..n], &s.ar[..nefc * stride]);
-    let (force, before, momentum) = (&mut s.force[..stride], &mut s.before[..n], &mut s.momentum[..n]);
+    let (force, before, momentum) = (
+        &mut s.force[..stride],
+        &mut s.before[..n],
+        &mut s.momentum[..n],
+    );
     let (order, next_order) = (&mut s.order[..n], &mut s.next_order[..n]);
     let mut k = 0.0;
     for iteration in 0..m.opt.iterations {
-        let beta = if iteration > 0 { (k - 1.0) / (k + 2.0) } else { 0.0 };
+        let beta = if iteration > 0 {
+            (k - 1.0) / (k + 2.0)
+        } else {
+            0.0
+        };
         let numbers = force.as_flattened_mut();
         for ((&row, before), momentum) in rows.iter().zip(&mut *before).zip(&mut *momentum) {
             let now = numbers[row];
@@ -258,7 +292,12 @@ fn iterate(m: &Model, d: &Data, s: &mut Buffers) -> usize {
         order.copy_from_slice(next_order);
         let mut improvement = 0.0;
         for (&i, next) in order.iter().zip((0..n).rev()) {
-            let &Step { row, b, diag_inv, diag } = &steps[i as usize];
+            let &Step {
+                row,
+                b,
+                diag_inv,
+                diag,
+            } = &steps[i as usize];
             let residual = b + dot(&ar[row * stride..][..stride], force, nefc);
             let old = force.as_flattened()[row];
             let moved = old - residual * diag_inv;
@@ -279,7 +318,11 @@ fn iterate(m: &Model, d: &Data, s: &mut Buffers) -> usize {
         for ((&row, momentum), before) in rows.iter().zip(&*momentum).zip(&*before) {
             turned += (numbers[row] - momentum) * (momentum - before);
         }
-        k = if iteration > 0 && turned < 0.0 { 0.0 } else { k + 1.0 };
+        k = if iteration > 0 && turned < 0.0 {
+            0.0
+        } else {
+            k + 1.0
+        };
         if improvement < m.opt.tolerance {
             return iteration + 1;
         }

@@ -38,8 +38,11 @@ pub(in crate::physics::box2d) struct Touch {
 }
 
 impl Touch {
-    pub(in crate::physics::box2d) const NONE: Self =
-        Self { rows: ContactRows::ZERO, points: [PointRows::ZERO; 2], counts: [false; 2] };
+    pub(in crate::physics::box2d) const NONE: Self = Self {
+        rows: ContactRows::ZERO,
+        points: [PointRows::ZERO; 2],
+        counts: [false; 2],
+    };
 
     pub(in crate::physics::box2d) fn is_none(&self) -> bool {
         self.counts == [false; 2]
@@ -142,10 +145,19 @@ impl Touch {
             let old = pair(strip, &p1.normal_impulse, &p2.normal_impulse);
             let vn1 = p1.relative(strip, v, w).dot(normal);
             let vn2 = p2.relative(strip, v, w).dot(normal);
-            let (k11, k12, k22) =
-                (strip.load(&self.rows.k11), strip.load(&self.rows.k12), strip.load(&self.rows.k22));
-            let k_old = Pair { x: k11 * old.x + k12 * old.y, y: k12 * old.x + k22 * old.y };
-            let b = Pair { x: vn1 - strip.load(&p1.bias), y: vn2 - strip.load(&p2.bias) } - k_old;
+            let (k11, k12, k22) = (
+                strip.load(&self.rows.k11),
+                strip.load(&self.rows.k12),
+                strip.load(&self.rows.k22),
+            );
+            let k_old = Pair {
+                x: k11 * old.x + k12 * old.y,
+                y: k12 * old.x + k22 * old.y,
+            };
+            let b = Pair {
+                x: vn1 - strip.load(&p1.bias),
+                y: vn2 - strip.load(&p2.bias),
+            } - k_old;
             let masses = (strip.load(&p1.normal_mass), strip.load(&p2.normal_mass));
             let (x, solved) = self.rows.solve_block(strip, masses, b);
             let there = two & solved;
@@ -163,13 +175,21 @@ impl Touch {
 
 #[inline(always)]
 fn pair<S: Simd, const R: usize>(strip: Strip<S, R>, x: &Row, y: &Row) -> Pair<S, R> {
-    Pair { x: strip.load(x), y: strip.load(y) }
+    Pair {
+        x: strip.load(x),
+        y: strip.load(y),
+    }
 }
 
 impl Row {
     /// Overwrites the lanes of a mask.
     #[inline(always)]
-    fn set<S: Simd, const R: usize>(&mut self, strip: Strip<S, R>, mask: Mask<S, R>, x: Wide<S, R>) {
+    fn set<S: Simd, const R: usize>(
+        &mut self,
+        strip: Strip<S, R>,
+        mask: Mask<S, R>,
+        x: Wide<S, R>,
+    ) {
         strip.store(self, mask.select(x, strip.load(self)));
     }
 }
@@ -183,7 +203,8 @@ impl PointRows {
         v: Pair<S, R>,
         w: Wide<S, R>,
     ) -> Pair<S, R> {
-        v + pair(strip, &self.r_x, &self.r_y).turned_by(w) - pair(strip, &self.still_x, &self.still_y)
+        v + pair(strip, &self.r_x, &self.r_y).turned_by(w)
+            - pair(strip, &self.still_x, &self.still_y)
     }
 }
 
@@ -198,11 +219,23 @@ impl ContactRows {
     ) -> (Pair<S, R>, Mask<S, R>) {
         let zero = strip.same(0.0);
         let k12 = strip.load(&self.k12);
-        let (i11, i12, i22) =
-            (strip.load(&self.inverse11), strip.load(&self.inverse12), strip.load(&self.inverse22));
-        let both = -Pair { x: i11 * b.x + i12 * b.y, y: i12 * b.x + i22 * b.y };
-        let first = Pair { x: -mass1 * b.x, y: zero };
-        let second = Pair { x: zero, y: -mass2 * b.y };
+        let (i11, i12, i22) = (
+            strip.load(&self.inverse11),
+            strip.load(&self.inverse12),
+            strip.load(&self.inverse22),
+        );
+        let both = -Pair {
+            x: i11 * b.x + i12 * b.y,
+            y: i12 * b.x + i22 * b.y,
+        };
+        let first = Pair {
+            x: -mass1 * b.x,
+            y: zero,
+        };
+        let second = Pair {
+            x: zero,
+            y: -mass2 * b.y,
+        };
         let is_both = both.x.ge(zero) & both.y.ge(zero);
         let is_first = first.x.ge(zero) & (k12 * first.x + b.y).ge(zero);
         let is_second = second.y.ge(zero) & (k12 * second.y + b.x).ge(zero);
@@ -227,7 +260,8 @@ impl Constraint {
     ) -> Option<usize> {
         let still = velocities[self.a.index];
         let rests = [still.v.x, still.v.y, still.w].map(f32::to_bits) == [0; 3];
-        let is_static = self.a.index >= dynamic && self.a.inv_mass == 0.0 && self.a.inv_inertia == 0.0;
+        let is_static =
+            self.a.index >= dynamic && self.a.inv_mass == 0.0 && self.a.inv_inertia == 0.0;
         (is_static && rests && self.b.index < dynamic && self.count > 0).then_some(self.b.index)
     }
 }

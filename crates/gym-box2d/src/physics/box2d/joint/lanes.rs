@@ -85,8 +85,12 @@ impl Hinge {
         (a, b): (usize, usize),
     ) {
         let ((m_a, i_a), (m_b, i_b)) = (bodies.masses(strip, a), bodies.masses(strip, b));
-        let ((mut v_a, mut w_a), (mut v_b, mut w_b)) = (bodies.load(strip, a), bodies.load(strip, b));
-        let (r_a, r_b) = (strip.pair(&self.r_ax, &self.r_ay), strip.pair(&self.r_bx, &self.r_by));
+        let ((mut v_a, mut w_a), (mut v_b, mut w_b)) =
+            (bodies.load(strip, a), bodies.load(strip, b));
+        let (r_a, r_b) = (
+            strip.pair(&self.r_ax, &self.r_ay),
+            strip.pair(&self.r_bx, &self.r_by),
+        );
 
         let cdot = w_b - w_a - strip.load(&self.motor_speed);
         let old = strip.load(&self.motor_impulse);
@@ -103,7 +107,11 @@ impl Hinge {
             self.solve_limit(strip, held, cdot, w_b - w_a)
         } else {
             // (x + -0 = x for every x)
-            Limit { held, p: self.solve22(strip, -cdot), z: strip.same(-0.0) }
+            Limit {
+                held,
+                p: self.solve22(strip, -cdot),
+                z: strip.same(-0.0),
+            }
         };
         let impulse = strip.pair(&self.impulse_x, &self.impulse_y) + p;
         strip.store(&mut self.impulse_x, impulse.x);
@@ -142,9 +150,16 @@ impl Hinge {
 
     #[inline(always)]
     fn solve22<S: Simd, const R: usize>(&self, strip: Strip<S, R>, b: Pair<S, R>) -> Pair<S, R> {
-        let (exx, eyx, eyy) = (strip.load(&self.exx), strip.load(&self.eyx), strip.load(&self.eyy));
+        let (exx, eyx, eyy) = (
+            strip.load(&self.exx),
+            strip.load(&self.eyx),
+            strip.load(&self.eyy),
+        );
         let det = strip.load(&self.det2);
-        Pair { x: det * (eyy * b.x - eyx * b.y), y: det * (exx * b.y - eyx * b.x) }
+        Pair {
+            x: det * (eyy * b.x - eyx * b.y),
+            y: det * (exx * b.y - eyx * b.x),
+        }
     }
 
     #[inline(always)]
@@ -154,14 +169,30 @@ impl Hinge {
         b: Pair<S, R>,
         bz: Wide<S, R>,
     ) -> (Pair<S, R>, Wide<S, R>) {
-        let (exx, eyx, ezx) = (strip.load(&self.exx), strip.load(&self.eyx), strip.load(&self.ezx));
-        let (eyy, ezy, ezz) = (strip.load(&self.eyy), strip.load(&self.ezy), strip.load(&self.ezz));
+        let (exx, eyx, ezx) = (
+            strip.load(&self.exx),
+            strip.load(&self.eyx),
+            strip.load(&self.ezx),
+        );
+        let (eyy, ezy, ezz) = (
+            strip.load(&self.eyy),
+            strip.load(&self.ezy),
+            strip.load(&self.ezz),
+        );
         let det = strip.load(&self.det3);
         let (cross_x, cross_y) = (strip.load(&self.cross_x), strip.load(&self.cross_y));
         let x = det * (b.x * cross_x + b.y * cross_y + bz * strip.load(&self.cross_z));
-        let b_ez = (b.y * ezz - bz * ezy, bz * ezx - b.x * ezz, b.x * ezy - b.y * ezx);
+        let b_ez = (
+            b.y * ezz - bz * ezy,
+            bz * ezx - b.x * ezz,
+            b.x * ezy - b.y * ezx,
+        );
         let y = det * (exx * b_ez.0 + eyx * b_ez.1 + ezx * b_ez.2);
-        let ey_b = (eyy * bz - ezy * b.y, ezy * b.x - eyx * bz, eyx * b.y - eyy * b.x);
+        let ey_b = (
+            eyy * bz - ezy * b.y,
+            ezy * b.x - eyx * bz,
+            eyx * b.y - eyy * b.x,
+        );
         let z = det * (exx * ey_b.0 + eyx * ey_b.1 + ezx * ey_b.2);
         (Pair { x, y }, z)
     }

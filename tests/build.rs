@@ -20,8 +20,8 @@ fn main() {
     .expect("room on the disk");
 }
 
-/// A cell's statements. What the kernel would show, a last line that ends neither statement nor block, is
-/// dropped; the kernel's commands, such as `:dep`, are left out.
+/// A cell's statements. What the kernel would show, a last line that ends neither statement nor
+/// block, is dropped; the kernel's commands, such as `:dep`, are left out.
 fn program(cell: &serde_json::Value) -> String {
     let lines = cell["source"].as_array().expect("lines");
     let text: String = lines

@@ -1,7 +1,7 @@
 //! Fuzz targets: any text from outside works or gives an `Err`, and never panics.
 //!
-//! The same functions run under libFuzzer, guided by coverage (`cargo +nightly fuzz run --features libfuzzer
-//! TARGET`), and under this crate's own runner, which needs a stable toolchain only
+//! The same functions run under libFuzzer, guided by coverage (`cargo +nightly fuzz run --features
+//! libfuzzer TARGET`), and under this crate's own runner, which needs a stable toolchain only
 //! (`cargo run --package gym-fuzz -- TARGET`).
 
 mod mutate;

@@ -12,8 +12,8 @@ use serde_json::Value as Json;
 /// Steps of an environment that came into being.
 const STEPS: usize = 12;
 
-/// Larger requests that would fill the memory or take too long are not tried; those beyond any memory
-/// are, because they must be refused.
+/// Larger requests that would fill the memory or take too long are not tried; those beyond any
+/// memory are, because they must be refused.
 const REASONABLE: f64 = 300.0;
 const BEYOND_ANY_MEMORY: f64 = 1e15;
 
@@ -49,8 +49,8 @@ pub fn frames(input: &[u8]) {
     );
 }
 
-/// A program for the Atari 2600 after a byte that chooses its cartridge: a few frames of it, seen and unseen, end and
-/// come to the same.
+/// A program for the Atari 2600 after a byte that chooses its cartridge: a few frames of it, seen
+/// and unseen, end and come to the same.
 pub fn roms(input: &[u8]) {
     use gym::atari::Display;
     use gym::atari::cartridge::{Cartridge, Scheme};

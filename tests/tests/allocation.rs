@@ -216,7 +216,8 @@ fn typed_steps_do_not_allocate() {
     assert_eq!(allocations(&mut taxi, 1000), 0);
 }
 
-/// A batched space has bounds as large as the observations: it is made for those who ask, and not before.
+/// A batched space has bounds as large as the observations: it is made for those who ask, and not
+/// before.
 #[test]
 fn a_vector_holds_its_environments_and_two_observations_of_each() {
     const N: usize = 16;
@@ -227,7 +228,8 @@ fn a_vector_holds_its_environments_and_two_observations_of_each() {
     let vector = allocation_counter::measure(|| {
         held.1 = Some(make_vec("CarRacing-v3", N, VectorKind::Sync).unwrap());
     });
-    // and the space of one observation: two bounds, and for each of its numbers whether it is bounded
+    // and the space of one observation: two bounds, and for each of its numbers whether it is
+    // bounded
     let most = alone.bytes_current + (N * (2 * PICTURE + 4096) + 4 * PICTURE) as i64;
     assert!(
         vector.bytes_current < most,

@@ -252,7 +252,8 @@ fn an_id_without_its_namespace_is_suggested_with_it() {
     }
 }
 
-/// Nothing is suggested that is not alike: what shares less than 60 % of its letters is no slip of the pen.
+/// Nothing is suggested that is not alike: what shares less than 60 % of its letters is no slip of
+/// the pen.
 #[test]
 fn only_what_is_alike_is_suggested() {
     for (asked, is_alike) in [

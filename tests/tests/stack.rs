@@ -1,5 +1,6 @@
-//! Environments fit small stacks. A thread that Rust starts has 2 MiB, and whoever depends on these crates compiles them
-//! without optimisation, where each move of a value takes its size of the stack: `.ci/run` runs this test so.
+//! Environments fit small stacks. A thread that Rust starts has 2 MiB, and whoever depends on these
+//! crates compiles them without optimisation, where each move of a value takes its size of the
+//! stack: `.ci/run` runs this test so.
 
 use gym::render::RenderMode;
 use gym::{Env, EnvExt, Reset, Result, registry};

@@ -1,10 +1,12 @@
 //! `cargo xtask COMMAND`: builds the commands as the one that is asked for needs them, and runs it.
 //!
 //! This program has next to no dependencies, so that it says within seconds what it builds:
-//! - Commands that play are built with optimisation, and those that measure with all of it; `list`, `help` and `new` without
-//!   any, unless those that play are there.
-//! - `play` is built with windows, `conform` with the allocator that counts; rapier2d is built for what asks for it.
-//! - `web` builds the gallery for the browser, and `python` writes a plugin's Python package: both are part of this program.
+//! - Commands that play are built with optimisation, and those that measure with all of it; `list`,
+//!   `help` and `new` without any, unless those that play are there.
+//! - `play` is built with windows, `conform` with the allocator that counts; rapier2d is built for
+//!   what asks for it.
+//! - `web` builds the gallery for the browser, and `python` writes a plugin's Python package: both
+//!   are part of this program.
 //! - With `--plugin PATH` a program is built that links the crate in that folder.
 
 mod files;
@@ -126,9 +128,11 @@ struct Build {
     feature: Option<&'static str>,
     /// The families that are linked without rapier2d.
     families: &'static str,
-    /// Whether this is the demo, and nothing is built yet: then the families that build quickly are shown first.
+    /// Whether this is the demo, and nothing is built yet: then the families that build quickly are
+    /// shown first.
     is_first_demo: bool,
-    /// With the engine of the namespace `rapier/`, which doubles the time that everything takes to build.
+    /// With the engine of the namespace `rapier/`, which doubles the time that everything takes to
+    /// build.
     rapier: bool,
 }
 

@@ -18,7 +18,8 @@ pub(crate) struct Plugin {
     krate: String,
     /// Its folder.
     folder: PathBuf,
-    /// Where it has this project's crates from, if not from folders: the name of a source, as `[patch]` takes it.
+    /// Where it has this project's crates from, if not from folders: the name of a source, as
+    /// `[patch]` takes it.
     source: Option<String>,
 }
 
@@ -177,8 +178,9 @@ impl Plugin {
         Ok(())
     }
 
-    /// The manifest of such a package, whose `parts` end with its other dependencies: with this workspace's crates instead of
-    /// published ones, and its profiles, so that their common dependencies are built once.
+    /// The manifest of such a package, whose `parts` end with its other dependencies: with this
+    /// workspace's crates instead of published ones, and its profiles, so that their common
+    /// dependencies are built once.
     fn manifest(&self, prefix: &str, parts: &str, crates: &[PathBuf], profiles: &str) -> String {
         let Self {
             name,
@@ -226,8 +228,8 @@ fn our_crates() -> Result<Vec<PathBuf>, String> {
     Ok(crates)
 }
 
-/// The profiles of this workspace's manifest, with settings of packages that this one may be built with: Cargo warns of
-/// others.
+/// The profiles of this workspace's manifest, with settings of packages that this one may be built
+/// with: Cargo warns of others.
 fn profiles_for(package: &str) -> Result<String, String> {
     let [lock, text] = ["Cargo.lock", "Cargo.toml"].map(|name| files::text(&root().join(name)));
     let (lock, text) = (lock?, text?);

@@ -1,4 +1,5 @@
-//! `cargo xtask python --plugin PATH`: the Python package, with the environments of a plugin beside ours.
+//! `cargo xtask python --plugin PATH`: the Python package, with the environments of a plugin beside
+//! ours.
 
 use std::ffi::OsString;
 use std::path::Path;

@@ -1,4 +1,5 @@
-//! `cargo xtask web`: the gallery, every environment in the browser, as a folder of static files or as one file.
+//! `cargo xtask web`: the gallery, every environment in the browser, as a folder of static files or
+//! as one file.
 
 mod serve;
 mod test;
@@ -147,7 +148,8 @@ fn check_target() -> Result<(), String> {
 /// Builds the module; gives its path.
 fn build(plugin: Option<&Path>, small: bool) -> Result<PathBuf, String> {
     let mut cargo = Command::new(cargo());
-    // not a crate type of the manifest: Cargo optimises at link time only what is nothing else beside
+    // not a crate type of the manifest: Cargo optimises at link time only what is nothing else
+    // beside
     cargo.args([
         "rustc",
         "--profile",
@@ -179,8 +181,8 @@ fn build(plugin: Option<&Path>, small: bool) -> Result<PathBuf, String> {
             format!("gallery_of_{}.wasm", plugin.name.replace('-', "_"))
         }
     };
-    // Exported, the constructors that register the environments run once, when the page calls them. Otherwise the linker puts
-    // a call of all of them into each function that it exports.
+    // Exported, the constructors that register the environments run once, when the page calls them.
+    // Otherwise the linker puts a call of all of them into each function that it exports.
     cargo.args(["--", "-C", "link-arg=--export=__wasm_call_ctors"]);
     let status = cargo
         .status()
@@ -242,7 +244,8 @@ impl Page {
         std::str::from_utf8(bytes).map_err(|error| format!("{name}: {error}"))
     }
 
-    /// The page with everything in it. A page that was opened as a file may load none beside it, so scripts become Blobs.
+    /// The page with everything in it. A page that was opened as a file may load none beside it, so
+    /// scripts become Blobs.
     fn in_one_file(&self) -> Result<String, String> {
         const START: &str = r##"<script type="module">
 const sources = GYM_SINGLE.scripts;

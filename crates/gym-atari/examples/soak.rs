@@ -1,4 +1,5 @@
-//! Random bytes as programs, and a console that is stored and restored over and over: `soak [SECONDS] [RESTORES]`.
+//! Random bytes as programs, and a console that is stored and restored over and over: `soak
+//! [SECONDS] [RESTORES]`.
 
 use std::time::{Duration, Instant};
 

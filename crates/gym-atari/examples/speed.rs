@@ -1,5 +1,5 @@
-//! How fast games are: `speed frames|steps [NUMBER] [GAME...]`. Frames are played one by one, each with its picture; steps as the
-//! field plays them: four frames each, 84x84 in gray, four stacked.
+//! How fast games are: `speed frames|steps [NUMBER] [GAME...]`. Frames are played one by one, each
+//! with its picture; steps as the field plays them: four frames each, 84x84 in gray, four stacked.
 
 use std::time::Instant;
 

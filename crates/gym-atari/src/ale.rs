@@ -21,10 +21,11 @@ const POWER_ON_TIMER: &[u8; 6000] = include_bytes!("power_on/timer.bin");
 const IDLE_FRAMES: u8 = 60;
 /// The frames that are run when the ROM is loaded, before the game is started for the first time.
 const LOADING_FRAMES: u8 = 60;
-/// The same for PAL sets, where 30 frames of their length are enough. A program that does not clear its RAM shows them: of the
-/// games Space War, whose first frame is shorter.
+/// The same for PAL sets, where 30 frames of their length are enough. A program that does not clear
+/// its RAM shows them: of the games Space War, whose first frame is shorter.
 const PAL_LOADING_FRAMES: u8 = 31;
-/// The frames that RESET is pressed for after a mode was chosen, in games that have several, and once more.
+/// The frames that RESET is pressed for after a mode was chosen, in games that have several, and
+/// once more.
 const RESET_FRAMES: u8 = 4;
 /// The most presses of SELECT; ale-py continues forever.
 const MOST_PRESSES: u32 = 256;
@@ -110,7 +111,8 @@ impl State {
 }
 
 impl Ale {
-    /// A game from its ROM, with the generator of sticky actions seeded, at the start of an episode.
+    /// A game from its ROM, with the generator of sticky actions seeded, at the start of an
+    /// episode.
     pub fn new(game: &'static Game, rom: &[u8], seed: u32) -> Self {
         Self::with_cartridge(game, Cartridge::new(rom, game.scheme), seed, 0.0)
     }
@@ -160,8 +162,9 @@ impl Ale {
         ale
     }
 
-    /// Loads the ROM again, with the generator of sticky actions reseeded: an episode of the default mode and difficulty stands at
-    /// its start. The settings count from the next [`reset`](Self::reset) on.
+    /// Loads the ROM again, with the generator of sticky actions reseeded: an episode of the
+    /// default mode and difficulty stands at its start. The settings count from the next
+    /// [`reset`](Self::reset) on.
     pub fn load(&mut self, seed: u32) {
         let settings = self.settings;
         *self = self.fresh(seed);
@@ -178,8 +181,9 @@ impl Ale {
         )
     }
 
-    /// As [`load`](Self::load) and [`reset`](Self::reset): starts the first episode after loading the ROM. It does not play the
-    /// frames of loading again where they are the same for every seed.
+    /// As [`load`](Self::load) and [`reset`](Self::reset): starts the first episode after loading
+    /// the ROM. It does not play the frames of loading again where they are the same for every
+    /// seed.
     pub fn reload(&mut self, seed: u32) {
         self.progress.power_ons = 1; // loading took the first
         self.progress.generator = Mt19937::new(seed);
@@ -273,7 +277,8 @@ impl Ale {
         }
     }
 
-    /// Goes down the menu's lines, and right at each option that the mode changes, until RAM shows both. The actions may stick.
+    /// Goes down the menu's lines, and right at each option that the mode changes, until RAM shows
+    /// both. The actions may stick.
     fn choose_in_menu(&mut self, menu: &Menu) {
         let mode = self.settings.mode.unwrap_or(self.game.modes[0].0);
         self.hold(switch::IDLE & !switch::SELECT, 1);
@@ -312,8 +317,9 @@ impl Ale {
         self.progress.episode_frame_number += 1;
     }
 
-    /// Plays a frame and returns its reward. With probability [`Settings::repeat_action_probability`] it repeats the last
-    /// command instead. Actions that are not [legal](Game::legal) in the game are played as [`Action::Noop`]. Does nothing once
+    /// Plays a frame and returns its reward. With probability
+    /// [`Settings::repeat_action_probability`] it repeats the last command instead. Actions that
+    /// are not [legal](Game::legal) in the game are played as [`Action::Noop`]. Does nothing once
     /// the game is over.
     pub fn act(&mut self, command: impl Into<Command>) -> i32 {
         let command = self.stick(command.into());
@@ -351,11 +357,12 @@ impl Ale {
         self.progress.reward
     }
 
-    /// Plays frames with one command and returns the sum of their rewards. Only the last two are drawn.
+    /// Plays frames with one command and returns the sum of their rewards. Only the last two are
+    /// drawn.
     ///
-    /// There are two pictures, drawn in turn, and a frame that ends early keeps the rest of an older one. So both pictures are
-    /// always what they would be with every frame drawn: where two whole ones do not come out, the frames are played
-    /// again, and all of them are drawn.
+    /// There are two pictures, drawn in turn, and a frame that ends early keeps the rest of an
+    /// older one. So both pictures are always what they would be with every frame drawn: where two
+    /// whole ones do not come out, the frames are played again, and all of them are drawn.
     pub(crate) fn frames(&mut self, command: Command, frames: u32) -> i32 {
         let unseen = frames.saturating_sub(PICTURES);
         if unseen == 0 {
@@ -538,7 +545,8 @@ impl Ale {
         self.settings
     }
 
-    /// Continues from a state, and shows the pictures of it; `false` and no change if they are not of this game.
+    /// Continues from a state, and shows the pictures of it; `false` and no change if they are not
+    /// of this game.
     pub fn restore(&mut self, state: &State, pictures: &Pictures) -> bool {
         let mut restored = self.clone();
         let fits = restored.set_state(state) && restored.console.set_pictures(pictures);
@@ -565,8 +573,9 @@ impl Ale {
         fits
     }
 
-    /// As [`set_state`](Self::set_state), in the way of ale-py's `restoreState`: the action that may stick is the last that was
-    /// done, the numbers that decide it go on, unless they are to be those of the state, and an unfinished frame goes on.
+    /// As [`set_state`](Self::set_state), in the way of ale-py's `restoreState`: the action that
+    /// may stick is the last that was done, the numbers that decide it go on, unless they are to be
+    /// those of the state, and an unfinished frame goes on.
     pub fn set_state_like_ale(&mut self, state: &State, include_rng: bool) -> bool {
         let fits = self.console.set_state_within_frame(&state.console);
         if fits {

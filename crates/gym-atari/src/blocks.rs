@@ -1,11 +1,14 @@
-//! Instructions decoded once: each becomes a function with an operand, and calls the next instruction's function.
+//! Instructions decoded once: each becomes a function with an operand, and calls the next
+//! instruction's function.
 //!
-//! A block is a straight piece of a program in ROM, up to a branch or jump. Its functions do the interpreter's work:
-//! they are [`Core::execute`], compiled for one opcode and for the known part of its address. Code in RAM, next to where
-//! banks are selected, and opcodes that games do not use are left to the interpreter.
+//! A block is a straight piece of a program in ROM, up to a branch or jump. Its functions do the
+//! interpreter's work: they are [`Core::execute`], compiled for one opcode and for the known part
+//! of its address. Code in RAM, next to where banks are selected, and opcodes that games do not use
+//! are left to the interpreter.
 //!
-//! Within a block the processor's `cycle`, `pc` and byte on the bus keep their values from the block's start: each instruction
-//! stores its distance from there. Longer operations, such as `WSYNC`, move the start.
+//! Within a block the processor's `cycle`, `pc` and byte on the bus keep their values from the
+//! block's start: each instruction stores its distance from there. Longer operations, such as
+//! `WSYNC`, move the start.
 
 use std::fmt;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
@@ -17,7 +20,8 @@ use crate::cpu::run::Core;
 use crate::riot::Riot;
 use crate::wires::{Chips, Wires, case};
 
-/// The largest number of instructions of a block. Without tail calls, the stack holds a frame for each.
+/// The largest number of instructions of a block. Without tail calls, the stack holds a frame for
+/// each.
 const LONGEST: usize = 32;
 
 /// The state passed from one instruction to the next.
@@ -28,8 +32,8 @@ pub(crate) struct Thread {
 }
 
 impl Thread {
-    /// Goes through the rounds of a loop of two instructions that only waits, which has just branched to its start: all but
-    /// the last.
+    /// Goes through the rounds of a loop of two instructions that only waits, which has just
+    /// branched to its start: all but the last.
     #[inline(never)]
     fn wait(&mut self, riot: &Riot, cartridge: &Cartridge) {
         let Self { cpu, left } = self;
@@ -98,8 +102,8 @@ pub(crate) struct Op {
 pub(crate) struct Blocks {
     scheme: Scheme,
     rom: Arc<[u8; ROM]>,
-    /// The block that starts at a byte: see [`Kind::entry`]. It is decoded when it is first executed, and follows from the ROM
-    /// alone.
+    /// The block that starts at a byte: see [`Kind::entry`]. It is decoded when it is first
+    /// executed, and follows from the ROM alone.
     entries: Box<[OnceLock<Box<[Op]>>]>,
 }
 
@@ -188,7 +192,8 @@ fn run_blocks<K: Kind>(
             block.get_or_init(|| decode::<K>(cartridge, pc))
         });
         match block {
-            // the last instruction of all is the interpreter's, which leaves the byte on the bus as it is
+            // the last instruction of all is the interpreter's, which leaves the byte on the bus as
+            // it is
             [first, ..] if block.len() < thread.left as usize => {
                 thread.left -= block.len() as u32;
                 (first.run)(&mut thread, chips, cartridge, block);
@@ -247,8 +252,9 @@ fn decode<K: Kind>(cartridge: &Cartridge, start: u16) -> Box<[Op]> {
     block.into()
 }
 
-/// The known parts of the addresses of an instruction. Behind it, `next` is the lower 12 bits of the address; if it is a branch,
-/// `waits` says whether it may end a loop that waits for a register.
+/// The known parts of the addresses of an instruction. Behind it, `next` is the lower 12 bits of
+/// the address; if it is a branch, `waits` says whether it may end a loop that waits for a
+/// register.
 fn case_of<K: Kind>(
     Instruction { operation, mode }: Instruction,
     next: u16,
@@ -328,11 +334,11 @@ const fn may_switch(opcode: u8, case: u8) -> bool {
     named && case == case::ANY
 }
 
-/// Executes the first instruction, and then those that follow. It is compiled for a case, and if it turns out that the case
-/// does not cover the instruction, it is executed as in the case `AGAIN`.
+/// Executes the first instruction, and then those that follow. It is compiled for a case, and if it
+/// turns out that the case does not cover the instruction, it is executed as in the case `AGAIN`.
 ///
-/// All that is rare is left to that function, which is called last: a call before would cost each instruction the registers that it
-/// saves.
+/// All that is rare is left to that function, which is called last: a call before would cost each
+/// instruction the registers that it saves.
 #[inline(never)]
 fn step<K: Kind, const OPCODE: u8, const CASE: u8, const AGAIN: u8>(
     thread: &mut Thread,
@@ -491,7 +497,8 @@ mod tests {
             self.below(256) as u8
         }
 
-        /// An address of RAM, TIA, RIOT, ROM, or where banks are selected, in any of the places where they appear.
+        /// An address of RAM, TIA, RIOT, ROM, or where banks are selected, in any of the places
+        /// where they appear.
         fn address(&mut self) -> [u8; 2] {
             let address = match self.below(6) {
                 0 => 0x80 + self.below(0x80),

@@ -24,9 +24,11 @@ pub enum Scheme {
     F6,
     /// `F6` and RAM as `F8SC`.
     F6SC,
-    /// Parker Brothers: four windows of 1K, of which three choose among eight slices by `$1FE0` to `$1FF7`.
+    /// Parker Brothers: four windows of 1K, of which three choose among eight slices by `$1FE0` to
+    /// `$1FF7`.
     E0,
-    /// Activision: two banks of 4K, the first at addresses with bit 13 and the second at those without.
+    /// Activision: two banks of 4K, the first at addresses with bit 13 and the second at those
+    /// without.
     FE,
     /// Pitfall II: `F8`, and a chip at `$1000` to `$107F` that fetches data from 2K of its own.
     Dpc,
@@ -104,8 +106,8 @@ pub struct Banks {
 }
 
 impl Cartridge {
-    /// The cartridge at power-on. A ROM that is too short for its scheme is repeated to fill it, one that is too long is
-    /// cut off, and an empty one reads as zeros.
+    /// The cartridge at power-on. A ROM that is too short for its scheme is repeated to fill it,
+    /// one that is too long is cut off, and an empty one reads as zeros.
     pub fn new(rom: &[u8], scheme: Scheme) -> Self {
         let mut whole = [0; ROM];
         for (byte, &value) in whole[..scheme.size()].iter_mut().zip(rom.iter().cycle()) {
@@ -126,7 +128,8 @@ impl Cartridge {
         cartridge
     }
 
-    /// Back to the banks that are selected at power-on; the RAM is cleared, and the chip of `Dpc` stays as it is.
+    /// Back to the banks that are selected at power-on; the RAM is cleared, and the chip of `Dpc`
+    /// stays as it is.
     pub fn reset(&mut self) {
         self.banks.ram = [0; 128];
         match self.banks.scheme {
@@ -158,8 +161,8 @@ impl Cartridge {
         fits
     }
 
-    /// Reads a byte, of which only the lower 12 bits of the address count, and bit 13 in `FE`. The byte last seen on the bus
-    /// is read at addresses without a chip.
+    /// Reads a byte, of which only the lower 12 bits of the address count, and bit 13 in `FE`. The
+    /// byte last seen on the bus is read at addresses without a chip.
     #[inline(always)]
     pub fn read(&mut self, address: u16, bus: u8) -> u8 {
         let low = address & 0x0fff;
@@ -212,7 +215,8 @@ impl Cartridge {
         self.banks.scheme
     }
 
-    /// The four bytes of the ROM from an address on, if reading them does nothing else: instructions within one window.
+    /// The four bytes of the ROM from an address on, if reading them does nothing else:
+    /// instructions within one window.
     pub(crate) fn four_bytes(&self, address: u16) -> Option<[u8; 4]> {
         let low = address & 0x0fff;
         let first = match self.banks.scheme {

@@ -1,6 +1,7 @@
 //! Comparison of games with ale-py 0.12.1, by checksums.
 //!
-//! `examples/recorded.py` plays the same with ale-py and writes `recorded.txt`; `cargo xtask atari check` compares.
+//! `examples/recorded.py` plays the same with ale-py and writes `recorded.txt`; `cargo xtask atari
+//! check` compares.
 
 use crc32fast::Hasher;
 
@@ -32,8 +33,8 @@ impl Sums {
         Self::read(RECORDED, game)
     }
 
-    /// The sums of a game in a text with a line for each: its name and its three sums in hexadecimal. `None` if there is no such
-    /// line.
+    /// The sums of a game in a text with a line for each: its name and its three sums in
+    /// hexadecimal. `None` if there is no such line.
     pub fn read(text: &str, game: &str) -> Option<Self> {
         let line = text
             .lines()
@@ -136,7 +137,8 @@ impl Run {
         self.add(0);
     }
 
-    /// Plays frames, holding each action for up to 16; a game that is over gets one more and starts again.
+    /// Plays frames, holding each action for up to 16; a game that is over gets one more and starts
+    /// again.
     fn play(&mut self, frames: u32, actions: &[Action]) {
         let (mut action, mut held) = (Action::Noop, 0);
         for _ in 0..frames {

@@ -35,13 +35,15 @@ pub type Row = crate::screen::Row;
 /// The positions of controllers and switches during a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Input {
-    /// Port A of the RIOT, `SWCHA`: joystick directions, the left stick in the upper four bits, 0 where pressed.
+    /// Port A of the RIOT, `SWCHA`: joystick directions, the left stick in the upper four bits, 0
+    /// where pressed.
     pub port_a: u8,
     /// Port B, `SWCHB`: the console's switches; see [`switch`].
     pub port_b: u8,
     /// The fire buttons, read at `INPT4` and `INPT5`.
     pub fire: [bool; 2],
-    /// Paddles, read at `INPT0` to `INPT3`: the charge time in colour clocks, or `None` where there is no paddle.
+    /// Paddles, read at `INPT0` to `INPT3`: the charge time in colour clocks, or `None` where there
+    /// is no paddle.
     pub charge: [Option<u32>; 4],
 }
 
@@ -90,7 +92,8 @@ pub struct State {
 }
 
 impl Console {
-    /// Switches on: with this content of RAM, and the timer running as if `TIM64T` had been written with `timer`.
+    /// Switches on: with this content of RAM, and the timer running as if `TIM64T` had been written
+    /// with `timer`.
     pub fn new(cartridge: Cartridge, display: Display, ram: [u8; 128], timer: u8) -> Self {
         let mut cartridge = cartridge;
         cartridge.reset();
@@ -157,8 +160,8 @@ impl Console {
         &self.chips.screen.picture()[..self.chips.tia.display().rows]
     }
 
-    /// Whether the last call did not draw a whole picture: the frame ended before, or is not over, or had begun in the
-    /// call before. The rest of the picture is then as two frames ago.
+    /// Whether the last call did not draw a whole picture: the frame ended before, or is not over,
+    /// or had begun in the call before. The rest of the picture is then as two frames ago.
     pub fn is_short(&self) -> bool {
         self.chips.continued || !self.chips.frame_ended || self.chips.tia.is_short()
     }
@@ -183,8 +186,8 @@ impl Console {
         }
     }
 
-    /// Continues from a state; the picture stays. `false` and no change if it is not a state of a console with this
-    /// cartridge.
+    /// Continues from a state; the picture stays. `false` and no change if it is not a state of a
+    /// console with this cartridge.
     pub fn set_state(&mut self, state: &State) -> bool {
         let State {
             cpu,
@@ -207,7 +210,8 @@ impl Console {
         true
     }
 
-    /// As [`set_state`](Self::set_state), but the next call starts a frame, or continues one, as it would have without it.
+    /// As [`set_state`](Self::set_state), but the next call starts a frame, or continues one, as it
+    /// would have without it.
     pub(crate) fn set_state_within_frame(&mut self, state: &State) -> bool {
         let starts = self.chips.frame_ended;
         let fits = self.set_state(state);

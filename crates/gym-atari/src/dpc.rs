@@ -1,6 +1,8 @@
-//! The chip in the cartridge of Pitfall II: eight data fetchers, a generator of random numbers, and music.
+//! The chip in the cartridge of Pitfall II: eight data fetchers, a generator of random numbers, and
+//! music.
 //!
-//! Sources: David Crane, US patent 4,644,495 (1987); what each address answers was measured, see `NOTICE.md`.
+//! Sources: David Crane, US patent 4,644,495 (1987); what each address answers was measured, see
+//! `NOTICE.md`.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,5 @@
-//! The generator of sticky actions: MT19937, as C++'s `std::mt19937` and numpy's legacy `RandomState` have it.
+//! The generator of sticky actions: MT19937, as C++'s `std::mt19937` and numpy's legacy
+//! `RandomState` have it.
 //!
 //! Source: Matsumoto and Nishimura, "Mersenne Twister", ACM TOMACS 8 (1998).
 

@@ -1,7 +1,8 @@
 //! A paddle: a resistor that charges a capacitor, which the program times.
 //!
-//! The law is that of a resistor and a capacitor; its numbers were fitted to recordings of Breakout and Pong, which come
-//! out exactly. The left ends of other games were measured by turning a paddle through its whole range in small steps.
+//! The law is that of a resistor and a capacitor; its numbers were fitted to recordings of Breakout
+//! and Pong, which come out exactly. The left ends of other games were measured by turning a paddle
+//! through its whole range in small steps.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,6 +1,7 @@
 //! The colours of the picture's indices.
 
-/// Red, green and blue of the indices 0, 2, 4 ... 254, as an NTSC set shows them. Eight shades of each hue.
+/// Red, green and blue of the indices 0, 2, 4 ... 254, as an NTSC set shows them. Eight shades of
+/// each hue.
 #[rustfmt::skip]
 const NTSC: [u32; 128] = [
     0x000000, 0x4a4a4a, 0x6f6f6f, 0x8e8e8e, 0xaaaaaa, 0xc0c0c0, 0xd6d6d6, 0xececec,
@@ -64,7 +65,8 @@ pub static GRAY: [u8; 256] = {
     table
 };
 
-/// Red, green and blue of a colour index on a PAL set. With bit 0 it is the gray of a frame without colours.
+/// Red, green and blue of a colour index on a PAL set. With bit 0 it is the gray of a frame without
+/// colours.
 pub static PAL_RGB: [[u8; 3]; 256] = {
     let mut table = [[0; 3]; 256];
     let mut index = 0;
@@ -80,7 +82,8 @@ pub static PAL_RGB: [[u8; 3]; 256] = {
     table
 };
 
-/// The shade of gray of a colour index on a PAL set. With bit 0 it is the blue of the next colour, which ale-py gives there.
+/// The shade of gray of a colour index on a PAL set. With bit 0 it is the blue of the next colour,
+/// which ale-py gives there.
 pub static PAL_GRAY: [u8; 256] = {
     let mut table = [0; 256];
     let mut index = 0;

@@ -1,7 +1,7 @@
 //! The usual preprocessing of Atari observations: Gymnasium's `AtariPreprocessing`.
 //!
-//! Source: Gymnasium 1.4.0, `wrappers/atari_preprocessing.py`; Machado et al., "Revisiting the Arcade Learning
-//! Environment" (2018).
+//! Source: Gymnasium 1.4.0, `wrappers/atari_preprocessing.py`; Machado et al., "Revisiting the
+//! Arcade Learning Environment" (2018).
 
 use std::any::TypeId;
 
@@ -18,7 +18,8 @@ gym_core::arguments! {
     /// The arguments of the preprocessing.
     #[derive(Copy, Eq)]
     pub struct Preprocessing {
-        /// The largest number of no-op steps at the start of an episode, which are at least one; 0 for none.
+        /// The largest number of no-op steps at the start of an episode, which are at least one; 0
+        /// for none.
         pub noop_max: u32 = 30,
         /// The number of frames for each action.
         pub frame_skip: u32 = 4,
@@ -31,8 +32,8 @@ gym_core::arguments! {
 
 /// Observes the game small and in gray: the brighter of the last two frames of each step, shrunk.
 ///
-/// Skipped frames are emulated but not drawn. In a spec the wrapper is named `AtariPreprocessing`, with the arguments
-/// of [`Preprocessing`], around the environment of `make`.
+/// Skipped frames are emulated but not drawn. In a spec the wrapper is named `AtariPreprocessing`,
+/// with the arguments of [`Preprocessing`], around the environment of `make`.
 ///
 /// ```no_run
 /// use gym_atari::{AtariEnv, AtariPreprocessing, Config, Frameskip};
@@ -77,12 +78,13 @@ gym_core::register_wrapper!(
 );
 
 impl<E: Env> AtariPreprocessing<E> {
-    /// Preprocesses an [`AtariEnv`] with `frameskip` 1, directly or from `make`. It plays frames in the `AtariEnv`
-    /// itself, so no other wrapper may be between.
+    /// Preprocesses an [`AtariEnv`] with `frameskip` 1, directly or from `make`. It plays frames in
+    /// the `AtariEnv` itself, so no other wrapper may be between.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for an environment that is not an [`AtariEnv`], another wrapper around it,
-    /// another `frameskip`, a `frame_skip` of 0, or a size that is not smaller than the picture.
+    /// [`Error::InvalidArgument`] for an environment that is not an [`AtariEnv`], another wrapper
+    /// around it, another `frameskip`, a `frame_skip` of 0, or a size that is not smaller than the
+    /// picture.
     pub fn new(env: E, settings: Preprocessing) -> Result<Self> {
         let refuse = |reason: String| Err(Preprocessing::refuse(reason));
         let Some(atari) = within(&env) else {
@@ -147,8 +149,8 @@ impl<E: Env> AtariPreprocessing<E> {
         self.env
     }
 
-    /// Plays a step's frames, and draws those from `first_seen` on. Returns the sum of rewards, the end, and the two last
-    /// frames; and whether a picture may show remains of an undrawn frame.
+    /// Plays a step's frames, and draws those from `first_seen` on. Returns the sum of rewards, the
+    /// end, and the two last frames; and whether a picture may show remains of an undrawn frame.
     fn play(&mut self, command: Command, first_seen: u32) -> (Outcome, bool) {
         let Self {
             env,

@@ -1,4 +1,5 @@
-//! Recordings of a game in ale-py, frame by frame, without ROM or picture, for comparison with this crate.
+//! Recordings of a game in ale-py, frame by frame, without ROM or picture, for comparison with this
+//! crate.
 
 use gym_core::{Error, Result};
 use serde::{Deserialize, Serialize};
@@ -7,7 +8,8 @@ use crate::action::Action;
 use crate::ale::{Ale, Settings};
 use crate::rom::Rom;
 
-/// A recorded game: operations and answers, in one list of each kind with an entry for each operation.
+/// A recorded game: operations and answers, in one list of each kind with an entry for each
+/// operation.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Recording {
     /// `raw`.
@@ -134,7 +136,8 @@ impl Recording {
         Ok(answers)
     }
 
-    /// The first operation whose answers differ in another recording of the same operations, and the differing part.
+    /// The first operation whose answers differ in another recording of the same operations, and
+    /// the differing part.
     pub fn first_difference(&self, other: &Self) -> Option<String> {
         if self.start != other.start {
             return Some("the start".to_owned());

@@ -1,7 +1,7 @@
 //! The 6532 RIOT: 128 bytes of RAM, two ports, and the interval timer.
 //!
-//! Addresses and registers are those of the Stella Programmer's Guide (1979), section "The PIA". The timer's
-//! values after its end were measured: see `NOTICE.md`.
+//! Addresses and registers are those of the Stella Programmer's Guide (1979), section "The PIA".
+//! The timer's values after its end were measured: see `NOTICE.md`.
 
 use serde::{Deserialize, Serialize};
 
@@ -42,7 +42,8 @@ impl Riot {
         }
     }
 
-    /// Whether this can be the RIOT of a console at `cycle`: one that was stored may have been damaged.
+    /// Whether this can be the RIOT of a console at `cycle`: one that was stored may have been
+    /// damaged.
     pub(crate) fn is_valid(&self, cycle: u64) -> bool {
         let Timer {
             value: _,
@@ -67,7 +68,8 @@ impl Riot {
         }
     }
 
-    /// The value of `INTIM` at `cycle`, and the cycle until which it stays if nothing else happens; `None` for other registers.
+    /// The value of `INTIM` at `cycle`, and the cycle until which it stays if nothing else happens;
+    /// `None` for other registers.
     pub(crate) fn steady(&self, address: u16, cycle: u64) -> Option<(u8, u64)> {
         match address & 0x07 {
             4 | 6 => self.timer.steady(cycle), // INTIM
@@ -148,7 +150,8 @@ impl Timer {
         }
     }
 
-    /// The value of `INTIM` at `cycle`, and the cycle up to which it stays; after the end of the interval a read changes the timer.
+    /// The value of `INTIM` at `cycle`, and the cycle up to which it stays; after the end of the
+    /// interval a read changes the timer.
     fn steady(&self, cycle: u64) -> Option<(u8, u64)> {
         let (elapsed, count) = self.count(cycle);
         if count < 0 || elapsed < 0 {

@@ -101,8 +101,9 @@ impl RomDir {
         Self(path.into())
     }
 
-    /// The folder that `ALE_ROMS_DIR` names; otherwise that of ale-py, if it is installed where Python looks first:
-    /// in the active virtual environment or the one named `.venv` here, or beside a `python3` of the `PATH`.
+    /// The folder that `ALE_ROMS_DIR` names; otherwise that of ale-py, if it is installed where
+    /// Python looks first: in the active virtual environment or the one named `.venv` here, or
+    /// beside a `python3` of the `PATH`.
     pub fn find() -> Option<Self> {
         if let Some(path) = env::var_os(VARIABLE).filter(|path| !path.is_empty()) {
             return Some(Self(path.into()));
@@ -136,8 +137,8 @@ impl RomDir {
     /// The ROM of a game.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] if there is none, if it is not a regular file, or if it is not the one that the game was
-    /// checked with.
+    /// [`Error::InvalidArgument`] if there is none, if it is not a regular file, or if it is not
+    /// the one that the game was checked with.
     pub fn rom(&self, game: &'static Game) -> Result<Rom> {
         let path = self.file(game);
         let unreadable = |error: io::Error| {
@@ -194,7 +195,8 @@ impl RomDir {
     }
 }
 
-/// The ROM of a game: from `folder`; without one, the ROM that was [provided](provide), or a file where [`RomDir::find`] looks.
+/// The ROM of a game: from `folder`; without one, the ROM that was [provided](provide), or a file
+/// where [`RomDir::find`] looks.
 ///
 /// # Errors
 /// The errors of [`RomDir::rom`]; without any folder, an error with the remedy.

@@ -13,7 +13,8 @@ pub(crate) const HEIGHT: usize = 250;
 /// A row of a picture: a colour index, which is even, for each pixel.
 pub(crate) type Row = [u8; WIDTH];
 
-/// Two pictures, drawn in turn. A frame that ends early leaves the rest of its picture as it was two frames ago.
+/// Two pictures, drawn in turn. A frame that ends early leaves the rest of its picture as it was
+/// two frames ago.
 #[derive(Clone, Debug)]
 pub(crate) struct Screen {
     /// The rows of the first picture, and then those of the second.

@@ -1,8 +1,8 @@
 //! Shrinking a picture in gray as OpenCV's `resize` with `INTER_AREA`, to the bit.
 //!
-//! Each number is the mean of the pixels that it covers: first of the columns of each row, then of the rows, in
-//! `f32` and in that order. Most of a picture is as in the one before, so all sums are kept, and only those are added up
-//! anew that cover something else.
+//! Each number is the mean of the pixels that it covers: first of the columns of each row, then of
+//! the rows, in `f32` and in that order. Most of a picture is as in the one before, so all sums are
+//! kept, and only those are added up anew that cover something else.
 
 use std::ops::Range;
 
@@ -51,7 +51,8 @@ pub(crate) struct Shrink {
 }
 
 impl Shrink {
-    /// From pictures with this number of rows to `(height, width)`, no larger and at most 14 times smaller; otherwise `None`.
+    /// From pictures with this number of rows to `(height, width)`, no larger and at most 14 times
+    /// smaller; otherwise `None`.
     pub(crate) fn new(
         height: usize,
         target: (usize, usize),
@@ -176,7 +177,8 @@ impl Cover {
     }
 }
 
-/// The nearest whole number, of two the even one: adding 2^23 leaves no place for digits behind the point.
+/// The nearest whole number, of two the even one: adding 2^23 leaves no place for digits behind the
+/// point.
 #[inline(always)]
 fn round(shade: f32) -> u8 {
     (shade + 8_388_608.0).to_bits() as u8

@@ -8,8 +8,8 @@ use crate::riot::Riot;
 use crate::screen::Screen;
 use crate::tia::Tia;
 
-/// The processor's bus while a frame runs. `CASE` is the known part of the address that an instruction names: see
-/// [`case`].
+/// The processor's bus while a frame runs. `CASE` is the known part of the address that an
+/// instruction names: see [`case`].
 pub(crate) struct Wires<'a, K, const CASE: u8> {
     chips: &'a mut Chips,
     cartridge: &'a mut Cartridge,
@@ -18,7 +18,8 @@ pub(crate) struct Wires<'a, K, const CASE: u8> {
     kind: PhantomData<K>,
 }
 
-/// The known part of the address that an instruction names, and of the addresses that it reads before.
+/// The known part of the address that an instruction names, and of the addresses that it reads
+/// before.
 pub(crate) mod case {
     /// Nothing.
     pub(crate) const ANY: u8 = 0;
@@ -26,7 +27,8 @@ pub(crate) mod case {
     pub(crate) const RAM: u8 = 1;
     /// It is one of the ROM where reads do nothing else.
     pub(crate) const ROM: u8 = 2;
-    /// A pointer is in RAM, and all others are of RAM or of the ROM where reads do nothing else; if not, the instruction misses.
+    /// A pointer is in RAM, and all others are of RAM or of the ROM where reads do nothing else; if
+    /// not, the instruction misses.
     pub(crate) const MEMORY: u8 = 3;
     /// It is this register of the TIA, or one of the 63 that follow.
     pub(crate) const TIA: u8 = 0x40;

@@ -20,9 +20,9 @@
 //! | 9 to 13 | the same of the second leg | |
 //! | 14 to 23 | distance of the ground by lidar, from straight down to nearly ahead | 5.33 m; 1 if there is none |
 //!
-//! Differences from Gymnasium: each reset builds a new world, so an episode depends only on its seed. In
-//! Gymnasium that holds only for a new environment, with which this one agrees; on a used one the same
-//! seed can give another episode.
+//! Differences from Gymnasium: each reset builds a new world, so an episode depends only on its
+//! seed. In Gymnasium that holds only for a new environment, with which this one agrees; on a used
+//! one the same seed can give another episode.
 //!
 //! The constants and the order of operations are those of Gymnasium 1.4.0,
 //! `envs/box2d/bipedal_walker.py`.
@@ -161,10 +161,12 @@ impl BipedalWalker {
         &self.config
     }
 
-    /// Sets one argument to a value in JSON, as setting Gymnasium's attribute does: from the next reset on.
+    /// Sets one argument to a value in JSON, as setting Gymnasium's attribute does: from the next
+    /// reset on.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for a value that does not fit, and for `physics`, which cannot be changed.
+    /// [`Error::InvalidArgument`] for a value that does not fit, and for `physics`, which cannot be
+    /// changed.
     pub fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
         self.config = common::assigned(&self.config, name, value, "BipedalWalker")?;
         Ok(())
@@ -289,13 +291,15 @@ impl Episode {
         }
     }
 
-    /// Drives the motors, and steps the world: fully, or only the first part if several worlds step together.
+    /// Drives the motors, and steps the world: fully, or only the first part if several worlds step
+    /// together.
     fn begin(&mut self, action: &Continuous<4>, worlds: Option<&mut Worlds>) -> Place {
         for (i, (joint, a)) in self.joints.into_iter().zip(action.numbers).enumerate() {
             let speed = if i % 2 == 0 { SPEED_HIP } else { SPEED_KNEE };
             let direction = if a == 0.0 { 0.0 } else { a.signum() as f32 };
             self.world.set_motor_speed(joint, speed * direction);
-            // exact but for this rounding, which is numpy's for an action of `float32` and Box2D's for others
+            // exact but for this rounding, which is numpy's for an action of `float32` and Box2D's
+            // for others
             let torque = f64::from(MOTORS_TORQUE) * a.abs().clamp(0.0, 1.0);
             self.world.set_max_motor_torque(joint, torque as f32);
         }
@@ -325,7 +329,8 @@ impl Episode {
         let state = self.observe();
         let mut shaping = 130.0 * x / SCALE; // moving forward
         shaping -= 5.0 * f64::from(self.world.angle(self.hull)).abs(); // keeping the head straight
-        // numpy's scalars: for an action of `float32` the reward is of 32 bits from the first motor on
+        // numpy's scalars: for an action of `float32` the reward is of 32 bits from the first motor
+        // on
         let single = self.action.precision == Precision::Single;
         let rounded = |x: f64| if single { f64::from(x as f32) } else { x };
         let mut reward = rounded(self.prev_shaping.map_or(0.0, |before| shaping - before));

@@ -8,7 +8,8 @@ use serde_json::Value as Json;
 
 use crate::physics::{FixtureId, LANES, Lanes, Place, Vec2, World};
 
-/// The arguments with one set to a value in JSON. Arguments that decide spaces and engine cannot be set.
+/// The arguments with one set to a value in JSON. Arguments that decide spaces and engine cannot be
+/// set.
 pub(crate) fn assigned<C: Arguments>(
     config: &C,
     name: &str,
@@ -174,8 +175,9 @@ mod tests {
     use gym_core::vector::lockstep::Lockstep;
     use gym_core::{Element, Env, Outcome, Reset};
 
-    /// The results of environments under `policy`, which gets their numbers and last observations. They play episode after
-    /// episode, side by side if there are `worlds`. Every seventh is not asked in every step, so that groups are mixed.
+    /// The results of environments under `policy`, which gets their numbers and last observations.
+    /// They play episode after episode, side by side if there are `worlds`. Every seventh is not
+    /// asked in every step, so that groups are mixed.
     fn run<E, const N: usize>(
         make: impl Fn(usize) -> E,
         n: usize,
@@ -290,8 +292,8 @@ mod tests {
         }
     }
 
-    /// The bytes of the world after the first step and the most after any of some hundred, in some episodes that go on
-    /// after their end.
+    /// The bytes of the world after the first step and the most after any of some hundred, in some
+    /// episodes that go on after their end.
     fn world_bytes<E, const N: usize>(
         mut env: E,
         bytes: impl Fn(&E) -> usize,

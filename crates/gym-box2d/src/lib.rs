@@ -6,9 +6,10 @@
 //! | `BipedalWalker-v3`, `BipedalWalkerHardcore-v3` | walk on two legs |
 //! | `CarRacing-v2`, `CarRacing-v3` | drive around a track, from pictures |
 //!
-//! With the feature `rapier` (on by default), `physics: "rapier"` and the ids `rapier/LunarLander-v3`,
-//! `rapier/LunarLanderContinuous-v3`, `rapier/BipedalWalker-v3`, `rapier/BipedalWalkerHardcore-v3` and
-//! `rapier/CarRacing-v3` are the same environments moved by rapier2d: alike, not identical.
+//! With the feature `rapier` (on by default), `physics: "rapier"` and the ids
+//! `rapier/LunarLander-v3`, `rapier/LunarLanderContinuous-v3`, `rapier/BipedalWalker-v3`,
+//! `rapier/BipedalWalkerHardcore-v3` and `rapier/CarRacing-v3` are the same environments moved by
+//! rapier2d: alike, not identical.
 //!
 //! They stand on a [physics engine](physics) of their own, which can be used by itself.
 //!

@@ -18,8 +18,8 @@
 //! | 6, 7 | whether the left and the right leg touch the ground | 0 or 1 |
 //!
 //! Versions: v3 draws a new wind at each reset and widens the bounds of the observation; v2, which
-//! Gymnasium has removed, draws its wind from a copy of the environment's generator; Gym drew it from
-//! numpy's global one.
+//! Gymnasium has removed, draws its wind from a copy of the environment's generator; Gym drew it
+//! from numpy's global one.
 //!
 //! The constants and the order of operations are those of Gymnasium 1.4.0,
 //! `envs/box2d/lunar_lander.py`.
@@ -199,7 +199,8 @@ struct Episode {
     throttles: [f64; 2],
 }
 
-/// Far above the 20 that Gymnasium recommends as the strongest wind, and far below an overflow of `float32`.
+/// Far above the 20 that Gymnasium recommends as the strongest wind, and far below an overflow of
+/// `float32`.
 const MAX_POWER: f64 = 1e6;
 
 impl LunarLander {
@@ -253,11 +254,12 @@ impl LunarLander {
         &self.config
     }
 
-    /// Sets one argument to a value in JSON, as setting Gymnasium's attribute does: the wind changes at once, gravity with the next
-    /// reset.
+    /// Sets one argument to a value in JSON, as setting Gymnasium's attribute does: the wind
+    /// changes at once, gravity with the next reset.
     ///
     /// # Errors
-    /// The errors of [`new`](Self::new), and [`Error::InvalidArgument`] for `continuous` and `physics`, which cannot be changed.
+    /// The errors of [`new`](Self::new), and [`Error::InvalidArgument`] for `continuous` and
+    /// `physics`, which cannot be changed.
     pub fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
         let config = common::assigned(&self.config, name, value, "LunarLander")?;
         Self::check(&config)?;
@@ -406,7 +408,8 @@ impl Episode {
         self.world.apply_torque(self.lander, torque_mag as f32);
     }
 
-    /// Fires an engine at a point of the craft: an impulse on the craft, and the opposite one on an exhaust particle.
+    /// Fires an engine at a point of the craft: an impulse on the craft, and the opposite one on an
+    /// exhaust particle.
     fn fire(&mut self, [ox, oy]: Point, at: Point, engine_power: f64, power: f64, density: f64) {
         let position = self.world.position(self.lander);
         let at = [
@@ -422,7 +425,8 @@ impl Episode {
         }
     }
 
-    /// Applies wind and engines, and steps the world: fully, or only the first part if several worlds step together.
+    /// Applies wind and engines, and steps the world: fully, or only the first part if several
+    /// worlds step together.
     fn begin(&mut self, config: &Config, action: &Action, worlds: Option<&mut Worlds>) -> Place {
         if config.enable_wind && !self.ground_contact.contains(&true) {
             self.blow(config);

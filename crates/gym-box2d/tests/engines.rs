@@ -260,8 +260,8 @@ fn what_is_destroyed_is_gone() {
     }
 }
 
-/// A motor lets go, turns round and pushes on within one step. rapier bounds what it adds to a motor on
-/// both sides alike: started from its last impulse it would hold on to it.
+/// A motor lets go, turns round and pushes on within one step. rapier bounds what it adds to a
+/// motor on both sides alike: started from its last impulse it would hold on to it.
 #[test]
 fn a_motor_lets_go_at_once() {
     let run = |physics| {

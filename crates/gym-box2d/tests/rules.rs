@@ -1,4 +1,5 @@
-//! The rules of the tasks where no recorded episode shows them: throttles, bounds, ends on every side, laps, versions.
+//! The rules of the tasks where no recorded episode shows them: throttles, bounds, ends on every
+//! side, laps, versions.
 
 use gym_box2d::car_racing::{self, CarRacing};
 use gym_box2d::lunar_lander::{self, LunarLander};
@@ -93,8 +94,8 @@ fn a_lander_may_leave_on_neither_side() {
     }
 }
 
-/// Version 2 draws the wind aside: where it has no strength, the episode is that without wind. Since version 3 the engines
-/// draw after it.
+/// Version 2 draws the wind aside: where it has no strength, the episode is that without wind.
+/// Since version 3 the engines draw after it.
 #[test]
 fn wind_draws_from_the_episode_since_version_3() {
     for (id, is_aside) in [("LunarLander-v2", true), ("LunarLander-v3", false)] {
@@ -233,7 +234,8 @@ fn a_car_may_leave_the_field_on_no_side() {
     );
 }
 
-/// A share of the tiles must be exceeded; version 2 truncates where version 3 terminates, and tells nothing.
+/// A share of the tiles must be exceeded; version 2 truncates where version 3 terminates, and tells
+/// nothing.
 #[test]
 fn a_lap_needs_more_than_its_share() {
     let ends = |id: &str, percent: f64| {
@@ -313,7 +315,8 @@ fn a_lap_is_over_when_every_tile_was_visited() {
     });
     let last = last.expect("the lap ends");
     assert_eq!((last.terminated, last.truncated), (true, false));
-    // 1000 for all tiles together, of which the start paid for some before the first step, and 0.1 for each step
+    // 1000 for all tiles together, of which the start paid for some before the first step, and 0.1
+    // for each step
     let missing = 1000.0 - 0.1 * f64::from(steps) - total;
     assert!(missing.abs() < 1e-6, "{total} in {steps} steps");
 }

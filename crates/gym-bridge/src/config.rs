@@ -54,7 +54,8 @@ impl Config {
         Duration::from_secs_f64(self.timeout)
     }
 
-    /// The interpreter of the arguments, of the virtual environment, or of the system, in this order.
+    /// The interpreter of the arguments, of the virtual environment, or of the system, in this
+    /// order.
     pub(crate) fn python(&self) -> PathBuf {
         let of_venv = |venv| {
             let folder = if cfg!(windows) {

@@ -11,9 +11,9 @@
 //! # }
 //! ```
 //!
-//! The environment runs in a separate Python process, the *worker*. Nothing of Python is linked, environments run in
-//! parallel, and a crash or a hang of the worker is an `Err`. The worker ends with its environment, and with this
-//! process, even after a crash.
+//! The environment runs in a separate Python process, the *worker*. Nothing of Python is linked,
+//! environments run in parallel, and a crash or a hang of the worker is an `Err`. The worker ends
+//! with its environment, and with this process, even after a crash.
 //!
 //! | argument | default | meaning |
 //! |---|---|---|
@@ -25,13 +25,15 @@
 //! | `timeout` | 60 | seconds to wait for an answer |
 //! | `allow_pickle` | `false` | whether snapshots are taken and restored, by `pickle`: **restoring runs code that the snapshot names** |
 //!
-//! - The render mode goes to Python, which draws: `rgb_array`, `ansi`, their `_list` forms, and `human` in Python's own window.
-//! - All ten kinds of spaces are converted, and spaces of texts such as minigrid's. Spaces may change at a reset, as
-//!   highway-env's do, if their elements keep their form.
+//! - The render mode goes to Python, which draws: `rgb_array`, `ansi`, their `_list` forms, and
+//!   `human` in Python's own window.
+//! - All ten kinds of spaces are converted, and spaces of texts such as minigrid's. Spaces may
+//!   change at a reset, as highway-env's do, if their elements keep their form.
 //! - `info` contains numbers, texts, arrays, lists and dicts; other objects are left out.
-//! - The generator lives in Python, so wrappers that draw from [`Env::generator`](gym_core::Env::generator) refuse.
-//! - A clone is another worker, which reads the environment by `pickle` (or `cloudpickle`); if that fails, the clone's
-//!   calls return the error.
+//! - The generator lives in Python, so wrappers that draw from
+//!   [`Env::generator`](gym_core::Env::generator) refuse.
+//! - A clone is another worker, which reads the environment by `pickle` (or `cloudpickle`); if that
+//!   fails, the clone's calls return the error.
 
 mod config;
 mod env;

@@ -102,7 +102,8 @@ fn write_array(array: &Array, out: &mut Vec<u8>) {
     out.extend(array.to_bytes());
 }
 
-/// Reads values, one after the other, as they come; `None` for invalid bytes, and where the stream fails.
+/// Reads values, one after the other, as they come; `None` for invalid bytes, and where the stream
+/// fails.
 pub(crate) struct Reader<'a, R> {
     stream: &'a mut R,
     /// The bytes of the frame that are not read yet.

@@ -1,4 +1,5 @@
-//! Environments of a real Python, where there is one with gymnasium: that of `GYM_BRIDGE_PYTHON`, else `python3`.
+//! Environments of a real Python, where there is one with gymnasium: that of `GYM_BRIDGE_PYTHON`,
+//! else `python3`.
 
 use std::path::Path;
 use std::process::Command;
@@ -596,7 +597,8 @@ fn clones_and_snapshots_continue() {
     );
 }
 
-/// An environment that counts its steps in its info, as Python has it: without what `make` puts around it.
+/// An environment that counts its steps in its info, as Python has it: without what `make` puts
+/// around it.
 fn widens(start: i64) -> EnvBuilder {
     let env = bridge("bridge/Widens-v0")
         .arg("module", MODULE)

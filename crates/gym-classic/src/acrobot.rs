@@ -10,9 +10,9 @@
 //! | limit | 500 steps |
 //!
 //! The first angle is 0 when the upper link hangs down; the second is relative to the first. From
-//! Sutton (1996), "Generalization in reinforcement learning: successful examples using sparse coarse
-//! coding"; the equations are those of Sutton and Barto's book, in the order of Gymnasium 1.4.0,
-//! `envs/classic_control/acrobot.py`, integrated by one Runge-Kutta step of 0.2 s.
+//! Sutton (1996), "Generalization in reinforcement learning: successful examples using sparse
+//! coarse coding"; the equations are those of Sutton and Barto's book, in the order of Gymnasium
+//! 1.4.0, `envs/classic_control/acrobot.py`, integrated by one Runge-Kutta step of 0.2 s.
 
 use std::f64::consts::{PI, TAU};
 
@@ -290,7 +290,8 @@ impl Task for AcrobotDynamics {
     }
 }
 
-/// The constants of the equations, with the squares of `LINK_LENGTH_1`, `LINK_COM_POS_1` and `LINK_COM_POS_2`.
+/// The constants of the equations, with the squares of `LINK_LENGTH_1`, `LINK_COM_POS_1` and
+/// `LINK_COM_POS_2`.
 const fn constants_of(config: &Config, [l1_2, lc1_2, lc2_2]: [f64; 3]) -> [f64; 19] {
     let Config {
         dt,
@@ -518,8 +519,8 @@ fn rk4<R: Real>(constants: [R; 19], is_nips: bool, y0: [R; 4], torque: R) -> [R;
     add(y0, sum, sixth)
 }
 
-/// An angle between ±π, reduced turn by turn as in Gymnasium for the same rounding, unless this would
-/// take too long.
+/// An angle between ±π, reduced turn by turn as in Gymnasium for the same rounding, unless this
+/// would take too long.
 #[inline(always)]
 fn wrap<R: Real>(x: R) -> R {
     const MANY: f64 = 1e4;

@@ -38,12 +38,13 @@ pub type CartPole = Stateful<CartPoleDynamics>;
 gym_core::arguments! {
     /// Arguments.
     ///
-    /// Gymnasium computes `total_mass` and `polemass_length` only in its constructor: setting an attribute later, such
-    /// as `masspole`, does not change them. Here they follow from the other arguments unless given.
+    /// Gymnasium computes `total_mass` and `polemass_length` only in its constructor: setting an
+    /// attribute later, such as `masspole`, does not change them. Here they follow from the other
+    /// arguments unless given.
     #[derive(Copy)]
     pub const struct Config {
-        /// Whether the reward is 0 for each step and -1 for the step that drops the pole, as in Sutton and Barto's
-        /// book, instead of 1 for each step.
+        /// Whether the reward is 0 for each step and -1 for the step that drops the pole, as in
+        /// Sutton and Barto's book, instead of 1 for each step.
         pub sutton_barto_reward: bool = false,
         /// Acceleration of gravity.
         #[unit = "m/s²"]
@@ -215,7 +216,8 @@ impl Equations for CartPoleDynamics {
         }
     }
 
-    /// The direction to push in, without a branch: the CPU would mispredict half of all random actions.
+    /// The direction to push in, without a branch: the CPU would mispredict half of all random
+    /// actions.
     #[inline(always)]
     fn input(&self, action: Action) -> [f64; 1] {
         [f64::from(2 * action as i8 - 1)]
@@ -378,8 +380,8 @@ impl Task for CartPoleDynamics {
         })
     }
 
-    /// With the default constants: during an episode cart and pole are within the thresholds, as one step before, so no
-    /// velocity exceeds the distance of the thresholds per step.
+    /// With the default constants: during an episode cart and pole are within the thresholds, as
+    /// one step before, so no velocity exceeds the distance of the thresholds per step.
     fn is_valid(&self, state: &State) -> bool {
         const PUSH: f64 = 1.0; // more than one step adds to a velocity
         let State {

@@ -308,8 +308,8 @@ pub(crate) fn equal<R: Real>(x: R, y: R) -> R::Mask {
     x.le(y) & y.le(x)
 }
 
-/// The valley, the car and the flag, of both mountain cars. With a position of 32 bits, numpy computes the
-/// car's place in 32 bits.
+/// The valley, the car and the flag, of both mountain cars. With a position of 32 bits, numpy
+/// computes the car's place in 32 bits.
 pub(crate) fn draw(
     position: f64,
     is_single: bool,

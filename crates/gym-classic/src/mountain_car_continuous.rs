@@ -1,4 +1,5 @@
-//! MountainCarContinuous: drive an underpowered car out of a valley, with as little force as possible.
+//! MountainCarContinuous: drive an underpowered car out of a valley, with as little force as
+//! possible.
 //!
 //! | | |
 //! |---|---|
@@ -10,8 +11,9 @@
 //! | limit | 999 steps |
 //!
 //! From Moore (1990), "Efficient memory-based learning for robot control"; the order of operations
-//! is that of Gymnasium 1.4.0, `envs/classic_control/continuous_mountain_car.py`, with numpy 2:
-//! the state is `float64` after a reset and `float32` from the first step on, and the force keeps the precision of the action.
+//! is that of Gymnasium 1.4.0, `envs/classic_control/continuous_mountain_car.py`, with numpy 2: the
+//! state is `float64` after a reset and `float32` from the first step on, and the force keeps the
+//! precision of the action.
 
 use gym_core::canvas::Canvas;
 use gym_core::keys::json;
@@ -102,8 +104,8 @@ const fn constants_of(config: &Config) -> [f64; 8] {
     ]
 }
 
-/// One step. With `USUAL`, all actions came as `float32` within their bounds, and no state is the first of its episode:
-/// every result is then rounded to `float32`.
+/// One step. With `USUAL`, all actions came as `float32` within their bounds, and no state is the
+/// first of its episode: every result is then rounded to `float32`.
 #[inline(always)]
 fn advance<R: Real, const USUAL: bool>(
     constants: [R; 8],
@@ -147,7 +149,8 @@ fn advance<R: Real, const USUAL: bool>(
         R::select(R::but_not(single, clipped), within, force * power - pull)
     };
 
-    // numbers of Python's take the precision of the state; those of `float64` widen what they are added to
+    // numbers of Python's take the precision of the state; those of `float64` widen what they are
+    // added to
     let wide = fresh | R::but_not(double, clipped);
     let most = rounded(wide, max_speed);
     let moved = rounded(wide, velocity + narrowed(wide, change));

@@ -160,7 +160,8 @@ impl Equations for PendulumDynamics {
         }
     }
 
-    /// The torque, and whether its products are `float64`: those of numpy's arrays of `float32` are not.
+    /// The torque, and whether its products are `float64`: those of numpy's arrays of `float32` are
+    /// not.
     #[inline(always)]
     fn input(
         &self,
@@ -327,10 +328,11 @@ impl Task for PendulumDynamics {
 /// Where the axle is, both ways.
 const MIDDLE: f64 = 250.0;
 
-/// An arrow around the axle, with the torque's size and direction. Gymnasium loads an image; this is
-/// drawn, with the same size and place.
+/// An arrow around the axle, with the torque's size and direction. Gymnasium loads an image; this
+/// is drawn, with the same size and place.
 fn draw_torque(torque: f64, scale: f64, canvas: &mut dyn Canvas) {
-    // for a radius of 1; Gymnasium's arrow is not quite circular and off the axle, so this one is too
+    // for a radius of 1; Gymnasium's arrow is not quite circular and off the axle, so this one is
+    // too
     const WIDTH: f64 = 0.065; // of the line
     const WIDE: f64 = 0.973;
     const HIGH: f64 = 1.034;

@@ -20,7 +20,8 @@ pub(crate) fn mountain_car([position, velocity]: &[f32; 2]) -> i64 {
     }
 }
 
-/// Drives in the direction of the velocity, which adds energy, and gently, because force costs reward.
+/// Drives in the direction of the velocity, which adds energy, and gently, because force costs
+/// reward.
 pub(crate) fn mountain_car_continuous([_, velocity]: &[f32; 2]) -> [f32; 1] {
     [if *velocity < 0.0 { -0.4 } else { 0.4 }]
 }

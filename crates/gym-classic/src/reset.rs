@@ -7,8 +7,8 @@ use serde::{Deserialize, Deserializer};
 /// small enough that no equation overflows in one step.
 const LIMIT: f64 = 1e6;
 
-/// Whether a state from outside may be one of a task with the default constants; with others, such as no mass, numbers may be
-/// infinite or NaN.
+/// Whether a state from outside may be one of a task with the default constants; with others, such
+/// as no mass, numbers may be infinite or NaN.
 pub(crate) fn plausible(state: &[f64]) -> bool {
     state.iter().all(|x| x.abs() <= LIMIT)
 }

@@ -1,4 +1,5 @@
-//! Constants of the equations as arguments: episodes equal those of Gymnasium 1.4.0 with the same attributes set, bit for bit.
+//! Constants of the equations as arguments: episodes equal those of Gymnasium 1.4.0 with the same
+//! attributes set, bit for bit.
 
 use gym_classic as _;
 use gym_core::prelude::*;
@@ -262,7 +263,8 @@ fn constants_that_cannot_be_are_refused() {
     );
 }
 
-/// As an attribute of Gymnasium's environments does: numbers computed from others stay, and so do the spaces.
+/// As an attribute of Gymnasium's environments does: numbers computed from others stay, and so do
+/// the spaces.
 #[test]
 fn constants_set_later_take_effect() {
     for Recorded {
@@ -299,7 +301,8 @@ fn constants_set_later_take_effect() {
     }
 }
 
-/// A vector with other constants in each environment gives what single environments with those give.
+/// A vector with other constants in each environment gives what single environments with those
+/// give.
 #[test]
 fn each_environment_of_a_vector_has_constants_of_its_own() {
     const N: usize = 70;
@@ -337,7 +340,8 @@ fn each_environment_of_a_vector_has_constants_of_its_own() {
     );
 }
 
-/// A value from a range is drawn by the environment's generator before each start, and holds for the episode.
+/// A value from a range is drawn by the environment's generator before each start, and holds for
+/// the episode.
 #[test]
 fn ranges_draw_constants_anew_at_each_reset() {
     use gym_classic::cartpole::{CartPoleDynamics, Config};

@@ -152,8 +152,8 @@ fn the_goal_itself_counts() {
     assert!(after.terminated);
 }
 
-/// A force of `float64` widens all sums of a step, which is rounded once, at its end. Before the first step, the state is of
-/// `float64` too.
+/// A force of `float64` widens all sums of a step, which is rounded once, at its end. Before the
+/// first step, the state is of `float64` too.
 #[test]
 fn a_precise_force_moves_a_continuous_mountain_car_precisely() {
     use mountain_car_continuous::{Config, MountainCarContinuousDynamics, State};

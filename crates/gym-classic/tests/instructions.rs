@@ -1,9 +1,10 @@
 //! The machine code of the equations: their steps consist of vector instructions with fused
 //! multiply-adds, in one function each.
 //!
-//! A function on the way that is not inlined loses both in silence: results stay, and a step takes five
-//! times as long. Times say so only on a quiet machine; the machine code says it everywhere, whichever CPU
-//! runs the test. The same look shows that no function of the platform's mathematics is called.
+//! A function on the way that is not inlined loses both in silence: results stay, and a step takes
+//! five times as long. Times say so only on a quiet machine; the machine code says it everywhere,
+//! whichever CPU runs the test. The same look shows that no function of the platform's mathematics
+//! is called.
 #![cfg(all(target_arch = "x86_64", target_os = "linux"))]
 
 use std::process::Command;

@@ -50,8 +50,9 @@ impl Damage {
     }
 }
 
-/// Every kind of damage to every field and container, and a few kinds to the first and the last element of a long
-/// array. A large snapshot, which takes long to read, gets a few kinds for each field.
+/// Every kind of damage to every field and container, and a few kinds to the first and the last
+/// element of a long array. A large snapshot, which takes long to read, gets a few kinds for each
+/// field.
 pub(crate) fn damages(good: &Json) -> Vec<Damage> {
     /// More parts are a large world's.
     const MANY: usize = 200;
@@ -95,7 +96,8 @@ fn damages_by(
     damages.flatten().collect()
 }
 
-/// Other numbers and switches of the same kind, near and far, with which a snapshot may still be of use.
+/// Other numbers and switches of the same kind, near and far, with which a snapshot may still be of
+/// use.
 pub(crate) fn moves(good: &Json) -> Vec<Damage> {
     let others = |part: &Json, _| match part {
         Json::Bool(is) => vec![json!(!is)],

@@ -18,8 +18,8 @@ pub(crate) struct Damaged {
 }
 
 impl Damaged {
-    /// Damages the snapshot of an environment in the middle of an episode in every way, and plays some steps from each that
-    /// it accepts.
+    /// Damages the snapshot of an environment in the middle of an episode in every way, and plays
+    /// some steps from each that it accepts.
     pub(crate) fn try_all(env: &BoxEnv, steps: usize) -> Result<Self> {
         let space = env.observation_space();
         let whole = env.snapshot()?;

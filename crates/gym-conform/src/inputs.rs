@@ -3,7 +3,8 @@
 use gym_core::spaces::BoxSpace;
 use gym_core::{Array, DType, Data, Space, Value};
 
-/// The first and last elements of a space of numbers, and mixtures of both if it has several numbers.
+/// The first and last elements of a space of numbers, and mixtures of both if it has several
+/// numbers.
 pub(crate) fn corners(space: &Space) -> Vec<Value> {
     const FIRST: i64 = 8;
     match space {
@@ -72,7 +73,8 @@ pub(crate) fn uniform(space: &Space, x: f64) -> Option<Value> {
     Array::new(space.shape(), data).ok().map(Value::Array)
 }
 
-/// Values of another kind or shape than the elements of a space, out of any discrete range, or not numbers.
+/// Values of another kind or shape than the elements of a space, out of any discrete range, or not
+/// numbers.
 pub(crate) fn invalid(space: &Space, valid: &Value) -> Vec<Value> {
     let mut actions = vec![
         Value::Null,

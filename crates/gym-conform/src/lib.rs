@@ -1,8 +1,8 @@
-//! The rules of [`Env`](gym_core::Env) as checks that run against any environment: Gymnasium's `check_env`, its passive
-//! checker and `check_environments_match`, and more that Rust allows.
+//! The rules of [`Env`](gym_core::Env) as checks that run against any environment: Gymnasium's
+//! `check_env`, its passive checker and `check_environments_match`, and more that Rust allows.
 //!
-//! A plugin's tests run all checks over all of its environments in one line (see [`suite!`]), `cargo xtask
-//! conform` over everything that is linked, or over a crate on disk.
+//! A plugin's tests run all checks over all of its environments in one line (see [`suite!`]),
+//! `cargo xtask conform` over everything that is linked, or over a crate on disk.
 //!
 //! ```
 //! # use gym_conform as my_envs;
@@ -17,19 +17,23 @@
 //! assert_eq!(findings[0].check, "constructs"); // there is no such environment here
 //! ```
 //!
-//! This crate replaces the program's allocator by one that counts, so make it a dev-dependency. Without the feature
-//! `checks` it has only recorded episodes, the module [`trace`], and does not replace the allocator.
+//! This crate replaces the program's allocator by one that counts, so make it a dev-dependency.
+//! Without the feature `checks` it has only recorded episodes, the module [`trace`], and does not
+//! replace the allocator.
 //!
-//! Some faults no check sees, and a test of your own should: an action that is refused in states that neither random nor held
-//! actions lead to; a clock that is read, as all checks of an environment take moments; a step that begins the next episode
-//! by itself, which looks like a jump; a wrapper that truncates early, which some have reason to; an observation that a
-//! refused step has written to, as after an error it may be anything; memory that grows outside of the environment, in a static variable, or only
-//! after hundreds of steps. Where an environment says that it is
-//! nondeterministic, episodes are not compared, nor its copies. Without a registration, the limit of a stack is known where a
-//! `TimeLimit` is around a `BoxEnv`. The result of a step after the end of an episode is unspecified, as in Gymnasium.
+//! Some faults no check sees, and a test of your own should: an action that is refused in states
+//! that neither random nor held actions lead to; a clock that is read, as all checks of an
+//! environment take moments; a step that begins the next episode by itself, which looks like a
+//! jump; a wrapper that truncates early, which some have reason to; an observation that a refused
+//! step has written to, as after an error it may be anything; memory that grows outside of the
+//! environment, in a static variable, or only after hundreds of steps. Where an environment says
+//! that it is nondeterministic, episodes are not compared, nor its copies. Without a registration,
+//! the limit of a stack is known where a `TimeLimit` is around a `BoxEnv`. The result of a step
+//! after the end of an episode is unspecified, as in Gymnasium.
 //!
-//! Each [`Finding`] names the fault, its place, its consequence and the remedy. An environment that must
-//! break a rule says so, with the reason, in [`Registration::exceptions`](gym_core::Registration::exceptions).
+//! Each [`Finding`] names the fault, its place, its consequence and the remedy. An environment that
+//! must break a rule says so, with the reason, in
+//! [`Registration::exceptions`](gym_core::Registration::exceptions).
 
 #[cfg(feature = "checks")]
 mod actions;

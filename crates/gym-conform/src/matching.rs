@@ -35,8 +35,8 @@ pub struct Matching {
     pub skip_terminal: bool,
     /// Leaves out `truncated`.
     pub skip_truncated: bool,
-    /// Does not compare rendering. By default rendering is compared if both environments have a render mode
-    /// other than `human`.
+    /// Does not compare rendering. By default rendering is compared if both environments have a
+    /// render mode other than `human`.
     pub skip_render: bool,
     /// The entries of `info` to compare.
     pub info_comparison: InfoComparison,

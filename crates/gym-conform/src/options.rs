@@ -30,8 +30,8 @@ fn examples(subject: &Subject<'_>) -> Verdict<Vec<(&'static str, Json)>> {
     named.iter().map(read).collect()
 }
 
-/// An option that is not named is refused where some are, and ignored elsewhere. Where nothing is registered, as around an
-/// environment with options, both are right.
+/// An option that is not named is refused where some are, and ignored elsewhere. Where nothing is
+/// registered, as around an environment with options, both are right.
 pub(crate) fn unknown(subject: &Subject<'_>) -> Verdict {
     let plain = subject.make()?.reset(3)?;
     let knows_options = subject

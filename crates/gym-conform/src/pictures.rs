@@ -41,7 +41,8 @@ pub(crate) fn follows(subject: &Subject<'_>) -> Verdict {
     }
 }
 
-/// Calls `visit` with the frames of some steps, each with its observation and its place, until it breaks off.
+/// Calls `visit` with the frames of some steps, each with its observation and its place, until it
+/// breaks off.
 fn each_frame(
     subject: &Subject<'_>,
     mut visit: impl FnMut(&Frame, &Value, &str) -> Verdict<ControlFlow<()>>,

@@ -69,8 +69,8 @@ pub enum Format {
     Text,
     /// A list of reports, with the fields of [`Report`].
     Json,
-    /// JUnit's XML, which services for continuous integration show: a suite for each environment, a case for
-    /// each check.
+    /// JUnit's XML, which services for continuous integration show: a suite for each environment, a
+    /// case for each check.
     Junit,
 }
 

@@ -17,8 +17,9 @@ use crate::verdict::{Trouble, message};
 
 /// Runs every check against the environments that `make` makes. No finding means that it conforms.
 ///
-/// An environment from [`make`](gym_core::make) is checked without `OrderEnforcing` and `PassiveEnvChecker`, which would hide what
-/// the environment itself does. All others are checked as they come.
+/// An environment from [`make`](gym_core::make) is checked without `OrderEnforcing` and
+/// `PassiveEnvChecker`, which would hide what the environment itself does. All others are checked
+/// as they come.
 ///
 /// A check that takes long is reported on standard error, while it runs and when it ends.
 pub fn check(make: impl Fn() -> Result<BoxEnv>) -> Vec<Finding> {
@@ -115,8 +116,8 @@ impl fmt::Display for Slow {
     }
 }
 
-/// The spec of the environment without the wrappers that hide its faults, if its spec makes only the stack of
-/// `make`.
+/// The spec of the environment without the wrappers that hide its faults, if its spec makes only
+/// the stack of `make`.
 fn bare(make: &dyn Fn() -> Result<BoxEnv>) -> Option<EnvSpec> {
     // the first check makes an environment again, and reports a panic
     let stacks = catch_unwind(AssertUnwindSafe(|| {
@@ -145,7 +146,8 @@ fn watched<R>(time: Duration, tell: impl FnOnce() + Send, work: impl FnOnce() ->
     })
 }
 
-/// The findings, and the skipped checks with their reasons. Calls `tell` during and after each check that takes long.
+/// The findings, and the skipped checks with their reasons. Calls `tell` during and after each
+/// check that takes long.
 fn run(subject: &Subject<'_>, tell: impl Fn(&Long) + Sync) -> (Vec<Finding>, Vec<Skipped>) {
     // the check of equal seeds sees the panic again, and reports it
     let _ = catch_unwind(AssertUnwindSafe(|| subject.first_run().is_ok()));
@@ -203,7 +205,8 @@ fn run(subject: &Subject<'_>, tell: impl Fn(&Long) + Sync) -> (Vec<Finding>, Vec
                     continue;
                 }
                 Err(Trouble::Skipped(reason)) => {
-                    // a check without a finding does not block others, but where chance decides there is nothing to compare
+                    // a check without a finding does not block others, but where chance decides
+                    // there is nothing to compare
                     if !(REPEATABLE.contains(&check.name) && subject.is_nondeterministic()) {
                         passed.push(check.name);
                     }
@@ -250,8 +253,8 @@ fn run(subject: &Subject<'_>, tell: impl Fn(&Long) + Sync) -> (Vec<Finding>, Vec
     (findings, skipped)
 }
 
-/// Runs every check over registered environments, several at a time. Each is checked without `OrderEnforcing` and
-/// `PassiveEnvChecker`, which would hide its own behaviour.
+/// Runs every check over registered environments, several at a time. Each is checked without
+/// `OrderEnforcing` and `PassiveEnvChecker`, which would hide its own behaviour.
 ///
 /// # Errors
 /// An error about an id. A broken rule is not an error but part of a report.
@@ -259,7 +262,8 @@ pub fn reports(ids: &[String]) -> Result<Vec<Report>> {
     reports_with(ids, |_| ())
 }
 
-/// As [`reports`], and reports its progress, which shows the environment that is slow, hangs or aborts.
+/// As [`reports`], and reports its progress, which shows the environment that is slow, hangs or
+/// aborts.
 ///
 /// # Errors
 /// The faults of an id.
@@ -271,8 +275,8 @@ pub fn reports_with(ids: &[String], tell: impl Fn(Progress<'_>) + Sync) -> Resul
     let workers = thread::available_parallelism()
         .map_or(1, usize::from)
         .min(specs.len().max(1));
-    // A free thread takes the next one: some take a hundred times as long as others. It takes the last one, because those
-    // in a namespace, such as `rapier/CarRacing-v3`, take longest.
+    // A free thread takes the next one: some take a hundred times as long as others. It takes the
+    // last one, because those in a namespace, such as `rapier/CarRacing-v3`, take longest.
     let queue = Mutex::new(specs.iter().enumerate());
     let take = || {
         queue

@@ -178,7 +178,8 @@ fn is_random(env: &mut BoxEnv) -> Result<bool> {
     Ok(false)
 }
 
-/// Whether `other` is for each seed the same episode as `plain`, though seeds tell most episodes apart.
+/// Whether `other` is for each seed the same episode as `plain`, though seeds tell most episodes
+/// apart.
 fn not_always(
     env: &mut BoxEnv,
     what: &str,

@@ -68,7 +68,8 @@ impl<'a> Subject<'a> {
         (self.make)()
     }
 
-    /// A new environment without a time limit, if it can be identified: its snapshots contain only its own state.
+    /// A new environment without a time limit, if it can be identified: its snapshots contain only
+    /// its own state.
     pub(crate) fn unlimited(&self) -> Result<BoxEnv> {
         match &self.spec {
             // the wrapped environment may need the limit
@@ -136,8 +137,8 @@ impl<'a> Subject<'a> {
         Ok(if self.shows_pictures()? { 5 } else { 20 })
     }
 
-    /// A long run of the first seed, played first, before any state outside the environment has counted
-    /// steps.
+    /// A long run of the first seed, played first, before any state outside the environment has
+    /// counted steps.
     pub(crate) fn first_run(&self) -> Result<&[Shown]> {
         if let Some(run) = self.first_run.get() {
             return Ok(run);
@@ -295,7 +296,8 @@ pub(crate) fn each_event(
     Ok(())
 }
 
-/// The first difference of two histories. NaN counts as equal to itself, as another check reports it.
+/// The first difference of two histories. NaN counts as equal to itself, as another check reports
+/// it.
 pub(crate) fn same(a: &[Shown], b: &[Shown], what: &str) -> Verdict {
     match a.iter().zip(b).position(|(a, b)| !alike(a, b)) {
         None => Ok(()),
@@ -310,8 +312,8 @@ pub(crate) fn alike<T: PartialEq + std::fmt::Debug>(a: &T, b: &T) -> bool {
     a == b || format!("{a:?}") == format!("{b:?}")
 }
 
-/// A reset and the steps after it through [`Env::reset_into`] and [`Env::step_into`], into buffers that
-/// `buffer` made from the last observation.
+/// A reset and the steps after it through [`Env::reset_into`] and [`Env::step_into`], into buffers
+/// that `buffer` made from the last observation.
 pub(crate) fn roll_out_into(
     env: &mut BoxEnv,
     seed: u64,

@@ -39,7 +39,8 @@ pub fn assert_conforms(crate_name: &str) {
     println!("{text}");
 }
 
-/// A plugin's test: makes a `#[test]` that runs every check over every environment that a crate registers.
+/// A plugin's test: makes a `#[test]` that runs every check over every environment that a crate
+/// registers.
 ///
 /// Put it in a file of the folder `tests`, with the crate's name as in `use`:
 ///

@@ -11,15 +11,18 @@
 //! ]}
 //! ```
 //!
-//! A frame may be recorded as its checksum, `{"crc32": "89abcdef", "shape": [210, 160, 3], "dtype": "uint8"}`.
+//! A frame may be recorded as its checksum, `{"crc32": "89abcdef", "shape": [210, 160, 3], "dtype":
+//! "uint8"}`.
 //!
-//! With `"vector": {"num_envs": 3, "autoreset_mode": "NextStep"}` it is a trace of a vector: seeds may be
-//! lists, options may contain a `reset_mask`, and each part of an answer has a value per sub-environment.
+//! With `"vector": {"num_envs": 3, "autoreset_mode": "NextStep"}` it is a trace of a vector: seeds
+//! may be lists, options may contain a `reset_mask`, and each part of an answer has a value per
+//! sub-environment.
 //!
-//! With `"render_mode": "rgb_array"` the environment is rendered once after each event. An event then has the
-//! CRC-32 of the frame (`frame`) and of an observation that is an image (`observation_crc32`), and the same
-//! with blackened rectangles (`frame_masked`, `observation_masked`), which the trace names: `"frame_mask":
-//! [[6, 365, 65, 380]]`, as first column and row, last column and row. A masked checksum replaces the other.
+//! With `"render_mode": "rgb_array"` the environment is rendered once after each event. An event
+//! then has the CRC-32 of the frame (`frame`) and of an observation that is an image
+//! (`observation_crc32`), and the same with blackened rectangles (`frame_masked`,
+//! `observation_masked`), which the trace names: `"frame_mask": [[6, 365, 65, 380]]`, as first
+//! column and row, last column and row. A masked checksum replaces the other.
 
 use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
@@ -37,8 +40,8 @@ use gym_core::{
 
 /// The resets and steps of one environment, or of one vector.
 ///
-/// An unknown key is an error, so that a misspelt one is not ignored. Facts about the recorder, such as
-/// `gymnasium` and `numpy`, are accepted and dropped.
+/// An unknown key is an error, so that a misspelt one is not ignored. Facts about the recorder,
+/// such as `gymnasium` and `numpy`, are accepted and dropped.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(from = "Recorded")]
 pub struct Trace {
@@ -182,7 +185,8 @@ pub struct Event {
     /// The same of the masked frame.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frame_masked: Option<Json>,
-    /// The checksum of the frame without images that Gymnasium loads from a file. It is read, and not compared.
+    /// The checksum of the frame without images that Gymnasium loads from a file. It is read, and
+    /// not compared.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frame_plain: Option<Json>,
     /// CRC-32 of an observation's bytes.
@@ -314,8 +318,8 @@ impl Trace {
     /// The vector of the trace, in its wrappers.
     ///
     /// # Errors
-    /// The errors of [`make_vec`](gym_core::make_vec), and errors for an unknown wrapper and if this is the trace of a single
-    /// environment.
+    /// The errors of [`make_vec`](gym_core::make_vec), and errors for an unknown wrapper and if
+    /// this is the trace of a single environment.
     pub fn make_vector(&self) -> Result<Box<dyn VectorEnv>> {
         let Some(VectorRequest {
             num_envs,
@@ -530,8 +534,8 @@ fn remove_clock(info: &mut Json) {
     }
 }
 
-/// Equality of JSON data to the last bit, where `1` and `1.0` are the same number, and `0.0` and `-0.0`
-/// are not.
+/// Equality of JSON data to the last bit, where `1` and `1.0` are the same number, and `0.0` and
+/// `-0.0` are not.
 fn same(a: &Json, b: &Json) -> bool {
     match (a, b) {
         (Json::Number(x), Json::Number(y)) => same_number(x, y),

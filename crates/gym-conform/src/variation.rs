@@ -47,7 +47,8 @@ pub(crate) enum Effect {
 
 /// Looks for the effect of a change, cheapest first.
 pub(crate) struct Search {
-    /// The default, and the default with each switch inverted: a switch may hide the effect of others.
+    /// The default, and the default with each switch inverted: a switch may hide the effect of
+    /// others.
     surroundings: Vec<Variant>,
     /// Episodes of the surroundings by their seeds, each played once for all changes.
     plays: BTreeMap<(usize, u64), Result<Play>>,
@@ -177,8 +178,8 @@ fn drawing(env: &BoxEnv) -> String {
     format!("{} {:?}", Calls::of(env).text, env.ansi())
 }
 
-/// Whether two variants that were equal so far differ in states that random actions do not reach: from
-/// snapshots with a number or a switch changed.
+/// Whether two variants that were equal so far differ in states that random actions do not reach:
+/// from snapshots with a number or a switch changed.
 fn differ_elsewhere(a: &Variant, b: &Variant, seed: u64, steps: usize) -> Result<bool> {
     const START: usize = 5;
     /// Snapshots of large models have hundreds of numbers.

@@ -5,7 +5,8 @@ use serde_json::Value as Json;
 
 use crate::{Error, Kwargs, Result};
 
-/// A struct of arguments, such as an environment's `Config`. Write it with [`arguments!`](crate::arguments!).
+/// A struct of arguments, such as an environment's `Config`. Write it with
+/// [`arguments!`](crate::arguments!).
 pub trait Arguments: Default + Serialize + DeserializeOwned {
     /// The table: each argument, in the order of the fields.
     fn table() -> Vec<Argument>;
@@ -41,7 +42,8 @@ impl Argument {
         (self.takes)(version)
     }
 
-    /// An entry of the table, without its default value: [`arguments!`](crate::arguments!) calls it.
+    /// An entry of the table, without its default value: [`arguments!`](crate::arguments!) calls
+    /// it.
     #[doc(hidden)]
     pub fn new<T: ArgumentType>(name: &'static str, unit: &'static str, docs: &str) -> Self {
         let meaning = docs.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -88,8 +90,8 @@ pub fn table<C: Arguments>(defaults: &C, version: u32) -> Vec<Argument> {
 /// The arguments from JSON; missing ones have their value in `defaults`.
 ///
 /// # Errors
-/// [`Error::InvalidArgument`] about `whose` arguments for a name that the version does not take, and for a value of another
-/// type.
+/// [`Error::InvalidArgument`] about `whose` arguments for a name that the version does not take,
+/// and for a value of another type.
 pub fn read<C: Arguments>(defaults: &C, version: u32, given: &Kwargs, whose: &str) -> Result<C> {
     check_names(&C::table(), version, given)
         .and_then(|()| merge(serde_json::to_value(defaults), given))
@@ -250,15 +252,16 @@ impl<T: ArgumentType, const N: usize> ArgumentType for [T; N] {
 
 /// Defines a struct of arguments: with serde, [`Default`], and the table of [`Arguments`].
 ///
-/// A field without a default value must be given in JSON, unless it is an `Option`; `Default` uses the default of its
-/// type. A field has documentation, optionally a unit and the versions of the id that have it, and a default value. A
-/// field with `#[flatten]` is another such struct and contributes its arguments; its default value may be left out, and
-/// `#[flatten(name = 3..)]` changes the versions of one of them.
+/// A field without a default value must be given in JSON, unless it is an `Option`; `Default` uses
+/// the default of its type. A field has documentation, optionally a unit and the versions of the id
+/// that have it, and a default value. A field with `#[flatten]` is another such struct and
+/// contributes its arguments; its default value may be left out, and `#[flatten(name = 3..)]`
+/// changes the versions of one of them.
 ///
 /// `const struct` also defines the constant `DEFAULT` with the default values.
 ///
-/// The crate needs `serde` with the feature `derive`. Types without a JSON counterpart must implement
-/// [`ArgumentType`].
+/// The crate needs `serde` with the feature `derive`. Types without a JSON counterpart must
+/// implement [`ArgumentType`].
 ///
 /// ```
 /// gym_core::arguments! {

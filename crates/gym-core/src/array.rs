@@ -56,15 +56,16 @@ impl<T: Scalar, const N: usize> From<[T; N]> for Array {
     }
 }
 
-/// The largest number of numbers in an element of a space: some gigabytes. A larger space is refused, before memory runs
-/// out.
+/// The largest number of numbers in an element of a space: some gigabytes. A larger space is
+/// refused, before memory runs out.
 pub const MAX_ELEMENTS: usize = 1 << 28;
 
 /// numpy's largest number of axes.
 pub(crate) const MAX_AXES: usize = 64;
 
-/// The number of elements of a shape; `None` for more than `usize` counts and for more than [`MAX_AXES`]. An empty array is
-/// refused if its other axes have more than [`MAX_ELEMENTS`]: its nested lists would fill the memory.
+/// The number of elements of a shape; `None` for more than `usize` counts and for more than
+/// [`MAX_AXES`]. An empty array is refused if its other axes have more than [`MAX_ELEMENTS`]: its
+/// nested lists would fill the memory.
 pub(crate) fn element_count(shape: &[usize]) -> Option<usize> {
     if shape.len() > MAX_AXES {
         return None;
@@ -124,7 +125,8 @@ impl Array {
         self.data.to_bytes()
     }
 
-    /// Overwrites the numbers from bytes. Returns `false` and changes nothing if the number of bytes does not fit.
+    /// Overwrites the numbers from bytes. Returns `false` and changes nothing if the number of
+    /// bytes does not fit.
     pub fn fill_bytes(&mut self, bytes: &[u8]) -> bool {
         self.data.fill_bytes(bytes)
     }
@@ -229,8 +231,8 @@ impl Array {
         });
     }
 
-    /// Clips each number, or each row of numbers of a batch, to bounds of the same type, as numpy's `clip`:
-    /// NaN stays.
+    /// Clips each number, or each row of numbers of a batch, to bounds of the same type, as numpy's
+    /// `clip`: NaN stays.
     pub fn clip(&mut self, low: &Self, high: &Self) {
         with_type!(self.dtype(), T => {
             let (low, high) = (low.as_slice::<T>().unwrap_or_default(), high.as_slice::<T>().unwrap_or_default());

@@ -28,13 +28,14 @@ impl BoxEnv {
         }
     }
 
-    /// Replaces this environment by another. A vector that holds it keeps its own record of the episode, such as a
-    /// pending reset.
+    /// Replaces this environment by another. A vector that holds it keeps its own record of the
+    /// episode, such as a pending reset.
     pub fn replace_with(&mut self, other: Self) {
         self.env = other.env;
     }
 
-    /// Changes with every reset, step and restore, so that a vector detects those it did not request.
+    /// Changes with every reset, step and restore, so that a vector detects those it did not
+    /// request.
     pub(crate) fn moves(&self) -> u64 {
         self.moves
     }
@@ -93,8 +94,8 @@ impl<E: Env> Erased for Layer<E> {
 
     fn step_into(&mut self, action: &Value, observation: &mut Value) -> Result<Outcome> {
         let env = &mut self.0;
-        // an error is returned through `failed`: copying a whole `Result` right after its reward was written stalls the
-        // CPU, for 8 % of a step of CartPole
+        // an error is returned through `failed`: copying a whole `Result` right after its reward
+        // was written stalls the CPU, for 8 % of a step of CartPole
         let mut failed = None;
         let outcome = E::Action::with(action, |action| {
             E::Observation::fill(observation, |observation| {

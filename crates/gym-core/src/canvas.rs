@@ -86,7 +86,8 @@ pub enum Shape<'a> {
     Path(&'a [Segment]),
 }
 
-/// One call of pygame, with its numbers as Gymnasium passes them: coordinates name the centres of pixels.
+/// One call of pygame, with its numbers as Gymnasium passes them: coordinates name the centres of
+/// pixels.
 ///
 /// A canvas at Gymnasium's own size draws them as pygame does, to the last bit; any other draws
 /// similar smooth shapes.
@@ -269,8 +270,8 @@ pub trait Canvas {
         smooth(self, primitive, color);
     }
 
-    /// Draws on a surface of the size `from` until the matching [`pop`](Canvas::pop); pygame's `smoothscale`
-    /// then shrinks it to the size `to`, in the pixels of this canvas.
+    /// Draws on a surface of the size `from` until the matching [`pop`](Canvas::pop); pygame's
+    /// `smoothscale` then shrinks it to the size `to`, in the pixels of this canvas.
     fn push_smoothscaled(&mut self, from: (u32, u32), to: (u32, u32)) {
         let scale = |from: u32, to: u32| f64::from(to) / f64::from(from.max(1));
         self.push(Transform::scale(scale(from.0, to.0), scale(from.1, to.1)));
@@ -477,7 +478,8 @@ mod tests {
         fn pop(&mut self) {}
     }
 
-    /// Lines reach half a pixel beyond the middles of their ends, and a filled circle half a pixel beyond its radius.
+    /// Lines reach half a pixel beyond the middles of their ends, and a filled circle half a pixel
+    /// beyond its radius.
     #[test]
     fn every_primitive_has_its_smooth_shapes() {
         let points = &[[1.0, 1.0], [9.0, 2.0], [5.0, 8.0]];

@@ -20,9 +20,9 @@ pub enum Precision {
 
 /// An action of `N` numbers for a `Box`, in its own precision.
 ///
-/// Gymnasium computes in the action's precision: a `float64` action gives other last bits than the same action rounded to
-/// `float32`. As a [`Value`] it is an array of `float32`, or one of another type for [`Precision::Double`], or a tuple of
-/// numbers for [`Precision::Python`].
+/// Gymnasium computes in the action's precision: a `float64` action gives other last bits than the
+/// same action rounded to `float32`. As a [`Value`] it is an array of `float32`, or one of another
+/// type for [`Precision::Double`], or a tuple of numbers for [`Precision::Python`].
 ///
 /// ```
 /// use gym_core::{Continuous, Precision};
@@ -95,7 +95,8 @@ impl<const N: usize> Element for Continuous<N> {
         Self::default()
     }
 
-    // inlined, to stay in registers: a copy right after the writes stalls the CPU, for a fifth of a step of Pendulum
+    // inlined, to stay in registers: a copy right after the writes stalls the CPU, for a fifth of a
+    // step of Pendulum
     #[inline(always)]
     fn from_value(value: &Value) -> Option<Self> {
         match value {

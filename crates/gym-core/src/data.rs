@@ -99,7 +99,8 @@ macro_rules! dtypes {
             /// Zeros, or `None` where they do not fit in memory.
             pub(crate) fn zeros(dtype: DType, len: usize) -> Option<Self> {
                 match dtype { $(DType::$variant => {
-                    // asked for first, because `vec!` aborts, and not filled, because it has pages of zeros
+                    // asked for first, because `vec!` aborts, and not filled, because it has pages
+                    // of zeros
                     Vec::<$type>::new().try_reserve_exact(len).ok()?;
                     Some(Self::$variant(vec![0 as $type; len]))
                 })* }
@@ -115,7 +116,8 @@ macro_rules! dtypes {
                 }),* }
             }
 
-            /// Overwrites the numbers with the next bytes of a stream, which are copied once, from its buffer.
+            /// Overwrites the numbers with the next bytes of a stream, which are copied once, from
+            /// its buffer.
             pub(crate) fn read_from(&mut self, stream: &mut impl BufRead) -> io::Result<()> {
                 match self { $(Self::$variant(values) => {
                     let mut done = 0;
@@ -126,7 +128,8 @@ macro_rules! dtypes {
                         let mut count = numbers.len().min(left.len());
                         stream.consume(count * size_of::<$type>());
                         if count == 0 {
-                            // a number that the end of the buffer cuts in two, or the end of the stream
+                            // a number that the end of the buffer cuts in two, or the end of the
+                            // stream
                             let mut bytes = [0; size_of::<$type>()];
                             stream.read_exact(&mut bytes)?;
                             left[0] = <$type>::from_le_bytes(bytes);
@@ -138,7 +141,8 @@ macro_rules! dtypes {
                 Ok(())
             }
 
-            /// Overwrites the numbers from bytes. Returns `false` if the number of bytes does not fit.
+            /// Overwrites the numbers from bytes. Returns `false` if the number of bytes does not
+            /// fit.
             pub(crate) fn fill_bytes(&mut self, bytes: &[u8]) -> bool {
                 match self { $(Self::$variant(values) => {
                     let (numbers, rest) = bytes.as_chunks();

@@ -8,10 +8,10 @@ use crate::{Element, EnvSpec, Error, Generator, Reset, Result, Snapshot, Space, 
 
 /// A task for an agent: Gymnasium's `Env`.
 ///
-/// An episode starts with [`reset`](crate::EnvExt::reset), which gives the first observation. Then each
-/// [`step`](crate::EnvExt::step) takes an action and gives the next observation, a reward, and whether the
-/// episode has ended: `terminated` if the task itself ended it, `truncated` if something outside
-/// the task did, such as a time limit.
+/// An episode starts with [`reset`](crate::EnvExt::reset), which gives the first observation. Then
+/// each [`step`](crate::EnvExt::step) takes an action and gives the next observation, a reward, and
+/// whether the episode has ended: `terminated` if the task itself ended it, `truncated` if
+/// something outside the task did, such as a time limit.
 ///
 /// ```
 /// use gym_core::{Env, EnvExt, Result};
@@ -125,8 +125,8 @@ pub trait Env: Clone + Send + 'static {
     /// Takes one step and writes the next observation to `observation`, without allocating.
     ///
     /// # Errors
-    /// [`Error::ResetNeeded`] before the first reset, [`Error::InvalidAction`] for an action that cannot be
-    /// executed. The state is then unchanged, except in wrappers that document otherwise.
+    /// [`Error::ResetNeeded`] before the first reset, [`Error::InvalidAction`] for an action that
+    /// cannot be executed. The state is then unchanged, except in wrappers that document otherwise.
     fn step_into(
         &mut self,
         action: &Self::Action,
@@ -170,8 +170,8 @@ pub trait Env: Clone + Send + 'static {
         let _ = canvas;
     }
 
-    /// Called before the first frame. From then on the environment may keep state that only frames show,
-    /// such as particles.
+    /// Called before the first frame. From then on the environment may keep state that only frames
+    /// show, such as particles.
     fn start_rendering(&mut self) {}
 
     /// Called after each frame. Advance per-frame state here; do not change the episode.
@@ -182,13 +182,14 @@ pub trait Env: Clone + Send + 'static {
         None
     }
 
-    /// The mode of [`render`](crate::EnvExt::render); `None` if the environment was made without one.
+    /// The mode of [`render`](crate::EnvExt::render); `None` if the environment was made without
+    /// one.
     fn render_mode(&self) -> Option<RenderMode> {
         None
     }
 
-    /// Writes the frame or text of the render mode to `rendered`. A frame of the same size is overwritten
-    /// without allocating.
+    /// Writes the frame or text of the render mode to `rendered`. A frame of the same size is
+    /// overwritten without allocating.
     ///
     /// # Errors
     /// [`Error::UnsupportedMode`] unless the environment was made with a render mode, or wrapped
@@ -203,7 +204,8 @@ pub trait Env: Clone + Send + 'static {
         })
     }
 
-    /// The spec from which [`make`](crate::make) rebuilds this environment and its wrappers, if it can.
+    /// The spec from which [`make`](crate::make) rebuilds this environment and its wrappers, if it
+    /// can.
     fn spec(&self) -> Option<EnvSpec> {
         None
     }
@@ -234,8 +236,8 @@ pub trait Env: Clone + Send + 'static {
 
     /// The generator that the environment draws from, once it was reset: Gymnasium's `np_random`.
     ///
-    /// Wrappers such as `StickyAction` draw from it as well, so that one seed determines an episode. They
-    /// cannot wrap an environment that returns `None`.
+    /// Wrappers such as `StickyAction` draw from it as well, so that one seed determines an
+    /// episode. They cannot wrap an environment that returns `None`.
     fn generator(&mut self) -> Option<&mut Generator> {
         None
     }
@@ -260,7 +262,8 @@ pub struct Step<O> {
     pub reward: f64,
     /// Whether the task has ended: the value of the next state is 0.
     pub terminated: bool,
-    /// Whether something outside the task, such as a time limit, ended the episode. Both flags can be set.
+    /// Whether something outside the task, such as a time limit, ended the episode. Both flags can
+    /// be set.
     pub truncated: bool,
 }
 
@@ -278,7 +281,8 @@ pub struct Outcome {
     pub reward: f64,
     /// Whether the task has ended: the value of the next state is 0.
     pub terminated: bool,
-    /// Whether something outside the task, such as a time limit, ended the episode. Both flags can be set.
+    /// Whether something outside the task, such as a time limit, ended the episode. Both flags can
+    /// be set.
     pub truncated: bool,
 }
 

@@ -50,8 +50,8 @@ pub trait EnvExt: Env {
     /// Random actions from the action space, of this environment's own action type.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`](crate::Error) if that type cannot hold the space's elements, which is a
-    /// mistake in the environment.
+    /// [`Error::InvalidArgument`](crate::Error) if that type cannot hold the space's elements,
+    /// which is a mistake in the environment.
     fn action_sampler(&self, seed: impl Into<Seed>) -> Result<Sampler<Self::Action>> {
         self.action_space().sampler(seed).typed()
     }
@@ -76,7 +76,8 @@ pub trait EnvExt: Env {
         self.layer_mut(TypeId::of::<T>())?.downcast_mut()
     }
 
-    /// The outermost wrapper of type `W` in the stack, through any number of [`BoxEnv`](crate::BoxEnv)s.
+    /// The outermost wrapper of type `W` in the stack, through any number of
+    /// [`BoxEnv`](crate::BoxEnv)s.
     ///
     /// Name the full type: around an environment from [`make`](crate::make) it is
     /// `RecordEpisodeStatistics<BoxEnv>`, or `RecordEpisodeStatistics` for short.

@@ -6,11 +6,12 @@ use crate::math::{Emulated, Fma, Hardware, One, Real, with};
 use crate::vector::ActionColumn;
 use crate::{Arguments, Dynamics, Generator, Outcome, Result, Task, Transition};
 
-/// A task whose step is a formula of a few numbers. The formula is written once for [`Real`] numbers; scalar
-/// environments and native vectors compute it with the same bits.
+/// A task whose step is a formula of a few numbers. The formula is written once for [`Real`]
+/// numbers; scalar environments and native vectors compute it with the same bits.
 ///
-/// Implementing it implements [`Dynamics`], and `Native` of the crate gym-native; see the book's page on native vectors.
-/// Mark functions with `R: Real`, and all that they call, `#[inline(always)]`: otherwise they are compiled without SIMD.
+/// Implementing it implements [`Dynamics`], and `Native` of the crate gym-native; see the book's
+/// page on native vectors. Mark functions with `R: Real`, and all that they call,
+/// `#[inline(always)]`: otherwise they are compiled without SIMD.
 pub trait Equations:
     Task<Config: Arguments + Clone, State: Copy, Observation: Row, Action: ActionColumn> + Sync
 {
@@ -20,15 +21,16 @@ pub trait Equations:
     /// An action as numbers, `[f64; A]`.
     type Input: Row;
 
-    /// The constants of the equations, `[f64; P]`: they follow from the arguments, and may differ between the
-    /// environments of a vector.
+    /// The constants of the equations, `[f64; P]`: they follow from the arguments, and may differ
+    /// between the environments of a vector.
     type Constants: Row + PartialEq;
 
-    /// The constants of the default arguments, if known at compile time: a native vector with these runs code with the
-    /// constants folded in.
+    /// The constants of the default arguments, if known at compile time: a native vector with these
+    /// runs code with the constants folded in.
     const USUAL: Option<Self::Constants> = None;
 
-    /// Whether [`numbers`](Self::numbers) returns all numbers, so that [`complete`](Self::complete) does nothing.
+    /// Whether [`numbers`](Self::numbers) returns all numbers, so that [`complete`](Self::complete)
+    /// does nothing.
     const IS_COMPLETE: bool = true;
 
     /// Whether [`disturb`](Self::disturb) does anything.
@@ -37,11 +39,12 @@ pub trait Equations:
     /// Whether [`info`](Task::info) has entries.
     const INFO: bool = false;
 
-    /// The constants for these arguments. Each step of a scalar environment calls it, so return stored numbers.
+    /// The constants for these arguments. Each step of a scalar environment calls it, so return
+    /// stored numbers.
     fn constants(&self) -> Self::Constants;
 
-    /// Whether these are the [usual](Self::USUAL) constants. Each step of a scalar environment asks, so return a stored
-    /// answer.
+    /// Whether these are the [usual](Self::USUAL) constants. Each step of a scalar environment
+    /// asks, so return a stored answer.
     fn is_usual(&self) -> bool {
         Self::USUAL == Some(self.constants())
     }
@@ -219,8 +222,8 @@ where
     )
 }
 
-/// Calls `f` with the constants. It is compiled a second time for the usual ones, with which a step of CartPole takes a
-/// sixth less time.
+/// Calls `f` with the constants. It is compiled a second time for the usual ones, with which a step
+/// of CartPole takes a sixth less time.
 #[inline(always)]
 fn with_constants<E: Equations, T>(equations: &E, f: impl FnOnce(E::Constants) -> T) -> T {
     match E::USUAL {
@@ -287,7 +290,8 @@ where
     (transition, singles(next.seen))
 }
 
-// loops, because `array::map` is not always inlined, and is then compiled without the CPU's features
+// loops, because `array::map` is not always inlined, and is then compiled without the CPU's
+// features
 #[inline(always)]
 fn ones<F: Fma, const N: usize>(numbers: [f64; N]) -> [One<F>; N] {
     let mut ones = [One::new(0.0); N];

@@ -15,8 +15,8 @@ use crate::{
 
 /// A task without its dynamics: arguments, spaces, starts and drawing.
 ///
-/// The dynamics are in [`Dynamics`], or in [`Equations`](crate::equations::Equations) if one formula serves scalar
-/// environments and native vectors.
+/// The dynamics are in [`Dynamics`], or in [`Equations`](crate::equations::Equations) if one
+/// formula serves scalar environments and native vectors.
 pub trait Task: Clone + fmt::Debug + Send + 'static {
     /// The constructor's arguments; [`make`](crate::make) uses their `Default`.
     type Config: Arguments + PartialEq;
@@ -39,12 +39,12 @@ pub trait Task: Clone + fmt::Debug + Send + 'static {
     /// The arguments, with every random choice filled in.
     fn config(&self) -> &Self::Config;
 
-    /// Changes the arguments of a task in use, as setting an attribute does in Gymnasium: spaces and derived
-    /// constants stay as the constructor made them.
+    /// Changes the arguments of a task in use, as setting an attribute does in Gymnasium: spaces
+    /// and derived constants stay as the constructor made them.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for an argument out of range, or if arguments are fixed (the default); then nothing
-    /// has changed.
+    /// [`Error::InvalidArgument`] for an argument out of range, or if arguments are fixed (the
+    /// default); then nothing has changed.
     fn assign(&mut self, config: Self::Config) -> Result<()> {
         let _ = config;
         Err(Error::argument(
@@ -98,8 +98,8 @@ pub trait Task: Clone + fmt::Debug + Send + 'static {
 /// | [`transition`](Self::transition)`(state, action, rng)` | `transition`, `reward`, `terminal` | the next state, the reward, whether it is the last |
 /// | [`observe`](Self::observe)`(state)` | `observation` | the observation |
 ///
-/// Results depend only on the arguments and the generator. [`Stateful`] makes an [`Env`] of them; a planner calls them
-/// directly, from any state:
+/// Results depend only on the arguments and the generator. [`Stateful`] makes an [`Env`] of them; a
+/// planner calls them directly, from any state:
 ///
 /// ```
 /// use gym_core::{Dynamics, Generator, NoArguments, Reset, Result, Space, Stateful, Task, Transition};
@@ -172,8 +172,8 @@ pub trait Task: Clone + fmt::Debug + Send + 'static {
 /// # Ok::<(), gym_core::Error>(())
 /// ```
 ///
-/// The same generator state gives the same outcome. The example `monte_carlo_tree_search` of the crate `gym` plans with
-/// clones of environments.
+/// The same generator state gives the same outcome. The example `monte_carlo_tree_search` of the
+/// crate `gym` plans with clones of environments.
 pub trait Dynamics: Task {
     /// The next state, the reward, and whether the next state is terminal.
     ///
@@ -189,14 +189,14 @@ pub trait Dynamics: Task {
     /// The observation of a state.
     fn observe(&self, state: &Self::State) -> Self::Observation;
 
-    /// Writes the observation of a state to `observation`. Override it for an [`Array`](crate::Array) or a
-    /// [`Value`], to fill the existing buffer without allocating.
+    /// Writes the observation of a state to `observation`. Override it for an
+    /// [`Array`](crate::Array) or a [`Value`], to fill the existing buffer without allocating.
     fn observe_into(&self, state: &Self::State, observation: &mut Self::Observation) {
         *observation = self.observe(state);
     }
 
-    /// Whether something outside the task, such as a spent budget, ends the episode in a state; called
-    /// after each transition. (The registration has the limit of steps.)
+    /// Whether something outside the task, such as a spent budget, ends the episode in a state;
+    /// called after each transition. (The registration has the limit of steps.)
     fn truncates(&self, state: &Self::State) -> bool {
         let _ = state;
         false
@@ -204,8 +204,8 @@ pub trait Dynamics: Task {
 
     /// [`transition`](Self::transition), [`truncates`](Self::truncates) and
     /// [`observe_into`](Self::observe_into) in place: a step of [`Stateful`]. A task of
-    /// [`Equations`](crate::equations::Equations) overrides it with one function that is compiled for the
-    /// CPU's features.
+    /// [`Equations`](crate::equations::Equations) overrides it with one function that is compiled
+    /// for the CPU's features.
     ///
     /// # Errors
     /// The errors of `transition`; the state is then unchanged.
@@ -294,7 +294,8 @@ impl<D: Dynamics> Stateful<D> {
     /// Sets one argument to a value in JSON. The episode continues with it.
     ///
     /// # Errors
-    /// The errors of [`Task::assign`], and [`Error::InvalidArgument`] for a name or a value that does not fit.
+    /// The errors of [`Task::assign`], and [`Error::InvalidArgument`] for a name or a value that
+    /// does not fit.
     pub fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
         let given = [(name.to_owned(), value)].into_iter().collect();
         self.dynamics.assign(arguments::read(

@@ -8,8 +8,8 @@ pub use serde_json::json;
 /// The keys of an environment, for [`Registration::keys`](crate::Registration::keys).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Keys {
-    /// The name of each key, such as `Left` or `Q`, and its action in JSON. The actions of keys held together are added if
-    /// they are vectors; otherwise the first counts.
+    /// The name of each key, such as `Left` or `Q`, and its action in JSON. The actions of keys
+    /// held together are added if they are vectors; otherwise the first counts.
     pub actions: Vec<(String, Json)>,
     /// The action while no key is down.
     pub idle: Idle,
@@ -27,7 +27,8 @@ pub enum Idle {
 }
 
 impl Keys {
-    /// Keys by name, as in `json!({"Left": 0, "Right": 2})`; the environment waits while none is down.
+    /// Keys by name, as in `json!({"Left": 0, "Right": 2})`; the environment waits while none is
+    /// down.
     pub fn new(actions: Json) -> Self {
         let Json::Object(actions) = actions else {
             return Self {

@@ -278,7 +278,8 @@ fn non_finite(x: f64) -> &'static str {
     }
 }
 
-/// With a decimal point and the fewest digits, at most `places` after it: `0.1`, `3.`, `-0.41887903`.
+/// With a decimal point and the fewest digits, at most `places` after it: `0.1`, `3.`,
+/// `-0.41887903`.
 fn positional(data: &Data, index: usize, places: usize) -> String {
     let text = shortest(data, index);
     let exponent: i32 = split_exponent(&text).1.parse().unwrap_or(0);
@@ -316,8 +317,8 @@ fn scientific(data: &Data, index: usize, places: usize) -> String {
 
 /// The fewest digits that read back as this number, in the form `-1.5e-5`.
 fn shortest(data: &Data, index: usize) -> String {
-    /// Of two such decimals that are equally near, numpy takes the even one, as the exact value rounded
-    /// to so many digits does.
+    /// Of two such decimals that are equally near, numpy takes the even one, as the exact value
+    /// rounded to so many digits does.
     fn even<T: LowerExp + FromStr + PartialEq + Copy>(x: T, exact: f64) -> String {
         let text = format!("{x:e}");
         let rounded = format!("{exact:.*e}", fraction_len(&text));

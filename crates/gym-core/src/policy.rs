@@ -4,10 +4,12 @@ use serde_json::Value as Json;
 
 use crate::{BoxEnv, Element, Env, Error, Result, Space, Value, math};
 
-/// Chooses the action for an observation; `None` if the value is not an observation of the environment.
+/// Chooses the action for an observation; `None` if the value is not an observation of the
+/// environment.
 pub type Controller = Box<dyn FnMut(&BoxEnv, &Value) -> Option<Value>>;
 
-/// A policy that plays an environment well, for [`Registration::policy`](crate::Registration::policy).
+/// A policy that plays an environment well, for
+/// [`Registration::policy`](crate::Registration::policy).
 #[derive(Clone, Copy, Debug)]
 pub struct Policy {
     /// A phrase that continues "the good policy", such as "drives right".
@@ -22,7 +24,8 @@ enum Source {
 }
 
 impl Policy {
-    /// Rules: `start` returns the controller of one episode, or `None` if the rules do not fit the arguments.
+    /// Rules: `start` returns the controller of one episode, or `None` if the rules do not fit the
+    /// arguments.
     pub const fn rules(
         description: &'static str,
         start: fn(&BoxEnv) -> Option<Controller>,
@@ -41,7 +44,8 @@ impl Policy {
         }
     }
 
-    /// The controller of one episode; `None` if the policy does not fit the environment's arguments.
+    /// The controller of one episode; `None` if the policy does not fit the environment's
+    /// arguments.
     ///
     /// # Errors
     /// A network that is damaged, or does not fit the environment's spaces.

@@ -1,8 +1,8 @@
 //! Drawing with pygame's calls, for environments that look like Gymnasium's.
 //!
-//! Gymnasium draws with pygame, y up, and flips the surface. An environment here passes the same numbers
-//! to [`Canvas::pygame`], in the coordinates of [`flipped`]. A canvas at Gymnasium's own size repeats
-//! pygame's pixels; any other draws smooth shapes ([`smooth`](crate::canvas::smooth)).
+//! Gymnasium draws with pygame, y up, and flips the surface. An environment here passes the same
+//! numbers to [`Canvas::pygame`], in the coordinates of [`flipped`]. A canvas at Gymnasium's own
+//! size repeats pygame's pixels; any other draws smooth shapes ([`smooth`](crate::canvas::smooth)).
 //!
 //! pygame's coordinates name the centres of pixels, so the origin is the centre of the bottom left
 //! pixel. A surface wider than its frame uses coordinates shifted left by whole pixels: calls are
@@ -68,14 +68,15 @@ pub fn gfx_polygon(canvas: &mut dyn Canvas, points: &[Point], color: Color) {
     canvas.pygame(Primitive::FilledPolygon(points), color);
 }
 
-/// `gfxdraw.aacircle` and `gfxdraw.filled_circle`, which Gymnasium calls together, with whole numbers.
+/// `gfxdraw.aacircle` and `gfxdraw.filled_circle`, which Gymnasium calls together, with whole
+/// numbers.
 pub fn gfx_circle(canvas: &mut dyn Canvas, center: Point, radius: f64, color: Color) {
     canvas.pygame(Primitive::AaCircle { center, radius }, color);
     canvas.pygame(Primitive::FilledCircle { center, radius }, color);
 }
 
-/// A rectangle between two opposite corners, in Gymnasium's order: left bottom, left top, right top, right
-/// bottom.
+/// A rectangle between two opposite corners, in Gymnasium's order: left bottom, left top, right
+/// top, right bottom.
 pub const fn corners([l, b]: Point, [r, t]: Point) -> [Point; 4] {
     [[l, b], [l, t], [r, t], [r, b]]
 }

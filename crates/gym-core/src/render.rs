@@ -263,7 +263,8 @@ impl Rendered {
 /// Turns drawings into pixels. A rendering crate such as `gym-render` submits a
 /// [`PainterProvider`], which makes the [`Painter`]s of wrappers.
 pub trait Painter: Send {
-    /// Draws on a canvas whose coordinates are `size`, scaled to fill `frame`. The canvas starts black.
+    /// Draws on a canvas whose coordinates are `size`, scaled to fill `frame`. The canvas starts
+    /// black.
     fn paint(&mut self, size: (u32, u32), draw: &mut dyn FnMut(&mut dyn Canvas), frame: &mut Frame);
 }
 

@@ -8,7 +8,8 @@ use crate::{Error, Generator, Result, Seed};
 /// Named reset options or constructor arguments.
 pub type Kwargs = Map<String, Json>;
 
-/// Options for the start of an episode. `Reset::default()` continues the generator and uses no options.
+/// Options for the start of an episode. `Reset::default()` continues the generator and uses no
+/// options.
 ///
 /// ```
 /// use gym_core::Reset;

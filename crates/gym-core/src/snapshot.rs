@@ -6,7 +6,8 @@ use serde_json::Value as Json;
 use crate::stored::exact;
 use crate::{Error, Result};
 
-/// The whole state of an environment and its wrappers, as JSON data, NaN and infinite floats included.
+/// The whole state of an environment and its wrappers, as JSON data, NaN and infinite floats
+/// included.
 ///
 /// A snapshot restored into an environment built with the same arguments continues identically.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -24,7 +25,8 @@ impl Snapshot {
             .map_err(|error| Error::Snapshot(error.to_string()))
     }
 
-    /// The snapshot of an environment: its name, the arguments that it was built with, and its episode.
+    /// The snapshot of an environment: its name, the arguments that it was built with, and its
+    /// episode.
     ///
     /// # Errors
     /// The errors of [`of`](Self::of).
@@ -59,8 +61,8 @@ impl Snapshot {
         json.get("env")?.as_str()
     }
 
-    /// The episode of a snapshot made by [`with_config`](Self::with_config), for the environment `env`
-    /// built with `config`; none if it was taken before the first reset.
+    /// The episode of a snapshot made by [`with_config`](Self::with_config), for the environment
+    /// `env` built with `config`; none if it was taken before the first reset.
     ///
     /// # Errors
     /// [`Error::Snapshot`] if this is the snapshot of something else, of an environment with other

@@ -296,8 +296,8 @@ impl fmt::Display for Value {
 /// | tuples of two to four of these | a `Tuple` |
 /// | [`Value`] | any space; the only one for a `Dict`, `Sequence`, `Graph` or `OneOf` |
 ///
-/// A type of your own needs three functions: [`empty`](Self::empty), [`from_value`](Self::from_value)
-/// and [`write`](Self::write).
+/// A type of your own needs three functions: [`empty`](Self::empty),
+/// [`from_value`](Self::from_value) and [`write`](Self::write).
 #[diagnostic::on_unimplemented(
     message = "`{Self}` is not an observation or action type",
     note = "the types are `i64`, `usize`, `u8`, `u32`, enums of `discrete!`, arrays `[T; N]` of numbers, `String`, and \

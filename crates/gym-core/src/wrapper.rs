@@ -11,8 +11,8 @@ use crate::{
 
 /// An environment around another one that changes some of its behaviour: Gymnasium's `Wrapper`.
 ///
-/// A wrapper implements access to the inner environment, `reset_into` and `step_into`. Methods that it
-/// leaves out call the inner environment. Every `Wrapper` is an [`Env`].
+/// A wrapper implements access to the inner environment, `reset_into` and `step_into`. Methods that
+/// it leaves out call the inner environment. Every `Wrapper` is an [`Env`].
 ///
 /// ```
 /// use gym_core::{Env, Outcome, Reset, Result, WrapperSpec};
@@ -51,17 +51,18 @@ use crate::{
 /// }
 /// ```
 ///
-/// Name the trait by its path where you implement it, as above, and do not import it: it has methods of
-/// the same names as [`Env`], and with both in scope `env.render_into(…)` could mean either. Within the
-/// implementation itself, call the wrapper's own methods as `Env::reset_into(self, …)`.
+/// Name the trait by its path where you implement it, as above, and do not import it: it has
+/// methods of the same names as [`Env`], and with both in scope `env.render_into(…)` could mean
+/// either. Within the implementation itself, call the wrapper's own methods as
+/// `Env::reset_into(self, …)`.
 ///
 /// # Duties of a wrapper
-/// - **State.** A wrapper that keeps something from step to step stores it beside the inner snapshot, in
-///   [`snapshot`](Self::snapshot) and [`restore`](Self::restore).
+/// - **State.** A wrapper that keeps something from step to step stores it beside the inner
+///   snapshot, in [`snapshot`](Self::snapshot) and [`restore`](Self::restore).
 /// - **A stored form.** [`wrapper_spec`](Self::wrapper_spec) names the wrapper and its arguments; a
-///   [`WrapperRegistration`](crate::registry::WrapperRegistration) of that name rebuilds it. Without
-///   one the [`spec`](Env::spec) of the whole stack is `None`, because it would rebuild another
-///   environment.
+///   [`WrapperRegistration`](crate::registry::WrapperRegistration) of that name rebuilds it.
+///   Without one the [`spec`](Env::spec) of the whole stack is `None`, because it would rebuild
+///   another environment.
 /// - **Spaces.** A wrapper with another `Observation` or `Action` type has another
 ///   [`observation_space`](Self::observation_space) or [`action_space`](Self::action_space).
 pub trait Wrapper: Clone + Send + 'static {
@@ -151,9 +152,11 @@ pub trait Wrapper: Clone + Send + 'static {
     methods!(forward! [Env] {.inner()} {.inner_mut()});
 }
 
-/// Gives another macro every method of [`Env`] that passes through a wrapper unchanged, one by one, behind `$words`.
+/// Gives another macro every method of [`Env`] that passes through a wrapper unchanged, one by one,
+/// behind `$words`.
 ///
-/// `reset_into`, `step_into` and `restore` are not among them, because a layer may have state that they change.
+/// `reset_into`, `step_into` and `restore` are not among them, because a layer may have state that
+/// they change.
 macro_rules! methods {
     ($then:ident! $($words:tt)*) => {
         $then! { $($words)* fn observation_space(&self) -> Space }
@@ -185,8 +188,8 @@ macro_rules! all_methods {
 }
 pub(crate) use all_methods;
 
-/// A method that forwards to the same method of another place, such as `self.env` for `{.env}`. A place is given
-/// twice, to be read and to be changed.
+/// A method that forwards to the same method of another place, such as `self.env` for `{.env}`. A
+/// place is given twice, to be read and to be changed.
 macro_rules! forward {
     ([$trait:ident] {$($place:tt)*} {$($_:tt)*} fn $name:ident(&self $(, $arg:ident: $type:ty)*) $(-> $result:ty)?) => {
         #[doc = concat!("As [`", stringify!($trait), "::", stringify!($name), "`].")]

@@ -1,6 +1,8 @@
-//! Where the time of a step goes: `cargo run --release --package gym-mujoco --example stages -- Humanoid-v5`.
+//! Where the time of a step goes: `cargo run --release --package gym-mujoco --example stages --
+//! Humanoid-v5`.
 //!
-//! Plays an environment with random actions, and prints the time of its steps and of each stage of the engine.
+//! Plays an environment with random actions, and prints the time of its steps and of each stage of
+//! the engine.
 
 use std::time::{Duration, Instant};
 

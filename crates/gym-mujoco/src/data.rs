@@ -8,14 +8,17 @@ use crate::{Error, Model, Result, forward, step};
 
 /// A state of a model, and the results of the last forward call: MuJoCo's `mjData`.
 ///
-/// After [`step`], `time`, `qpos` and `qvel` are new; everything else belongs to the last forward call that the
-/// step made, as in MuJoCo. With the integrator Euler this is the state before the step, with RK4 its last stage.
+/// After [`step`], `time`, `qpos` and `qvel` are new; everything else belongs to the last forward
+/// call that the step made, as in MuJoCo. With the integrator Euler this is the state before the
+/// step, with RK4 its last stage.
 ///
-/// Frames and vectors are in the world's axes. Rotation matrices are row-major. Six-dimensional vectors are rotation, then
-/// translation, about the centre of mass of the kinematic tree (`subtree_com` of the body's root).
+/// Frames and vectors are in the world's axes. Rotation matrices are row-major. Six-dimensional
+/// vectors are rotation, then translation, about the centre of mass of the kinematic tree
+/// (`subtree_com` of the body's root).
 ///
-/// A clone, or data that was serialised and read again, continues bit for bit. Two states are serialised: the current one, and the
-/// one from which the last step or forward call started. [`resume`](Self::resume) computes everything else from them.
+/// A clone, or data that was serialised and read again, continues bit for bit. Two states are
+/// serialised: the current one, and the one from which the last step or forward call started.
+/// [`resume`](Self::resume) computes everything else from them.
 #[derive(Clone, Debug, Default)]
 pub struct Data {
     /// Time, in seconds.
@@ -56,7 +59,8 @@ pub struct Data {
 
     /// Centre of mass of each body with its descendants.
     pub subtree_com: Vec<[f64; 3]>,
-    /// Inertia of each body about the tree's centre of mass: xx, yy, zz, xy, xz, yz, mass times offset (3), mass.
+    /// Inertia of each body about the tree's centre of mass: xx, yy, zz, xy, xz, yz, mass times
+    /// offset (3), mass.
     pub cinert: Vec<[f64; 10]>,
     /// Motion axis of each degree of freedom.
     pub cdof: Vec<[f64; 6]>,
@@ -84,10 +88,11 @@ pub struct Data {
     /// External force on each body by contacts; current after [`rne_post_constraint`].
     pub cfrc_ext: Vec<[f64; 6]>,
 
-    /// The inertia matrix: rows of the lower triangle, each with the degrees of freedom on the way from the root to its own. A
-    /// row starts at a multiple of four.
+    /// The inertia matrix: rows of the lower triangle, each with the degrees of freedom on the way
+    /// from the root to its own. A row starts at a multiple of four.
     pub qm: Vec<f64>,
-    /// Factors of the inertia matrix, `L' D L`, with the same structure. Numbers between rows have no meaning.
+    /// Factors of the inertia matrix, `L' D L`, with the same structure. Numbers between rows have
+    /// no meaning.
     pub qld: Vec<f64>,
     /// Inverse of the factors' diagonal.
     pub qld_diag_inv: Vec<f64>,
@@ -196,10 +201,11 @@ pub struct Contact {
 }
 
 impl Data {
-    /// The data of a model in its initial configuration, with everything allocated that a step needs.
+    /// The data of a model in its initial configuration, with everything allocated that a step
+    /// needs.
     ///
-    /// Positions are `qpos0`, velocities and controls zero. Nothing is computed yet: call [`forward`] to see
-    /// positions of bodies.
+    /// Positions are `qpos0`, velocities and controls zero. Nothing is computed yet: call
+    /// [`forward`] to see positions of bodies.
     #[must_use]
     pub fn new(m: &Model) -> Self {
         let mut data = Self::default();
@@ -241,7 +247,8 @@ impl Data {
         self.solver_niter.clear();
     }
 
-    /// Repeats the last call to compute the arrays that are not serialised. Not needed before a step or a forward call.
+    /// Repeats the last call to compute the arrays that are not serialised. Not needed before a
+    /// step or a forward call.
     ///
     /// # Panics
     /// If the data is of another model; see [`check`](Self::check).
@@ -298,8 +305,8 @@ impl Data {
     /// Checks that this is data of a model, for instance from a snapshot.
     ///
     /// # Errors
-    /// [`Error::Data`] if an array of the state has another length than the model's, or a number exceeds the
-    /// engine's bounds.
+    /// [`Error::Data`] if an array of the state has another length than the model's, or a number
+    /// exceeds the engine's bounds.
     pub fn check(&self, m: &Model) -> Result<()> {
         for state in [self.last.map(|_| &self.before), Some(&self.state())]
             .into_iter()

@@ -1,9 +1,9 @@
 //! MuJoCo's physics, and Gymnasium's environments on it, in pure Rust.
 //!
-//! The engine repeats libmujoco 3.12.0 (the Linux x86-64 wheel, and 3.13.0 with it) to the last bit for models within
-//! the subset that [`Model`] describes. It does not depend on reinforcement learning: a [`Model`] is constant, a
-//! [`Data`] is a state and everything computed from it, and [`physics::step`] advances the data by a timestep of the
-//! model.
+//! The engine repeats libmujoco 3.12.0 (the Linux x86-64 wheel, and 3.13.0 with it) to the last bit
+//! for models within the subset that [`Model`] describes. It does not depend on reinforcement
+//! learning: a [`Model`] is constant, a [`Data`] is a state and everything computed from it, and
+//! [`physics::step`] advances the data by a timestep of the model.
 
 #![warn(clippy::disallowed_methods)]
 // Unit tests register no environment, so that the compiler leaves out all that they do not call.

@@ -1,9 +1,11 @@
 //! Recorded steps and forward calls of another engine, compared with this engine's.
 //!
-//! A recording is a JSON object. `kind` is `"steps"` or `"forward"`, `model` names a built-in model (what is before a dot says
-//! more of the recording), or `xml` a file in MJCF beside the recording; `cases` have a state each (`qpos`, `qvel`, `qacc_warmstart`, `ctrl`, `time`). The answer to a case is
-//! the state after one step, under `after`, or the results of one forward call, under `out`, in MuJoCo's names. A recording
-//! without a `kind` is a table of a compiled model's figures, and answered with our own.
+//! A recording is a JSON object. `kind` is `"steps"` or `"forward"`, `model` names a built-in model
+//! (what is before a dot says more of the recording), or `xml` a file in MJCF beside the recording;
+//! `cases` have a state each (`qpos`, `qvel`, `qacc_warmstart`, `ctrl`, `time`). The answer to a
+//! case is the state after one step, under `after`, or the results of one forward call, under
+//! `out`, in MuJoCo's names. A recording without a `kind` is a table of a compiled model's figures,
+//! and answered with our own.
 
 use std::path::Path;
 use std::sync::Arc;
@@ -74,7 +76,8 @@ pub fn answer(recording: &Map<String, Value>, folder: &Path) -> Result<Map<Strin
         let state = State::deserialize(&*case)
             .map_err(|error| wrong(&format!("a case {i} that is not a state: {error}")))?;
         let mut data = state.into_data(&m)?;
-        // MuJoCo keeps twenty counts; a recording has those of the islands, or one where there is no island
+        // MuJoCo keeps twenty counts; a recording has those of the islands, or one where there is
+        // no island
         let counts = case[side]["solver_niter"].as_array().map_or(0, Vec::len);
         case[side] = run(&m, &mut data);
         if let Some(own) = case[side]["solver_niter"].as_array_mut() {
@@ -143,7 +146,8 @@ pub fn after_forward(m: &Model, d: &mut Data) -> Value {
 fn constraints(m: &Model, d: &Data) -> Value {
     let efc = &d.efc;
     let jacobian = rows(&efc.full_jacobian(m.nv()), m.nv());
-    // libmujoco leaves here what Newton's method saw last before it took the islands apart: the rows without constraint forces
+    // libmujoco leaves here what Newton's method saw last before it took the islands apart: the
+    // rows without constraint forces
     let active: Vec<u8> = match m.opt.solver {
         Solver::PGS => efc
             .force

@@ -52,8 +52,8 @@ impl<D: Native> NativeVectorEnv<D> {
     /// `num_envs` environments whose episodes are truncated after `max_episode_steps`.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for no environments or more than fit in memory, or a limit that is 0
-    /// or above 65534.
+    /// [`Error::InvalidArgument`] for no environments or more than fit in memory, or a limit that
+    /// is 0 or above 65534.
     pub fn new(
         dynamics: D,
         num_envs: usize,
@@ -101,12 +101,13 @@ impl<D: Native> NativeVectorEnv<D> {
         })
     }
 
-    /// A vector whose environments have different arguments: each environment has its own value of some arguments that are numbers, or
-    /// draws a new one from a range at each reset, from its generator before the start.
+    /// A vector whose environments have different arguments: each environment has its own value of
+    /// some arguments that are numbers, or draws a new one from a range at each reset, from its
+    /// generator before the start.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for an unknown name, an invalid value, a list of another length, and values that
-    /// change a space.
+    /// [`Error::InvalidArgument`] for an unknown name, an invalid value, a list of another length,
+    /// and values that change a space.
     pub fn with_each(self, each: &BTreeMap<String, Each>) -> Result<Self> {
         each.iter()
             .try_for_each(|(name, each)| each.check(name, self.num_envs))?;
@@ -133,8 +134,8 @@ impl<D: Native> NativeVectorEnv<D> {
         }
     }
 
-    /// The same vector with only the baseline instructions of this kind of CPU: slower, with the same bits,
-    /// as tests check.
+    /// The same vector with only the baseline instructions of this kind of CPU: slower, with the
+    /// same bits, as tests check.
     #[must_use]
     pub fn baseline(self) -> Self {
         Self {
@@ -191,7 +192,8 @@ impl<D: Native> NativeVectorEnv<D> {
         Ok(())
     }
 
-    /// A batch of actions cast to the action space's type, or to `float64` for real numbers, if it has its form.
+    /// A batch of actions cast to the action space's type, or to `float64` for real numbers, if it
+    /// has its form.
     #[cold]
     fn cast_actions(&mut self, actions: &Value) -> Result<Value> {
         self.action_space.check_actions(actions, self.num_envs)?;

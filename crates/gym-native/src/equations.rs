@@ -77,7 +77,8 @@ where
 }
 
 impl<E: Native> Many<'_, E> {
-    /// Steps each environment by the equations, as many at once as `R` holds, with the constants of those from a place on.
+    /// Steps each environment by the equations, as many at once as `R` holds, with the constants of
+    /// those from a place on.
     #[inline(always)]
     fn advance<R: Real, const K: usize, const A: usize, const P: usize, const O: usize>(
         &mut self,

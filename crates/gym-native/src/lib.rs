@@ -90,8 +90,8 @@ pub trait Native:
     /// The same task with other values of some arguments that are numbers.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for an unknown name or invalid value, or if arguments cannot differ between
-    /// environments (the default).
+    /// [`Error::InvalidArgument`] for an unknown name or invalid value, or if arguments cannot
+    /// differ between environments (the default).
     fn with_numbers(&self, arguments: &[(String, f64)]) -> Result<Self> {
         let _ = arguments;
         Err(Error::argument(
@@ -107,8 +107,8 @@ pub trait Native:
     /// [`observe`](Dynamics::observe) and [`info`](Task::info) do not use may differ.
     fn unpack(&self, packed: Self::Packed, fresh: bool) -> Self::State;
 
-    /// Steps the environments of a block, [one by one](Many::each). Mark it `#[inline(always)]`, with all that
-    /// it calls.
+    /// Steps the environments of a block, [one by one](Many::each). Mark it `#[inline(always)]`,
+    /// with all that it calls.
     fn step_block<R: Real>(&self, token: R::Token, block: &mut Many<'_, Self>)
     where
         Self: Sized;

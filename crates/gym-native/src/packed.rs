@@ -28,8 +28,8 @@ pub trait Packed: Copy + fmt::Debug + Send + Sync + 'static {
     /// [`Error::Snapshot`] if it has none.
     fn put(self, bytes: &mut Vec<u8>) -> Result<()>;
 
-    /// Reads the value that [`put`](Self::put) wrote, and advances past it; `None` if the bytes do not fit.
-    /// [`is_valid`](gym_core::Task::is_valid) decides whether the state is valid.
+    /// Reads the value that [`put`](Self::put) wrote, and advances past it; `None` if the bytes do
+    /// not fit. [`is_valid`](gym_core::Task::is_valid) decides whether the state is valid.
     fn take(bytes: &mut &[u8]) -> Option<Self>;
 }
 

@@ -59,8 +59,8 @@ pub(crate) struct Step<'a, D: Native> {
     pub(crate) finals: &'a mut [D::Packed],
 }
 
-/// The results of a block, before they go to the columns. Flags are sets of bits, the lowest for the
-/// first.
+/// The results of a block, before they go to the columns. Flags are sets of bits, the lowest for
+/// the first.
 struct Results<O> {
     observations: [O; LANES],
     rewards: [f64; LANES],
@@ -69,7 +69,8 @@ struct Results<O> {
 }
 
 impl<D: Native> Step<'_, D> {
-    /// Steps block by block, all with the usual constants or not. Inlined into a function for each set of vector instructions.
+    /// Steps block by block, all with the usual constants or not. Inlined into a function for each
+    /// set of vector instructions.
     #[inline(always)]
     pub(crate) fn run<R: Real, const USUAL: bool>(
         mut self,
@@ -208,7 +209,8 @@ pub struct Many<'a, D: Native> {
 }
 
 impl<D: Native> Many<'_, D> {
-    /// Steps the environments one by one. Environments due for a reset are skipped: their generators do not advance.
+    /// Steps the environments one by one. Environments due for a reset are skipped: their
+    /// generators do not advance.
     #[inline(always)]
     pub fn each(
         &mut self,

@@ -23,7 +23,8 @@ impl<D: Native> Varied<D> {
     /// For `num_envs` environments; `None` if no argument differs.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for values that a native vector does not support, such as spaces that differ.
+    /// [`Error::InvalidArgument`] for values that a native vector does not support, such as spaces
+    /// that differ.
     pub(crate) fn new(
         dynamics: &D,
         each: &BTreeMap<String, Each>,
@@ -102,7 +103,8 @@ impl<D: Native> Varied<D> {
             .count()
     }
 
-    /// Draws new values for an environment, to be [kept](Self::keep) if it starts; `None` if nothing is drawn.
+    /// Draws new values for an environment, to be [kept](Self::keep) if it starts; `None` if
+    /// nothing is drawn.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for values that are out of range together.

@@ -4,8 +4,9 @@
 //! cargo run --package gym-numerics --example tables > crates/gym-numerics/src/math/tables.rs
 //! ```
 //!
-//! A test holds the tables to its output. Where the numbers that a table is made for are a choice (the
-//! reciprocals of the logarithms), the choice is that of ARM's optimized routines, which glibc uses.
+//! A test holds the tables to its output. Where the numbers that a table is made for are a choice
+//! (the reciprocals of the logarithms), the choice is that of ARM's optimized routines, which glibc
+//! uses.
 
 use std::fmt::Write;
 
@@ -288,7 +289,8 @@ pub(crate) fn generate() -> String {
     out
 }
 
-/// The reciprocals 1 / c of `log_data.c` in ARM's optimized routines (MIT), which come from a search.
+/// The reciprocals 1 / c of `log_data.c` in ARM's optimized routines (MIT), which come from a
+/// search.
 #[rustfmt::skip]
 const LOG_RECIPROCALS: [u64; 128] = [
     0x3ff7_34f0_c3e0_de9f, 0x3ff7_1378_6a2c_e91f, 0x3ff6_f260_08fa_b5a0, 0x3ff6_d1a6_1f13_8c7d,

@@ -1,4 +1,5 @@
-//! Adam (Kingma and Ba, 2015), with a state that can be stored: candle's optimizer keeps its own to itself.
+//! Adam (Kingma and Ba, 2015), with a state that can be stored: candle's optimizer keeps its own to
+//! itself.
 
 use candle_core::{Tensor, Var, backprop::GradStore};
 use serde::{Deserialize, Serialize};

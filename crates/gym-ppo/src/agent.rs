@@ -45,7 +45,8 @@ pub(crate) struct Sample {
 enum Head {
     /// Preferences for each action.
     Discrete,
-    /// The mean of a normal distribution; the logarithms of its standard deviations do not depend on the state.
+    /// The mean of a normal distribution; the logarithms of its standard deviations do not depend
+    /// on the state.
     Gaussian { log_std: Var },
 }
 
@@ -107,7 +108,8 @@ impl Agent {
         self.network.set_policy(network)
     }
 
-    /// Draws an action for each observation, with its log-probability and the value of the observation.
+    /// Draws an action for each observation, with its log-probability and the value of the
+    /// observation.
     pub(crate) fn sample(&self, observations: &Tensor, rng: &mut Generator) -> Result<Sample> {
         let (outputs, values) = self.network.forward(observations)?;
         let actions = match &self.head {
@@ -152,7 +154,8 @@ impl Agent {
         })
     }
 
-    /// The log-probability of each action under the policy with these outputs, and the policy's mean entropy.
+    /// The log-probability of each action under the policy with these outputs, and the policy's
+    /// mean entropy.
     fn judge(&self, outputs: &Tensor, actions: &Tensor) -> Result<(Tensor, Tensor)> {
         match &self.head {
             Head::Discrete => {
@@ -207,8 +210,8 @@ impl Agent {
         Ok(())
     }
 
-    /// The gradients of the loss, summed over portions of the batch, which the threads share. Portions and the order of
-    /// the sum do not depend on the number of threads.
+    /// The gradients of the loss, summed over portions of the batch, which the threads share.
+    /// Portions and the order of the sum do not depend on the number of threads.
     fn gradients(&self, batch: &Batch, settings: &Settings) -> Result<GradStore> {
         let len = batch.len();
         let portion = self.network.portion().unwrap_or(len);
@@ -246,7 +249,8 @@ impl Agent {
         Ok(sum)
     }
 
-    /// Schulman et al. (2017), equation 9, to be made small. The advantages of the batch are normalized.
+    /// Schulman et al. (2017), equation 9, to be made small. The advantages of the batch are
+    /// normalized.
     fn loss(
         &self,
         batch: &Batch,

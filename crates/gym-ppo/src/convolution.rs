@@ -1,8 +1,9 @@
 //! Convolutions of pictures, whose kernels are twice as wide as their strides.
 //!
-//! Such a kernel covers two by two blocks of the picture, each as wide as the stride. So the picture is cut into blocks,
-//! one matrix product gives what each block adds to the four outputs that see it, and [`Overlap`] sums these: no block is
-//! copied for each kernel that covers it. candle derives none of this: [`Gradients`] has what goes back.
+//! Such a kernel covers two by two blocks of the picture, each as wide as the stride. So the
+//! picture is cut into blocks, one matrix product gives what each block adds to the four outputs
+//! that see it, and [`Overlap`] sums these: no block is copied for each kernel that covers it.
+//! candle derives none of this: [`Gradients`] has what goes back.
 
 use std::iter::zip;
 
@@ -10,13 +11,15 @@ use candle_core::{CpuStorage, CustomOp1, CustomOp2, Device, Layout, Shape, Stora
 
 type Result<T> = candle_core::Result<T>;
 
-/// Cuts bytes, `[n, channels, height, width]`, into blocks, `[n, height / side, width / side, channels * side * side]`,
-/// of numbers from 0 to 1. What is left at the right and at the bottom is cut off.
+/// Cuts bytes, `[n, channels, height, width]`, into blocks, `[n, height / side, width / side,
+/// channels * side * side]`, of numbers from 0 to 1. What is left at the right and at the bottom is
+/// cut off.
 pub(crate) fn blocks_of_bytes(pictures: &Tensor, side: usize) -> Result<Tensor> {
     pictures.apply_op1_no_bwd(&BlocksOfBytes { side })
 }
 
-/// Cuts numbers, `[n, height, width, channels]`, into blocks, `[n, height / side, width / side, side * side * channels]`.
+/// Cuts numbers, `[n, height, width, channels]`, into blocks, `[n, height / side, width / side,
+/// side * side * channels]`.
 pub(crate) fn blocks(x: &Tensor, side: usize) -> Result<Tensor> {
     let (n, height, width, channels) = x.dims4()?;
     let (rows, columns) = (height / side, width / side);
@@ -30,7 +33,8 @@ pub(crate) fn blocks(x: &Tensor, side: usize) -> Result<Tensor> {
     x.reshape((n, rows, columns, side * side * channels))
 }
 
-/// Puts blocks together to a picture of a shape, which [`blocks`] cuts into them. What it cuts off is zero.
+/// Puts blocks together to a picture of a shape, which [`blocks`] cuts into them. What it cuts off
+/// is zero.
 pub(crate) fn picture(blocks: &Tensor, side: usize, shape: &Shape) -> Result<Tensor> {
     let (n, height, width, channels) = shape.dims4()?;
     let (rows, columns) = (height / side, width / side);
@@ -42,10 +46,11 @@ pub(crate) fn picture(blocks: &Tensor, side: usize, shape: &Shape) -> Result<Ten
         .pad_with_zeros(2, 0, width - columns * side)
 }
 
-/// Convolves blocks, `[n, rows, columns, size]`, to `[n, rows - 1, columns - 1, channels]`, none of them negative.
+/// Convolves blocks, `[n, rows, columns, size]`, to `[n, rows - 1, columns - 1, channels]`, none of
+/// them negative.
 ///
-/// The weights are `[size, 4 * channels]`: for the block at the top left of each kernel, at the top right, at the bottom
-/// left and at the bottom right. The bias is `[channels]`.
+/// The weights are `[size, 4 * channels]`: for the block at the top left of each kernel, at the top
+/// right, at the bottom left and at the bottom right. The bias is `[channels]`.
 pub(crate) fn convolve(blocks: &Tensor, weights: &Tensor, bias: &Tensor) -> Result<Tensor> {
     let (n, rows, columns, size) = blocks.dims4()?;
     let parts = blocks
@@ -125,11 +130,12 @@ impl CustomOp1 for BlocksOfBytes {
     }
 }
 
-/// Sums what blocks, `[n, rows, columns, 4 * channels]`, add to the outputs that see them, and a bias, `[channels]`, and puts
-/// zero in the place of what is negative.
+/// Sums what blocks, `[n, rows, columns, 4 * channels]`, add to the outputs that see them, and a
+/// bias, `[channels]`, and puts zero in the place of what is negative.
 struct Overlap;
 
-/// The rows and columns by which an output's block is beyond the output, for each quarter of the kernel.
+/// The rows and columns by which an output's block is beyond the output, for each quarter of the
+/// kernel.
 const QUARTERS: [(usize, usize); 4] = [(0, 0), (0, 1), (1, 0), (1, 1)];
 
 impl CustomOp2 for Overlap {
@@ -165,7 +171,8 @@ impl CustomOp2 for Overlap {
     }
 }
 
-/// The opposite of [`Overlap`]: the gradients of its parts, in rows, and of its bias, from its result and the gradient of it.
+/// The opposite of [`Overlap`]: the gradients of its parts, in rows, and of its bias, from its
+/// result and the gradient of it.
 fn spread(
     rows: usize,
     columns: usize,

@@ -1,5 +1,5 @@
-//! The evaluation of a policy: one environment, the best action each time, and the statistics of the training, which
-//! stay as they are.
+//! The evaluation of a policy: one environment, the best action each time, and the statistics of
+//! the training, which stay as they are.
 
 use anyhow::Context;
 use gym::registry::EnvBuilder;

@@ -8,9 +8,9 @@
 //! cargo run --release -p gym-ppo -- export runs/pendulum pendulum.json
 //! ```
 //!
-//! Trains until the mean return of the last 100 episodes reaches the environment's threshold, shows how
-//! it goes, and leaves a plot of all returns. The same seed gives the same agent, also where the training was
-//! killed and resumed from its checkpoint.
+//! Trains until the mean return of the last 100 episodes reaches the environment's threshold, shows
+//! how it goes, and leaves a plot of all returns. The same seed gives the same agent, also where
+//! the training was killed and resumed from its checkpoint.
 
 mod adam;
 mod agent;
@@ -58,7 +58,8 @@ enum Command {
 
 #[derive(clap::Args)]
 struct Training {
-    /// An environment that observes a row of numbers or pictures, with a few discrete actions or a row of numbers.
+    /// An environment that observes a row of numbers or pictures, with a few discrete actions or a
+    /// row of numbers.
     #[arg(default_value = "CartPole-v1")]
     id: String,
     /// Seeds the environments and the agent.
@@ -94,7 +95,8 @@ struct Evaluation {
     /// A folder for videos, one of each episode.
     #[arg(long)]
     video: Option<PathBuf>,
-    /// The width and height of the videos, such as `320x200`; the environment's own if it is absent.
+    /// The width and height of the videos, such as `320x200`; the environment's own if it is
+    /// absent.
     #[arg(long, requires = "video")]
     size: Option<String>,
     /// The length of each video; whole episodes if it is absent.

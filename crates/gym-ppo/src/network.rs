@@ -14,11 +14,12 @@ type Result<T> = candle_core::Result<T>;
 
 /// Units of each hidden layer for rows of numbers.
 const HIDDEN: usize = 64;
-/// The pictures whose gradients are computed at once: few enough for their layers to stay in the caches.
+/// The pictures whose gradients are computed at once: few enough for their layers to stay in the
+/// caches.
 const PICTURES: usize = 32;
 
-/// The outputs of the policy and the value of an observation. From rows of numbers two networks of equal shape compute
-/// them; from pictures two layers, from the same features.
+/// The outputs of the policy and the value of an observation. From rows of numbers two networks of
+/// equal shape compute them; from pictures two layers, from the same features.
 pub(crate) struct Network {
     eyes: Option<Eyes>,
     policy: Layers,
@@ -231,7 +232,8 @@ const FEATURES: usize = 256;
 /// Stride, half the width of the kernel, and channels of each convolution.
 const CONVOLUTIONS: [(usize, usize); 2] = [(4, 16), (2, 32)];
 
-/// Two convolutions and a dense layer: the network of Mnih et al., "Playing Atari with Deep Reinforcement Learning" (2013).
+/// Two convolutions and a dense layer: the network of Mnih et al., "Playing Atari with Deep
+/// Reinforcement Learning" (2013).
 struct Eyes {
     /// Their weights are as [`convolve`] has them.
     convolutions: [Layer; 2],
@@ -303,8 +305,8 @@ impl Eyes {
         })
     }
 
-    /// The gradients of the variables, from those of the features. candle could derive them, but would add each to a
-    /// zero, and derive those of the pictures too.
+    /// The gradients of the variables, from those of the features. candle could derive them, but
+    /// would add each to a zero, and derive those of the pictures too.
     fn gradients(&self, seen: &Seen, of_features: &Tensor) -> Result<[Tensor; 6]> {
         let [_, (second_side, _)] = CONVOLUTIONS;
         let [_, (second, _), (dense, _)] = self.tensors();
@@ -350,8 +352,8 @@ struct Seen {
     features: Tensor,
 }
 
-/// So many vectors of a length, orthogonal where there are no more of them than numbers in each; if there are, their
-/// components are.
+/// So many vectors of a length, orthogonal where there are no more of them than numbers in each; if
+/// there are, their components are.
 fn orthogonal(count: usize, length: usize, gain: f64, rng: &mut Generator) -> Vec<Vec<f32>> {
     if count > length {
         let components = orthogonal(length, count, gain, rng);

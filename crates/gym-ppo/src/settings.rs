@@ -46,8 +46,9 @@ pub(crate) struct Settings {
 }
 
 impl Settings {
-    /// Settings found good for a task. Those of CartPole, LunarLander and Pendulum follow RL Baselines3 Zoo,
-    /// those of other continuous actions CleanRL's `ppo_continuous_action.py`, and those of Atari its `ppo_atari.py`.
+    /// Settings found good for a task. Those of CartPole, LunarLander and Pendulum follow RL
+    /// Baselines3 Zoo, those of other continuous actions CleanRL's `ppo_continuous_action.py`, and
+    /// those of Atari its `ppo_atari.py`.
     pub(crate) fn of(id: &str, task: Task) -> Self {
         let lander = Self {
             envs: 16,

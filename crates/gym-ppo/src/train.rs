@@ -24,7 +24,8 @@ const FRAMES: usize = 4;
 /// Lines that a whole training writes on how it goes.
 const LINES: u64 = 40;
 
-/// The vector of a task: its wrappers record the returns as they are, and change what the agent gets.
+/// The vector of a task: its wrappers record the returns as they are, and change what the agent
+/// gets.
 fn spec(id: &str, settings: &Settings, task: Task) -> gym::Result<VectorSpec> {
     let mut env = builder(id);
     if task == Task::Atari {

@@ -1,5 +1,5 @@
-//! Trainings: they learn, and one that is killed and resumed ends as one that was not, with the same weights, moments,
-//! statistics, generators and returns, bit for bit.
+//! Trainings: they learn, and one that is killed and resumed ends as one that was not, with the
+//! same weights, moments, statistics, generators and returns, bit for bit.
 
 use std::path::Path;
 use std::process::{Command, Stdio};

@@ -129,7 +129,8 @@ impl Ale {
         })
     }
 
-    /// Lives, whether the game is over, whether the episode has reached its limit of frames, the frame number, and the episode's frame number.
+    /// Lives, whether the game is over, whether the episode has reached its limit of frames, the
+    /// frame number, and the episode's frame number.
     fn progress(&self, py: Python<'_>) -> PyResult<(i32, bool, bool, u32, u32)> {
         self.with(py, |game| {
             let over = (game.game_over(), game.is_truncated());
@@ -143,7 +144,8 @@ impl Ale {
         })
     }
 
-    /// The constant data: name, rows of the picture, legal and minimal actions, modes, difficulties.
+    /// The constant data: name, rows of the picture, legal and minimal actions, modes,
+    /// difficulties.
     fn facts<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         self.with(py, |game| {
             let game = game.game();

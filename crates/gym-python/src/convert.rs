@@ -33,7 +33,8 @@ pub(crate) fn new_array<'py, T: Element + Copy>(
     if let [_] = shape {
         return PyArray1::from_slice(py, numbers).into_any();
     }
-    // SAFETY: the array was just allocated for that many numbers, and no other code has a reference to it.
+    // SAFETY: the array was just allocated for that many numbers, and no other code has a reference
+    // to it.
     unsafe {
         let array = PyArray::<T, IxDyn>::new(py, shape, false);
         array
@@ -137,8 +138,9 @@ pub(crate) fn rendered<'py>(py: Python<'py>, rendered: &Rendered) -> PyResult<Bo
     }
 }
 
-/// A Python object as an action of a space, or as `n` of them in their batched space: as [`from_python`], but numbers of a `Box` of
-/// reals keep the precision in which they come, as Gymnasium computes with it.
+/// A Python object as an action of a space, or as `n` of them in their batched space: as
+/// [`from_python`], but numbers of a `Box` of reals keep the precision in which they come, as
+/// Gymnasium computes with it.
 pub(crate) fn action_from_python(
     space: &Space,
     batch: Option<(usize, &Space)>,
@@ -180,7 +182,8 @@ pub(crate) fn action_from_python(
     }))
 }
 
-/// Whether an object is a list or tuple, perhaps of such, whose first number is of Python's own type.
+/// Whether an object is a list or tuple, perhaps of such, whose first number is of Python's own
+/// type.
 fn is_list_of_numbers(object: &Bound<'_, PyAny>) -> PyResult<bool> {
     if object.is_instance_of::<PyList>() || object.is_instance_of::<PyTuple>() {
         return if object.len()? == 0 {
@@ -194,7 +197,8 @@ fn is_list_of_numbers(object: &Bound<'_, PyAny>) -> PyResult<bool> {
 
 /// A Python object as an element of a space, by kind, type and shape; the bounds are not looked at.
 ///
-/// Numbers may be of Python, numpy or lists, of any type that the space's type holds as numpy's `same_kind` casts have it.
+/// Numbers may be of Python, numpy or lists, of any type that the space's type holds as numpy's
+/// `same_kind` casts have it.
 pub(crate) fn from_python(space: &Space, object: &Bound<'_, PyAny>) -> PyResult<Value> {
     let numbers = |dtype, shape: &[usize]| read_array(object, dtype, Some(shape)).map(Value::Array);
     match space {

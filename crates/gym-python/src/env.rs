@@ -23,9 +23,11 @@ use crate::error::{OrRaise, guard, gymnasium};
 use crate::fork::Origin;
 use crate::{mujoco, peek, registry};
 
-/// An environment without wrappers. Several threads may use it: their calls come one after the other.
+/// An environment without wrappers. Several threads may use it: their calls come one after the
+/// other.
 ///
-/// The lock of Python is released while an environment works, unless its steps are so short that this would take longer.
+/// The lock of Python is released while an environment works, unless its steps are so short that
+/// this would take longer.
 #[pyclass(frozen, module = "rustgym._native")]
 #[derive(Debug)]
 pub(crate) struct Env {

@@ -15,7 +15,8 @@ create_exception!(
     "A bug: the Rust code of an environment panicked. The environment can be used again after `reset`."
 );
 
-/// Lets Rust code run; a panic in it becomes a [`PanicError`] instead of the `BaseException` that pyo3 makes of it.
+/// Lets Rust code run; a panic in it becomes a [`PanicError`] instead of the `BaseException` that
+/// pyo3 makes of it.
 pub(crate) fn guard<T>(f: impl FnOnce() -> PyResult<T>) -> PyResult<T> {
     catch_unwind(AssertUnwindSafe(f))
         .unwrap_or_else(|panic| Err(PanicError::new_err(message(&*panic).to_owned())))

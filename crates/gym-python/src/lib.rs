@@ -1,7 +1,9 @@
-//! `rustgym._native`: environments, vectors and the registry, as the Python part of the package sees them.
+//! `rustgym._native`: environments, vectors and the registry, as the Python part of the package
+//! sees them.
 //!
-//! Gymnasium's interface is written in Python, in `python/rustgym`: the results of a reset, the exceptions, the registration of
-//! specs. This crate exchanges numpy arrays, numbers, and descriptions as JSON with it.
+//! Gymnasium's interface is written in Python, in `python/rustgym`: the results of a reset, the
+//! exceptions, the registration of specs. This crate exchanges numpy arrays, numbers, and
+//! descriptions as JSON with it.
 
 mod atari;
 mod convert;

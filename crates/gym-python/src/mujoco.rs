@@ -7,7 +7,8 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// The arrays of the state under MuJoCo's names, before the first reset of the initial one; `None` for other environments.
+/// The arrays of the state under MuJoCo's names, before the first reset of the initial one; `None`
+/// for other environments.
 pub(crate) fn data<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound<'py, PyDict>>> {
     let Some(env) = simulated(env) else {
         return Ok(None);
@@ -50,8 +51,8 @@ fn matrix<'py, const N: usize>(
     PyArray1::from_slice(py, rows.as_flattened()).reshape([rows.len(), N])
 }
 
-/// The parts of the model, and its stepping: its source, the text of a built-in one, initial positions, number
-/// of velocities, names of bodies, timestep. `None` for other environments.
+/// The parts of the model, and its stepping: its source, the text of a built-in one, initial
+/// positions, number of velocities, names of bodies, timestep. `None` for other environments.
 pub(crate) fn model<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound<'py, PyDict>>> {
     let Some(env) = simulated(env) else {
         return Ok(None);

@@ -9,7 +9,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList, PyTuple};
 use serde_json::Value as Json;
 
-/// The state of an environment whose dynamics are pure functions, as JSON; `None` for others, and before the first reset.
+/// The state of an environment whose dynamics are pure functions, as JSON; `None` for others, and
+/// before the first reset.
 pub(crate) fn state(env: &BoxEnv) -> Option<Json> {
     macro_rules! first_of {
         ($($dynamics:ty),* $(,)?) => {$(
@@ -112,7 +113,8 @@ pub(crate) fn map(env: &BoxEnv) -> Option<Vec<String>> {
     Some(env.dynamics().desc().to_vec())
 }
 
-/// `{state: {action: [(probability, next state, reward, terminated), ...]}}`, and a list of probabilities.
+/// `{state: {action: [(probability, next state, reward, terminated), ...]}}`, and a list of
+/// probabilities.
 fn both<'py>(py: Python<'py>, p: &Table, initial: &[f64]) -> PyResult<Bound<'py, PyTuple>> {
     let states = PyDict::new(py);
     for state in 0..p.states() {

@@ -112,7 +112,8 @@ impl Vector {
 }
 
 impl Core {
-    /// Observations, rewards and flags as arrays: new arrays, or the arrays of the step before last.
+    /// Observations, rewards and flags as arrays: new arrays, or the arrays of the step before
+    /// last.
     fn arrays<'py>(&mut self, py: Python<'py>) -> PyResult<[Bound<'py, PyAny>; 4]> {
         let Self {
             columns, spares, ..
@@ -156,7 +157,8 @@ impl Core {
     }
 }
 
-/// A column of infos: flags and numbers are arrays, anything else an array of objects, a dict one of columns.
+/// A column of infos: flags and numbers are arrays, anything else an array of objects, a dict one
+/// of columns.
 fn column_to_python<'py>(py: Python<'py>, column: &Value) -> PyResult<Bound<'py, PyAny>> {
     match column {
         Value::Tuple(items) => {
@@ -320,7 +322,8 @@ impl Vector {
         py.detach(|| guard(|| envs.send(&actions, &ids).or_raise()))
     }
 
-    /// The results of the first `m` that are ready: observations, rewards, terminated, truncated, infos, ids.
+    /// The results of the first `m` that are ready: observations, rewards, terminated, truncated,
+    /// infos, ids.
     fn recv<'py>(&self, py: Python<'py>, m: usize) -> PyResult<Bound<'py, PyTuple>> {
         let mut core = self.lock(py)?;
         let mut ids = Vec::new();

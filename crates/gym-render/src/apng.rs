@@ -1,8 +1,8 @@
 //! Animated PNG, frame by frame, in bounded memory and with exact colours.
 //!
 //! Each image contains only the rectangle that changed. `png` compresses it; the chunks around it
-//! are written here, because the number of images is at the start of the file and known last. Chunks
-//! are those of the PNG specification, third edition, section 11.3.6 (acTL, fcTL, fdAT).
+//! are written here, because the number of images is at the start of the file and known last.
+//! Chunks are those of the PNG specification, third edition, section 11.3.6 (acTL, fcTL, fdAT).
 
 use std::io::{self, Seek, SeekFrom, Write};
 

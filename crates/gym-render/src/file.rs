@@ -10,10 +10,12 @@ use std::sync::{Mutex, PoisonError};
 use gym_core::{Error, Result};
 
 /// A file being written under a temporary name in the folder where it belongs. Dropped without
-/// [`commit`](Self::commit), it is removed; that of a killed program is removed by the next one that writes to the folder.
+/// [`commit`](Self::commit), it is removed; that of a killed program is removed by the next one
+/// that writes to the folder.
 ///
-/// A link is followed: the file that it leads to is replaced, and the link stays. A replaced file passes its permissions on.
-/// Devices, named pipes and `/dev/stdout` are not replaced: `commit` writes the bytes to them.
+/// A link is followed: the file that it leads to is replaced, and the link stays. A replaced file
+/// passes its permissions on. Devices, named pipes and `/dev/stdout` are not replaced: `commit`
+/// writes the bytes to them.
 #[derive(Debug)]
 pub struct AtomicFile {
     path: PathBuf,
@@ -56,7 +58,8 @@ impl AtomicFile {
     /// Starts a file that will replace the one at `path`, if there is one.
     ///
     /// # Errors
-    /// [`Error::Io`] if the folder does not exist or cannot be written to, or if `path` is a folder.
+    /// [`Error::Io`] if the folder does not exist or cannot be written to, or if `path` is a
+    /// folder.
     pub fn create(path: &Path) -> Result<Self> {
         let create = || {
             let destination = destination(path)?;
@@ -96,7 +99,8 @@ impl AtomicFile {
             let mut file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
             match destination {
                 Destination::Replace(path) => {
-                    // the name must not reach the disk before the bytes: a power cut between them would leave an empty file
+                    // the name must not reach the disk before the bytes: a power cut between them
+                    // would leave an empty file
                     file.sync_all()?;
                     temporary.rename(path)
                 }
@@ -145,7 +149,8 @@ fn folder(path: &Path) -> &Path {
 /// The end of the names of temporary files.
 const SUFFIX: &str = ".gym-partial";
 
-/// A file of a name that no other has, in the folder of `path`, with the permissions of the file at `path`.
+/// A file of a name that no other has, in the folder of `path`, with the permissions of the file at
+/// `path`.
 fn temporary(path: &Path) -> io::Result<(File, TemporaryPath)> {
     static COUNT: AtomicU64 = AtomicU64::new(0);
     let no_name = || io::Error::new(io::ErrorKind::InvalidInput, "the path has no file name");
@@ -184,7 +189,8 @@ fn temporary(path: &Path) -> io::Result<(File, TemporaryPath)> {
     }
 }
 
-/// Marks a temporary file as being written, until it is closed. File systems without locks go without.
+/// Marks a temporary file as being written, until it is closed. File systems without locks go
+/// without.
 fn lock(file: &File) {
     // on Windows a lock would keep other programs, such as `ffmpeg`, from writing to the file
     if cfg!(unix) {
@@ -192,8 +198,8 @@ fn lock(file: &File) {
     }
 }
 
-/// Removes the temporary files in a folder that no running program writes; once for each folder, as a recording of many
-/// files would read the folder for each.
+/// Removes the temporary files in a folder that no running program writes; once for each folder, as
+/// a recording of many files would read the folder for each.
 fn remove_leftovers(folder: &Path) {
     static CLEANED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
     let Ok(folder) = folder.canonicalize() else {
@@ -347,8 +353,8 @@ mod tests {
         }
     }
 
-    /// Killed anywhere, as by a power cut, a program leaves a whole file, the old or the new one, and at most one temporary file,
-    /// which the next program removes.
+    /// Killed anywhere, as by a power cut, a program leaves a whole file, the old or the new one,
+    /// and at most one temporary file, which the next program removes.
     #[cfg(unix)]
     #[test]
     fn a_killed_program_leaves_a_whole_file() {

@@ -5,8 +5,8 @@
 //!   repeat their colours, whichever takes fewer bytes. An unchanged frame prolongs the one before.
 //! - All images share one table of 255 colours, which grows as colours appear. It is at the start
 //!   of the file and written last.
-//! - An image has its own colour table if its new colours do not fit in the shared one. Only an image with more than 255
-//!   colours is reduced to similar ones.
+//! - An image has its own colour table if its new colours do not fit in the shared one. Only an
+//!   image with more than 255 colours is reduced to similar ones.
 
 use std::borrow::Cow;
 use std::io::{self, Seek, SeekFrom, Write};
@@ -99,7 +99,8 @@ impl GifEncoder {
     /// Starts an animation of that many frames per second with its first frame.
     ///
     /// # Errors
-    /// `Error::InvalidArgument` for 0 frames per second, and for a frame that is empty or larger than 65535 pixels a side.
+    /// `Error::InvalidArgument` for 0 frames per second, and for a frame that is empty or larger
+    /// than 65535 pixels a side.
     pub fn new(fps: u32, first: &Frame) -> Result<Self> {
         check(fps, first)?;
         let animation = Animation::start(io::Cursor::default(), fps, first).map_err(failed)?;
@@ -494,7 +495,8 @@ mod tests {
                 delays.iter().all(|delay| *delay >= SHORTEST_DELAY),
                 "{fps}, {count}: {delays:?}"
             );
-            // as long as the frames take, to a hundredth, and no longer than the shortest delay asks for
+            // as long as the frames take, to a hundredth, and no longer than the shortest delay
+            // asks for
             let whole = (100 * count as u64).div_ceil(u64::from(fps));
             let sum: u64 = delays.iter().sum();
             assert!(

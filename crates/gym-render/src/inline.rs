@@ -1,8 +1,9 @@
 //! Images in notebooks: Jupyter with the kernel `evcxr`.
 //!
-//! The kernel calls `evcxr_display` on the value of a cell, if it has that method, and shows the text that it
-//! prints between two marks (evcxr's documentation, "Custom display of user types"). In the first cell with a
-//! `?` it uses `{:?}` instead: let that cell only define something, as in `docs/notebook.ipynb`.
+//! The kernel calls `evcxr_display` on the value of a cell, if it has that method, and shows the
+//! text that it prints between two marks (evcxr's documentation, "Custom display of user types").
+//! In the first cell with a `?` it uses `{:?}` instead: let that cell only define something, as in
+//! `docs/notebook.ipynb`.
 
 use std::io::Cursor;
 

@@ -63,8 +63,8 @@ impl Palette {
     }
 
     /// Replaces [`TRANSPARENT`] by the entries of the pixels' true colours, and adds missing ones.
-    /// Returns false, and adds none, if there is no room for all of them, a reduced palette has only
-    /// one that is near, or nothing is transparent.
+    /// Returns false, and adds none, if there is no room for all of them, a reduced palette has
+    /// only one that is near, or nothing is transparent.
     pub(crate) fn fill<'a>(
         &mut self,
         entries: &[u8],
@@ -107,8 +107,9 @@ impl Palette {
         Some(entry)
     }
 
-    /// A palette of 255 colours near the pixels' colours, and the pixels as its entries: the most frequent colours
-    /// unchanged, and colours near the others, where rare ones count as much as common ones.
+    /// A palette of 255 colours near the pixels' colours, and the pixels as its entries: the most
+    /// frequent colours unchanged, and colours near the others, where rare ones count as much as
+    /// common ones.
     pub(crate) fn reduce(pixels: &[Option<Rgb>], entries: &mut Vec<u8>) -> Self {
         let mut counts = HashMap::<Rgb, usize>::new();
         for color in pixels.iter().flatten() {
@@ -222,7 +223,8 @@ mod tests {
         assert!(!reduced.fill(&[TRANSPARENT], [*near].iter(), &mut filled));
     }
 
-    /// The pixels that a moving pole uncovers: a few of a sky whose rows each have a colour, and many of the pole.
+    /// The pixels that a moving pole uncovers: a few of a sky whose rows each have a colour, and
+    /// many of the pole.
     #[test]
     fn rare_colours_are_near_and_common_ones_stay() {
         let sky = (0..150_u8).map(|y| [90 + y / 2, 140 + y / 2, 190 + y / 4]);

@@ -8,8 +8,8 @@ use gym_core::render::Frame;
 /// Bytes of a pixel.
 pub(crate) const RGB: usize = 3;
 /// Edges of rectangles are rounded to quarters of a pixel, as those of other shapes in `tiny-skia`
-/// (its `SUPERSAMPLE_SHIFT` is 2). So shapes fit together, and the few shades along edges fit into a
-/// GIF's colour table.
+/// (its `SUPERSAMPLE_SHIFT` is 2). So shapes fit together, and the few shades along edges fit into
+/// a GIF's colour table.
 const SUBPIXELS: usize = 4;
 
 /// Covers the whole frame; translucent colours blend with it.

@@ -96,8 +96,8 @@ impl Plot {
         }
     }
 
-    /// Returns and, below them, lengths of the episodes of one or more runs (name, returns, lengths), with
-    /// the means of the last `window` of each.
+    /// Returns and, below them, lengths of the episodes of one or more runs (name, returns,
+    /// lengths), with the means of the last `window` of each.
     pub fn episodes<'a>(
         title: impl Into<String>,
         window: usize,
@@ -196,8 +196,8 @@ impl Plot {
     /// Writes the plot to a PNG file, at twice its [`size`](Plot::size) in pixels.
     ///
     /// # Errors
-    /// [`Error::Io`](gym_core::Error::Io) if the file cannot be written, [`Error::Custom`](gym_core::Error::Custom) if the
-    /// picture does not fit in memory.
+    /// [`Error::Io`](gym_core::Error::Io) if the file cannot be written,
+    /// [`Error::Custom`](gym_core::Error::Custom) if the picture does not fit in memory.
     pub fn write_png(&self, path: impl AsRef<Path>) -> Result<()> {
         let mut picture = Frame::new(WIDTH * PNG_SCALE, self.size().1.saturating_mul(PNG_SCALE))?;
         let mut rest = picture.pixels_mut();
@@ -380,8 +380,9 @@ fn padded(values: impl Iterator<Item = f64>) -> (f64, f64) {
 
 /// The mean of the last `window` finite values up to each one; NaN if there is none.
 ///
-/// Each mean is made of two sums, so a large window costs no more than a small one: the part of the window in the block in which it
-/// ends, and the part in the block before. Blocks are as long as the window.
+/// Each mean is made of two sums, so a large window costs no more than a small one: the part of the
+/// window in the block in which it ends, and the part in the block before. Blocks are as long as
+/// the window.
 fn moving_average(values: &[f64], window: usize) -> Vec<f64> {
     let add = |(sum, count): (f64, f64), &value: &f64| {
         if is_drawn(value) {

@@ -17,10 +17,10 @@ inventory::submit! {
 
 /// Draws into [`Frame`]s of any size; the coordinates of the drawing are stretched to fill them.
 ///
-/// At the drawing's own size the calls of pygame give pygame's pixels, and drawing allocates nothing once
-/// the buffers have grown: use one painter for many frames. At any other size, and for all other shapes,
-/// `tiny-skia` draws smooth shapes. A shape that reaches further than 32768 pixels from the frame's
-/// corner is left out, unless it is an upright rectangle.
+/// At the drawing's own size the calls of pygame give pygame's pixels, and drawing allocates
+/// nothing once the buffers have grown: use one painter for many frames. At any other size, and for
+/// all other shapes, `tiny-skia` draws smooth shapes. A shape that reaches further than 32768
+/// pixels from the frame's corner is left out, unless it is an upright rectangle.
 #[derive(Debug)]
 pub struct Raster {
     transforms: Transforms,
@@ -107,8 +107,8 @@ impl Surface<'_> {
         }
     }
 
-    /// Called before a shape that is not pygame's. It shrinks the surface drawn so far; later shapes are
-    /// drawn smoothly.
+    /// Called before a shape that is not pygame's. It shrinks the surface drawn so far; later
+    /// shapes are drawn smoothly.
     fn start_smooth(&mut self) {
         self.start();
         if let Some(depth) = self.sheet.take() {
@@ -130,8 +130,8 @@ impl Surface<'_> {
         }
     }
 
-    /// Where pygame's calls fall on the pixels of a surface: how many columns are to the left of the
-    /// frame, and whether row 0 is the lowest. `None` if a unit is not a pixel.
+    /// Where pygame's calls fall on the pixels of a surface: how many columns are to the left of
+    /// the frame, and whether row 0 is the lowest. `None` if a unit is not a pixel.
     fn placed(&self) -> Option<(i32, bool)> {
         let height = match self.sheet {
             Some(_) => self.raster.sheet.size().1 as f64,

@@ -13,12 +13,13 @@ use crate::recorder::{check_known_mode, not_frames};
 use crate::tape::{Config as Common, Tape, tape_options};
 use arguments::Config;
 
-/// Records all sub-environments of a vector side by side, in a grid: Gymnasium's `vector.RecordVideo`.
+/// Records all sub-environments of a vector side by side, in a grid: Gymnasium's
+/// `vector.RecordVideo`.
 ///
 /// The sub-environments must have the render mode `rgb_array`. The episodes are those of the first
 /// one; otherwise it is as [`RecordVideo`](crate::RecordVideo). With
-/// [`Autoreset::SameStep`](gym_core::vector::Autoreset::SameStep) the video lacks the last state of an
-/// episode.
+/// [`Autoreset::SameStep`](gym_core::vector::Autoreset::SameStep) the video lacks the last state of
+/// an episode.
 ///
 /// ```no_run
 /// use gym_core::{Result, builder, render::RenderMode};

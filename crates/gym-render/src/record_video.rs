@@ -16,15 +16,16 @@ gym_core::register_wrapper!(
 
 /// Records some episodes, or stretches of steps, to files in a folder: Gymnasium's `RecordVideo`.
 ///
-/// The inner environment must have the render mode `rgb_array` or `rgb_array_list`. A recording starts at the reset of
-/// each episode that the episode trigger accepts, and at each step that the step trigger accepts; without a trigger,
-/// [`capped_cubic`](crate::capped_cubic) chooses the episodes. Episodes are counted from the first reset, steps over
-/// all episodes, both from 0. A recording ends with its episode, or after [`video_length`](Self::video_length) frames
-/// if set, over any number of episodes.
+/// The inner environment must have the render mode `rgb_array` or `rgb_array_list`. A recording
+/// starts at the reset of each episode that the episode trigger accepts, and at each step that the
+/// step trigger accepts; without a trigger, [`capped_cubic`](crate::capped_cubic) chooses the
+/// episodes. Episodes are counted from the first reset, steps over all episodes, both from 0. A
+/// recording ends with its episode, or after [`video_length`](Self::video_length) frames if set,
+/// over any number of episodes.
 ///
-/// Files are called `rl-video-episode-8.gif` or `rl-video-step-1000.gif`; one that exists is replaced.
-/// Frames go to the file at once, and it appears under its name when it is complete: by the end of
-/// the recording, `close`, or a drop.
+/// Files are called `rl-video-episode-8.gif` or `rl-video-step-1000.gif`; one that exists is
+/// replaced. Frames go to the file at once, and it appears under its name when it is complete: by
+/// the end of the recording, `close`, or a drop.
 ///
 /// A file that cannot be written does not stop the training: the recording ends with a warning
 /// through the `log` crate, and [`take_error`](Self::take_error) returns the error.
@@ -57,8 +58,8 @@ impl<E: Env> RecordVideo<E> {
     /// Records `env` to a folder, which is made if it does not exist.
     ///
     /// # Errors
-    /// [`Error::Io`] if the folder cannot be made, [`Error::UnsupportedMode`] if the environment was made
-    /// without a render mode, or with one without frames.
+    /// [`Error::Io`] if the folder cannot be made, [`Error::UnsupportedMode`] if the environment
+    /// was made without a render mode, or with one without frames.
     pub fn new(env: E, folder: impl AsRef<Path>) -> Result<Self> {
         Self::with_config(
             env,

@@ -9,10 +9,10 @@ use crate::VideoWriter;
 
 /// Records the frames of an environment, over one episode or many, to one file.
 ///
-/// With the render mode `rgb_array`, call [`capture`](Self::capture) after each reset and step; with
-/// `rgb_array_list`, before each further reset and at the end. The file's extension selects the
-/// format, as for [`VideoWriter`]. Each frame is written at once: a recording of any length takes the
-/// memory of a few frames.
+/// With the render mode `rgb_array`, call [`capture`](Self::capture) after each reset and step;
+/// with `rgb_array_list`, before each further reset and at the end. The file's extension selects
+/// the format, as for [`VideoWriter`]. Each frame is written at once: a recording of any length
+/// takes the memory of a few frames.
 ///
 /// Dropping the recorder finishes the file, but cannot report errors.
 ///
@@ -48,8 +48,8 @@ impl Recorder {
     /// Starts a file that plays at the environment's own speed.
     ///
     /// # Errors
-    /// [`Error::UnsupportedMode`] if the environment was made without a render mode, or with one without
-    /// frames, and as [`VideoWriter::create`].
+    /// [`Error::UnsupportedMode`] if the environment was made without a render mode, or with one
+    /// without frames, and as [`VideoWriter::create`].
     pub fn new<E: Env>(path: impl AsRef<Path>, env: &E) -> Result<Self> {
         check_mode(env)?;
         Self::with_fps(path, env.metadata().render_fps)

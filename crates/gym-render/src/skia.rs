@@ -1,7 +1,7 @@
 //! Smooth shapes, by `tiny-skia`.
 //!
-//! It computes the coverage of each pixel in a mask no larger than the shape; the colour is blended here,
-//! run by run. Frames repeat most of their shapes, so the runs of a shape are cached.
+//! It computes the coverage of each pixel in a mask no larger than the shape; the colour is blended
+//! here, run by run. Frames repeat most of their shapes, so the runs of a shape are cached.
 
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
@@ -16,8 +16,8 @@ use crate::{font, pixels};
 /// Larger masks are made in pieces.
 const LARGEST: u32 = 4096;
 
-/// Shapes that reach further from the frame's corner, in pixels, are left out: `tiny-skia` does not support
-/// them.
+/// Shapes that reach further from the frame's corner, in pixels, are left out: `tiny-skia` does not
+/// support them.
 const REACH: f32 = 32_768.0;
 
 /// Draws smooth shapes, with a cache of their runs.
@@ -200,7 +200,8 @@ fn lay(frame: &mut Frame, runs: &[Run], color: Color) {
     }
 }
 
-/// Hashes words as they are: the keys come from drawings, which have no reason to choose them badly.
+/// Hashes words as they are: the keys come from drawings, which have no reason to choose them
+/// badly.
 #[derive(Default)]
 struct WordHasher(u64);
 
@@ -255,8 +256,8 @@ pub(crate) fn scale(transform: Transform) -> f64 {
         .sqrt()
 }
 
-/// The width and colour of a line, if it is visible. A line thinner than a pixel is drawn a pixel wide
-/// and fainter, so that it does not fall between the samples.
+/// The width and colour of a line, if it is visible. A line thinner than a pixel is drawn a pixel
+/// wide and fainter, so that it does not fall between the samples.
 fn visible(width: f64, transform: Transform, color: Color) -> Option<(f64, Color)> {
     let scale = scale(transform);
     let pixels = width * scale;

@@ -66,8 +66,8 @@ impl Tape {
         })
     }
 
-    /// The arguments, if they have a stored form: a trigger, which is a function, and a path that is not Unicode
-    /// have none.
+    /// The arguments, if they have a stored form: a trigger, which is a function, and a path that
+    /// is not Unicode have none.
     pub(crate) fn stored(&self) -> Option<Config> {
         let stored = self.episode_trigger.is_none() && self.step_trigger.is_none();
         (stored && self.config.video_folder.to_str().is_some()).then(|| self.config.clone())
@@ -174,7 +174,8 @@ impl Clone for Tape {
     }
 }
 
-/// Gymnasium's choice of episodes to record: 0, 1, 8, 27, and so on by cubes to 729, then each 1000th.
+/// Gymnasium's choice of episodes to record: 0, 1, 8, 27, and so on by cubes to 729, then each
+/// 1000th.
 pub fn capped_cubic(episode: u64) -> bool {
     if episode < 1000 {
         (0..10).any(|root: u64| root.pow(3) == episode)
@@ -196,8 +197,8 @@ macro_rules! tape_options {
             self
         }
 
-        /// Records from the steps that `trigger` accepts; and no episodes, unless there is an episode
-        /// trigger too.
+        /// Records from the steps that `trigger` accepts; and no episodes, unless there is an
+        /// episode trigger too.
         #[must_use]
         pub fn step_trigger(mut self, trigger: impl FnMut(u64) -> bool + Send + 'static) -> Self {
             self.tape.step_trigger = Some(Box::new(trigger));
@@ -218,7 +219,8 @@ macro_rules! tape_options {
             self
         }
 
-        /// The format: `gif` by default, or another extension of [`VideoWriter`](crate::VideoWriter).
+        /// The format: `gif` by default, or another extension of
+        /// [`VideoWriter`](crate::VideoWriter).
         #[must_use]
         pub fn extension(mut self, extension: &str) -> Self {
             self.tape.config.extension = extension.to_owned();

@@ -57,9 +57,9 @@ impl VideoWriter {
     /// Appends a frame.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for a frame that is empty, too large for the format, or of another
-    /// size than the first, which is left out. [`Error::Io`] if writing fails; the file is then
-    /// removed, and every later call fails.
+    /// [`Error::InvalidArgument`] for a frame that is empty, too large for the format, or of
+    /// another size than the first, which is left out. [`Error::Io`] if writing fails; the file is
+    /// then removed, and every later call fails.
     pub fn write(&mut self, frame: &Frame) -> Result<()> {
         match &mut self.0 {
             Kind::Gif(writer) => writer.write(frame),

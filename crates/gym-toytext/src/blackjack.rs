@@ -38,8 +38,8 @@ gym_core::arguments! {
     pub struct Config {
         /// Whether a win with a natural earns 1.5. Without effect if `sab` is set.
         pub natural: bool,
-        /// Whether a natural beats every hand except another natural, as in Sutton and Barto's book.
-        /// `Blackjack-v1` is registered with this set.
+        /// Whether a natural beats every hand except another natural, as in Sutton and Barto's
+        /// book. `Blackjack-v1` is registered with this set.
         pub sab: bool,
     }
 }
@@ -395,7 +395,8 @@ fn card(canvas: &mut dyn Canvas, corner: Point, value: u8, face: Option<Face>, s
     canvas.pop();
 }
 
-/// The vertical positions, from 0 to 1, of the pips of a number card: in both outer columns, and in the middle.
+/// The vertical positions, from 0 to 1, of the pips of a number card: in both outer columns, and in
+/// the middle.
 fn pips(value: u8) -> (&'static [f64], &'static [f64]) {
     match value {
         2 => (&[], &[0.0, 1.0]),

@@ -11,7 +11,8 @@
 //! | limit | 100 steps (`FrozenLake8x8-v1`: 200) |
 //! | info | `prob`: the probability of the outcome |
 //!
-//! Versions: v1 corrected the rewards. Gymnasium 1.2.1 added `success_rate` and `reward_schedule` to it.
+//! Versions: v1 corrected the rewards. Gymnasium 1.2.1 added `success_rate` and `reward_schedule`
+//! to it.
 //!
 //! Source: Gymnasium 1.4.0, `envs/toy_text/frozen_lake.py`.
 
@@ -40,12 +41,12 @@ pub type FrozenLake = Stateful<FrozenLakeDynamics>;
 gym_core::arguments! {
     /// Arguments.
     pub struct Config {
-        /// The map: a string for each row, all of one length, of the letters `S` (start), `F` (frozen),
-        /// `H` (hole) and `G` (goal), with at least one `S`. Overrides `map_name`.
+        /// The map: a string for each row, all of one length, of the letters `S` (start), `F`
+        /// (frozen), `H` (hole) and `G` (goal), with at least one `S`. Overrides `map_name`.
         pub desc: Option<Vec<String>>,
-        /// A map of Gymnasium's: `4x4` or `8x8`. With neither this nor `desc`, each environment draws a
-        /// map by [`generate_random_map`]`(8, 0.8, None)`; its snapshots then fit only itself and its
-        /// clones.
+        /// A map of Gymnasium's: `4x4` or `8x8`. With neither this nor `desc`, each environment
+        /// draws a map by [`generate_random_map`]`(8, 0.8, None)`; its snapshots then fit only
+        /// itself and its clones.
         pub map_name: Option<String> = Some("4x4".to_owned()),
         /// Whether a move can slip to a side.
         pub is_slippery: bool = true,
@@ -479,8 +480,8 @@ fn check_map(desc: &[String]) -> Result<()> {
 const MAX_DRAWS: usize = 100_000_000;
 
 /// A random square map with a path from the start, top left, to the goal, bottom right. Any other
-/// cell is frozen with probability `p`, else a hole. The same seed gives the same map as Gymnasium's
-/// function of this name; without a seed it takes one from the operating system.
+/// cell is frozen with probability `p`, else a hole. The same seed gives the same map as
+/// Gymnasium's function of this name; without a seed it takes one from the operating system.
 ///
 /// # Errors
 /// [`Error::InvalidArgument`] for a `size` below 2, a `p` that is not above 0 and at most 1, and if
@@ -517,7 +518,8 @@ pub fn generate_random_map(size: usize, p: f64, seed: Option<u64>) -> Result<Vec
     )))
 }
 
-/// Whether a square board can be crossed from the top left to the bottom right, by depth-first search.
+/// Whether a square board can be crossed from the top left to the bottom right, by depth-first
+/// search.
 fn has_path(board: &[Vec<u8>]) -> bool {
     let size = board.len();
     let mut discovered = vec![false; size * size];

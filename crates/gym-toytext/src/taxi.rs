@@ -11,8 +11,8 @@
 //! | limit | 200 steps |
 //! | info | `prob`: the probability of the outcome; `action_mask`: 1 for each action that changes the state, see [`action_mask`] |
 //!
-//! Versions: v4 added all arguments (in Gymnasium 1.2, v3 had two of them, with faults); v3, which Gymnasium
-//! has removed, behaves as in 0.29 and takes none.
+//! Versions: v4 added all arguments (in Gymnasium 1.2, v3 had two of them, with faults); v3, which
+//! Gymnasium has removed, behaves as in 0.29 and takes none.
 //!
 //! After Dietterich, "Hierarchical Reinforcement Learning with the MAXQ Value Function
 //! Decomposition" (JAIR 13, 2000). Source: Gymnasium 1.4.0, `envs/toy_text/taxi.py`.

@@ -61,7 +61,8 @@ impl Learner {
         Ok(())
     }
 
-    /// Learns until this many episodes have ended or steps were taken; returns the episodes that ended.
+    /// Learns until this many episodes have ended or steps were taken; returns the episodes that
+    /// ended.
     pub(crate) fn train(&mut self, episodes: u32, steps: u32) -> Result<Vec<Episode>> {
         match self {
             Self::Tabular(learner) => learner.train(episodes, steps),

@@ -1,14 +1,15 @@
 //! The environments as a WebAssembly module without imports, for the gallery in `page/`.
 //!
-//! A call goes through two buffers. JavaScript calls [`input`] for a buffer, writes a request in JSON and perhaps bytes
-//! behind it, and calls [`call`]. The answer in JSON is then at [`output`]; bytes, such as a frame, are at
-//! [`attachment`]. [`Session::call`] lists the requests. Memory may move in a call, so JavaScript makes its views of it
-//! anew after each.
+//! A call goes through two buffers. JavaScript calls [`input`] for a buffer, writes a request in
+//! JSON and perhaps bytes behind it, and calls [`call`]. The answer in JSON is then at [`output`];
+//! bytes, such as a frame, are at [`attachment`]. [`Session::call`] lists the requests. Memory may
+//! move in a call, so JavaScript makes its views of it anew after each.
 //!
-//! `cargo xtask web` builds it as a `cdylib` with link-time optimisation. Without it, the linker drops the
-//! registrations of crates that are not called.
+//! `cargo xtask web` builds it as a `cdylib` with link-time optimisation. Without it, the linker
+//! drops the registrations of crates that are not called.
 //!
-//! A panic traps and ends the instance: its text lies at [`panic_text`], and the page starts another instance.
+//! A panic traps and ends the instance: its text lies at [`panic_text`], and the page starts
+//! another instance.
 
 mod describe;
 mod episode;

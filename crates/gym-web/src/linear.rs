@@ -1,6 +1,8 @@
-//! The cross-entropy method over linear policies: a population of weights, of which the best few make the next generation.
+//! The cross-entropy method over linear policies: a population of weights, of which the best few
+//! make the next generation.
 //!
-//! Szita and Lőrincz, *Learning Tetris Using the Noisy Cross-Entropy Method*, Neural Computation 18 (2006), with decreasing noise.
+//! Szita and Lőrincz, *Learning Tetris Using the Noisy Cross-Entropy Method*, Neural Computation 18
+//! (2006), with decreasing noise.
 
 use gym::{BoxEnv, Env, EnvExt, Error, Generator, Reset, Result, Seed, Space, Value};
 use serde::Deserialize;

@@ -40,7 +40,8 @@ pub(crate) struct Player {
     sampler: Option<Sampler<Value>>,
     /// The good policy's state in this episode, once it has acted.
     controller: Option<Controller>,
-    /// The actions of the episode, and the sum of rewards after each. Those beyond `position` were taken back.
+    /// The actions of the episode, and the sum of rewards after each. Those beyond `position` were
+    /// taken back.
     actions: Vec<Value>,
     returns: Vec<f64>,
     position: usize,
@@ -99,7 +100,8 @@ impl Player {
         })
     }
 
-    /// The keys with their actions, and what happens while none is down: `"wait"`, `"repeat"` or `{"action": ...}`.
+    /// The keys with their actions, and what happens while none is down: `"wait"`, `"repeat"` or
+    /// `{"action": ...}`.
     fn keys(&self) -> Option<Json> {
         let Keys { actions, idle } = (registry::find(&self.id).ok()?.keys?)(&self.env);
         let idle = match idle {

@@ -11,7 +11,8 @@ use crate::describe;
 use crate::learn::{Learner, Lesson};
 use crate::player::{By, Player};
 
-/// Everything that is open: environments being played, and learners, each under a number that the page chooses.
+/// Everything that is open: environments being played, and learners, each under a number that the
+/// page chooses.
 #[derive(Default)]
 pub struct Session {
     players: BTreeMap<u32, Player>,
@@ -270,7 +271,8 @@ fn provide(_: &[u8]) -> Result<Json> {
     Err(Error::custom("this gallery has no Atari"))
 }
 
-/// Numbers that a trace may record beside the observation: positions and velocities of a MuJoCo task, the bodies of CarRacing.
+/// Numbers that a trace may record beside the observation: positions and velocities of a MuJoCo
+/// task, the bodies of CarRacing.
 #[cfg(feature = "families")]
 fn state(env: &gym::BoxEnv) -> Option<Json> {
     use gym::EnvExt;

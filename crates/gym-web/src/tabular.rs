@@ -1,5 +1,5 @@
-//! Temporal-difference control over a table of action values: Sutton and Barto, *Reinforcement Learning: An Introduction*,
-//! second edition, chapter 6.
+//! Temporal-difference control over a table of action values: Sutton and Barto, *Reinforcement
+//! Learning: An Introduction*, second edition, chapter 6.
 
 use gym::{BoxEnv, Env, Error, Generator, Reset, Result, Seed, Space, Value};
 use serde::Deserialize;
@@ -195,7 +195,8 @@ impl Tabular {
         }
     }
 
-    /// The best action, or with probability epsilon any; among equally good ones, each as likely as the others.
+    /// The best action, or with probability epsilon any; among equally good ones, each as likely as
+    /// the others.
     fn choose(&mut self, state: usize) -> usize {
         if self.rng.random() < self.epsilon {
             return self.rng.choice(self.actions);

@@ -22,8 +22,8 @@ pub(crate) enum Affine {
 impl Affine {
     /// The map from `inner` to the box between `min` and `max`, and that box.
     ///
-    /// Infinite bounds must stay infinite; an element with one infinite bound is shifted so that its
-    /// finite bound fits.
+    /// Infinite bounds must stay infinite; an element with one infinite bound is shifted so that
+    /// its finite bound fits.
     pub(crate) fn new(inner: &BoxSpace, min: &Bound, max: &Bound) -> Result<(Self, BoxSpace)> {
         let (shape, dtype) = (inner.shape(), inner.dtype());
         if !dtype.is_float() {

@@ -47,8 +47,8 @@ macro_rules! bins_config {
             pub struct Config {
                 /// The number of bins for each element of the bounded `Box`, at least 1.
                 pub bins: Bins,
-                /// Whether each element has its own integer, instead of one integer for the combination, counted in
-                /// row-major order.
+                /// Whether each element has its own integer, instead of one integer for the
+                /// combination, counted in row-major order.
                 pub multidiscrete: bool = false,
             }
         }

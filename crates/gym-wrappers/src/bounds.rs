@@ -4,8 +4,8 @@ use gym_core::spaces::BoxSpace;
 use gym_core::{Array, DType, Data, Error, Result};
 use serde::{Deserialize, Serialize};
 
-/// A bound of every element of a `Box`, or of each. In JSON it is a number or nested lists of numbers, with
-/// infinity as `"inf"` and `"-inf"`.
+/// A bound of every element of a `Box`, or of each. In JSON it is a number or nested lists of
+/// numbers, with infinity as `"inf"` and `"-inf"`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Nested", into = "Nested")]
 pub enum Bound {

@@ -40,8 +40,8 @@ impl<E: Env> DelayObservation<E> {
     /// Delays the observations of `env`.
     ///
     /// # Errors
-    /// [`Error::InvalidSpace`] if the observation space has no zero; [`Error::InvalidArgument`] for a delay
-    /// beyond the memory.
+    /// [`Error::InvalidSpace`] if the observation space has no zero; [`Error::InvalidArgument`] for
+    /// a delay beyond the memory.
     pub fn new(env: E, config: impl Into<Config>) -> Result<Self> {
         let (config, zero) = (config.into(), env.observation_space().zero()?);
         let zero = E::Observation::from_value(&zero).ok_or_else(|| {

@@ -8,8 +8,8 @@ use crate::bins::{Bins, Grid, bins_config};
 use crate::map::{ActionMap, MapAction};
 use crate::within::expect_box;
 
-/// Cuts a bounded `Box` of actions into uniform bins. An action is the index of a bin, one integer or one
-/// for each element; the environment receives the bin's centre.
+/// Cuts a bounded `Box` of actions into uniform bins. An action is the index of a bin, one integer
+/// or one for each element; the environment receives the bin's centre.
 pub type DiscretizeAction<T = BoxEnv> = MapAction<T, Discretize>;
 
 bins_config!(

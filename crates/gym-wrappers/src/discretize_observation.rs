@@ -7,8 +7,8 @@ use crate::bins::{Bins, Grid, bins_config};
 use crate::map::{MapObservation, ObservationMap};
 use crate::within::{expect_box, not_an_array};
 
-/// Cuts a bounded `Box` of observations into uniform bins. An observation is the index of a bin, one
-/// integer or one for each element.
+/// Cuts a bounded `Box` of observations into uniform bins. An observation is the index of a bin,
+/// one integer or one for each element.
 pub type DiscretizeObservation<T = BoxEnv> = MapObservation<T, Discretize>;
 
 bins_config!(
@@ -57,7 +57,8 @@ impl ObservationMap for Discretize {
 }
 
 impl<T> DiscretizeObservation<T> {
-    /// The lower and upper edges of the bin that an observation names, one of each for each element.
+    /// The lower and upper edges of the bin that an observation names, one of each for each
+    /// element.
     ///
     /// # Errors
     /// [`Error::NotInSpace`] if it is not an element of the observation space.

@@ -15,7 +15,8 @@ pub type FilterObservation<T = BoxEnv> = MapObservation<T, Filter>;
 gym_core::arguments! {
     /// The arguments of [`FilterObservation`].
     pub struct Config {
-        /// The members to keep, at least one: names of a `Dict`, as in `["position"]`, or indices into a `Tuple`.
+        /// The members to keep, at least one: names of a `Dict`, as in `["position"]`, or indices
+        /// into a `Tuple`.
         pub filter_keys: FilterKeys,
     }
 }

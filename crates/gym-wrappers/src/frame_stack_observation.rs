@@ -25,8 +25,8 @@ gym_core::arguments! {
     pub struct Config {
         /// The number of stacked observations, at least 1.
         pub stack_size: usize,
-        /// The padding before the first observation: `"reset"` for the first observation, `"zero"`, or an element
-        /// of the space, in the form of [`Space::to_json`].
+        /// The padding before the first observation: `"reset"` for the first observation, `"zero"`,
+        /// or an element of the space, in the form of [`Space::to_json`].
         pub padding_type: Json = "reset".into(),
     }
 }
@@ -44,9 +44,9 @@ impl<E: Env> FrameStackObservation<E> {
     /// Stacks the observations of `env`.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`](gym_core::Error) for a size of 0, or a padding that is not
-    /// an element of the space; [`Error::InvalidSpace`](gym_core::Error::InvalidSpace) if the space does not
-    /// batch.
+    /// [`Error::InvalidArgument`](gym_core::Error) for a size of 0, or a padding that is not an
+    /// element of the space; [`Error::InvalidSpace`](gym_core::Error::InvalidSpace) if the space
+    /// does not batch.
     pub fn new(env: E, config: impl Into<Config>) -> Result<Self> {
         let (config, inner_space) = (config.into(), env.observation_space());
         if config.stack_size == 0 {

@@ -12,12 +12,13 @@
 //! }
 //! ```
 //!
-//! The traits [`Wrap`] and [`VectorWrap`] make methods of them. Each is registered under Gymnasium's name, with
-//! Gymnasium's names of the arguments, so that specs rebuild stacks of them.
+//! The traits [`Wrap`] and [`VectorWrap`] make methods of them. Each is registered under
+//! Gymnasium's name, with Gymnasium's names of the arguments, so that specs rebuild stacks of them.
 //!
-//! Wrappers without state are [maps](map) of observations, actions or rewards, and wrap environments and vectors;
-//! implement one of the three traits for your own. `TimeLimit`, `RecordEpisodeStatistics` and the wrappers that
-//! `make` adds are in [`gym_core::wrappers`] and re-exported here.
+//! Wrappers without state are [maps](map) of observations, actions or rewards, and wrap
+//! environments and vectors; implement one of the three traits for your own. `TimeLimit`,
+//! `RecordEpisodeStatistics` and the wrappers that `make` adds are in [`gym_core::wrappers`] and
+//! re-exported here.
 
 #[macro_use]
 mod within;

@@ -11,9 +11,9 @@ use crate::within::element;
 /// Repeats each action for several steps, adds up the rewards, and observes the larger of each
 /// element of the last two observations, so that flickering objects are seen.
 ///
-/// If an episode ends before the last step of a series, the observation is made from the two last kept, as in
-/// Gymnasium. If a step of a series is refused, earlier ones have been taken: reset or restore the environment
-/// after an error.
+/// If an episode ends before the last step of a series, the observation is made from the two last
+/// kept, as in Gymnasium. If a step of a series is refused, earlier ones have been taken: reset or
+/// restore the environment after an error.
 #[derive(Clone, Debug)]
 pub struct MaxAndSkipObservation<E = BoxEnv> {
     inner: E,

@@ -189,8 +189,8 @@ fn check_share<C: WrapperConfig>(name: &str, share: f64) -> Result<()> {
 
 /// Noise for every channel of every pixel of a frame.
 fn white(rng: &mut Generator, frame: &Frame, is_grayscale: bool) -> Vec<u8> {
-    /// The largest red, green and blue of grey noise, which is their sum: `255 * [0.2989, 0.5870, 0.1140]`
-    /// cut off, less one as numpy's `high` is not drawn (`wrappers/rendering.py`).
+    /// The largest red, green and blue of grey noise, which is their sum: `255 * [0.2989, 0.5870,
+    /// 0.1140]` cut off, less one as numpy's `high` is not drawn (`wrappers/rendering.py`).
     const GRAYSCALE_HIGHS: [u8; 3] = [75, 148, 28];
     /// The largest value of coloured noise: Gymnasium draws below 255.
     const HIGH: u8 = 254;

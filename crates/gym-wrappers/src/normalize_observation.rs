@@ -12,13 +12,14 @@ use crate::map::{Seen, Within};
 use crate::statistics::{Normalizer, RunningMeanStd, normalizes};
 use crate::within::not_an_array;
 
-/// Shifts and scales observations to mean 0 and variance 1, both estimated as it goes, as `float32`, to the
-/// bit as Gymnasium's does.
+/// Shifts and scales observations to mean 0 and variance 1, both estimated as it goes, as
+/// `float32`, to the bit as Gymnasium's does.
 ///
-/// The estimate includes every observation since the wrapper was made; resets do not clear it. Around a vector
-/// it includes all sub-environments: each reset and step adds its observations as one batch, and a reset with
-/// a mask those of the sub-environments that it resets. Final observations in their own column are normalized
-/// but not added. (Gymnasium's wrapper refuses masks and every autoreset mode except the next step.)
+/// The estimate includes every observation since the wrapper was made; resets do not clear it.
+/// Around a vector it includes all sub-environments: each reset and step adds its observations as
+/// one batch, and a reset with a mask those of the sub-environments that it resets. Final
+/// observations in their own column are normalized but not added. (Gymnasium's wrapper refuses
+/// masks and every autoreset mode except the next step.)
 #[derive(Clone, Debug)]
 pub struct NormalizeObservation<T = BoxEnv> {
     inner: T,
@@ -26,8 +27,8 @@ pub struct NormalizeObservation<T = BoxEnv> {
     space: Space,
     normalizer: Normalizer,
     seen: Seen,
-    /// The last returned observation of each sub-environment: a reset with a mask returns those that it
-    /// leaves out again, unchanged.
+    /// The last returned observation of each sub-environment: a reset with a mask returns those
+    /// that it leaves out again, unchanged.
     shown: Vec<f32>,
 }
 
@@ -102,7 +103,8 @@ impl<T> NormalizeObservation<T> {
         Ok(())
     }
 
-    /// Updates the estimate with the observations of the sub-environments that were stepped or reset, and normalizes them.
+    /// Updates the estimate with the observations of the sub-environments that were stepped or
+    /// reset, and normalizes them.
     fn observe_columns(&mut self, n: usize, columns: &mut Columns) -> Result<()> {
         columns.prepare(&self.space, n)?;
         let Self {

@@ -10,8 +10,8 @@ use gym_core::{
 use crate::map::Within;
 use crate::statistics::{Normalizer, RunningMeanStd, normalizes};
 
-/// Divides rewards by the standard deviation of the discounted return, estimated as it goes, to the bit as
-/// Gymnasium's does; around a vector, over all sub-environments.
+/// Divides rewards by the standard deviation of the discounted return, estimated as it goes, to the
+/// bit as Gymnasium's does; around a vector, over all sub-environments.
 ///
 /// As in Gymnasium, the discounted sum restarts after a step that terminates, not after one that
 /// truncates; the mean is not subtracted. A reset of a vector with a mask restarts only the sums of
@@ -21,7 +21,8 @@ pub struct NormalizeReward<T = BoxEnv> {
     inner: T,
     config: Config,
     normalizer: Normalizer,
-    /// The discounted return of each environment; of a vector, `float32` numbers, as Gymnasium keeps them.
+    /// The discounted return of each environment; of a vector, `float32` numbers, as Gymnasium
+    /// keeps them.
     returns: Vec<f64>,
 }
 
@@ -52,7 +53,8 @@ impl<T> NormalizeReward<T> {
     /// Normalizes the rewards of `inner`.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`](gym_core::Error) for a `gamma` outside `[0, 1]` or an `epsilon` that is not above 0.
+    /// [`Error::InvalidArgument`](gym_core::Error) for a `gamma` outside `[0, 1]` or an `epsilon`
+    /// that is not above 0.
     pub fn new<Kind>(inner: T, config: impl Into<Config>) -> Result<Self>
     where
         T: Within<Kind>,

@@ -2,7 +2,8 @@
 
 use gym_core::{BoxEnv, Env, Outcome, Result, WrapperSpec, registry::WrapperConfig};
 
-/// Takes each action several times and adds up the rewards; an end of the episode ends the repetition.
+/// Takes each action several times and adds up the rewards; an end of the episode ends the
+/// repetition.
 ///
 /// If a repeat is refused, earlier ones have been taken: reset or restore the environment after an
 /// error.

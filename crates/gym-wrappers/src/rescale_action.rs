@@ -12,8 +12,8 @@ use crate::within::expect_box;
 pub type RescaleAction<T = BoxEnv> = MapAction<T, Rescale>;
 
 gym_core::arguments! {
-    /// The arguments of [`RescaleAction`]: the new bounds of one action, infinite exactly where the old ones are,
-    /// the lower below the upper.
+    /// The arguments of [`RescaleAction`]: the new bounds of one action, infinite exactly where the
+    /// old ones are, the lower below the upper.
     pub struct Config {
         /// The lower bound.
         pub min_action: Bound,

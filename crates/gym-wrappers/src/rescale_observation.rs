@@ -12,8 +12,8 @@ use crate::within::{expect_box, not_an_array};
 pub type RescaleObservation<T = BoxEnv> = MapObservation<T, Rescale>;
 
 gym_core::arguments! {
-    /// The arguments of [`RescaleObservation`]: the new bounds of one observation, infinite exactly where the old
-    /// ones are, the lower not above the upper.
+    /// The arguments of [`RescaleObservation`]: the new bounds of one observation, infinite exactly
+    /// where the old ones are, the lower not above the upper.
     pub struct Config {
         /// The lower bound.
         pub min_obs: Bound,

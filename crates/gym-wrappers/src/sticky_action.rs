@@ -29,7 +29,8 @@ gym_core::arguments! {
     pub struct Config {
         /// The probability that the last action is repeated, in `[0, 1)`.
         pub repeat_action_probability: f64,
-        /// The number of steps to repeat: a number, or a range `[low, high]` from which one is drawn each time.
+        /// The number of steps to repeat: a number, or a range `[low, high]` from which one is
+        /// drawn each time.
         pub repeat_action_duration: Duration = Default::default(),
     }
 }
@@ -101,7 +102,8 @@ impl<E: Env> StickyAction<E> {
     /// Repeats actions for `env`.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for a probability outside `[0, 1)`, an empty range or one that contains 0.
+    /// [`Error::InvalidArgument`] for a probability outside `[0, 1)`, an empty range or one that
+    /// contains 0.
     pub fn new(env: E, config: impl Into<Config>) -> Result<Self> {
         let config = config.into();
         let Config {

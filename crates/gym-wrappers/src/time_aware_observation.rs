@@ -31,7 +31,8 @@ gym_core::arguments! {
     pub struct Config {
         /// Whether the observation and the time are flattened to one row of numbers.
         pub flatten: bool = true,
-        /// Whether the time is the elapsed share of the limit, in `[0, 1]`, instead of a number of steps.
+        /// Whether the time is the elapsed share of the limit, in `[0, 1]`, instead of a number of
+        /// steps.
         pub normalize_time: bool = false,
         /// The key of the time in dict observations.
         pub dict_time_key: String = "time".into(),
@@ -50,8 +51,8 @@ impl<E: Env> TimeAwareObservation<E> {
     /// Adds the time to the observations of `env`.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for a time limit of 0, beyond `int32` or unknown, or if a dict already has the
-    /// key of the time; [`Error::InvalidSpace`] if the observations do not flatten.
+    /// [`Error::InvalidArgument`] for a time limit of 0, beyond `int32` or unknown, or if a dict
+    /// already has the key of the time; [`Error::InvalidSpace`] if the observations do not flatten.
     pub fn new(env: E, config: impl Into<Config>) -> Result<Self> {
         let config = config.into();
         let known = || env.spec().and_then(|spec| spec.time_limit());

@@ -4,8 +4,8 @@ use std::marker::PhantomData;
 use gym_core::vector::Columns;
 use gym_core::{Element, Env, Outcome, Result, Space, Value, VectorEnv};
 
-/// Applies a function to each action for an environment, which may change its type, or to the actions for
-/// all sub-environments of a vector together.
+/// Applies a function to each action for an environment, which may change its type, or to the
+/// actions for all sub-environments of a vector together.
 ///
 /// A function has no stored form: the `spec` is `None`, and the stack cannot be rebuilt from JSON.
 pub struct TransformAction<T, F, A> {
@@ -18,8 +18,8 @@ pub struct TransformAction<T, F, A> {
 reach!(TransformAction<T, F, A>);
 
 impl<T, F, A> TransformAction<T, F, A> {
-    /// Transforms the actions for `inner`. Around a vector, `func` maps a batch. `space` is the new space of
-    /// a single action; `None` for that of `inner`.
+    /// Transforms the actions for `inner`. Around a vector, `func` maps a batch. `space` is the new
+    /// space of a single action; `None` for that of `inner`.
     pub fn new<B>(inner: T, func: F, space: impl Into<Option<Space>>) -> Self
     where
         F: Fn(&A) -> B,

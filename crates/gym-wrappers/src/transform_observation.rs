@@ -20,8 +20,8 @@ pub struct TransformObservation<T, F, S> {
 reach!(TransformObservation<T, F, S>);
 
 impl<T, F, S> TransformObservation<T, F, S> {
-    /// Transforms the observations of `inner`. Around a vector, `func` maps a batch. `space` is the new
-    /// space of a single observation; `None` for that of `inner`.
+    /// Transforms the observations of `inner`. Around a vector, `func` maps a batch. `space` is the
+    /// new space of a single observation; `None` for that of `inner`.
     pub fn new<Kind, O>(inner: T, func: F, space: impl Into<Option<Space>>) -> Self
     where
         T: Within<Kind, Buffer = S>,

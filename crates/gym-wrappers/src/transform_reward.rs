@@ -17,7 +17,8 @@ pub struct TransformReward<T, F> {
 reach!(TransformReward<T, F>);
 
 impl<T, F: Fn(f64) -> f64 + Send + 'static> TransformReward<T, F> {
-    /// Transforms the rewards of `inner`, as in `TransformReward::new(env, |reward| 0.01 * reward)`.
+    /// Transforms the rewards of `inner`, as in `TransformReward::new(env, |reward| 0.01 *
+    /// reward)`.
     pub fn new(inner: T, func: F) -> Self {
         Self { inner, func }
     }

@@ -15,8 +15,8 @@ pub struct Single;
 #[derive(Debug)]
 pub struct Batch;
 
-/// An environment or a vector, as a wrapper of either sees it when it is made. The marker, [`Single`] or
-/// [`Batch`], follows from the type.
+/// An environment or a vector, as a wrapper of either sees it when it is made. The marker,
+/// [`Single`] or [`Batch`], follows from the type.
 pub trait Within<Kind> {
     /// The argument of a function of observations: one, or a batch.
     type Observation: Element;
@@ -119,8 +119,9 @@ macro_rules! reset_within {
     };
 }
 
-/// The part of a `Wrapper` that returns its own `Value`s: with the fields `inner`, `space` and `seen` (the inner
-/// observation), and the method `observe(&mut self, is_reset: bool, out: &mut Value)`.
+/// The part of a `Wrapper` that returns its own `Value`s: with the fields `inner`, `space` and
+/// `seen` (the inner observation), and the method `observe(&mut self, is_reset: bool, out: &mut
+/// Value)`.
 macro_rules! observes {
     ($inner:ident, $seen:ident $(. $part:ident)?) => {
         type Observation = gym_core::Value;
@@ -156,7 +157,8 @@ macro_rules! observes {
     };
 }
 
-/// The same of a `VectorWrapper`: with the method `observe_columns(&mut self, n: usize, columns: &mut Columns)`.
+/// The same of a `VectorWrapper`: with the method `observe_columns(&mut self, n: usize, columns:
+/// &mut Columns)`.
 macro_rules! observes_columns {
     () => {
         vector_within!();
@@ -215,7 +217,8 @@ macro_rules! reach {
                 &self.inner
             }
 
-            /// The inner environment or vector, mutable. The wrapper does not see resets and steps made through it.
+            /// The inner environment or vector, mutable. The wrapper does not see resets and steps
+            /// made through it.
             pub fn get_mut(&mut self) -> &mut $inner {
                 &mut self.inner
             }

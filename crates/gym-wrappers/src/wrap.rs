@@ -56,8 +56,8 @@ macro_rules! for_both {
 /// }
 /// ```
 ///
-/// Methods take the wrapper's `Config`, or the arguments that Gymnasium's constructors require; those
-/// without an argument use the defaults.
+/// Methods take the wrapper's `Config`, or the arguments that Gymnasium's constructors require;
+/// those without an argument use the defaults.
 pub trait Wrap: Env + Sized {
     /// [`TimeLimit`].
     ///

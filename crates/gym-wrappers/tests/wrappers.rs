@@ -14,7 +14,8 @@ use gym_wrappers::{
     TransformObservation, VectorWrap, Wrap, frame_stack_observation, normalize_observation,
 };
 
-/// Shows prepared observations, one after the other, with prepared rewards; the last one ends the episode.
+/// Shows prepared observations, one after the other, with prepared rewards; the last one ends the
+/// episode.
 #[derive(Clone, Debug)]
 struct Script {
     space: Space,
@@ -390,7 +391,8 @@ fn final_observations_of_a_vector_are_normalized_too() {
     }
 }
 
-/// Before the first observation of an episode stand as many paddings as there is room for, in the second episode as well.
+/// Before the first observation of an episode stand as many paddings as there is room for, in the
+/// second episode as well.
 #[test]
 fn stacks_are_padded_to_their_size() {
     let observations: Vec<Value> = (1..9).map(Value::Int).collect();

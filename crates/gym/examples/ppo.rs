@@ -1,9 +1,9 @@
 //! PPO in one file: learns CartPole in seconds, with no dependency but `gym`.
 //! Run it with `cargo run --release --example ppo`.
 //!
-//! Proximal policy optimisation (Schulman et al., 2017, <https://arxiv.org/abs/1707.06347>), with the settings and
-//! details of CleanRL's `ppo.py`. The crate `gym-ppo` has more: continuous actions, images, checkpoints, several
-//! threads.
+//! Proximal policy optimisation (Schulman et al., 2017, <https://arxiv.org/abs/1707.06347>), with
+//! the settings and details of CleanRL's `ppo.py`. The crate `gym-ppo` has more: continuous
+//! actions, images, checkpoints, several threads.
 
 use gym::prelude::*;
 use gym::vector::{Columns, Progress};
@@ -27,7 +27,8 @@ const MAX_GRADIENT_NORM: f64 = 0.5;
 /// CartPole counts as solved at this mean return of 100 episodes.
 const SOLVED: f64 = 475.0;
 
-/// Layers with tanh between them. Parameters and gradient are flat: for each layer weights (outputs by inputs), then biases.
+/// Layers with tanh between them. Parameters and gradient are flat: for each layer weights (outputs
+/// by inputs), then biases.
 struct Network {
     sizes: Vec<usize>,
     parameters: Vec<f64>,
@@ -82,7 +83,8 @@ impl Network {
         }
     }
 
-    /// Adds the gradient of a loss to `self.gradient`: `output` is the loss's derivative by each output.
+    /// Adds the gradient of a loss to `self.gradient`: `output` is the loss's derivative by each
+    /// output.
     fn backward(&mut self, layers: &[Vec<f64>], output: &[f64]) {
         let mut end = self.parameters.len();
         let mut delta = output.to_vec();
@@ -109,7 +111,8 @@ impl Network {
         }
     }
 
-    /// A step of Adam (Kingma and Ba, 2015) down the gradient, whose norm is limited; then the gradient is zero.
+    /// A step of Adam (Kingma and Ba, 2015) down the gradient, whose norm is limited; then the
+    /// gradient is zero.
     fn update(&mut self, learning_rate: f64) {
         self.updates += 1;
         let norm = self.gradient.iter().map(|g| g * g).sum::<f64>().sqrt();
@@ -147,7 +150,8 @@ struct Transition {
     log_probability: f64,
     value: f64,
     advantage: f64,
-    /// It leads from the end of an episode to the start of the next, so there is nothing to learn from it.
+    /// It leads from the end of an episode to the start of the next, so there is nothing to learn
+    /// from it.
     is_reset: bool,
 }
 
@@ -180,7 +184,8 @@ impl Agent {
         }
     }
 
-    /// Adds the gradients of both losses for one transition, a share of a minibatch. `advantage` is normalised.
+    /// Adds the gradients of both losses for one transition, a share of a minibatch. `advantage` is
+    /// normalised.
     fn learn(&mut self, transition: &Transition, advantage: f64, share: f64) {
         let Transition {
             observation,
@@ -232,7 +237,8 @@ fn row(columns: &Columns, index: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Learns until the task is solved or `MOST_STEPS` are over. Returns the number of steps and the last mean return.
+/// Learns until the task is solved or `MOST_STEPS` are over. Returns the number of steps and the
+/// last mean return.
 fn train(seed: u64) -> gym::Result<(usize, f64)> {
     let mut envs = gym::make_vec("CartPole-v1", ENVS, None)?;
     let mut rng = Generator::from(seed);

@@ -1,5 +1,6 @@
-//! The notebook's exercise: let random policies play some environments for some episodes, record the
-//! frames, and plot returns and lengths. Run it with `cargo run --release --example random_interaction`.
+//! The notebook's exercise: let random policies play some environments for some episodes, record
+//! the frames, and plot returns and lengths. Run it with `cargo run --release --example
+//! random_interaction`.
 
 use gym::prelude::*;
 use gym::render::{RenderMode, Rendered};

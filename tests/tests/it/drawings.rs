@@ -1,7 +1,7 @@
 //! The drawing calls of each environment, compared with those in `tests/drawings`.
 //!
-//! After an intended change, `GYM_UPDATE_DRAWINGS=1 cargo test --package gym-tests --test it drawings` keeps the new
-//! ones: look at the pictures (`cargo xtask gif ID`) before that.
+//! After an intended change, `GYM_UPDATE_DRAWINGS=1 cargo test --package gym-tests --test it
+//! drawings` keeps the new ones: look at the pictures (`cargo xtask gif ID`) before that.
 
 use std::path::Path;
 

@@ -263,7 +263,8 @@ fn async_vectors_of_box2d_equal_native_ones() {
     }
 }
 
-/// A step that an environment refuses leaves the others as they are by hand, and nothing half done behind.
+/// A step that an environment refuses leaves the others as they are by hand, and nothing half done
+/// behind.
 #[test]
 fn a_refused_action_leaves_no_step_begun() {
     let spec = spec("LunarLanderContinuous-v3", json!({}));
@@ -402,8 +403,8 @@ fn steps_to_compare() -> usize {
         .unwrap_or(200_000)
 }
 
-/// Compares each of many steps with one of the scalar dynamics from the same state, by bits. `options`
-/// let episodes start anywhere; those that autoreset starts begin as usual.
+/// Compares each of many steps with one of the scalar dynamics from the same state, by bits.
+/// `options` let episodes start anywhere; those that autoreset starts begin as usual.
 fn compare_steps<D, const K: usize, const O: usize>(config: D::Config, options: [(&str, f64); 2])
 where
     D: Native<Packed = [f64; K]> + Task<Observation = [f32; O]>,

@@ -26,7 +26,8 @@ fn every_reference_is_of_a_known_kind() {
     }
 }
 
-/// A file that is missing would be a test that checks nothing: who adds one or takes one away says so here.
+/// A file that is missing would be a test that checks nothing: who adds one or takes one away says
+/// so here.
 #[test]
 fn no_reference_is_missing() {
     if std::env::var_os("GYM_REFERENCE").is_some() {
@@ -101,8 +102,8 @@ fn traces_of_vectors_on_threads() {
     println!("{count} traces of vectors are equal on threads");
 }
 
-/// The actions in traces of vectors are samples of the batched action space, seeded with the trace's seed
-/// plus 17.
+/// The actions in traces of vectors are samples of the batched action space, seeded with the
+/// trace's seed plus 17.
 #[test]
 fn actions_of_vectors() {
     for Reference { name, json, text } in

@@ -1,5 +1,5 @@
-//! Starts from a seed and whole episodes of a policy in the Box2D environments, as in Gymnasium. `parity.rs` has
-//! their traces, step by step.
+//! Starts from a seed and whole episodes of a policy in the Box2D environments, as in Gymnasium.
+//! `parity.rs` has their traces, step by step.
 
 use std::f64::consts::PI;
 
@@ -55,8 +55,8 @@ fn starts() {
                     json!(&expected.as_array().expect("four")[1..]),
                     "{name}"
                 );
-                // an arc tangent, correctly rounded here and not always in the C library; the track is laid
-                // by comparing it
+                // an arc tangent, correctly rounded here and not always in the C library; the track
+                // is laid by comparing it
                 let alpha = expected[0].as_f64().expect("a number");
                 assert!(
                     [alpha.next_down(), alpha, alpha.next_up()].contains(&p.alpha),

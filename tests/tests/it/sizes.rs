@@ -20,7 +20,8 @@ fn difference(small: &Frame, large: &Frame, pixels: impl Iterator<Item = (usize,
     sum / f64::from(count)
 }
 
-/// At half the size a pixel at an edge shows a sixteenth of what is behind: its fill and its outline each leave a quarter.
+/// At half the size a pixel at an edge shows a sixteenth of what is behind: its fill and its
+/// outline each leave a quarter.
 #[test]
 fn pictures_of_other_sizes_are_alike_up_to_their_edges() {
     for registration in registry::self_contained() {

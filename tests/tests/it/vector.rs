@@ -224,7 +224,8 @@ fn async_is_sync_for_any_number_of_threads() {
     }
 }
 
-/// Counts its steps; action 1 is refused, 2 panics, 3 takes a while. An episode ends at the 10th step.
+/// Counts its steps; action 1 is refused, 2 panics, 3 takes a while. An episode ends at the 10th
+/// step.
 #[derive(Clone, Debug, Default)]
 struct Fragile {
     steps: i64,

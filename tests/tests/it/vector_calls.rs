@@ -393,7 +393,8 @@ fn infos_of_another_shape_are_missing() {
     assert_eq!(numbers, [7.0, 7.0, 0.0, 0.0, 7.0, 7.0, 0.0, 0.0]);
 }
 
-/// Who is away cannot be given to other threads, and nothing of no sub-environments can be received.
+/// Who is away cannot be given to other threads, and nothing of no sub-environments can be
+/// received.
 #[test]
 fn what_is_pending_is_received_first() {
     let mut envs = AsyncVectorEnv::new([2, 2].map(Lengths)).unwrap();

@@ -1,4 +1,5 @@
-//! A wrapper of a vector that keeps no state does what the same wrapper does around each sub-environment.
+//! A wrapper of a vector that keeps no state does what the same wrapper does around each
+//! sub-environment.
 
 use gym::render::RenderMode;
 use gym::vector::{Autoreset, Columns, VectorKind};

@@ -1,5 +1,5 @@
-//! Every wrapper of vectors forwards the methods that it does not change: each method of `VectorEnv` is
-//! called on every wrapper around a spy.
+//! Every wrapper of vectors forwards the methods that it does not change: each method of
+//! `VectorEnv` is called on every wrapper around a spy.
 
 use std::any::Any;
 use std::collections::BTreeSet;
@@ -407,8 +407,8 @@ impl VectorEnv for HalfWay {
     }
 }
 
-/// What has happened to one sub-environment is not lost because another one fails, and what is refused
-/// altogether does not count twice.
+/// What has happened to one sub-environment is not lost because another one fails, and what is
+/// refused altogether does not count twice.
 #[test]
 fn an_error_of_one_does_not_hide_the_step_of_the_others() {
     let actions = Value::Array(gym::Array::from([0.0f32, 0.0]).reshape([2, 1]).unwrap());
@@ -470,8 +470,8 @@ fn an_error_of_one_does_not_hide_the_step_of_the_others() {
     );
 }
 
-/// A spec is not reachable by forgetting it: a wrapper of a third party has none until it says how it is
-/// made, and can then be rebuilt where it is registered.
+/// A spec is not reachable by forgetting it: a wrapper of a third party has none until it says how
+/// it is made, and can then be rebuilt where it is registered.
 #[test]
 fn a_wrapper_that_leaves_out_its_spec_has_none() {
     let envs = gym::make_vec("CartPole-v1", 2, None).unwrap();

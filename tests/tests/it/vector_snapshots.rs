@@ -1,5 +1,5 @@
-//! A vector that is stored and restored continues identically: every kind, autoreset mode and wrapper, also in
-//! another process. A snapshot that is refused changes nothing.
+//! A vector that is stored and restored continues identically: every kind, autoreset mode and
+//! wrapper, also in another process. A snapshot that is refused changes nothing.
 
 use std::process::Command;
 
@@ -56,7 +56,8 @@ fn seen(envs: &dyn VectorEnv, columns: &Columns) -> Seen {
     (columns, infos)
 }
 
-/// Random steps, with resets by mask: of those whose episode is over, and in other modes now and then of one.
+/// Random steps, with resets by mask: of those whose episode is over, and in other modes now and
+/// then of one.
 fn play(
     envs: &mut dyn VectorEnv,
     columns: &mut Columns,
@@ -307,7 +308,8 @@ fn another_process_continues() {
     assert_eq!(seen, expected);
 }
 
-/// Each string and each number in the data in turn is spoilt, and what remains is offered to the vector.
+/// Each string and each number in the data in turn is spoilt, and what remains is offered to the
+/// vector.
 fn spoilt(json: &Json) -> Vec<Json> {
     let mut all = Vec::new();
     match json {
@@ -401,7 +403,8 @@ fn a_refused_snapshot_changes_nothing() {
                 refused += 1;
                 assert_eq!(envs.snapshot().unwrap(), now, "{spoilt}");
             } else {
-                // it is a state of such a vector, such as that before the first reset: go on, then back
+                // it is a state of such a vector, such as that before the first reset: go on, then
+                // back
                 for _ in 0..3 {
                     let _ = envs.step_into(&actions.clone().sample(), &mut columns);
                 }
@@ -446,8 +449,8 @@ fn statistics_of_fewer_environments_are_refused() {
     }
 }
 
-/// The reset that a sub-environment is due is the vector's, not the environment's: putting the environments'
-/// own snapshots back loses it, and the vector's keeps it.
+/// The reset that a sub-environment is due is the vector's, not the environment's: putting the
+/// environments' own snapshots back loses it, and the vector's keeps it.
 #[test]
 fn a_reset_that_is_due_is_part_of_the_state() {
     for kind in KINDS {
@@ -587,8 +590,8 @@ fn statistics_are_reached_and_frozen() {
     assert!(one.wrapper::<SyncVectorEnv<BoxEnv>>().is_some());
 }
 
-/// What the vector knows of a sub-environment, such as a reset that is due, is in no snapshot of the sub-environment
-/// alone.
+/// What the vector knows of a sub-environment, such as a reset that is due, is in no snapshot of
+/// the sub-environment alone.
 #[test]
 fn snapshots_put_back_one_by_one_are_an_error_until_a_reset() {
     for (kind, autoreset) in [

@@ -1,5 +1,5 @@
-//! A vector's spec makes a vector that steps identically, or there is no spec. A vector of any requested size
-//! is made, or refused before memory runs out.
+//! A vector's spec makes a vector that steps identically, or there is no spec. A vector of any
+//! requested size is made, or refused before memory runs out.
 
 use gym::vector::{Autoreset, VectorKind, VectorReset, VectorSpec};
 use gym::wrappers::*;
@@ -420,8 +420,8 @@ fn a_number_that_cannot_be_is_refused_at_once() {
     }
 }
 
-/// The same actions in other types of numbers: what a sync vector takes, a native one takes, and what one
-/// refuses the other refuses, in the same words.
+/// The same actions in other types of numbers: what a sync vector takes, a native one takes, and
+/// what one refuses the other refuses, in the same words.
 #[test]
 fn every_kind_takes_the_same_forms_of_actions() {
     let narrow = gym::Array::new([2], gym::Data::I32(vec![1, 0])).unwrap();

@@ -303,7 +303,8 @@ fn bounds_are_for_one_sub_environment() {
         .unwrap();
 }
 
-/// Where a step ends an episode and begins the next, the sum of rewards begins anew with it, if the episode was truncated as well.
+/// Where a step ends an episode and begins the next, the sum of rewards begins anew with it, if the
+/// episode was truncated as well.
 #[test]
 fn a_truncated_episode_ends_the_discounted_return() {
     let returns = |envs: &NormalizeReward<Box<dyn VectorEnv>>| -> Vec<f64> {

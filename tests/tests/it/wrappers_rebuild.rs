@@ -276,7 +276,8 @@ fn time_goes_on_beyond_its_limit() {
     assert_eq!(times, expected);
 }
 
-/// Both ends of a range of repeats occur, and none beyond: an action sticks for as many steps as drawn.
+/// Both ends of a range of repeats occur, and none beyond: an action sticks for as many steps as
+/// drawn.
 #[test]
 fn an_action_sticks_for_each_number_of_steps_of_its_range() {
     let wrappers = json!([["StickyAction", {"repeat_action_probability": 0.3, "repeat_action_duration": [2, 4]}]]);
@@ -584,7 +585,8 @@ fn base((id, order, check, limit, mode): (u8, bool, bool, Option<u32>, u8)) -> B
     }
 }
 
-/// One more wrapper, or an error where the environment is none for it; and whether it has a stored form.
+/// One more wrapper, or an error where the environment is none for it; and whether it has a stored
+/// form.
 fn around(env: BoxEnv, (kind, x): (u8, u8)) -> Result<(BoxEnv, bool)> {
     use gym::wrappers::*;
     let n = u32::from(x % 4) + 1;
@@ -712,8 +714,8 @@ fn answers(env: &mut BoxEnv) -> Vec<String> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// What a spec rebuilds answers as the stack that gave it, whatever is around what. Where there is no
-    /// spec, something in the stack has no stored form.
+    /// What a spec rebuilds answers as the stack that gave it, whatever is around what. Where there
+    /// is no spec, something in the stack has no stored form.
     #[test]
     fn specs_tell_the_truth((of_make, wrappers) in any::<Choices>()) {
         let of_make = (of_make.0, of_make.1, of_make.2, of_make.3.map(|limit| limit % 20 + 1), of_make.4);
@@ -737,7 +739,8 @@ proptest! {
     }
 }
 
-/// Bounds of another type than the box's count in the type of the box, before they are stored and after.
+/// Bounds of another type than the box's count in the type of the box, before they are stored and
+/// after.
 #[test]
 fn bounds_of_any_type_are_rebuilt_to_the_last_bit() {
     use gym::Array;

@@ -1,5 +1,5 @@
-//! The mode `human`, where there is a display to show it: `xvfb-run --auto-servernum cargo test --package
-//! window-tests` brings one.
+//! The mode `human`, where there is a display to show it: `xvfb-run --auto-servernum cargo test
+//! --package window-tests` brings one.
 #![cfg(all(unix, not(target_os = "macos")))]
 
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -160,7 +160,8 @@ fn a_window_shows_frames_survives_its_user_and_keeps_time() {
         return;
     }
 
-    // a server without any program that is connected starts anew, and refuses whoever comes meanwhile
+    // a server without any program that is connected starts anew, and refuses whoever comes
+    // meanwhile
     let display = Display::open();
 
     // frames last as long as they should

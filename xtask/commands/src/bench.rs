@@ -28,8 +28,8 @@ pub(crate) struct Arguments {
     /// The kinds to measure; all by default.
     #[arg(long, value_enum, value_delimiter = ',')]
     kind: Vec<Kind>,
-    /// Seconds for each number. The fastest tenth of that time counts, since other programs slow the
-    /// rest.
+    /// Seconds for each number. The fastest tenth of that time counts, since other programs slow
+    /// the rest.
     #[arg(long, default_value_t = 0.5, allow_negative_numbers = true, value_parser = parse_seconds)]
     seconds: f64,
     /// Also counts instructions, with `valgrind`, which takes much longer.

@@ -25,8 +25,8 @@ pub(crate) struct Arguments {
     /// Ends the recording after this number of frames.
     #[arg(long, default_value_t = 500)]
     max_frames: u64,
-    /// The file, whose extension is its format: .gif, .png (animated) or .mp4 (through `ffmpeg`). By
-    /// default the id with `.gif`.
+    /// The file, whose extension is its format: .gif, .png (animated) or .mp4 (through `ffmpeg`).
+    /// By default the id with `.gif`.
     #[arg(long)]
     out: Option<PathBuf>,
 }

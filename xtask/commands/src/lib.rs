@@ -1,7 +1,7 @@
 //! Commands over every environment that is linked: `cargo xtask help`.
 //!
-//! The program `xtask` builds this crate with the features of a command, and runs it; for a plugin it makes a program
-//! that links the plugin and calls [`main_of`].
+//! The program `xtask` builds this crate with the features of a command, and runs it; for a plugin
+//! it makes a program that links the plugin and calls [`main_of`].
 
 // they panic where the output cannot be written
 #![warn(clippy::print_stdout, clippy::print_stderr)]
@@ -45,7 +45,8 @@ use crate::selection::Selection;
                   environments of a plugin. `--help` after either says more."
 )]
 struct Arguments {
-    /// The folder of a crate whose environments replace those of this workspace, for every command except `new`.
+    /// The folder of a crate whose environments replace those of this workspace, for every command
+    /// except `new`.
     #[arg(long, global = true, value_name = "PATH")]
     plugin: Option<PathBuf>,
     #[command(subcommand)]
@@ -56,7 +57,8 @@ struct Arguments {
 enum Command {
     /// Lists the environments.
     List(list::Arguments),
-    /// Plays random episodes of the newest version of each task; writes GIFs, plots and a table to target/demo.
+    /// Plays random episodes of the newest version of each task; writes GIFs, plots and a table to
+    /// target/demo.
     Demo(demo::Arguments),
     /// Records one episode as a GIF, animated PNG or MP4.
     Gif(gif::Arguments),

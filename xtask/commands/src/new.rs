@@ -11,17 +11,20 @@ use crate::root;
 
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
-    /// The name of the crate, and the namespace of its environments: lower-case letters, digits and `_`.
+    /// The name of the crate, and the namespace of its environments: lower-case letters, digits and
+    /// `_`.
     name: String,
     /// The folder to make; by default a folder of that name in the current one.
     #[arg(long, value_name = "DIR")]
     path: Option<PathBuf>,
-    /// The environment has a native vector: its step is one formula, for one environment and for many.
+    /// The environment has a native vector: its step is one formula, for one environment and for
+    /// many.
     #[arg(long)]
     native: bool,
 }
 
-/// The files of a new crate besides its environment, with their texts; `plugin_name` stands for the name.
+/// The files of a new crate besides its environment, with their texts; `plugin_name` stands for the
+/// name.
 const FILES: [(&str, &str); 5] = [
     ("Cargo.toml", include_str!("../templates/plugin/Cargo.toml")),
     (".gitignore", include_str!("../templates/plugin/gitignore")),

@@ -1,4 +1,5 @@
-//! Text for the terminal. `println!` panics where the output cannot be written; here that is an error.
+//! Text for the terminal. `println!` panics where the output cannot be written; here that is an
+//! error.
 
 use std::fmt::Arguments;
 use std::io::{ErrorKind, Write, stderr, stdout};

@@ -92,7 +92,8 @@ fn destinations(traces: &[PathBuf], out: &Path) -> Result<BTreeMap<PathBuf, Path
         .collect())
 }
 
-/// The state that a trace records besides the observation: the bodies of CarRacing, positions and velocities of MuJoCo tasks.
+/// The state that a trace records besides the observation: the bodies of CarRacing, positions and
+/// velocities of MuJoCo tasks.
 #[cfg(feature = "families")]
 fn state(env: &BoxEnv) -> Option<Json> {
     use gym::EnvExt;
@@ -110,7 +111,8 @@ fn state(_: &BoxEnv) -> Option<Json> {
 }
 
 fn read(path: &Path) -> Result<String> {
-    /// The largest size of a recording in bytes: larger than any, and small enough for every memory.
+    /// The largest size of a recording in bytes: larger than any, and small enough for every
+    /// memory.
     const LIMIT: u64 = 256 << 20; // bytes
     let mut text = String::new();
     let file = File::open(path).map_err(|error| Error::io(path, error))?;

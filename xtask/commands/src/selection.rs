@@ -8,7 +8,8 @@ use gym::{Registration, Result, registry};
 pub(crate) enum Selection {
     /// All that are linked.
     All,
-    /// The environments that a crate registers, whether it is named `my-envs` or `my_envs`, and its folder.
+    /// The environments that a crate registers, whether it is named `my-envs` or `my_envs`, and its
+    /// folder.
     Crate(&'static str, &'static str),
 }
 
@@ -21,8 +22,8 @@ impl Selection {
         }
     }
 
-    /// The environments of these ids; without ids, all of the selection except those with external requirements, which
-    /// it reports.
+    /// The environments of these ids; without ids, all of the selection except those with external
+    /// requirements, which it reports.
     ///
     /// # Errors
     /// An id that is not registered; a crate that registers nothing.

@@ -17,7 +17,8 @@ pub(crate) struct Arguments {
     seed: u64,
 }
 
-/// The allowed growth of memory after the first tenth of an environment's steps, which fill its buffers.
+/// The allowed growth of memory after the first tenth of an environment's steps, which fill its
+/// buffers.
 const MAX_GROWTH: u64 = 2 << 20; // bytes
 
 /// Steps through every environment for a long time. Memory that grows is an error.

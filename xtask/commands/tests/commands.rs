@@ -655,7 +655,8 @@ fn replay_fails_if_one_trace_does() {
     prints(&["replay", good]);
 }
 
-/// A reader that has seen enough ends a command; a full disk is an error. `println!` panics at both.
+/// A reader that has seen enough ends a command; a full disk is an error. `println!` panics at
+/// both.
 #[cfg(target_os = "linux")]
 #[test]
 fn an_output_that_cannot_be_written_is_no_panic() {

@@ -16,7 +16,8 @@ use crate::{files, root, say};
 const LONGEST: Duration = Duration::from_secs(1800);
 /// Longer than that no single test takes.
 const SILENCE: Duration = Duration::from_secs(300);
-/// Added to the page as one file: once it shows a picture, or does not within a minute, the other tests begin.
+/// Added to the page as one file: once it shows a picture, or does not within a minute, the other
+/// tests begin.
 const SINGLE: &str = r#"<script>
 const wait = setInterval(() => {
   const canvas = document.querySelector(".tile canvas");
@@ -30,8 +31,8 @@ const wait = setInterval(() => {
 </script>
 "#;
 
-/// Opens the test page in Chromium, after the page as `single` file if there is one; it posts each result, and
-/// `{"done": ...}` at the end.
+/// Opens the test page in Chromium, after the page as `single` file if there is one; it posts each
+/// result, and `{"done": ...}` at the end.
 pub(super) fn test(page: &Path, single: Option<&str>, traces: Option<&Path>) -> Result<(), String> {
     let (posts, results) = mpsc::channel();
     let mut folders = vec![("test", root().join("crates/gym-web/tests"))];

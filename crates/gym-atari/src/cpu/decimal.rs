@@ -1,7 +1,9 @@
-//! Arithmetic in binary coded decimal, as in ale-py: numbers are converted to binary and back, and the flags come from
-//! the result. The chip's own flags differ, and so do its results for digits above 9.
+//! Arithmetic in binary coded decimal, as in ale-py: numbers are converted to binary and back, and
+//! the flags come from the result. The chip's own flags differ, and so do its results for digits
+//! above 9.
 //!
-//! It is rare, and takes the registers by value: by reference it would keep them in memory for all other instructions.
+//! It is rare, and takes the registers by value: by reference it would keep them in memory for all
+//! other instructions.
 
 use super::Cpu;
 

@@ -1,7 +1,7 @@
 //! The instruction set of the 6502 as data: operation and mode of each of the 256 opcodes.
 //!
-//! Documented opcodes are MOS Technology's (MCS6500 Microcomputer Family Programming Manual, 1976); the names of
-//! the others are those of the community's tables ("NMOS 6510 Unintended Opcodes").
+//! Documented opcodes are MOS Technology's (MCS6500 Microcomputer Family Programming Manual, 1976);
+//! the names of the others are those of the community's tables ("NMOS 6510 Unintended Opcodes").
 
 /// The operation of an opcode, by its mnemonic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,7 +90,8 @@ pub(crate) struct Instruction {
     pub(crate) mode: Mode,
 }
 
-/// The bytes that are read of each instruction before it does anything, by opcode. `JSR` reads its third byte last.
+/// The bytes that are read of each instruction before it does anything, by opcode. `JSR` reads its
+/// third byte last.
 pub(crate) const LENGTHS: [u8; 256] = {
     let mut lengths = [2; 256];
     let mut opcode = 0;

@@ -1,9 +1,10 @@
 //! The processor: a 6507, which is a 6502 without interrupt lines and with 13 address lines.
 //!
-//! It does not depend on the machine. Each access of its [`Bus`] takes one cycle, in the order of the real chip,
-//! including useless reads: some of them switch the banks of a cartridge.
+//! It does not depend on the machine. Each access of its [`Bus`] takes one cycle, in the order of
+//! the real chip, including useless reads: some of them switch the banks of a cartridge.
 //!
-//! Source: MCS6500 Microcomputer Family Programming Manual (MOS Technology, 1976) for the documented instructions.
+//! Source: MCS6500 Microcomputer Family Programming Manual (MOS Technology, 1976) for the
+//! documented instructions.
 
 mod decimal;
 pub(crate) mod instructions;
@@ -13,8 +14,8 @@ use serde::{Deserialize, Serialize};
 
 use instructions::Operation;
 
-/// The bus of the processor. Each access takes one cycle; `cycle` is the number of cycles since power-on at its end,
-/// and `bus` the byte of the access before.
+/// The bus of the processor. Each access takes one cycle; `cycle` is the number of cycles since
+/// power-on at its end, and `bus` the byte of the access before.
 pub trait Bus {
     /// Reads a byte.
     fn read(&mut self, address: u16, cycle: u64, bus: u8) -> u8;
@@ -28,14 +29,15 @@ pub trait Bus {
     /// Writes a byte.
     fn write(&mut self, address: u16, value: u8, cycle: u64) -> Ready;
 
-    /// The four bytes from an address on, where reading them does nothing else and they never change.
+    /// The four bytes from an address on, where reading them does nothing else and they never
+    /// change.
     #[inline(always)]
     fn program(&self, _address: u16) -> Option<[u8; 4]> {
         None
     }
 
-    /// The value of a read of this address at `cycle`, and the cycle up to which a read gives it without side effects, if that is
-    /// known.
+    /// The value of a read of this address at `cycle`, and the cycle up to which a read gives it
+    /// without side effects, if that is known.
     fn steady(&self, _address: u16, _cycle: u64) -> Option<(u8, u64)> {
         None
     }

@@ -3,7 +3,8 @@
 use super::instructions::{Access, INSTRUCTIONS, LENGTHS, Mode, Operation};
 use super::{Bus, Cpu, Ready, flag};
 
-/// A processor at work. Its registers are a copy, which the compiler can keep in registers of its own.
+/// A processor at work. Its registers are a copy, which the compiler can keep in registers of its
+/// own.
 pub(crate) struct Core<B> {
     pub(crate) cpu: Cpu,
     pub(crate) bus: B,
@@ -15,13 +16,14 @@ pub(crate) struct Core<B> {
 
 /// `LAX $12`.
 const LAX_ZERO_PAGE: u8 = 0xa7;
-/// The bytes of a loop that waits for a register, as `LDA INTIM`, `BNE` back to it; and the cycles of a round.
+/// The bytes of a loop that waits for a register, as `LDA INTIM`, `BNE` back to it; and the cycles
+/// of a round.
 const LOOP_BYTES: i8 = 5;
 const LOOP_CYCLES: u64 = 7;
 
 impl Cpu {
-    /// Executes instructions until a write answers [`Ready::Return`] or the processor halts, and at most so many. Returns
-    /// whether one of both stopped it.
+    /// Executes instructions until a write answers [`Ready::Return`] or the processor halts, and at
+    /// most so many. Returns whether one of both stopped it.
     #[inline(never)]
     pub fn run<B: Bus>(&mut self, bus: B, most: u32) -> bool {
         let mut core = Core {
@@ -39,8 +41,8 @@ impl Cpu {
     }
 }
 
-/// A match on the opcode with an arm for each. The opcode is constant in an arm, so that of all matches on
-/// operations and modes only one arm is left there.
+/// A match on the opcode with an arm for each. The opcode is constant in an arm, so that of all
+/// matches on operations and modes only one arm is left there.
 macro_rules! dispatch {
     ($core:ident, $opcode:ident, $low:ident, $high:ident: $($code:literal)*) => {
         match $opcode { $($code => $core.execute::<$code>($low, $high),)* }
@@ -108,8 +110,8 @@ impl<B: Bus> Core<B> {
         }
     }
 
-    /// Reads an instruction that is not simply in ROM: its bytes, or the one behind it where it has but one. They are
-    /// read at the cycles that [`execute`](Self::execute) counts.
+    /// Reads an instruction that is not simply in ROM: its bytes, or the one behind it where it has
+    /// but one. They are read at the cycles that [`execute`](Self::execute) counts.
     #[inline(always)]
     fn fetch(&mut self) -> [u8; 4] {
         let Cpu { pc, cycle, .. } = self.cpu;
@@ -202,8 +204,8 @@ impl<B: Bus> Core<B> {
         self.cpu.bus
     }
 
-    /// Adds an index to an address. The processor first reads without the carry into the page: where a page is
-    /// crossed, and always ahead of a write.
+    /// Adds an index to an address. The processor first reads without the carry into the page:
+    /// where a page is crossed, and always ahead of a write.
     #[inline(always)]
     fn indexed(&mut self, base: u16, index: u8, access: Access) -> u16 {
         let at = base.wrapping_add(u16::from(index));
@@ -282,7 +284,8 @@ impl<B: Bus> Core<B> {
         }
     }
 
-    /// The number of rounds of a waiting loop, which has just branched to its start, that will read the same as the last one.
+    /// The number of rounds of a waiting loop, which has just branched to its start, that will read
+    /// the same as the last one.
     #[inline(always)]
     fn rounds_without_change(&self, start: u16) -> u32 {
         let Cpu {

@@ -11,8 +11,8 @@ use crate::action::Action;
 pub enum AtariAction {
     /// An index into the actions of the environment: the game's minimal set, or all 18.
     Index(usize),
-    /// With [`Config::continuous`](super::Config::continuous): radius and angle of the stick, and pressure of the
-    /// button.
+    /// With [`Config::continuous`](super::Config::continuous): radius and angle of the stick, and
+    /// pressure of the button.
     Stick([f32; 3]),
 }
 
@@ -49,8 +49,9 @@ impl Element for AtariAction {
     }
 }
 
-/// The action of a stick and a button. An axis whose coordinate exceeds `threshold` counts as pushed, and so does the button.
-/// ale-py computes the coordinates with numpy's `float32` functions.
+/// The action of a stick and a button. An axis whose coordinate exceeds `threshold` counts as
+/// pushed, and so does the button. ale-py computes the coordinates with numpy's `float32`
+/// functions.
 pub(super) fn from_stick([radius, angle, pressure]: [f32; 3], threshold: f32) -> Action {
     let (sin, cos) = math::numpy_sin_cos_f32(angle);
     let (x, y) = (radius * cos, radius * sin);
@@ -91,7 +92,8 @@ mod tests {
             (0x3f26_e297, 0x3f32_57c9, Action::Right),
         ] {
             let (radius, angle) = (f32::from_bits(radius), f32::from_bits(angle));
-            // the sine exceeds the threshold or not as well: only the horizontal direction is compared
+            // the sine exceeds the threshold or not as well: only the horizontal direction is
+            // compared
             let action = from_stick([radius, angle, 0.0], 0.5);
             let is_right = matches!(action, Action::Right | Action::UpRight);
             assert_eq!(

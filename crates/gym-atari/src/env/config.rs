@@ -18,7 +18,8 @@ gym_core::arguments! {
         pub difficulty: Option<u8>,
         /// The observation: `rgb`, `grayscale` or `ram`.
         pub obs_type: ObsType = ObsType::Rgb,
-        /// The number of frames for each action: a number, or a range `[low, high)` from which each step draws one.
+        /// The number of frames for each action: a number, or a range `[low, high)` from which each
+        /// step draws one.
         pub frameskip: Frameskip = Frameskip::Fixed(4),
         /// The probability with which a frame repeats the action of the frame before.
         pub repeat_action_probability: f64 = 0.25,

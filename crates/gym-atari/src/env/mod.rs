@@ -188,7 +188,8 @@ impl AtariEnv {
         Ok(self.outcome(reward))
     }
 
-    /// The game's action for the agent's action, at the start of a step that plays its frames itself.
+    /// The game's action for the agent's action, at the start of a step that plays its frames
+    /// itself.
     pub(crate) fn resolve_for_step(&mut self, action: &AtariAction) -> Result<Command> {
         let command = self.resolve(action)?;
         let Some(episode) = &mut self.episode else {
@@ -381,7 +382,8 @@ impl Configure for AtariEnv {
     }
 }
 
-/// Draws a picture as rectangles of one colour: as wide as there are equal pixels, as high as there are equal rows.
+/// Draws a picture as rectangles of one colour: as wide as there are equal pixels, as high as there
+/// are equal rows.
 fn draw(picture: &[Row], colors: &[[u8; 3]; 256], canvas: &mut dyn Canvas) {
     canvas.clear(Color::BLACK);
     let mut top = 0;

@@ -41,7 +41,8 @@ pub struct Game {
     pub first_reset: u8,
     /// The modes, by ale-py's numbers, and the RAM that marks each; the first is the default.
     pub modes: &'static [(u16, u8)],
-    /// The byte of RAM that shows the mode, by index: SELECT is pressed until it does. `None` where SELECT is never pressed.
+    /// The byte of RAM that shows the mode, by index: SELECT is pressed until it does. `None` where
+    /// SELECT is never pressed.
     pub mode_at: Option<usize>,
     /// A further condition on RAM, for a mode.
     pub mode_also: fn(&Ram<'_>, u16) -> bool,
@@ -53,7 +54,8 @@ pub struct Game {
     pub menu: Option<Menu>,
     /// The number of frames for which SELECT is held each time.
     pub select_frames: u8,
-    /// Whether each press lasts for up to 255 more frames, drawn at random, and a frame of play follows.
+    /// Whether each press lasts for up to 255 more frames, drawn at random, and a frame of play
+    /// follows.
     pub select_random: bool,
     /// The difficulties that there are.
     pub difficulties: &'static [u8],
@@ -61,7 +63,8 @@ pub struct Game {
     pub score: fn(&Ram<'_>) -> i32,
     /// The rule by which points become rewards.
     pub rewards: Rewards,
-    /// Whether RAM shows a frame's own reward; otherwise the reward of the frame before is repeated.
+    /// Whether RAM shows a frame's own reward; otherwise the reward of the frame before is
+    /// repeated.
     pub rewards_count: fn(&Ram<'_>) -> bool,
     /// The lives, from RAM.
     pub lives: fn(&Ram<'_>) -> i32,
@@ -115,7 +118,8 @@ pub struct Menu {
     pub line: usize,
     /// The byte that shows the options that are set.
     pub set: usize,
-    /// For each bit of the mode, from the lowest on: the line of its option, and the bit that shows it.
+    /// For each bit of the mode, from the lowest on: the line of its option, and the bit that shows
+    /// it.
     pub options: &'static [(u8, u8)],
 }
 
@@ -128,11 +132,11 @@ pub enum Rewards {
     Wrap(i32),
     /// A counter that falls gives 0.
     NeverNegative,
-    /// The score is [`GAME_WON`] for each game that is won, and points within the game. A frame that ends a game gives the
-    /// change in games, any other the change in points.
+    /// The score is [`GAME_WON`] for each game that is won, and points within the game. A frame
+    /// that ends a game gives the change in games, any other the change in points.
     Games,
-    /// The score is a number below [`GAME_WON`], to which a won game adds that. A frame that changes the number costs a point,
-    /// and one in which the game is won brings 100.
+    /// The score is a number below [`GAME_WON`], to which a won game adds that. A frame that
+    /// changes the number costs a point, and one in which the game is won brings 100.
     Changes,
 }
 
@@ -207,14 +211,16 @@ impl Ram<'_> {
             .fold(0, |number, &index| 100 * number + self.bcd(index))
     }
 
-    /// One decimal digit in the lower four bits of each byte, the most significant byte first; above 9 is a blank.
+    /// One decimal digit in the lower four bits of each byte, the most significant byte first;
+    /// above 9 is a blank.
     pub fn low_digits(&self, indices: &[usize]) -> i32 {
         indices
             .iter()
             .fold(0, |number, &index| 10 * number + digit(self.low(index)))
     }
 
-    /// One decimal digit in the lower four bits of each byte, the most significant byte first; 10 is a blank.
+    /// One decimal digit in the lower four bits of each byte, the most significant byte first; 10
+    /// is a blank.
     pub fn ten_digits(&self, indices: &[usize]) -> i32 {
         indices
             .iter()
@@ -243,7 +249,8 @@ impl Ram<'_> {
         self.0[range].iter().filter(|&&byte| byte == value).count() as i32
     }
 
-    /// One decimal digit in each byte, as the place of its picture, 8 bytes a digit; `blank` is a picture of nothing.
+    /// One decimal digit in each byte, as the place of its picture, 8 bytes a digit; `blank` is a
+    /// picture of nothing.
     pub fn pictures(&self, indices: &[usize], blank: u8) -> i32 {
         indices.iter().fold(0, |number, &index| {
             let digit = if self.0[index] == blank {

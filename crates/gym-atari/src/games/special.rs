@@ -30,7 +30,8 @@ impl Ram<'_> {
         }
     }
 
-    /// Casino: the game is over without points, except in mode 3, where it continues until there are some.
+    /// Casino: the game is over without points, except in mode 3, where it continues until there
+    /// are some.
     pub(super) fn casino_is_over(&self) -> bool {
         let (points, waits) = (
             self.at(0x0c) | self.at(0x15) != 0,
@@ -52,12 +53,14 @@ impl Ram<'_> {
         }
     }
 
-    /// Double Dunk: the game is over when the program waits for another, after a team has 24 points.
+    /// Double Dunk: the game is over when the program waits for another, after a team has 24
+    /// points.
     pub(super) fn double_dunk_is_over(&self) -> bool {
         self.bcd(0x76).max(self.bcd(0x77)) >= 24 && self.at(0x7e) == 0xe7
     }
 
-    /// Enduro counts the cars that are left to pass, 200 on the first day and 300 on each one after it.
+    /// Enduro counts the cars that are left to pass, 200 on the first day and 300 on each one after
+    /// it.
     pub(super) fn enduro(&self) -> i32 {
         let (day, left) = (self.at(0x2d), 100 * self.bcd(0x2c) + self.bcd(0x2b));
         match day {

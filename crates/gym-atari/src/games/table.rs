@@ -17,8 +17,8 @@ const CASINO_START: [Action; 62] = {
     start
 };
 
-/// A game for each entry, and its ids: name, title, and the frames of a step of its `Deterministic` ids, or `v5` where
-/// ale-py has no older ids of it.
+/// A game for each entry, and its ids: name, title, and the frames of a step of its `Deterministic`
+/// ids, or `v5` where ale-py has no older ids of it.
 macro_rules! games {
     ($($name:ident $title:literal $family:tt { $($field:ident: $value:expr,)* })*) => {
         /// Each game that comes out exactly as in ale-py.

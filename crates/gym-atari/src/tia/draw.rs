@@ -1,17 +1,19 @@
 //! From registers to lines, and from lines to the picture.
 //!
-//! A line is composed object by object: a change of an object changes its pixels from there on, and the rest of the
-//! line stays. So most lines are painted at once, at their end; only colours, `VBLANK` and reads of
-//! collisions need the pixels before them painted earlier.
+//! A line is composed object by object: a change of an object changes its pixels from there on, and
+//! the rest of the line stays. So most lines are painted at once, at their end; only colours,
+//! `VBLANK` and reads of collisions need the pixels before them painted earlier.
 //!
-//! A line starts as a copy of the one above it, and only those pixels are painted that may differ from it.
+//! A line starts as a copy of the one above it, and only those pixels are painted that may differ
+//! from it.
 
 use super::paint::{Colors, Objects};
 use super::pixels::{Pixels, window};
 use super::{BL, BLANK, CLOCKS_PER_LINE, M0, M1, OBJECTS, P0, P1, PF, Tia, objects};
 use crate::screen::{Screen, WIDTH};
 
-/// Pixels that may differ from those above them, on the line that is being drawn and on the one below it.
+/// Pixels that may differ from those above them, on the line that is being drawn and on the one
+/// below it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Differing {
     here: Pixels,
@@ -25,7 +27,8 @@ impl Differing {
         below: Pixels::ALL,
     };
 
-    /// Pixels look otherwise than before, from `x` on: on this line those to the right, and on the next those to the left.
+    /// Pixels look otherwise than before, from `x` on: on this line those to the right, and on the
+    /// next those to the left.
     #[inline(always)]
     fn add(&mut self, pixels: Pixels, x: usize) {
         let Self { here, below } = self;
@@ -40,7 +43,8 @@ impl Differing {
 }
 
 impl Tia {
-    /// Objects, one for each bit, are about to change at a clock of the beam's line, which may lie beyond its end.
+    /// Objects, one for each bit, are about to change at a clock of the beam's line, which may lie
+    /// beyond its end.
     pub(super) fn change(&mut self, objects: u8, clock: u32, screen: &mut Screen) {
         let x = self.reach(clock, screen) as u8;
         if x > 0 {
@@ -62,7 +66,8 @@ impl Tia {
         }
     }
 
-    /// The colours of some objects, one for each bit, are about to change at a clock of the beam's line.
+    /// The colours of some objects, one for each bit, are about to change at a clock of the beam's
+    /// line.
     #[inline(always)]
     pub(super) fn change_colors(&mut self, objects: u8, clock: u32, screen: &mut Screen) {
         let x = self.reach(clock, screen);
@@ -210,8 +215,8 @@ impl Tia {
         self.objects.paint(screen.row(row), pixels, &colors);
     }
 
-    /// Places what changed, and searches a part of the line for collisions. If the line is not drawn, only objects that may still
-    /// collide is placed.
+    /// Places what changed, and searches a part of the line for collisions. If the line is not
+    /// drawn, only objects that may still collide is placed.
     fn search(&mut self, from: usize, to: usize, unseen: bool) {
         let needed = if unseen {
             Objects::with_collisions(self.possible_collisions())
@@ -244,14 +249,16 @@ impl Tia {
         Objects::collisions_of(present) & !self.collisions
     }
 
-    /// Places all that changed. A stored state is the same for lines that were seen and lines that were not.
+    /// Places all that changed. A stored state is the same for lines that were seen and lines that
+    /// were not.
     pub(crate) fn place_all(&mut self) {
         for object in bits(self.stale) {
             self.place(object);
         }
     }
 
-    /// Whether there is anything but the playfield on the line, be it a player whose only copy is left out.
+    /// Whether there is anything but the playfield on the line, be it a player whose only copy is
+    /// left out.
     fn shows_others(&self) -> bool {
         let left_out = |i: usize| self.without_main[i] && self.graphics(i) != 0;
         !self.objects.only_playfield() || left_out(0) || left_out(1)
@@ -304,7 +311,8 @@ impl Tia {
         }
     }
 
-    /// It is a part of each arm that calls it: pixels that went through memory on their way would take twice as long.
+    /// It is a part of each arm that calls it: pixels that went through memory on their way would
+    /// take twice as long.
     #[inline(always)]
     fn put(&mut self, object: usize, pixels: Pixels) {
         let bit = 1 << object;

@@ -1,14 +1,14 @@
 //! The Television Interface Adaptor: draws the picture, line by line, while the program runs.
 //!
-//! Registers have the names and addresses of the Stella Programmer's Guide (1979). The timing of writes, and the effect of
-//! moving objects while they are drawn, were measured: see `NOTICE.md`.
+//! Registers have the names and addresses of the Stella Programmer's Guide (1979). The timing of
+//! writes, and the effect of moving objects while they are drawn, were measured: see `NOTICE.md`.
 //!
-//! Time is counted in the processor's cycles, of which a line has 76, or in colour clocks, three to a cycle. The first 68
-//! clocks of a line are blank; pixel `x` is clock `68 + x`. `c` is the number of cycles of the line that have passed
-//! at the end of an access.
+//! Time is counted in the processor's cycles, of which a line has 76, or in colour clocks, three to
+//! a cycle. The first 68 clocks of a line are blank; pixel `x` is clock `68 + x`. `c` is the number
+//! of cycles of the line that have passed at the end of an access.
 //!
-//! Drawing is delayed until a register changes: a write first paints the pixels before it with the old values, and a write
-//! of the value already there does nothing.
+//! Drawing is delayed until a register changes: a write first paints the pixels before it with the
+//! old values, and a write of the value already there does nothing.
 
 mod draw;
 mod objects;
@@ -40,7 +40,8 @@ pub struct Display {
     pub comb: bool,
     /// A write in this line of the frame ends the frame, even without `VSYNC`.
     pub last_line: u32,
-    /// Whether it is a PAL set's: it has other colours, and none after a frame with an odd number of lines.
+    /// Whether it is a PAL set's: it has other colours, and none after a frame with an odd number
+    /// of lines.
     pub pal: bool,
 }
 
@@ -134,7 +135,8 @@ pub(crate) struct Tia {
     collisions: u16,
     /// The pixel at which each object starts.
     x: [u8; 5],
-    /// Whether a player's first copy is left out: up to the end of a line of the picture, a write to `NUSIZx`, or an `HMOVE`.
+    /// Whether a player's first copy is left out: up to the end of a line of the picture, a write
+    /// to `NUSIZx`, or an `HMOVE`.
     without_main: [bool; 2],
     // the beam
     line: u32,
@@ -155,7 +157,8 @@ pub(crate) struct Tia {
     short: bool,
     // the objects on the line being drawn
     objects: Objects,
-    /// The objects, by bit, that changed since they were placed, and the pixel from which on they did.
+    /// The objects, by bit, that changed since they were placed, and the pixel from which on they
+    /// did.
     stale: u8,
     from: [u8; OBJECTS],
     /// The objects, by bit, that changed within the line.
@@ -239,7 +242,8 @@ impl Tia {
         self.display = display;
     }
 
-    /// Whether this can be the chip of a console at `cycle`: one that was stored may have been damaged.
+    /// Whether this can be the chip of a console at `cycle`: one that was stored may have been
+    /// damaged.
     pub(crate) fn is_valid(&self, cycle: u64) -> bool {
         // small enough for the arithmetic of times not to overflow
         const LONG: u64 = 1 << 60;
@@ -297,7 +301,8 @@ impl Tia {
         if pressed { 0 } else { 0x80 }
     }
 
-    /// Writes a register. Writes without effect are handled here, cheaply; all others in other functions.
+    /// Writes a register. Writes without effect are handled here, cheaply; all others in other
+    /// functions.
     #[inline(always)]
     pub(crate) fn write(
         &mut self,
@@ -337,8 +342,8 @@ impl Tia {
         }
     }
 
-    /// Writes a register, if the write shows nowhere and only the next line or none has begun since the last one; does nothing
-    /// and returns `None` otherwise.
+    /// Writes a register, if the write shows nowhere and only the next line or none has begun since
+    /// the last one; does nothing and returns `None` otherwise.
     #[inline(always)]
     pub(crate) fn write_unseen(&mut self, address: u16, value: u8, cycle: u64) -> Option<Ready> {
         let passed = (cycle - self.line_start) as u32;
@@ -358,8 +363,8 @@ impl Tia {
         Some(ready)
     }
 
-    /// Writes a register, if the write shows nowhere: it is of what is there already, or only shows once an `HMOVE` or the
-    /// processor's next cycle comes.
+    /// Writes a register, if the write shows nowhere: it is of what is there already, or only shows
+    /// once an `HMOVE` or the processor's next cycle comes.
     #[inline(always)]
     fn set(&mut self, address: u16, value: u8, c: u32) -> Option<Ready> {
         let unchanged = match address & 0x3f {
@@ -526,7 +531,8 @@ impl Tia {
         self.refp[i] = reflected;
     }
 
-    /// `RESMx` and `RESBL`: the object starts anew just behind the beam. A missile stays what it was for 8 more clocks.
+    /// `RESMx` and `RESBL`: the object starts anew just behind the beam. A missile stays what it
+    /// was for 8 more clocks.
     #[inline(never)]
     fn reset_missile_or_ball(&mut self, object: usize, c: u32, screen: &mut Screen) {
         let clock = 3 * c;
@@ -538,7 +544,8 @@ impl Tia {
         // objects wait for the end of the blank in the same place
         let beam = (clock as i32 - BLANK).max(-2);
         self.x[object] = match (object, self.moved.checked_sub(self.line_start), c) {
-            // an `HMOVE` at the start of the line still moves some objects: measured for all objects and times
+            // an `HMOVE` at the start of the line still moves some objects: measured for all
+            // objects and times
             (M1 | BL, Some(3), 6) => 3,
             (BL, Some(3), 9) => 5,
             (BL, Some(3), 10) => 6,
@@ -624,7 +631,8 @@ impl Tia {
         self.pf = pf;
     }
 
-    /// `GRPx`. A write to one player lets the vertical delay show the other's last, and `GRP1` the ball's.
+    /// `GRPx`. A write to one player lets the vertical delay show the other's last, and `GRP1` the
+    /// ball's.
     #[inline(never)]
     fn write_grp(&mut self, i: usize, value: u8, c: u32, screen: &mut Screen) {
         let other = 1 - i;
@@ -654,9 +662,10 @@ impl Tia {
         self.resmp[i] = locked;
     }
 
-    /// `RESPx`: the player starts anew just behind the beam. The rest of the line shows no first copy of it, unless an
-    /// old copy was about to start; one that is being drawn goes on for a while. A write that ends with its line leaves the
-    /// first copy of the next line out only where an old copy is being drawn.
+    /// `RESPx`: the player starts anew just behind the beam. The rest of the line shows no first
+    /// copy of it, unless an old copy was about to start; one that is being drawn goes on for a
+    /// while. A write that ends with its line leaves the first copy of the next line out only where
+    /// an old copy is being drawn.
     #[inline(never)]
     fn reset_player(&mut self, i: usize, c: u32, screen: &mut Screen) {
         let clock = 3 * c;
@@ -684,8 +693,8 @@ impl Tia {
         };
     }
 
-    /// `HMOVE`: each object moves by the pulses that its `HM` register leaves it, of which an `HMOVE` late in the line
-    /// gives fewer.
+    /// `HMOVE`: each object moves by the pulses that its `HM` register leaves it, of which an
+    /// `HMOVE` late in the line gives fewer.
     #[inline(never)]
     fn hmove(&mut self, c: u32, screen: &mut Screen) {
         let clock = 3 * c;

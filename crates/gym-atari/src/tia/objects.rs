@@ -2,8 +2,8 @@
 
 use super::pixels::Pixels;
 
-/// The offsets of the copies of a player or missile, by the lower three bits of `NUSIZx`; and the width of a player's
-/// pixel.
+/// The offsets of the copies of a player or missile, by the lower three bits of `NUSIZx`; and the
+/// width of a player's pixel.
 struct Copies {
     offsets: &'static [u8],
     scale: u8,

@@ -27,7 +27,8 @@ pub(super) struct Colors {
     pub(super) score: bool,
 }
 
-/// The two objects of each bit of the collision registers: bit 6 and bit 7 of each, in the order of their addresses.
+/// The two objects of each bit of the collision registers: bit 6 and bit 7 of each, in the order of
+/// their addresses.
 const PAIRS: [[usize; 2]; 16] = [
     [M0, P0], // CXM0P
     [M0, P1],
@@ -190,8 +191,8 @@ fn solid(color: u8) -> u64 {
     u64::from(color) * 0x0101_0101_0101_0101
 }
 
-/// Gives pixels the background's colour or, where a bit is set, the playfield's: one colour for the first two cells,
-/// another for those behind them.
+/// Gives pixels the background's colour or, where a bit is set, the playfield's: one colour for the
+/// first two cells, another for those behind them.
 #[inline(always)]
 fn paint_playfield(
     cells: &mut [Cell],

@@ -39,8 +39,8 @@ impl Pixels {
         Self([0, 1, 2].map(|word| self.0[word] & ahead[word] | others.0[word] & !ahead[word]))
     }
 
-    /// Sets a pattern of up to 32 pixels, its lowest bit at `x < 160`; what leaves the line on the right enters it
-    /// again on the left.
+    /// Sets a pattern of up to 32 pixels, its lowest bit at `x < 160`; what leaves the line on the
+    /// right enters it again on the left.
     #[inline(always)]
     pub(crate) fn stamp(&mut self, x: u8, pattern: u32) {
         let wide = u128::from(pattern) << (x & 63);

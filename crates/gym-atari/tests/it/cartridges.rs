@@ -1,5 +1,6 @@
-//! Programs of our own that switch banks, beside the RAM that ale-py 0.12.1 had after each. It chose the scheme by itself:
-//! by the size, by an empty start of each bank for RAM, by accesses to the windows' addresses for `E0`, and by a call of `$D000` for `FE`.
+//! Programs of our own that switch banks, beside the RAM that ale-py 0.12.1 had after each. It
+//! chose the scheme by itself: by the size, by an empty start of each bank for RAM, by accesses to
+//! the windows' addresses for `E0`, and by a call of `$D000` for `FE`.
 
 use gym_atari::Display;
 use gym_atari::cartridge::{Cartridge, Scheme};
@@ -7,8 +8,8 @@ use gym_atari::console::{Console, Input};
 
 use crate::lcg::Lcg;
 
-/// Selects banks at random, by every kind of access, and stores bytes of them from `$80` on. Banks of 4K hold the same program each;
-/// that of `E0` is in the last slice, which stays.
+/// Selects banks at random, by every kind of access, and stores bytes of them from `$80` on. Banks
+/// of 4K hold the same program each; that of `E0` is in the last slice, which stays.
 fn program(scheme: Scheme, seed: u32) -> Vec<u8> {
     let (hotspot, hotspots, banks) = match scheme {
         Scheme::F8 | Scheme::F8SC => (0xfff8, 2, 2),
@@ -87,7 +88,8 @@ fn program(scheme: Scheme, seed: u32) -> Vec<u8> {
     (0..banks).flat_map(bank).collect()
 }
 
-/// Calls subroutines in both banks of `FE`, each of which reads a byte of its bank, and stores the bytes from `$80` on.
+/// Calls subroutines in both banks of `FE`, each of which reads a byte of its bank, and stores the
+/// bytes from `$80` on.
 fn calls(seed: u32) -> Vec<u8> {
     let mut random = Lcg(seed);
     let mut code = vec![

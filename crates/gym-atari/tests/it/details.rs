@@ -34,7 +34,8 @@ fn an_indirect_jump_stays_within_its_page() {
     assert_eq!(played(&rom(&code)).ram().0[0x10], 1);
 }
 
-/// A read of any register of the TIA drives bits 7 and 6; the others are those of the last byte on the bus.
+/// A read of any register of the TIA drives bits 7 and 6; the others are those of the last byte on
+/// the bus.
 #[test]
 fn reads_of_the_tia_drive_two_bits() {
     let mut code = vec![
@@ -46,8 +47,8 @@ fn reads_of_the_tia_drive_two_bits() {
     assert_eq!(played(&rom(&code)).ram().0[0x10..0x13], [0x18, 0x8c, 0x2e]);
 }
 
-/// Both triggers as a program reads them, frame by frame, while the first is pressed in the second and the fifth frame: with
-/// `VBLANK` as given at the start, and as given before each look.
+/// Both triggers as a program reads them, frame by frame, while the first is pressed in the second
+/// and the fifth frame: with `VBLANK` as given at the start, and as given before each look.
 fn triggers(start: u8, before: &[u8]) -> [[bool; 6]; 2] {
     let mut code = vec![0x78, 0xd8, 0xa2, 0xff, 0x9a];
     code.extend([0xa9, 0x00, 0xa2, 0x7f, 0x95, 0x80, 0xca, 0x10, 0xfb]); // clears RAM, so that the game is not over
@@ -65,8 +66,8 @@ fn triggers(start: u8, before: &[u8]) -> [[bool; 6]; 2] {
     [0, 1].map(|trigger| seen.map(|pressed| pressed[trigger]))
 }
 
-/// While bit 6 of `VBLANK` is set, a trigger that was seen pressed stays so; clearing the bit forgets it (Stella Programmer's
-/// Guide, INPT4 and INPT5).
+/// While bit 6 of `VBLANK` is set, a trigger that was seen pressed stays so; clearing the bit
+/// forgets it (Stella Programmer's Guide, INPT4 and INPT5).
 #[test]
 fn a_latch_holds_a_trigger_until_it_is_cleared() {
     let (pressed, held, idle) = (
@@ -88,7 +89,8 @@ fn a_latch_holds_a_trigger_until_it_is_cleared() {
     assert_eq!(triggers(0x40, &[0x00, 0x40]), [pressed, idle]);
 }
 
-/// The bytes that some instructions leave at `$90` and `$91`, in the frame after they were executed.
+/// The bytes that some instructions leave at `$90` and `$91`, in the frame after they were
+/// executed.
 fn left(code: &[u8]) -> [u8; 2] {
     let mut code = code.to_vec();
     code.extend(frame(0xf000));
@@ -96,7 +98,8 @@ fn left(code: &[u8]) -> [u8; 2] {
     [ale.ram().0[0x10], ale.ram().0[0x11]]
 }
 
-/// Bit 1 of its address counts for nothing where the timer is read; a pin that is an output shows what was written.
+/// Bit 1 of its address counts for nothing where the timer is read; a pin that is an output shows
+/// what was written.
 #[test]
 fn registers_of_the_riot_are_where_they_are_said_to_be() {
     let timer = [
@@ -166,8 +169,8 @@ fn collisions_come_back_after_they_were_cleared() {
     }
 }
 
-/// Bit 7 of `VBLANK` discharges the paddles' capacitors; from when it is cleared on they charge, the slower the farther a paddle
-/// is turned to the left.
+/// Bit 7 of `VBLANK` discharges the paddles' capacitors; from when it is cleared on they charge,
+/// the slower the farther a paddle is turned to the left.
 #[test]
 fn paddles_charge_from_when_they_are_let_go() {
     let mut code = vec![

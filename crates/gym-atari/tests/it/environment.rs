@@ -24,7 +24,8 @@ fn homebrew() -> Rom {
     program(&code)
 }
 
-/// Shows a counter of frames as a colour; some frames of eight end early, and leave the rest of their pictures as they were.
+/// Shows a counter of frames as a colour; some frames of eight end early, and leave the rest of
+/// their pictures as they were.
 fn stutter(short: u8) -> Rom {
     let code = [
         0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0x95, 0x00, 0xca, 0xd0, 0xfb, // clears all
@@ -502,7 +503,8 @@ fn roms_that_are_not_regular_files_are_refused() {
     std::fs::remove_dir_all(&folder).unwrap();
 }
 
-/// Pictures are large; a thread whose stack is a quarter of the usual one has room for an environment.
+/// Pictures are large; a thread whose stack is a quarter of the usual one has room for an
+/// environment.
 #[test]
 fn an_environment_fits_on_a_small_stack() {
     let play = || {

@@ -1,4 +1,5 @@
-//! The state that an episode takes over from the one before, and the effects of a step: on programs of our own.
+//! The state that an episode takes over from the one before, and the effects of a step: on programs
+//! of our own.
 
 use gym_atari::ale::Settings;
 use gym_atari::{
@@ -10,8 +11,8 @@ use serde_json::Value as Json;
 
 use crate::rom::rom;
 
-/// Clears RAM, but for the lives of Breakout, and then in each frame: counts it at `$80`, and stores the stick at `$81` and the
-/// switches at `$82`. Each frame is of another colour.
+/// Clears RAM, but for the lives of Breakout, and then in each frame: counts it at `$80`, and
+/// stores the stick at `$81` and the switches at `$82`. Each frame is of another colour.
 fn looks(game: &str) -> Rom {
     let lives = if game == "breakout" { 5 } else { 0 };
     let code = rom(&[
@@ -261,7 +262,8 @@ fn a_difficulty_sets_the_switches() {
     }
 }
 
-/// Two frames are taken as one step, whichever are drawn: the lives, the rewards and the end are those of frames played one by one.
+/// Two frames are taken as one step, whichever are drawn: the lives, the rewards and the end are
+/// those of frames played one by one.
 #[test]
 fn lives_end_a_preprocessed_step_where_they_are_lost() {
     let settings = Preprocessing {
@@ -321,7 +323,8 @@ fn a_preprocessed_episode_depends_on_nothing_before() {
     }
 }
 
-/// Each number of no-ops up to the largest occurs. Where the game is over among them, the episode is begun again with the seed.
+/// Each number of no-ops up to the largest occurs. Where the game is over among them, the episode
+/// is begun again with the seed.
 #[test]
 fn an_episode_starts_after_some_no_ops() {
     let settings = |noop_max| Preprocessing {
@@ -394,7 +397,8 @@ fn a_snapshot_of_other_preprocessing_is_refused() {
     }
 }
 
-/// `restoreState` of ale-py leaves the action that may stick, and the numbers unless they are asked for.
+/// `restoreState` of ale-py leaves the action that may stick, and the numbers unless they are asked
+/// for.
 #[test]
 fn a_state_is_restored_as_by_ale_py() {
     let mut ale = Ale::new(

@@ -9,7 +9,8 @@ fn ram(bytes: &[(usize, u8)]) -> [u8; 128] {
     ram
 }
 
-/// Krull is over in one phase of its end alone: with the last life lost before, and with lives left in it, play goes on.
+/// Krull is over in one phase of its end alone: with the last life lost before, and with lives left
+/// in it, play goes on.
 #[test]
 fn krull_ends_where_ale_pys_does() {
     let krull = games::by_name("krull").unwrap();

@@ -1,11 +1,13 @@
-//! Every opcode in a program of its own, and the RAM that ale-py 0.12.1 has after it: results, flags and cycles.
+//! Every opcode in a program of its own, and the RAM that ale-py 0.12.1 has after it: results,
+//! flags and cycles.
 
 use gym_atari::{Ale, games};
 
 use crate::lcg::Lcg;
 
-/// The modes by opcode: `i` none, `#` immediate, `z` zero page, with `x` and `y` added, `a` absolute, with `X` and `Y` added,
-/// `(` and `)` indirect, before and behind the index, `*` indirect, `r` relative; `P`, `Q` and `R` are `X`, `Y` and `)` that write.
+/// The modes by opcode: `i` none, `#` immediate, `z` zero page, with `x` and `y` added, `a`
+/// absolute, with `X` and `Y` added, `(` and `)` indirect, before and behind the index, `*`
+/// indirect, `r` relative; `P`, `Q` and `R` are `X`, `Y` and `)` that write.
 const MODES: &[u8; 256] = b"\
     i(i(zzzzi#i#aaaar)iRxxxxiYiQXXPP\
     a(i(zzzzi#i#aaaar)iRxxxxiYiQXXPP\
@@ -37,7 +39,8 @@ const JMP_INDIRECT: u8 = 0x6c;
 /// `TXS`, `TAS` and `LAS` set the stack pointer, which has to stay in RAM.
 const STACK_POINTER: [u8; 3] = [0x9a, 0x9b, 0xbb];
 
-/// Executes an opcode in all cases, with what it leaves from `$C0` on: A, X, Y, status, stack pointer, memory and timer.
+/// Executes an opcode in all cases, with what it leaves from `$C0` on: A, X, Y, status, stack
+/// pointer, memory and timer.
 fn program(opcode: u8) -> Vec<u8> {
     let mode = MODES[usize::from(opcode)];
     let mut code = vec![
@@ -175,7 +178,8 @@ fn decimal_program(opcode: u8, seed: u32) -> Vec<u8> {
     frames_of_255_lines(code, 0)
 }
 
-/// The chip's own rules differ: numbers with digits above 9 have other results, and the flags come from elsewhere.
+/// The chip's own rules differ: numbers with digits above 9 have other results, and the flags come
+/// from elsewhere.
 #[test]
 fn decimal_arithmetic_is_ale_pys() {
     for (opcode, expected) in [(0x69, DECIMAL_SUMS), (0xe9, DECIMAL_DIFFERENCES)] {

@@ -35,7 +35,8 @@ fn a_playfield_and_a_counter() {
     assert_eq!(ale.ram().0[0], 68);
 }
 
-/// RAM keeps its bytes while the power is off; only loading the ROM restores those of its first start.
+/// RAM keeps its bytes while the power is off; only loading the ROM restores those of its first
+/// start.
 #[test]
 fn memory_outlasts_a_reset() {
     let code = [
@@ -56,8 +57,9 @@ fn memory_outlasts_a_reset() {
     assert_eq!(starts(&ale), 188);
 }
 
-/// The console's switches as a program finds them, frame by frame, from the 57th frame on: four idle ones, then RESET, SELECT
-/// until a byte of RAM shows the mode, and RESET again. The program raises that byte each time that SELECT goes down.
+/// The console's switches as a program finds them, frame by frame, from the 57th frame on: four
+/// idle ones, then RESET, SELECT until a byte of RAM shows the mode, and RESET again. The program
+/// raises that byte each time that SELECT goes down.
 #[test]
 fn switches_are_pressed_as_by_ale_py() {
     let program = |shows: u8| {
@@ -114,8 +116,8 @@ fn switches_are_pressed_as_by_ale_py() {
     }
 }
 
-/// Double Dunk's modes are chosen in a menu, by actions that may stick. The program has a line in `$b0`, which DOWN raises, and
-/// options in `$80`, which RIGHT turns on and off.
+/// Double Dunk's modes are chosen in a menu, by actions that may stick. The program has a line in
+/// `$b0`, which DOWN raises, and options in `$80`, which RIGHT turns on and off.
 #[test]
 fn a_menu_is_gone_through_as_by_ale_py() {
     let mut code = vec![
@@ -180,8 +182,8 @@ fn a_menu_is_gone_through_as_by_ale_py() {
     }
 }
 
-/// Adventure holds SELECT for a time that is drawn at random, and plays a frame after each press. The program counts frames in
-/// `$ff` and presses of SELECT in `$dd`.
+/// Adventure holds SELECT for a time that is drawn at random, and plays a frame after each press.
+/// The program counts frames in `$ff` and presses of SELECT in `$dd`.
 #[test]
 fn select_is_held_at_random_as_by_ale_py() {
     let program = rom(&[
@@ -213,8 +215,8 @@ fn select_is_held_at_random_as_by_ale_py() {
     }
 }
 
-/// Skiing has no button: an action with FIRE does nothing, not even in its direction. The program stores the stick in
-/// `$90` and the button in `$91`.
+/// Skiing has no button: an action with FIRE does nothing, not even in its direction. The program
+/// stores the stick in `$90` and the button in `$91`.
 #[test]
 fn illegal_actions_do_nothing() {
     let program = rom(&[
@@ -233,9 +235,10 @@ fn illegal_actions_do_nothing() {
     }
 }
 
-/// ale-py's `restoreState` leaves alone whether a frame is unfinished. The program counts in `$91`, between two `WSYNC` and the
-/// end of `VSYNC`, and then waits for 30,000 instructions: of three calls the first does not end its frame, the second ends it
-/// at its first store, and only the third counts.
+/// ale-py's `restoreState` leaves alone whether a frame is unfinished. The program counts in `$91`,
+/// between two `WSYNC` and the end of `VSYNC`, and then waits for 30,000 instructions: of three
+/// calls the first does not end its frame, the second ends it at its first store, and only the
+/// third counts.
 #[test]
 fn an_unfinished_frame_goes_on_after_a_restore() {
     let program = rom(&[
@@ -272,7 +275,8 @@ fn an_unfinished_frame_goes_on_after_a_restore() {
     }
 }
 
-/// Reward, lives and end of a frame after each of some changes of RAM, by a program that leaves it alone after its start.
+/// Reward, lives and end of a frame after each of some changes of RAM, by a program that leaves it
+/// alone after its start.
 fn answers(game: &str, changes: &[&[(usize, u8)]]) -> Vec<(i32, i32, bool)> {
     let program = rom(&[
         0xa9, 0x10, 0xa2, 0x7f, 0x95, 0x80, 0xca, 0x10, 0xfb, // fills RAM with 16
@@ -385,8 +389,8 @@ fn an_end_that_takes_time_is_ale_pys() {
     assert_eq!(frames(&[(1, 120)]), None);
 }
 
-/// As ale-py plays a program of frames with more than 290 lines: with a PAL set's picture, which has no colours after a frame
-/// with an odd number of lines.
+/// As ale-py plays a program of frames with more than 290 lines: with a PAL set's picture, which
+/// has no colours after a frame with an odd number of lines.
 #[test]
 fn long_frames_are_shown_as_by_a_pal_set() {
     let played = |code: &[u8]| {
@@ -476,12 +480,14 @@ fn writes_show_when_they_do_in_ale_py() {
     let nusiz: &[u8] = &[2, 6, 7, 27, 28, 29, 30, 4, 5];
     // playfield, colours, reflection, priority and score
     let playfield: &[u8] = &[2, 6, 7, 8, 9, 10, 13, 14, 15];
-    // positions, at all times of a line: of missiles and the ball, and of missiles locked to players
+    // positions, at all times of a line: of missiles and the ball, and of missiles locked to
+    // players
     let positions: &[u8] = &[
         2, 6, 7, 8, 18, 19, 20, 27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 43,
     ];
     let locked: &[u8] = &[2, 6, 7, 27, 28, 29, 30, 40, 41, 4, 5];
-    // positions of players, at all times of a line, the last and the first cycle and the blank before the picture included
+    // positions of players, at all times of a line, the last and the first cycle and the blank
+    // before the picture included
     let players: &[u8] = &[2, 6, 7, 16, 17, 27, 28];
     let resized: &[u8] = &[2, 6, 7, 16, 17, 27, 28, 4, 5];
     let moved: &[u8] = &[2, 2, 6, 7, 16, 17, 27, 28, 32, 33, 42];
@@ -630,7 +636,8 @@ fn delay(cycles: usize) -> Vec<u8> {
     [bit, &vec![0xea; (cycles - 3 * (cycles % 2)) / 2]].concat()
 }
 
-/// Objects that start anew while an `HMOVE` of the same line goes on, in the six cases where that moves them.
+/// Objects that start anew while an `HMOVE` of the same line goes on, in the six cases where that
+/// moves them.
 #[test]
 fn a_move_still_moves_what_starts_anew() {
     let mut code = vec![
@@ -676,7 +683,8 @@ fn a_move_still_moves_what_starts_anew() {
     assert_eq!(checksum(&ale), 0xe63a_2174);
 }
 
-/// The 70th frame is so long that a write to `WSYNC` ends it, which waits all the same: the next one starts with the next line.
+/// The 70th frame is so long that a write to `WSYNC` ends it, which waits all the same: the next
+/// one starts with the next line.
 #[test]
 fn wsync_waits_where_it_ends_a_frame() {
     let mut code = vec![

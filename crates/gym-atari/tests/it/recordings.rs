@@ -1,4 +1,5 @@
-//! Recordings of ale-py 0.12.1, where there are ROMs and recordings: `GYM_REFERENCE` names a folder of them.
+//! Recordings of ale-py 0.12.1, where there are ROMs and recordings: `GYM_REFERENCE` names a folder
+//! of them.
 
 use gym_atari::cartridge::Cartridge;
 use gym_atari::check::Sums;

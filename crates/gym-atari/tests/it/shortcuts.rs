@@ -17,8 +17,8 @@ fn one_of<T: Copy>(random: &mut Lcg, choices: &[T]) -> T {
     choices[random.below(choices.len())]
 }
 
-/// Loops that count, and loops that wait for the timer, which is set to all intervals; now and then a jump into the middle of one,
-/// and a number left in RAM.
+/// Loops that count, and loops that wait for the timer, which is set to all intervals; now and then
+/// a jump into the middle of one, and a number left in RAM.
 fn loops(seed: u32) -> Vec<u8> {
     let mut random = Lcg(seed);
     let mut code = vec![];
@@ -85,8 +85,8 @@ fn state(console: &Console) -> serde_json::Value {
     state
 }
 
-/// No loop is skipped in a cartridge of Activision's scheme, as each access may select a bank. A call returns after 25,000
-/// instructions, which is in the middle of a loop more often than not.
+/// No loop is skipped in a cartridge of Activision's scheme, as each access may select a bank. A
+/// call returns after 25,000 instructions, which is in the middle of a loop more often than not.
 #[test]
 fn skipped_loops_leave_what_they_would() {
     for seed in 0..150 {

@@ -284,7 +284,8 @@ impl Car {
             if let Some(mark) = self.marks.last_mut() {
                 (mark.on_grass, mark.number) = (on_grass, number);
                 mark.points.clear();
-                // (Gymnasium intends to begin at the wheel's old place, but its variable has already changed)
+                // (Gymnasium intends to begin at the wheel's old place, but its variable has
+                // already changed)
                 mark.points.extend([position, position]);
             }
         } else {

@@ -8,8 +8,8 @@ use gym_core::{BoxEnv, Element, Env, EnvExt, Space};
 
 use super::CarRacing;
 
-/// Steers towards the sixth track point ahead, at a moderate speed. It reads the track, not the image, and has no rules
-/// for the five discrete actions.
+/// Steers towards the sixth track point ahead, at a moderate speed. It reads the track, not the
+/// image, and has no rules for the five discrete actions.
 pub(super) fn follow_the_track(env: &BoxEnv) -> Option<Controller> {
     if let Space::Discrete(_) = env.action_space() {
         return None;

@@ -12,8 +12,8 @@
 //! Versions: v3 terminates the episode when the lap is complete, with an entry of info; v2, which
 //! Gymnasium no longer has, truncates it and has no info.
 //!
-//! Differences from Gymnasium: the score has our own digits; all other pixels are equal. The render mode
-//! `state_pixels` is missing: the observation is that image.
+//! Differences from Gymnasium: the score has our own digits; all other pixels are equal. The render
+//! mode `state_pixels` is missing: the observation is that image.
 //!
 //! The constants and the order of operations are those of Gymnasium 1.4.0,
 //! `envs/box2d/car_racing.py` and `car_dynamics.py`.
@@ -257,10 +257,12 @@ impl CarRacing {
         &self.config
     }
 
-    /// Sets one argument to a value in JSON, as setting Gymnasium's attribute does: from the next reset on.
+    /// Sets one argument to a value in JSON, as setting Gymnasium's attribute does: from the next
+    /// reset on.
     ///
     /// # Errors
-    /// As [`new`](Self::new), and [`Error::InvalidArgument`] for `continuous` and `physics`, which cannot be changed.
+    /// As [`new`](Self::new), and [`Error::InvalidArgument`] for `continuous` and `physics`, which
+    /// cannot be changed.
     pub fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
         let config = common::assigned(&self.config, name, value, "CarRacing")?;
         Self::check(&config)?;
@@ -278,8 +280,8 @@ impl CarRacing {
         self.episode.as_ref().map(|episode| &*episode.track)
     }
 
-    /// Writes the score with these digits from the next frame on, as Gymnasium does, instead of our own.
-    /// Snapshots and specs do not contain them.
+    /// Writes the score with these digits from the next frame on, as Gymnasium does, instead of our
+    /// own. Snapshots and specs do not contain them.
     pub fn set_score_glyphs(&mut self, glyphs: ScoreGlyphs) {
         self.glyphs = Some(Arc::new(glyphs));
     }

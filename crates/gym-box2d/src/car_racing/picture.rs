@@ -1,7 +1,7 @@
 //! The driver's view: the field from above, turned with the car, and a dashboard.
 //!
-//! All is drawn in the coordinates of Gymnasium's window of 1000x800 pixels, which pygame shrinks to the
-//! observation and to the frame.
+//! All is drawn in the coordinates of Gymnasium's window of 1000x800 pixels, which pygame shrinks
+//! to the observation and to the frame.
 
 use std::f64::consts::SQRT_2;
 

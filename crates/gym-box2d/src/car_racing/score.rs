@@ -1,5 +1,5 @@
-//! The score on the dashboard. Gymnasium writes it with a font; the digits here are our own, unless images
-//! of that font's digits are loaded.
+//! The score on the dashboard. Gymnasium writes it with a font; the digits here are our own, unless
+//! images of that font's digits are loaded.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -25,8 +25,8 @@ const MINUS: u8 = 0b000_1000;
 
 /// Images of Gymnasium's digits: with them, all pixels of CarRacing's frames equal Gymnasium's.
 ///
-/// They come from a font under another licence, so this crate does not include them. With pygame-ce, this
-/// Python program writes them to a file:
+/// They come from a font under another licence, so this crate does not include them. With
+/// pygame-ce, this Python program writes them to a file:
 ///
 /// ```python
 /// import json, pygame
@@ -55,7 +55,8 @@ impl ScoreGlyphs {
     /// Reads the file that the program above writes.
     ///
     /// # Errors
-    /// [`Error::Io`] if it cannot be read, [`Error::InvalidArgument`] if it does not contain the images.
+    /// [`Error::Io`] if it cannot be read, [`Error::InvalidArgument`] if it does not contain the
+    /// images.
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let text = std::fs::read_to_string(path).map_err(|error| Error::io(path, error))?;

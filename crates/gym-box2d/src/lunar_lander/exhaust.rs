@@ -1,7 +1,8 @@
 //! The particles of the engines' exhaust: bodies that only pictures show.
 //!
-//! In Gymnasium they are part of the lander's world while a render mode is set. They touch the ground alone and
-//! never change the lander, so they have a world of their own here, with the same ground.
+//! In Gymnasium they are part of the lander's world while a render mode is set. They touch the
+//! ground alone and never change the lander, so they have a world of their own here, with the same
+//! ground.
 
 use serde::{Deserialize, Serialize};
 

@@ -17,8 +17,9 @@
 //! assert!((world.position(ball).y - 0.5).abs() < 0.02);
 //! ```
 //!
-//! Lengths are in metres, masses in kilograms, angles in radians, counterclockwise. Numbers given to
-//! a world must be finite, and an id belongs to the world that gave it, until its body is destroyed.
+//! Lengths are in metres, masses in kilograms, angles in radians, counterclockwise. Numbers given
+//! to a world must be finite, and an id belongs to the world that gave it, until its body is
+//! destroyed.
 
 mod box2d;
 mod def;

@@ -1,9 +1,9 @@
 //! The second engine: rapier2d instead of Box2D's solver.
 //!
-//! This crate manages bodies, fixtures, joints, ray casts, begin and end of contacts, islands and sleep as its exact
-//! engine does. rapier finds the points of contact and solves the velocities: forces of contacts,
-//! joints, motors and limits. The bodies then move along these velocities by Box2D's rules. Where
-//! rapier's rules differ from Box2D's, this module adapts them:
+//! This crate manages bodies, fixtures, joints, ray casts, begin and end of contacts, islands and
+//! sleep as its exact engine does. rapier finds the points of contact and solves the velocities:
+//! forces of contacts, joints, motors and limits. The bodies then move along these velocities by
+//! Box2D's rules. Where rapier's rules differ from Box2D's, this module adapts them:
 //!
 //! | Box2D | rapier2d | here |
 //! |---|---|---|
@@ -16,17 +16,19 @@
 //! | time of impact | motion clamped at fixed colliders | Box2D's |
 //! | sleep by velocity, 0.5 s | by drift | Box2D's rule |
 //!
-//! From the same state a step in the air or on one foot gives Box2D's velocities to about 1e-4 m/s. In
-//! landings Box2D's own sweeps have not converged, so the order of constraints matters. Trajectories therefore diverge
-//! within some seconds, as on Box2D itself if gravity is changed by a ten-thousandth. Two differences remain:
-//! a collision's restitution has no threshold of 1 m/s, and a step allocates, because rapier's does. The scene handles
-//! sensors; rapier does not see them.
+//! From the same state a step in the air or on one foot gives Box2D's velocities to about 1e-4 m/s.
+//! In landings Box2D's own sweeps have not converged, so the order of constraints matters.
+//! Trajectories therefore diverge within some seconds, as on Box2D itself if gravity is changed by
+//! a ten-thousandth. Two differences remain: a collision's restitution has no threshold of 1 m/s,
+//! and a step allocates, because rapier's does. The scene handles sensors; rapier does not see
+//! them.
 //!
-//! Under Gymnasium's controllers the Kolmogorov-Smirnov distances of returns and lengths are below the 95 %
-//! critical value: over 400 seeds of BipedalWalker 0.06 and 0.06 (critical 0.10), with 28 walks to the end
-//! on either engine; the result is similar on hardcore ground and for LunarLander. Over 600 seeds 96 % of landings end
-//! as they do on Box2D, with two throttles 100 %, and in wind 92 % over 800 seeds: with gravity
-//! -10.001 for -10, Box2D itself repeats 96 % and 92 % of its own.
+//! Under Gymnasium's controllers the Kolmogorov-Smirnov distances of returns and lengths are below
+//! the 95 % critical value: over 400 seeds of BipedalWalker 0.06 and 0.06 (critical 0.10), with 28
+//! walks to the end on either engine; the result is similar on hardcore ground and for LunarLander.
+//! Over 600 seeds 96 % of landings end as they do on Box2D, with two throttles 100 %, and in wind
+//! 92 % over 800 seeds: with gravity -10.001 for -10, Box2D itself repeats 96 % and 92 % of its
+//! own.
 
 use std::fmt;
 
@@ -149,7 +151,8 @@ fn parameters(dt: f32, sweeps: usize) -> IntegrationParameters {
     }
 }
 
-/// Full stiffness, without any pull towards where something belongs: positions are not rapier's concern.
+/// Full stiffness, without any pull towards where something belongs: positions are not rapier's
+/// concern.
 fn rigid() -> SpringCoefficients<f32> {
     SpringCoefficients::new(8.0, 1e6)
 }
@@ -347,8 +350,8 @@ impl Rapier {
         }
     }
 
-    /// As many sweeps as Box2D; fewer if nothing touches and every joint rests at a limit, where the last
-    /// impulses are right already.
+    /// As many sweeps as Box2D; fewer if nothing touches and every joint rests at a limit, where
+    /// the last impulses are right already.
     fn sweeps(&self, step: &TimeStep) -> usize {
         let mut joints = self
             .work
@@ -556,8 +559,8 @@ fn place<T: Copy>(list: &mut Vec<T>, slot: u32, value: T) {
     }
 }
 
-/// A shape with Box2D's skin, which is part of it: rapier's own skins lie on one side of a contact, and
-/// a wheel on a leg would roll on a shorter one.
+/// A shape with Box2D's skin, which is part of it: rapier's own skins lie on one side of a contact,
+/// and a wheel on a leg would roll on a shorter one.
 fn collider(shape: &Geometry) -> Option<ColliderBuilder> {
     let vertices = shape.vertices();
     match shape.kind {
@@ -575,9 +578,9 @@ fn collider(shape: &Geometry) -> Option<ColliderBuilder> {
     }
 }
 
-/// The impulse on the second body at the hinge, from those of rapier's two rows along the first body's
-/// axes. rapier makes the second row independent of the first (modified Gram-Schmidt), so that it also
-/// acts along the other's axis.
+/// The impulse on the second body at the hinge, from those of rapier's two rows along the first
+/// body's axes. rapier makes the second row independent of the first (modified Gram-Schmidt), so
+/// that it also acts along the other's axis.
 fn hinge_impulse(joint: &Joint, a: &Body, b: &Body, rows: [f32; 2]) -> Vec2 {
     let (q_a, q_b) = (rotation(a.sweep.a0), rotation(b.sweep.a0));
     let r_a = rotate(q_a, joint.local_anchor_a - a.sweep.local_center);

@@ -138,9 +138,9 @@ impl World {
         FixtureId(engine!(&mut self.engine, world => world.create_fixture(body.0, def)))
     }
 
-    /// Adds terrain: an edge from each point to the next, each of them a static body of its own, and its fixture,
-    /// of Box2D's default filter. An edge takes little memory: it has an id only while something is near it, and
-    /// rays do not report it. A world has at most one terrain.
+    /// Adds terrain: an edge from each point to the next, each of them a static body of its own,
+    /// and its fixture, of Box2D's default filter. An edge takes little memory: it has an id only
+    /// while something is near it, and rays do not report it. A world has at most one terrain.
     pub fn create_terrain(&mut self, points: &[Vec2], friction: f32) {
         match &mut self.engine {
             Engine::Box2d(world) => world.create_terrain(points, friction),
@@ -182,7 +182,8 @@ impl World {
         }
     }
 
-    /// Begins a step that is solved with those of other worlds, and must be [finished](Self::finish).
+    /// Begins a step that is solved with those of other worlds, and must be
+    /// [finished](Self::finish).
     pub(crate) fn begin(
         &mut self,
         lanes: &mut Lanes,
@@ -203,7 +204,8 @@ impl World {
         }
     }
 
-    /// Has the memory fetched that a step needs: see [`Lockstep::touch`](gym_core::vector::lockstep::Lockstep::touch).
+    /// Has the memory fetched that a step needs: see
+    /// [`Lockstep::touch`](gym_core::vector::lockstep::Lockstep::touch).
     pub(crate) fn touch(&self) -> u32 {
         match &self.engine {
             Engine::Box2d(world) => world.touch(),

@@ -57,8 +57,8 @@ impl EnvBuilder {
         }
     }
 
-    /// Sets a constructor argument. As in Gymnasium, `render_mode`, `max_episode_steps` (-1 for no limit) and
-    /// `disable_env_checker` count as arguments.
+    /// Sets a constructor argument. As in Gymnasium, `render_mode`, `max_episode_steps` (-1 for no
+    /// limit) and `disable_env_checker` count as arguments.
     #[must_use]
     pub fn arg(self, name: &str, value: impl Into<Json>) -> Self {
         self.args([(name.to_owned(), value.into())].into_iter().collect())

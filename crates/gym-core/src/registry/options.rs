@@ -3,7 +3,8 @@
 use super::id::nearest;
 use crate::{Error, Kwargs, Result};
 
-/// The reset options of an environment, each with an example as JSON; empty if the registration names none.
+/// The reset options of an environment, each with an example as JSON; empty if the registration
+/// names none.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ResetOptions(pub &'static [(&'static str, &'static str)]);
 

@@ -24,8 +24,8 @@ pub trait Configure: Env {
     /// The constructor's arguments, a struct of [`arguments!`](crate::arguments!).
     type Config: Arguments;
 
-    /// The environment with these arguments, for an id of this version. Most environments have one version and ignore
-    /// it; an id without a version counts as the newest.
+    /// The environment with these arguments, for an id of this version. Most environments have one
+    /// version and ignore it; an id without a version counts as the newest.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for an argument out of range.
@@ -37,25 +37,28 @@ pub trait Configure: Env {
         Self::Config::default()
     }
 
-    /// The environment in a render mode, if it implements [`render_into`](Env::render_into): `make` then adds no
-    /// [`Render`](crate::wrappers::Render). The default, `None`, is for environments that implement `draw`.
+    /// The environment in a render mode, if it implements [`render_into`](Env::render_into): `make`
+    /// then adds no [`Render`](crate::wrappers::Render). The default, `None`, is for environments
+    /// that implement `draw`.
     ///
     /// # Errors
-    /// The errors of [`configure`](Self::configure), and [`Error::UnsupportedMode`](crate::Error::UnsupportedMode).
+    /// The errors of [`configure`](Self::configure), and
+    /// [`Error::UnsupportedMode`](crate::Error::UnsupportedMode).
     fn configure_to_render(config: Self::Config, mode: RenderMode) -> Result<Option<Self>> {
         let _ = (config, mode);
         Ok(None)
     }
 
-    /// The arguments with every random choice filled in, such as a map that the constructor drew, so that the spec
-    /// rebuilds this environment. `None` if nothing is random.
+    /// The arguments with every random choice filled in, such as a map that the constructor drew,
+    /// so that the spec rebuilds this environment. `None` if nothing is random.
     fn config(&self) -> Option<&Self::Config> {
         None
     }
 }
 
 crate::arguments! {
-    /// The [`Configure::Config`] or [`Task::Config`](crate::Task::Config) of an environment that takes no arguments.
+    /// The [`Configure::Config`] or [`Task::Config`](crate::Task::Config) of an environment that
+    /// takes no arguments.
     #[derive(Copy, Eq)]
     pub struct NoArguments {}
 }
@@ -74,8 +77,8 @@ impl<D: Dynamics> Configure for Stateful<D> {
 
 /// Makes a native vector from its spec.
 ///
-/// It returns an error for anything that it does not support, such as a render mode or wrappers in the spec. It respects
-/// `max_episode_steps`.
+/// It returns an error for anything that it does not support, such as a render mode or wrappers in
+/// the spec. It respects `max_episode_steps`.
 pub type VectorEntryPoint = fn(&VectorSpec) -> Result<Box<dyn VectorEnv>>;
 
 /// Makes the function that begins the steps of several environments together.
@@ -110,7 +113,8 @@ pub struct Clip {
 }
 
 /// An entry of the registry: the facts about the environment of one id. Submit it at link time with
-/// [`register!`](crate::register!), or at run time with [`registry::register`](crate::registry::register).
+/// [`register!`](crate::register!), or at run time with
+/// [`registry::register`](crate::registry::register).
 ///
 /// Each method sets the field of its name.
 #[derive(Clone)]
@@ -121,7 +125,8 @@ pub struct Registration {
     pub source: Source,
     /// The agent's task, in a sentence.
     pub description: &'static str,
-    /// The environment's [reset options](field@crate::Reset::options), each with an example as JSON.
+    /// The environment's [reset options](field@crate::Reset::options), each with an example as
+    /// JSON.
     pub reset_options: &'static [(&'static str, &'static str)],
     /// Checks of the crate gym-conform that this id may fail, each with the reason.
     pub exceptions: &'static [(&'static str, &'static str)],
@@ -230,7 +235,8 @@ impl Registration {
         self
     }
 
-    /// Arguments that this id sets, as a JSON object; arguments given to [`make`](crate::make) override them.
+    /// Arguments that this id sets, as a JSON object; arguments given to [`make`](crate::make)
+    /// override them.
     #[must_use]
     pub const fn kwargs(mut self, json: &'static str) -> Self {
         self.kwargs = json;
@@ -251,24 +257,25 @@ impl Registration {
         self
     }
 
-    /// The environment's [reset options](field@crate::Reset::options), each with an example as JSON, such as `&[("low",
-    /// "-0.1"), ("high", "0.1")]`. Other options are then an error; if none are named, the environment receives every
-    /// option.
+    /// The environment's [reset options](field@crate::Reset::options), each with an example as
+    /// JSON, such as `&[("low", "-0.1"), ("high", "0.1")]`. Other options are then an error; if
+    /// none are named, the environment receives every option.
     #[must_use]
     pub const fn reset_options(mut self, options: &'static [(&'static str, &'static str)]) -> Self {
         self.reset_options = options;
         self
     }
 
-    /// Checks of the crate gym-conform that this id may fail, each with the reason. `arguments-matter.verbose` excuses the
-    /// argument `verbose` from the check `arguments-matter`.
+    /// Checks of the crate gym-conform that this id may fail, each with the reason.
+    /// `arguments-matter.verbose` excuses the argument `verbose` from the check `arguments-matter`.
     #[must_use]
     pub const fn exceptions(mut self, exceptions: &'static [(&'static str, &'static str)]) -> Self {
         self.exceptions = exceptions;
         self
     }
 
-    /// Declares an external requirement, as in `ROMs`, and how to test for it. Commands over the whole registry skip these.
+    /// Declares an external requirement, as in `ROMs`, and how to test for it. Commands over the
+    /// whole registry skip these.
     #[must_use]
     pub const fn needs(mut self, what: &'static str, is_met: fn() -> bool) -> Self {
         self.needs = Some(Need { what, is_met });
@@ -298,8 +305,8 @@ impl Registration {
         self
     }
 
-    /// The keys of `cargo xtask play`, which may depend on the arguments. By default the digits are the actions of a
-    /// `Discrete` space.
+    /// The keys of `cargo xtask play`, which may depend on the arguments. By default the digits are
+    /// the actions of a `Discrete` space.
     #[must_use]
     pub const fn keys(mut self, keys: fn(&BoxEnv) -> Keys) -> Self {
         self.keys = Some(keys);
@@ -313,14 +320,16 @@ impl Registration {
         self
     }
 
-    /// Declares that a step takes less than about a microsecond: Python then keeps the GIL during a step.
+    /// Declares that a step takes less than about a microsecond: Python then keeps the GIL during a
+    /// step.
     #[must_use]
     pub const fn light_step(mut self) -> Self {
         self.light_step = true;
         self
     }
 
-    /// Names and meanings of discrete actions, for the page: `VARIANTS` of an enum of [`discrete!`](crate::discrete!).
+    /// Names and meanings of discrete actions, for the page: `VARIANTS` of an enum of
+    /// [`discrete!`](crate::discrete!).
     #[must_use]
     pub const fn actions(mut self, variants: &'static [(&'static str, &'static str)]) -> Self {
         self.actions = variants;
@@ -339,15 +348,15 @@ impl Registration {
         &self.id
     }
 
-    /// The version whose rules apply; the highest number if neither the id nor [`version`](Self::version) gives
-    /// one.
+    /// The version whose rules apply; the highest number if neither the id nor
+    /// [`version`](Self::version) gives one.
     pub fn rules(&self) -> u32 {
         let of_id = || self.id.parse::<EnvId>().ok().and_then(|id| id.version);
         self.version.or_else(of_id).unwrap_or(u32::MAX)
     }
 
-    /// The constructor's arguments for this id, with the default values that the id [sets](Self::kwargs) and those of
-    /// its version.
+    /// The constructor's arguments for this id, with the default values that the id
+    /// [sets](Self::kwargs) and those of its version.
     ///
     /// # Errors
     /// The errors of [`spec`](Self::spec).

@@ -71,7 +71,8 @@ impl EnvSpec {
     /// The spec of this environment in one more wrapper.
     #[must_use]
     pub fn wrapped(mut self, wrapper: WrapperSpec) -> Self {
-        // a list mode means a `RenderCollection` outside all other wrappers; the new wrapper is outside it
+        // a list mode means a `RenderCollection` outside all other wrappers; the new wrapper is
+        // outside it
         if let Some(mode) = self.render_mode.filter(|mode| mode.is_list()) {
             self.render_mode = Some(mode.single());
             self.additional_wrappers

@@ -49,8 +49,8 @@ pub(super) fn stack<E: Env>(
     guarded(BoxEnv::new(render), spec)
 }
 
-/// An environment in the rest of its stack. The usual stack is one type, erased once, so that a step
-/// converts its action and observation once and not in each wrapper.
+/// An environment in the rest of its stack. The usual stack is one type, erased once, so that a
+/// step converts its action and observation once and not in each wrapper.
 fn guarded<E: Env>(env: E, spec: &EnvSpec) -> Result<BoxEnv> {
     let EnvSpec {
         disable_env_checker,

@@ -14,12 +14,13 @@ use crate::{BoxEnv, Env, Error, Result, WrapperSpec};
 
 /// Makes a vector of `num_envs` environments, as Gymnasium's `make_vec`.
 ///
-/// Without a kind, the vector is native if the id has a native vector that supports the options, else sync; see
-/// [`VectorBuilder::kind`]. Each sub-environment has the stack of [`make`](crate::make), time limit included.
+/// Without a kind, the vector is native if the id has a native vector that supports the options,
+/// else sync; see [`VectorBuilder::kind`]. Each sub-environment has the stack of
+/// [`make`](crate::make), time limit included.
 ///
 /// # Errors
-/// The errors of [`make`](crate::make); [`Error::InvalidArgument`] for no environments, more than memory holds, or a
-/// kind that the id does not have.
+/// The errors of [`make`](crate::make); [`Error::InvalidArgument`] for no environments, more than
+/// memory holds, or a kind that the id does not have.
 pub fn make_vec(
     id: &str,
     num_envs: usize,
@@ -115,7 +116,8 @@ pub struct VectorSpec {
 pub enum Each {
     /// A value for each environment.
     Values(Vec<Json>),
-    /// A new value at each reset: uniform in `[low, high)`, drawn by the sub-environment's generator before it starts.
+    /// A new value at each reset: uniform in `[low, high)`, drawn by the sub-environment's
+    /// generator before it starts.
     Range {
         /// The least value.
         low: f64,
@@ -246,8 +248,8 @@ impl VectorSpec {
     /// Makes the sub-environments, for your own kind of vector.
     ///
     /// # Errors
-    /// The errors of [`EnvSpec::make`]; [`Error::InvalidArgument`] if the environments do not fit in memory, estimated
-    /// from the first one.
+    /// The errors of [`EnvSpec::make`]; [`Error::InvalidArgument`] if the environments do not fit
+    /// in memory, estimated from the first one.
     pub fn envs(&self) -> Result<Vec<BoxEnv>> {
         self.check_each()?;
         let make = |index| self.env_at(index).make();
@@ -303,8 +305,8 @@ impl VectorSpec {
         }
     }
 
-    /// Makes a vector on threads, whatever the kind, by its own type, which can [`send`](AsyncVectorEnv::send). It has no
-    /// wrappers around it.
+    /// Makes a vector on threads, whatever the kind, by its own type, which can
+    /// [`send`](AsyncVectorEnv::send). It has no wrappers around it.
     ///
     /// # Errors
     /// The errors of [`make_vec`].
@@ -329,8 +331,8 @@ impl VectorSpec {
     }
 }
 
-/// The smallest memory of an environment from `make`, without its observations: its state, its spec, and the
-/// boxes of its wrappers.
+/// The smallest memory of an environment from `make`, without its observations: its state, its
+/// spec, and the boxes of its wrappers.
 const ENV_BYTES: usize = 1024;
 
 /// The option of a spec that native vectors do not support.
@@ -365,7 +367,8 @@ impl EnvBuilder {
     }
 }
 
-/// A [`VectorSpec`] to change, and then make; see [`EnvBuilder::vector`]. Errors appear when it is made.
+/// A [`VectorSpec`] to change, and then make; see [`EnvBuilder::vector`]. Errors appear when it is
+/// made.
 #[derive(Clone, Debug)]
 pub struct VectorBuilder {
     spec: Result<VectorSpec>,
@@ -373,8 +376,9 @@ pub struct VectorBuilder {
 }
 
 impl VectorBuilder {
-    /// Sets an argument of each sub-environment: a list has one value for each; from a range, each draws a new value at
-    /// each reset. Native vectors support both, for arguments that are numbers; sync and async vectors support lists.
+    /// Sets an argument of each sub-environment: a list has one value for each; from a range, each
+    /// draws a new value at each reset. Native vectors support both, for arguments that are
+    /// numbers; sync and async vectors support lists.
     ///
     /// ```no_run
     /// # fn main() -> gym_core::Result<()> {
@@ -390,9 +394,9 @@ impl VectorBuilder {
         self
     }
 
-    /// The kind of vector. The default is native if the id has a native vector that
-    /// supports the options, else sync. Native vectors do not support wrappers of environments, a
-    /// render mode, a time limit above 65534 steps, or arguments that only scalar environments have.
+    /// The kind of vector. The default is native if the id has a native vector that supports the
+    /// options, else sync. Native vectors do not support wrappers of environments, a render mode, a
+    /// time limit above 65534 steps, or arguments that only scalar environments have.
     #[must_use]
     pub fn kind(self, kind: VectorKind) -> Self {
         let spec = self.spec.map(|spec| VectorSpec {
@@ -451,7 +455,8 @@ impl VectorBuilder {
         if self.has_kind {
             return Ok((spec, None));
         }
-        // a native vector refuses unsupported options; a sync vector reports those it does not support either
+        // a native vector refuses unsupported options; a sync vector reports those it does not
+        // support either
         match spec.make() {
             Ok(vector) => Ok((spec, Some(vector))),
             Err(_) => Ok((

@@ -118,8 +118,9 @@ pub trait WrapperConfig: Arguments {
     }
 }
 
-/// Registers a wrapper at link time, so that specs can name it: its name, its description, the type of its
-/// [arguments](crate::arguments!), and the functions that put it around an environment, a vector, or either.
+/// Registers a wrapper at link time, so that specs can name it: its name, its description, the type
+/// of its [arguments](crate::arguments!), and the functions that put it around an environment, a
+/// vector, or either.
 ///
 /// ```
 /// use gym_core::wrappers::TimeLimit;

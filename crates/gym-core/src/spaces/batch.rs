@@ -48,7 +48,8 @@ impl Space {
         })
     }
 
-    /// Elements of this space as one element of its [batch](Self::batch): Gymnasium's `concatenate`.
+    /// Elements of this space as one element of its [batch](Self::batch): Gymnasium's
+    /// `concatenate`.
     ///
     /// ```
     /// use gym_core::{Space, Value};
@@ -312,7 +313,8 @@ mod tests {
         assert!(batch_space(&TupleSpace::new([]).into(), 2).is_err());
     }
 
-    /// Printed forms and samples by numpy 2.4.6 and Gymnasium 1.4.0: `batch_space(space, 2)`, seeded with 17.
+    /// Printed forms and samples by numpy 2.4.6 and Gymnasium 1.4.0: `batch_space(space, 2)`,
+    /// seeded with 17.
     #[test]
     fn batches_print_and_sample_as_gymnasiums() {
         use crate::spaces::{Discrete, OneOfSpace, SequenceSpace};

@@ -33,7 +33,8 @@ use crate::stored::plain;
 #[serde(try_from = "Description", into = "Description")]
 pub struct BoxSpace(Arc<Bounds>);
 
-/// The bounds, shared by clones of a space, because the bounds of an image are larger than the image.
+/// The bounds, shared by clones of a space, because the bounds of an image are larger than the
+/// image.
 #[derive(Debug)]
 struct Bounds {
     low: Array,
@@ -66,8 +67,8 @@ impl BoxSpace {
     /// counts as [unbounded](Self::bounded_below) and is sampled as such.
     ///
     /// # Errors
-    /// [`Error::InvalidSpace`] if shapes differ, a bound is NaN, has no number of that type (such as
-    /// infinity for an unsigned one), or a low bound is above its high bound.
+    /// [`Error::InvalidSpace`] if shapes differ, a bound is NaN, has no number of that type (such
+    /// as infinity for an unsigned one), or a low bound is above its high bound.
     pub fn with_dtype(low: impl Into<Array>, high: impl Into<Array>, dtype: DType) -> Result<Self> {
         let (low, high) = (low.into(), high.into());
         if low.shape() != high.shape() {
@@ -365,7 +366,8 @@ fn bounded<T: Numeric>(low: &[T], high: &[T]) -> Option<(Vec<bool>, Vec<bool>)> 
 
 fn all_between(values: &Data, low: &Data, high: &Data) -> bool {
     fn same_type<T: PartialOrd>(values: &[T], low: &[T], high: &[T]) -> bool {
-        /// The number of elements compared between two tests for a failure: enough to fill vector registers.
+        /// The number of elements compared between two tests for a failure: enough to fill vector
+        /// registers.
         const AT_ONCE: usize = 256;
         let parts = values
             .chunks(AT_ONCE)

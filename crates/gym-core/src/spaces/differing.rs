@@ -17,8 +17,8 @@ macro_rules! of_kind {
 }
 
 impl Space {
-    /// Whether elements of both spaces have the same form, so that one buffer fits either: the same kinds,
-    /// shapes, types of numbers, keys and charsets; bounds may differ. Gymnasium's
+    /// Whether elements of both spaces have the same form, so that one buffer fits either: the same
+    /// kinds, shapes, types of numbers, keys and charsets; bounds may differ. Gymnasium's
     /// `is_space_dtype_shape_equiv`.
     pub fn has_form_of(&self, other: &Self) -> bool {
         let all = |a: &[Self], b: &[Self]| {
@@ -57,8 +57,8 @@ impl Space {
         }
     }
 
-    /// The space of one element of each of these spaces as one value, as [`batch`](Self::batch) is of
-    /// elements of one space: Gymnasium's `batch_differing_spaces`.
+    /// The space of one element of each of these spaces as one value, as [`batch`](Self::batch) is
+    /// of elements of one space: Gymnasium's `batch_differing_spaces`.
     ///
     /// ```
     /// use gym_core::Space;
@@ -68,8 +68,9 @@ impl Space {
     /// ```
     ///
     /// # Errors
-    /// [`Error::InvalidSpace`](crate::Error::InvalidSpace) if there are none, or if their kinds, shapes, keys
-    /// or types of numbers differ. `Discrete`s may be of several types: the batch is of the largest.
+    /// [`Error::InvalidSpace`](crate::Error::InvalidSpace) if there are none, or if their kinds,
+    /// shapes, keys or types of numbers differ. `Discrete`s may be of several types: the batch is
+    /// of the largest.
     pub fn batch_differing(spaces: &[Self]) -> Result<Self> {
         let Some(first) = spaces.first() else {
             return invalid("there are no spaces to batch");

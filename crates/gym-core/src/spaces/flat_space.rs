@@ -40,8 +40,8 @@ impl Space {
     /// [flattenable](Self::is_flattenable), else a space of the same kind with flat members.
     ///
     /// # Errors
-    /// [`Error::InvalidSpace`](crate::Error::InvalidSpace) if an inner tuple or dict has no members,
-    /// and so no type of number.
+    /// [`Error::InvalidSpace`](crate::Error::InvalidSpace) if an inner tuple or dict has no
+    /// members, and so no type of number.
     pub fn flatten_space(&self) -> Result<Self> {
         Ok(match self {
             _ if self.is_flattenable() => self.flat_box()?.into(),

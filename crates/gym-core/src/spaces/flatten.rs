@@ -248,8 +248,8 @@ impl Space {
         self.read_flat(flat.split_off(..len).unwrap_or_default())
     }
 
-    /// Makes an element of `to` from one of `from` by flattening or unflattening (`map`) each member
-    /// with its space here, if the whole is not an array.
+    /// Makes an element of `to` from one of `from` by flattening or unflattening (`map`) each
+    /// member with its space here, if the whole is not an array.
     fn convert(
         &self,
         value: &Value,

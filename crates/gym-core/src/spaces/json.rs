@@ -34,8 +34,8 @@ impl Space {
         Ok(value.to_json())
     }
 
-    /// The element that [`to_json`](Self::to_json) wrote. Numbers are rounded to the precision of the
-    /// space.
+    /// The element that [`to_json`](Self::to_json) wrote. Numbers are rounded to the precision of
+    /// the space.
     ///
     /// # Errors
     /// [`Error::NotInSpace`](crate::Error::NotInSpace) if the JSON does not have the form of the
@@ -234,9 +234,9 @@ fn object(json: &Json) -> Result<&Map<String, Json>, Fault> {
 }
 
 impl Value {
-    /// Plain JSON, without the types in the [stored form](Self#impl-Serialize-for-Value): arrays as nested lists,
-    /// tuples as lists, dicts as objects, `OneOf` as `[index, value]`, infinities and NaN as `"inf"`, `"-inf"` and
-    /// `"NaN"`. [`Space::from_json`] reads it again.
+    /// Plain JSON, without the types in the [stored form](Self#impl-Serialize-for-Value): arrays as
+    /// nested lists, tuples as lists, dicts as objects, `OneOf` as `[index, value]`, infinities and
+    /// NaN as `"inf"`, `"-inf"` and `"NaN"`. [`Space::from_json`] reads it again.
     pub fn to_json(&self) -> Json {
         match self {
             Self::Null => Json::Null,

@@ -137,8 +137,8 @@ impl Space {
         }
     }
 
-    /// The `float32` arrays of `N` numbers between bounds. For other types and shapes, or bounds that
-    /// may be invalid, see [`BoxSpace`].
+    /// The `float32` arrays of `N` numbers between bounds. For other types and shapes, or bounds
+    /// that may be invalid, see [`BoxSpace`].
     ///
     /// # Panics
     /// If a bound is NaN, or a low bound above its high bound.
@@ -189,7 +189,8 @@ impl Space {
         not_in(value, self, fault)
     }
 
-    /// [`Error::InvalidAction`] for an action of another kind, type or shape than those of this space, or that is not finite.
+    /// [`Error::InvalidAction`] for an action of another kind, type or shape than those of this
+    /// space, or that is not finite.
     pub fn refuse_action(&self, action: &impl Element) -> Error {
         let action = action.to_value();
         let hint = match (self.check_value(&action), &action, self.dtype()) {
@@ -298,7 +299,8 @@ fn invalid<T>(reason: impl Into<String>) -> Result<T> {
     Err(Error::InvalidSpace(reason.into()))
 }
 
-/// The array in `out`, replaced unless it has that type and shape: fills a buffer without allocating.
+/// The array in `out`, replaced unless it has that type and shape: fills a buffer without
+/// allocating.
 pub fn array_of<'a>(out: &'a mut Value, dtype: DType, shape: &[usize]) -> &'a mut Array {
     let fits = |array: &Array| array.dtype() == dtype && array.shape() == shape;
     if !out.as_array().is_some_and(fits) {

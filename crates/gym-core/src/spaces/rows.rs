@@ -10,8 +10,8 @@ use super::fault::Fault;
 use super::{DictSpace, Space};
 
 impl Space {
-    /// Overwrites `element` with element `index` of a [batch](Self::batch). Numbers are converted to
-    /// the type of the space.
+    /// Overwrites `element` with element `index` of a [batch](Self::batch). Numbers are converted
+    /// to the type of the space.
     ///
     /// # Errors
     /// [`Error::NotInSpace`](crate::Error::NotInSpace) if `batch` has another form or no such row.
@@ -20,8 +20,8 @@ impl Space {
             .map_err(|fault| self.refuse_batch(batch, &fault))
     }
 
-    /// As [`read_row`](Self::read_row), for actions: those of a `Box` of real numbers keep the precision in which they come,
-    /// as [`Continuous`](crate::Continuous) has it.
+    /// As [`read_row`](Self::read_row), for actions: those of a `Box` of real numbers keep the
+    /// precision in which they come, as [`Continuous`](crate::Continuous) has it.
     ///
     /// # Errors
     /// As [`read_row`](Self::read_row).
@@ -50,8 +50,9 @@ impl Space {
         }
     }
 
-    /// Leaves in `out` the numbers of an action, or with `n` those of so many, as numpy's `asarray` has them: in the type of the
-    /// space or, where they are of another, in `float64`. Only for a `Box` of real numbers.
+    /// Leaves in `out` the numbers of an action, or with `n` those of so many, as numpy's `asarray`
+    /// has them: in the type of the space or, where they are of another, in `float64`. Only for a
+    /// `Box` of real numbers.
     ///
     /// # Errors
     /// [`Error::InvalidAction`](crate::Error::InvalidAction) for numbers in another shape.
@@ -84,7 +85,8 @@ impl Space {
         }
     }
 
-    /// As [`check_batch`](Self::check_batch), for actions: those of a `Box` of real numbers may be of any type, and one by one.
+    /// As [`check_batch`](Self::check_batch), for actions: those of a `Box` of real numbers may be
+    /// of any type, and one by one.
     ///
     /// # Errors
     /// As [`check_batch`](Self::check_batch).
@@ -108,8 +110,8 @@ impl Space {
     /// Overwrites element `index` of a [batch](Self::batch).
     ///
     /// # Errors
-    /// [`Error::NotInSpace`](crate::Error::NotInSpace) if `element` or `batch` has another form, or there
-    /// is no such row; the row may then be partly written.
+    /// [`Error::NotInSpace`](crate::Error::NotInSpace) if `element` or `batch` has another form, or
+    /// there is no such row; the row may then be partly written.
     pub fn write_row(&self, batch: &mut Value, index: usize, element: &Value) -> Result<()> {
         self.put_at(batch, index, element)
             .map_err(|fault| self.refuse(element, &fault))

@@ -254,8 +254,8 @@ impl<A: Element> TryFrom<Stored> for Sampler<A> {
     }
 }
 
-/// An element at the lower or upper end of a space: of the smallest or largest numbers, and short if
-/// the length varies.
+/// An element at the lower or upper end of a space: of the smallest or largest numbers, and short
+/// if the length varies.
 fn corner(space: &Space, high: bool) -> Value {
     let pick = |(start, last): (i64, i64)| if high { last } else { start };
     match space {

@@ -7,8 +7,8 @@ use crate::{GraphInstance, Result, Value};
 use super::{MultiBinary, Space};
 
 impl Space {
-    /// The element nearest to zero: zeros where the bounds allow, texts and sequences of the shortest
-    /// length, one node without features, the first of several spaces.
+    /// The element nearest to zero: zeros where the bounds allow, texts and sequences of the
+    /// shortest length, one node without features, the first of several spaces.
     ///
     /// # Errors
     /// [`Error::InvalidSpace`](crate::Error::InvalidSpace) for a stacked sequence or a graph whose

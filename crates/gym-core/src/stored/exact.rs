@@ -1,5 +1,5 @@
-//! The state of any type, including floats that JSON lacks. serde_json writes those as `null`; here they are written in
-//! the [stored form](super).
+//! The state of any type, including floats that JSON lacks. serde_json writes those as `null`; here
+//! they are written in the [stored form](super).
 
 use serde::Serialize;
 use serde::de::value::{BorrowedStrDeserializer, MapAccessDeserializer};
@@ -151,8 +151,9 @@ hand_on_items! {
 
 /// JSON that is read with all its floats.
 ///
-/// Each method takes the kinds of JSON that its type can come from, and no general one is behind them: the compiler makes a copy
-/// of whatever a type's visitor can reach, for each type of each crate.
+/// Each method takes the kinds of JSON that its type can come from, and no general one is behind
+/// them: the compiler makes a copy of whatever a type's visitor can reach, for each type of each
+/// crate.
 #[derive(Clone, Copy)]
 struct Stored<'de> {
     json: &'de Json,

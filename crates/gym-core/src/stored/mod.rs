@@ -1,7 +1,8 @@
 //! The stored form of numbers, values and states: JSON that keeps every bit.
 //!
-//! [`Value`]'s `Serialize` describes the form; [`exact`] handles the floats of any other type. For plain JSON, which a
-//! space interprets, see [`Value::to_json`] and [`Space::from_json`](crate::Space::from_json).
+//! [`Value`]'s `Serialize` describes the form; [`exact`] handles the floats of any other type. For
+//! plain JSON, which a space interprets, see [`Value::to_json`] and
+//! [`Space::from_json`](crate::Space::from_json).
 
 pub(crate) mod exact;
 pub(crate) mod plain;

@@ -70,8 +70,8 @@ pub enum Actions<'a, const N: usize> {
     Each(&'a [Value]),
 }
 
-/// Numbers that need only be finite. Gymnasium lets NaN through, and every later state is then NaN. A finite number beyond
-/// the bounds is left to the environment.
+/// Numbers that need only be finite. Gymnasium lets NaN through, and every later state is then NaN.
+/// A finite number beyond the bounds is left to the environment.
 impl<const N: usize> ActionColumn for Continuous<N> {
     type Item = Self;
     type Items<'a> = Actions<'a, N>;

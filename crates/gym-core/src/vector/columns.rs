@@ -8,13 +8,13 @@ use crate::{Result, Space, Value};
 /// The effect of a call of `reset_into` or `step_into` on a sub-environment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Progress {
-    /// No reset and no step: a mask left it out, or its call failed. Its row has a reward of 0, no flag set,
-    /// and its last observation.
+    /// No reset and no step: a mask left it out, or its call failed. Its row has a reward of 0, no
+    /// flag set, and its last observation.
     #[default]
     Unchanged,
     /// It began an episode: a reset, or the step after the end of an episode with
-    /// [`Autoreset::NextStep`](super::Autoreset::NextStep), whose action was ignored. Do not train on
-    /// such a transition: it crosses an episode boundary.
+    /// [`Autoreset::NextStep`](super::Autoreset::NextStep), whose action was ignored. Do not train
+    /// on such a transition: it crosses an episode boundary.
     Started,
     /// It took the action. With [`Autoreset::SameStep`](super::Autoreset::SameStep), it has also
     /// begun the next episode if [`Columns::has_final`] is set.
@@ -24,13 +24,14 @@ pub enum Progress {
 /// The result of a step of a [`VectorEnv`](super::VectorEnv): a row for each sub-environment.
 ///
 /// The caller owns the columns; `reset_into` and `step_into` overwrite them.
-/// [`VectorEnvExt::columns`](super::VectorEnvExt::columns) makes them. A call replaces columns of another form,
-/// such as `Columns::default()`.
+/// [`VectorEnvExt::columns`](super::VectorEnvExt::columns) makes them. A call replaces columns of
+/// another form, such as `Columns::default()`.
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
 pub struct Columns {
-    /// The observations, as one element of the batched observation space: for a `Box` an array of shape
-    /// `[n, ..]`, for a `Discrete` one of shape `[n]`, for a `Tuple` or `Dict` these for each member.
+    /// The observations, as one element of the batched observation space: for a `Box` an array of
+    /// shape `[n, ..]`, for a `Discrete` one of shape `[n]`, for a `Tuple` or `Dict` these for each
+    /// member.
     pub observations: Value,
     /// The reward of each sub-environment's step.
     pub rewards: Vec<f64>,
@@ -39,13 +40,13 @@ pub struct Columns {
     /// Whether something outside the task, such as a time limit, ended the episode.
     pub truncated: Vec<bool>,
     /// The last observations of episodes that ended and were reset in this step
-    /// ([`Autoreset::SameStep`](super::Autoreset::SameStep)), in the form of `observations`. The other
-    /// rows are meaningless.
+    /// ([`Autoreset::SameStep`](super::Autoreset::SameStep)), in the form of `observations`. The
+    /// other rows are meaningless.
     pub final_observations: Value,
     /// Whether each row of `final_observations` is set.
     pub has_final: Vec<bool>,
-    /// The effect of the last call on each sub-environment. After [`begin`](Self::begin) and an `Err`
-    /// it shows which have stepped nevertheless.
+    /// The effect of the last call on each sub-environment. After [`begin`](Self::begin) and an
+    /// `Err` it shows which have stepped nevertheless.
     pub progress: Vec<Progress>,
 }
 
@@ -61,15 +62,15 @@ impl Columns {
         Ok(columns)
     }
 
-    /// Sets `progress` to unchanged. A wrapper calls this before the inner vector fills the columns, so
-    /// that after a refused call no row appears stepped.
+    /// Sets `progress` to unchanged. A wrapper calls this before the inner vector fills the
+    /// columns, so that after a refused call no row appears stepped.
     pub fn begin(&mut self) {
         self.progress.fill(Progress::Unchanged);
     }
 
-    /// Replaces the columns that do not have the form for `n` observations of a space, and keeps the
-    /// others. Implementations of `reset_into` and `step_into` call it once nothing can be refused any
-    /// more.
+    /// Replaces the columns that do not have the form for `n` observations of a space, and keeps
+    /// the others. Implementations of `reset_into` and `step_into` call it once nothing can be
+    /// refused any more.
     ///
     /// # Errors
     /// The errors of [`new`](Self::new).
@@ -92,7 +93,8 @@ impl Columns {
         Ok(())
     }
 
-    /// Overwrites the rows from `to` with rows of other columns, for observations of the same space.
+    /// Overwrites the rows from `to` with rows of other columns, for observations of the same
+    /// space.
     pub(super) fn copy_rows(
         &mut self,
         space: &Space,

@@ -7,23 +7,24 @@ use crate::{Env, Error, Info, Result, Sampler, Seed, Value};
 
 /// The methods for callers. Every [`VectorEnv`] has them, and no implementation can override them.
 pub trait VectorEnvExt: VectorEnv {
-    /// The entries of all [`info`](crate::vector::VectorEnv::info)s as Gymnasium's dict of columns, to go with the columns of
-    /// the same step.
+    /// The entries of all [`info`](crate::vector::VectorEnv::info)s as Gymnasium's dict of columns,
+    /// to go with the columns of the same step.
     ///
-    /// Each key has a column of `n` values and, as `_key`, a tuple of flags for the values that are present. Missing
-    /// values are zero in a column of numbers and `Null` in others. With
-    /// [`Autoreset::SameStep`](crate::vector::Autoreset::SameStep), `final_obs` and `final_info` are about the episodes
-    /// that ended.
+    /// Each key has a column of `n` values and, as `_key`, a tuple of flags for the values that are
+    /// present. Missing values are zero in a column of numbers and `Null` in others. With
+    /// [`Autoreset::SameStep`](crate::vector::Autoreset::SameStep), `final_obs` and `final_info`
+    /// are about the episodes that ended.
     ///
-    /// Made of [`info`](crate::vector::VectorEnv::info), [`final_info`](crate::vector::VectorEnv::final_info) and
-    /// [`column_infos`](crate::vector::VectorEnv::column_infos), which a vector or a wrapper implements: so the order
-    /// of wrappers makes no difference.
+    /// Made of [`info`](crate::vector::VectorEnv::info),
+    /// [`final_info`](crate::vector::VectorEnv::final_info) and
+    /// [`column_infos`](crate::vector::VectorEnv::column_infos), which a vector or a wrapper
+    /// implements: so the order of wrappers makes no difference.
     fn infos(&self, columns: &Columns) -> Info {
         infos::batch(self, columns)
     }
 
-    /// The entries of the [`info`](crate::vector::VectorEnv::info) of one sub-environment by name: an element of what
-    /// Gymnasium's wrapper `DictInfoToList` gives.
+    /// The entries of the [`info`](crate::vector::VectorEnv::info) of one sub-environment by name:
+    /// an element of what Gymnasium's wrapper `DictInfoToList` gives.
     fn info_map(&self, index: usize) -> Info {
         let mut map = Info::new();
         self.info(index, &mut |key, value| {
@@ -73,8 +74,8 @@ pub trait VectorEnvExt: VectorEnv {
 impl<V: VectorEnv + ?Sized> VectorEnvExt for V {}
 
 impl dyn VectorEnv {
-    /// Calls a function with each sub-environment and its index; the results are in the order of the
-    /// indices. This is Gymnasium's `call`, `get_attr` and `set_attr`:
+    /// Calls a function with each sub-environment and its index; the results are in the order of
+    /// the indices. This is Gymnasium's `call`, `get_attr` and `set_attr`:
     ///
     /// ```no_run
     /// use gym_core::registry::VectorKind;
@@ -88,8 +89,9 @@ impl dyn VectorEnv {
     /// ```
     ///
     /// # Errors
-    /// The errors of [`visit_envs`](VectorEnv::visit_envs), and [`Error::Custom`] if the sub-environments are not of
-    /// type `E`; those of the sync and async vectors of [`make_vec`](crate::make_vec) are [`BoxEnv`](crate::BoxEnv)s.
+    /// The errors of [`visit_envs`](VectorEnv::visit_envs), and [`Error::Custom`] if the
+    /// sub-environments are not of type `E`; those of the sync and async vectors of
+    /// [`make_vec`](crate::make_vec) are [`BoxEnv`](crate::BoxEnv)s.
     pub fn call<E: Env, R>(&mut self, mut f: impl FnMut(usize, &mut E) -> R) -> Result<Vec<R>> {
         let mut results = Vec::with_capacity(self.num_envs());
         let mut fits = true;
@@ -109,11 +111,12 @@ impl dyn VectorEnv {
 }
 
 impl dyn VectorEnv {
-    /// The wrapper of a type, the outermost if there are several, or the vector inside all wrappers if it
-    /// is of that type.
+    /// The wrapper of a type, the outermost if there are several, or the vector inside all wrappers
+    /// if it is of that type.
     ///
-    /// The type of a wrapper names the inner vector, by default `Box<dyn VectorEnv>`: so for wrappers made by a
-    /// [`VectorSpec`](crate::vector::VectorSpec), and for the first wrapper around [`make_vec`](crate::make_vec):
+    /// The type of a wrapper names the inner vector, by default `Box<dyn VectorEnv>`: so for
+    /// wrappers made by a [`VectorSpec`](crate::vector::VectorSpec), and for the first wrapper
+    /// around [`make_vec`](crate::make_vec):
     ///
     /// ```no_run
     /// use gym_core::BoxVector;

@@ -125,8 +125,8 @@ impl Values {
         column.map_or_else(|_| Self::Objects(vec![Value::Null; n]), Self::Numbers)
     }
 
-    /// Sets one value, cast to the type of the column as numpy casts; `false` if the column cannot hold
-    /// it.
+    /// Sets one value, cast to the type of the column as numpy casts; `false` if the column cannot
+    /// hold it.
     fn set(&mut self, index: usize, value: Value) -> bool {
         match (self, value) {
             (Self::Flags(flags), Value::Bool(flag)) => flags[index] = flag,

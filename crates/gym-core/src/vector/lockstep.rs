@@ -1,10 +1,11 @@
 //! Environments that compute the most expensive part of a step together.
 //!
-//! A step of such an environment has three parts, and the middle one can be computed for many environments in SIMD
-//! lanes. A vector lets a group of sub-environments [begin](Lockstep::begin_step) their next call,
-//! [solves](Together::solve) the middle part for all of them, and then resets or steps each as a sync vector does:
-//! the environment finishes the step it has begun. So time limits, autoreset, infos, errors and all numbers are
-//! equal to a sync vector's.
+//! A step of such an environment has three parts, and the middle one can be computed for many
+//! environments in SIMD lanes. A vector lets a group of sub-environments
+//! [begin](Lockstep::begin_step) their next call, [solves](Together::solve) the middle part for all
+//! of them, and then resets or steps each as a sync vector does: the environment finishes the step
+//! it has begun. So time limits, autoreset, infos, errors and all numbers are equal to a sync
+//! vector's.
 
 use std::borrow::{Borrow, BorrowMut};
 use std::hint::black_box;
@@ -35,24 +36,24 @@ pub trait Lockstep: Env {
     /// The state that a group shares.
     type Group: Together;
 
-    /// Reads some bytes of all memory that a step needs, and returns a value computed from them. The CPU then fetches the
-    /// memory of several environments at once; their steps would wait for each piece in turn. A vector calls it if it has
-    /// more environments than fit the cache. It must not panic, even if a step panicked and left the environment half
-    /// updated.
+    /// Reads some bytes of all memory that a step needs, and returns a value computed from them.
+    /// The CPU then fetches the memory of several environments at once; their steps would wait for
+    /// each piece in turn. A vector calls it if it has more environments than fit the cache. It
+    /// must not panic, even if a step panicked and left the environment half updated.
     fn touch(&self) -> u32 {
         0
     }
 
-    /// Begins a reset; the next call is [`reset_into`](Env::reset_into) with the same argument and finishes it.
-    /// That call does everything that cannot begin here, and returns the errors.
+    /// Begins a reset; the next call is [`reset_into`](Env::reset_into) with the same argument and
+    /// finishes it. That call does everything that cannot begin here, and returns the errors.
     fn begin_reset(&mut self, reset: &Reset, group: &mut Self::Group);
 
-    /// Begins a step; the next call is [`step_into`](Env::step_into) with the same action and finishes it. That call
-    /// does everything that cannot begin here, and returns the errors.
+    /// Begins a step; the next call is [`step_into`](Env::step_into) with the same action and
+    /// finishes it. That call does everything that cannot begin here, and returns the errors.
     fn begin_step(&mut self, action: &Self::Action, group: &mut Self::Group);
 
-    /// Takes the result of [`Together::solve`], and releases its place in the group. The last begin came since the
-    /// group was cleared; it may have had nothing to begin.
+    /// Takes the result of [`Together::solve`], and releases its place in the group. The last begin
+    /// came since the group was cleared; it may have had nothing to begin.
     fn collect(&mut self, group: &mut Self::Group);
 }
 
@@ -146,11 +147,12 @@ impl<E: Lockstep, W: Env> Ahead<W> for Within<E, W> {
 }
 
 /// Makes a native vector of a registered environment that is [`Lockstep`], for
-/// [`Registration::vector_entry_point`](crate::Registration::vector_entry_point). It is a sync vector whose
-/// sub-environments step together.
+/// [`Registration::vector_entry_point`](crate::Registration::vector_entry_point). It is a sync
+/// vector whose sub-environments step together.
 ///
 /// # Errors
-/// [`Error::InvalidArgument`](crate::Error) for arguments that the environment does not take, and as [`SyncVectorEnv::new`].
+/// [`Error::InvalidArgument`](crate::Error) for arguments that the environment does not take, and
+/// as [`SyncVectorEnv::new`].
 pub fn entry_point<E: Lockstep + Configure>(spec: &VectorSpec) -> Result<Box<dyn VectorEnv>> {
     spec.check_each()?;
     let version = find(&spec.env.id)?.rules();
@@ -200,7 +202,8 @@ pub(crate) fn ahead<E: Lockstep>() -> Box<dyn Ahead<BoxEnv>> {
     Box::new(Within::<E, BoxEnv>::default())
 }
 
-/// Resets or steps slots as they are asked, in turn or, with `ahead`, a group of them together, and hands on their results.
+/// Resets or steps slots as they are asked, in turn or, with `ahead`, a group of them together, and
+/// hands on their results.
 pub(super) fn go_all<E: Env, S: BorrowMut<Slot<E>>, A: Borrow<Ask>>(
     slots: &mut [S],
     mut ahead: Option<&mut (dyn Ahead<E> + 'static)>,

@@ -83,8 +83,8 @@ pub type BoxVector = Box<dyn VectorEnv>;
 /// # }
 /// ```
 ///
-/// Wrappers of vectors implement `VectorEnv` through [`VectorWrapper`](crate::VectorWrapper), and so does
-/// `Box<dyn VectorEnv>`.
+/// Wrappers of vectors implement `VectorEnv` through [`VectorWrapper`](crate::VectorWrapper), and
+/// so does `Box<dyn VectorEnv>`.
 pub trait VectorEnv: Any + Send {
     /// The number of sub-environments, at least one.
     fn num_envs(&self) -> usize;
@@ -98,8 +98,8 @@ pub trait VectorEnv: Any + Send {
     /// When sub-environments are reset after their episodes have ended.
     fn autoreset(&self) -> Autoreset;
 
-    /// Starts episodes and writes their first observations to `columns`, with rewards of 0 and no flag
-    /// set.
+    /// Starts episodes and writes their first observations to `columns`, with rewards of 0 and no
+    /// flag set.
     ///
     /// A sub-environment that a mask leaves out is unchanged; its row holds its last observation.
     ///
@@ -116,12 +116,12 @@ pub trait VectorEnv: Any + Send {
     /// [`Error::NotInSpace`] unless `actions` has the form of the batched action space, and
     /// [`Error::SubEnvironment`] if one must be reset first: then nothing has changed.
     /// [`Error::SubEnvironment`] also if a sub-environment refuses its action or panics; the others
-    /// have then stepped, as [`Columns::progress`] shows. (A native vector checks all actions first,
-    /// so none has stepped then.)
+    /// have then stepped, as [`Columns::progress`] shows. (A native vector checks all actions
+    /// first, so none has stepped then.)
     fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()>;
 
-    /// Calls `visit` with each entry of the [`info`](crate::Env::info) of sub-environment `index` about the
-    /// last call of `reset_into` or `step_into`; nothing if a mask left it out. With
+    /// Calls `visit` with each entry of the [`info`](crate::Env::info) of sub-environment `index`
+    /// about the last call of `reset_into` or `step_into`; nothing if a mask left it out. With
     /// [`Autoreset::SameStep`], after the end of an episode this is about the reset.
     fn info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
         let _ = (index, visit);
@@ -134,9 +134,9 @@ pub trait VectorEnv: Any + Send {
         let _ = (index, visit);
     }
 
-    /// Shows `visit` the entries of [`infos`](crate::vector::VectorEnvExt::infos) that are columns already, each with its mask
-    /// under the key with an underscore before it. They stand for the entries of
-    /// [`info`](Self::info) under the same key.
+    /// Shows `visit` the entries of [`infos`](crate::vector::VectorEnvExt::infos) that are columns
+    /// already, each with its mask under the key with an underscore before it. They stand for the
+    /// entries of [`info`](Self::info) under the same key.
     fn column_infos(&self, visit: &mut dyn FnMut(&str, Value)) {
         let _ = visit;
     }
@@ -173,7 +173,8 @@ pub trait VectorEnv: Any + Send {
         None
     }
 
-    /// The kind of vector, its environment and their number: `SyncVectorEnv(CartPole-v1, num_envs=3)`.
+    /// The kind of vector, its environment and their number: `SyncVectorEnv(CartPole-v1,
+    /// num_envs=3)`.
     fn describe(&self) -> String {
         let name = crate::env::short_type_name::<Self>();
         format!("{name}(num_envs={})", self.num_envs())
@@ -186,8 +187,8 @@ pub trait VectorEnv: Any + Send {
     /// [`final_info`](Self::final_info) and the wall-clock time of episodes are not.
     ///
     /// # Errors
-    /// [`Error::Snapshot`] if this vector or a sub-environment has no stored form, [`Error::Custom`] while
-    /// sub-environments are pending.
+    /// [`Error::Snapshot`] if this vector or a sub-environment has no stored form,
+    /// [`Error::Custom`] while sub-environments are pending.
     fn snapshot(&self) -> Result<Snapshot> {
         Err(no_snapshots(&self.describe()))
     }
@@ -197,7 +198,8 @@ pub trait VectorEnv: Any + Send {
     ///
     /// # Errors
     /// [`Error::Snapshot`] if the snapshot is of something else or damaged, [`Error::Closed`] after
-    /// `close`, and [`Error::SubEnvironment`] if one refuses its part. The vector is then unchanged.
+    /// `close`, and [`Error::SubEnvironment`] if one refuses its part. The vector is then
+    /// unchanged.
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let _ = snapshot;
         Err(no_snapshots(&self.describe()))

@@ -1,10 +1,12 @@
 //! A vector on a pool of threads.
 //!
-//! Workers receive groups of sub-environments by value, step them and send them back with their results, so nothing is
-//! shared and nothing is locked. `home[i]` is `None` while a worker owns environment `i`.
+//! Workers receive groups of sub-environments by value, step them and send them back with their
+//! results, so nothing is shared and nothing is locked. `home[i]` is `None` while a worker owns
+//! environment `i`.
 //!
-//! Actions and results travel in the group, side by side. What a worker has written lies in the cache of its core, and the
-//! calling thread would wait for the memory of each sub-environment in turn.
+//! Actions and results travel in the group, side by side. What a worker has written lies in the
+//! cache of its core, and the calling thread would wait for the memory of each sub-environment in
+//! turn.
 
 use std::any::Any;
 use std::collections::VecDeque;
@@ -24,13 +26,14 @@ use super::{Autoreset, Columns, ObservationMode, VectorEnv, VectorReset, VectorS
 use crate::render::{Metadata, Rendered};
 use crate::{BoxEnv, Env, EnvExt, EnvSpec, Error, Result, Snapshot, Space, Value};
 
-/// Steps its sub-environments on a pool of threads: Gymnasium's `AsyncVectorEnv`, without its processes.
+/// Steps its sub-environments on a pool of threads: Gymnasium's `AsyncVectorEnv`, without its
+/// processes.
 ///
 /// The results equal [`SyncVectorEnv`](super::SyncVectorEnv)'s for any number of threads. It pays
 /// if steps take microseconds, as with physics and images.
 ///
-/// [`send`](Self::send) and [`recv_into`](Self::recv_into) step some sub-environments and receive the
-/// first results, so that no step waits for the slowest. The episodes are still the same.
+/// [`send`](Self::send) and [`recv_into`](Self::recv_into) step some sub-environments and receive
+/// the first results, so that no step waits for the slowest. The episodes are still the same.
 ///
 /// Dropping the vector waits only for running steps.
 pub struct AsyncVectorEnv<E: Env = BoxEnv> {
@@ -40,7 +43,8 @@ pub struct AsyncVectorEnv<E: Env = BoxEnv> {
     ready: VecDeque<Group<E>>,
     /// Groups about to be sent.
     outgoing: Vec<Group<E>>,
-    /// Whether every sub-environment can take a step: all did in the last call, and none was lent since.
+    /// Whether every sub-environment can take a step: all did in the last call, and none was lent
+    /// since.
     all_go_on: bool,
     /// Lets the sub-environments of a group step together, if they can.
     ahead: Option<Box<dyn Ahead<E>>>,
@@ -83,12 +87,12 @@ impl<E> Default for Group<E> {
 const GROUPS_PER_THREAD: usize = 4;
 
 impl<E: Env> AsyncVectorEnv<E> {
-    /// A vector of these environments with autoreset on the next step, and a thread per core, at most one
-    /// per sub-environment.
+    /// A vector of these environments with autoreset on the next step, and a thread per core, at
+    /// most one per sub-environment.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] if there are none, or if their spaces differ; [`Error::Custom`] if the
-    /// operating system cannot start threads.
+    /// [`Error::InvalidArgument`] if there are none, or if their spaces differ; [`Error::Custom`]
+    /// if the operating system cannot start threads.
     pub fn new(envs: impl IntoIterator<Item = E>) -> Result<Self> {
         Self::with_observation_mode(envs, ObservationMode::Same)
     }
@@ -131,8 +135,8 @@ impl<E: Env> AsyncVectorEnv<E> {
     /// With this number of threads; the results do not depend on it.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for 0 or for more than 1024 threads, [`Error::Custom`] while sub-environments are
-    /// pending or if the operating system cannot start threads.
+    /// [`Error::InvalidArgument`] for 0 or for more than 1024 threads, [`Error::Custom`] while
+    /// sub-environments are pending or if the operating system cannot start threads.
     pub fn with_threads(self, threads: usize) -> Result<Self> {
         if !(1..=MAX_THREADS).contains(&threads) {
             let reason = format!("threads is {threads}: it must be from 1 to {MAX_THREADS}");
@@ -196,9 +200,9 @@ impl<E: Env> AsyncVectorEnv<E> {
     /// `actions` is for the sub-environment `ids[i]`.
     ///
     /// # Errors
-    /// [`Error::NotInSpace`] unless `actions` has a row for each of `ids`; [`Error::InvalidArgument`] for
-    /// an id that is not an index or occurs twice; [`Error::SubEnvironment`] for one that is pending or
-    /// must be reset. Then nothing was sent.
+    /// [`Error::NotInSpace`] unless `actions` has a row for each of `ids`;
+    /// [`Error::InvalidArgument`] for an id that is not an index or occurs twice;
+    /// [`Error::SubEnvironment`] for one that is pending or must be reset. Then nothing was sent.
     pub fn send(&mut self, actions: &Value, ids: &[usize]) -> Result<()> {
         self.spaces.action.check_actions(actions, ids.len())?;
         let n = self.home.len();
@@ -222,9 +226,9 @@ impl<E: Env> AsyncVectorEnv<E> {
         self.send_packed()
     }
 
-    /// Waits for `m` of the sent sub-environments and receives their results: EnvPool's `recv`. Their
-    /// indices go to `ids`, in no particular order, and their results to as many rows of `columns`.
-    /// [`info`](VectorEnv::info) is then about them.
+    /// Waits for `m` of the sent sub-environments and receives their results: EnvPool's `recv`.
+    /// Their indices go to `ids`, in no particular order, and their results to as many rows of
+    /// `columns`. [`info`](VectorEnv::info) is then about them.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for fewer pending than `m`, or for an `m` of 0; then nothing was
@@ -267,12 +271,12 @@ impl<E: Env> AsyncVectorEnv<E> {
         result
     }
 
-    /// Calls a function with each sub-environment and its index, on this thread; the results are in the
-    /// order of the indices.
+    /// Calls a function with each sub-environment and its index, on this thread; the results are in
+    /// the order of the indices.
     ///
-    /// If the function resets, steps or restores a sub-environment, reset it with a mask before the next step, which is
-    /// otherwise an error: the vector cannot know whether its episode has ended. (The vector detects this only for
-    /// [`BoxEnv`](crate::BoxEnv)s.)
+    /// If the function resets, steps or restores a sub-environment, reset it with a mask before the
+    /// next step, which is otherwise an error: the vector cannot know whether its episode has
+    /// ended. (The vector detects this only for [`BoxEnv`](crate::BoxEnv)s.)
     ///
     /// # Errors
     /// [`Error::Custom`] while some are pending.
@@ -305,8 +309,9 @@ impl<E: Env> AsyncVectorEnv<E> {
         share.div_ceil(together).div_ceil(GROUPS_PER_THREAD) * together
     }
 
-    /// Packs those of some sub-environments that are asked something. Steps take the rows of `actions` that begin with the
-    /// given one. The group has room for `room` sub-environments. After an error, [`unpack`](Self::unpack) what was packed.
+    /// Packs those of some sub-environments that are asked something. Steps take the rows of
+    /// `actions` that begin with the given one. The group has room for `room` sub-environments.
+    /// After an error, [`unpack`](Self::unpack) what was packed.
     fn pack(
         &mut self,
         indices: Range<usize>,
@@ -386,7 +391,8 @@ impl<E: Env> AsyncVectorEnv<E> {
         error
     }
 
-    /// Asks the sub-environments, waits for them, and writes every row. Returns the first error, by index.
+    /// Asks the sub-environments, waits for them, and writes every row. Returns the first error, by
+    /// index.
     fn round(
         &mut self,
         columns: &mut Columns,

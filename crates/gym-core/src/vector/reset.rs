@@ -61,7 +61,8 @@ impl VectorReset {
     /// Checks that this is a reset for `n` sub-environments.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for seeds or a mask of another number, or a mask that selects none.
+    /// [`Error::InvalidArgument`] for seeds or a mask of another number, or a mask that selects
+    /// none.
     pub fn check(&self, n: usize) -> Result<()> {
         let refuse = |reason: String| Err(Error::argument("the reset of a vector", reason));
         match &self.seeds {

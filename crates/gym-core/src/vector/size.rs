@@ -8,8 +8,8 @@ use crate::{Error, Result, Space};
 /// More than any machine has cores, and within the limits of common systems.
 pub(super) const MAX_THREADS: usize = 1024;
 
-/// Refuses a number of sub-environments before anything is built: zero, more than batched spaces can
-/// hold, or more than fit in memory at `bytes` each beside their rows of the columns.
+/// Refuses a number of sub-environments before anything is built: zero, more than batched spaces
+/// can hold, or more than fit in memory at `bytes` each beside their rows of the columns.
 pub fn check(n: usize, observation: &Space, action: &Space, bytes: usize) -> Result<()> {
     if n == 0 {
         return Err(Error::argument(

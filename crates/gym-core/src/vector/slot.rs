@@ -125,8 +125,8 @@ impl<E: Env> Slot<E> {
         self.stage == Stage::Done
     }
 
-    /// Does a part of the next call ahead of it. If the part panics, that call returns the error, and the parts in
-    /// between are left out.
+    /// Does a part of the next call ahead of it. If the part panics, that call returns the error,
+    /// and the parts in between are left out.
     pub(super) fn go_ahead(&mut self, part: impl FnOnce(&mut Self)) {
         if self.panicked_ahead.is_none() {
             let result = self.guard(|slot| {
@@ -214,8 +214,8 @@ impl<E: Env> Slot<E> {
         Ok(outcome)
     }
 
-    /// Resets or steps the environment. After an error there is no reward, flag or info; after a panic
-    /// it must be reset.
+    /// Resets or steps the environment. After an error there is no reward, flag or info; after a
+    /// panic it must be reset.
     fn answer(&mut self, ask: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
         self.clear();
         let result = self.guard(ask);
@@ -345,8 +345,8 @@ pub(super) struct Spaces {
 }
 
 impl Spaces {
-    /// The space of the observations of `n` sub-environments together. It is as large as their observations,
-    /// so it is made on request.
+    /// The space of the observations of `n` sub-environments together. It is as large as their
+    /// observations, so it is made on request.
     pub(super) fn observations(&self, n: usize) -> Result<Space> {
         self.differing
             .clone()

@@ -7,10 +7,11 @@ use super::{Autoreset, Columns, ObservationMode, VectorEnv, VectorReset, VectorS
 use crate::render::{Metadata, Rendered};
 use crate::{BoxEnv, Env, EnvExt, Result, Snapshot, Space, Value};
 
-/// Steps its sub-environments one after the other, on the calling thread: Gymnasium's `SyncVectorEnv`.
+/// Steps its sub-environments one after the other, on the calling thread: Gymnasium's
+/// `SyncVectorEnv`.
 ///
-/// The results equal those of stepping each environment by itself. It is the fastest kind for environments whose steps
-/// take well under a microsecond and have no native vector.
+/// The results equal those of stepping each environment by itself. It is the fastest kind for
+/// environments whose steps take well under a microsecond and have no native vector.
 ///
 /// ```no_run
 /// use gym_core::registry::{VectorKind, make_vec};
@@ -39,7 +40,8 @@ impl<E: Env> SyncVectorEnv<E> {
     /// A vector of these environments, with autoreset on the next step.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`](crate::Error::InvalidArgument) if there are none, or if their spaces differ.
+    /// [`Error::InvalidArgument`](crate::Error::InvalidArgument) if there are none, or if their
+    /// spaces differ.
     pub fn new(envs: impl IntoIterator<Item = E>) -> Result<Self> {
         Self::with_observation_mode(envs, ObservationMode::Same)
     }
@@ -82,12 +84,12 @@ impl<E: Env> SyncVectorEnv<E> {
         }
     }
 
-    /// Calls a function with each sub-environment and its index; the results are in the order of the
-    /// indices.
+    /// Calls a function with each sub-environment and its index; the results are in the order of
+    /// the indices.
     ///
-    /// If the function resets, steps or restores a sub-environment, reset it with a mask before the next step, which is
-    /// otherwise an error: the vector cannot know whether its episode has ended. (The vector detects this only for
-    /// [`BoxEnv`](crate::BoxEnv)s.)
+    /// If the function resets, steps or restores a sub-environment, reset it with a mask before the
+    /// next step, which is otherwise an error: the vector cannot know whether its episode has
+    /// ended. (The vector detects this only for [`BoxEnv`](crate::BoxEnv)s.)
     pub fn call<R>(&mut self, mut f: impl FnMut(usize, &mut E) -> R) -> Vec<R> {
         self.slots
             .iter_mut()
@@ -96,7 +98,8 @@ impl<E: Env> SyncVectorEnv<E> {
             .collect()
     }
 
-    /// Resets or steps each sub-environment and writes its row. Returns the first error, after all have finished.
+    /// Resets or steps each sub-environment and writes its row. Returns the first error, after all
+    /// have finished.
     fn gather(&mut self, columns: &mut Columns, ask: impl Fn(usize) -> Ask) -> Result<()> {
         let Self {
             slots,

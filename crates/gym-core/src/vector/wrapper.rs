@@ -9,8 +9,9 @@ use crate::{Result, Snapshot, Space, Value, WrapperSpec};
 
 /// A vector around a vector: every `VectorWrapper` is a [`VectorEnv`].
 ///
-/// Only [`inner`](Self::inner) and [`inner_mut`](Self::inner_mut) are required. Other methods call the
-/// inner vector by default, except [`wrapper_spec`](Self::wrapper_spec): a wrapper without one has no spec.
+/// Only [`inner`](Self::inner) and [`inner_mut`](Self::inner_mut) are required. Other methods call
+/// the inner vector by default, except [`wrapper_spec`](Self::wrapper_spec): a wrapper without one
+/// has no spec.
 ///
 /// ```
 /// use gym_core::vector::{Columns, Progress, VectorEnv};
@@ -45,9 +46,9 @@ use crate::{Result, Snapshot, Space, Value, WrapperSpec};
 /// }
 /// ```
 ///
-/// A wrapper with state of its own overrides [`snapshot`](Self::snapshot) and [`restore`](Self::restore).
-/// A wrapper that adds entries to the infos overrides [`info`](Self::info), from which
-/// [`infos`](crate::VectorEnvExt::infos) makes the columns.
+/// A wrapper with state of its own overrides [`snapshot`](Self::snapshot) and
+/// [`restore`](Self::restore). A wrapper that adds entries to the infos overrides
+/// [`info`](Self::info), from which [`infos`](crate::VectorEnvExt::infos) makes the columns.
 pub trait VectorWrapper: Any + Send {
     /// The inner vector.
     fn inner(&self) -> &dyn VectorEnv;
@@ -60,8 +61,8 @@ pub trait VectorWrapper: Any + Send {
         None
     }
 
-    /// See [`VectorEnv::observation_space`]. For a wrapper that changes the space of a single observation,
-    /// the batch of that.
+    /// See [`VectorEnv::observation_space`]. For a wrapper that changes the space of a single
+    /// observation, the batch of that.
     fn observation_space(&self) -> Result<Space> {
         let single = self.single_observation_space();
         if single == self.inner().single_observation_space() {
@@ -71,8 +72,8 @@ pub trait VectorWrapper: Any + Send {
         }
     }
 
-    /// See [`VectorEnv::action_space`]. For a wrapper that changes the space of a single action, the batch
-    /// of that.
+    /// See [`VectorEnv::action_space`]. For a wrapper that changes the space of a single action,
+    /// the batch of that.
     fn action_space(&self) -> Result<Space> {
         let single = self.single_action_space();
         if single == self.inner().single_action_space() {
@@ -82,7 +83,8 @@ pub trait VectorWrapper: Any + Send {
         }
     }
 
-    /// See [`VectorEnv::spec`]: the inner vector's with [`wrapper_spec`](Self::wrapper_spec), if both exist.
+    /// See [`VectorEnv::spec`]: the inner vector's with [`wrapper_spec`](Self::wrapper_spec), if
+    /// both exist.
     fn spec(&self) -> Option<VectorSpec> {
         let wrapper = self.wrapper_spec()?;
         self.inner().spec().map(|spec| spec.wrapped(wrapper))
@@ -101,7 +103,8 @@ pub trait VectorWrapper: Any + Send {
     methods!(forward! [VectorEnv] {.inner()} {.inner_mut()});
 }
 
-/// Gives another macro every method of [`VectorEnv`] that passes through a wrapper unchanged, one by one, behind `$words`.
+/// Gives another macro every method of [`VectorEnv`] that passes through a wrapper unchanged, one
+/// by one, behind `$words`.
 macro_rules! methods {
     ($then:ident! $($words:tt)*) => {
         $then! { $($words)* fn num_envs(&self) -> usize }

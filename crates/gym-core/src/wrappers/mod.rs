@@ -16,7 +16,8 @@ pub use render::Render;
 pub use render_collection::RenderCollection;
 pub use time_limit::TimeLimit;
 
-/// The accessors of a [`Wrapper`](crate::Wrapper) whose inner environment is its field `env`, of type `$inner`.
+/// The accessors of a [`Wrapper`](crate::Wrapper) whose inner environment is its field `env`, of
+/// type `$inner`.
 macro_rules! within {
     ($inner:ident) => {
         type Inner = $inner;

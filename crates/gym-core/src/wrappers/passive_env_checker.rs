@@ -6,10 +6,11 @@ use crate::{BoxEnv, Element, Env, EnvSpec, Error, Outcome, Reset, Result, Space}
 /// Checks once, on the first reset and the first step, that the environment keeps its contract:
 /// the observation lies in its space, and the reward is a finite number.
 ///
-/// These are the cheap checks of the crate gym-conform; [`make`](crate::make) adds them by default, so that a
-/// mistake in a new environment shows at once. Episodes started with options are not checked, because options may
-/// lead beyond the space. Snapshots do not contain the checker's state. An [`Error::Contract`] is about the
-/// result: the environment has been reset or has stepped nevertheless.
+/// These are the cheap checks of the crate gym-conform; [`make`](crate::make) adds them by default,
+/// so that a mistake in a new environment shows at once. Episodes started with options are not
+/// checked, because options may lead beyond the space. Snapshots do not contain the checker's
+/// state. An [`Error::Contract`] is about the result: the environment has been reset or has stepped
+/// nevertheless.
 #[derive(Clone, Debug)]
 pub struct PassiveEnvChecker<E = BoxEnv> {
     inner: E,

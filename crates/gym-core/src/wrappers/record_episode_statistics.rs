@@ -10,17 +10,17 @@ use crate::vector::infos::flags;
 use crate::vector::{Columns, Progress, VectorEnv, VectorReset};
 use crate::{BoxEnv, Env, Error, Outcome, Reset, Result, Snapshot, Value, WrapperSpec};
 
-/// Keeps the return, length and duration of each episode, of an environment or of each sub-environment of a
-/// vector.
+/// Keeps the return, length and duration of each episode, of an environment or of each
+/// sub-environment of a vector.
 ///
-/// On the step that ends an episode, `info` has an entry `episode` (or another [key](Config::stats_key)) with
-/// `r` (return), `l` (length in steps) and `t` (seconds since the reset, to the microsecond). The last episodes
-/// are kept in [`episodes`](Self::episodes).
+/// On the step that ends an episode, `info` has an entry `episode` (or another
+/// [key](Config::stats_key)) with `r` (return), `l` (length in steps) and `t` (seconds since the
+/// reset, to the microsecond). The last episodes are kept in [`episodes`](Self::episodes).
 ///
-/// Around a vector, `infos` have these as columns, zero where no episode ended, and the mask `_episode`. In
-/// each [`Autoreset`](crate::vector::Autoreset) mode the entry belongs to the step that ended the episode,
-/// and is beside `final_info`, not in it. A reset with a mask restarts only the statistics of those
-/// sub-environments. (Gymnasium's loses all.)
+/// Around a vector, `infos` have these as columns, zero where no episode ended, and the mask
+/// `_episode`. In each [`Autoreset`](crate::vector::Autoreset) mode the entry belongs to the step
+/// that ended the episode, and is beside `final_info`, not in it. A reset with a mask restarts only
+/// the statistics of those sub-environments. (Gymnasium's loses all.)
 #[derive(Clone, Debug)]
 pub struct RecordEpisodeStatistics<T = BoxEnv> {
     inner: T,
@@ -157,7 +157,8 @@ impl Record {
         }
     }
 
-    /// The content of a snapshot. Equal episodes give equal bytes, even if they took more or less time.
+    /// The content of a snapshot. Equal episodes give equal bytes, even if they took more or less
+    /// time.
     fn without_time(&self) -> Self {
         let mut record = self.clone();
         let ended = record

@@ -106,8 +106,8 @@ impl<E: Env> Render<E> {
         })
     }
 
-    /// Opens the window, if one is wanted, before the environment changes: if the window cannot be opened, the
-    /// environment is unchanged.
+    /// Opens the window, if one is wanted, before the environment changes: if the window cannot be
+    /// opened, the environment is unchanged.
     fn open(&mut self) -> Result<()> {
         if let Window::Wanted = self.window
             && let Some(open) = open_screen()

@@ -7,7 +7,8 @@ use gym_core::{
     Configure, Env, NoArguments, Outcome, Registration, Reset, Result, Space, Value, VectorEnvExt,
 };
 
-/// Counts its steps. Action 1 panics when a step begins, 2 once the shared part is solved, 3 at its end.
+/// Counts its steps. Action 1 panics when a step begins, 2 once the shared part is solved, 3 at its
+/// end.
 #[derive(Clone, Debug, Default)]
 struct Brittle {
     steps: i64,

@@ -88,7 +88,8 @@ impl Env for Counter {
     }
 }
 
-/// numpy's draw of 16 bits takes each number equally often, and a remainder that equals the threshold counts.
+/// numpy's draw of 16 bits takes each number equally often, and a remainder that equals the
+/// threshold counts.
 #[test]
 fn numbers_of_sixteen_bits_are_drawn_as_numpy_draws_them() {
     use rand::Rng;
@@ -134,7 +135,8 @@ fn the_shorter_choice_is_padded_with_its_first_number() {
     );
 }
 
-/// The step that ends an episode succeeds, the reset after it fails: neither leaves a reward or a flag behind.
+/// The step that ends an episode succeeds, the reset after it fails: neither leaves a reward or a
+/// flag behind.
 #[test]
 fn a_step_that_fails_half_way_answers_nothing() {
     for autoreset in [Autoreset::SameStep, Autoreset::NextStep] {
@@ -264,10 +266,12 @@ impl Env for Told {
     }
 }
 
-/// Resets and steps are checked until one of each was sound, and not at all in episodes with options.
+/// Resets and steps are checked until one of each was sound, and not at all in episodes with
+/// options.
 #[test]
 fn the_passive_checker_looks_until_it_has_seen_a_sound_answer() {
-    /// Answers to a reset (`r`), a reset with an option (`o`) or a step (`s`), and whether they are refused.
+    /// Answers to a reset (`r`), a reset with an option (`o`) or a step (`s`), and whether they are
+    /// refused.
     const CALLS: [(char, i64, f64, bool); 18] = [
         ('r', 2, 0.0, true),
         ('r', -1, 0.0, true),

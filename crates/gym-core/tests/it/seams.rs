@@ -1,5 +1,5 @@
-//! Cases around an episode: after `close`, shrinking buffers, ids without version, environments that truncate
-//! by themselves.
+//! Cases around an episode: after `close`, shrinking buffers, ids without version, environments
+//! that truncate by themselves.
 
 use gym_core::wrappers::{OrderEnforcing, RecordEpisodeStatistics, record_episode_statistics};
 use gym_core::{

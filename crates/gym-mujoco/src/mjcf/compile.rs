@@ -10,8 +10,8 @@ use crate::Result;
 use crate::model::{CompiledModel, GeomType, JointType};
 use crate::physics::spatial::normalize_quat;
 
-/// The most bodies, geoms and degrees of freedom, as the engine's matrices are dense; and the most of everything that is
-/// looked up by its name.
+/// The most bodies, geoms and degrees of freedom, as the engine's matrices are dense; and the most
+/// of everything that is looked up by its name.
 pub(super) const MOST: usize = 1000;
 
 /// The figures, but for those that follow from the inertia matrix in the initial configuration.
@@ -205,7 +205,8 @@ fn add_joint(
     Ok(())
 }
 
-/// Whether a range holds, which by default it does where it is given; `None` where that must be said and is not.
+/// Whether a range holds, which by default it does where it is given; `None` where that must be
+/// said and is not.
 fn limited(stated: Option<bool>, range: [f64; 2], autolimits: bool) -> Option<bool> {
     match stated {
         Some(limited) => Some(limited),
@@ -332,7 +333,8 @@ fn single(rgba: [f64; 4]) -> [f64; 4] {
 
 /// The mass of a body: that of its element `inertial`, or that of its geoms.
 ///
-/// Where there is neither, MuJoCo takes the body's frame in its parent for the inertial frame, and so does this.
+/// Where there is neither, MuJoCo takes the body's frame in its parent for the inertial frame, and
+/// so does this.
 fn inertia_of(
     body: &Body,
     degree: bool,
@@ -431,8 +433,9 @@ fn add_subtree_masses(m: &mut CompiledModel) {
     }
 }
 
-/// Marks bodies whose part of the inertia matrix is diagonal: without children, directly in the world or in a fixed child of
-/// it, with the inertial frame in the body's, moved along coordinate axes and then turned about at most one.
+/// Marks bodies whose part of the inertia matrix is diagonal: without children, directly in the
+/// world or in a fixed child of it, with the inertial frame in the body's, moved along coordinate
+/// axes and then turned about at most one.
 fn mark_simple(m: &mut CompiledModel) {
     for b in 0..m.nbody() {
         let own_frame = norm(&m.body_ipos[b]) < EPS && norm(&m.body_iquat[b][1..]) < EPS;

@@ -1,4 +1,5 @@
-//! Figures that follow from the inertia matrix in the initial configuration: MuJoCo's `mj_setConst`.
+//! Figures that follow from the inertia matrix in the initial configuration: MuJoCo's
+//! `mj_setConst`.
 
 use super::orientation::norm;
 use super::spec::Statistic;
@@ -40,8 +41,8 @@ pub(super) fn add_constants(mut m: CompiledModel, stated: &Statistic) -> Result<
     Model::new(m)
 }
 
-// Functions of their own, because the engine's stages are always inlined: with their variables, a thread's stack would not hold
-// the models above where nothing is optimised.
+// Functions of their own, because the engine's stages are always inlined: with their variables, a
+// thread's stack would not hold the models above where nothing is optimised.
 
 fn initial_inertia(m: &Model, d: &mut Data) {
     kinematics(m, d);
@@ -54,7 +55,8 @@ fn factor_inertia(m: &Model, d: &mut Data) {
     factor_m(m, d);
 }
 
-/// `dof_invweight0`: the diagonal of the inverse inertia matrix, averaged over the three dofs of a kind of a free joint.
+/// `dof_invweight0`: the diagonal of the inverse inertia matrix, averaged over the three dofs of a
+/// kind of a free joint.
 fn add_dof_weights(m: &mut CompiledModel, model: &Model, d: &Data) {
     let mut unit = vec![0.0; m.nv()];
     for i in 0..m.nv() {
@@ -76,7 +78,8 @@ fn add_dof_weights(m: &mut CompiledModel, model: &Model, d: &Data) {
     }
 }
 
-/// `body_invweight0`: the mean of the diagonal of `J M^-1 J'`, for translation and for rotation of the centre of mass.
+/// `body_invweight0`: the mean of the diagonal of `J M^-1 J'`, for translation and for rotation of
+/// the centre of mass.
 fn add_body_weights(m: &mut CompiledModel, model: &Model, d: &Data) {
     let (mut row, mut solved) = (vec![0.0; m.nv()], vec![0.0; m.nv()]);
     for b in 1..m.nbody() {

@@ -42,8 +42,8 @@ impl Classes {
         }
     }
 
-    /// Reads what each class changes, then the classes within it, which start from it. Not by recursion, which deep nesting
-    /// would lead beyond the end of the stack.
+    /// Reads what each class changes, then the classes within it, which start from it. Not by
+    /// recursion, which deep nesting would lead beyond the end of the stack.
     fn read_classes(&mut self, main: Element<'_, '_>) -> Result<()> {
         let mut waiting = vec![(main, None)];
         while let Some((mut section, parent)) = waiting.pop() {

@@ -10,8 +10,8 @@ use crate::physics::{com_pos, crb, factor_m, kinematics, solve_m};
 use crate::{CompiledModel, Data, Model};
 
 impl Model {
-    /// The figures of the model under MuJoCo's names, to be compared with those of another compiler: those of
-    /// [`CompiledModel`], and some more that follow from them.
+    /// The figures of the model under MuJoCo's names, to be compared with those of another
+    /// compiler: those of [`CompiledModel`], and some more that follow from them.
     #[must_use]
     pub fn figures(&self) -> Map<String, Value> {
         let mut figures = match serde_json::to_value(&**self) {
@@ -49,7 +49,8 @@ fn add_all(figures: &mut Map<String, Value>, more: Value) {
 }
 
 fn sizes(m: &CompiledModel) -> Value {
-    // elements of the inertia matrix: each degree of freedom with its ancestors; simple ones have none
+    // elements of the inertia matrix: each degree of freedom with its ancestors; simple ones have
+    // none
     let (mut n_m, mut n_c) = (0, 0);
     for i in 0..m.nv() {
         let ancestors =

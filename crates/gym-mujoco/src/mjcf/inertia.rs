@@ -1,4 +1,5 @@
-//! Mass and inertia of bodies, from their geoms: MuJoCo's formulas (`mujoco.md` names them), shape by shape.
+//! Mass and inertia of bodies, from their geoms: MuJoCo's formulas (`mujoco.md` names them), shape
+//! by shape.
 
 use std::f64::consts::PI;
 
@@ -89,8 +90,9 @@ pub(super) fn combine(parts: &[Inertia]) -> Option<Inertia> {
     })
 }
 
-/// Principal moments of an inertia matrix (xx, yy, zz, xy, xz, yz), falling, and the orientation of their axes: Jacobi's method on a quaternion, in the order of
-/// `mju_eig3`, because a principal frame is only determined up to the choices made on the way.
+/// Principal moments of an inertia matrix (xx, yy, zz, xy, xz, yz), falling, and the orientation of
+/// their axes: Jacobi's method on a quaternion, in the order of `mju_eig3`, because a principal
+/// frame is only determined up to the choices made on the way.
 pub(super) fn principal_axes([xx, yy, zz, xy, xz, yz]: [f64; 6]) -> ([f64; 3], Quat) {
     const EIG_EPS: f64 = 1e-12;
     const MAX_ITERATIONS: usize = 500;

@@ -1,7 +1,8 @@
 //! MJCF, MuJoCo's model format: a strict reader and compiler of the part that the engine supports.
 //!
-//! A text becomes a tree of elements ([`xml`]), these become a [`spec`], which [`compile`] turns into figures. Whatever is
-//! outside of the supported part is an error that names element, attribute and line; nothing is skipped silently.
+//! A text becomes a tree of elements ([`xml`]), these become a [`spec`], which [`compile`] turns
+//! into figures. Whatever is outside of the supported part is an error that names element,
+//! attribute and line; nothing is skipped silently.
 //!
 //! | element | attributes |
 //! |---|---|
@@ -18,8 +19,9 @@
 //! | `contact/exclude` | body1, body2 |
 //! | `keyframe/key` | time, qpos, qvel, ctrl |
 //!
-//! An orientation is one of quat, axisangle, euler. `asset` gives colours of materials, `statistic` and `size` the figures that
-//! MuJoCo takes from them; `visual`, `custom`, `user` and `group` are read and ignored.
+//! An orientation is one of quat, axisangle, euler. `asset` gives colours of materials, `statistic`
+//! and `size` the figures that MuJoCo takes from them; `visual`, `custom`, `user` and `group` are
+//! read and ignored.
 
 mod compile;
 mod constants;
@@ -41,8 +43,8 @@ impl Model {
     /// Compiles a model from a text in MJCF.
     ///
     /// # Errors
-    /// [`Error::Mjcf`] for text that is not XML, for anything outside the supported part of MJCF, and for an impossible
-    /// model, with the line.
+    /// [`Error::Mjcf`] for text that is not XML, for anything outside the supported part of MJCF,
+    /// and for an impossible model, with the line.
     pub fn from_xml(text: &str) -> Result<Self> {
         let spec = reader::read(text)?;
         let compiled = compile::compile(&spec)?;
@@ -52,7 +54,8 @@ impl Model {
     /// Compiles a model from a file in MJCF.
     ///
     /// # Errors
-    /// [`Error::File`] if the file cannot be read, or with the error of [`from_xml`](Self::from_xml).
+    /// [`Error::File`] if the file cannot be read, or with the error of
+    /// [`from_xml`](Self::from_xml).
     pub fn from_xml_file(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let in_file = |reason: String| Error::File {
@@ -61,7 +64,8 @@ impl Model {
         };
         let mut text = String::new();
         let file = File::open(path).map_err(|error| in_file(error.to_string()))?;
-        // one byte more than is read, which `from_xml` refuses: a device such as `/dev/zero` never ends
+        // one byte more than is read, which `from_xml` refuses: a device such as `/dev/zero` never
+        // ends
         let read = file
             .take(reader::MAX_LEN as u64 + 1)
             .read_to_string(&mut text);

@@ -9,7 +9,8 @@ const IDENTITY: Quat = [1.0, 0.0, 0.0, 0.0];
 /// A vector shorter than this has no direction: `mjEPS`.
 pub(super) const EPS: f64 = 1e-14;
 
-/// An orientation as it is written. A form other than `quat` takes precedence, even one of a default class.
+/// An orientation as it is written. A form other than `quat` takes precedence, even one of a
+/// default class.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Orientation {
     quat: Quat,
@@ -122,8 +123,8 @@ impl Orientation {
     }
 }
 
-/// A vector at length 1, and its length before: MuJoCo's `mjuu_normvec`, which leaves alone what has this length nearly, and what
-/// has none.
+/// A vector at length 1, and its length before: MuJoCo's `mjuu_normvec`, which leaves alone what
+/// has this length nearly, and what has none.
 pub(super) fn unit<const N: usize>(v: [f64; N]) -> ([f64; N], f64) {
     let square: f64 = v.iter().map(|x| x * x).sum();
     if square < EPS {
@@ -145,7 +146,8 @@ pub(super) fn compose(a: Quat, b: Quat) -> Quat {
     unit(mul_quat(a, b)).0
 }
 
-/// The shortest rotation that turns the z axis to a direction of length 1; by half a turn about x where it is opposite.
+/// The shortest rotation that turns the z axis to a direction of length 1; by half a turn about x
+/// where it is opposite.
 pub(super) fn from_z([x, y, z]: [f64; 3]) -> Quat {
     let (axis, sin) = unit([-y, x, 0.0]);
     let axis = if sin < 1e-10 { [1.0, 0.0, 0.0] } else { axis };
@@ -153,7 +155,8 @@ pub(super) fn from_z([x, y, z]: [f64; 3]) -> Quat {
     [c, axis[0] * s, axis[1] * s, axis[2] * s]
 }
 
-/// Right-handed unit axes from an x axis and a vector in the xy plane; `None` where they do not span one.
+/// Right-handed unit axes from an x axis and a vector in the xy plane; `None` where they do not
+/// span one.
 fn plane_of(axes: &[f64; 6]) -> Option<[[f64; 3]; 3]> {
     let long = |(v, length): ([f64; 3], f64)| (length >= EPS).then_some(v);
     let x = long(unit([axes[0], axes[1], axes[2]]))?;

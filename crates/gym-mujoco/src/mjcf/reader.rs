@@ -14,7 +14,8 @@ use crate::{Error, Result};
 pub(super) const MAX_LEN: usize = 8 << 20;
 /// The most nodes (elements, texts and comments) that are read.
 const MAX_NODES: u32 = 200_000;
-/// The most attributes of an element, and the most namespaces: the parser compares each with all others.
+/// The most attributes of an element, and the most namespaces: the parser compares each with all
+/// others.
 const MAX_ATTRIBUTES: usize = 1000;
 const MAX_NAMESPACES: usize = 10;
 
@@ -258,8 +259,8 @@ impl Reader<'_> {
         section.finish()
     }
 
-    /// Reads the bodies of the world, each after its parent and before its children. Not by recursion, which deep nesting
-    /// would lead beyond the end of the stack.
+    /// Reads the bodies of the world, each after its parent and before its children. Not by
+    /// recursion, which deep nesting would lead beyond the end of the stack.
     fn read_bodies(&mut self, world: Element<'_, '_>) -> Result<()> {
         let children = world.children()?.into_iter();
         let mut open = vec![OpenBody {

@@ -1,7 +1,8 @@
 //! The elements of a model as written, before anything is computed from them.
 //!
-//! Each kind of element is a struct whose `Default` has MuJoCo's defaults; `read` replaces what an element gives. An
-//! element of a class starts from a clone of the class's struct, so that defaults need no code of their own.
+//! Each kind of element is a struct whose `Default` has MuJoCo's defaults; `read` replaces what an
+//! element gives. An element of a class starts from a clone of the class's struct, so that defaults
+//! need no code of their own.
 
 use super::orientation::{EPS, Orientation, norm};
 use super::xml::{Element, Place};

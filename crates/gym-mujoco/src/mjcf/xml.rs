@@ -1,4 +1,5 @@
-//! XML elements whose attributes are taken out as they are read, so that what is left over can be reported.
+//! XML elements whose attributes are taken out as they are read, so that what is left over can be
+//! reported.
 
 use roxmltree::{Attribute, Node};
 
@@ -14,7 +15,8 @@ pub(super) struct Element<'a, 'input> {
     depth: usize,
 }
 
-/// Where the lines of a text begin: `roxmltree` counts them from the start of the text for each position.
+/// Where the lines of a text begin: `roxmltree` counts them from the start of the text for each
+/// position.
 pub(super) struct Lines(Vec<usize>);
 
 impl Lines {
@@ -233,7 +235,8 @@ impl<'a, 'input> Element<'a, 'input> {
         self.keyword(name, &[("false", false), ("true", true)])
     }
 
-    /// Takes out up to as many numbers as `out` holds, which replace its first ones; returns how many came.
+    /// Takes out up to as many numbers as `out` holds, which replace its first ones; returns how
+    /// many came.
     pub(super) fn up_to(&mut self, name: &'static str, out: &mut [f64]) -> Result<usize> {
         let Some(attribute) = self.take(name) else {
             return Ok(0);

@@ -32,7 +32,8 @@ macro_rules! same_length {
     };
 }
 
-/// Not part of the macro: a text for each array would take much of a thread's stack where nothing is optimised.
+/// Not part of the macro: a text for each array would take much of a thread's stack where nothing
+/// is optimised.
 fn same_length(name: &str, length: usize, expected: usize) -> Result<()> {
     ensure!(
         length == expected,
@@ -214,7 +215,8 @@ fn joints(m: &CompiledModel) -> Result<()> {
     Ok(())
 }
 
-/// The last degree of freedom of a body or else of its nearest ancestor that has one; -1 if none has.
+/// The last degree of freedom of a body or else of its nearest ancestor that has one; -1 if none
+/// has.
 fn last_dof(m: &CompiledModel, mut body: usize) -> i32 {
     while body > 0 && m.body_dofnum[body] == 0 {
         body = m.body_parentid[body];

@@ -1,7 +1,8 @@
 //! The constant part of a simulation: bodies, joints, geoms and everything that follows from them.
 //!
-//! [`CompiledModel`] is plain data under the names of MuJoCo's `mjModel`, and its serialised form has these names too, so
-//! that figures of the two can be compared directly. [`Model`] is a checked one; the engine accepts only this.
+//! [`CompiledModel`] is plain data under the names of MuJoCo's `mjModel`, and its serialised form
+//! has these names too, so that figures of the two can be compared directly. [`Model`] is a checked
+//! one; the engine accepts only this.
 
 mod check;
 mod plan;
@@ -17,8 +18,8 @@ pub use types::{GeomType, Integrator, JointType, Names, Options, Solver, Statist
 
 /// A checked [`CompiledModel`], with the engine's precomputed data.
 ///
-/// It dereferences to the figures. They cannot be changed in place, because the engine relies on them: take them with
-/// [`into_compiled`](Self::into_compiled), change them, and make a new model.
+/// It dereferences to the figures. They cannot be changed in place, because the engine relies on
+/// them: take them with [`into_compiled`](Self::into_compiled), change them, and make a new model.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(try_from = "CompiledModel", into = "CompiledModel")]
 pub struct Model {
@@ -30,8 +31,9 @@ impl Model {
     /// Checks the figures and prepares the engine for them.
     ///
     /// # Errors
-    /// [`Error::Model`] if arrays have different lengths, ids point nowhere, numbers are not finite, or the model
-    /// needs an unsupported feature; the message names the array and the element.
+    /// [`Error::Model`] if arrays have different lengths, ids point nowhere, numbers are not
+    /// finite, or the model needs an unsupported feature; the message names the array and the
+    /// element.
     pub fn new(compiled: CompiledModel) -> Result<Self> {
         check::check(&compiled)?;
         let plan = Plan::new(&compiled)?;
@@ -73,9 +75,10 @@ impl From<Model> for CompiledModel {
 
 /// The figures of a compiled model, under the names of MuJoCo's `mjModel`.
 ///
-/// Arrays named `body_*` have one element for each body, `jnt_*` for each joint, `dof_*` for each degree of freedom,
-/// `geom_*` for each geom, and so on. Body 0 is the world. Ids that may be absent are `-1`, as in MuJoCo. Lengths are
-/// metres, masses kilograms, angles radians, times seconds. Quaternions are `w, x, y, z`.
+/// Arrays named `body_*` have one element for each body, `jnt_*` for each joint, `dof_*` for each
+/// degree of freedom, `geom_*` for each geom, and so on. Body 0 is the world. Ids that may be
+/// absent are `-1`, as in MuJoCo. Lengths are metres, masses kilograms, angles radians, times
+/// seconds. Quaternions are `w, x, y, z`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct CompiledModel {
@@ -95,8 +98,8 @@ pub struct CompiledModel {
 
     /// The body's parent; it has a smaller id. The world's is the world.
     pub body_parentid: Vec<usize>,
-    /// The ancestor that is a child of the world: the root of the kinematic tree whose centre of mass is the reference
-    /// point of spatial vectors.
+    /// The ancestor that is a child of the world: the root of the kinematic tree whose centre of
+    /// mass is the reference point of spatial vectors.
     pub body_rootid: Vec<usize>,
     /// The nearest ancestor with joints, or the body itself: all bodies of equal value move as one.
     pub body_weldid: Vec<usize>,
@@ -114,7 +117,8 @@ pub struct CompiledModel {
     pub body_geomnum: Vec<usize>,
     /// First geom; -1 if there is none.
     pub body_geomadr: Vec<i32>,
-    /// 1: the body's inertia matrix is diagonal; 2: it is diagonal, and the body only slides; 0: neither.
+    /// 1: the body's inertia matrix is diagonal; 2: it is diagonal, and the body only slides; 0:
+    /// neither.
     pub body_simple: Vec<u8>,
     /// Position in the parent's frame.
     pub body_pos: Vec<[f64; 3]>,
@@ -130,7 +134,8 @@ pub struct CompiledModel {
     pub body_subtreemass: Vec<f64>,
     /// Moments of inertia about the principal axes.
     pub body_inertia: Vec<[f64; 3]>,
-    /// Mean inverse inertia at the centre of mass in the initial configuration: of translation, of rotation.
+    /// Mean inverse inertia at the centre of mass in the initial configuration: of translation, of
+    /// rotation.
     pub body_invweight0: Vec<[f64; 2]>,
 
     /// The joint's degrees of freedom.
@@ -172,7 +177,8 @@ pub struct CompiledModel {
     pub dof_armature: Vec<f64>,
     /// Damping.
     pub dof_damping: Vec<f64>,
-    /// Diagonal of the inverse inertia matrix in the initial configuration, averaged over three for a free joint.
+    /// Diagonal of the inverse inertia matrix in the initial configuration, averaged over three for
+    /// a free joint.
     pub dof_invweight0: Vec<f64>,
     /// Diagonal of the inertia matrix in the initial configuration.
     #[serde(rename = "dof_M0")]
@@ -190,7 +196,8 @@ pub struct CompiledModel {
     pub geom_condim: Vec<u8>,
     /// The geom of higher priority sets friction and softness of a contact alone.
     pub geom_priority: Vec<i32>,
-    /// Half sizes: sphere radius; capsule and cylinder radius, half length; plane half lengths for drawing.
+    /// Half sizes: sphere radius; capsule and cylinder radius, half length; plane half lengths for
+    /// drawing.
     pub geom_size: Vec<[f64; 3]>,
     /// Radius of the bounding sphere; 0 for a plane.
     pub geom_rbound: Vec<f64>,

@@ -1,4 +1,5 @@
-//! Facts that the engine computes from a model once: sparsity of the inertia matrix, and pairs of geoms that can touch.
+//! Facts that the engine computes from a model once: sparsity of the inertia matrix, and pairs of
+//! geoms that can touch.
 
 use std::ops::Range;
 
@@ -13,10 +14,11 @@ const IMPEDANCE: [f64; 2] = [1e-4, 0.9999];
 /// Precomputed structure of a model.
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
-    /// The elements of each row of the inertia matrix. All rows take as many groups of four elements as the longest, so that
-    /// rows are combined whole.
+    /// The elements of each row of the inertia matrix. All rows take as many groups of four
+    /// elements as the longest, so that rows are combined whole.
     ///
-    /// Row `i` holds the lower triangle: the degrees of freedom on the way from the root to `i`, ascending, `i` last.
+    /// Row `i` holds the lower triangle: the degrees of freedom on the way from the root to `i`,
+    /// ascending, `i` last.
     m_rows: Vec<Range<usize>>,
     /// How many groups a row takes: up to four, or a multiple of four.
     pub(crate) m_groups: usize,
@@ -26,13 +28,15 @@ pub(crate) struct Plan {
     pub(crate) m_local: Vec<usize>,
     /// How many of a row's columns are 0, 1, 2 and so on.
     m_lead: Vec<usize>,
-    /// Whether most rows begin with four such columns, so that it pays to compute four elements at once.
+    /// Whether most rows begin with four such columns, so that it pays to compute four elements at
+    /// once.
     pub(crate) m_fours: bool,
     /// The last degree of freedom that moves each body.
     last_dof: Vec<Option<usize>>,
     /// The degrees of freedom of each tree.
     pub(crate) trees: Vec<Range<usize>>,
-    /// Pairs of geoms that can touch, in the order of their contacts, and when they are near enough.
+    /// Pairs of geoms that can touch, in the order of their contacts, and when they are near
+    /// enough.
     pub(crate) pairs: Vec<Pair>,
     pub(crate) reaches: Vec<Reach>,
     /// Joints with limits.
@@ -43,11 +47,13 @@ pub(crate) struct Plan {
     pub(crate) springs: Vec<usize>,
     /// In a medium, the bodies with mass, and the edges of the box of equal inertia.
     pub(crate) boxes: Vec<(usize, [f64; 3])>,
-    /// How each body is placed in its parent's frame, its principal axes of inertia in its own, and each site in its body's.
+    /// How each body is placed in its parent's frame, its principal axes of inertia in its own, and
+    /// each site in its body's.
     pub(crate) bodies: Vec<Placed>,
     pub(crate) inertias: Vec<Placed>,
     pub(crate) sites: Vec<Placed>,
-    /// How each geom is placed in its body's frame; `None` for one whose frame is that of the body's inertia.
+    /// How each geom is placed in its body's frame; `None` for one whose frame is that of the
+    /// body's inertia.
     pub(crate) geoms: Vec<Option<Placed>>,
     /// Whether each joint's anchor is not its body's origin.
     pub(crate) anchored: Vec<bool>,
@@ -116,8 +122,8 @@ pub(crate) struct Pair {
     pub(crate) softness: Softness,
     /// Sum of the bodies' inverse weights.
     pub(crate) diag: f64,
-    /// The degrees of freedom that move one of the bodies and not the other, ascending, with the sign of the motion of the
-    /// second body against the first.
+    /// The degrees of freedom that move one of the bodies and not the other, ascending, with the
+    /// sign of the motion of the second body against the first.
     pub(crate) columns: Vec<Column>,
     /// The groups of four degrees of freedom up to the last of these.
     pub(crate) groups: usize,
@@ -125,12 +131,14 @@ pub(crate) struct Pair {
     pub(crate) trees: [Option<usize>; 2],
 }
 
-/// How near two geoms must be before they can touch. It is apart from the [`Pair`], which few pairs need.
+/// How near two geoms must be before they can touch. It is apart from the [`Pair`], which few pairs
+/// need.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reach {
     pub(crate) geom: [usize; 2],
     pub(crate) plane: bool,
-    /// The height of the second one's centre above a plane, or the square of the distance of the centres.
+    /// The height of the second one's centre above a plane, or the square of the distance of the
+    /// centres.
     pub(crate) most: f64,
 }
 
@@ -339,7 +347,8 @@ impl Plan {
         self.last_dof[body].map_or(&[], |dof| &self.m_colind[self.m_row(dof)])
     }
 
-    /// The pairs in the order of MuJoCo's `mj_collision`: by bodies, and within two bodies by the pairs' geoms.
+    /// The pairs in the order of MuJoCo's `mj_collision`: by bodies, and within two bodies by the
+    /// pairs' geoms.
     fn find_pairs(&self, m: &CompiledModel) -> Result<Vec<Pair>> {
         /// Of all pairs together: a model with more takes gigabytes.
         const MOST_COLUMNS: usize = 4_000_000;

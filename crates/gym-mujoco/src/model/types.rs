@@ -123,7 +123,8 @@ macro_rules! numbered {
 numbered! {
     /// The kinds of joint: MuJoCo's `mjtJoint`.
     JointType, "joint type" {
-        /// Any motion: 7 positions (position, quaternion), 6 velocities (linear in the world's frame, angular in the body's).
+        /// Any motion: 7 positions (position, quaternion), 6 velocities (linear in the world's
+        /// frame, angular in the body's).
         Free = 0,
         /// Translation along an axis.
         Slide = 2,

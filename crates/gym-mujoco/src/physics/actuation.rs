@@ -5,7 +5,8 @@ use crate::{Data, Model};
 /// Controls beyond this count as errors, as positions do: MuJoCo's `mjMAXVAL`.
 pub(crate) const MAXVAL: f64 = 1e10;
 
-/// `actuator_force` and `qfrc_actuator`: MuJoCo's `mj_fwdActuation`. A bad control makes all controls count as zero.
+/// `actuator_force` and `qfrc_actuator`: MuJoCo's `mj_fwdActuation`. A bad control makes all
+/// controls count as zero.
 #[inline(always)]
 pub fn fwd_actuation(m: &Model, d: &mut Data) {
     d.qfrc_actuator.fill(0.0);

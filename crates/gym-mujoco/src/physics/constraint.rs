@@ -1,8 +1,10 @@
-//! Constraint rows: limits of joints and contacts, their Jacobians, impedances and reference accelerations.
+//! Constraint rows: limits of joints and contacts, their Jacobians, impedances and reference
+//! accelerations.
 //!
-//! Rows belong to blocks: a limit is one row, a contact without friction is one, a contact with friction is a pyramid of four,
-//! `n + mu t1, n - mu t1, n + mu t2, n - mu t2`, of the Jacobians of the normal and the two tangents. Rows are dense, because
-//! libmujoco sums over zeros too; see [`dense`](super::dense).
+//! Rows belong to blocks: a limit is one row, a contact without friction is one, a contact with
+//! friction is a pyramid of four, `n + mu t1, n - mu t1, n + mu t2, n - mu t2`, of the Jacobians of
+//! the normal and the two tangents. Rows are dense, because libmujoco sums over zeros too; see
+//! [`dense`](super::dense).
 
 use super::dense::{self, Lanes};
 use super::spatial::{Vec3, add, cross, dot, rotate, sub};
@@ -156,7 +158,8 @@ pub(crate) fn mul_jacobian(
     }
 }
 
-/// Makes all rows: MuJoCo's `mj_makeConstraint`, with `mj_referenceConstraint` once velocities are known.
+/// Makes all rows: MuJoCo's `mj_makeConstraint`, with `mj_referenceConstraint` once velocities are
+/// known.
 #[inline(always)]
 pub fn make_constraint(m: &Model, d: &mut Data) {
     d.efc.clear();
@@ -242,8 +245,8 @@ fn contacts(m: &Model, d: &mut Data) {
     }
 }
 
-/// How the contact point moves, on the second body against the first, along the contact's normal or the edges of its pyramid:
-/// rows of so many numbers.
+/// How the contact point moves, on the second body against the first, along the contact's normal or
+/// the edges of its pyramid: rows of so many numbers.
 #[inline(always)]
 fn contact_jacobian(
     pair: &Pair,
@@ -270,7 +273,8 @@ fn contact_jacobian(
     }
 }
 
-/// Rows at some distance: MuJoCo's `mj_makeImpedance`. Of the edges of a pyramid with friction `mu` each is a row.
+/// Rows at some distance: MuJoCo's `mj_makeImpedance`. Of the edges of a pyramid with friction `mu`
+/// each is a row.
 #[inline(always)]
 fn push_rows(
     efc: &mut Constraints,
@@ -301,8 +305,8 @@ fn push_rows(
 }
 
 impl Softness {
-    /// How much of the acceleration wanted a constraint gives, as a function of its position, and the derivative: MuJoCo's
-    /// `getimpedance`.
+    /// How much of the acceleration wanted a constraint gives, as a function of its position, and
+    /// the derivative: MuJoCo's `getimpedance`.
     fn impedance(&self, pos: f64, margin: f64) -> (f64, f64) {
         let &Self {
             dmin,

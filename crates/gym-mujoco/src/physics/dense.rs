@@ -1,8 +1,9 @@
 //! Vectors and products of vectors in the order in which libmujoco sums them.
 //!
-//! libmujoco's `mju_dot` keeps four sums, of the elements 0, 4, 8, ..., of 1, 5, 9, ... and so on, which one AVX register holds, and
-//! adds a rest of one to three elements in the end. The order of a sum is part of its last bit, so every scalar product over
-//! degrees of freedom or rows is one of these, zeros included.
+//! libmujoco's `mju_dot` keeps four sums, of the elements 0, 4, 8, ..., of 1, 5, 9, ... and so on,
+//! which one AVX register holds, and adds a rest of one to three elements in the end. The order of
+//! a sum is part of its last bit, so every scalar product over degrees of freedom or rows is one of
+//! these, zeros included.
 
 /// Four neighbours of a vector. What is beyond the last element is zero.
 pub(crate) type Lanes = [f64; 4];
@@ -56,7 +57,8 @@ pub(crate) fn dot_slices(a: &[f64], b: &[f64]) -> f64 {
     rest.map_or(sum, |rest| sum + rest)
 }
 
-/// The product of a vector and chosen elements of another: MuJoCo's `mju_dotSparse`, which adds the rest one by one.
+/// The product of a vector and chosen elements of another: MuJoCo's `mju_dotSparse`, which adds the
+/// rest one by one.
 #[inline(always)]
 pub(crate) fn dot_sparse(a: &[f64], columns: &[usize], x: &[f64]) -> f64 {
     let ((a, a_rest), (columns, columns_rest)) = (a.as_chunks::<4>(), columns.as_chunks::<4>());
@@ -73,7 +75,8 @@ pub(crate) fn dot_sparse(a: &[f64], columns: &[usize], x: &[f64]) -> f64 {
     sum
 }
 
-/// `a + s b` of four numbers. All are read before one is written, so that the compiler makes them one operation.
+/// `a + s b` of four numbers. All are read before one is written, so that the compiler makes them
+/// one operation.
 #[inline(always)]
 pub(crate) fn plus(a: Lanes, b: Lanes, s: f64) -> Lanes {
     [
@@ -119,7 +122,8 @@ pub(crate) fn add_scaled(a: &mut [Lanes], b: &[Lanes], s: f64) {
     }
 }
 
-/// The sum of rows of a matrix, each times its factor, one after the other. Each group stays in a register until it is complete.
+/// The sum of rows of a matrix, each times its factor, one after the other. Each group stays in a
+/// register until it is complete.
 ///
 /// `term` gives for each of `count` terms where the row starts, and the factor.
 #[inline(always)]
@@ -160,8 +164,8 @@ fn sum_of_rows<const G: usize>(
     out.copy_from_slice(&sums);
 }
 
-/// Changes one number of a vector. The four are written at once, as they are read: a processor waits where it reads four of which
-/// one was just written.
+/// Changes one number of a vector. The four are written at once, as they are read: a processor
+/// waits where it reads four of which one was just written.
 #[inline(always)]
 pub(crate) fn set(vector: &mut [Lanes], i: usize, x: f64) {
     const ALL: u64 = u64::MAX;

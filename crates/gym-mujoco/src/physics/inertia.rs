@@ -1,8 +1,9 @@
 //! The inertia matrix of the joints, and its factors along the tree.
 //!
-//! A degree of freedom couples with those on its way to the root alone. So the matrix is kept as the rows of its lower
-//! triangle, each with the columns of that way, root first and diagonal last. The columns of an ancestor are then the first
-//! columns of a descendant, and factors `L' D L`, made from the last row on, fill in nothing.
+//! A degree of freedom couples with those on its way to the root alone. So the matrix is kept as
+//! the rows of its lower triangle, each with the columns of that way, root first and diagonal last.
+//! The columns of an ancestor are then the first columns of a descendant, and factors `L' D L`,
+//! made from the last row on, fill in nothing.
 
 use std::ops::Range;
 
@@ -70,7 +71,8 @@ fn dot6_of_four(a: &[Lanes; 6], b: &Vec6) -> Lanes {
     plus(plus(even, odd, 1.0), last, 1.0)
 }
 
-/// Factors the inertia matrix: MuJoCo's `mj_factorM`. For Euler's method, with the matrix that damping changes.
+/// Factors the inertia matrix: MuJoCo's `mj_factorM`. For Euler's method, with the matrix that
+/// damping changes.
 #[inline(always)]
 pub fn factor_m(m: &Model, d: &mut Data) {
     d.qld.copy_from_slice(&d.qm);
@@ -80,7 +82,8 @@ pub fn factor_m(m: &Model, d: &mut Data) {
         for i in 0..m.nv() {
             work.qh[m.plan().m_diagonal(i)] += m.opt.timestep * m.dof_damping[i];
         }
-        // a row waits for the divisions of those before: of two matrices in turn, one computes while the other waits
+        // a row waits for the divisions of those before: of two matrices in turn, one computes
+        // while the other waits
         let damped = (&mut work.qh[..], &mut work.qh_diag_inv[..]);
         factor(m, [(&mut d.qld, &mut d.qld_diag_inv), damped]);
     } else {
@@ -88,8 +91,8 @@ pub fn factor_m(m: &Model, d: &mut Data) {
     }
 }
 
-/// Replaces matrices of the inertia matrix's structure by `L' D L`, and gives the inverses of the diagonals: MuJoCo's
-/// `mj_factorI`.
+/// Replaces matrices of the inertia matrix's structure by `L' D L`, and gives the inverses of the
+/// diagonals: MuJoCo's `mj_factorI`.
 #[inline(always)]
 fn factor<const N: usize>(m: &Model, matrices: [(&mut [f64], &mut [f64]); N]) {
     match m.plan().m_groups {
@@ -117,8 +120,8 @@ fn factor_chunks<const C: usize, const N: usize>(
     }
 }
 
-/// Makes a row that of the factors, once those below are, and returns the inverse of its diagonal. What is behind the end of a
-/// row changes too.
+/// Makes a row that of the factors, once those below are, and returns the inverse of its diagonal.
+/// What is behind the end of a row changes too.
 #[inline(always)]
 fn eliminate<const C: usize>(
     plan: &Plan,
@@ -202,7 +205,8 @@ pub(crate) fn multiply(m: &Model, qm: &[f64], x: &[f64], y: &mut [f64]) {
     }
 }
 
-/// The same for the degrees of freedom of one tree: MuJoCo's `mju_mulSymVecSparse`, ancestors from the nearest to the root.
+/// The same for the degrees of freedom of one tree: MuJoCo's `mju_mulSymVecSparse`, ancestors from
+/// the nearest to the root.
 #[inline(never)]
 pub(crate) fn mul_m_tree(m: &Model, qm: &[f64], tree: &Range<usize>, x: &[f64], y: &mut [f64]) {
     let plan = m.plan();

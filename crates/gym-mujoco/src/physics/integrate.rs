@@ -28,7 +28,8 @@ pub fn integrate_pos(m: &Model, qpos: &mut [f64], qvel: &[f64], dt: f64) {
     }
 }
 
-/// Semi-implicit Euler, implicit in joint damping: MuJoCo's `mj_Euler`, for models with this integrator.
+/// Semi-implicit Euler, implicit in joint damping: MuJoCo's `mj_Euler`, for models with this
+/// integrator.
 pub fn euler(m: &Model, d: &mut Data) {
     wide(
         (m, d),
@@ -59,7 +60,8 @@ fn semi_implicit(m: &Model, d: &mut Data) {
     d.qacc_warmstart.copy_from_slice(&d.qacc);
 }
 
-/// Runge-Kutta of fourth order: MuJoCo's `mj_RungeKutta`. The forward call of the start is done already.
+/// Runge-Kutta of fourth order: MuJoCo's `mj_RungeKutta`. The forward call of the start is done
+/// already.
 pub fn runge_kutta(m: &Model, d: &mut Data) {
     const WEIGHTS: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
     // the part of the step from the start to the next stage

@@ -13,10 +13,12 @@
 //! | `solver` | constraint forces: Newton's method, projected Gauss-Seidel |
 //! | `integrate` | Euler, Runge-Kutta |
 //!
-//! Stages are compiled as one function, for the processor at hand. What several of them call is apart (`inline(never)`): copies of
-//! it would be more code than a processor keeps near, and waiting for code is slower than a call.
+//! Stages are compiled as one function, for the processor at hand. What several of them call is
+//! apart (`inline(never)`): copies of it would be more code than a processor keeps near, and
+//! waiting for code is slower than a call.
 //!
-//! Functions have the names of MuJoCo's, without the prefix `mj_`. They need nothing but a model and its data:
+//! Functions have the names of MuJoCo's, without the prefix `mj_`. They need nothing but a model
+//! and its data:
 //!
 //! ```
 //! use gym_mujoco::{Data, Model, step};
@@ -82,8 +84,8 @@ pub(crate) enum Call {
 
 /// Advances the state by a timestep: MuJoCo's `mj_step`.
 ///
-/// A state that diverged (a number that is not finite, or beyond 1e10) is reset to the initial configuration first, as in
-/// MuJoCo.
+/// A state that diverged (a number that is not finite, or beyond 1e10) is reset to the initial
+/// configuration first, as in MuJoCo.
 ///
 /// # Panics
 /// If the data is of another model.

@@ -42,7 +42,8 @@ pub fn passive(m: &Model, d: &mut Data) {
     }
 }
 
-/// Adds the forces of the medium on each body, as if it were the box of equal inertia: MuJoCo's `mj_inertiaBoxFluidModel`.
+/// Adds the forces of the medium on each body, as if it were the box of equal inertia: MuJoCo's
+/// `mj_inertiaBoxFluidModel`.
 #[inline(always)]
 fn fluid(m: &Model, d: &mut Data) {
     let (density, viscosity) = (m.opt.density, m.opt.viscosity);

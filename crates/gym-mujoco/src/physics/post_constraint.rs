@@ -3,7 +3,8 @@
 use super::spatial::{add_to, cross, join, rotate_back, sub};
 use crate::{Data, Model};
 
-/// Computes `cfrc_ext` from the contacts of the last forward call: the part of MuJoCo's `mj_rnePostConstraint` that tasks read.
+/// Computes `cfrc_ext` from the contacts of the last forward call: the part of MuJoCo's
+/// `mj_rnePostConstraint` that tasks read.
 pub fn rne_post_constraint(m: &Model, d: &mut Data) {
     d.contact_forces = true;
     d.cfrc_ext.fill([0.0; 6]);

@@ -1,6 +1,8 @@
-//! Vectors, quaternions, rotation matrices and six-dimensional vectors: MuJoCo's `engine_util_spatial`.
+//! Vectors, quaternions, rotation matrices and six-dimensional vectors: MuJoCo's
+//! `engine_util_spatial`.
 //!
-//! A quaternion is `w, x, y, z`. A matrix is row-major. A six-dimensional vector is rotation, then translation.
+//! A quaternion is `w, x, y, z`. A matrix is row-major. A six-dimensional vector is rotation, then
+//! translation.
 
 use crate::libm;
 
@@ -169,7 +171,8 @@ pub(crate) fn sub_quat(a: Quat, b: Quat) -> Vec3 {
     scale(axis, angle)
 }
 
-/// The quaternion moved by an angular velocity, in its own frame, for some time: MuJoCo's `mju_quatIntegrate`.
+/// The quaternion moved by an angular velocity, in its own frame, for some time: MuJoCo's
+/// `mju_quatIntegrate`.
 pub(crate) fn quat_integrate(q: Quat, velocity: Vec3, time: f64) -> Quat {
     let (axis, speed) = normalize(velocity);
     mul_quat(normalize_quat(q), axis_angle(axis, time * speed))
@@ -244,7 +247,8 @@ pub(crate) fn mul_inertia(i: &Inertia, v: &Vec6) -> Vec6 {
     ]
 }
 
-/// Principal moments about axes `mat`, at an offset from the point of reference: MuJoCo's `mju_inertCom`.
+/// Principal moments about axes `mat`, at an offset from the point of reference: MuJoCo's
+/// `mju_inertCom`.
 #[inline]
 pub(crate) fn inertia_at(moments: Vec3, mat: &Mat3, offset: Vec3, mass: f64) -> Inertia {
     // the moments multiply the second factor

@@ -1,4 +1,5 @@
-//! Velocities of bodies, and the forces that follow from them: Coriolis, centrifugal, gravitational.
+//! Velocities of bodies, and the forces that follow from them: Coriolis, centrifugal,
+//! gravitational.
 
 use super::spatial::{Vec6, add_to, cross_force, cross_motion, dot6, mul_inertia};
 use crate::model::JointType;

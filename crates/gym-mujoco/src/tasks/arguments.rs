@@ -23,9 +23,11 @@ pub trait TaskArguments:
 }
 
 gym_core::arguments! {
-    /// The arguments that all tasks share. `xml_file`, `frame_skip` and `default_camera_config` have other values in each task.
+    /// The arguments that all tasks share. `xml_file`, `frame_skip` and `default_camera_config`
+    /// have other values in each task.
     pub struct Common {
-        /// The model: the name of a built-in one, such as `"ant.xml"`, or a path that begins with `.`, `/` or `~`.
+        /// The model: the name of a built-in one, such as `"ant.xml"`, or a path that begins with
+        /// `.`, `/` or `~`.
         #[versions = 5..]
         pub xml_file: String,
         /// The number of the model's timesteps per step.

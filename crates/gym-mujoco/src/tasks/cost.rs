@@ -6,8 +6,8 @@ use super::numpy;
 
 /// A weight times the sum of the squared actions, in the precision in which these come.
 ///
-/// Since numpy 2 the product of single precision has it too; with numpy 1, on which versions 2 and 3 were recorded, the weight
-/// made it double.
+/// Since numpy 2 the product of single precision has it too; with numpy 1, on which versions 2 and
+/// 3 were recorded, the weight made it double.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ControlCost {
     weight: f64,

@@ -32,7 +32,8 @@ pub trait Task: Clone + fmt::Debug + Send + Sync + Sized + 'static {
     /// Draws positions and velocities for the start of an episode.
     fn start(&self, simulation: &Simulation, data: &mut Data, rng: &mut Generator);
 
-    /// Takes a step by an action of any precision, and returns the measurements, the reward, and whether the episode ends.
+    /// Takes a step by an action of any precision, and returns the measurements, the reward, and
+    /// whether the episode ends.
     fn step(
         &self,
         simulation: &Simulation,
@@ -88,8 +89,8 @@ impl<T: Task> MujocoEnv<T> {
     /// The environment with these arguments, in version 5.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for an argument out of range, a model that cannot be read, and one that lacks a part
-    /// that the task needs.
+    /// [`Error::InvalidArgument`] for an argument out of range, a model that cannot be read, and
+    /// one that lacks a part that the task needs.
     pub fn new(config: T::Config) -> Result<Self> {
         Self::with_version(config, NEWEST)
     }

@@ -9,11 +9,12 @@
 //! | end | terminated when the height of the torso leaves 1 to 2 m |
 //! | limit | 1000 steps of 0.015 s |
 //!
-//! Versions: 4 has no cost of contacts, and lacks `xml_file` and `frame_skip`; 3 also lacks the camera's arguments; 2 takes no arguments.
+//! Versions: 4 has no cost of contacts, and lacks `xml_file` and `frame_skip`; 3 also lacks the
+//! camera's arguments; 2 takes no arguments.
 //!
-//! Differences from Gymnasium: all numbers equal Gymnasium's with MuJoCo 3.12.0 or 3.13.0 for Linux on x86-64. Versions
-//! 2 and 3, and Pusher-v4, which Gymnasium 1.4.0 refuses to make, run on the same engine. The default camera
-//! follows the torso.
+//! Differences from Gymnasium: all numbers equal Gymnasium's with MuJoCo 3.12.0 or 3.13.0 for Linux
+//! on x86-64. Versions 2 and 3, and Pusher-v4, which Gymnasium 1.4.0 refuses to make, run on the
+//! same engine. The default camera follows the torso.
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/humanoid_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
 
@@ -90,7 +91,8 @@ gym_core::arguments! {
 }
 
 impl Observed {
-    /// The numbers. Before version 5 the world's body and the root joint's torques, all zeros, are among them.
+    /// The numbers. Before version 5 the world's body and the root joint's torques, all zeros, are
+    /// among them.
     pub(super) fn numbers(self, version: u32, data: &Data) -> impl Iterator<Item = f64> {
         let (world, root) = if version >= 5 { (1, 6) } else { (0, 0) };
         let skip = if self.exclude_current_positions_from_observation {

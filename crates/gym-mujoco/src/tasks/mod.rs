@@ -1,10 +1,11 @@
 //! Gymnasium's eleven tasks: one file for each, in all its versions.
 //!
-//! A task defines starts, rewards, observations and `info`. [`MujocoEnv`] makes an environment of it. Differences of
-//! versions are data: the arguments' tables, names of entries of `info`, and flags that a task reads when it is built.
+//! A task defines starts, rewards, observations and `info`. [`MujocoEnv`] makes an environment of
+//! it. Differences of versions are data: the arguments' tables, names of entries of `info`, and
+//! flags that a task reads when it is built.
 //!
-//! Versions 4 and 5 are those of Gymnasium 1.4.0. Versions 2 and 3, which Gymnasium itself no longer runs, follow
-//! Gymnasium 0.29.1 on the same engine.
+//! Versions 4 and 5 are those of Gymnasium 1.4.0. Versions 2 and 3, which Gymnasium itself no
+//! longer runs, follow Gymnasium 0.29.1 on the same engine.
 
 mod arguments;
 mod cost;
@@ -48,12 +49,13 @@ pub trait Simulated {
     ///
     /// # Errors
     /// [`Error::ResetNeeded`](gym_core::Error::ResetNeeded) before the first reset;
-    /// [`Error::InvalidArgument`](gym_core::Error::InvalidArgument) for another number of positions or velocities than
-    /// the model has, and for one outside ±1e10, where MuJoCo resets a simulation. Then nothing has changed.
+    /// [`Error::InvalidArgument`](gym_core::Error::InvalidArgument) for another number of positions
+    /// or velocities than the model has, and for one outside ±1e10, where MuJoCo resets a
+    /// simulation. Then nothing has changed.
     fn set_state(&mut self, qpos: &[f64], qvel: &[f64]) -> Result<()>;
 
-    /// Turns the free camera around the point that it looks at, by degrees, and multiplies its distance by `zoom`,
-    /// within bounds. Only frames change. Cameras of the model are unchanged.
+    /// Turns the free camera around the point that it looks at, by degrees, and multiplies its
+    /// distance by `zoom`, within bounds. Only frames change. Cameras of the model are unchanged.
     fn turn_camera(&mut self, azimuth: f64, elevation: f64, zoom: f64);
 }
 

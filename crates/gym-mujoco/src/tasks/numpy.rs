@@ -44,8 +44,9 @@ fn pairwise<T: Copy + Default + Add<Output = T>>(
     (start + whole..range.end).map(term).fold(sum, T::add)
 }
 
-/// Length of a vector in a task of this version: `np.linalg.norm`, a dot product whose rounding depends on the CPU. The recordings
-/// of versions 4 and 5 were made where it fuses products and sums (AVX-512), those of 2 and 3 where it adds in two lanes (no AVX).
+/// Length of a vector in a task of this version: `np.linalg.norm`, a dot product whose rounding
+/// depends on the CPU. The recordings of versions 4 and 5 were made where it fuses products and
+/// sums (AVX-512), those of 2 and 3 where it adds in two lanes (no AVX).
 #[expect(
     clippy::disallowed_methods,
     reason = "numpy fuses here, and a fused product is the same on every platform"

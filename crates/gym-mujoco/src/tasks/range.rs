@@ -4,7 +4,8 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// The numbers between two bounds, which may be infinite.
 ///
-/// As an argument it is a list of two: `[0.7, null]` has no upper bound, because JSON has no infinity.
+/// As an argument it is a list of two: `[0.7, null]` has no upper bound, because JSON has no
+/// infinity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
     /// The lower bound; `-inf` if there is none.

@@ -22,7 +22,8 @@ pub struct Simulation {
     pub dt: f64,
     /// The viewpoint of its pictures.
     pub(super) view: View,
-    /// Whether contact forces are computed after a step, which MuJoCo 2.0's Python interface did not do.
+    /// Whether contact forces are computed after a step, which MuJoCo 2.0's Python interface did
+    /// not do.
     contact_forces: bool,
 }
 
@@ -144,7 +145,8 @@ pub fn models() -> impl Iterator<Item = (&'static str, &'static str)> {
 /// A built-in model by name, or a file by a path that begins with `.`, `/` or `~`.
 ///
 /// # Errors
-/// [`Error::InvalidArgument`] for an unknown name, a file that cannot be read, and one that is not a model.
+/// [`Error::InvalidArgument`] for an unknown name, a file that cannot be read, and one that is not
+/// a model.
 pub fn load(xml_file: &str) -> Result<Arc<Model>> {
     let wrong = |error: crate::Error| Error::argument("xml_file", error.to_string());
     if xml_file.starts_with(['.', '/', '~']) {

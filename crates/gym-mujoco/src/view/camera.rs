@@ -39,7 +39,8 @@ impl Camera {
         }
     }
 
-    /// A camera at a distance from a point, with azimuth and elevation in degrees: MuJoCo's free camera.
+    /// A camera at a distance from a point, with azimuth and elevation in degrees: MuJoCo's free
+    /// camera.
     pub(super) fn around(
         lookat: Vec3,
         distance: f64,
@@ -117,7 +118,8 @@ impl Camera {
 mod tests {
     use super::*;
 
-    /// Lookat, distance, azimuth and elevation, and where libmujoco 3.12.0 shows three points in a picture of 480x360.
+    /// Lookat, distance, azimuth and elevation, and where libmujoco 3.12.0 shows three points in a
+    /// picture of 480x360.
     const SEEN: [(Vec3, [f64; 3], [Point; 3]); 4] = [
         (
             [0.3, -0.2, 0.5],

@@ -15,8 +15,8 @@ use crate::physics::{com_pos, kinematics};
 use crate::tasks::Common;
 use crate::{Data, Model};
 
-/// The position of the free camera, with the names of MuJoCo's `mjvCamera`; absent values are computed from the
-/// model.
+/// The position of the free camera, with the names of MuJoCo's `mjvCamera`; absent values are
+/// computed from the model.
 ///
 /// It follows `trackbodyid` in x and y.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -25,7 +25,8 @@ pub struct CameraConfig {
     /// Distance from the point that it looks at, in m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub distance: Option<f64>,
-    /// Direction in the horizontal plane, in degrees; at 90 it looks along y, and x is to the right.
+    /// Direction in the horizontal plane, in degrees; at 90 it looks along y, and x is to the
+    /// right.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub azimuth: Option<f64>,
     /// Direction against the horizontal plane, in degrees; negative from above.
@@ -46,7 +47,8 @@ impl gym_core::ArgumentType for CameraConfig {
 }
 
 impl CameraConfig {
-    /// A camera at a distance, with azimuth and elevation in degrees, that looks at a height and follows a body.
+    /// A camera at a distance, with azimuth and elevation in degrees, that looks at a height and
+    /// follows a body.
     pub(crate) const fn following(
         body: i32,
         distance: f64,
@@ -106,7 +108,8 @@ struct Own {
     pos: Vec3,
     quat: [f64; 4],
     fovy: f64,
-    /// In the initial configuration: orientation, and place against the body and against its centre of mass.
+    /// In the initial configuration: orientation, and place against the body and against its centre
+    /// of mass.
     mat0: Mat3,
     from_body: Vec3,
     from_com: Vec3,

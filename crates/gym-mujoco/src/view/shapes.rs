@@ -1,7 +1,7 @@
 //! Shaded spheres, capsules and cylinders.
 //!
-//! A round shape is drawn as outlines within each other, from dark to bright, each smaller and nearer to the light. So it
-//! looks round with plain fills alone, at any size and in any format.
+//! A round shape is drawn as outlines within each other, from dark to bright, each smaller and
+//! nearer to the light. So it looks round with plain fills alone, at any size and in any format.
 
 use gym_core::canvas::{Canvas, Color, Point};
 

@@ -1,4 +1,5 @@
-//! Actions that try to break a simulation: no task answers them with numbers that are not finite, a panic or a hang.
+//! Actions that try to break a simulation: no task answers them with numbers that are not finite, a
+//! panic or a hang.
 
 use gym_core::{Array, BoxEnv, Env, EnvExt, Space, Value, builder, registry};
 use gym_mujoco::simulated;

@@ -1,4 +1,5 @@
-//! Whole episodes of Gymnasium 1.4.0 on MuJoCo 3.12.0, by digest: the same observations, rewards and ends, byte for byte.
+//! Whole episodes of Gymnasium 1.4.0 on MuJoCo 3.12.0, by digest: the same observations, rewards
+//! and ends, byte for byte.
 
 use gym_core::{EnvExt, make};
 use gym_mujoco as _;
@@ -143,7 +144,8 @@ fn digest(id: &str, seed: u64, steps: usize, constants: &[u32; 64]) -> (String, 
     (sha.finish(constants), episodes)
 }
 
-/// Each seed of each id is 1000 steps. One seed is always compared, all where `GYM_REFERENCE` is set.
+/// Each seed of each id is 1000 steps. One seed is always compared, all where `GYM_REFERENCE` is
+/// set.
 #[test]
 fn episodes_have_gymnasiums_digests() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/recorded/episodes.json");

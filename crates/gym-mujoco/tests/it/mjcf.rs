@@ -1,4 +1,5 @@
-//! Models that the reader of MJCF refuses: each error names the line, the element and the attribute.
+//! Models that the reader of MJCF refuses: each error names the line, the element and the
+//! attribute.
 
 use gym_mujoco::{Error, Model};
 
@@ -379,8 +380,8 @@ fn classes_within_classes_start_from_them() {
     );
 }
 
-/// Texts whose reading would take a machine for minutes if it took the square of their length. Each takes a moment, which a
-/// test cannot assert: it would hang.
+/// Texts whose reading would take a machine for minutes if it took the square of their length. Each
+/// takes a moment, which a test cannot assert: it would hang.
 #[test]
 fn large_texts_are_read_in_time_or_refused() {
     let refused = |text: String, message: &str| {
@@ -479,7 +480,8 @@ fn keyframes_are_as_many_as_the_largest_size_says() {
     }
 }
 
-/// A total mass scales all masses and moments alike; the world, and shapes without volume, weigh nothing.
+/// A total mass scales all masses and moments alike; the world, and shapes without volume, weigh
+/// nothing.
 #[test]
 fn a_total_mass_scales_masses_and_moments() {
     let model = |compiler: &str| {
@@ -541,7 +543,8 @@ fn with_lines(lines: &str) -> serde_json::Value {
     serde_json::to_value(model).unwrap()
 }
 
-/// Each attribute of a section says something, and of several elements each keeps what the others do not say.
+/// Each attribute of a section says something, and of several elements each keeps what the others
+/// do not say.
 #[test]
 fn attributes_of_sections_count_wherever_they_are() {
     let sections: [(&str, &[(&str, &str)]); 3] = [
@@ -626,8 +629,8 @@ fn inertia_comes_from_where_it_is_said_to() {
     assert!((mass("<compiler inertiafromgeom=\"true\"/>") - sphere).abs() < 1e-9);
 }
 
-/// A body on slides along the axes, which is turned at most behind them, has a diagonal part of the inertia matrix: without turns
-/// with numbers that do not change.
+/// A body on slides along the axes, which is turned at most behind them, has a diagonal part of the
+/// inertia matrix: without turns with numbers that do not change.
 #[test]
 fn bodies_of_the_world_are_simple_by_their_joints() {
     let slide = |axis: &str| format!("<joint type=\"slide\" axis=\"{axis}\"/>");

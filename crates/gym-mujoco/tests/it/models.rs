@@ -1,4 +1,5 @@
-//! The built-in models against the figures that MuJoCo 3.12.0 compiles for the models of Gymnasium 1.4.0.
+//! The built-in models against the figures that MuJoCo 3.12.0 compiles for the models of Gymnasium
+//! 1.4.0.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;

@@ -1,6 +1,7 @@
 //! Steps and forward calls of libmujoco 3.12.0, repeated to the last bit.
 //!
-//! The recordings of this crate are always compared; more, where `GYM_REFERENCE` names a folder that has them.
+//! The recordings of this crate are always compared; more, where `GYM_REFERENCE` names a folder
+//! that has them.
 
 use std::path::{Path, PathBuf};
 
@@ -28,8 +29,9 @@ fn recordings(kind: &str) -> Vec<PathBuf> {
     paths
 }
 
-/// Recordings that are not repeated to the last bit, and how near they are. From 60 degrees of freedom on libmujoco sums in the
-/// order of its sparse matrices; and of springs of free joints, its arc tangent is not the nearest number in one case.
+/// Recordings that are not repeated to the last bit, and how near they are. From 60 degrees of
+/// freedom on libmujoco sums in the order of its sparse matrices; and of springs of free joints,
+/// its arc tangent is not the nearest number in one case.
 const TO_ROUNDING: [&str; 2] = ["steps.mixed01.json", "steps.mixed11.json"];
 
 /// The largest difference, relative above 1; infinite where lengths, keys or whole numbers differ.
@@ -115,7 +117,8 @@ fn steps() {
     all("steps", "after");
 }
 
-/// Recordings differ in what they keep where there is no island: nothing, or the first of MuJoCo's counts.
+/// Recordings differ in what they keep where there is no island: nothing, or the first of MuJoCo's
+/// counts.
 #[test]
 fn as_many_counts_of_the_solver_as_recorded() {
     for recorded in [json!([]), json!([0])] {

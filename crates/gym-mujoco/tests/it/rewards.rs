@@ -184,7 +184,8 @@ const RANGES: [Range; 7] = [
     }),
 ];
 
-/// A step is paid for where it ends in health, and the first that does not ends the episode, if it may.
+/// A step is paid for where it ends in health, and the first that does not ends the episode, if it
+/// may.
 #[test]
 fn health_is_what_its_ranges_say() {
     for (id, name, [low, high], reads) in RANGES {
@@ -414,7 +415,8 @@ fn a_used_task_tells_after_a_reset_what_a_new_one_does() {
     }
 }
 
-/// Goals are drawn where they may lie: the target within the reach of the arm, the object away from its goal.
+/// Goals are drawn where they may lie: the target within the reach of the arm, the object away from
+/// its goal.
 #[test]
 fn goals_lie_where_they_may() {
     for version in ["v2", "v4", "v5"] {

@@ -1,4 +1,5 @@
-//! Every simulation can be stored, never ends in numbers that are not finite, and allocates nothing.
+//! Every simulation can be stored, never ends in numbers that are not finite, and allocates
+//! nothing.
 
 use std::path::Path;
 
@@ -292,8 +293,9 @@ fn bad_controls_count_as_none() {
     }
 }
 
-/// The figures of a model, as they are stored, with another number in one place: each in turn is changed a little, much, and to
-/// the impossible. Of an array the first, middle and last row stand for all.
+/// The figures of a model, as they are stored, with another number in one place: each in turn is
+/// changed a little, much, and to the impossible. Of an array the first, middle and last row stand
+/// for all.
 fn damaged(figures: &Json) -> Vec<Json> {
     let mut all = Vec::new();
     for (field, numbers) in figures.as_object().unwrap() {
@@ -325,7 +327,8 @@ fn damaged(figures: &Json) -> Vec<Json> {
     all
 }
 
-/// The figures of a model that came from outside may say anything. What is accepted can be simulated.
+/// The figures of a model that came from outside may say anything. What is accepted can be
+/// simulated.
 #[test]
 fn damaged_figures_are_refused_or_work() {
     let mut refused = 0;
@@ -344,7 +347,8 @@ fn damaged_figures_are_refused_or_work() {
     assert!(refused > 500, "{refused}");
 }
 
-/// Newton's steps go on after one that made things worse, so hardly a line search finds the forces that a thorough one does.
+/// Newton's steps go on after one that made things worse, so hardly a line search finds the forces
+/// that a thorough one does.
 #[test]
 fn few_evaluations_find_the_same_accelerations() {
     let model = |name: &str, option: &str| {

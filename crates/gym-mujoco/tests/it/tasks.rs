@@ -200,7 +200,8 @@ fn a_snapshot_holds_states_alone() {
             .map(|env| env.simulation().model.clone())
             .expect("a task");
         let text = serde_json::to_value(env.snapshot().unwrap()).unwrap();
-        // the state now, and the one that the last step started from; the generator's, and what was measured in the step
+        // the state now, and the one that the last step started from; the generator's, and what was
+        // measured in the step
         let states = 2 * (model.nq() + 2 * model.nv() + model.nu() + 1);
         let held = numbers(&text);
         assert!(

@@ -1,6 +1,7 @@
 //! Recorded episodes of Gymnasium's MuJoCo environments, repeated.
 //!
-//! The recordings of this crate are always compared; more, where `GYM_REFERENCE` names a folder that has them.
+//! The recordings of this crate are always compared; more, where `GYM_REFERENCE` names a folder
+//! that has them.
 
 use std::path::{Path, PathBuf};
 

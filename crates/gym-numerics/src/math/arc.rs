@@ -61,8 +61,8 @@ fn turned(from: f64, from_rest: f64, angle: f64, rest: f64) -> (f64, f64) {
     (difference, low + (from_rest - rest))
 }
 
-/// The arc tangent of a quotient in (0, 1], in two parts: that of a multiple of 1/128 turned back leaves a
-/// small angle, whose series converges at once.
+/// The arc tangent of a quotient in (0, 1], in two parts: that of a multiple of 1/128 turned back
+/// leaves a small angle, whose series converges at once.
 #[inline(always)]
 fn slope<F: Fma>(low: f64, high: f64) -> (f64, f64) {
     // both brought near 1, so that no product overflows or vanishes

@@ -48,8 +48,8 @@ fn beyond(x: f64) -> f64 {
     if x < 0.0 { 0.0 } else { x + f64::INFINITY }
 }
 
-/// e^(x + rest) = 2^(k / 128) (1 + fraction): `scale` has the bits of 2^(k / 128), whose exponent may be
-/// out of range.
+/// e^(x + rest) = 2^(k / 128) (1 + fraction): `scale` has the bits of 2^(k / 128), whose exponent
+/// may be out of range.
 pub(super) struct Parts {
     pub(super) scale: u64,
     pub(super) k: i64,
@@ -81,8 +81,8 @@ pub(super) fn large<F: Fma>(scale: u64, fraction: f64) -> f64 {
     2f64.powi(1009) * F::fma(scale, fraction, scale)
 }
 
-/// A result that may be subnormal, of a scale that may be negative: it is rounded once, to the digits
-/// that it will have. (Here glibc's compiler fuses nothing.)
+/// A result that may be subnormal, of a scale that may be negative: it is rounded once, to the
+/// digits that it will have. (Here glibc's compiler fuses nothing.)
 #[cold]
 pub(super) fn small(scale: u64, fraction: f64) -> f64 {
     let scale = f64::from_bits(scale.wrapping_add(1022 << 52));

@@ -88,8 +88,8 @@ fn sum_to_odd(a: f64, b: f64) -> f64 {
     f64::from_bits(if away { bits + 1 } else { bits - 1 })
 }
 
-/// `a * b + c` of single precision, rounded once: the product is exact in `f64`, and a sum to odd there
-/// is rounded rightly to `f32`.
+/// `a * b + c` of single precision, rounded once: the product is exact in `f64`, and a sum to odd
+/// there is rounded rightly to `f32`.
 #[inline]
 pub(super) fn fma_f32(a: f32, b: f32, c: f32) -> f32 {
     sum_to_odd(f64::from(a) * f64::from(b), f64::from(c)) as f32

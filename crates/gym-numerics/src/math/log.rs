@@ -1,5 +1,5 @@
-//! Logarithms: `ln` after ARM's optimized routines (`log.c`, MIT), `ln_1p` after fdlibm (`s_log1p.c`),
-//! each as glibc computes it.
+//! Logarithms: `ln` after ARM's optimized routines (`log.c`, MIT), `ln_1p` after fdlibm
+//! (`s_log1p.c`), each as glibc computes it.
 
 use super::Fma;
 use super::tables::LOG;
@@ -122,8 +122,8 @@ pub(super) fn ln_1p<F: Fma>(x: f64) -> f64 {
             F::fma(-(x * x), 0.5, x)
         };
     }
-    // 1 + x = 2^k (1 + f), with 1 + f between the square roots of 1/2 and 2 to the 32 highest bits, and c is
-    // the rounding error, relative to 1 + x
+    // 1 + x = 2^k (1 + f), with 1 + f between the square roots of 1/2 and 2 to the 32 highest bits,
+    // and c is the rounding error, relative to 1 + x
     let high_word = |x: f64| (x.to_bits() >> 32) as u32;
     let (k, f, c) = if high_word(x) < 0x3fda_827a || (x < 0.0 && high_word(x) <= 0xbfd2_bec3) {
         (0, x, 0.0)

@@ -44,8 +44,8 @@ pub trait Kernel {
     fn run<R: Real>(self, token: R::Token) -> Self::Output;
 }
 
-/// Runs a kernel with as many numbers at once as a CPU of this level computes with; one by one if it has
-/// no fused multiply-add.
+/// Runs a kernel with as many numbers at once as a CPU of this level computes with; one by one if
+/// it has no fused multiply-add.
 #[inline]
 pub fn widest<K: Kernel>(level: Level, kernel: K) -> K::Output {
     if cfg!(feature = "emulate-fma") {
@@ -76,8 +76,9 @@ pub fn widest<K: Kernel>(level: Level, kernel: K) -> K::Output {
     kernel.run::<One<Emulated>>(())
 }
 
-/// Calls the first function, compiled for a CPU with fused multiply-adds, if this is one, else the second.
-/// Both must be `#[inline(always)]` closures that differ only in [`Hardware`] and [`Emulated`].
+/// Calls the first function, compiled for a CPU with fused multiply-adds, if this is one, else the
+/// second. Both must be `#[inline(always)]` closures that differ only in [`Hardware`] and
+/// [`Emulated`].
 ///
 /// Put it around a whole step, not inside: arguments and results pass through memory.
 #[inline(always)]
@@ -145,8 +146,9 @@ functions! {
         (sin.value(), cos.value())
     };
 
-    /// The angle of a point from the positive x axis, in rad within ±π: computed with more digits than the
-    /// result has, and rounded once. glibc's is the number next to it for 1 argument in 1100.
+    /// The angle of a point from the positive x axis, in rad within ±π: computed with more digits
+    /// than the result has, and rounded once. glibc's is the number next to it for 1 argument in
+    /// 1100.
     fn atan2(y: f64, x: f64) -> f64 = |F| arc::atan2::<F>(y, x);
 
     /// e^x.
@@ -175,6 +177,7 @@ functions! {
     /// `powf(x, 2.0)`, which is not `x * x` for about one argument in 1400.
     fn square_f32(x: f32) -> f32 = |F| pow::powf_2::<F>(x);
 
-    /// The natural logarithm of 1 + x, correctly rounded, as glibc 2.41 has it. (That of 2.36 is another one.)
+    /// The natural logarithm of 1 + x, correctly rounded, as glibc 2.41 has it. (That of 2.36 is
+    /// another one.)
     fn ln_1p_f32(x: f32) -> f32 = |F| log::ln_1p::<F>(f64::from(x)) as f32;
 }

@@ -50,7 +50,8 @@ pub fn sin_cos(x: f32) -> (f32, f32) {
 mod tests {
     use super::*;
 
-    /// Argument, sine and cosine, as bits, where numpy 2.4.6 differs from the correctly rounded result.
+    /// Argument, sine and cosine, as bits, where numpy 2.4.6 differs from the correctly rounded
+    /// result.
     #[test]
     fn single_precision_sine_and_cosine_are_numpys() {
         const CASES: [[u32; 3]; 7] = [

@@ -18,8 +18,8 @@ const A: [f64; 7] = [
     f64::from_bits(0xbfc0_002b_8b26_3fc3) * -8.0,
 ];
 
-/// The logarithm of the positive normal number with these bits, in two parts. (A subnormal one comes
-/// normalised, with an exponent that is not positive.)
+/// The logarithm of the positive normal number with these bits, in two parts. (A subnormal one
+/// comes normalised, with an exponent that is not positive.)
 #[inline(always)]
 fn ln<F: Fma>(bits: u64) -> (f64, f64) {
     let offset = bits.wrapping_sub(START);
@@ -136,8 +136,8 @@ fn special<F: Fma>(x: f64, y: f64) -> f64 {
     positive::<F>(bits, y, sign < 0.0)
 }
 
-/// x^2 of the C library's `pow`, which is within 0.511 units in the last place: the product, unless the
-/// exact square is so near to the middle between two numbers that the other one may come.
+/// x^2 of the C library's `pow`, which is within 0.511 units in the last place: the product, unless
+/// the exact square is so near to the middle between two numbers that the other one may come.
 #[inline(always)]
 pub(super) fn square<R: Real>(x: R) -> R {
     /// How far from the product the exact square may be, in its unit in the last place.

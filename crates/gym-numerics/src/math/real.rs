@@ -110,7 +110,8 @@ pub trait Real:
         trig::cos(self)
     }
 
-    /// Python's `x ** 2`, which is the C library's `pow`: not `x * x` for about one number in a thousand.
+    /// Python's `x ** 2`, which is the C library's `pow`: not `x * x` for about one number in a
+    /// thousand.
     #[inline(always)]
     fn square(self) -> Self {
         pow::square(self)
@@ -122,8 +123,8 @@ pub trait Real:
         pow::square_f32(self)
     }
 
-    /// Python's `x % b` for `b` above 0: in `[0, b)`, or `b` itself where a tiny negative number rounds
-    /// up to it.
+    /// Python's `x % b` for `b` above 0: in `[0, b)`, or `b` itself where a tiny negative number
+    /// rounds up to it.
     #[inline(always)]
     fn modulo(self, b: f64) -> Self {
         // beyond this many times `b`, the quotient is not found by adding

@@ -1,5 +1,5 @@
-//! The functions against recorded results of glibc, against the platform's where that is glibc, with
-//! fused multiply-adds of the CPU and without, one by one and in vectors.
+//! The functions against recorded results of glibc, against the platform's where that is glibc,
+//! with fused multiply-adds of the CPU and without, one by one and in vectors.
 
 use std::hint::black_box;
 
@@ -119,7 +119,8 @@ fn same(a: f64, b: f64) -> bool {
     a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan())
 }
 
-/// Arguments of every kind: uniform ones, of every exponent, of any bits, and near multiples of π/4.
+/// Arguments of every kind: uniform ones, of every exponent, of any bits, and near multiples of
+/// π/4.
 fn arguments(bounds: &[f64], count: usize, mut check: impl FnMut(f64)) {
     let mut rng = Generator::from(11);
     let each = count / (bounds.len() + 3);
@@ -205,7 +206,8 @@ fn functions_are_the_platforms() {
     }
 }
 
-/// Where `log1p` and `expm1` go over to another series is decided by the 32 highest bits of the argument, which random ones seldom meet.
+/// Where `log1p` and `expm1` go over to another series is decided by the 32 highest bits of the
+/// argument, which random ones seldom meet.
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 #[test]
 fn functions_are_the_platforms_where_their_series_change() {
@@ -243,7 +245,8 @@ fn functions_are_the_platforms_where_their_series_change() {
     }
 }
 
-/// As on a CPU without fused multiply-add, and on a platform that is only asked for sums and products.
+/// As on a CPU without fused multiply-add, and on a platform that is only asked for sums and
+/// products.
 #[test]
 fn emulated_multiply_adds_change_nothing() {
     for Function {
@@ -334,8 +337,8 @@ fn single_precision_is_the_platforms() {
     }
 }
 
-/// glibc's is not correctly rounded for 1 argument in 1100; no result depends on which one comes, for
-/// angles are only compared.
+/// glibc's is not correctly rounded for 1 argument in 1100; no result depends on which one comes,
+/// for angles are only compared.
 #[expect(clippy::disallowed_methods, reason = "these are what is compared with")]
 #[test]
 fn arc_tangents_are_the_platforms_within_a_unit() {
@@ -370,8 +373,8 @@ fn arc_tangents_are_the_platforms_within_a_unit() {
     }
 }
 
-/// Results of glibc 2.36, mostly where the correctly rounded result is another one: bits of arguments and
-/// results.
+/// Results of glibc 2.36, mostly where the correctly rounded result is another one: bits of
+/// arguments and results.
 #[test]
 fn hard_cases_are_glibcs() {
     let number = |digits: &str| f64::from_bits(u64::from_str_radix(digits, 16).unwrap());

@@ -1,5 +1,6 @@
-//! Sine and cosine, as glibc computes them on x86-64 with fused multiply-add: a reduction to an angle
-//! within ±π/4 and its rounding error, a table of steps of 1/128, and short polynomials between them.
+//! Sine and cosine, as glibc computes them on x86-64 with fused multiply-add: a reduction to an
+//! angle within ±π/4 and its rounding error, a table of steps of 1/128, and short polynomials
+//! between them.
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 
@@ -9,8 +10,8 @@ use super::{One, Real};
 
 /// Adding it leaves the multiple of 1/128 that is nearest in the lowest bits: 1.5 * 2^45.
 const BIG: f64 = 52_776_558_133_248.0;
-/// Adding and subtracting it rounds to the nearest whole number, which is then in the lowest bits of the
-/// sum: 1.5 * 2^52.
+/// Adding and subtracting it rounds to the nearest whole number, which is then in the lowest bits
+/// of the sum: 1.5 * 2^52.
 const ROUND: f64 = 6_755_399_441_055_744.0;
 /// Angles below are not reduced.
 const UNREDUCED: f64 = 0.855_468_75;
@@ -31,12 +32,13 @@ const PARTS: [f64; 4] = [
     -1.903_488_962_019_326_6e-25,
 ];
 
-/// The one angle, with its negative, for which glibc's `sin` chooses another row of its table than this
-/// reduction and glibc's `sincos`, and its sine there. It lies half-way between two rows.
+/// The one angle, with its negative, for which glibc's `sin` chooses another row of its table than
+/// this reduction and glibc's `sincos`, and its sine there. It lies half-way between two rows.
 const HALF_WAY: f64 = f64::from_bits(0x3ffa_d1fb_5444_2d18);
 const SIN_HALF_WAY: f64 = f64::from_bits(0x3fef_d27a_cee5_50dc);
 
-/// Coefficients of x^3 and x^5 of the sine, and x^2, x^4 and x^6 of 1 minus the cosine, within 1/256.
+/// Coefficients of x^3 and x^5 of the sine, and x^2, x^4 and x^6 of 1 minus the cosine, within
+/// 1/256.
 const S3: f64 = -0.166_666_666_666_664_88;
 const S5: f64 = 0.008_333_332_142_857_223;
 const C2: f64 = 0.5;
@@ -52,8 +54,8 @@ const SINE: [f64; 5] = [
     -0.166_666_666_666_666_66,
 ];
 
-/// An angle without its whole quarter turns: its value in two parts, and the quarter turns in the lowest
-/// bits of a number.
+/// An angle without its whole quarter turns: its value in two parts, and the quarter turns in the
+/// lowest bits of a number.
 struct Reduced<R> {
     a: R,
     da: R,
@@ -99,7 +101,8 @@ impl<R: Real> Reduced<R> {
         }
     }
 
-    /// One formula for small angles and for others, whose turns are counted and subtracted by the parts of PARTS.
+    /// One formula for small angles and for others, whose turns are counted and subtracted by the
+    /// parts of PARTS.
     #[inline(always)]
     fn of_any(x: R, near: R::Mask, one: R) -> Self {
         let shifted = x.fma(x.same(FRAC_2_PI), x.same(ROUND));
@@ -339,8 +342,8 @@ fn sin_cos_of_huge(x: f64) -> (f64, f64) {
     (sin.value(), cos.value())
 }
 
-/// The reduction of an angle from HUGE on, after Payne and Hanek (1983): of 2/π only those digits count
-/// that do not give whole turns.
+/// The reduction of an angle from HUGE on, after Payne and Hanek (1983): of 2/π only those digits
+/// count that do not give whole turns.
 fn reduce_huge(x: f64) -> Reduced<One<Emulated>> {
     // x = mantissa * 2^exponent
     let exponent = (x.to_bits() >> 52 & 0x7ff).cast_signed() - 1075;

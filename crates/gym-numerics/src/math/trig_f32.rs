@@ -1,7 +1,8 @@
 //! Sine and cosine of an `f32`, with the same bits on every platform.
 //!
-//! This is the algorithm that glibc uses on x86-64 (ARM's optimized routines: reduction to a quarter turn
-//! and polynomials, in `f64`), whose result is the same with fused multiply-add and without.
+//! This is the algorithm that glibc uses on x86-64 (ARM's optimized routines: reduction to a
+//! quarter turn and polynomials, in `f64`), whose result is the same with fused multiply-add and
+//! without.
 
 /// Polynomial of the sine over ±π/4: x + S1 x³ + S2 x⁵ + S3 x⁷.
 const SIN: [f64; 3] = [

@@ -61,8 +61,8 @@ impl Generator {
     }
 
     /// The same where the elements of `out` take turns with upper bounds of their own: numpy's
-    /// `integers(low, high, dtype=np.uint8, endpoint=True)` with an array of bounds that are broadcast
-    /// along the last axis. Without bounds, `out` stays as it is.
+    /// `integers(low, high, dtype=np.uint8, endpoint=True)` with an array of bounds that are
+    /// broadcast along the last axis. Without bounds, `out` stays as it is.
     pub fn integers_u8_each(&mut self, low: u8, highs_inclusive: &[u8], out: &mut [u8]) {
         let (mut bytes, mut left) = (0u32, 0);
         let mut next = || {
@@ -93,8 +93,8 @@ impl Generator {
     /// An index into `p` with these probabilities: numpy's `choice(len(p), p=p)`.
     ///
     /// Draws one [`random`](Self::random). The sum need not be one exactly. If no sum of leading
-    /// probabilities exceeds the draw, for instance if all are 0, it returns the last index (0 if there
-    /// is none).
+    /// probabilities exceeds the draw, for instance if all are 0, it returns the last index (0 if
+    /// there is none).
     #[inline]
     pub fn choice_p(&mut self, p: &[f64]) -> usize {
         let total: f64 = p.iter().sum();
@@ -127,7 +127,8 @@ impl Generator {
 
     /// The number of trials of probability `p` up to the first success: 1 or more.
     ///
-    /// For `p` of 1 or more it returns 1; for `p` of 0 or less, or NaN, it returns `i64::MAX` and draws nothing.
+    /// For `p` of 1 or more it returns 1; for `p` of 0 or less, or NaN, it returns `i64::MAX` and
+    /// draws nothing.
     pub fn geometric(&mut self, p: f64) -> i64 {
         if p >= 1.0 / 3.0 {
             self.geometric_search(p)

@@ -1,4 +1,5 @@
-//! Randomness, bit for bit numpy's: `np.random.Generator(np.random.PCG64(np.random.SeedSequence(seed)))`.
+//! Randomness, bit for bit numpy's:
+//! `np.random.Generator(np.random.PCG64(np.random.SeedSequence(seed)))`.
 //!
 //! [`Generator`] has the methods of numpy's that Gymnasium's environments, spaces and wrappers
 //! call. Each draws the same words in the same order as numpy 2 does (read at v2.4.6), so the same

@@ -7,7 +7,8 @@ use serde::de::{Deserializer, Unexpected, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 use thiserror::Error;
 
-/// A seed: a whole number, zero or greater, of up to 4300 decimal digits (as many as Python's `int` reads).
+/// A seed: a whole number, zero or greater, of up to 4300 decimal digits (as many as Python's `int`
+/// reads).
 ///
 /// ```
 /// use gym_numerics::Seed;

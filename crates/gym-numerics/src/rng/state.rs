@@ -10,8 +10,8 @@ use super::Generator;
 const HAS_HALF: u64 = 1 << 32;
 
 impl Generator {
-    /// The whole state: PCG64's state and its increment, each in two words, the higher one first, and half a word that was not
-    /// drawn yet (2^32 and it, or 0). serde stores a generator so.
+    /// The whole state: PCG64's state and its increment, each in two words, the higher one first,
+    /// and half a word that was not drawn yet (2^32 and it, or 0). serde stores a generator so.
     pub fn words(&self) -> [u64; 5] {
         /// The fields of [`Pcg64`], which shows them through serde alone.
         #[derive(Deserialize)]
@@ -35,7 +35,8 @@ impl Generator {
     /// The generator of such [`words`](Self::words).
     ///
     /// # Errors
-    /// An error text if the increment is even, or the last word is not 0 and not between 2^32 and 2^33.
+    /// An error text if the increment is even, or the last word is not 0 and not between 2^32 and
+    /// 2^33.
     pub fn from_words(
         [state_high, state, increment_high, increment, half]: [u64; 5],
     ) -> Result<Self, String> {

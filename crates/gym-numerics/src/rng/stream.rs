@@ -56,7 +56,8 @@ impl Stream for Generator {
 }
 
 /// The [`Stream`] of an environment that draws only whole words, such as
-/// [`random`](Generator::random) and [`uniform`](Generator::uniform): 32 bytes, without a half word.
+/// [`random`](Generator::random) and [`uniform`](Generator::uniform): 32 bytes, without a half
+/// word.
 #[derive(Clone, Debug)]
 pub struct WordStream(Pcg64);
 

@@ -1,4 +1,5 @@
-//! The ziggurat tables of numpy 2.4.6, number for number: rebuilt ones would differ in the last bits.
+//! The ziggurat tables of numpy 2.4.6, number for number: rebuilt ones would differ in the last
+//! bits.
 //!
 //! Copyright (c) 2005-2025, NumPy Developers. All rights reserved. From
 //! `numpy/random/src/distributions/ziggurat_constants.h`, under the BSD 3-clause licence: its text

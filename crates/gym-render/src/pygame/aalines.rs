@@ -45,7 +45,8 @@ pub(super) fn aalines(pixels: &mut impl Pixels, points: &[Point], closed: bool, 
 struct Join {
     /// Whether its end lies between pixels: its ends are then left to its neighbours.
     off: bool,
-    /// Whether it is steep and the one before is not, or the reverse: its ends are drawn all the same.
+    /// Whether it is steep and the one before is not, or the reverse: its ends are drawn all the
+    /// same.
     turns: bool,
     /// Whether an open chain begins with it.
     is_first: bool,

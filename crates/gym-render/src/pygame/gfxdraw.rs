@@ -56,8 +56,8 @@ fn clip(mut p: [i16; 2], mut q: [i16; 2], [right, bottom]: [i16; 2]) -> Option<[
     None
 }
 
-/// A line whose pixels share their colour with their neighbours across it. The end is left to the next
-/// line.
+/// A line whose pixels share their colour with their neighbours across it. The end is left to the
+/// next line.
 fn aaline(pixels: &mut impl Pixels, p: [i32; 2], q: [i32; 2], color: Color) {
     let corner = [(pixels.width() - 1) as i16, (pixels.height() - 1) as i16];
     let Some([p, q]) = clip(p.map(|x| x as i16), q.map(|x| x as i16), corner) else {
@@ -140,7 +140,8 @@ fn fill<const MOST: usize>(pixels: &mut impl Pixels, points: &[Point], color: Co
     });
 }
 
-/// Shows `draw` the runs that are inside of a polygon, in these rows; the ends may come in either order.
+/// Shows `draw` the runs that are inside of a polygon, in these rows; the ends may come in either
+/// order.
 #[inline]
 fn scan<const MOST: usize>(
     rows: Range<i32>,
@@ -162,8 +163,8 @@ fn scan<const MOST: usize>(
 /// Rows that [`polygon`] takes at once.
 pub(crate) const MOST_ROWS: usize = 64;
 
-/// [`aapolygon`] and then [`filled_polygon`], of the same points. The part of the outline under the inside is
-/// not drawn.
+/// [`aapolygon`] and then [`filled_polygon`], of the same points. The part of the outline under the
+/// inside is not drawn.
 pub(crate) fn polygon(pixels: &mut impl Pixels, points: &[Point], color: Color) {
     let rows = pixels.rows();
     let mut inside = Inside {
@@ -198,13 +199,15 @@ pub(crate) fn polygon(pixels: &mut impl Pixels, points: &[Point], color: Color) 
     );
 }
 
-/// For some rows, the pixels that the inside of a polygon covers: from the first to before the second.
+/// For some rows, the pixels that the inside of a polygon covers: from the first to before the
+/// second.
 struct Inside {
     top: i32,
     runs: [[i32; 2]; MOST_ROWS],
 }
 
-/// A surface on which the pixels within a polygon stay as they are: only its own colour may be drawn on them.
+/// A surface on which the pixels within a polygon stay as they are: only its own colour may be
+/// drawn on them.
 struct Outside<'a, P> {
     pixels: &'a mut P,
     inside: &'a Inside,

@@ -3,9 +3,9 @@
 //! Written from a description of pygame-ce 2.5.8's output and tested against recordings of it
 //! (`tests/pygame`). One file per module of pygame: [`gfxdraw`], [`draw`], [`aalines`].
 //!
-//! All functions draw on [`Pixels`]: some rows of a surface. Calls are clipped as by pygame at the edges of the
-//! *surface*, and rows that are not stored are skipped, so one surface can be drawn in bands (see
-//! [`sheet`](crate::sheet)).
+//! All functions draw on [`Pixels`]: some rows of a surface. Calls are clipped as by pygame at the
+//! edges of the *surface*, and rows that are not stored are skipped, so one surface can be drawn in
+//! bands (see [`sheet`](crate::sheet)).
 
 mod aalines;
 mod draw;
@@ -37,8 +37,8 @@ pub(crate) trait Pixels {
     /// Colours the pixels `x1..=x2` of a row. All lie on the surface, in a row that is kept.
     fn run(&mut self, x1: i32, x2: i32, y: i32, color: Color);
 
-    /// Changes a channel of a pixel from `d` to `f(d, s)`, `s` being the channel of the colour. The pixel
-    /// lies on the surface, in a row that is kept.
+    /// Changes a channel of a pixel from `d` to `f(d, s)`, `s` being the channel of the colour. The
+    /// pixel lies on the surface, in a row that is kept.
     fn change(&mut self, x: i32, y: i32, color: Color, f: impl Fn(u8, u8) -> u8);
 
     /// `gfxdraw`'s blending, with a weight below 256: `d += ((s - d) * weight) >> 8`.
@@ -48,8 +48,8 @@ pub(crate) trait Pixels {
         });
     }
 
-    /// [`blend`](Self::blend), of the pixels `x1..=x2` of a row, each with the weight for its `x`. All lie on the
-    /// surface, in a row that is kept.
+    /// [`blend`](Self::blend), of the pixels `x1..=x2` of a row, each with the weight for its `x`.
+    /// All lie on the surface, in a row that is kept.
     #[inline]
     fn blend_span(&mut self, x1: i32, x2: i32, y: i32, color: Color, weight: impl Fn(i32) -> i32) {
         for x in x1..=x2 {
@@ -179,8 +179,8 @@ impl Edge {
     }
 }
 
-/// The edges of a polygon that are not level: from the last point to the first, from the first to the
-/// second, and so on. And its first and last row.
+/// The edges of a polygon that are not level: from the last point to the first, from the first to
+/// the second, and so on. And its first and last row.
 struct Edges<const MOST: usize> {
     edges: [Edge; MOST],
     count: usize,
@@ -219,9 +219,9 @@ impl<const MOST: usize> Edges<MOST> {
         edges
     }
 
-    /// Shows `draw` the pairs of places between which each of these rows lies inside. `cut` tells where a row
-    /// cuts an edge, given how many cuts came before. A row cuts an edge from its upper end on, and the last
-    /// row of the polygon those too that end there.
+    /// Shows `draw` the pairs of places between which each of these rows lies inside. `cut` tells
+    /// where a row cuts an edge, given how many cuts came before. A row cuts an edge from its upper
+    /// end on, and the last row of the polygon those too that end there.
     #[inline]
     fn scan(
         &self,

@@ -1,7 +1,7 @@
 //! `pygame.transform.smoothscale`, for shrinking.
 //!
-//! Each sample of the smaller image is the mean of the samples it covers, partly at its ends, in 16-bit
-//! integers that round down: a plain image becomes up to two levels darker.
+//! Each sample of the smaller image is the mean of the samples it covers, partly at its ends, in
+//! 16-bit integers that round down: a plain image becomes up to two levels darker.
 
 /// One sample of the smaller image: its start and its shares.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -47,8 +47,8 @@ impl<const N: usize> Band<'_, N> {
         row * self.layout.windows.len() + window
     }
 
-    /// The pixels of a window, written out; `None` if it has the colour of this band already, so that drawing in
-    /// that colour changes nothing.
+    /// The pixels of a window, written out; `None` if it has the colour of this band already, so
+    /// that drawing in that colour changes nothing.
     #[inline]
     fn unless_plain(&mut self, index: usize) -> Option<&mut Written<N>> {
         let flat = self.flat[index];
@@ -91,7 +91,8 @@ impl<const N: usize> Band<'_, N> {
     fn flatten(&mut self, row: usize, windows: Range<usize>) {
         let start = self.index(row, 0);
         let flat = &mut self.flat[start..][windows];
-        // quads, of which the last may overlap with the one before, are faster than any number of windows
+        // quads, of which the last may overlap with the one before, are faster than any number of
+        // windows
         if let Some(end) = flat.last_chunk_mut() {
             *end = [self.color; 4];
             flat.as_chunks_mut().0.fill([self.color; 4]);

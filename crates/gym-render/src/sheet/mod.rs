@@ -1,12 +1,13 @@
 //! A large surface of pygame's that is shrunk to a frame, without ever being whole.
 //!
-//! Calls are recorded until the surface is complete. It is then drawn in bands of a few rows, which stay
-//! in the cache: each row is shrunk horizontally, and the narrow rows are summed vertically.
+//! Calls are recorded until the surface is complete. It is then drawn in bands of a few rows, which
+//! stay in the cache: each row is shrunk horizontally, and the narrow rows are summed vertically.
 //!
-//! The pixels of a row that become one pixel of the narrow row are a *window*; two neighbours share the pixel
-//! between them. Nearly everywhere a window has one colour, and is kept as that colour alone. It is written
-//! out in pixels when a border between colours, or a smoothed pixel, falls into it, and is one colour again
-//! when a run covers it. [`band`] draws, [`shrink`] makes windows pixels of the frame.
+//! The pixels of a row that become one pixel of the narrow row are a *window*; two neighbours share
+//! the pixel between them. Nearly everywhere a window has one colour, and is kept as that colour
+//! alone. It is written out in pixels when a border between colours, or a smoothed pixel, falls
+//! into it, and is one colour again when a run covers it. [`band`] draws, [`shrink`] makes windows
+//! pixels of the frame.
 
 mod band;
 mod shrink;
@@ -21,7 +22,8 @@ use crate::pygame;
 use band::Band;
 use shrink::Shrink;
 
-/// Rows of a band: few enough to stay in the cache, and enough to outweigh the cost of each call in each band.
+/// Rows of a band: few enough to stay in the cache, and enough to outweigh the cost of each call in
+/// each band.
 const BAND: usize = pygame::MOST_ROWS;
 
 /// A surface is shrunk to no less than a part of that many, as sums of more pixels would not fit.
@@ -320,8 +322,8 @@ impl Sheet {
     }
 }
 
-/// The end of the band that begins at a row, and the number of calls up to the last one that covers it
-/// all: earlier calls are covered.
+/// The end of the band that begins at a row, and the number of calls up to the last one that covers
+/// it all: earlier calls are covered.
 fn band(calls: &[Call], top: usize, height: usize) -> (usize, usize) {
     let mut bottom = (top + BAND).min(height);
     let mut first = 0;

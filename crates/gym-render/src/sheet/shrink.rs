@@ -11,19 +11,21 @@ type Sum = [u16; 4];
 
 /// Shrinks rows, and sums them up.
 ///
-/// Most windows have the same colour as in the row above, and most pixels of the frame the colour of the
-/// pixel above. Where a row of the frame is made of whole rows, a window is *loose* as long as it has one colour
-/// and had no other for the row of the frame above: it has no sum, and its pixel is that above.
+/// Most windows have the same colour as in the row above, and most pixels of the frame the colour
+/// of the pixel above. Where a row of the frame is made of whole rows, a window is *loose* as long
+/// as it has one colour and had no other for the row of the frame above: it has no sum, and its
+/// pixel is that above.
 #[derive(Debug, Default)]
 pub(super) struct Shrink {
     pub(super) layout: Layout,
     columns: Vec<Phase>,
     rows: Vec<Phase>,
-    /// The colours of the windows in the row before, with those that are written out, and a bit for each of these.
+    /// The colours of the windows in the row before, with those that are written out, and a bit for
+    /// each of these.
     before: Vec<u32>,
     marks: Vec<u64>,
-    /// The colour that each window last had, as a whole, and the pixel of the narrow row that it becomes. From
-    /// row to row few change.
+    /// The colour that each window last had, as a whole, and the pixel of the narrow row that it
+    /// becomes. From row to row few change.
     colors: Vec<u32>,
     plain: Vec<Sum>,
     /// The row from which on that pixel is still to be added to the sums.
@@ -198,8 +200,8 @@ impl Shrink {
         }
     }
 
-    /// Completes a row of the frame in which no window is loose. The last row of the surface has a share in the
-    /// next one.
+    /// Completes a row of the frame in which no window is loose. The last row of the surface has a
+    /// share in the next one.
     fn complete_all<const N: usize>(
         &mut self,
         pixels: &[Written<N>],

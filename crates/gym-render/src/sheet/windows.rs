@@ -22,7 +22,8 @@ pub(super) struct Layout {
     pub(super) to: (usize, usize),
     /// One for each pixel of the narrow row.
     pub(super) windows: Vec<Window>,
-    /// For the border left of each pixel, the window that it lies in; at the ends of the row, the nearest.
+    /// For the border left of each pixel, the window that it lies in; at the ends of the row, the
+    /// nearest.
     pub(super) border: Vec<u16>,
     /// Pixels of the widest window.
     pub(super) widest: usize,
@@ -31,11 +32,12 @@ pub(super) struct Layout {
 /// Room for the pixels of any window, in whole vector registers.
 pub(super) const MOST: usize = MOST_SHRUNK + 16;
 
-/// The pixels of a window that is written out: all reds, all greens and all blues. Pixels beyond the end of
-/// the window mean nothing.
+/// The pixels of a window that is written out: all reds, all greens and all blues. Pixels beyond
+/// the end of the window mean nothing.
 pub(super) type Written<const N: usize> = [[u8; N]; 3];
 
-/// Marks some pixels of a window with 255, the others with 0. It takes no branch that the processor would have to guess.
+/// Marks some pixels of a window with 255, the others with 0. It takes no branch that the processor
+/// would have to guess.
 #[inline]
 pub(super) fn mark<const N: usize>(pixels: Range<usize>) -> [u8; N] {
     static STEP: [u8; 2 * MOST] = {

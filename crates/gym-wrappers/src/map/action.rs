@@ -25,8 +25,8 @@ pub trait ActionMap: Clone + fmt::Debug + Send + 'static {
     /// [`Error::InvalidArgument`] for arguments or a space that it cannot map to.
     fn new(config: &Self::Config, inner: &Space) -> Result<(Self, Space)>;
 
-    /// The inner action: made from `action` in place, or in `buffer`, which holds the result of an earlier
-    /// call. Real numbers of `action` are of the space's type or `float64`.
+    /// The inner action: made from `action` in place, or in `buffer`, which holds the result of an
+    /// earlier call. Real numbers of `action` are of the space's type or `float64`.
     fn map<'a>(&self, action: &'a mut Value, buffer: &'a mut Value) -> &'a Value;
 }
 
@@ -80,8 +80,8 @@ impl<T, M: ActionMap> MapAction<T, M> {
         &self.map
     }
 
-    /// The action in the form that is mapped: real numbers of a `Box` as an array, in the precision in which they came, whose
-    /// bounds are not checked; any other action as it is.
+    /// The action in the form that is mapped: real numbers of a `Box` as an array, in the precision
+    /// in which they came, whose bounds are not checked; any other action as it is.
     fn take(space: &Space, action: &mut Value, buffer: &mut Value) -> Result<()> {
         match (space, &*action) {
             (Space::Box(inner), Value::Array(array))

@@ -1,5 +1,5 @@
-//! Wrappers without state: maps of observations, actions or rewards, with one adapter each that serves
-//! environments and vectors.
+//! Wrappers without state: maps of observations, actions or rewards, with one adapter each that
+//! serves environments and vectors.
 //!
 //! A map consists of its arguments, its effect on a space, and its effect on a value:
 //!

@@ -12,25 +12,28 @@ pub trait ObservationMap: Clone + fmt::Debug + Send + 'static {
     /// The arguments.
     type Config: WrapperConfig + Clone + fmt::Debug + Send + 'static;
 
-    /// Whether [`map`](Self::map) also maps batches of observations. Otherwise a vector maps row by row.
+    /// Whether [`map`](Self::map) also maps batches of observations. Otherwise a vector maps row by
+    /// row.
     const TAKES_BATCHES: bool = false;
 
     /// The map of observations of a space, and the space that it maps to.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`](gym_core::Error::InvalidArgument) for arguments or a space that it cannot
-    /// map.
+    /// [`Error::InvalidArgument`](gym_core::Error::InvalidArgument) for arguments or a space that
+    /// it cannot map.
     fn new(config: &Self::Config, inner: &Space) -> Result<(Self, Space)>;
 
-    /// Writes the mapped observation to `out`. If elements of the space are arrays, `out` is an array of
-    /// their type and shape; otherwise its content is arbitrary.
+    /// Writes the mapped observation to `out`. If elements of the space are arrays, `out` is an
+    /// array of their type and shape; otherwise its content is arbitrary.
     ///
     /// # Errors
-    /// [`Error::Contract`](gym_core::Error::Contract) for an observation that is not in the inner space.
+    /// [`Error::Contract`](gym_core::Error::Contract) for an observation that is not in the inner
+    /// space.
     fn map(&self, inner: &Value, out: &mut Value) -> Result<()>;
 }
 
-/// Maps the observations of an environment, or of each sub-environment of a vector, final ones included.
+/// Maps the observations of an environment, or of each sub-environment of a vector, final ones
+/// included.
 #[derive(Clone, Debug)]
 pub struct MapObservation<T, M: ObservationMap> {
     inner: T,

@@ -17,14 +17,14 @@ enum Method {
         width: usize,
         out_width: usize,
     },
-    /// Neither size grows: for each row and column of the result, the rows and columns of the source
-    /// that it covers, with their shares.
+    /// Neither size grows: for each row and column of the result, the rows and columns of the
+    /// source that it covers, with their shares.
     Shares {
         rows: Vec<Vec<(usize, f32)>>,
         columns: Vec<Vec<(usize, f32)>>,
     },
-    /// A size grows: for each row and column of the result, the two of the source that it lies between,
-    /// with their shares in units of 1/2048.
+    /// A size grows: for each row and column of the result, the two of the source that it lies
+    /// between, with their shares in units of 1/2048.
     Between { rows: Vec<Pair>, columns: Vec<Pair> },
 }
 

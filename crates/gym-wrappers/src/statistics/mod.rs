@@ -1,5 +1,5 @@
-//! Running mean and variance by Chan's parallel update: Gymnasium's `RunningMeanStd`, in its order of
-//! operations.
+//! Running mean and variance by Chan's parallel update: Gymnasium's `RunningMeanStd`, in its order
+//! of operations.
 
 mod moments;
 mod normalizer;
@@ -17,8 +17,8 @@ const INITIAL_COUNT: f64 = 1e-4;
 /// `RunningMeanStd`.
 ///
 /// [`NormalizeObservation`](crate::NormalizeObservation) and
-/// [`NormalizeReward`](crate::NormalizeReward) have one each, around environments and vectors. It is
-/// data: take it out of a training, store it as JSON, set it in an environment for evaluation.
+/// [`NormalizeReward`](crate::NormalizeReward) have one each, around environments and vectors. It
+/// is data: take it out of a training, store it as JSON, set it in an environment for evaluation.
 ///
 /// ```
 /// use gym_wrappers::RunningMeanStd;
@@ -96,7 +96,8 @@ impl TryFrom<Parts> for RunningMeanStd {
 }
 
 impl RunningMeanStd {
-    /// The statistics of `len` numbers before the first row: mean 0, variance 1, and next to no weight.
+    /// The statistics of `len` numbers before the first row: mean 0, variance 1, and next to no
+    /// weight.
     pub fn new(len: usize) -> Self {
         let moments = Moments::F32(Of {
             mean: vec![0.0; len],
@@ -120,12 +121,12 @@ impl RunningMeanStd {
         }
     }
 
-    /// These statistics: `mean` and `variance` of as many numbers, both `float32` or both `float64`, of
-    /// `count` rows.
+    /// These statistics: `mean` and `variance` of as many numbers, both `float32` or both
+    /// `float64`, of `count` rows.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for other types or lengths, a variance that is negative or NaN, or a
-    /// count that is not above 0.
+    /// [`Error::InvalidArgument`] for other types or lengths, a variance that is negative or NaN,
+    /// or a count that is not above 0.
     pub fn from_moments(mean: &Array, variance: &Array, count: f64) -> Result<Self> {
         let moments = match (mean.data(), variance.data()) {
             (Data::F32(mean), Data::F32(var)) => Moments::F32(Of {

@@ -100,7 +100,8 @@ impl<T: Real> Samples<T> {
         self.values.extend(row);
     }
 
-    /// Computes mean and variance of each column, and returns the number of rows. The rows are used up.
+    /// Computes mean and variance of each column, and returns the number of rows. The rows are used
+    /// up.
     pub(crate) fn moments(&mut self) -> usize {
         let Self {
             row_len,
@@ -136,8 +137,8 @@ impl<T: Real> Samples<T> {
     }
 }
 
-/// The sum of each column, as `numpy.add.reduce` over axis 0: row after row, but pairwise if the rows
-/// are single numbers.
+/// The sum of each column, as `numpy.add.reduce` over axis 0: row after row, but pairwise if the
+/// rows are single numbers.
 fn sum_columns<T: Real>(values: &[T], sums: &mut [T]) {
     if let [sum] = sums {
         *sum = pairwise_sum(values);
@@ -204,7 +205,8 @@ mod tests {
 
     type Moments<const N: usize> = ([u64; N], [u64; N]);
 
-    /// Mean and variance of `1 / (i + 3)`, alone and beside `i * i % 17` and `-1 / (2 * i + 1)`, after a batch that is forgotten.
+    /// Mean and variance of `1 / (i + 3)`, alone and beside `i * i % 17` and `-1 / (2 * i + 1)`,
+    /// after a batch that is forgotten.
     fn moments<T: Real>(n: usize, bits: impl Fn(T) -> u64) -> (Moments<1>, Moments<3>) {
         let row = |i: usize| {
             let x = i as f64;

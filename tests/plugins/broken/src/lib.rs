@@ -1,9 +1,9 @@
 //! One deliberately faulty environment for each check of gym-conform, named after it:
-//! `broken/reward-finite-v0` breaks the rule `reward-finite` and no other, and `broken/reward-finite.late-v0` breaks
-//! the same rule in another way.
+//! `broken/reward-finite-v0` breaks the rule `reward-finite` and no other, and
+//! `broken/reward-finite.late-v0` breaks the same rule in another way.
 //!
-//! They are all the same [`Walk`], in which one [`Fault`] is planted, or around which there is one twist.
-//! `broken/none-v0` has none.
+//! They are all the same [`Walk`], in which one [`Fault`] is planted, or around which there is one
+//! twist. `broken/none-v0` has none.
 
 mod arguments;
 mod fault;

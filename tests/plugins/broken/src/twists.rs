@@ -1,7 +1,8 @@
 //! Faults in what a walk shows, remembers, copies and takes.
 //!
-//! Each [`Twist`] writes the method anew that it breaks, and leaves the others to the [`Walk`](crate::Walk). Those that are named after
-//! no check, as `broken/none.late-drawing-v0`, are sound, and unusual.
+//! Each [`Twist`] writes the method anew that it breaks, and leaves the others to the
+//! [`Walk`](crate::Walk). Those that are named after no check, as `broken/none.late-drawing-v0`,
+//! are sound, and unusual.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;

@@ -18,8 +18,8 @@ use crate::{Config, Fault};
 
 /// Walk from the middle to either end of a line, with the wind.
 ///
-/// The observation is the position and the wind, both from -1 to 1; the actions are left and right. It is made for
-/// arguments of the type `C`.
+/// The observation is the position and the wind, both from -1 to 1; the actions are left and right.
+/// It is made for arguments of the type `C`.
 #[derive(Debug)]
 pub struct Walk<C = Config> {
     fault: Fault,

@@ -7,7 +7,8 @@ use gym_render as _;
 use gym_wrappers as _;
 use serde_json::{Value as Json, json};
 
-/// Kept observations are restored as they were shown, and not every environment shows elements of its space alone.
+/// Kept observations are restored as they were shown, and not every environment shows elements of
+/// its space alone.
 const KEEPS_OBSERVATIONS: &[&str] = &["snapshot-legal"];
 /// A count of steps is restored as it was stored, beside the count of the time limit within.
 const COUNTS_STEPS: &[&str] = &["snapshot-legal"];

@@ -11,8 +11,8 @@
 //! | limit | 200 steps |
 //! | info | `wind`: by how many cells the last step was blown |
 //!
-//! Source: Sutton and Barto, "Reinforcement Learning: An Introduction" (2nd edition, 2018), example 6.5 and exercises 6.9
-//! and 6.10; the book starts in row 3 throughout.
+//! Source: Sutton and Barto, "Reinforcement Learning: An Introduction" (2nd edition, 2018), example
+//! 6.5 and exercises 6.9 and 6.10; the book starts in row 3 throughout.
 
 use gym_core::canvas::{Canvas, Color};
 use gym_core::keys::json;
@@ -34,7 +34,8 @@ gym_core::arguments! {
     pub struct Config {
         /// Whether the agent moves along diagonals as well.
         pub king: bool,
-        /// Whether the wind of a windy column is one cell weaker or stronger, each a third of the time.
+        /// Whether the wind of a windy column is one cell weaker or stronger, each a third of the
+        /// time.
         pub stochastic: bool,
     }
 }

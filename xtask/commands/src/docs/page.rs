@@ -1,4 +1,5 @@
-//! The pages about the environments, from their registrations and the documentation of their modules.
+//! The pages about the environments, from their registrations and the documentation of their
+//! modules.
 
 use std::path::PathBuf;
 

@@ -1,19 +1,20 @@
-//! A quick test that spares most times of impact: whether a moving shape surely stays away from a static one.
+//! A quick test that spares most times of impact: whether a moving shape surely stays away from a
+//! static one.
 
 use super::math::{Vec2, cross_one, dot, max, min, normalize, transform, vec2};
 use super::settings::LINEAR_SLOP;
 use super::shape::MAX_VERTICES;
 use super::time_of_impact::Moving;
 
-/// By how much the bound must exceed the distance at which [`time_of_impact`](super::time_of_impact) reports one: far
-/// more than rounding is worth.
+/// By how much the bound must exceed the distance at which
+/// [`time_of_impact`](super::time_of_impact) reports one: far more than rounding is worth.
 const MARGIN: f32 = 0.5 * LINEAR_SLOP;
 /// A larger turn within a step is left to the full algorithm.
 const MAX_TURN: f32 = 0.5;
 
-/// Whether the first of two shapes stands at the origin and an axis keeps the second away from it for all of its
-/// motion, with room to spare; `reach` is the distance at which they count as touching. The
-/// [time of impact](super::time_of_impact::time_of_impact) is then none.
+/// Whether the first of two shapes stands at the origin and an axis keeps the second away from it
+/// for all of its motion, with room to spare; `reach` is the distance at which they count as
+/// touching. The [time of impact](super::time_of_impact::time_of_impact) is then none.
 pub(crate) fn stays_away(ground: &Moving<'_>, moving: &Moving<'_>, reach: f32) -> bool {
     let still = &ground.sweep;
     let zero = Vec2::zeros();

@@ -185,7 +185,8 @@ impl BroadPhase {
         self.proxies[self.place(id)].fixture
     }
 
-    /// Whether a proxy exists and belongs to a fixture; any fixture may stand for an edge of the terrain.
+    /// Whether a proxy exists and belongs to a fixture; any fixture may stand for an edge of the
+    /// terrain.
     pub(crate) fn holds(&self, id: u32, fixture: u32) -> bool {
         self.terrain.edge_of(id).is_some()
             || self

@@ -19,8 +19,8 @@ pub(super) struct Begun {
     pub(super) seed: Option<usize>,
 }
 
-/// The members of an island in the order in which they are solved, and all working memory of a step. It belongs to
-/// no world: between steps it holds nothing.
+/// The members of an island in the order in which they are solved, and all working memory of a
+/// step. It belongs to no world: between steps it holds nothing.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Island {
     pub(crate) bodies: Vec<u32>,

@@ -1,9 +1,9 @@
 //! The velocity sweeps of many worlds in lockstep: one world in each lane of vector registers.
 //!
-//! A sweep is a chain of operations that wait for each other, so one world alone leaves a CPU idle; worlds side by
-//! side fill it. It needs islands that are alike: the same bodies and hinges in the same order, as the
-//! environments' have. A contact that one world has and another has not is masked. An island that differs is solved by itself
-//! ([`Lanes::load`]); the bits are the same.
+//! A sweep is a chain of operations that wait for each other, so one world alone leaves a CPU idle;
+//! worlds side by side fill it. It needs islands that are alike: the same bodies and hinges in the
+//! same order, as the environments' have. A contact that one world has and another has not is
+//! masked. An island that differs is solved by itself ([`Lanes::load`]); the bits are the same.
 
 use fearless_simd::{Level, Simd, dispatch};
 
@@ -15,7 +15,8 @@ use super::joint::lanes::Hinge;
 use super::lane_bodies::Bodies;
 use super::wide::{LANES, Strip};
 
-/// Fewer worlds are solved faster one by one, as their sweeps repeat (see [`sweeps`](super::sweeps)).
+/// Fewer worlds are solved faster one by one, as their sweeps repeat (see
+/// [`sweeps`](super::sweeps)).
 const FEWEST: usize = 4;
 /// The contacts of one body that there is room for.
 const TOUCHES: usize = 8;
@@ -109,8 +110,8 @@ impl Lanes {
         place
     }
 
-    /// Takes the island of a step that has begun into the next lane, and gives its number; `None` if it is not like
-    /// those that are there, or there are [`LANES`].
+    /// Takes the island of a step that has begun into the next lane, and gives its number; `None`
+    /// if it is not like those that are there, or there are [`LANES`].
     fn load(&mut self, world: &Box2d, island: &Island) -> Option<usize> {
         let Begun {
             step,
@@ -213,8 +214,8 @@ impl Lanes {
         }
     }
 
-    /// As [`sweeps::sweep`](super::sweeps::sweep): all joints, then all contacts. Those of different bodies are
-    /// independent.
+    /// As [`sweeps::sweep`](super::sweeps::sweep): all joints, then all contacts. Those of
+    /// different bodies are independent.
     #[inline(always)]
     fn sweep_strip<S: Simd, const R: usize>(&mut self, strip: Strip<S, R>) {
         let Self {

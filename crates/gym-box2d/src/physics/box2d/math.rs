@@ -61,7 +61,8 @@ pub(crate) fn length(v: Vec2) -> f32 {
     dot(v, v).sqrt()
 }
 
-/// The vector of length 1, and the length it had; shorter ones than `f32::EPSILON` stay as they are.
+/// The vector of length 1, and the length it had; shorter ones than `f32::EPSILON` stay as they
+/// are.
 #[inline]
 pub(crate) fn normalize(v: Vec2) -> (Vec2, f32) {
     let length = length(v);

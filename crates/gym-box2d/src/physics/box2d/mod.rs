@@ -2,8 +2,8 @@
 //!
 //! The algorithms are Erin Catto's (sequential impulses with warm starting, islands, continuous
 //! collision), written anew; see the notices. Everything iterates in Box2D's order, newest first,
-//! because the order decides bits. Features that Gymnasium's environments do not need are left out: kinematic
-//! bodies and bullets, damping, chains, other joints, filter groups.
+//! because the order decides bits. Features that Gymnasium's environments do not need are left out:
+//! kinematic bodies and bullets, damping, chains, other joints, filter groups.
 //!
 //! | file | idea | Box2D |
 //! |---|---|---|
@@ -61,15 +61,15 @@ use super::{
     BodyDef, ContactEvent, Filter, FixtureDef, FixtureId, RayHit, RevoluteJointDef, Shape,
 };
 
-/// The contacts, bodies and joints that the working memory of a step has room for without allocating: more than the
-/// environments ever have.
+/// The contacts, bodies and joints that the working memory of a step has room for without
+/// allocating: more than the environments ever have.
 const CONTACTS: usize = 64;
 const BODIES: usize = 32;
 const JOINTS: usize = 8;
 /// The bodies that a world with terrain has room for: those that move, and the edges near them.
 const NEAR: usize = 18;
-/// The contacts and events for each moving fixture that a world has room for. A world keeps this memory from step to
-/// step, and with small worlds more of them fit the cache.
+/// The contacts and events for each moving fixture that a world has room for. A world keeps this
+/// memory from step to step, and with small worlds more of them fit the cache.
 const CONTACTS_EACH: usize = 8;
 const EVENTS_EACH: usize = 4;
 
@@ -149,7 +149,8 @@ impl Box2d {
         self.new_fixture = true;
     }
 
-    /// The fixture of an edge of the terrain, on a static body of its own; both are made if there are none.
+    /// The fixture of an edge of the terrain, on a static body of its own; both are made if there
+    /// are none.
     fn fixture_of_edge(&mut self, edge: usize, proxy: u32) -> u32 {
         for Contact {
             fixture_a,
@@ -262,8 +263,8 @@ impl Box2d {
             .reserve_exact(more(EVENTS_EACH, self.events.len()));
     }
 
-    /// Reads a number or two of each object, so that its cache lines are fetched. This is safe in a world that a panic left
-    /// inconsistent, too.
+    /// Reads a number or two of each object, so that its cache lines are fetched. This is safe in a
+    /// world that a panic left inconsistent, too.
     pub(crate) fn touch(&self) -> u32 {
         let joints = self
             .joints

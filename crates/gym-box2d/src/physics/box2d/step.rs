@@ -8,8 +8,9 @@ use super::{Box2d, TimeStep};
 use crate::physics::Filter;
 
 impl Box2d {
-    /// The first part of a step: contacts, and the first island up to its velocity sweeps, if there is one. These are to
-    /// be made before the step is [finished](Self::finish), with the same working memory.
+    /// The first part of a step: contacts, and the first island up to its velocity sweeps, if there
+    /// is one. These are to be made before the step is [finished](Self::finish), with the same
+    /// working memory.
     pub(in crate::physics) fn begin(
         &mut self,
         island: &mut Island,
@@ -43,7 +44,8 @@ impl Box2d {
         island.begun = Some(Begun { step, seed });
     }
 
-    /// The rest of the step that has begun, if one has: positions, further islands, times of impact.
+    /// The rest of the step that has begun, if one has: positions, further islands, times of
+    /// impact.
     pub(in crate::physics) fn finish(&mut self, island: &mut Island) {
         let Some(Begun { step, seed }) = island.begun.take() else {
             return;
@@ -186,8 +188,8 @@ impl Box2d {
         self.find_new_contacts(pairs);
     }
 
-    /// All that `seed` touches or is joined to, depth first; the search ends at static bodies. False
-    /// if there is no such island, because the body sleeps or is part of another.
+    /// All that `seed` touches or is joined to, depth first; the search ends at static bodies.
+    /// False if there is no such island, because the body sleeps or is part of another.
     pub(crate) fn gather(&mut self, island: &mut Island, seed: u32) -> bool {
         if self.bodies[seed].island || !self.bodies[seed].awake {
             return false;

@@ -1,10 +1,10 @@
 //! Velocity sweeps, and skipping those that repeat.
 //!
-//! The result of a sweep depends on the velocities and contact impulses at its start, and on the joints'
-//! impulses only where these meet a bound. After some sweeps velocities and contact
+//! The result of a sweep depends on the velocities and contact impulses at its start, and on the
+//! joints' impulses only where these meet a bound. After some sweeps velocities and contact
 //! impulses stop changing, or alternate between two states in their last bits. From then on each
-//! sweep adds to the joints' impulses the same amounts as the sweep two before it. Only these additions are
-//! made, as long as the same bounds are met. The bits equal those of all sweeps.
+//! sweep adds to the joints' impulses the same amounts as the sweep two before it. Only these
+//! additions are made, as long as the same bounds are met. The bits equal those of all sweeps.
 
 use super::contact_solver::Constraint as Contact;
 use super::joint::{Constraint as Joint, Increment};

@@ -1,7 +1,8 @@
 //! Terrain: a line of edges at the origin, each a static body of its own.
 //!
-//! Most edges are far from moving bodies, so the world stores only two points of each, and one box for every few. An
-//! edge has a body and a fixture while a moving body is near: between steps a static body has no state.
+//! Most edges are far from moving bodies, so the world stores only two points of each, and one box
+//! for every few. An edge has a body and a fixture while a moving body is near: between steps a
+//! static body has no state.
 
 use serde::{Deserialize, Serialize};
 

@@ -95,8 +95,8 @@ fn chain() -> Box2d {
     world
 }
 
-/// Terrain takes little room, and bodies on it move as on edges that are bodies of their own, with rays, snapshots
-/// and times of impact.
+/// Terrain takes little room, and bodies on it move as on edges that are bodies of their own, with
+/// rays, snapshots and times of impact.
 #[test]
 fn terrain_is_as_many_static_bodies() {
     let points: Vec<Vec2> = (0..60)
@@ -489,7 +489,8 @@ fn masses_are_box2ds() {
     assert_eq!(about_origin, 0.833_314_9);
 }
 
-/// Twelve bodies of every shape, some hinged, fall upon each other until they sleep. Written by `tests/reference/pile.py`.
+/// Twelve bodies of every shape, some hinged, fall upon each other until they sleep. Written by
+/// `tests/reference/pile.py`.
 #[test]
 fn a_pile_falls_as_box2ds() {
     let mut world = Box2d::new(v(0.0, -10.0));
@@ -561,7 +562,8 @@ fn a_pile_falls_as_box2ds() {
     assert_eq!(done, 300);
 }
 
-/// Steps on from `done` to `step`, where bodies have the recorded position, angle, velocity and angular velocity.
+/// Steps on from `done` to `step`, where bodies have the recorded position, angle, velocity and
+/// angular velocity.
 fn move_as_recorded(
     world: &mut Box2d,
     bodies: &[u32],
@@ -588,8 +590,8 @@ fn move_as_recorded(
     }
 }
 
-/// Bodies that bounce in slots more often than a step allows, pass their walls, or are wedged in and never sleep. Written by
-/// `tests/reference/tight.py`.
+/// Bodies that bounce in slots more often than a step allows, pass their walls, or are wedged in
+/// and never sleep. Written by `tests/reference/tight.py`.
 #[test]
 fn bodies_in_tight_places_move_as_box2ds() {
     let mut world = Box2d::new(v(0.0, -10.0));

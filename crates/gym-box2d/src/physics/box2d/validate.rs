@@ -12,7 +12,8 @@ fn has<T>(arena: &Arena<T>, slots: &[u32]) -> bool {
 }
 
 impl Box2d {
-    /// Whether a fixture that stands for an edge of the terrain has its shape and place, and a contact that needs it.
+    /// Whether a fixture that stands for an edge of the terrain has its shape and place, and a
+    /// contact that needs it.
     fn is_of_terrain_rightly(&self, id: u32) -> bool {
         let terrain = &self.broad_phase.terrain;
         let fixture = &self.fixtures[id];

@@ -1,7 +1,7 @@
 //! Numbers of many worlds side by side, one in each lane of vector registers.
 //!
-//! Each operation rounds as that of one `f32`. Every function called under `fearless_simd` is `#[inline(always)]`:
-//! otherwise it is compiled without the CPU's vector instructions.
+//! Each operation rounds as that of one `f32`. Every function called under `fearless_simd` is
+//! `#[inline(always)]`: otherwise it is compiled without the CPU's vector instructions.
 
 use std::ops::{Add, BitAnd, BitOr, Mul, Neg, Not, Sub};
 
@@ -25,7 +25,8 @@ impl Row {
     }
 }
 
-/// `R` registers full of numbers: with two, one is computed with while the other waits for a result.
+/// `R` registers full of numbers: with two, one is computed with while the other waits for a
+/// result.
 #[derive(Clone, Copy)]
 pub(super) struct Wide<S: Simd, const R: usize>([S::f32s; R]);
 
@@ -229,7 +230,8 @@ impl<S: Simd, const R: usize> Pair<S, R> {
         }
     }
 
-    /// The velocity of a point at this lever due to an angular velocity: [`math::cross_scalar`](super::math::cross_scalar).
+    /// The velocity of a point at this lever due to an angular velocity:
+    /// [`math::cross_scalar`](super::math::cross_scalar).
     #[inline(always)]
     pub(super) fn turned_by(self, w: Wide<S, R>) -> Self {
         Self {

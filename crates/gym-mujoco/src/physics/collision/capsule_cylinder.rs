@@ -1,5 +1,6 @@
-//! A capsule and a cylinder: MuJoCo's `mjc_Convex`. The distance of the capsule's axis from the cylinder tells a contact, as long as
-//! the axis does not enter the cylinder; then the whole capsule is taken out of it.
+//! A capsule and a cylinder: MuJoCo's `mjc_Convex`. The distance of the capsule's axis from the
+//! cylinder tells a contact, as long as the axis does not enter the cylinder; then the whole
+//! capsule is taken out of it.
 
 use super::super::spatial::{
     MINVAL, Mat3, Vec3, add, add_scaled, axis_angle, column, dot, norm, normalize, quat_to_mat,
@@ -15,8 +16,8 @@ const TURN: f64 = 1e-3;
 /// Most contacts of the two shapes.
 const MOST: usize = 5;
 
-/// The contact of the two shapes, and up to four more, found with the shapes turned a little about it, as far as they are
-/// `apart` from those found before.
+/// The contact of the two shapes, and up to four more, found with the shapes turned a little about
+/// it, as far as they are `apart` from those found before.
 pub(super) fn capsule_cylinder(
     a: Shape<'_>,
     b: Shape<'_>,

@@ -1,8 +1,9 @@
-//! How far two convex sets overlap, by the expanding polytope algorithm: a polytope within their difference grows where it is
-//! nearest to the origin, until it is as near as the difference itself.
+//! How far two convex sets overlap, by the expanding polytope algorithm: a polytope within their
+//! difference grows where it is nearest to the origin, until it is as near as the difference
+//! itself.
 //!
-//! It repeats MuJoCo's `engine_collision_gjk` operation by operation, down to the order of the list of faces, which decides between
-//! faces that are equally near.
+//! It repeats MuJoCo's `engine_collision_gjk` operation by operation, down to the order of the list
+//! of faces, which decides between faces that are equally near.
 
 use super::super::spatial::{MINVAL, Mat3, Vec3, add, cross, dot, norm, rotate, scale, sub};
 use super::gjk::{Found, ITERATIONS, TOLERANCE, Vertex, areas, project};
@@ -55,8 +56,8 @@ impl Polytope {
         }
     }
 
-    /// The points of both sets that are as far within the other set as the sets overlap, and by how much; `None` where they do not
-    /// overlap, or nothing can be found out.
+    /// The points of both sets that are as far within the other set as the sets overlap, and by how
+    /// much; `None` where they do not overlap, or nothing can be found out.
     pub(super) fn overlap(
         &mut self,
         found: &Found,
@@ -116,7 +117,8 @@ impl Polytope {
         self.insert(support(direction))
     }
 
-    /// Adds a face, and returns the square of its distance from the origin; 0 for a face without area.
+    /// Adds a face, and returns the square of its distance from the origin; 0 for a face without
+    /// area.
     fn attach(&mut self, corners: [usize; 3], beyond: [usize; 3]) -> f64 {
         let [a, b, c] = corners.map(|v| self.vertices[v].x);
         let (nearest, square) = match project(c, b, a) {
@@ -328,7 +330,8 @@ impl Polytope {
         self.faces[face].place = Place::Removed;
     }
 
-    /// Removes the faces that can be seen from a point, from one of them on, and lists the edges where those begin that cannot.
+    /// Removes the faces that can be seen from a point, from one of them on, and lists the edges
+    /// where those begin that cannot.
     fn find_horizon(&mut self, face: usize, w: Vec3) {
         self.remove(face);
         let Face {

@@ -1,7 +1,9 @@
-//! The distance of two convex sets by the algorithm of Gilbert, Johnson and Keerthi, with the distance sub-algorithm of signed
-//! volumes (Montanari, Petrinic, Barbieri: Improving the GJK algorithm, ACM Transactions on Graphics 36, 2017).
+//! The distance of two convex sets by the algorithm of Gilbert, Johnson and Keerthi, with the
+//! distance sub-algorithm of signed volumes (Montanari, Petrinic, Barbieri: Improving the GJK
+//! algorithm, ACM Transactions on Graphics 36, 2017).
 //!
-//! It repeats MuJoCo's `engine_collision_gjk` operation by operation: where sets touch, a last bit decides how often it iterates.
+//! It repeats MuJoCo's `engine_collision_gjk` operation by operation: where sets touch, a last bit
+//! decides how often it iterates.
 
 use super::super::spatial::{MINVAL, Vec3, add_scaled, cross, dot, norm, scale, sub};
 
@@ -30,7 +32,8 @@ impl Vertex {
 
 /// The result of the algorithm.
 pub(super) struct Found {
-    /// The distance; 0 where the sets overlap, [`f64::MAX`] where they are further apart than asked about.
+    /// The distance; 0 where the sets overlap, [`f64::MAX`] where they are further apart than asked
+    /// about.
     pub(super) distance: f64,
     /// Nearest points, where the distance is neither of these.
     pub(super) nearest: [Vec3; 2],
@@ -53,11 +56,11 @@ impl Found {
     }
 }
 
-/// The distance of two sets, of which `support` gives the furthest points, of the first in a direction of length 1, of the second
-/// in the opposite one.
+/// The distance of two sets, of which `support` gives the furthest points, of the first in a
+/// direction of length 1, of the second in the opposite one.
 ///
-/// `centers` are points of the sets. From the distance `reach` on it does not matter; with 0, all that matters is whether they
-/// overlap.
+/// `centers` are points of the sets. From the distance `reach` on it does not matter; with 0, all
+/// that matters is whether they overlap.
 pub(super) fn distance(centers: [Vec3; 2], reach: f64, support: &impl Fn(Vec3) -> Vertex) -> Found {
     let (mut simplex, mut weights, mut number) = ([Vertex::default(); 4], [0.0; 4], 0);
     let mut nearest = centers;
@@ -146,8 +149,9 @@ fn combine(
     (1..number).fold(first, |sum, i| add_scaled(sum, of(&simplex[i]), weights[i]))
 }
 
-/// Whether the origin is within the difference of the sets, by exchanging the vertex of a tetrahedron that is opposite to the face
-/// which separates them most; `None` if that leads nowhere. MuJoCo's `gjkIntersect`.
+/// Whether the origin is within the difference of the sets, by exchanging the vertex of a
+/// tetrahedron that is opposite to the face which separates them most; `None` if that leads
+/// nowhere. MuJoCo's `gjkIntersect`.
 fn contains_origin(
     simplex: &mut [Vertex; 4],
     iteration: &mut usize,
@@ -183,7 +187,8 @@ fn contains_origin(
     None
 }
 
-/// How far a face is from the origin along its normal, and the normal; the largest number for a face without normal.
+/// How far a face is from the origin along its normal, and the normal; the largest number for a
+/// face without normal.
 fn signed_distance(a: &Vertex, b: &Vertex, c: &Vertex) -> (f64, Vec3) {
     const LEAST: f64 = MINVAL * MINVAL;
     const MOST: f64 = crate::physics::MAXVAL * crate::physics::MAXVAL;
@@ -239,8 +244,8 @@ fn segment(a: Vec3, b: Vec3) -> [f64; 2] {
     }
 }
 
-/// The origin projected onto the plane of a triangle; `None` where that has no area. The normal is made at the corner where it
-/// has a part towards the origin.
+/// The origin projected onto the plane of a triangle; `None` where that has no area. The normal is
+/// made at the corner where it has a part towards the origin.
 pub(super) fn project(a: Vec3, b: Vec3, c: Vec3) -> Option<Vec3> {
     let (ba, ca, cb) = (sub(b, a), sub(c, a), sub(c, b));
     for (normal, corner) in [(cross(cb, ba), b), (cross(ba, ca), a)] {
@@ -256,7 +261,8 @@ pub(super) fn project(a: Vec3, b: Vec3, c: Vec3) -> Option<Vec3> {
     Some(scale(normal, dot(normal, c) / dot(normal, normal)))
 }
 
-/// The areas of a triangle and of its three parts about a point of its plane, on the two axes on which it is largest.
+/// The areas of a triangle and of its three parts about a point of its plane, on the two axes on
+/// which it is largest.
 pub(super) fn areas([a, b, c]: [Vec3; 3], p: Vec3) -> (f64, [f64; 3]) {
     let minor = |x: usize, y: usize| {
         b[x] * c[y] - b[y] * c[x] - a[x] * c[y] + a[y] * c[x] + a[x] * b[y] - a[y] * b[x]
@@ -371,7 +377,8 @@ mod tests {
         best
     }
 
-    /// Where the origin is nearest to no corner nor edge, as it is once the algorithm has found its way.
+    /// Where the origin is nearest to no corner nor edge, as it is once the algorithm has found its
+    /// way.
     #[test]
     fn finds_the_nearest_point_of_simplices() {
         let mut seed = 1_u64;

@@ -1,7 +1,7 @@
 //! Which geoms touch, and where.
 //!
-//! All pairs that can ever touch are known from the model, in the order of their contacts. A test of bounding spheres drops
-//! most of them; it never changes the result.
+//! All pairs that can ever touch are known from the model, in the order of their contacts. A test
+//! of bounding spheres drops most of them; it never changes the result.
 
 mod capsule_cylinder;
 mod epa;
@@ -112,7 +112,8 @@ fn contact(pair: &Pair, index: usize, hit: &Hit) -> Contact {
     }
 }
 
-/// Rows of a frame: the normal, a tangent near the one given or else near y or z, and their product: MuJoCo's `mju_makeFrame`.
+/// Rows of a frame: the normal, a tangent near the one given or else near y or z, and their
+/// product: MuJoCo's `mju_makeFrame`.
 fn frame(normal: Vec3, tangent: Vec3) -> Mat3 {
     let (x, _) = normalize(normal);
     let near = match tangent {

@@ -56,8 +56,8 @@ pub(super) fn plane_capsule(
     }
 }
 
-/// The lowest point of the rim nearest to the plane, the one opposite on the other rim, and two more of the nearest rim, so
-/// that a cylinder can stand.
+/// The lowest point of the rim nearest to the plane, the one opposite on the other rim, and two
+/// more of the nearest rim, so that a cylinder can stand.
 pub(super) fn plane_cylinder(
     plane: Shape<'_>,
     cylinder: Shape<'_>,
@@ -141,7 +141,8 @@ pub(super) fn sphere_capsule(
     }
 }
 
-/// The nearest points of the two segments as spheres; for parallel segments up to two pairs of them.
+/// The nearest points of the two segments as spheres; for parallel segments up to two pairs of
+/// them.
 pub(super) fn capsule_capsule(a: Shape<'_>, b: Shape<'_>, margin: f64, push: &mut impl FnMut(Hit)) {
     let (a1, a2) = (scale(a.axis(), a.size[1]), scale(b.axis(), b.size[1]));
     let between = sub(a.pos, b.pos);

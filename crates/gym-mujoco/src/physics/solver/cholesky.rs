@@ -1,13 +1,14 @@
 //! Factors `L L'` of a positive definite matrix, each sum in libmujoco's order.
 //!
-//! The lower triangle is kept by columns: `stride` groups of four rows each. So a row's sums, which libmujoco makes one after the
-//! other, are made for four rows at once here. What is above the diagonal is not defined.
+//! The lower triangle is kept by columns: `stride` groups of four rows each. So a row's sums, which
+//! libmujoco makes one after the other, are made for four rows at once here. What is above the
+//! diagonal is not defined.
 
 use crate::physics::dense::{Lanes, minus, plus, times};
 use crate::physics::spatial::MINVAL;
 
-/// Replaces the lower triangle of a matrix of `n` rows by its factor: MuJoCo's `mju_cholFactor`. A pivot that is too small is
-/// replaced.
+/// Replaces the lower triangle of a matrix of `n` rows by its factor: MuJoCo's `mju_cholFactor`. A
+/// pivot that is too small is replaced.
 #[inline(always)]
 pub(super) fn factor(matrix: &mut [Lanes], n: usize, stride: usize) {
     for j in 0..n {
@@ -40,8 +41,9 @@ pub(super) fn factor(matrix: &mut [Lanes], n: usize, stride: usize) {
     }
 }
 
-/// The products of four rows, of which some columns are given, with a vector, as [`dot`](crate::physics::dense::dot) makes them.
-/// `element` gives the vector's element for a column and its number.
+/// The products of four rows, of which some columns are given, with a vector, as
+/// [`dot`](crate::physics::dense::dot) makes them. `element` gives the vector's element for a
+/// column and its number.
 #[inline(always)]
 fn dot_rows(
     columns: &[Lanes],
@@ -101,8 +103,8 @@ pub(super) fn solve(factor: &[Lanes], n: usize, stride: usize, x: &mut [Lanes]) 
     }
 }
 
-/// Makes `L` the factor of `L L' + x x'`, or of `L L' - x x'`: MuJoCo's `mju_cholUpdate`. False where the difference is not positive
-/// definite.
+/// Makes `L` the factor of `L L' + x x'`, or of `L L' - x x'`: MuJoCo's `mju_cholUpdate`. False
+/// where the difference is not positive definite.
 #[inline(always)]
 pub(super) fn update(
     factor: &mut [Lanes],

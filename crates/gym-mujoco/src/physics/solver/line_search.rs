@@ -31,7 +31,8 @@ impl Row {
 /// The cost along a direction, relative to that at its start.
 pub(super) struct Along<'a> {
     pub(super) rows: &'a [Row],
-    /// The factors of the length and of its square in the cost of accelerating otherwise than without constraints.
+    /// The factors of the length and of its square in the cost of accelerating otherwise than
+    /// without constraints.
     pub(super) linear: f64,
     pub(super) quadratic: f64,
     pub(super) evaluations: usize,
@@ -79,8 +80,8 @@ impl Along<'_> {
     }
 }
 
-/// The length of the step along a direction, and by how much it lowers the cost: MuJoCo's `PrimalSearch`. No length if no step
-/// lowers it.
+/// The length of the step along a direction, and by how much it lowers the cost: MuJoCo's
+/// `PrimalSearch`. No length if no step lowers it.
 ///
 /// `flat` is the slope that counts as zero, `most` the number of evaluations.
 #[inline(always)]
@@ -131,7 +132,8 @@ pub(super) fn line_search(mut along: Along<'_>, flat: f64, most: usize) -> (f64,
     }
 }
 
-/// Moves an end of the bracket to the candidates on its side that are nearer to the minimum: MuJoCo's `updateBracket`.
+/// Moves an end of the bracket to the candidates on its side that are nearer to the minimum:
+/// MuJoCo's `updateBracket`.
 #[inline(always)]
 fn narrow(along: &mut Along<'_>, p: &mut Point, candidates: &[Point; 3], next: &mut Point) -> bool {
     let mut moved = false;

@@ -1,8 +1,8 @@
-//! Newton's method on accelerations: the cost of constraints is quadratic between the places where rows start or cease to
-//! push, so that few steps with exact line search reach the minimum.
+//! Newton's method on accelerations: the cost of constraints is quadratic between the places where
+//! rows start or cease to push, so that few steps with exact line search reach the minimum.
 //!
-//! Each island is solved for itself, on vectors of its own degrees of freedom and rows: where its numbers stand decides in which
-//! order they are summed.
+//! Each island is solved for itself, on vectors of its own degrees of freedom and rows: where its
+//! numbers stand decides in which order they are summed.
 
 use std::ops::Range;
 
@@ -290,8 +290,9 @@ fn gather(problem: &Problem<'_>, efc: &Constraints, b: &mut Gathered, blocks: &[
     }
 }
 
-/// Solves one island: MuJoCo's `mj_solPrimal`. Puts its accelerations and the forces of its constraints among those of all,
-/// returns the number of iterations, and leaves the rows' forces behind.
+/// Solves one island: MuJoCo's `mj_solPrimal`. Puts its accelerations and the forces of its
+/// constraints among those of all, returns the number of iterations, and leaves the rows' forces
+/// behind.
 #[inline(always)]
 fn solve_island(
     problem: &Problem<'_>,
@@ -342,7 +343,8 @@ fn norm(a: &[Lanes], n: usize) -> f64 {
     dot(a, a, n).sqrt()
 }
 
-/// Newton's steps; the number of them. Each part is called from one place, so that its code is there once.
+/// Newton's steps; the number of them. Each part is called from one place, so that its code is
+/// there once.
 #[inline(always)]
 fn iterate(problem: &Problem<'_>, b: &mut Buffers, scale: f64, tolerance: f64) -> usize {
     let (m, n) = (problem.m, problem.n);
@@ -391,8 +393,8 @@ fn iterate(problem: &Problem<'_>, b: &mut Buffers, scale: f64, tolerance: f64) -
     }
 }
 
-/// Forces of the rows, the resulting forces on the joints, and the gradient: MuJoCo's `PrimalUpdateConstraint` and
-/// `PrimalUpdateGrad`.
+/// Forces of the rows, the resulting forces on the joints, and the gradient: MuJoCo's
+/// `PrimalUpdateConstraint` and `PrimalUpdateGrad`.
 #[inline(always)]
 fn update(problem: &Problem<'_>, b: &mut Buffers) {
     b.terms.clear();
@@ -422,7 +424,8 @@ fn update(problem: &Problem<'_>, b: &mut Buffers) {
     }
 }
 
-/// Makes and factors the Hessian of the cost, `M + J' D J` over the rows that push: MuJoCo's `MakeHessian`.
+/// Makes and factors the Hessian of the cost, `M + J' D J` over the rows that push: MuJoCo's
+/// `MakeHessian`.
 #[inline(always)]
 fn hessian(problem: &Problem<'_>, b: &mut Buffers) {
     let (n, stride, plan) = (problem.n, problem.stride, problem.m.plan());
@@ -463,7 +466,8 @@ fn hessian(problem: &Problem<'_>, b: &mut Buffers) {
     cholesky::factor(&mut b.hessian, n, stride);
 }
 
-/// Changes the factor by the rows that began or ceased to push: MuJoCo's `HessianIncremental`. False where it must be made anew.
+/// Changes the factor by the rows that began or ceased to push: MuJoCo's `HessianIncremental`.
+/// False where it must be made anew.
 #[inline(always)]
 fn update_hessian(problem: &Problem<'_>, b: &mut Buffers) -> bool {
     let mut definite = true;
@@ -490,7 +494,8 @@ fn update_hessian(problem: &Problem<'_>, b: &mut Buffers) -> bool {
     definite
 }
 
-/// The length of the step along the search direction, and the improvement; leaves `M search` and `J search` behind.
+/// The length of the step along the search direction, and the improvement; leaves `M search` and `J
+/// search` behind.
 #[inline(always)]
 fn search(problem: &Problem<'_>, b: &mut Buffers, scale: f64) -> (f64, f64) {
     let (opt, n) = (&problem.m.opt, problem.n);

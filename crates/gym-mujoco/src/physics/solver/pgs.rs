@@ -1,6 +1,7 @@
 //! Projected Gauss-Seidel on forces, with momentum and in random order, as MuJoCo 3.12.0 does it.
 //!
-//! It stops long before it converges. So order and number of iterations are part of the answer, and both are repeated.
+//! It stops long before it converges. So order and number of iterations are part of the answer, and
+//! both are repeated.
 
 use super::{dense, residuals};
 use crate::model::{Bounds, Solver};

@@ -1,8 +1,8 @@
-//! A contact of many worlds at once, between a static body and one that moves. As [`Constraint::solve_velocity`],
-//! operation by operation; what is a branch there selects here.
+//! A contact of many worlds at once, between a static body and one that moves. As
+//! [`Constraint::solve_velocity`], operation by operation; what is a branch there selects here.
 //!
-//! The static body stays at velocity 0, but `x - 0` and `x - -0` differ in the sign of a zero, so what its angular
-//! velocity gives at a lever is kept.
+//! The static body stays at velocity 0, but `x - 0` and `x - -0` differ in the sign of a zero, so
+//! what its angular velocity gives at a lever is kept.
 
 use fearless_simd::Simd;
 
@@ -252,7 +252,8 @@ impl Constraint {
         self.b.index
     }
 
-    /// The place in the island of the body that moves, if the other is static and at rest: those from `dynamic` on are.
+    /// The place in the island of the body that moves, if the other is static and at rest: those
+    /// from `dynamic` on are.
     pub(in crate::physics::box2d) fn moving_body(
         &self,
         dynamic: usize,

@@ -1,5 +1,5 @@
-//! A hinge of many worlds at once. As [`Constraint::solve_velocity`], operation by operation; what is a branch there
-//! selects here.
+//! A hinge of many worlds at once. As [`Constraint::solve_velocity`], operation by operation; what
+//! is a branch there selects here.
 
 use fearless_simd::Simd;
 

@@ -447,7 +447,7 @@ impl Tia {
             0x00 => return self.write_vsync(value, c, screen),
             0x01 => self.write_vblank(value, c, screen),
             register @ (0x04 | 0x05) => {
-                self.write_nusiz(usize::from(register) - 0x04, value, c, screen)
+                self.write_nusiz(usize::from(register) - 0x04, value, c, screen);
             }
             register @ (0x06 | 0x07) => {
                 self.write_colup(usize::from(register) - 0x06, value & 0xfe, c, screen);
@@ -463,10 +463,10 @@ impl Tia {
             }
             register @ (0x10 | 0x11) => self.reset_player(usize::from(register) - 0x10, c, screen),
             register @ 0x12..=0x14 => {
-                self.reset_missile_or_ball(usize::from(register) - 0x10, c, screen)
+                self.reset_missile_or_ball(usize::from(register) - 0x10, c, screen);
             }
             register @ (0x1b | 0x1c) => {
-                self.write_grp(usize::from(register) - 0x1b, value, c, screen)
+                self.write_grp(usize::from(register) - 0x1b, value, c, screen);
             }
             register @ (0x1d | 0x1e) => {
                 self.write_enam(usize::from(register) - 0x1d, value & 0x02 != 0, c, screen);

@@ -475,7 +475,7 @@ mod tests {
         };
         let gradients = network.gradients(&pictures, loss).unwrap();
 
-        let features = look(network.encoder.as_ref().unwrap(), &pictures).unwrap();
+        let features = encode(network.encoder.as_ref().unwrap(), &pictures).unwrap();
         let (outputs, values) = network.judge(&features).unwrap();
         let (our_outputs, our_values) = network.forward(&pictures).unwrap();
         assert!(largest(&(&our_outputs - &outputs).unwrap()) < 1e-4 * largest(&outputs));

@@ -1,4 +1,4 @@
-//! Wrappers of vectors, beyond the traces of Gymnasium, which are in parity.rs.
+//! Vector wrappers, beyond the traces of Gymnasium in parity.rs.
 
 use gym::vector::{Autoreset, SyncVectorEnv, VectorKind, VectorReset};
 use gym::wrappers::NormalizeReward;
@@ -303,8 +303,8 @@ fn bounds_are_for_one_sub_environment() {
         .unwrap();
 }
 
-/// Where a step ends an episode and begins the next, the sum of rewards begins anew with it, if the
-/// episode was truncated as well.
+/// A step that ends an episode, by truncation too, and begins the next one restarts the discounted
+/// return.
 #[test]
 fn a_truncated_episode_ends_the_discounted_return() {
     let returns = |envs: &NormalizeReward<Box<dyn VectorEnv>>| -> Vec<f64> {

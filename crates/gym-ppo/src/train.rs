@@ -168,7 +168,7 @@ impl Run {
             ..
         } = self;
         rollout.collect(&mut **envs, agent, rng, |envs| {
-            if let Some(statistics) = envs.wrapper::<RecordEpisodeStatistics<BoxVector>>() {
+            if let Some(statistics) = envs.layer::<RecordEpisodeStatistics<BoxVector>>() {
                 let ended = (0..envs.num_envs()).filter_map(|index| statistics.ended(index));
                 returns.extend(ended.map(|episode| episode.episode_return));
             }

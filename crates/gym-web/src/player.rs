@@ -335,7 +335,7 @@ impl Player {
             events,
             ..Trace::default()
         };
-        asked.replay(|_| None)
+        asked.replay()
     }
 
     /// The episode so far as a GIF of at most `frames` pictures, the first ones.

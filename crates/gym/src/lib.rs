@@ -33,8 +33,6 @@ pub use gym_bridge as bridge;
 pub use gym_classic as classic;
 #[cfg(feature = "conform")]
 pub use gym_conform as conform;
-#[cfg(feature = "trace")]
-pub use gym_conform::trace;
 pub use gym_core::*;
 #[cfg(feature = "mujoco")]
 pub use gym_mujoco as mujoco;
@@ -42,6 +40,8 @@ pub use gym_mujoco as mujoco;
 pub use gym_render as rendering;
 #[cfg(feature = "toytext")]
 pub use gym_toytext as toytext;
+#[cfg(feature = "trace")]
+pub use gym_trace as trace;
 pub use gym_wrappers as wrappers;
 pub use gym_wrappers::{VectorWrap, Wrap};
 

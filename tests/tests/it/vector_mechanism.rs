@@ -14,8 +14,8 @@ use gym::wrappers::{
     TransformObservation, TransformReward,
 };
 use gym::{
-    BoxEnv, DType, Env, Error, Result, Snapshot, Space, Value, VectorEnv, VectorEnvExt, VectorWrap,
-    WrapperSpec, registry,
+    BoxEnv, DType, Env, Error, Inspect, Result, Snapshot, Space, Value, VectorEnv, VectorEnvExt,
+    VectorWrap, WrapperSpec, registry,
 };
 
 const N: usize = 3;
@@ -102,6 +102,12 @@ impl VectorEnv for Spy {
     fn visit_envs(&mut self, visit: &mut dyn FnMut(usize, &mut dyn Any)) -> Result<()> {
         self.note("visit_envs");
         visit(0, &mut self.env);
+        Ok(())
+    }
+
+    fn inspect(&mut self, index: usize, _visit: &mut dyn FnMut(&mut dyn Inspect)) -> Result<()> {
+        assert_eq!(index, 1);
+        self.note("inspect");
         Ok(())
     }
 
@@ -287,6 +293,7 @@ fn every_method_reaches_the_vector_within() {
             "{name}"
         );
         assert_eq!(envs.metadata().render_fps, 77, "{name}");
+        envs.inspect(1, &mut |_| ()).unwrap();
         let observation = envs.observation_space().unwrap();
         let expected = BoxSpace::uniform(-7.0, 7.0, [N, 2], DType::F32)
             .unwrap()
@@ -322,10 +329,10 @@ fn every_method_reaches_the_vector_within() {
         let snapshot = envs.snapshot().unwrap();
         envs.step_into(&actions, &mut columns).unwrap();
         envs.restore(&snapshot).unwrap();
-        assert_eq!(envs.wrapper::<Spy>().unwrap().state, 1, "{name}");
-        envs.wrapper_mut::<Spy>().unwrap().state = 9;
-        assert_eq!(envs.wrapper::<Spy>().unwrap().state, 9, "{name}");
-        assert!(envs.wrapper::<ClipReward<Spy>>().is_none());
+        assert_eq!(envs.layer::<Spy>().unwrap().state, 1, "{name}");
+        envs.layer_mut::<Spy>().unwrap().state = 9;
+        assert_eq!(envs.layer::<Spy>().unwrap().state, 9, "{name}");
+        assert!(envs.layer::<ClipReward<Spy>>().is_none());
         if let Some(spec) = envs.spec() {
             assert_eq!(spec.vector_wrappers.len(), 1, "{name}");
             assert_eq!(spec.vector_wrappers[0].name, name);
@@ -352,7 +359,7 @@ fn every_method_reaches_the_vector_within() {
         }
         // a wrapper without a spec does not ask for the inner one
         reached.insert("spec".into());
-        // `wrapper` uses these to find the inner vector
+        // `layer` uses these to find the inner vector
         reached.extend(["within", "within_mut"].map(str::to_owned));
         assert_eq!(reached, methods(), "{name}");
     }

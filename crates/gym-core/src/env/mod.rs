@@ -6,6 +6,7 @@ mod configure;
 mod dynamics;
 pub mod equations;
 mod ext;
+mod inspect;
 pub(crate) mod wrapper;
 
 use std::any::{Any, TypeId};
@@ -22,6 +23,7 @@ pub use boxed::BoxEnv;
 pub use configure::{Configure, NoArguments};
 pub use dynamics::{Dynamics, Stateful, Task, Transition};
 pub use ext::EnvExt;
+pub use inspect::Inspect;
 pub use wrapper::Wrapper;
 
 /// A task for an agent: Gymnasium's `Env`.
@@ -188,12 +190,12 @@ pub trait Env: Clone + Send + 'static {
         let _ = canvas;
     }
 
-    /// Called before the first frame. From then on the environment may keep state that only frames
-    /// show, such as particles.
-    fn start_rendering(&mut self) {}
-
-    /// Called after each frame. Advance per-frame state here; do not change the episode.
-    fn picture_taken(&mut self) {}
+    /// Called after each frame with the number of frames drawn, and once before the first with 0.
+    /// From then on the environment may keep state that only frames show, such as particles.
+    /// Advance that state here; do not change the episode.
+    fn frames_drawn(&mut self, count: u64) {
+        let _ = count;
+    }
 
     /// The current state as text, for the mode `ansi`.
     fn ansi(&self) -> Option<String> {
@@ -234,8 +236,8 @@ pub trait Env: Clone + Send + 'static {
     }
 
     /// The outermost layer of a type: a wrapper or the environment itself.
-    /// [`wrapper`](crate::EnvExt::wrapper) and [`unwrapped`](crate::EnvExt::unwrapped) call it.
-    fn layer(&self, layer: TypeId) -> Option<&dyn Any> {
+    /// [`layer`](crate::EnvExt::layer) calls it.
+    fn any_layer(&self, layer: TypeId) -> Option<&dyn Any> {
         if layer == TypeId::of::<Self>() {
             Some(self)
         } else {
@@ -243,8 +245,8 @@ pub trait Env: Clone + Send + 'static {
         }
     }
 
-    /// As [`layer`](Self::layer), mutable.
-    fn layer_mut(&mut self, layer: TypeId) -> Option<&mut dyn Any> {
+    /// As [`any_layer`](Self::any_layer), mutable.
+    fn any_layer_mut(&mut self, layer: TypeId) -> Option<&mut dyn Any> {
         if layer == TypeId::of::<Self>() {
             Some(self)
         } else {
@@ -257,6 +259,16 @@ pub trait Env: Clone + Send + 'static {
     /// Wrappers such as `StickyAction` draw from it as well, so that one seed determines an
     /// episode. They cannot wrap an environment that returns `None`.
     fn generator(&mut self) -> Option<&mut Generator> {
+        None
+    }
+
+    /// The state, arguments and table of the environment; `None` if it shows none.
+    fn inspect(&self) -> Option<&dyn Inspect> {
+        None
+    }
+
+    /// As [`inspect`](Self::inspect), to change them.
+    fn inspect_mut(&mut self) -> Option<&mut dyn Inspect> {
         None
     }
 

@@ -110,13 +110,13 @@ impl<E: Lockstep, W: Env> Ahead<W> for Within<E, W> {
     }
 
     fn touch(&self, slot: &Slot<W>) {
-        black_box(slot.env.unwrapped::<E>().map(E::touch));
+        black_box(slot.env.layer::<E>().map(E::touch));
     }
 
     fn begin(&mut self, slot: &mut Slot<W>, ask: &Ask) {
         let restart = slot.restarts();
         slot.go_ahead(|Slot { env, action, .. }| {
-            let Some(env) = env.unwrapped_mut::<E>() else {
+            let Some(env) = env.layer_mut::<E>() else {
                 return;
             };
             match ask {
@@ -139,7 +139,7 @@ impl<E: Lockstep, W: Env> Ahead<W> for Within<E, W> {
             return; // it has not begun
         }
         slot.go_ahead(|Slot { env, .. }| {
-            if let Some(env) = env.unwrapped_mut::<E>() {
+            if let Some(env) = env.layer_mut::<E>() {
                 env.collect(&mut self.group);
             }
         });

@@ -18,6 +18,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use crate::drawing::render::{Metadata, Rendered};
+use crate::env::Inspect;
 use crate::spaces::Space;
 use crate::value::{Error, Result, Snapshot, Value};
 
@@ -136,6 +137,20 @@ pub trait VectorEnv: Any + Send {
         Err(no_envs(&self.describe()))
     }
 
+    /// Calls `visit` with what sub-environment `index` shows beyond Gymnasium's interface, to read
+    /// or to change.
+    ///
+    /// # Errors
+    /// [`Error::Custom`] if there is no such sub-environment, or it cannot be inspected; then
+    /// `visit` was not called.
+    fn inspect(&mut self, index: usize, visit: &mut dyn FnMut(&mut dyn Inspect)) -> Result<()> {
+        let _ = (index, visit);
+        Err(Error::custom(format!(
+            "the sub-environments of {} cannot be inspected",
+            self.describe()
+        )))
+    }
+
     /// The frame or text of each sub-environment, in their render mode.
     ///
     /// # Errors
@@ -190,7 +205,7 @@ pub trait VectorEnv: Any + Send {
         Err(no_snapshots(&self.describe()))
     }
 
-    /// The inner vector, for a wrapper. The method `wrapper` of `dyn VectorEnv` calls it.
+    /// The inner vector, for a wrapper. The method `layer` of `dyn VectorEnv` calls it.
     fn within(&self) -> Option<&dyn VectorEnv> {
         None
     }

@@ -90,7 +90,7 @@ impl Mutator {
             0 => {
                 *node = node_mut(&mut other.clone(), &mut { part })
                     .cloned()
-                    .unwrap_or(Json::Null)
+                    .unwrap_or(Json::Null);
             }
             1 => self.restructure(node),
             _ => self.replace(node),

@@ -20,7 +20,7 @@ fn allocations<E: Env>(env: &mut E, steps: usize) -> u64 {
     for action in &actions {
         let mut outcome = Outcome::default();
         let count = allocation_counter::measure(|| {
-            outcome = env.step_into(action, &mut observation).unwrap()
+            outcome = env.step_into(action, &mut observation).unwrap();
         });
         total += count.count_total;
         if outcome.done() {

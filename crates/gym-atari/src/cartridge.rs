@@ -133,7 +133,7 @@ impl Cartridge {
         self.banks.ram = [0; 128];
         match self.banks.scheme {
             Scheme::Rom2K | Scheme::Rom4K | Scheme::F6 | Scheme::F6SC | Scheme::FE => {
-                self.banks.select(0)
+                self.banks.select(0);
             }
             Scheme::F8 | Scheme::F8SC | Scheme::Dpc => self.banks.select(1),
             Scheme::E0 => self.banks.windows = [4 << 10, 5 << 10, 6 << 10, 7 << 10],

@@ -83,7 +83,7 @@ fn snapshots_without_a_box_are_refused() {
                 for (key, value) in entries {
                     match value {
                         serde_json::Value::Array(proxies) if key == "proxies" => {
-                            drop(proxies.pop())
+                            drop(proxies.pop());
                         }
                         value => drop_a_box(value),
                     }

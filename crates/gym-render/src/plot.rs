@@ -237,7 +237,7 @@ impl Plot {
         let series = || self.series.iter().map(|(_, values)| values).zip(colors());
         if self.window > 1 {
             series().for_each(|(values, color)| {
-                area.draw_line(canvas, values, 1.0, color.alpha(FAINT))
+                area.draw_line(canvas, values, 1.0, color.alpha(FAINT));
             });
             for (values, color) in series() {
                 area.draw_line(canvas, &moving_average(values, self.window), 2.0, color);

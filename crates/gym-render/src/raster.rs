@@ -357,7 +357,7 @@ mod tests {
         let [outer, inner] = [square(0.0, 9.0), square(3.0, 6.0)];
         let both = [&outer[..], &inner[..]].concat();
         let image = frame((9, 9), |canvas| {
-            canvas.fill(Shape::Path(&both), Color::WHITE)
+            canvas.fill(Shape::Path(&both), Color::WHITE);
         });
         assert_eq!(row(&image, 4), [255; 9]);
     }
@@ -383,7 +383,7 @@ mod tests {
     #[test]
     fn thin_lines_fade_instead_of_breaking() {
         let image = frame((8, 3), |canvas| {
-            canvas.line([0.0, 1.5], [8.0, 1.5], 0.2, Color::WHITE)
+            canvas.line([0.0, 1.5], [8.0, 1.5], 0.2, Color::WHITE);
         });
         assert_eq!(row(&image, 1), [51; 8]);
         assert_eq!(row(&image, 0), [0; 8]);

@@ -106,7 +106,7 @@ impl Skia {
         self.place(frame, transform);
         self.draw(frame, color, |frame, emit| {
             let strokes = path(|emit| {
-                font::outline(text, position, size, align, &mut |segment| emit(segment))
+                font::outline(text, position, size, align, &mut |segment| emit(segment));
             });
             if let Some(path) = strokes {
                 stroke_path(frame, &path, width, LineCap::Round, transform, emit);
@@ -242,7 +242,7 @@ fn path(draw: impl FnOnce(&mut dyn FnMut(Segment))) -> Option<Path> {
         Segment::Line(to) => path.line_to(xy(to).0, xy(to).1),
         Segment::Quad(a, to) => path.quad_to(xy(a).0, xy(a).1, xy(to).0, xy(to).1),
         Segment::Cubic(a, b, to) => {
-            path.cubic_to(xy(a).0, xy(a).1, xy(b).0, xy(b).1, xy(to).0, xy(to).1)
+            path.cubic_to(xy(a).0, xy(a).1, xy(b).0, xy(b).1, xy(to).0, xy(to).1);
         }
         Segment::Close => path.close(),
     });

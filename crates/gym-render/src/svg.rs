@@ -80,7 +80,7 @@ impl Canvas for Svg {
     fn text(&mut self, text: &str, position: Point, size: f64, align: Align, color: Color) {
         let mut segments = Vec::new();
         font::outline(text, position, size, align, &mut |segment| {
-            segments.push(segment)
+            segments.push(segment);
         });
         let style = stroke(size * font::WEIGHT, color) + " stroke-linecap=\"round\"";
         self.element(&path(&segments), &style);

@@ -422,7 +422,7 @@ fn pip(canvas: &mut dyn Canvas, suit: Suit, center: Point, height: f64, color: C
     });
     match suit {
         Suit::Diamonds => {
-            canvas.polygon(&[[0.0, -1.0], [0.75, 0.0], [0.0, 1.0], [-0.75, 0.0]], color)
+            canvas.polygon(&[[0.0, -1.0], [0.75, 0.0], [0.0, 1.0], [-0.75, 0.0]], color);
         }
         Suit::Hearts => heart(canvas, color),
         Suit::Spades => {

@@ -267,13 +267,13 @@ impl Task for TaxiDynamics {
             let stand = STANDS.iter().position(|stand| *stand == here);
             match (Action::ALL[action], stand) {
                 (Action::Pickup, Some(stand)) if stand == passenger => {
-                    push(1.0, here, IN_TAXI, -1.0, false)
+                    push(1.0, here, IN_TAXI, -1.0, false);
                 }
                 (Action::Dropoff, Some(stand)) if passenger == IN_TAXI && stand == destination => {
                     push(1.0, here, stand, 20.0, true);
                 }
                 (Action::Dropoff, Some(stand)) if passenger == IN_TAXI => {
-                    push(1.0, here, stand, -1.0, false)
+                    push(1.0, here, stand, -1.0, false);
                 }
                 (Action::Pickup | Action::Dropoff, _) => push(1.0, here, passenger, -10.0, false),
                 (heading, _) if config.is_rainy => {

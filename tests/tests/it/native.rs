@@ -358,7 +358,7 @@ fn infos_of_tables_equal_those_of_sync() {
                     let [last, expected] = [&native, &sync].map(|envs| {
                         let mut last = gym::Info::new();
                         envs.final_info(i, &mut |key, value| {
-                            drop(last.insert(key.to_owned(), value))
+                            drop(last.insert(key.to_owned(), value));
                         });
                         last
                     });

@@ -55,7 +55,7 @@ fn rows(envs: &dyn VectorEnv, columns: &Columns) -> Vec<Row> {
     let row = |i: usize| {
         let mut final_info = Info::new();
         envs.final_info(i, &mut |key, value| {
-            drop(final_info.insert(key.to_owned(), value))
+            drop(final_info.insert(key.to_owned(), value));
         });
         assert!(columns.has_final[i] || final_info.is_empty());
         Row {

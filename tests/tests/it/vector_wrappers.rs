@@ -73,7 +73,7 @@ fn statistics_are_those_of_each_environment_alone() {
             for index in 0..3 {
                 let mut info = within.info_map(index);
                 within.final_info(index, &mut |key, value| {
-                    drop(info.insert(key.to_owned(), value))
+                    drop(info.insert(key.to_owned(), value));
                 });
                 let alone = info.get("episode").map(|episode| {
                     (

@@ -101,7 +101,7 @@ pub(crate) const LENGTHS: [u8; 256] = {
             (Operation::Jsr, _) => {}
             (_, Mode::Implied) => lengths[opcode] = 1,
             (_, Mode::Absolute | Mode::AbsoluteX | Mode::AbsoluteY | Mode::Indirect) => {
-                lengths[opcode] = 3
+                lengths[opcode] = 3;
             }
             _ => {}
         }

@@ -431,7 +431,7 @@ impl Tia {
             VSYNC => return self.write_vsync(value, c, screen),
             VBLANK => self.write_vblank(value, c, screen),
             register @ (NUSIZ0 | NUSIZ1) => {
-                self.write_nusiz(usize::from(register - NUSIZ0), value, c, screen)
+                self.write_nusiz(usize::from(register - NUSIZ0), value, c, screen);
             }
             register @ (COLUP0 | COLUP1) => {
                 self.write_colup(
@@ -456,13 +456,13 @@ impl Tia {
                 self.change_playfield(self.with_playfield(register, value), c, screen);
             }
             register @ (RESP0 | RESP1) => {
-                self.reset_player(usize::from(register - RESP0), c, screen)
+                self.reset_player(usize::from(register - RESP0), c, screen);
             }
             register @ RESM0..=RESBL => {
-                self.reset_missile_or_ball(usize::from(register - RESP0), c, screen)
+                self.reset_missile_or_ball(usize::from(register - RESP0), c, screen);
             }
             register @ (GRP0 | GRP1) => {
-                self.write_grp(usize::from(register - GRP0), value, c, screen)
+                self.write_grp(usize::from(register - GRP0), value, c, screen);
             }
             register @ (ENAM0 | ENAM1) => {
                 self.write_enam(

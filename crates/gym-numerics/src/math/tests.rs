@@ -385,7 +385,7 @@ fn hard_cases_are_glibcs() {
         match fields[..] {
             ["powf_2", x, result] => assert_eq!(square_f32(single(x)), single(result), "{line}"),
             ["pow", x, y, result] => {
-                assert!(same(pow(number(x), number(y)), number(result)), "{line}")
+                assert!(same(pow(number(x), number(y)), number(result)), "{line}");
             }
             [name, x, result] => {
                 let mut known = functions();

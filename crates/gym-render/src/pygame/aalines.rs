@@ -70,9 +70,9 @@ fn line(pixels: &mut impl Pixels, mut from: [f32; 2], mut to: [f32; 2], join: Jo
     if d.iter().all(|d| d.abs() < 0.0001) {
         let [x, y] = from.map(|x| (f64::from(x) + 0.5).floor() as i32);
         return if steep {
-            mix(y, x, 1.0)
+            mix(y, x, 1.0);
         } else {
-            mix(x, y, 1.0)
+            mix(x, y, 1.0);
         };
     }
     // from here on, x is the longer direction

@@ -136,7 +136,7 @@ pub(super) fn filled_polygon(pixels: &mut impl Pixels, points: &[Point], color: 
 
 fn fill<const MOST: usize>(pixels: &mut impl Pixels, points: &[Point], color: Color) {
     scan::<MOST>(pixels.rows(), points, |x1, x2, y| {
-        pixels.hline(x1, x2, y, color)
+        pixels.hline(x1, x2, y, color);
     });
 }
 
@@ -156,7 +156,7 @@ fn scan<const MOST: usize>(
     };
     let round = |v: i32| (v >> 16) + (v >> 15 & 1);
     edges.scan(rows, cut, |a, b, y| {
-        draw(round(a.wrapping_add(1)), round(b.wrapping_sub(1)), y)
+        draw(round(a.wrapping_add(1)), round(b.wrapping_sub(1)), y);
     });
 }
 

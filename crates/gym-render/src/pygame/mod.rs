@@ -137,7 +137,7 @@ pub(crate) fn paint(pixels: &mut impl Pixels, primitive: &Primitive<'_>, color: 
             width,
         } => draw::lines(pixels, points, closed, width, color),
         Primitive::Circle { center, radius } => {
-            draw::circle(pixels, whole(center), radius as i32, color)
+            draw::circle(pixels, whole(center), radius as i32, color);
         }
         Primitive::AaLines { points, closed } => aalines::aalines(pixels, points, closed, color),
     }

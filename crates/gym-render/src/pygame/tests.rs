@@ -292,7 +292,7 @@ fn shrinks_as_whole(
 ) -> bool {
     let mut whole = Frame::new(from.0, from.1).unwrap();
     draw(&mut |primitive, color| {
-        paint(&mut RgbPixels::new(&mut whole, 0, true), &primitive, color)
+        paint(&mut RgbPixels::new(&mut whole, 0, true), &primitive, color);
     });
     let mut frame = Frame::new(to.0, to.1).unwrap();
     let mut draw_in = |canvas: &mut dyn Canvas| {

@@ -310,7 +310,7 @@ impl Sheet {
                 match call.primitive(points) {
                     Some(primitive) => pygame::paint(&mut band, &primitive, call.color),
                     None => {
-                        pygame::gfx_polygon(&mut band, &points[call.points.clone()], call.color)
+                        pygame::gfx_polygon(&mut band, &points[call.points.clone()], call.color);
                     }
                 }
             }

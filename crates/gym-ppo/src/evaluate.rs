@@ -3,8 +3,7 @@
 
 use anyhow::Context;
 use gym::registry::EnvBuilder;
-use gym::render::RenderMode;
-use gym::rendering::RecordVideo;
+use gym::render::{RecordVideo, RenderMode};
 use gym::{BoxEnv, Env, EnvExt, Generator, Space, Wrap, wrappers};
 
 use crate::Evaluation;

@@ -82,8 +82,8 @@ fn main() -> gym_core::Result<()> {
         .collect();
     let start = Instant::now();
     let mut video = Video::create(&path, FPS)?;
-    frames.iter().try_for_each(|frame| writer.write(frame))?;
-    writer.finish()?;
+    frames.iter().try_for_each(|frame| video.write(frame))?;
+    video.finish()?;
     let bytes = std::fs::metadata(&path).map_or(0, |file| file.len());
     println!(
         "{FRAMES} frames: {:.3} s, {bytes} bytes, {}",

@@ -20,7 +20,7 @@ gym_core::arguments! {
         pub video_length: u64 = 0,
         /// The start of the file names.
         pub name_prefix: String = "rl-video".into(),
-        /// Frames per second; `None` for the environment's own.
+        /// Frames per second; by default the environment's own.
         pub fps: Option<u32>,
         /// The extension of the files, which selects the format: `gif`, `png`, `apng` or `mp4`.
         pub extension: String = "gif".into(),

@@ -509,5 +509,4 @@ mod tests {
         }
         write(size).unwrap();
     }
-
 }

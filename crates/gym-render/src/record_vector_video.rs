@@ -12,7 +12,6 @@ use crate::mode::{not_frames, require_frames};
 use crate::png::tile;
 use arguments::Config;
 
-
 /// Records all sub-environments of a vector side by side, in a grid: Gymnasium's
 /// `vector.RecordVideo`.
 ///

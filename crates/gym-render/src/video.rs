@@ -380,9 +380,7 @@ mod tests {
 
     fn encoded(frames: &[Frame]) -> Vec<u8> {
         let mut video = Video::in_memory(VideoFormat::Gif, 50).unwrap();
-        frames
-            .iter()
-            .for_each(|frame| video.write(frame).unwrap());
+        frames.iter().for_each(|frame| video.write(frame).unwrap());
         video.into_bytes().unwrap()
     }
 
@@ -419,9 +417,7 @@ mod tests {
             let path = folder.path().join(name);
             write_video(&path, 50, &frames).unwrap();
             let mut video = Video::in_memory(format, 50).unwrap();
-            frames
-                .iter()
-                .for_each(|frame| video.write(frame).unwrap());
+            frames.iter().for_each(|frame| video.write(frame).unwrap());
             assert!(video.write(&Frame::new(3, 3).unwrap()).is_err());
             assert_eq!(video.into_bytes().unwrap(), fs::read(path).unwrap());
         }

@@ -248,6 +248,6 @@ fill rect 0,1 size=2,3 corner=0.5 #000000
 text "a \"b\"\n" 1,2 size=12 right #000000
 stroke path move 0,0 line 1,0 quad 2,0 2,1 cubic 2,2 1,2 0,2 close width=0.25 #000000
 "##;
-        assert_eq!(recording.to_string(), expected);
+        assert_eq!(log.to_string(), expected);
     }
 }

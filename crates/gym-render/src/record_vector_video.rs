@@ -249,7 +249,7 @@ impl<V: fmt::Debug> fmt::Debug for RecordVectorVideo<V> {
         f.debug_struct("RecordVectorVideo")
             .field("envs", &self.envs)
             .field("folder", &self.recorder.config.video_folder)
-            .field("recording", &self.is_recording())
+            .field("recording", &self.recorder.is_recording())
             .finish_non_exhaustive()
     }
 }

@@ -197,7 +197,7 @@ impl<E: Env + fmt::Debug> fmt::Debug for RecordVideo<E> {
         f.debug_struct("RecordVideo")
             .field("env", &self.env)
             .field("folder", &self.recorder.config.video_folder)
-            .field("recording", &self.is_recording())
+            .field("recording", &self.recorder.is_recording())
             .finish_non_exhaustive()
     }
 }

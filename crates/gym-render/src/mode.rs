@@ -7,8 +7,8 @@ use gym_core::{Error, Result};
 pub(crate) fn require_frames(target: impl Into<String>, mode: Option<RenderMode>) -> Result<()> {
     match mode {
         Some(mode) if mode.single() == RenderMode::RgbArray => Ok(()),
-        Some(mode) => Err(no_frames(target, format!("its render mode is {mode}"))),
-        None => Err(no_frames(target, "it has no render mode".into())),
+        Some(mode) => Err(no_frames(target, &format!("its render mode is {mode}"))),
+        None => Err(no_frames(target, "it has no render mode")),
     }
 }
 
@@ -20,10 +20,10 @@ pub(crate) fn not_frames(target: impl Into<String>, rendered: &Rendered) -> Erro
         Rendered::Texts(_) => RenderMode::AnsiList,
         Rendered::Frame(_) | Rendered::Frames(_) => RenderMode::RgbArray,
     };
-    no_frames(target, format!("its render mode is {mode}"))
+    no_frames(target, &format!("its render mode is {mode}"))
 }
 
-fn no_frames(target: impl Into<String>, reason: String) -> Error {
+fn no_frames(target: impl Into<String>, reason: &str) -> Error {
     Error::UnsupportedMode {
         target: target.into(),
         mode: "frames to record".into(),

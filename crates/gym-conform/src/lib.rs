@@ -32,6 +32,10 @@
 //! Each [`Finding`] names the fault, its place, its consequence and the remedy. An environment that
 //! must break a rule says so, with the reason, in
 //! [`Registration::exceptions`](gym_core::Registration::exceptions).
+//!
+//! Each rule is one small function. A check names the checks that it depends on, so that one fault
+//! gives one finding; a panic is the finding of one check. Checks run without the wrappers of
+//! `make`, which would hide faults.
 
 mod actions;
 mod allocations;

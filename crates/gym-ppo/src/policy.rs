@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use gym::rendering::file;
+use gym::render::file;
 use gym::wrappers::{NormalizeObservation, RunningMeanStd};
 use gym::{BoxVector, EnvSpec, Generator};
 use serde::{Deserialize, Serialize};

@@ -5,7 +5,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, ensure};
-use gym::rendering::Plot;
+use gym::render::Plot;
 use gym::vector::{Autoreset, VectorEnv, VectorKind, VectorSpec};
 use gym::wrappers::RecordEpisodeStatistics;
 use gym::{BoxVector, Generator, WrapperSpec, builder};

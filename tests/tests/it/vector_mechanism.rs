@@ -5,8 +5,9 @@ use std::any::Any;
 use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex};
 
-use gym::render::{Frame, Metadata, RenderMode, Rendered};
-use gym::rendering::RecordVectorVideo;
+use gym::render::{
+    Frame, Metadata, RecordVectorVideo, RecordVectorVideoConfig, RenderMode, Rendered,
+};
 use gym::spaces::BoxSpace;
 use gym::vector::{Autoreset, Columns, Progress, VectorKind, VectorReset, VectorSpec};
 use gym::wrappers::{
@@ -184,10 +185,11 @@ fn drawn() -> BoxEnv {
 /// Returns every wrapper, and whether it changes the spaces of observations and actions.
 fn wrappers() -> Vec<(&'static str, [bool; 2], Wrap)> {
     fn video(envs: Box<dyn VectorEnv>) -> Box<dyn VectorEnv> {
+        let mut config = RecordVectorVideoConfig::from(videos());
+        config.common.video_length = 1;
         Box::new(
-            RecordVectorVideo::new(envs, videos())
+            RecordVectorVideo::new(envs, config)
                 .unwrap()
-                .video_length(1)
                 .step_trigger(|_| true),
         )
     }

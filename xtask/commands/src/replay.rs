@@ -6,7 +6,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::output::{say, tell};
-use gym::rendering::file;
+use gym::render::file;
 use gym::trace::Trace;
 use gym::{Error, Result};
 use serde_json::{Map, Value as Json};

@@ -1,5 +1,19 @@
 //! Environments: the trait, its methods for callers, wrappers, the erased environment, and
 //! environments made of dynamics or equations.
+//!
+//! There is one trait. [`Env`] has associated types, and [`BoxEnv`] implements the same trait with
+//! `Value` on both sides, so each wrapper exists once and generic code accepts both. The required
+//! methods write the observation to the caller's buffer (`reset_into`, `step_into`), so a step
+//! allocates nothing, even for erased environments and images. [`EnvExt`] has the methods of
+//! callers, which return the observation.
+//!
+//! Actions are validated where they become typed: a typed action cannot be out of range, and a
+//! `Value` of another kind, dtype, shape or range is refused before the step. Numbers beyond the
+//! bounds of a `Box` pass, as in Gymnasium, where some environments clip them; NaN and infinities
+//! do not.
+//!
+//! `info` is lazy: [`Env::info`] computes its entries when it is called, so a step pays nothing for
+//! them.
 
 mod boxed;
 mod configure;

@@ -1,4 +1,10 @@
 //! The trait of wrappers. Methods that are left out call the inner environment.
+//!
+//! [`Wrapper`] has every method of [`Env`](crate::Env) with the inner environment's as its default,
+//! and one blanket implementation makes each wrapper an `Env`. The forwarded methods are listed
+//! once, in this file; [`BoxEnv`](crate::BoxEnv) uses the same list. A test reads the trait's
+//! source and calls every method through every wrapper. A wrapper without a stored form has no
+//! spec, because a rebuilt stack must step identically.
 
 use std::any::{Any, TypeId};
 

@@ -6,6 +6,10 @@
 //! of them, and then resets or steps each as a sync vector does: the environment finishes the step
 //! it has begun. So time limits, autoreset, infos, errors and all numbers are equal to a sync
 //! vector's.
+//!
+//! The working memory of a step belongs to the group and is lent to its environments, so that many
+//! environments fit the CPU's cache. If a vector has more environments than fit the cache, a
+//! group's memory is prefetched before the group steps.
 
 use std::borrow::{Borrow, BorrowMut};
 use std::hint::black_box;

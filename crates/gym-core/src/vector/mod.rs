@@ -1,4 +1,13 @@
 //! Many environments stepped as one: Gymnasium's `VectorEnv`.
+//!
+//! [`VectorEnv`] is object safe and works on batched `Value`s, so `Box<dyn VectorEnv>` goes through
+//! the same wrappers as typed vectors. Calls write into columns that the caller owns. Sync and
+//! async vectors have one slot per sub-environment, which alone handles the ends of episodes and
+//! panics. `Columns::progress` tells wrappers what a call did with each sub-environment, so
+//! wrappers need no record of due resets or failures.
+//!
+//! In a snapshot, sub-environments store themselves and the slot adds the vector's state. A native
+//! vector stores columns: one object per environment would be ten times as large.
 
 mod columns;
 mod ext;

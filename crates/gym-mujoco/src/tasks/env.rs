@@ -273,7 +273,7 @@ impl<T: Task> Env for MujocoEnv<T> {
         let Episode { data, step, .. } = &**episode;
         self.task
             .info(&self.simulation, data, step.as_ref(), &mut |name, x| {
-                visit(name, Value::Float(x))
+                visit(name, Value::Float(x));
             });
         if self.task.tells_tendons() {
             visit(

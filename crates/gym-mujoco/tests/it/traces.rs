@@ -6,7 +6,6 @@
 use std::path::{Path, PathBuf};
 
 use gym_core::registry;
-use gym_mujoco::simulated;
 use gym_trace::Trace;
 use serde_json::{Value, json};
 

@@ -46,6 +46,10 @@ mod calls;
 #[cfg(feature = "checks")]
 mod checks;
 #[cfg(feature = "checks")]
+mod clock;
+#[cfg(feature = "checks")]
+mod close;
+#[cfg(feature = "checks")]
 mod copies;
 #[cfg(feature = "checks")]
 mod damage;

@@ -14,7 +14,7 @@ pub use passive_env_checker::PassiveEnvChecker;
 pub use record_episode_statistics::{EpisodeStatistics, RecordEpisodeStatistics};
 pub use render::Render;
 pub use render_collection::RenderCollection;
-pub use time_limit::TimeLimit;
+pub use time_limit::{StepCount, TimeLimit};
 
 /// The accessors of a [`Wrapper`](crate::Wrapper) whose inner environment is its field `env`, of
 /// type `$inner`.

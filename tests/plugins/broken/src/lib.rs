@@ -6,6 +6,7 @@
 //! twist. `broken/none-v0` has none.
 
 mod arguments;
+mod edges;
 mod fault;
 mod twisted;
 mod twists;

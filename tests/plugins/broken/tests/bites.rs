@@ -240,10 +240,11 @@ fn wrappers_that_end_episodes_by_themselves_are_seen() {
                 steps: 0,
             }))
         });
+        // the count of its own is restored as it was stored, and a reset within a step allocates
+        let others = ["snapshot-legal", "no-allocation"];
         let checks = findings.iter().map(|finding| finding.check);
-        // the count of its own is restored as it was stored
         checks
-            .filter(|check| *check != "snapshot-legal")
+            .filter(|check| !others.contains(check))
             .collect::<Vec<_>>()
     };
     assert_eq!(flagged(&[9], Ends::After(5)), ["time-limit"]);

@@ -381,6 +381,12 @@ impl Env {
         mujoco::data(py, &self.lock(py)?.env)
     }
 
+    /// The last call of the engine of a MuJoCo task: whether it was a step, where it started, where
+    /// it led.
+    fn mujoco_before<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyTuple>>> {
+        mujoco::before(py, &self.lock(py)?.env)
+    }
+
     /// The parts of a MuJoCo task's model.
     fn mujoco_model<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         mujoco::model(py, &self.lock(py)?.env)
@@ -413,12 +419,15 @@ impl Env {
         Ok(())
     }
 
-    /// Ends the use of the environment.
+    /// Closes the window, if there is one; everything else is as it was.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
+        if self.render_mode.as_deref() != Some("human") {
+            return Ok(());
+        }
         let mut core = self.lock(py)?;
-        core.is_running = false;
         guard(|| {
-            core.env.close();
+            // a copy has no window
+            core.env = core.env.clone();
             Ok(())
         })
     }

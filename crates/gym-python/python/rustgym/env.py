@@ -13,6 +13,7 @@ from gymnasium import logger
 
 from rustgym import _native as native
 from rustgym._json import to_json
+from rustgym._live import Live
 from rustgym._spaces import space_from
 from rustgym._specs import class_of, metadata_from, native_arguments, native_options, spec_of
 from rustgym._window import Window
@@ -84,6 +85,10 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
     _generator: np.random.Generator | None = None
     _window: Window | None = None
 
+    # the objects that attributes of the kind `Live` have handed out, by their names, and what they said last
+    _handed: dict[str, Any] | None = None
+    _seen: dict[str, Any]
+
     # None in a class of somebody's own, which brings its own `reset` and `step`
     _native: native.Env = None  # type: ignore[assignment]
 
@@ -115,6 +120,8 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
             self.metadata = metadata_from(description)
         self.observation_space = space_from(description["observation_space"])
         self.action_space = space_from(description["action_space"])
+        if description["render_fps"] != self.metadata.get("render_fps"):  # it follows the length of a step
+            self.metadata = {**self.metadata, "render_fps": description["render_fps"]}
 
     @staticmethod
     def _of(inner: native.Env, env_id: str, render_mode: str | None, kwargs: dict[str, Any]) -> Env:
@@ -151,11 +158,11 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         """
         if self._native is None:
             return super().reset(seed=seed, options=options)
+        if self._is_watched:
+            self._push()
         if seed is not None:
             seed = checked_seed(seed)
-        elif self._generator is not None:
-            self._push_generator()
-        elif self._np_random_seed is None:
+        elif self._generator is None and self._np_random_seed is None:
             seed = entropy()
         arguments = None if seed is None else str(seed), native_options(self.env_id, options)
         try:
@@ -166,7 +173,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         if seed is not None:
             self._np_random_seed = seed
         if self._is_watched:
-            self._follow()
+            self._follow(is_reset=True)
         return result
 
     def _open_window(self, reason: str) -> None:
@@ -200,16 +207,42 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         if self._native is None:
             result = super().step(action)  # raises NotImplementedError
             return result
-        self._push_generator()
+        self._push()
         result = self._native.step(action)
         self._follow()
         return result
 
-    def _follow(self) -> None:
-        """Updates the objects seen from outside to the environment's state."""
+    def _push(self) -> None:
+        """Brings the environment to what the objects say that were handed out."""
+        self._push_generator()
+        for name in list(self._handed or ()):
+            attribute: Live = getattr(type(self), name)
+            attribute.push(self, self._handed[name])  # type: ignore[index]
+
+    def _follow(self, is_reset: bool = False) -> None:
+        """Brings the objects that were handed out to the environment's state."""
         self._pull_generator()
+        for name in list(self._handed or ()):
+            attribute: Live = getattr(type(self), name)
+            attribute.follow(self, is_reset)
         if self._window is not None:
             self._window.show(self._native.render())
+        self._watch()
+
+    def _push_into_vector(self) -> None:
+        """As ``_push``, for an environment of a vector, which is stepped there: all that matters must be in the native one."""
+        self._push()
+
+    def _drop(self, name: str) -> None:
+        """Lets go of an object that was handed out: the next who asks gets a new one."""
+        if self._handed:
+            self._handed.pop(name, None)
+            self._seen.pop(name, None)
+
+    def _watch(self) -> None:
+        """Whether anybody outside holds something that must be looked at in each step."""
+        held = self._generator is not None or self._window is not None or self._handed
+        self._is_watched = self._native is None or bool(held)
 
     def render(self) -> Any:
         """The picture or text that the render mode asks for.
@@ -236,10 +269,12 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
                 f"{self.env_id} itself collects no frames for {self.render_mode}: gymnasium.make adds the wrapper that does"
             )
             return None
+        if self._is_watched:
+            self._push()
         return None if self.render_mode == "human" else self._native.render()
 
     def close(self) -> None:
-        """Ends the use of the environment; more than once is fine."""
+        """Closes the window, if there is one. The episode is as it was, and the generator; more than once is fine."""
         if self._native is not None:
             self._native.close()
         if self._window is not None:
@@ -247,7 +282,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
 
     def get_state(self) -> str:
         """The whole state, generator included, as JSON text: for planners, and to store."""
-        self._push_generator()
+        self._push()
         return self._native.snapshot()
 
     def set_state(self, state: str) -> None:
@@ -259,11 +294,11 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         if not isinstance(state, str):
             raise TypeError(f"a state must be a text returned by get_state, not {state!r} of type {type(state).__name__}")
         self._native.restore(state, True)
-        self._follow()
+        self._follow(is_reset=True)
 
     def _take_apart(self) -> tuple[Any, Any]:
         """The stored state, and the part of it that is the episode: ``None`` before the first reset."""
-        whole = json.loads(self.get_state())
+        whole = json.loads(self._native.snapshot())
         inner = whole
         while isinstance(inner, list):  # wrappers of the Rust side: `[what is within, their own]`
             inner = inner[0]
@@ -282,7 +317,8 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
     @_np_random.setter
     def _np_random(self, generator: np.random.Generator | None) -> None:
         if generator is None:
-            self._generator, self._is_watched = None, self._window is not None
+            self._generator = None
+            self._watch()
             return
         if self._native is not None and not isinstance(generator.bit_generator, np.random.PCG64):
             kind = type(generator.bit_generator).__name__
@@ -327,14 +363,22 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         if self._native is None:
             raise TypeError(f"{type(self).__name__} cannot be copied by copy.copy: use copy.deepcopy")
         twin = object.__new__(type(self))
-        self._push_generator()
-        apart = {"_native": self._native.__copy__(), "_generator": None, "_window": None, "_is_watched": False}
-        twin.__dict__.update(self.__dict__, **apart)
+        self._push()
+        apart = {"_native": self._native.__copy__(), "_generator": None, "_window": None}
+        twin.__dict__.update(self.__dict__, **apart, _handed=None)
+        twin._watch()
         return twin
 
-    def __getstate__(self) -> dict[str, Any]:
-        self._push_generator()
-        return {**self.__dict__, "_window": None, "_is_watched": self._generator is not None}
+    def __getstate__(self) -> Any:
+        if self._native is None:
+            get_state = getattr(super(), "__getstate__", None)
+            return self.__dict__ if get_state is None else get_state()
+        self._push()
+        state = {**self.__dict__, "_window": None}
+        if self._handed:  # what is no part of a snapshot is taken over again
+            lasting = (name for name in self._seen if getattr(type(self), name).outlives_reset is True)
+            state["_seen"] = {**self._seen, **dict.fromkeys(lasting)}
+        return state
 
     def __setattr__(self, name: str, value: Any) -> None:
         if name in self._constants or name in self.__dict__.get("arguments", ()):

@@ -19,6 +19,7 @@ from rustgym._preprocessing import preprocessed
 from rustgym._spaces import space_from
 from rustgym._specs import class_of, metadata_from, native_arguments, native_options, spec_of
 from rustgym.env import Env, checked_seed
+from rustgym.envs.mujoco import info_types
 
 __all__ = ["VectorEnv"]
 
@@ -78,6 +79,10 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     """
 
     metadata: dict[str, Any] = {"autoreset_mode": AutoresetMode.NEXT_STEP}
+
+    # the environments, once somebody asked for them
+    _envs: tuple[Env, ...] | None = None
+    _keeps_envs = False
 
     def __init__(
         self,
@@ -145,6 +150,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         )
         self.kind = self._native.kind
         self._take_spaces()
+        crate = spec_of(env_id)["crate"]
+        self._info_types = info_types(env_id) if crate == "gym-mujoco" else {}
 
     def _take_spaces(self) -> None:
         description = json.loads(self._native.describe())
@@ -179,7 +186,12 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         known = native_options(self.env_id, options)
         if options and "reset_mask" in options:
             mask = self._checked_mask(options["reset_mask"])
-        return self._native.reset(one, each, known, mask)
+        if self._envs is not None:
+            self._push_envs()
+        result = self._native.reset(one, each, known, mask)
+        if self._envs is not None:
+            self._follow_envs(is_reset=True)
+        return result
 
     def _checked_mask(self, mask: Any) -> list[bool]:
         array = np.asarray(mask)
@@ -204,7 +216,22 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             Observations, rewards (``float64``), terminated, truncated (``bool``), each with a row for each environment, and
             infos: for each key a column, and under ``_key`` which rows of it count.
         """
-        return self._native.step(actions)
+        if self._envs is not None:
+            self._push_envs()
+        result = self._native.step(actions)
+        if self._info_types:
+            self._set_types(result[4], actions)
+        if self._envs is not None:
+            self._follow_envs(is_reset=False)
+        return result
+
+    def _set_types(self, infos: dict[str, Any], actions: Any) -> None:
+        """Gives the columns the types of Gymnasium's."""
+        for name, kind in self._info_types.items():
+            if name in infos and (kind is not np.float32 or getattr(actions, "dtype", None) == kind):
+                infos[name] = infos[name].astype(kind)
+        if "final_info" in infos:
+            self._set_types(infos["final_info"], actions)
 
     def send(self, actions: Any, env_ids: Sequence[int] | npt.NDArray[np.integer[Any]] | None = None) -> None:
         """Lets some environments of an async vector take a step, and returns at once.
@@ -244,7 +271,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         return self._native.render()
 
     def close_extras(self, **kwargs: Any) -> None:
-        """Ends the use of all environments."""
+        """Ends the threads of an async vector, and with them its use; closes the windows of others, which go on as they were."""
         self._native.close()
 
     def __repr__(self) -> str:
@@ -254,8 +281,38 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
 
     @property
     def envs(self) -> tuple[Env, ...]:
-        """Copies of the environments, to look at; not of a native vector, which is not made of any."""
-        return tuple(Env._of(native, self.env_id, self.render_mode, self._given) for native in self._native.envs())
+        """The environments: what is done with them is done in the vector. A native vector has none.
+
+        From the first look on each call of the vector takes them over before and brings them up to date after, which takes time.
+        """
+        self._keeps_envs = True
+        return self._look_at_envs()
+
+    def _look_at_envs(self) -> tuple[Env, ...]:
+        if self._envs is None:
+            natives = self._native.envs()
+            self._envs = tuple(Env._of(native, self.env_id, self.render_mode, self._given) for native in natives)
+        return self._envs
+
+    def _push_envs(self) -> None:
+        """Takes over what was done with the environments that were handed out."""
+        assert self._envs is not None
+        for env in self._envs:
+            env._push_into_vector()
+        self._native.set_envs([env._native for env in self._envs])
+
+    def _follow_envs(self, is_reset: bool) -> None:
+        """Brings the environments that were handed out up to date."""
+        assert self._envs is not None
+        for env, native in zip(self._envs, self._native.envs(), strict=True):
+            env._native = native
+            env._follow(is_reset)
+        self._let_go()
+
+    def _let_go(self) -> None:
+        """Forgets the environments where nobody holds one of them, or something of one."""
+        if not self._keeps_envs and not any(env._is_watched for env in self._envs or ()):
+            self._envs = None
 
     def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
         """The attribute ``name`` of each environment, or the result of the method of that name."""
@@ -279,9 +336,9 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         self._with_each(lambda index, env: setattr(env, name, values[index]))
 
     def _with_each(self, ask: Callable[[int, Env], Any]) -> tuple[Any, ...]:
-        envs = self.envs
-        results = tuple(ask(index, env) for index, env in enumerate(envs))
-        self._native.set_envs([env._native for env in envs])
+        results = tuple(ask(index, env) for index, env in enumerate(self._look_at_envs()))
+        self._push_envs()
+        self._let_go()
         return results
 
     @property

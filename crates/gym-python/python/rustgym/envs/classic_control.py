@@ -8,10 +8,16 @@ from typing import Any, ClassVar
 import numpy as np
 import numpy.typing as npt
 
+from rustgym._live import Live
+from rustgym._modules import forwarder
 from rustgym._specs import spec_of
 from rustgym.env import TunableEnv, entropy
 
 __all__ = ["AcrobotEnv", "CartPoleEnv", "Continuous_MountainCarEnv", "MountainCarEnv", "PendulumEnv"]
+
+# a package, as Gymnasium's is: the modules below it are those of `rustgym._modules`
+__path__: list[str] = []
+__getattr__ = forwarder(__name__)
 
 
 class ClassicControlEnv(TunableEnv):
@@ -19,27 +25,39 @@ class ClassicControlEnv(TunableEnv):
 
     #: The names of the numbers, in Gymnasium's order.
     state_names: ClassVar[tuple[str, ...]]
-    #: Further fields of a state that was set.
-    _when_set: ClassVar[dict[str, Any]] = {}
-    @property
-    def state(self) -> npt.NDArray[np.float64] | None:
-        """The state as ``float64``, by ``state_names``; ``None`` before the first reset. Setting it continues from there."""
+    @classmethod
+    def _fields(cls, numbers: npt.NDArray[np.floating[Any]]) -> dict[str, Any]:
+        """Further fields of a state that was set."""
+        return {}
+
+    @classmethod
+    def _is_single(cls, state: dict[str, Any]) -> bool:
+        """Whether Gymnasium has the numbers of a state as ``float32``."""
+        return False
+
+    def _read_state(self) -> npt.NDArray[np.floating[Any]] | None:
+        """The state, by ``state_names``; ``None`` before the first reset. It can be changed in place, and set."""
         state = self._native.state()
         if state is None:
             return None
         numbers = json.loads(state)
-        return np.array([numbers[name] for name in self.state_names])
+        dtype = np.float32 if self._is_single(numbers) else np.float64
+        return np.array([numbers[name] for name in self.state_names], dtype)
 
-    @state.setter
-    def state(self, numbers: Any) -> None:
-        numbers = np.asarray(numbers, np.float64)
+    def _write_state(self, state: Any) -> None:
+        numbers = np.asarray(state)
+        if numbers.dtype != np.float32:
+            numbers = numbers.astype(np.float64)
         if numbers.shape != (len(self.state_names),):
             raise ValueError(f"the state of {self.env_id} is {self.state_names}, not an array of shape {numbers.shape}")
         if self._native.state() is None:
             self._native.reset(str(entropy()), None)
         whole, episode = self._take_apart()
-        episode["state"].update(self._when_set, **dict(zip(self.state_names, numbers.tolist(), strict=True)))
+        named = dict(zip(self.state_names, numbers.tolist(), strict=True))
+        episode["state"].update(self._fields(numbers), **named)
         self._native.restore(json.dumps(whole), True)
+
+    state = Live(_read_state, _write_state)
 
 
 class CartPoleEnv(ClassicControlEnv):
@@ -47,8 +65,6 @@ class CartPoleEnv(ClassicControlEnv):
 
     _id = "CartPole-v1"
     state_names = ("x", "x_dot", "theta", "theta_dot")
-    _when_set = {"fallen": False, "fresh": True}  # anywhere, as a start may be
-
     masspole: float
     masscart: float
     length: float
@@ -58,6 +74,10 @@ class CartPoleEnv(ClassicControlEnv):
         super().__init__(render_mode, **kwargs)
         derived = {"total_mass": self.masspole + self.masscart, "polemass_length": self.masspole * self.length}
         self.__dict__.update((name, value) for name, value in derived.items() if self.arguments[name] is None)
+
+    @classmethod
+    def _fields(cls, numbers: npt.NDArray[np.floating[Any]]) -> dict[str, Any]:
+        return {"fallen": False, "fresh": True}  # anywhere, as a start may be
 
 
 class MountainCarEnv(ClassicControlEnv):
@@ -72,7 +92,14 @@ class Continuous_MountainCarEnv(ClassicControlEnv):
 
     _id = "MountainCarContinuous-v0"
     state_names = ("position", "velocity")
-    _when_set = {"fresh": True}  # as float64, like that of a reset
+
+    @classmethod
+    def _fields(cls, numbers: npt.NDArray[np.floating[Any]]) -> dict[str, Any]:
+        return {"fresh": numbers.dtype == np.float64}
+
+    @classmethod
+    def _is_single(cls, state: dict[str, Any]) -> bool:
+        return not state["fresh"]
 
 
 class PendulumEnv(ClassicControlEnv):
@@ -81,13 +108,34 @@ class PendulumEnv(ClassicControlEnv):
     _id = "Pendulum-v1"
     state_names = ("theta", "theta_dot")
 
+    @property
+    def last_u(self) -> np.float32 | None:
+        """The last torque, clipped, which a picture shows; ``None`` after a reset. It can be set."""
+        torque = json.loads(self._native.state() or "{}").get("last_torque")
+        return None if torque is None else np.float32(torque)
+
+    @last_u.setter
+    def last_u(self, torque: Any) -> None:
+        if self._native.state() is None:
+            raise AttributeError(f"{self.env_id} has no last_u before the first reset")
+        whole, episode = self._take_apart()
+        episode["state"]["last_torque"] = None if torque is None else float(np.float32(torque))
+        self._native.restore(json.dumps(whole), self._native.is_running())
+
 
 class AcrobotEnv(ClassicControlEnv):
     """Swing the lower of two links above a line; ``state`` is both angles (rad) and both angular velocities (rad/s)."""
 
     _id = "Acrobot-v1"
     state_names = ("theta1", "theta2", "dtheta1", "dtheta2")
-    _when_set = {"fresh": False}  # as float64, unlike that of a reset
+
+    @classmethod
+    def _fields(cls, numbers: npt.NDArray[np.floating[Any]]) -> dict[str, Any]:
+        return {"fresh": numbers.dtype == np.float32}
+
+    @classmethod
+    def _is_single(cls, state: dict[str, Any]) -> bool:
+        return bool(state["fresh"])
 
     # in Gymnasium these belong to the class
     vars().update((name, value) for name, value in spec_of(_id)["defaults"].items())

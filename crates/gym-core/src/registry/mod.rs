@@ -4,30 +4,26 @@
 //! that [`register`] adds at run time, sorted by id.
 
 mod builder;
-mod id;
-mod options;
+mod lockstep;
 mod registration;
-mod spec;
 mod stack;
 mod vector;
-mod wrappers;
 
 use std::collections::BTreeMap;
 use std::sync::{LazyLock, PoisonError, RwLock};
 
 pub use builder::{EnvBuilder, builder, make};
-pub use id::EnvId;
-pub use registration::{
-    Clip, Configure, Need, NoArguments, Registration, Source, VectorEntryPoint,
+pub use registration::{Clip, Need, Registration, Source, VectorEntryPoint};
+pub use vector::{VectorBuilder, make_vec};
+
+pub use crate::env::{Configure, NoArguments};
+use crate::spec::nearest;
+pub use crate::spec::{
+    Each, EnvId, EnvSpec, ResetOptions, VectorKind, VectorSpec, WrapperConfig, WrapperSpec,
 };
-pub use spec::{EnvSpec, WrapperSpec};
-pub use vector::{Each, VectorBuilder, VectorKind, VectorSpec, make_vec};
-pub use wrappers::{WrapEnv, WrapVector, WrapperConfig, WrapperRegistration, wrappers};
+pub use crate::wrappers::{WrapEnv, WrapVector, WrapperRegistration, wrappers};
 
-pub(crate) use id::nearest;
-pub use options::ResetOptions;
-
-use crate::{Error, Result};
+use crate::value::{Error, Result};
 
 type Table = BTreeMap<EnvId, Vec<Registration>>;
 

@@ -2,8 +2,12 @@
 
 use std::any::Any;
 
+use gym_numerics::Seed;
+
 use super::{Columns, VectorEnv, VectorReset, infos};
-use crate::{Env, Error, Info, Result, Sampler, Seed, Value};
+use crate::env::Env;
+use crate::spaces::Sampler;
+use crate::value::{Error, Info, Result, Value};
 
 /// The methods for callers. Every [`VectorEnv`] has them, and no implementation can override them.
 pub trait VectorEnvExt: VectorEnv {

@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::{Columns, VectorEnv};
-use crate::number::{Number, Numeric, with_type};
-use crate::{Array, DType, Info, Value};
+use crate::value::number::{Number, Numeric, with_type};
+use crate::value::{Array, DType, Info, Value};
 
 /// See [`VectorEnvExt::infos`].
 pub(super) fn batch<V: VectorEnv + ?Sized>(envs: &V, columns: &Columns) -> Info {

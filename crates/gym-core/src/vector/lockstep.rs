@@ -13,9 +13,9 @@ use std::marker::PhantomData;
 
 use super::slot::{Ask, Slot, slot_bytes};
 use super::{Autoreset, SyncVectorEnv, VectorEnv, VectorSpec, size};
-use crate::registry::{VectorKind, find};
-use crate::wrappers::TimeLimit;
-use crate::{BoxEnv, Configure, Element, Env, EnvExt, EnvSpec, Reset, Result, arguments};
+use crate::env::{BoxEnv, Env, EnvExt};
+use crate::spec::{Reset, VectorKind};
+use crate::value::{Element, Result};
 
 /// Working memory for a group of environments, and the shared part of their steps.
 pub trait Together: Default + Send + 'static {
@@ -146,30 +146,9 @@ impl<E: Lockstep, W: Env> Ahead<W> for Within<E, W> {
     }
 }
 
-/// Makes a native vector of a registered environment that is [`Lockstep`], for
-/// [`Registration::vector_entry_point`](crate::Registration::vector_entry_point). It is a sync
-/// vector whose sub-environments step together.
-///
-/// # Errors
-/// [`Error::InvalidArgument`](crate::Error) for arguments that the environment does not take, and
-/// as [`SyncVectorEnv::new`].
-pub fn entry_point<E: Lockstep + Configure>(spec: &VectorSpec) -> Result<Box<dyn VectorEnv>> {
-    spec.check_each()?;
-    let version = find(&spec.env.id)?.rules();
-    let make = |index| -> Result<E> {
-        let EnvSpec { id, kwargs, .. } = spec.env_at(index);
-        E::configure(
-            arguments::read(&E::defaults(version), version, &kwargs, &format!("`{id}`"))?,
-            version,
-        )
-    };
-    match spec.env.max_episode_steps {
-        Some(limit) => lockstep::<E, _>(spec, |index| TimeLimit::new(make(index)?, limit)),
-        None => lockstep::<E, _>(spec, make),
-    }
-}
-
-fn lockstep<E: Lockstep, W: Env>(
+/// Makes a native vector of the environments that `make` gives for each index: a sync vector whose
+/// sub-environments step together.
+pub(crate) fn native<E: Lockstep, W: Env>(
     spec: &VectorSpec,
     make: impl Fn(usize) -> Result<W>,
 ) -> Result<Box<dyn VectorEnv>> {

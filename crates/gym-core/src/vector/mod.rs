@@ -1,6 +1,5 @@
 //! Many environments stepped as one: Gymnasium's `VectorEnv`.
 
-mod actions;
 mod columns;
 mod ext;
 pub(crate) mod infos;
@@ -18,33 +17,20 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::render::{Metadata, Rendered};
-use crate::{Error, Result, Snapshot, Space, Value};
+use crate::drawing::render::{Metadata, Rendered};
+use crate::spaces::Space;
+use crate::value::{Error, Result, Snapshot, Value};
 
-pub use crate::registry::{VectorKind, VectorSpec};
-pub use actions::{ActionColumn, Actions};
+pub use crate::spaces::{ActionColumn, Actions};
 #[doc(hidden)]
-pub use actions::{block_of, indices};
+pub use crate::spaces::{block_of, indices};
+pub use crate::spec::{Autoreset, VectorKind, VectorSpec};
 pub use columns::{Columns, Progress};
 pub use ext::VectorEnvExt;
 pub use pool::AsyncVectorEnv;
 pub use reset::{Seeds, VectorReset};
 pub use sync::SyncVectorEnv;
-
-/// When the sub-environments of a vector are reset after their episodes have ended.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub enum Autoreset {
-    /// On the next step, which ignores its action and returns the first observation of the next
-    /// episode, with a reward of 0 and no flag set. Do not train on this transition.
-    #[default]
-    NextStep,
-    /// On the same step: the observation is the first of the next episode, and the last of the one
-    /// that ended is in [`Columns::final_observations`].
-    SameStep,
-    /// Never: the caller resets with a [mask](VectorReset::mask), and until then a step is an
-    /// error.
-    Disabled,
-}
+pub use wrapper::VectorWrapper;
 
 /// Whether the observation spaces of sub-environments may differ: Gymnasium's `observation_mode`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]

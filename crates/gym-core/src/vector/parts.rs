@@ -2,4 +2,4 @@
 
 pub use super::size::check as check_size;
 pub use super::slot::{describe, episode_over};
-pub use crate::stored::{numbers, row, words};
+pub use crate::value::stored::{numbers, row, words};

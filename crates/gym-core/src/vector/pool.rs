@@ -23,8 +23,11 @@ use super::lockstep::{Ahead, go_all, group_len, is_cached};
 use super::size::MAX_THREADS;
 use super::slot::{self, Ask, Slot, Spaces, describe, slots};
 use super::{Autoreset, Columns, ObservationMode, VectorEnv, VectorReset, VectorSpec};
-use crate::render::{Metadata, Rendered};
-use crate::{BoxEnv, Env, EnvExt, EnvSpec, Error, Result, Snapshot, Space, Value};
+use crate::drawing::render::{Metadata, Rendered};
+use crate::env::{BoxEnv, Env, EnvExt};
+use crate::spaces::Space;
+use crate::spec::EnvSpec;
+use crate::value::{Error, Result, Snapshot, Value};
 
 /// Steps its sub-environments on a pool of threads: Gymnasium's `AsyncVectorEnv`, without its
 /// processes.

@@ -2,8 +2,8 @@
 
 use std::hint::black_box;
 
-use crate::spaces::MAX_ELEMENTS;
-use crate::{Error, Result, Space};
+use crate::spaces::{MAX_ELEMENTS, Space};
+use crate::value::{Error, Result};
 
 /// More than any machine has cores, and within the limits of common systems.
 pub(super) const MAX_THREADS: usize = 1024;

@@ -6,7 +6,10 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use serde::{Deserialize, Serialize};
 
 use super::{Autoreset, Columns, ObservationMode, Progress, size};
-use crate::{BoxEnv, Element, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, Space, Value};
+use crate::env::{BoxEnv, Env, Outcome};
+use crate::spaces::Space;
+use crate::spec::{EnvSpec, Reset};
+use crate::value::{Element, Error, Result, Snapshot, Value};
 
 /// A sub-environment with its last result. Sync and async vectors are made of these.
 pub(crate) struct Slot<E> {

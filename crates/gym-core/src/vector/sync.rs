@@ -4,8 +4,10 @@ use std::fmt;
 use super::lockstep::{Ahead, go_all, is_cached};
 use super::slot::{self, Ask, Slot, Spaces, describe, slots};
 use super::{Autoreset, Columns, ObservationMode, VectorEnv, VectorReset, VectorSpec};
-use crate::render::{Metadata, Rendered};
-use crate::{BoxEnv, Env, EnvExt, Result, Snapshot, Space, Value};
+use crate::drawing::render::{Metadata, Rendered};
+use crate::env::{BoxEnv, Env, EnvExt};
+use crate::spaces::Space;
+use crate::value::{Result, Snapshot, Value};
 
 /// Steps its sub-environments one after the other, on the calling thread: Gymnasium's
 /// `SyncVectorEnv`.

@@ -3,9 +3,11 @@
 use std::any::Any;
 
 use super::{Autoreset, Columns, VectorEnv, VectorReset, VectorSpec};
-use crate::render::{Metadata, Rendered};
-use crate::wrapper::forward;
-use crate::{Result, Snapshot, Space, Value, WrapperSpec};
+use crate::drawing::render::{Metadata, Rendered};
+use crate::env::wrapper::forward;
+use crate::spaces::Space;
+use crate::spec::WrapperSpec;
+use crate::value::{Result, Snapshot, Value};
 
 /// A vector around a vector: every `VectorWrapper` is a [`VectorEnv`].
 ///

@@ -1,8 +1,10 @@
 use std::fmt;
 
-use crate::canvas::Canvas;
-use crate::render::{Frame, Painter, RenderMode, Rendered, Screen, open_screen, painter};
-use crate::{BoxEnv, Env, EnvSpec, Error, Outcome, Reset, Result};
+use crate::drawing::canvas::Canvas;
+use crate::drawing::render::{Frame, Painter, RenderMode, Rendered, Screen, open_screen, painter};
+use crate::env::{BoxEnv, Env, Outcome};
+use crate::spec::{EnvSpec, Reset};
+use crate::value::{Error, Result};
 
 /// Adds a render mode to an environment: [`render`](crate::EnvExt::render) returns the frame of its
 /// [`draw`](Env::draw), or the text of its [`ansi`](Env::ansi).
@@ -140,7 +142,7 @@ impl<E: Env> Render<E> {
     }
 }
 
-impl<E: Env> crate::Wrapper for Render<E> {
+impl<E: Env> crate::env::Wrapper for Render<E> {
     type Observation = E::Observation;
     type Action = E::Action;
 

@@ -1,7 +1,8 @@
 //! Episodes cut off.
 
-use crate::registry::WrapperConfig;
-use crate::{BoxEnv, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot};
+use crate::env::{BoxEnv, Env, Outcome};
+use crate::spec::{EnvSpec, Reset, WrapperConfig};
+use crate::value::{Error, Result, Snapshot};
 
 /// Sets `truncated` once an episode has lasted a number of steps. `terminated` is unchanged: one
 /// step can set both.
@@ -57,7 +58,7 @@ impl<E: Env> TimeLimit<E> {
     }
 }
 
-impl<E: Env> crate::Wrapper for TimeLimit<E> {
+impl<E: Env> crate::env::Wrapper for TimeLimit<E> {
     type Observation = E::Observation;
     type Action = E::Action;
 

@@ -2,5 +2,6 @@
 
 mod lockstep;
 mod rare;
+mod rooms;
 mod seams;
 mod spaces;

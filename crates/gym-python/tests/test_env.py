@@ -114,11 +114,11 @@ def test_order() -> None:
     env = rustgym.Env("CartPole-v1")
     with pytest.raises(gymnasium.error.ResetNeeded, match="reset"):
         env.step(0)
-    env.reset()
+    env.reset(seed=1)
+    twin = copy.deepcopy(env)
     env.close()
     env.close()
-    with pytest.raises(gymnasium.error.Error):
-        env.step(0)
+    assert_same([env.step(0), env.reset(), env.state], [twin.step(0), twin.reset(), twin.state])
 
 
 @pytest.mark.parametrize("seed", [-1, 1.5, "1", [1]])

@@ -81,8 +81,8 @@ class Live:
         """What to compare the object with later."""
         return deepcopy(value)
 
-    def push(self, env: Env, value: Any) -> None:
-        """Takes over what has changed."""
+    def push(self, env: Env, value: Any, call: str) -> None:
+        """Takes over what has changed, before a call."""
         if not same(value, env._seen[self.name]):
             self.write(env, value)
             env._seen[self.name] = self._copy(value)
@@ -109,5 +109,5 @@ class Own(Live):
     def _copy(self, value: Any) -> Any:
         return None
 
-    def push(self, env: Env, value: Any) -> None:
+    def push(self, env: Env, value: Any, call: str) -> None:
         """Nothing: there is no second copy."""

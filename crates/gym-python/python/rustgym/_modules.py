@@ -115,7 +115,8 @@ def forwarder(module: str) -> Callable[[str], Any]:
                     return getattr(importlib.import_module(_THEIRS + module.removeprefix(_OURS)), name)
                 except AttributeError:
                     pass
-        raise AttributeError(f"module {module!r} has no attribute {name!r}")
+        theirs = _THEIRS + module.removeprefix(_OURS)
+        raise AttributeError(f"neither {module} nor {theirs} has an attribute {name!r}")
 
     return __getattr__
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import base64
+import copy
 import os
 from collections.abc import Mapping
 from importlib import import_module
@@ -124,15 +126,45 @@ class Mirror:
         self._seen_state = written.tobytes()
         return changed, "data" if other else None
 
-    def state(self) -> list[float]:
-        """The whole state, as numbers."""
+    def store(self) -> dict[str, Any]:
+        """The model, the state, and the arrays that the last call computed, as texts."""
+        mujoco = _library()
+        model = np.empty(mujoco.mj_sizeModel(self.model), np.uint8)
+        mujoco.mj_saveModel(self.model, None, model)
         self._read_state()
-        numbers: list[float] = self._state.tolist()
-        return numbers
+        arrays = {name: _text(array) for name, array in self._computed().items()}
+        return {"model": _text(model), "state": _text(self._state), "arrays": arrays}
 
-    def set_state(self, numbers: list[float]) -> None:
-        """Continues from what ``state`` returned."""
-        _library().mj_setState(self.model, self.data, np.array(numbers), self._everything)
+    @classmethod
+    def stored(cls, parts: dict[str, Any], contact_forces: bool) -> Mirror:
+        """What ``store`` returned."""
+        mujoco = _library()
+        model = mujoco.MjModel.from_binary_path("model.mjb", {"model.mjb": base64.b64decode(parts["model"])})
+        mirror = cls(model, contact_forces)
+        state = np.frombuffer(base64.b64decode(parts["state"]))
+        mujoco.mj_setState(model, mirror.data, state, mirror._everything)
+        mujoco.mj_forward(model, mirror.data)
+        computed = mirror._computed()
+        for name, text in parts["arrays"].items():
+            array = computed[name]
+            array[...] = np.frombuffer(base64.b64decode(text), array.dtype).reshape(array.shape)
+        mujoco.mj_setState(model, mirror.data, state, mirror._everything)
+        mirror.is_handed = True
+        return mirror
+
+    def _computed(self) -> dict[str, npt.NDArray[Any]]:
+        """The arrays of the data whose sizes the model decides."""
+        fresh = _library().MjData(self.model)
+        names = (name for name in dir(fresh) if not name.startswith(("_", "efc_", "iefc_", "efm_")))
+        arrays = {name: array for name in names if isinstance(array := getattr(fresh, name), np.ndarray) and array.dtype != object}
+        here = {name: getattr(self.data, name) for name in arrays}
+        return {name: array for name, array in here.items() if array.shape == arrays[name].shape and array.size}
+
+    def copy(self) -> Mirror:
+        """An independent copy."""
+        twin: Mirror = object.__new__(Mirror)
+        twin.__setstate__({**self.__getstate__(), "model": copy.copy(self.model), "data": copy.copy(self.data)})
+        return twin
 
     def __getstate__(self) -> dict[str, Any]:
         return {"model": self.model, "data": self.data, "contact_forces": self.contact_forces, "is_handed": self.is_handed}
@@ -140,6 +172,10 @@ class Mirror:
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
         self._watch()
+
+
+def _text(array: npt.NDArray[Any]) -> str:
+    return base64.b64encode(array.tobytes()).decode()
 
 
 def _put(data: Any, state: Mapping[str, Any]) -> None:

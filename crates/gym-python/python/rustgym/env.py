@@ -87,7 +87,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
 
     # the objects that attributes of the kind `Live` have handed out, by their names, and what they said last
     _handed: dict[str, Any] | None = None
-    _seen: dict[str, Any]
+    _seen: dict[str, Any] = {}
 
     # None in a class of somebody's own, which brings its own `reset` and `step`
     _native: native.Env = None  # type: ignore[assignment]
@@ -159,7 +159,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         if self._native is None:
             return super().reset(seed=seed, options=options)
         if self._is_watched:
-            self._push()
+            self._push("reset")
         if seed is not None:
             seed = checked_seed(seed)
         elif self._generator is None and self._np_random_seed is None:
@@ -207,17 +207,17 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         if self._native is None:
             result = super().step(action)  # raises NotImplementedError
             return result
-        self._push()
+        self._push("step")
         result = self._native.step(action)
         self._follow()
         return result
 
-    def _push(self) -> None:
-        """Brings the environment to what the objects say that were handed out."""
+    def _push(self, call: str = "") -> None:
+        """Brings the environment to what the objects say that were handed out, before a ``call``: a reset or step, or another."""
         self._push_generator()
         for name in list(self._handed or ()):
             attribute: Live = getattr(type(self), name)
-            attribute.push(self, self._handed[name])  # type: ignore[index]
+            attribute.push(self, self._handed[name], call)  # type: ignore[index]
 
     def _follow(self, is_reset: bool = False) -> None:
         """Brings the objects that were handed out to the environment's state."""
@@ -295,6 +295,15 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
             raise TypeError(f"a state must be a text returned by get_state, not {state!r} of type {type(state).__name__}")
         self._native.restore(state, True)
         self._follow(is_reset=True)
+
+    def _rebuild(self, changed: dict[str, Any]) -> None:
+        """The environment as it is, with other values of arguments that cannot be set in the native one."""
+        given = {**json.loads(self._native.arguments()), **changed}
+        native = self._make_native(native_arguments(self.env_id, given))
+        state = self._take_apart()[0]
+        state["config"] = json.loads(native.snapshot())["config"]
+        native.restore(json.dumps(state), self._native.is_running())
+        self._native = native
 
     def _take_apart(self) -> tuple[Any, Any]:
         """The stored state, and the part of it that is the episode: ``None`` before the first reset."""
@@ -385,7 +394,15 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
             logger.warn(
                 f"{name} is what this {type(self).__name__} was made with: setting it changes nothing but the attribute"
             )
+        elif not self._knows(name):
+            logger.warn(f"{type(self).__name__} has no {name}: setting it changes nothing but the attribute")
         super().__setattr__(name, value)
+
+    def _knows(self, name: str) -> bool:
+        """Whether setting an attribute is nothing to warn of: a class of somebody's own has attributes of its own."""
+        if name in self.__dict__ or hasattr(type(self), name) or "arguments" not in self.__dict__:
+            return True
+        return name.startswith("_") or type(self).__module__ != "rustgym.envs"
 
 
 class ClassEnv(Env):
@@ -409,12 +426,13 @@ class TunableEnv(ClassEnv):
         defaults = spec_of(self._id)["defaults"]
         # arguments that a user's subclass sets
         own = {name: getattr(type(self), name, value) for name, value in defaults.items()}
+        own.update((name, defaults[name]) for name, value in own.items() if isinstance(value, Live))
         changed = {name: value for name, value in own.items() if value != defaults[name]}
         super().__init__(render_mode, **{**changed, **kwargs})
         self.__dict__.update((name, self.arguments[name]) for name in defaults)
 
     def __setattr__(self, name: str, value: Any) -> None:
-        if name in self._fixed or name not in self.__dict__.get("arguments", ()):
+        if name in self._fixed or name not in self.__dict__.get("arguments", ()) or isinstance(vars(type(self)).get(name), Live):
             super().__setattr__(name, value)
         else:
             self._native.set_argument(to_json({name: self._names.get(name, lambda value: value)(value)}))

@@ -11,7 +11,7 @@ import gymnasium
 import numpy as np
 import numpy.typing as npt
 
-from rustgym._live import Live
+from rustgym._live import Live, same
 from rustgym._modules import forwarder
 from rustgym.env import TunableEnv, entropy
 
@@ -209,6 +209,23 @@ def _score_glyphs() -> str:
     return json.dumps(glyphs)
 
 
+class _OfTrack(Live):
+    """What a reset makes the track with."""
+
+    def __set__(self, env: Any, value: Any) -> None:
+        self._hand(env, value)
+        env._seen[self.name] = None
+
+    def push(self, env: Any, value: Any, call: str) -> None:
+        """Takes over what has changed, before a reset."""
+        if same(value, env._seen[self.name]):
+            return
+        if call == "step" and env._native.is_running():
+            raise gymnasium.error.ResetNeeded(f"{self.name} was changed: the track has its colour from the reset, so reset first")
+        if call == "reset":
+            super().push(env, value, call)
+
+
 class CarRacing(Box2DEnv):
     """Drive a car around a track, seen from above.
 
@@ -243,12 +260,12 @@ class CarRacing(Box2DEnv):
     tile_visited_count = _field("tile_visited_count", int, "The number of tiles visited.")
     new_lap = _field("new_lap", bool, "Whether the lap is complete.")
 
-    road_color = Live(
+    road_color = _OfTrack(
         lambda self: self._color("road"),
         lambda self, color: self._set_color("road", color),
         outlives_reset=lambda self: not self.domain_randomize,
         outlives_step=True,
-        doc="Red, green and blue of the road, 0 to 255. It can be changed.",
+        doc="Red, green and blue of the road, 0 to 255. It can be changed before a reset, which makes a track of that colour.",
     )
     bg_color = Live(
         lambda self: self._color("background"),
@@ -275,8 +292,8 @@ class CarRacing(Box2DEnv):
 
     def _set_color(self, name: str, color: Any) -> None:
         numbers = np.asarray(color, np.float64)
-        if numbers.shape != (3,) or not np.isfinite(numbers).all():
-            raise ValueError(f"a colour is red, green and blue, not {color!r}")
+        if numbers.shape != (3,) or not ((numbers >= 0) & (numbers <= 255)).all():
+            raise ValueError(f"a colour is red, green and blue, each 0 to 255, not {color!r}")
         self._color(name)
         self._set(lambda episode: episode["colors"].update({name: numbers.tolist()}))
 

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
 
+from rustgym._json import to_json
 from rustgym._live import Live
 from rustgym._modules import forwarder
 from rustgym._specs import spec_of
@@ -34,6 +36,13 @@ class ClassicControlEnv(TunableEnv):
     def _is_single(cls, state: dict[str, Any]) -> bool:
         """Whether Gymnasium has the numbers of a state as ``float32``."""
         return False
+
+    # what Gymnasium's classes have beside, and do not compute with
+    _beside: ClassVar[dict[str, Callable[[Any], Any]]] = {}
+
+    def __init__(self, render_mode: str | None = None, **kwargs: Any) -> None:
+        super().__init__(render_mode, **kwargs)
+        self.__dict__.update((name, make(self)) for name, make in self._beside.items())
 
     def _read_state(self) -> npt.NDArray[np.floating[Any]] | None:
         """The state, by ``state_names``; ``None`` before the first reset. It can be changed in place, and set."""
@@ -80,11 +89,16 @@ class CartPoleEnv(ClassicControlEnv):
         return {"fallen": False, "fresh": True}  # anywhere, as a start may be
 
 
+def _bounds(position: str, sign: float) -> Callable[[Any], npt.NDArray[np.float32]]:
+    return lambda self: np.array([self.arguments[position], sign * self.arguments["max_speed"]], np.float32)
+
+
 class MountainCarEnv(ClassicControlEnv):
     """Drive a weak car up a hill; ``state`` is position and velocity."""
 
     _id = "MountainCar-v0"
     state_names = ("position", "velocity")
+    _beside = {"low": _bounds("min_position", -1.0), "high": _bounds("max_position", 1.0)}
 
 
 class Continuous_MountainCarEnv(ClassicControlEnv):
@@ -92,6 +106,7 @@ class Continuous_MountainCarEnv(ClassicControlEnv):
 
     _id = "MountainCarContinuous-v0"
     state_names = ("position", "velocity")
+    _beside = {"low_state": _bounds("min_position", -1.0), "high_state": _bounds("max_position", 1.0)}
 
     @classmethod
     def _fields(cls, numbers: npt.NDArray[np.floating[Any]]) -> dict[str, Any]:
@@ -140,4 +155,16 @@ class AcrobotEnv(ClassicControlEnv):
     # in Gymnasium these belong to the class
     vars().update((name, value) for name, value in spec_of(_id)["defaults"].items())
     actions_num = 3
+
+    def _set_torques(self, torques: Any) -> None:
+        self._native.set_argument(to_json({"AVAIL_TORQUE": torques}))
+        self.arguments["AVAIL_TORQUE"] = list(torques)
+
+    AVAIL_TORQUE = Live(
+        lambda self: list(self.arguments["AVAIL_TORQUE"]),
+        _set_torques,
+        outlives_reset=True,
+        outlives_step=True,
+        doc="The torques of the actions, in N m.",
+    )
     _names = {"book_or_nips": lambda name: name if name == "nips" else "book"}

@@ -7,8 +7,6 @@ as another model, hands the environment over: from then on the package steps it,
 
 from __future__ import annotations
 
-import base64
-import copy
 import json
 from functools import cached_property
 from importlib import import_module
@@ -24,7 +22,6 @@ from gymnasium import logger
 from rustgym._live import Live, same
 from rustgym._modules import forwarder
 from rustgym._mujoco import Mirror, OwnData, load
-from rustgym._specs import native_arguments
 from rustgym.env import ClassEnv, Env, entropy
 
 __all__ = ["MujocoEnv"]
@@ -85,7 +82,19 @@ class _Borrowed:
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = name
 
+    def replace(self, env: MujocoEnv, value: Any) -> None:
+        """Puts a method of somebody's own in the place of this one."""
+        if isinstance(getattr(env._theirs(), self.name, None), property):
+            raise AttributeError(f"property {self.name!r} of {type(env).__name__!r} object has no setter")
+        env._hand_over(self.name)
+        env.__dict__[self.name] = value
+
+    def __call__(self, env: MujocoEnv, *args: Any, **kwargs: Any) -> Any:
+        return self.__get__(env, type(env))(*args, **kwargs)
+
     def __get__(self, env: MujocoEnv | None, owner: type[MujocoEnv]) -> Any:
+        if env is None:
+            return self
         function = None
         for theirs in owner._theirs().__mro__:
             if self.name in vars(theirs):
@@ -93,8 +102,6 @@ class _Borrowed:
                 break
         if function is None:
             raise AttributeError(f"{owner.__name__} has no attribute {self.name!r}")
-        if env is None:
-            return function
         if self.writes:
             env._hand_over(f"{self.name}()")
         return function.fget(env) if isinstance(function, property) else MethodType(function, env)
@@ -184,7 +191,7 @@ class MujocoEnv(ClassEnv):
 
     def _watched_step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         if not self._is_handed:
-            self._push()
+            self._push("step")
         if self._is_handed:
             result: tuple[Any, float, bool, bool, dict[str, Any]] = self._theirs().step(self, action)
             return result
@@ -239,12 +246,7 @@ class MujocoEnv(ClassEnv):
         state = super().get_state()
         if not self._is_handed:
             return state
-        mirror = self._touched()
-        mujoco = import_module("mujoco")
-        buffer = np.empty(mujoco.mj_sizeModel(mirror.model), np.uint8)
-        mujoco.mj_saveModel(mirror.model, None, buffer)
-        model = base64.b64encode(buffer.tobytes()).decode()
-        return json.dumps({"native": json.loads(state), "mujoco": {"model": model, "state": mirror.state()}})
+        return json.dumps({"native": json.loads(state), "mujoco": self._touched().store()})
 
     def _set_whole_state(self, state: Any) -> None:
         whole = json.loads(state) if isinstance(state, str) else None
@@ -254,14 +256,8 @@ class MujocoEnv(ClassEnv):
             super().set_state(state)
             return
         self._hand_over("a state of an environment that MuJoCo's package steps", warn=False)
-        mirror = self._touched()
-        model = base64.b64decode(whole["mujoco"]["model"])
-        mirror.model = import_module("mujoco").MjModel.from_binary_path("model.mjb", {"model.mjb": model})
-        mirror.data = import_module("mujoco").MjData(mirror.model)
-        mirror.__setstate__(mirror.__getstate__())
-        mirror.set_state(whole["mujoco"]["state"])
+        self._mirror = Mirror.stored(whole["mujoco"], self._has_contact_forces)
         super().set_state(json.dumps(whole["native"]))
-        import_module("mujoco").mj_forward(mirror.model, mirror.data)
         self.__dict__.pop("mujoco_renderer", None)
 
     # -- MuJoCo's objects
@@ -275,8 +271,8 @@ class MujocoEnv(ClassEnv):
         super()._watch()
         self._is_watched = self._is_watched or self._mirror is not None or self._own_data is not None
 
-    def _push(self) -> None:
-        super()._push()
+    def _push(self, call: str = "") -> None:
+        super()._push(call)
         if self._own_data is not None:
             self._take_over(self._own_data.changes())
         elif self._mirror is not None:
@@ -320,6 +316,10 @@ class MujocoEnv(ClassEnv):
         elif self._mirror is not None and not self._mirror.is_handed:
             self._mirror.follow(self._native, is_reset)
 
+    @property
+    def _has_contact_forces(self) -> bool:
+        return int(self.env_id.rpartition("-v")[2]) >= 4
+
     def _touched(self) -> Mirror:
         """MuJoCo's objects, which follow from now on."""
         if self._mirror is None:
@@ -330,8 +330,7 @@ class MujocoEnv(ClassEnv):
                 )
             arguments = {"width": 480, "height": 480, **self.arguments}
             model = load(self._made_of["xml_file"], self._made_of["xml"], arguments["width"], arguments["height"])
-            version = int(self.env_id.rpartition("-v")[2])
-            self._mirror = Mirror(model, contact_forces=version >= 4)
+            self._mirror = Mirror(model, self._has_contact_forces)
             self._mirror.follow(self._native, is_reset=True)
             self._watch()
         return self._mirror
@@ -403,10 +402,13 @@ class MujocoEnv(ClassEnv):
         get = self.arguments.get
         module = import_module("gymnasium.envs.mujoco.mujoco_rendering")
         options = get("visual_options")
+        camera = self._given.get("default_camera_config")
+        if camera is None:
+            camera = getattr(import_module(self._theirs().__module__), "DEFAULT_CAMERA_CONFIG", {})
         return module.MujocoRenderer(
             self.model,
             self.data,
-            get("default_camera_config"),
+            camera,
             get("width") or 480,
             get("height") or 480,
             get("max_geom") or 1000,
@@ -443,10 +445,18 @@ class MujocoEnv(ClassEnv):
         if name.startswith("_") and name[1:] in arguments:
             self._set_argument(name[1:], value)
             object.__setattr__(self, name, value)
+        elif isinstance(borrowed := vars(MujocoEnv).get(name), _Borrowed) and self._native is not None:
+            borrowed.replace(self, value)
         elif name in ("mujoco_renderer", "frame_skip"):
             object.__setattr__(self, name, value)
         else:
             super().__setattr__(name, value)
+
+    def _knows(self, name: str) -> bool:
+        # Gymnasium's tasks read many attributes with an underscore
+        if not name.startswith("_") or type(self).__module__ != "rustgym.envs" or "arguments" not in self.__dict__:
+            return super()._knows(name)
+        return name in self.__dict__ or hasattr(type(self), name)
 
     def _set_argument(self, name: str, value: Any) -> None:
         """The environment with another value of an argument, where it is."""
@@ -454,12 +464,9 @@ class MujocoEnv(ClassEnv):
         if self._is_handed:
             return
         self._push()
-        given = {**json.loads(self._native.arguments()), name: value}
-        native = self._make_native(native_arguments(self.env_id, given))
-        state = self._take_apart()[0]
-        state["config"] = json.loads(native.snapshot())["config"]
-        native.restore(json.dumps(state), self._native.is_running())
-        self._native = native
+        if isinstance(value, tuple | list):  # a range: an end that is infinite is left out
+            value = [None if np.isinf(x) else x for x in value]
+        self._rebuild({name: value})
         self.__dict__.pop("_made_of", None)
 
     @property
@@ -561,7 +568,7 @@ class MujocoEnv(ClassEnv):
         mirror, twin.__dict__["_own_data"] = self._mirror, None
         twin.__dict__.pop("mujoco_renderer", None)
         if mirror is not None:
-            twin.__dict__["_mirror"] = _copy(mirror) if mirror.is_handed else None
+            twin.__dict__["_mirror"] = mirror.copy() if mirror.is_handed else None
         if self._handed:  # initial positions and velocities
             for name, value in self._handed.items():
                 type.__getattribute__(type(self), name)._hand(twin, np.array(value))
@@ -575,14 +582,3 @@ class MujocoEnv(ClassEnv):
             state = {**state, "_mirror": mirror, "_own_data": None}
             state.pop("mujoco_renderer", None)
         return state
-
-
-def _copy(mirror: Mirror) -> Mirror:
-    twin: Mirror = object.__new__(Mirror)
-    model = copy.copy(mirror.model)
-    data = import_module("mujoco").MjData(model)
-    twin.__setstate__({**mirror.__getstate__(), "model": model, "data": data})
-    twin.set_state(mirror.state())
-    import_module("mujoco").mj_forward(model, data)
-    twin.set_state(mirror.state())
-    return twin

@@ -15,7 +15,6 @@ import numpy.typing as npt
 from rustgym import _native
 from rustgym._live import Live, Own
 from rustgym._modules import forwarder
-from rustgym._specs import native_arguments
 from rustgym.env import ClassEnv, checked_seed, entropy
 
 __all__ = ["BlackjackEnv", "CliffWalkingEnv", "FrozenLakeEnv", "TaxiEnv", "generate_random_map"]
@@ -41,6 +40,16 @@ def generate_random_map(size: int = 8, p: float = 0.8, seed: int | None = None) 
 
 class ToyTextEnv(ClassEnv):
     """An environment of a few cards or cells."""
+
+    # arguments that Gymnasium's environment looks at when it is played
+    _settable: ClassVar[frozenset[str]] = frozenset()
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name in self._settable and "arguments" in self.__dict__:
+            self._rebuild({name: value})
+            self.arguments[name] = self.__dict__[name] = value
+        else:
+            super().__setattr__(name, value)
 
     def _state(self) -> dict[str, Any]:
         state = self._native.state()
@@ -119,7 +128,7 @@ class TabularEnv(ToyTextEnv):
         row = table[state][action]
         if row == self._table[0][state].get(action):
             return super()._watched_step(action)
-        self._push()
+        self._push("step")
         rng = self._np_random
         assert rng is not None
         probability, cell, reward, terminated = row[_draw([outcome[0] for outcome in row], rng)]
@@ -191,6 +200,7 @@ class BlackjackEnv(ToyTextEnv):
     """Come closer to 21 than the dealer."""
 
     _id = "Blackjack-v1"
+    _settable = frozenset({"natural", "sab"})
 
     def _write_player(self, cards: Any) -> None:
         self._set_state(player=[operator.index(card) for card in cards])
@@ -242,12 +252,7 @@ class FrozenLakeEnv(TabularEnv):
     def _write_desc(self, desc: Any) -> None:
         # Gymnasium's table is made once: what is played stays, what is drawn follows
         _ = self.P, self.initial_state_distrib
-        whole, _ = self._take_apart()
-        arguments = {**json.loads(self._native.arguments()), "desc": np.asarray(desc, dtype="c")}
-        drawn = self._make_native(native_arguments(self.env_id, arguments))
-        whole["config"] = json.loads(drawn.snapshot())["config"]
-        drawn.restore(json.dumps(whole), self._native.is_running())
-        self._native = drawn
+        self._rebuild({"desc": np.asarray(desc, dtype="c")})
         self.__dict__.pop("_table", None)
 
     desc = Live(
@@ -286,6 +291,7 @@ class TaxiEnv(TabularEnv):
     """Bring a passenger to a hotel."""
 
     _id = "Taxi-v4"
+    _settable = frozenset({"fickle_passenger", "fickle_probability"})
     _cell = "encoded"
     _actions = ("South", "North", "East", "West", "Pickup", "Dropoff")
 

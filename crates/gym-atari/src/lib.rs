@@ -1,7 +1,7 @@
 //! The Atari 2600 in pure Rust, and ale-py's environments on top.
 #![forbid(unsafe_code)]
 #![warn(clippy::disallowed_methods)]
-// Unit tests register no environment, so that the compiler leaves out all that they do not call.
+// Unit tests register no environment, so that unused code is not compiled into them.
 #![cfg_attr(test, allow(dead_code, unused_imports))]
 
 mod action;

@@ -136,10 +136,7 @@ pub(crate) fn render_modes(subject: &Subject<'_>) -> Verdict {
         let rendered = Render::new(env.clone(), mode).and_then(|mut render| render.render());
         match rendered {
             Ok(Rendered::Frame(frame))
-                if (frame.width(), frame.height()) == metadata.render_size =>
-            {
-                ()
-            }
+                if (frame.width(), frame.height()) == metadata.render_size => {}
             Ok(Rendered::Text(text)) if !text.is_empty() => (),
             Ok(other) => return broken(format!("the mode {mode} gives {other:?}")),
             Err(error) => return broken(format!("the mode {mode}: {error}")),

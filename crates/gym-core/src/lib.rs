@@ -50,7 +50,7 @@ pub use value::{
     Array, Continuous, DType, Data, Element, Error, GraphInstance, Info, Precision, Result,
     Snapshot, Value, array,
 };
-pub use vector::{BoxVector, VectorEnv, VectorEnvExt, VectorWrapper};
+pub use vector::{BoxVector, VectorEnv, VectorEnvExt, wrapper::VectorWrapper};
 
 /// The example of the README, compiled and run.
 #[cfg(doctest)]

@@ -1,5 +1,5 @@
-//! The evaluation of a policy: one environment, the best action each time, and the statistics of
-//! the training, which stay as they are.
+//! The evaluation of a policy: plays the best actions in one environment, with the training's
+//! observation statistics, which are not updated.
 
 use anyhow::Context;
 use gym::registry::EnvBuilder;

@@ -1,4 +1,4 @@
-//! Measures drawing and GIF writing on a moving cart with a pole: `cargo run --release --example
+//! Measures drawing and GIF encoding of a moving cart with a pole: `cargo run --release --example
 //! drawing_speed [FILE.gif]`.
 
 use std::path::PathBuf;
@@ -12,7 +12,8 @@ const SIZE: (u32, u32) = (600, 400);
 const FRAMES: u32 = 500;
 const FPS: u32 = 50;
 
-/// The state of CartPole, balanced by a push towards the side where the pole falls.
+/// The state of CartPole under a simple controller, which pushes to the side to which the pole
+/// falls.
 struct CartPole {
     x: f64,
     x_dot: f64,
@@ -21,7 +22,7 @@ struct CartPole {
 }
 
 impl CartPole {
-    /// One step of Gymnasium's `cartpole.py`.
+    /// Takes one step, as in Gymnasium's `cartpole.py`.
     fn step(&mut self) {
         let side = 0.1 * self.x + 0.2 * self.x_dot + self.theta + 0.5 * self.theta_dot;
         let force = if side > 0.0 { 10.0 } else { -10.0 };

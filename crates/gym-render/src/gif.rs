@@ -1,12 +1,13 @@
 //! Animations as GIF files, frame by frame, in bounded memory.
 //!
-//! The file stays small and its colours exact as far as the format allows:
+//! The file is small, and its colours are exact as far as the format allows:
 //! - Each image contains only the rectangle that changed. Its unchanged pixels are transparent or
-//!   repeat their colours, whichever takes fewer bytes. An unchanged frame prolongs the one before.
-//! - All images share one table of 255 colours, which grows as colours appear. It is at the start
-//!   of the file and written last.
-//! - An image has its own colour table if its new colours do not fit in the shared one. Only an
-//!   image with more than 255 colours is reduced to similar ones.
+//!   repeat their colours, whichever takes fewer bytes. An unchanged frame extends the previous
+//!   one.
+//! - All images share one table of 255 colours, which grows as colours appear. It stands at the
+//!   start of the file and is written last.
+//! - An image has its own colour table if its new colours do not fit into the shared one. Only an
+//!   image with more than 255 colours is reduced to similar colours.
 
 use std::borrow::Cow;
 use std::io::{self, Seek, SeekFrom, Write};
@@ -22,12 +23,12 @@ use crate::changes::changed;
 use crate::palette::{ENTRIES, Palette, Rgb, TRANSPARENT};
 use crate::stream::{Format, Stream};
 
-/// The offset of the shared colour table: behind signature and screen descriptor (GIF89a
+/// The offset of the shared colour table, after signature and screen descriptor (GIF89a
 /// specification, sections 17 and 18).
 const TABLE_OFFSET: u64 = 13;
-/// Time is counted in hundredths of a second (GIF89a specification, section 23).
+/// Delays are in hundredths of a second (GIF89a specification, section 23).
 const TICKS_PER_SECOND: u64 = 100;
-/// Browsers show an image with a shorter delay for 10 ticks.
+/// The shortest delay: browsers show an image with a shorter delay for 10 ticks.
 const SHORTEST_DELAY: u64 = 2;
 
 /// Writes an animation that loops for ever.
@@ -170,19 +171,19 @@ pub(crate) fn encode<W: Write + Seek>(writer: W, fps: u32, frames: &[Frame]) -> 
     write().map_err(failed)
 }
 
-/// An animation being written. The last frame is held back until its duration is known.
+/// An animation that is being written. The last frame is not written until its duration is known.
 struct Animation<W: Write + Seek> {
     encoder: Encoder<W>,
     palette: Palette,
     fps: u32,
-    /// Frames so far.
+    /// The number of frames so far.
     count: u64,
-    /// The frame held back, and the tick at which it appears.
+    /// The frame that is not written yet, and the tick at which it appears.
     pending: Frame,
     since: u64,
-    /// The screen before it; `None` before the first image.
+    /// The frame before `pending`; `None` before the first image.
     shown: Option<Frame>,
-    /// Buffers for the rectangle being written.
+    /// Buffers for the rectangle that is being written.
     pixels: Vec<Option<Rgb>>,
     entries: Vec<u8>,
     opaque: Vec<u8>,
@@ -232,7 +233,7 @@ impl<W: Write + Seek> Animation<W> {
         if *frame == self.pending {
             return Ok(());
         }
-        // Otherwise the frame held back would be too short: this one replaces it.
+        // otherwise `pending` would be too short: the new frame replaces it
         if now - self.since >= SHORTEST_DELAY {
             self.write_pending(now)?;
             match &mut self.shown {
@@ -254,13 +255,13 @@ impl<W: Write + Seek> Animation<W> {
         Ok(writer)
     }
 
-    /// The tick at which the next frame appears: the nearest to its true time.
+    /// Returns the tick at which the next frame appears: the nearest to its exact time.
     fn now(&self) -> u64 {
         let fps = u64::from(self.fps);
         (self.count * TICKS_PER_SECOND + fps / 2) / fps
     }
 
-    /// Writes the frame held back, to be shown until that tick.
+    /// Writes `pending`, which is shown until the tick `until`.
     fn write_pending(&mut self, until: u64) -> io::Result<()> {
         let (columns, rows) = changed(self.shown.as_ref(), &self.pending);
         self.pixels.clear();
@@ -298,13 +299,14 @@ impl<W: Write + Seek> Animation<W> {
             if ticks == 0 {
                 return Ok(());
             }
-            // Longer than a delay can be: a transparent pixel follows.
+            // the rest of a delay that exceeds the format's limit: another image of one transparent
+            // pixel
             picture = compressed(&[TRANSPARENT]);
             (picture.width, picture.height) = (1, 1);
         }
     }
 
-    /// Translates `pixels` into `entries`, and returns the table if it is not the shared one.
+    /// Translates `pixels` to `entries`; returns the colour table if it is not the shared one.
     fn table(&mut self) -> Option<Palette> {
         if self.palette.translate(&self.pixels, &mut self.entries) {
             return None;
@@ -326,7 +328,7 @@ impl<W: Write + Seek> std::fmt::Debug for Animation<W> {
     }
 }
 
-/// An image of these entries, not yet placed.
+/// Returns an image of these entries, without a position.
 fn compressed(entries: &[u8]) -> gif::Frame<'_> {
     let buffer = Cow::Borrowed(entries);
     let mut picture = gif::Frame {
@@ -338,14 +340,14 @@ fn compressed(entries: &[u8]) -> gif::Frame<'_> {
     picture
 }
 
-/// The colours in a rectangle, row by row.
+/// Iterates over the colours in a rectangle, row by row.
 fn colors(frame: &Frame, columns: Range<usize>, rows: Range<usize>) -> impl Iterator<Item = &Rgb> {
     let pixels = frame.pixels().as_chunks().0;
     let width = frame.width() as usize;
     rows.flat_map(move |y| &pixels[y * width..][columns.clone()])
 }
 
-/// Appends the pixels of a rectangle, `None` for those that did not change.
+/// Appends the pixels of a rectangle to `pixels`; `None` for unchanged ones.
 fn gather(
     old: Option<&Frame>,
     new: &Frame,
@@ -383,13 +385,13 @@ mod tests {
 
     use crate::testing::{Full, names};
 
-    /// An image of a file: its own part, and the whole screen after it.
+    /// A decoded image: its own properties, and the whole screen after it.
     struct Picture {
         delay: u16,
         /// Left, top, width, height.
         area: [u16; 4],
         own_table: bool,
-        /// Whether some pixels are unchanged.
+        /// Whether the image has transparent pixels.
         transparent: bool,
         screen: Vec<u8>,
     }
@@ -438,7 +440,7 @@ mod tests {
         pictures.iter().map(|picture| picture.delay).collect()
     }
 
-    /// A frame of that size whose pixels are given by position.
+    /// Returns a frame of this size with `color` at each position.
     fn frame(width: u32, height: u32, color: impl Fn(u32, u32) -> Rgb) -> Frame {
         let mut frame = Frame::new(width, height).unwrap();
         let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
@@ -448,7 +450,7 @@ mod tests {
         frame
     }
 
-    /// A square that moves over a ground of several colours, with a new colour in each frame.
+    /// A square that moves over a background of several colours, with a new colour in each frame.
     fn moving(count: u32) -> Vec<Frame> {
         let color = |step: u32, x: u32, y: u32| match (x.wrapping_sub(step), y.wrapping_sub(3)) {
             (0..4, 0..4) => [255, step as u8, 0],
@@ -479,7 +481,7 @@ mod tests {
         );
     }
 
-    /// Viewers show a frame of less than two hundredths for a tenth of a second.
+    /// Viewers show a frame of less than two hundredths of a second for a tenth of a second.
     #[test]
     fn the_last_frame_is_not_too_short() {
         let frames: Vec<_> = (0..4)
@@ -495,8 +497,7 @@ mod tests {
                 delays.iter().all(|delay| *delay >= SHORTEST_DELAY),
                 "{fps}, {count}: {delays:?}"
             );
-            // as long as the frames take, to a hundredth, and no longer than the shortest delay
-            // asks for
+            // the duration of the frames, rounded to hundredths, plus at most the shortest delay
             let whole = (100 * count as u64).div_ceil(u64::from(fps));
             let sum: u64 = delays.iter().sum();
             assert!(
@@ -535,7 +536,7 @@ mod tests {
     fn unchanged_pixels_are_whatever_takes_fewer_bytes() {
         let noise = |x: u32, y: u32| (x * x + 3 * y * y + x * y).is_multiple_of(3);
         let plain = |shade| frame(40, 40, move |_, _| [shade; 3]);
-        // the last images have their own tables, because each has 251 colours
+        // the last images have their own colour tables, because each has 251 colours
         let ramp = |x: u32, y: u32, other: u8| {
             if y < 7 {
                 [(y * 40 + x).min(251) as u8, other, 0]
@@ -546,7 +547,7 @@ mod tests {
         let noisy = frame(40, 40, |x, y| [if noise(x, y) { 9 } else { 8 }; 3]);
         let frames = [
             noisy.clone(),
-            plain(9), // as a whole it is one run
+            plain(9), // compresses to a single run
             frame(40, 40, |x, y| if x == y { [8; 3] } else { [9; 3] }),
             frame(40, 40, |x, y| ramp(x, y, 1)),
             frame(
@@ -630,7 +631,7 @@ mod tests {
             a.clone(),
         ];
         assert_eq!(delays(&decode(&encode(20, &run))), [15, 10, 5]);
-        // A change that is undone before it could be seen.
+        // a change that is reverted before it is visible
         assert_eq!(
             delays(&decode(&encode(100, &[a.clone(), a.clone(), b, a]))),
             [2, 2]
@@ -744,7 +745,7 @@ mod tests {
         let folder = TempDir::new().unwrap();
         let mut writer = GifWriter::create(folder.path().join("a.gif"), 50).unwrap();
         writer.write(&Frame::new(2, 2).unwrap()).unwrap();
-        // The folder is gone when the file is to get its name.
+        // remove the folder, so that the final rename fails
         fs::remove_dir_all(folder.path()).unwrap();
         assert!(matches!(writer.0.finish(), Err(Error::Io { .. })));
         assert!(matches!(

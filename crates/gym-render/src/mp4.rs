@@ -1,4 +1,4 @@
-//! MP4 through the program `ffmpeg`, which takes raw frames from a pipe.
+//! MP4, written by the program `ffmpeg`, which receives raw frames through a pipe.
 
 use std::io::{self, Read, Write};
 use std::process::{Child, Command, Stdio};
@@ -18,13 +18,13 @@ pub(crate) struct Mp4 {
     file: AtomicFile,
 }
 
-/// The running program; dropped early, it is ended.
+/// The running program. Dropping it early kills the program.
 #[derive(Debug)]
 struct Ffmpeg(Child);
 
 impl Drop for Ffmpeg {
     fn drop(&mut self) {
-        // Both fail if it has ended already.
+        // both fail if the program has already ended
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
@@ -32,7 +32,7 @@ impl Drop for Ffmpeg {
 
 impl Format for Mp4 {
     const NAME: &'static str = "VideoWriter";
-    const MAX_SIDE: u32 = 16_384; // of H.264 as `libx264` writes it
+    const MAX_SIDE: u32 = 16_384; // H.264's limit in `libx264`
     const MAX_FPS: u32 = 1000;
 
     fn available() -> Result<()> {
@@ -69,7 +69,7 @@ impl Format for Mp4 {
                 "-i",
                 "-",
             ])
-            // players want colours at half resolution, and so even sizes
+            // players expect colours at half resolution, which requires even sizes
             .args([
                 "-vf",
                 "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white",
@@ -94,7 +94,7 @@ impl Format for Mp4 {
         let Some(pipe) = &mut self.ffmpeg.0.stdin else {
             return Err(io::Error::other("the pipe to `ffmpeg` is closed"));
         };
-        // A broken pipe has no reason; `ffmpeg`'s output does.
+        // a broken pipe has no reason, but the output of `ffmpeg` does
         pipe.write_all(frame.pixels())
             .or_else(|error| self.wait().and(Err(error)))
     }

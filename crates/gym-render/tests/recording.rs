@@ -1,4 +1,4 @@
-//! Recording of environments, typed and erased.
+//! Recording environments, with concrete types and with `BoxEnv`.
 
 use std::fs;
 use std::path::Path;
@@ -12,7 +12,7 @@ use gym_core::{BoxEnv, Env, EnvExt, Error, Outcome, Reset, Result, Snapshot, Spa
 use gym_render::{RecordVideo, Recorder, VideoWriter, capped_cubic, write_video};
 use tempfile::TempDir;
 
-/// Counts to 3, and shows it.
+/// An environment that counts to 3 and shows the count as a bar.
 #[derive(Clone, Default, Debug)]
 struct Count(i64);
 
@@ -66,7 +66,7 @@ fn drawn() -> Render<Count> {
     Render::new(Count::default(), RenderMode::RgbArray).unwrap()
 }
 
-/// Plays whole episodes.
+/// Plays `episodes` whole episodes.
 fn play<E: Env>(env: &mut E, episodes: u32) {
     let mut actions = env.action_sampler(0).unwrap();
     for _ in 0..episodes {
@@ -75,7 +75,7 @@ fn play<E: Env>(env: &mut E, episodes: u32) {
     }
 }
 
-/// The names of the files in a folder, hidden ones too.
+/// Returns the names of the files in a folder, including hidden files.
 fn names(folder: &Path) -> Vec<String> {
     let name =
         |entry: std::io::Result<fs::DirEntry>| entry.unwrap().file_name().into_string().unwrap();
@@ -84,7 +84,7 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// How far the bar reaches in each picture of a GIF, in steps.
+/// Returns the length of the bar in each image of a GIF, in steps.
 fn counts(path: &Path) -> Vec<usize> {
     let mut options = gif::DecodeOptions::new();
     options.set_color_output(gif::ColorOutput::RGBA);
@@ -155,7 +155,7 @@ fn a_recorder_stops_at_its_maximum_and_refuses_other_modes() {
         recorder.finish(),
         Err(Error::InvalidArgument { .. })
     ));
-    // before the first frame already
+    // before the first frame, too
     let refused = Recorder::new(folder.path().join("c.gif"), &Count::default());
     assert!(matches!(refused, Err(Error::UnsupportedMode { .. })));
     assert_eq!(names(folder.path()), ["a.gif"]);
@@ -308,7 +308,7 @@ fn formats_go_by_the_extension() {
         assert!(matches!(error, Error::InvalidArgument { .. }), "{error}");
     }
     assert!(VideoWriter::create(folder.path().join("d.png"), 65536).is_err());
-    // nothing stays of what fails half-way: frames of different sizes
+    // a file that fails half-way is removed: frames of different sizes
     let mixed = [frames[0].clone(), Frame::new(1, 1).unwrap()];
     for name in ["e.gif", "e.png"] {
         assert!(
@@ -316,7 +316,7 @@ fn formats_go_by_the_extension() {
             "{name}"
         );
     }
-    // as do sizes that the format cannot hold
+    // so is a file whose frames the format cannot hold
     for (width, height) in [(65_536, 1), (1, 65_536), (0, 1), (1, 0)] {
         let frame = Frame::new(width, height).unwrap();
         let error = write_video(folder.path().join("f.gif"), 10, &[frame])
@@ -363,7 +363,7 @@ fn mp4_needs_ffmpeg_and_says_so() {
 
 const FOLDER: &str = "GYM_RENDER_TEST_FOLDER";
 
-/// Records until it is killed; does nothing unless the test below starts it.
+/// Records until it is killed; does nothing unless the next test starts it.
 #[test]
 fn endless_recording() {
     let Some(folder) = std::env::var_os(FOLDER) else {

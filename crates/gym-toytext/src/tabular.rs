@@ -28,37 +28,39 @@ use gym_core::rng::Stream;
 use gym_core::{Error, Generator, Result};
 use gym_native::{LANES, Packed};
 
-/// Why a table's `info` may change its type.
+/// An exemption of tables from gym-conform's check `info-constant`.
 pub(crate) const WHOLE_AT_RESET: (&str, &str) = (
     "info-constant",
     "`prob` is the whole number 1 after a reset and a float after a step, as in Gymnasium",
 );
 
-/// One way in which an action can turn out: an entry of `P[state][action]`.
+/// One possible outcome of an action: an entry of `P[state][action]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome {
-    /// Its probability; those of one state and action sum to 1.
+    /// The probability; the probabilities of one state and action sum to 1.
     pub probability: f64,
-    /// The state that follows.
+    /// The next state.
     pub next: usize,
-    /// The reward of getting there.
+    /// The reward of the transition.
     pub reward: f64,
-    /// Whether the episode ends there.
+    /// Whether the transition ends the episode.
     pub terminated: bool,
 }
 
-/// Gymnasium's `P`: the outcomes of each action in each state. A clone shares the numbers.
+/// Gymnasium's `P`: the outcomes of each action in each state. A clone shares its data.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     actions: usize,
     outcomes: Arc<[Outcome]>,
-    /// The start in `outcomes` of each row (a state and an action), and the end of the last one.
+    /// For each row (a state and an action): the start of its outcomes; and the end of the last
+    /// row.
     rows: Arc<[usize]>,
     lottery: Arc<Lottery>,
 }
 
 impl Table {
-    /// A table whose rows `fill` appends, for each state each action in turn.
+    /// Builds a table. `fill` appends the outcomes of each row: for each state, each action in
+    /// turn.
     pub(crate) fn build(
         states: usize,
         actions: usize,
@@ -81,18 +83,18 @@ impl Table {
         }
     }
 
-    /// The number of states.
+    /// Returns the number of states.
     pub fn states(&self) -> usize {
         (self.rows.len() - 1) / self.actions
     }
 
-    /// The number of actions.
+    /// Returns the number of actions.
     pub fn actions(&self) -> usize {
         self.actions
     }
 
-    /// The outcomes of an action in a state, `P[state][action]`; none if there is no such state or
-    /// action.
+    /// Returns the outcomes of an action in a state, `P[state][action]`; empty if the state or
+    /// action does not exist.
     #[inline]
     pub fn outcomes(&self, state: usize, action: usize) -> &[Outcome] {
         if action >= self.actions {
@@ -106,8 +108,8 @@ impl Table {
     }
 
     /// Draws an outcome by Gymnasium's `categorical_sample`: the first at which the sum of
-    /// probabilities exceeds `random()`, or the first of all if rounding leaves that sum short.
-    /// `None`, and no draw, if there is no such state.
+    /// probabilities exceeds `random()`, or the first outcome if rounding keeps all sums below.
+    /// `None`, without a draw, if the state does not exist.
     #[inline(always)]
     pub(crate) fn sample(
         &self,
@@ -115,7 +117,7 @@ impl Table {
         action: usize,
         rng: &mut impl Stream,
     ) -> Option<Outcome> {
-        // a state beyond all could otherwise wrap around to a row that there is
+        // a state beyond the limit could wrap around to an existing row
         if state >= MAX_STATES {
             return None;
         }
@@ -131,37 +133,36 @@ impl Table {
     }
 }
 
-/// A table in the form that steps read: a few bytes for each row, so that it stays in the first
-/// cache.
+/// A table in the form that steps read: a few bytes per row, so that it fits the first-level cache.
 #[derive(Debug, PartialEq)]
 struct Lottery {
     rows: Rows,
-    /// The parts of outcomes besides the next state.
+    /// The distinct outcomes, without their next states.
     kinds: Vec<Outcome>,
 }
 
 #[derive(Debug, PartialEq)]
 enum Rows {
-    /// Each row has a single outcome: the draw decides nothing.
+    /// Each row has a single outcome, so the draw decides nothing.
     Certain(Vec<Ticket>),
     Random(Vec<Row>),
 }
 
-/// The outcomes of one action in one state, at most [`MAX_OUTCOMES`].
+/// The outcomes of one action in one state: at most [`MAX_OUTCOMES`].
 #[derive(Debug, PartialEq)]
 struct Row {
-    /// The sums of the leading probabilities; infinite after the last.
+    /// The partial sums of the probabilities; infinite after the last outcome.
     sums: [f64; MAX_OUTCOMES],
-    /// The outcomes; after the last one the first again, for draws above all sums.
+    /// The outcomes; after the last one the first again, for a draw above all sums.
     tickets: [Ticket; MAX_OUTCOMES + 1],
 }
 
 const MAX_OUTCOMES: usize = 3;
 
-/// An outcome: its kind in the lowest byte, above it the state that follows.
+/// An outcome: its index in `kinds` in the lowest byte, the next state above.
 type Ticket = u32;
 
-/// The most states that a table can have.
+/// The largest number of states.
 pub(crate) const MAX_STATES: usize = 1 << 24;
 
 impl Lottery {
@@ -225,7 +226,7 @@ impl Lottery {
             Rows::Random(rows) => {
                 let row = rows.get(row)?;
                 let r = rng.random();
-                // without a branch, which no processor could predict
+                // without a branch, which the CPU could not predict
                 let passed = row
                     .sums
                     .iter()
@@ -248,7 +249,7 @@ pub struct Cell {
     pub(crate) probability: f64,
 }
 
-/// The [`Cell`]s of the environments of a block.
+/// The [`Cell`]s of a block of environments.
 #[derive(Clone, Debug)]
 pub struct Cells {
     states: [u32; LANES],
@@ -297,18 +298,18 @@ impl Packed for Cell {
     }
 }
 
-/// Gymnasium's `initial_state_distrib`: the probability of each state at the start.
+/// Gymnasium's `initial_state_distrib`: the probability of each initial state.
 #[derive(Clone, Debug)]
 pub(crate) struct Distribution {
     probabilities: Arc<[f64]>,
-    /// The sums of the leading probabilities, as `np.cumsum` rounds them.
+    /// The partial sums of the probabilities, rounded like `np.cumsum`.
     cumulative: Arc<[f64]>,
-    /// The only possible state, if there is just one: no draw changes that.
+    /// The state, if only one is possible: the draw then decides nothing.
     only: Option<usize>,
 }
 
 impl Distribution {
-    /// The same probability for each state for which `possible` is true.
+    /// Returns a uniform distribution over the states for which `possible` is true.
     pub(crate) fn uniform(states: usize, possible: impl Fn(usize) -> bool) -> Self {
         let count = (0..states).filter(|state| possible(*state)).count();
         let probabilities: Arc<[f64]> = (0..states)
@@ -344,8 +345,8 @@ impl Distribution {
         &self.probabilities
     }
 
-    /// Draws a state by the rule of [`Table::sample`]. The sums never fall, so a binary search
-    /// finds the index that Gymnasium's scan finds.
+    /// Draws a state by the rule of [`Table::sample`]. The sums never decrease, so a binary search
+    /// finds the same index as Gymnasium's scan.
     #[inline]
     pub(crate) fn sample(&self, rng: &mut Generator) -> usize {
         let r = rng.random();
@@ -404,7 +405,7 @@ mod tests {
         );
     }
 
-    /// `random()` of seed 42 begins 0.774, 0.439.
+    /// with seed 42, `random()` first returns 0.774 and 0.439
     #[test]
     fn the_first_sum_above_the_draw_is_chosen() {
         let rng = &mut Generator::from(42);
@@ -412,7 +413,7 @@ mod tests {
             [(); 2].map(|()| coin(0.5).sample(0, 0, rng).unwrap().next),
             [1, 0]
         );
-        // both sums stay below the draw
+        // both sums are below the draw
         assert_eq!(
             coin(0.3)
                 .sample(0, 0, &mut Generator::from(42))

@@ -1,10 +1,10 @@
-//! What is made by id: older versions, and native vectors.
+//! Environments made by id: older versions, and native vectors.
 
 use gym_core::vector::{Autoreset, VectorKind};
 use gym_core::{EnvExt, VectorEnv, VectorEnvExt, builder};
 use gym_toytext::{CliffWalking, Taxi};
 
-/// Also after a snapshot. (100 is not a multiple of a block.)
+/// Compares them also after a snapshot. (100 is not a multiple of a block.)
 #[test]
 fn native_vectors_equal_scalar_environments() {
     for id in [

@@ -41,7 +41,7 @@ thread_local! {
 #[unsafe(no_mangle)]
 pub extern "C" fn start() {
     std::panic::set_hook(Box::new(|info| {
-        PANIC.with_borrow_mut(|text| *text = info.to_string())
+        PANIC.with_borrow_mut(|text| *text = info.to_string());
     }));
 }
 

@@ -164,10 +164,10 @@ const CALLS: &[Call] = &[
     }),
     ("snapshot", |env| drop(env.snapshot().unwrap())),
     ("restore", |env| {
-        env.restore(&env.snapshot().unwrap()).unwrap()
+        env.restore(&env.snapshot().unwrap()).unwrap();
     }),
     ("info", |env| {
-        assert_eq!(env.info_map()["spy"], Value::Int(7))
+        assert_eq!(env.info_map()["spy"], Value::Int(7));
     }),
     ("metadata", |env| assert!(env.metadata().render_fps > 0)),
     ("draw", |env| env.draw(&mut Blank)),
@@ -180,7 +180,7 @@ const CALLS: &[Call] = &[
     ("describe", |env| assert!(env.describe().contains("Spy"))),
     ("layer", |env| assert!(env.unwrapped::<Spy>().is_some())),
     ("layer_mut", |env| {
-        assert!(env.unwrapped_mut::<Spy>().is_some())
+        assert!(env.unwrapped_mut::<Spy>().is_some());
     }),
     ("generator", |env| assert!(env.generator().is_some())),
     ("close", |env| env.close()),
@@ -188,7 +188,7 @@ const CALLS: &[Call] = &[
 
 /// The methods of the trait, as they stand in its source.
 fn methods() -> BTreeSet<&'static str> {
-    let source = include_str!("../../gym-core/src/env.rs");
+    let source = include_str!("../../gym-core/src/env/mod.rs");
     let (_, body) = source.split_once("pub trait Env:").unwrap();
     let (body, _) = body.split_once("\n}\n").unwrap();
     let functions = body.lines().filter_map(|line| line.strip_prefix("    fn "));

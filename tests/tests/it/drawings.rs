@@ -1,7 +1,7 @@
-//! The drawing calls of each environment, compared with those in `tests/drawings`.
+//! Compares the drawing calls of each environment with `tests/drawings`.
 //!
-//! After an intended change, `GYM_UPDATE_DRAWINGS=1 cargo test --package gym-tests --test it
-//! drawings` keeps the new ones: look at the pictures (`cargo xtask gif ID`) before that.
+//! After an intended change, look at the images (`cargo xtask gif ID`), then store the new calls
+//! with `GYM_UPDATE_DRAWINGS=1 cargo test --package gym-tests --test it drawings`.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use gym::{Env, EnvExt, Registration, registry};
 fn drawings_are_as_kept() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("drawings");
     let update = std::env::var_os("GYM_UPDATE_DRAWINGS").is_some();
-    // on another engine the drawing code is the same, and the picture is a little off
+    // another engine uses the same drawing code with slightly different numbers
     let is_other_engine = |id: &str| id.starts_with("rapier/");
     // versions of a MuJoCo task look alike
     let all = registry::self_contained();
@@ -28,7 +28,7 @@ fn drawings_are_as_kept() {
         let mut actions = env.action_sampler(0).unwrap();
         env.reset(0).unwrap();
         let mut drawn = String::new();
-        // all of CarRacing's field is in sight at first
+        // at first, CarRacing's whole field is visible
         let steps = if id.starts_with("CarRacing") { 1 } else { 3 };
         for step in 0..steps {
             let recording = Recording::of(|canvas| env.draw(canvas));
@@ -37,7 +37,7 @@ fn drawings_are_as_kept() {
                 env.reset(()).unwrap();
             }
         }
-        // the last picture of an episode, if it is a short one
+        // the last frame of an episode, if the episode is short
         if (0..200).any(|_| env.step(&actions.sample()).unwrap().done()) {
             drawn += &format!("# the end\n{}\n", Recording::of(|canvas| env.draw(canvas)));
         }

@@ -1,4 +1,4 @@
-//! Tests across the crates: one program, which is linked once.
+//! Tests across crates, in one program that is linked once.
 
 mod bad_input;
 mod book;

@@ -1,4 +1,5 @@
-//! The same seed gives the same episode, sample and number as Gymnasium and numpy, to the last bit.
+//! The same seed gives the same episode, sample and number as in Gymnasium and numpy, to the last
+//! bit.
 
 use gym::box2d::CarRacing;
 use gym::spaces::{
@@ -12,7 +13,7 @@ use gym_tests::{Reference, references};
 use serde::de::DeserializeOwned;
 use serde_json::{Value as Json, json};
 
-/// No file may be left out because nothing here knows what to do with it.
+/// No reference is skipped because no test handles its kind.
 #[test]
 fn every_reference_is_of_a_known_kind() {
     for Reference { name, json, .. } in references() {
@@ -26,12 +27,11 @@ fn every_reference_is_of_a_known_kind() {
     }
 }
 
-/// A file that is missing would be a test that checks nothing: who adds one or takes one away says
-/// so here.
+/// A missing reference is a test that checks nothing: update the list when you add or remove one.
 #[test]
 fn no_reference_is_missing() {
     if std::env::var_os("GYM_REFERENCE").is_some() {
-        return; // a folder of somebody's own
+        return; // a folder of the user's own
     }
     let references = references();
     let count = |is: &dyn Fn(&Reference) -> bool| {
@@ -79,7 +79,7 @@ fn traces() {
     println!("{count} traces are equal");
 }
 
-/// The same vectors on a pool of threads.
+/// Replays the vectors' traces on a pool of threads.
 #[test]
 fn traces_of_vectors_on_threads() {
     let mut count = 0;
@@ -131,12 +131,12 @@ fn actions_of_vectors() {
     }
 }
 
-/// The bodies of a CarRacing, whose traces leave the picture out.
+/// Returns the state of a CarRacing: its traces omit the images.
 fn state(env: &BoxEnv) -> Option<Json> {
     env.unwrapped::<CarRacing>().map(|car| json!(car.state()))
 }
 
-/// What a spec says is part of a trace too.
+/// The spec and spaces in a trace are compared, too.
 #[test]
 fn specs_and_spaces_of_traces() {
     for Reference { name, json, text } in
@@ -199,7 +199,7 @@ fn random_numbers() {
     }
 }
 
-/// The seed of a file, which may have more digits than JSON's numbers hold.
+/// Parses the seed of a file, which may have more digits than a JSON number can represent.
 fn big_seed(text: &str) -> Seed {
     #[derive(serde::Deserialize)]
     struct File<'a> {
@@ -210,7 +210,7 @@ fn big_seed(text: &str) -> Seed {
     file.seed.get().parse().expect("a whole number")
 }
 
-/// The first `n` numbers of the primitive that a reference file calls `key`.
+/// Returns the first `n` numbers of the primitive that a reference file calls `key`.
 fn primitive(key: &str, mut rng: Generator, n: usize) -> Option<Json> {
     use rand::Rng;
     const CARDS: [i64; 13] = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 10, 10, 10];
@@ -305,7 +305,7 @@ fn samples_of_spaces() {
     }
 }
 
-/// A list of entries, or a list of lists.
+/// Parses a list of entries, or a list of lists.
 fn selection<T: DeserializeOwned>(json: &Json) -> Selection<T> {
     let values: Result<Vec<T>, _> = serde_json::from_value(json.clone());
     values.map_or_else(
@@ -314,7 +314,7 @@ fn selection<T: DeserializeOwned>(json: &Json) -> Selection<T> {
     )
 }
 
-/// The space of a masked case.
+/// Returns the space of a masked case.
 fn masked_space(case: &str) -> Option<Space> {
     Some(match case {
         "discrete" => Space::discrete(5),
@@ -325,7 +325,7 @@ fn masked_space(case: &str) -> Option<Space> {
     })
 }
 
-/// The space that the reference files call by this name.
+/// Returns the space that the reference files call `case`.
 fn space(case: &str) -> Option<Space> {
     const INF: f64 = f64::INFINITY;
     let uniform = |low, high, n: usize, dtype| {

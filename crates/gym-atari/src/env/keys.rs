@@ -1,4 +1,4 @@
-//! Arrow keys and the space bar, for the actions of a game.
+//! The keys of a game's actions: arrow keys and the space bar.
 
 use gym_core::{BoxEnv, EnvExt, Keys};
 use serde_json::json;

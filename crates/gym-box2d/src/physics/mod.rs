@@ -18,7 +18,7 @@
 //! ```
 //!
 //! Lengths are in metres, masses in kilograms, angles in radians, counterclockwise. Numbers given
-//! to a world must be finite, and an id belongs to the world that gave it, until its body is
+//! to a world must be finite. An id is valid in the world that returned it, until its body is
 //! destroyed.
 
 mod box2d;

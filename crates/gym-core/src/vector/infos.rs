@@ -34,7 +34,7 @@ pub(super) fn batch<V: VectorEnv + ?Sized>(envs: &V, columns: &Columns) -> Info 
             }
             let mut entries = Vec::new();
             envs.final_info(index, &mut |key, value| {
-                entries.push((key.to_owned(), value))
+                entries.push((key.to_owned(), value));
             });
             group.add("final_info", index, Value::Dict(entries));
         }

@@ -30,7 +30,6 @@ pub use ext::VectorEnvExt;
 pub use pool::AsyncVectorEnv;
 pub use reset::{Seeds, VectorReset};
 pub use sync::SyncVectorEnv;
-pub use wrapper::VectorWrapper;
 
 /// Whether the observation spaces of sub-environments may differ: Gymnasium's `observation_mode`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]

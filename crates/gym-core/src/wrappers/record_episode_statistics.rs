@@ -280,7 +280,7 @@ impl<E: Env> crate::env::Wrapper for RecordEpisodeStatistics<E> {
     }
 }
 
-impl<V: VectorEnv> crate::vector::VectorWrapper for RecordEpisodeStatistics<V> {
+impl<V: VectorEnv> crate::vector::wrapper::VectorWrapper for RecordEpisodeStatistics<V> {
     fn inner(&self) -> &dyn VectorEnv {
         &self.inner
     }

@@ -32,44 +32,40 @@ fn code(path: &Path) -> String {
         .join("\n")
 }
 
-/// The first name of each path after `prefix`: `a` and `b` of `crate::{a::x, b}`.
-fn first_names<'a>(code: &'a str, prefix: &str) -> Vec<&'a str> {
-    let mut names = Vec::new();
+/// The paths after `prefix`: `a::x` and `b` of `crate::{a::x, b}`. A nested list counts as one.
+fn paths<'a>(code: &'a str, prefix: &str) -> Vec<&'a str> {
+    let mut found = Vec::new();
     for (at, _) in code.match_indices(prefix) {
         // `$crate` is the crate as a macro's user sees it
         if code[..at].ends_with('$') {
             continue;
         }
         let path = &code[at + prefix.len()..];
-        let is_name = |c: char| c.is_alphanumeric() || c == '_';
         let Some(list) = path.strip_prefix('{') else {
-            names.push(path.split(|c| !is_name(c)).next().unwrap_or_default());
+            let end = path.find(|c: char| !(c.is_alphanumeric() || c == '_' || c == ':'));
+            found.push(&path[..end.unwrap_or(path.len())]);
             continue;
         };
         let mut depth = 0;
         let mut start = 0;
         for (i, c) in list.char_indices() {
             match c {
-                '{' => depth += 1,
                 '}' if depth == 0 => {
-                    names.push(&list[start..i]);
+                    found.push(list[start..i].trim());
                     break;
                 }
-                '}' => depth -= 1,
                 ',' if depth == 0 => {
-                    names.push(&list[start..i]);
+                    found.push(list[start..i].trim());
                     start = i + 1;
                 }
+                '{' => depth += 1,
+                '}' => depth -= 1,
                 _ => {}
             }
         }
     }
-    let first = |name: &'a str| name.trim().split([':', ' ']).next().unwrap_or_default();
-    names
-        .into_iter()
-        .map(first)
-        .filter(|name| !name.is_empty())
-        .collect()
+    found.retain(|path| !path.is_empty());
+    found
 }
 
 #[test]
@@ -87,8 +83,8 @@ fn each_room_names_only_earlier_rooms() {
     let mut places: BTreeMap<&str, usize> = BTreeMap::new();
     for (place, room) in ROOMS.iter().enumerate() {
         places.insert(room, place);
-        for name in first_names(&lib, &format!("pub use {room}::")) {
-            places.insert(name, place);
+        for path in paths(&lib, &format!("pub use {room}::")) {
+            places.insert(path.rsplit("::").next().unwrap_or(path), place);
         }
     }
     // the room of each exported macro
@@ -119,16 +115,17 @@ fn each_room_names_only_earlier_rooms() {
     }
 
     let mut faults = Vec::new();
-    for (place, path, code) in &files {
-        for name in first_names(code, "crate::") {
+    for (place, file, code) in &files {
+        for path in paths(code, "crate::") {
+            let name = path.split("::").next().unwrap_or(path);
             match places.get(name) {
                 Some(named) if named <= place => {}
                 Some(named) => faults.push(format!(
                     "{} names {name}, which is in the later room `{}`",
-                    path.display(),
+                    file.display(),
                     ROOMS[*named]
                 )),
-                None => faults.push(format!("{}: `crate::{name}` is in no room", path.display())),
+                None => faults.push(format!("{}: `crate::{name}` is in no room", file.display())),
             }
         }
     }

@@ -290,7 +290,7 @@ fn copy_into<'py, T: numpy::Element + Copy>(
 impl Vector {
     /// `num_envs` environments `id`, each with these arguments and the stack of `make`.
     #[new]
-    #[pyo3(signature = (id, num_envs, kind, kwargs, render_mode, max_episode_steps, autoreset, threads, copy, wrappers = "[]", each = "{}"))]
+    #[pyo3(signature = (id, num_envs, kind, kwargs, render_mode, max_episode_steps, autoreset, threads, copy, wrappers = "[]", each = "{}", render_size = None))]
     #[expect(clippy::too_many_arguments, reason = "the Python side names them")]
     fn new(
         id: &str,
@@ -304,6 +304,7 @@ impl Vector {
         copy: bool,
         wrappers: &str,
         each: &str,
+        render_size: Option<(u32, u32)>,
     ) -> PyResult<Self> {
         guard(|| {
             let map: Kwargs = from_json(id, kwargs)?;
@@ -322,6 +323,9 @@ impl Vector {
             }
             if let Some(mode) = render_mode {
                 env = env.render_mode(mode.parse().or_raise()?);
+            }
+            if let Some((width, height)) = render_size {
+                env = env.render_size(width, height);
             }
             let env = wrappers.into_iter().fold(env, EnvBuilder::wrap);
             let mut vector = env.vector(num_envs).autoreset(autoreset);

@@ -99,14 +99,19 @@ for _name in ("make", "make_vec", "pprint_registry", "register", "registry", "sp
 _lacking = _modules.forwarder(__name__)
 
 
+# modules that need a library, and its name
+_OPTIONAL = {"dm_env": "dm_env", "jax": "jax", "sb3": "stable-baselines3"}
+
+
 def __getattr__(name: str) -> Any:
-    if name == "sb3":
+    if name in _OPTIONAL:
         try:
-            return import_module("rustgym.sb3")
+            return import_module(f"rustgym.{name}")
         except ModuleNotFoundError as error:
-            raise AttributeError(f"rustgym.sb3 needs stable-baselines3: {error}") from error
+            raise AttributeError(f"rustgym.{name} needs {_OPTIONAL[name]}: {error}") from error
     return _lacking(name)
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *dir(gymnasium), *(["sb3"] if find_spec("stable_baselines3") else [])})
+    optional = {name for name, library in _OPTIONAL.items() if find_spec(library.replace("-", "_"))}
+    return sorted({*globals(), *dir(gymnasium), *optional})

@@ -6,6 +6,7 @@ import base64
 import copy
 import os
 from collections.abc import Mapping
+from functools import cache
 from importlib import import_module
 from operator import attrgetter
 from typing import Any
@@ -23,6 +24,7 @@ KNOWN = ("qpos", "qvel", "qacc_warmstart")
 _LARGE = 1 << 16
 
 
+@cache
 def _library() -> Any:
     return import_module("mujoco")
 
@@ -68,7 +70,7 @@ class Mirror:
         self._everything = int(mujoco.mjtState.mjSTATE_INTEGRATION)
         self._state: npt.NDArray[np.float64] = np.empty(mujoco.mj_stateSize(self.model, self._everything))
         self._spans = _spans(self.model)
-        opt = self.model.opt
+        self._opt = opt = self.model.opt
         names = [name for name in dir(opt) if not name.startswith("_")]
         self._spans += [array for name in names if isinstance(array := getattr(opt, name), np.ndarray)]
         self._options = attrgetter(*(name for name in names if isinstance(getattr(opt, name), int | float)))
@@ -82,7 +84,7 @@ class Mirror:
         return {"time": self.data.time, **{name: np.array(getattr(self.data, name)) for name in KNOWN}}
 
     def _read_model(self) -> tuple[Any, ...]:
-        return (self._options(self.model.opt), *(span.tobytes() for span in self._spans))
+        return (self._options(self._opt), *[span.tobytes() for span in self._spans])
 
     def follow(self, native: Any, is_reset: bool) -> None:
         """Brings the data to what it is in Gymnasium after a reset or step: that of the engine's last call, of the package's own making."""

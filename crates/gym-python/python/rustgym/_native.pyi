@@ -94,6 +94,7 @@ class Vector:
         copy: bool,
         wrappers: str = "[]",
         each: str = "{}",
+        render_size: tuple[int, int] | None = None,
     ) -> Vector: ...
     @property
     def kind(self) -> str: ...

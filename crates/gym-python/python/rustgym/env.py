@@ -241,8 +241,8 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
 
     def _watch(self) -> None:
         """Whether anybody outside holds something that must be looked at in each step."""
-        held = self._generator is not None or self._window is not None or self._handed
-        self._is_watched = self._native is None or bool(held)
+        held = self._native is None or self._generator is not None or self._window is not None or self._handed
+        self.__dict__["_is_watched"] = bool(held)
 
     def render(self) -> Any:
         """The picture or text that the render mode asks for.
@@ -436,7 +436,7 @@ class TunableEnv(ClassEnv):
             super().__setattr__(name, value)
         else:
             self._native.set_argument(to_json({name: self._names.get(name, lambda value: value)(value)}))
-            self.__dict__[name] = value
+            self.__dict__[name] = self.arguments[name] = value
 
 
 def checked_seed(seed: Any, name: str = "Seed") -> int:

@@ -44,6 +44,16 @@ def _text(name: str, text: Any) -> str | None:
     return text
 
 
+def _pixels(gray: bool, frame_stack: int) -> str:
+    """The wrappers of the Rust side that observe pictures, as JSON."""
+    wrappers: list[tuple[str, dict[str, Any]]] = [("AddRenderObservation", {"render_only": True})]
+    if gray:
+        wrappers.append(("GrayscaleObservation", {"keep_dim": False}))
+    if frame_stack:
+        wrappers.append(("FrameStackObservation", {"stack_size": frame_stack}))
+    return json.dumps([{"name": name, "kwargs": kwargs} for name, kwargs in wrappers])
+
+
 class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     """``num_envs`` environments of one id, stepped together in Rust without Python's lock.
 
@@ -71,6 +81,11 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         arg_each: An argument for each environment, by name: a list with one value for each, or a pair ``(low, high)``, from which
             each draws a new value at each reset. ``arg_each={"gravity": (3.7, 11.2)}``
         preprocessing: For the games of Atari: as of ``rustgym.envs.AtariEnv``.
+        render_size: Width and height of pictures, which are drawn at that size. With it, or with ``gray`` or ``frame_stack``, the
+            observations are the pictures, of any task that draws; with ``render_mode="rgb_array"`` as well, the size is that of
+            ``render`` alone.
+        gray: Whether the pictures are gray, without an axis of colours.
+        frame_stack: How many pictures an observation has, the last ones, along a first axis; 0 for one, without that axis.
         max_episode_steps: The steps after which an episode is truncated, instead of the number registered; -1 for never.
         render_mode: As of ``rustgym.Env``; ``render`` then returns a tuple with the current picture of each.
         kwargs: The arguments of the environment.
@@ -80,8 +95,9 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
 
     metadata: dict[str, Any] = {"autoreset_mode": AutoresetMode.NEXT_STEP}
 
-    # the environments, once somebody asked for them
+    # the environments, once somebody asked for them, and whether a step does more than the native one
     _envs: tuple[Env, ...] | None = None
+    _is_watched = False
     _keeps_envs = False
 
     def __init__(
@@ -97,6 +113,9 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         render_mode: str | None = None,
         arg_each: Mapping[str, Sequence[Any] | tuple[float, float]] | None = None,
         preprocessing: bool | Mapping[str, Any] | None = None,
+        render_size: tuple[int, int] | None = None,
+        gray: bool = False,
+        frame_stack: int = 0,
         **kwargs: Any,
     ) -> None:
         defaults = spec_of(env_id)["defaults"]
@@ -130,6 +149,15 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         if preprocessing:
             kwargs, self._wrappers = preprocessed(env_id, preprocessing, kwargs)
             max_episode_steps = -1 if max_episode_steps is None else max_episode_steps
+        if gray or frame_stack or (render_size is not None and render_mode is None):
+            if preprocessing:
+                raise TypeError("preprocessing decides what is observed: it goes without render_size, gray and frame_stack")
+            if render_mode not in (None, "rgb_array"):
+                raise ValueError(f"observations of pixels need render_mode=\"rgb_array\", not {render_mode!r}")
+            render_mode, self._wrappers = "rgb_array", _pixels(gray, _whole("frame_stack", frame_stack, 0))
+        if render_size is not None:
+            width, height = render_size
+            render_size = _whole("render_size", width, 1), _whole("render_size", height, 1)
         self.env_id = env_id
         self._given = kwargs
         self.num_envs = num_envs
@@ -147,11 +175,13 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             bool(copy),
             self._wrappers,
             to_json(each),
+            render_size,
         )
         self.kind = self._native.kind
         self._take_spaces()
         crate = spec_of(env_id)["crate"]
         self._info_types = info_types(env_id) if crate == "gym-mujoco" else {}
+        self._is_watched = bool(self._info_types)
 
     def _take_spaces(self) -> None:
         description = json.loads(self._native.describe())
@@ -216,6 +246,9 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             Observations, rewards (``float64``), terminated, truncated (``bool``), each with a row for each environment, and
             infos: for each key a column, and under ``_key`` which rows of it count.
         """
+        return self._watched_step(actions) if self._is_watched else self._native.step(actions)
+
+    def _watched_step(self, actions: Any) -> Any:
         if self._envs is not None:
             self._push_envs()
         result = self._native.step(actions)
@@ -292,6 +325,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         if self._envs is None:
             natives = self._native.envs()
             self._envs = tuple(Env._of(native, self.env_id, self.render_mode, self._given) for native in natives)
+            self._is_watched = True
         return self._envs
 
     def _push_envs(self) -> None:
@@ -312,7 +346,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     def _let_go(self) -> None:
         """Forgets the environments where nobody holds one of them, or something of one."""
         if not self._keeps_envs and not any(env._is_watched for env in self._envs or ()):
-            self._envs = None
+            self._envs, self._is_watched = None, bool(self._info_types)
 
     def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
         """The attribute ``name`` of each environment, or the result of the method of that name."""
@@ -343,15 +377,19 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
 
     @property
     def state(self) -> npt.NDArray[np.float64]:
-        """The states of classic control, shape ``(numbers, num_envs)``: Gymnasium's ``CartPoleVectorEnv.state``."""
+        """The states of classic control, shape ``(numbers, num_envs)``: Gymnasium's ``CartPoleVectorEnv.state``. Read-only."""
         names: tuple[str, ...] = getattr(class_of(self.env_id), "state_names", ())
         states = self._native.states() if names else None
         if states is None:
             raise AttributeError(f"the state of {self.env_id} is not an array of numbers, or the vector was not reset yet")
         rows = json.loads(states)
-        return np.array([[state[name] for state in rows] for name in names])
+        numbers = np.array([[state[name] for state in rows] for name in names])
+        numbers.flags.writeable = False
+        return numbers
 
     @property
     def prev_done(self) -> npt.NDArray[np.bool_]:
-        """Whether each environment's episode ended in the last step."""
-        return self._native.done()
+        """Whether each environment's episode ended in the last step. Read-only."""
+        flags = self._native.done()
+        flags.flags.writeable = False
+        return flags

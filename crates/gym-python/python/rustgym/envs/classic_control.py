@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from importlib import import_module
 from typing import Any, ClassVar
 
+import gymnasium
 import numpy as np
 import numpy.typing as npt
 
@@ -68,11 +70,27 @@ class ClassicControlEnv(TunableEnv):
 
     state = Live(_read_state, _write_state)
 
+    # Gymnasium's class, whose step computes with a state of `float32`, where ours does not
+    _theirs: ClassVar[str | None] = None
+
+    def _watched_step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        state = (self._handed or {}).get("state")
+        if self._theirs is None or state is None or np.asarray(state).dtype != np.float32 or not self._native.is_running():
+            return super()._watched_step(action)
+        self._push("step")
+        module, _, name = self._theirs.partition(":")
+        try:
+            result: tuple[Any, float, bool, bool, dict[str, Any]] = getattr(import_module(module), name).step(self, action)
+        except AssertionError as error:
+            raise gymnasium.error.InvalidAction(str(error)) from None
+        return result
+
 
 class CartPoleEnv(ClassicControlEnv):
     """Balance a pole on a cart; ``state`` is position (m), velocity (m/s), angle (rad), angular velocity (rad/s)."""
 
     _id = "CartPole-v1"
+    _theirs = "gymnasium.envs.classic_control.cartpole:CartPoleEnv"
     state_names = ("x", "x_dot", "theta", "theta_dot")
     masspole: float
     masscart: float
@@ -88,6 +106,27 @@ class CartPoleEnv(ClassicControlEnv):
     def _fields(cls, numbers: npt.NDArray[np.floating[Any]]) -> dict[str, Any]:
         return {"fallen": False, "fresh": True}  # anywhere, as a start may be
 
+    @property
+    def steps_beyond_terminated(self) -> int | None:
+        """``None`` in an episode, and 0 from its end on, when rewards are 0. It can be set, to another number as well."""
+        return 0 if json.loads(self._native.state() or "{}").get("fallen") else None
+
+    @steps_beyond_terminated.setter
+    def steps_beyond_terminated(self, steps: int | None) -> None:
+        whole, episode = self._take_apart()
+        if episode is None:
+            raise AttributeError(f"{self.env_id} has no state before the first reset")
+        episode["state"]["fallen"] = steps is not None
+        self._native.restore(json.dumps(whole), self._native.is_running())
+
+    @property
+    def _sutton_barto_reward(self) -> bool:
+        return bool(self.arguments["sutton_barto_reward"])
+
+    @_sutton_barto_reward.setter
+    def _sutton_barto_reward(self, is_on: bool) -> None:
+        self.sutton_barto_reward = bool(is_on)
+
 
 def _bounds(position: str, sign: float) -> Callable[[Any], npt.NDArray[np.float32]]:
     return lambda self: np.array([self.arguments[position], sign * self.arguments["max_speed"]], np.float32)
@@ -97,6 +136,7 @@ class MountainCarEnv(ClassicControlEnv):
     """Drive a weak car up a hill; ``state`` is position and velocity."""
 
     _id = "MountainCar-v0"
+    _theirs = "gymnasium.envs.classic_control.mountain_car:MountainCarEnv"
     state_names = ("position", "velocity")
     _beside = {"low": _bounds("min_position", -1.0), "high": _bounds("max_position", 1.0)}
 
@@ -121,7 +161,12 @@ class PendulumEnv(ClassicControlEnv):
     """Swing a pendulum up and hold it there; ``state`` is angle (rad) and angular velocity (rad/s)."""
 
     _id = "Pendulum-v1"
+    _theirs = "gymnasium.envs.classic_control.pendulum:PendulumEnv"
     state_names = ("theta", "theta_dot")
+
+    def _get_obs(self) -> npt.NDArray[np.float32]:
+        theta, theta_dot = self.state
+        return np.array([np.cos(theta), np.sin(theta), theta_dot], np.float32)
 
     @property
     def last_u(self) -> np.float32 | None:

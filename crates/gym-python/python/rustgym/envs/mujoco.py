@@ -118,6 +118,7 @@ class MujocoEnv(ClassEnv):
     # MuJoCo's own model and data, made on first use; without the package data of our own
     _mirror: Mirror | None = None
     _own_data: OwnData | None = None
+    _overrides = False
 
     _get_obs = _Borrowed()
     _get_rew = _Borrowed()
@@ -268,8 +269,10 @@ class MujocoEnv(ClassEnv):
         return self._native is None or (self._mirror is not None and self._mirror.is_handed)
 
     def _watch(self) -> None:
-        super()._watch()
-        self._is_watched = self._is_watched or self._mirror is not None or self._own_data is not None
+        if self._mirror is None and self._own_data is None:
+            super()._watch()
+        else:
+            self.__dict__["_is_watched"] = True
 
     def _push(self, call: str = "") -> None:
         super()._push(call)

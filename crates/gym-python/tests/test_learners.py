@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import itertools
 from typing import Any
 
+import gymnasium
 import numpy as np
 import pytest
 from conftest import assert_same
@@ -104,3 +106,60 @@ def test_jax() -> None:
     assert int(last) == 80 and bool(np.any(terminated))
     with pytest.raises(Exception, match="pass on the carry"):
         jax.block_until_ready(stepper.step(carry, policy(observations)))
+
+
+@pytest.mark.parametrize("mode", ["NextStep", "SameStep"])
+@pytest.mark.parametrize("kind", ["sync", "native", "async"])
+@pytest.mark.parametrize("env_id", ["CartPole-v1", "Taxi-v4"])
+def test_seeds_of_resets_to_come(env_id: str, kind: str, mode: str) -> None:
+    n, steps = 3, 90
+    envs = rustgym.make_vec(env_id, num_envs=n, kind=kind, autoreset_mode=mode, seeds=itertools.count(100), max_episode_steps=17)
+    plain = rustgym.make_vec(env_id, num_envs=n, kind=kind, autoreset_mode=mode, max_episode_steps=17)
+    singles = [rustgym.make(env_id, max_episode_steps=17) for _ in range(n)]
+    seeds = iter(range(100, 200))
+    first, _ = envs.reset()
+    plain.reset(seed=list(range(100, 100 + n)))
+    assert_same(first, np.array([env.reset(seed=next(seeds))[0] for env in singles], first.dtype))
+    due: dict[int, int] = {}
+    rng = np.random.default_rng(0)
+    for k in range(steps):
+        actions = rng.integers(2, size=n)
+        observations, rewards, terminated, truncated, infos = envs.step(actions)
+        if k < 8:  # before the first end it is what it is without
+            assert_same((observations, rewards, terminated, truncated, infos), plain.step(actions))
+        ended = []
+        for i, env in enumerate(singles):
+            if i in due:
+                observation, reward, end, cut, info = env.reset(seed=due.pop(i))[0], 0.0, False, False, {}
+            else:
+                observation, reward, end, cut, info = env.step(int(actions[i]))
+            if end or cut:
+                ended.append(i)
+                if mode == "SameStep":
+                    assert_same(infos["final_obs"][i], observation)
+                    assert infos["_final_obs"][i] and infos["_final_info"][i]
+                    for key, value in info.items():
+                        assert_same(infos["final_info"][key][i], value)
+            elif info:
+                for key, value in info.items():
+                    assert infos[f"_{key}"][i]
+                    assert_same(infos[key][i], value)
+            if not (mode == "SameStep" and i in ended):
+                assert_same(observations[i], observation)
+            assert (rewards[i], terminated[i], truncated[i]) == (reward, end, cut)
+        for i in ended:
+            due[i] = next(seeds)
+            if mode == "SameStep":
+                assert_same(observations[i], singles[i].reset(seed=due.pop(i))[0])
+    assert next(seeds) > 110
+
+
+def test_a_list_of_seeds_ends() -> None:
+    envs = rustgym.make_vec("CartPole-v1", num_envs=2, seeds=[1, 2], max_episode_steps=3)
+    envs.reset()
+    envs.step([0, 0])
+    envs.step([0, 0])
+    with pytest.raises(gymnasium.error.Error, match="the 2 seeds are used up"):
+        envs.step([0, 0])
+    with pytest.raises(gymnasium.error.Error, match="Seed 0 must be a whole number"):
+        rustgym.make_vec("CartPole-v1", num_envs=2, seeds=["x"]).reset()

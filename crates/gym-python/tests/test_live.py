@@ -17,7 +17,8 @@ import rustgym
 Change = Callable[[Any], None]
 WAYS: dict[str, Callable[[Any], Any]] = {
     "itself": lambda env: env,
-    "copy": copy.deepcopy,
+    "copy": copy.copy,
+    "deep copy": copy.deepcopy,
     "pickle": lambda env: pickle.loads(pickle.dumps(env)),
 }
 
@@ -108,10 +109,16 @@ def put_in(name: str, index: Any, value: Any) -> Change:
         ("LunarLander-v3", put("game_over", True), [2]),
         ("LunarLander-v3", lambda env: setattr(env.lander, "linearVelocity", (1.0, -2.0)), [2, 1, 3]),
         ("LunarLander-v3", lambda env: setattr(env.lander, "angularVelocity", 0.5), [2, 1, 3]),
+        ("LunarLander-v3", lambda env: setattr(env.world, "gravity", (0.5, -3.0)), [2, 1, 3]),
+        ("LunarLander-v3", lambda env: env.lander.ApplyForceToCenter((30.0, 70.0), True), [2, 1, 3]),
+        ("LunarLander-v3", lambda env: env.lander.ApplyTorque(3.0, True), [2, 1, 3]),
+        ("LunarLander-v3", lambda env: env.legs[0].ApplyLinearImpulse((0.1, 0.2), (10.0, 13.0), True), [2, 1, 3]),
+        ("LunarLander-v3", lambda env: env.lander.ApplyAngularImpulse(0.3, True), [2, 1, 3]),
+        ("BipedalWalker-v3", lambda env: setattr(env.hull, "linearVelocity", (0.5, 0.25)), [np.zeros(4, np.float32)] * 3),
     ],
 )
 def test_changes_count(env_id: str, change: Change, actions: list[Any], way: str) -> None:
-    if env_id == "LunarLander-v3":
+    if env_id in ("LunarLander-v3", "BipedalWalker-v3"):
         pytest.importorskip("Box2D")
     both(env_id, change, actions, way)
 

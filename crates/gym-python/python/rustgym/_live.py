@@ -77,6 +77,11 @@ class Live:
         env._handed[self.name], env._seen[self.name] = value, self._copy(value)
         env._is_watched = True
 
+    def copy(self, twin: Env, value: Any) -> None:
+        """Gives a copy of the environment its own object, which is taken over again."""
+        self._hand(twin, value)
+        twin._seen[self.name] = None
+
     def _copy(self, value: Any) -> Any:
         """What to compare the object with later."""
         return deepcopy(value)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import operator
 from collections.abc import Callable
+from copy import deepcopy
 from typing import Any, ClassVar
 
 import gymnasium
@@ -375,6 +376,10 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         self._push()
         apart = {"_native": self._native.__copy__(), "_generator": None, "_window": None}
         twin.__dict__.update(self.__dict__, **apart, _handed=None)
+        for name, value in (self._handed or {}).items():
+            attribute: Live = getattr(type(self), name)
+            if attribute.outlives_reset is True:
+                attribute.copy(twin, deepcopy(value))
         twin._watch()
         return twin
 

@@ -16,6 +16,7 @@ from gymnasium.vector.utils import batch_space
 from rustgym import _native
 from rustgym._json import to_json
 from rustgym._preprocessing import preprocessed
+from rustgym._seeds import Seeds
 from rustgym._spaces import space_from
 from rustgym._specs import class_of, metadata_from, native_arguments, native_options, spec_of
 from rustgym.env import Env, checked_seed
@@ -86,6 +87,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             ``render`` alone.
         gray: Whether the pictures are gray, without an axis of colours.
         frame_stack: How many pictures an observation has, the last ones, along a first axis; 0 for one, without that axis.
+        seeds: A list or an iterator of the seeds of all resets to come, those included that the vector makes by itself, such as
+            ``itertools.count(1000)``: each takes the next, in a step by index. ``reset(seed=...)`` does not use them.
         max_episode_steps: The steps after which an episode is truncated, instead of the number registered; -1 for never.
         render_mode: As of ``rustgym.Env``; ``render`` then returns a tuple with the current picture of each.
         kwargs: The arguments of the environment.
@@ -116,6 +119,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         render_size: tuple[int, int] | None = None,
         gray: bool = False,
         frame_stack: int = 0,
+        seeds: Iterable[int] | None = None,
         **kwargs: Any,
     ) -> None:
         defaults = spec_of(env_id)["defaults"]
@@ -170,9 +174,9 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             native_arguments(env_id, kwargs),
             render_mode and render_mode.removesuffix("_list"),
             max_episode_steps,
-            self.autoreset_mode.value,
+            (AutoresetMode.DISABLED if seeds is not None else self.autoreset_mode).value,
             threads,
-            bool(copy),
+            bool(copy) or seeds is not None,
             self._wrappers,
             to_json(each),
             render_size,
@@ -181,7 +185,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         self._take_spaces()
         crate = spec_of(env_id)["crate"]
         self._info_types = info_types(env_id) if crate == "gym-mujoco" else {}
-        self._is_watched = bool(self._info_types)
+        self._seeds = None if seeds is None else Seeds(seeds, self.autoreset_mode)
+        self._is_watched = bool(self._info_types or self._seeds)
 
     def _take_spaces(self) -> None:
         description = json.loads(self._native.describe())
@@ -216,6 +221,11 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         known = native_options(self.env_id, options)
         if options and "reset_mask" in options:
             mask = self._checked_mask(options["reset_mask"])
+        if self._seeds is not None:
+            started = np.flatnonzero(np.ones(self.num_envs) if mask is None else mask)
+            self._seeds.forget(started)
+            if seed is None:
+                each = self._seeds.take(started, self.num_envs)
         if self._envs is not None:
             self._push_envs()
         result = self._native.reset(one, each, known, mask)
@@ -251,7 +261,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     def _watched_step(self, actions: Any) -> Any:
         if self._envs is not None:
             self._push_envs()
-        result = self._native.step(actions)
+        native, seeds = self._native, self._seeds
+        result = native.step(actions) if seeds is None else seeds.step(native, actions, self.num_envs)
         if self._info_types:
             self._set_types(result[4], actions)
         if self._envs is not None:
@@ -273,6 +284,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             actions: A row for each of ``env_ids``.
             env_ids: Which; all unless given. None of them may be pending.
         """
+        if self._seeds is not None:
+            raise gymnasium.error.Error("a vector with seeds steps all of its environments at once: it has no send and recv")
         ids = range(self.num_envs) if env_ids is None else env_ids
         self._native.send(actions, [_whole("an id of env_ids", i, 0) for i in ids])
 
@@ -346,7 +359,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     def _let_go(self) -> None:
         """Forgets the environments where nobody holds one of them, or something of one."""
         if not self._keeps_envs and not any(env._is_watched for env in self._envs or ()):
-            self._envs, self._is_watched = None, bool(self._info_types)
+            self._envs, self._is_watched = None, bool(self._info_types or self._seeds)
 
     def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
         """The attribute ``name`` of each environment, or the result of the method of that name."""

@@ -33,6 +33,11 @@ class Box2DEnv(TunableEnv):
             raise AttributeError(f"{self.env_id} has no state before the first reset")
         return episode
 
+    @property
+    def world(self) -> World:
+        """The world of the physics engine."""
+        return World(self)
+
     def _set(self, change: Callable[[dict[str, Any]], None]) -> None:
         """Continues from an episode that was changed."""
         whole, episode = self._take_apart()
@@ -110,11 +115,43 @@ class Body:
     def angularVelocity(self, velocity: float) -> None:  # noqa: N802 - Box2D's name
         self._move(angular_velocity=float(np.float32(velocity)))
 
-    def _move(self, **fields: Any) -> None:
+    def ApplyForceToCenter(self, force: Any, wake: bool = True) -> None:  # noqa: N802 - Box2D's name
+        """Adds a force, in N, for the next step."""
+        self._add(wake, lambda body: {"force": np.float32(body["force"]) + np.float32(force)})
+
+    def ApplyTorque(self, torque: float, wake: bool = True) -> None:  # noqa: N802 - Box2D's name
+        """Adds a torque, in N m, for the next step."""
+        self._add(wake, lambda body: {"torque": np.float32(body["torque"]) + np.float32(torque)})
+
+    def ApplyLinearImpulse(self, impulse: Any, point: Any, wake: bool = True) -> None:  # noqa: N802 - Box2D's name
+        """Adds an impulse, in N s, at a point of the world."""
+
+        def change(body: dict[str, Any]) -> dict[str, Any]:
+            push, arm = np.float32(impulse), np.float32(point) - np.float32(body["sweep"]["c"])
+            turn = np.float32(body["inv_inertia"]) * (arm[0] * push[1] - arm[1] * push[0])
+            velocity = np.float32(body["velocity"]) + np.float32(body["inv_mass"]) * push
+            return {"velocity": velocity, "angular_velocity": np.float32(body["angular_velocity"]) + turn}
+
+        self._add(wake, change)
+
+    def ApplyAngularImpulse(self, impulse: float, wake: bool = True) -> None:  # noqa: N802 - Box2D's name
+        """Adds an angular impulse, in N m s."""
+        turn = np.float32(impulse)
+        self._add(
+            wake,
+            lambda body: {"angular_velocity": np.float32(body["angular_velocity"]) + np.float32(body["inv_inertia"]) * turn},
+        )
+
+    def _add(self, wake: bool, change: Callable[[dict[str, Any]], dict[str, Any]]) -> None:
+        body = self._read()
+        if wake or body["awake"]:
+            self._move(wake, **{name: value.tolist() for name, value in change(body).items()})
+
+    def _move(self, wake: bool | None = None, **fields: Any) -> None:
         def change(episode: dict[str, Any]) -> None:
             slot = self._slot(episode)
             slot.update(fields)
-            if np.any([*fields.values()]):
+            if np.any([*fields.values()]) if wake is None else wake and not slot["awake"]:
                 slot.update(awake=True, sleep_time=0.0)
 
         self._env._set(change)
@@ -124,6 +161,42 @@ class Body:
             object.__setattr__(self, name, value)
         else:
             raise AttributeError(f"{name} of a body cannot be set: linearVelocity and angularVelocity can")
+
+
+class World:
+    """The world of the physics engine."""
+
+    def __init__(self, env: Box2DEnv) -> None:
+        self.__dict__["_env"] = env
+
+    @property
+    def gravity(self) -> tuple[float, float]:
+        """The gravity, in m/s². It can be set, until the next reset."""
+        (engine,) = self._env._episode()["world"]["engine"].values()
+        x, y = engine["gravity"]
+        return x, y
+
+    @gravity.setter
+    def gravity(self, gravity: Any) -> None:
+        x, y = np.float32(gravity).tolist()
+
+        def change(episode: dict[str, Any]) -> None:
+            (engine,) = episode["world"]["engine"].values()
+            engine["gravity"] = [x, y]
+
+        self._env._set(change)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name != "gravity":
+            raise AttributeError(f"{name} of the world cannot be set: gravity can")
+        object.__setattr__(self, name, value)
+
+
+class Car:
+    """The car of CarRacing."""
+
+    def __init__(self, env: Box2DEnv) -> None:
+        self.hull = Body(env, lambda episode: int(episode["car"]["hull"]))
 
 
 class Leg(Body):
@@ -253,6 +326,11 @@ class CarRacing(Box2DEnv):
     def render(self) -> Any:
         """As ``Env.render``; for ``"state_pixels"`` the observation, a ``uint8`` array of shape ``(96, 96, 3)``."""
         return self._native.observation() if self.render_mode == "state_pixels" else super().render()
+
+    @property
+    def car(self) -> Car:
+        """The car."""
+        return Car(self)
 
     reward = _field("reward", float, "The return so far.")
     prev_reward = _field("prev_reward", float, "The return at the last step, of which a step's reward is the difference.")

@@ -572,9 +572,6 @@ class MujocoEnv(ClassEnv):
         twin.__dict__.pop("mujoco_renderer", None)
         if mirror is not None:
             twin.__dict__["_mirror"] = mirror.copy() if mirror.is_handed else None
-        if self._handed:  # initial positions and velocities
-            for name, value in self._handed.items():
-                type.__getattribute__(type(self), name)._hand(twin, np.array(value))
         twin._watch()
         return twin
 

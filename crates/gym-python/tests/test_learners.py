@@ -62,7 +62,7 @@ def test_dm_env() -> None:
         assert timestep.reward == reward and timestep.last() == (terminated or truncated)
         assert timestep.discount == (0.0 if terminated else 1.0)
         ends.add((terminated, truncated))
-    assert len(ends) == 3, "it falls, and it reaches the limit"
+    assert {(True, False), (False, True)} < ends, "it falls, and it reaches the limit"
     env.action_spec().validate(np.int64(1))
     assert isinstance(env, dm_env.Environment)
 
@@ -74,8 +74,7 @@ def test_dm_envs_specs(env_id: str) -> None:
     timestep, spec = env.reset(), env.observation_spec()
     for part, seen in zip(spec, timestep.observation, strict=True) if isinstance(spec, tuple) else [(spec, timestep.observation)]:
         part.validate(seen)
-    action = env.action_spec().generate_value()
-    assert env.step(action).mid() or env.step(action).last()
+    assert not env.step(env.action_spec().generate_value()).first()
 
 
 def test_jax() -> None:

@@ -93,7 +93,7 @@ def put_in(name: str, index: Any, value: Any) -> Change:
         ("MountainCarContinuous-v0", put_in("state", 1, 0.02), [np.array([0.5], np.float32)]),
         ("Pendulum-v1", put_in("state", slice(None), [1.0, -2.0]), [np.array([0.5], np.float32)]),
         ("Acrobot-v1", put_in("state", 2, 0.7), [2, 0]),
-        ("Acrobot-v1", put_in("AVAIL_TORQUE", 2, 0.25), [2, 2]),
+        ("Acrobot-v1", put("AVAIL_TORQUE", [-1.0, 0.0, 0.25]), [2, 2]),
         ("Blackjack-v1", put("player", [10, 7]), [0]),
         ("Blackjack-v1", put_in("dealer", 0, 3), [0]),
         ("Blackjack-v1", lambda env: env.player.append(2), [0]),
@@ -145,6 +145,16 @@ def test_a_changed_table_is_played_from_a_subclass() -> None:
     env = Icy()
     env.reset(seed=0)
     assert [env.step(1)[1] for _ in range(3)] == [-0.25] * 3
+
+
+def test_torques_in_place() -> None:
+    env, twin = (rustgym.make("Acrobot-v1").unwrapped for _ in range(2))
+    twin.AVAIL_TORQUE = [-1.0, 0.0, 0.25]
+    env.AVAIL_TORQUE[2] = 0.25
+    for e in (env, twin):
+        e.reset(seed=0)
+    assert_same(env.step(2), twin.step(2))
+    assert rustgym.make("Acrobot-v1").unwrapped.AVAIL_TORQUE == [-1.0, 0.0, 1.0]
 
 
 def test_reading_a_table_changes_nothing() -> None:

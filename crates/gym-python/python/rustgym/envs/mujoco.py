@@ -49,7 +49,7 @@ MODULES = {
 _CAN_EXCLUDE = {"Ant": 2, "HalfCheetah": 1, "Hopper": 1, "Humanoid": 2, "HumanoidStandup": 2, "Swimmer": 2, "Walker2d": 1}
 
 
-# what an info has as another type than `float`; `float32` where the action is
+# what a column of infos has as another type than `float64`; `float32` where the action is
 _INFO_TYPES: dict[str, dict[str, Any]] = {
     **dict.fromkeys(["Ant", "HalfCheetah", "Hopper", "Pusher", "Reacher", "Swimmer", "Walker2d"], {"reward_ctrl": np.float32}),
     "InvertedPendulum": {"reward_survive": np.int64},
@@ -57,7 +57,7 @@ _INFO_TYPES: dict[str, dict[str, Any]] = {
 
 
 def info_types(env_id: str) -> dict[str, Any]:
-    """The types of an info's numbers that are not of type ``float``."""
+    """The types of the columns of infos that are not ``float64``."""
     return _INFO_TYPES.get(env_id.rpartition("/")[2].partition("-v")[0], {})
 
 
@@ -178,17 +178,12 @@ class MujocoEnv(ClassEnv):
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """As ``Env.step``; raises ``ValueError`` for an action of another shape, as Gymnasium's tasks do."""
         try:
-            result = super().step(action)
+            return super().step(action)
         except gymnasium.error.InvalidAction:
             expected, found = self.action_space.shape, np.shape(action)
             if found == expected:
                 raise
             raise ValueError(f"Action dimension mismatch. Expected {expected}, found {found}") from None
-        for name, kind in self._info_types:
-            info = result[4]
-            if name in info and (kind is not np.float32 or getattr(action, "dtype", None) == kind):
-                info[name] = kind(info[name])
-        return result
 
     def _watched_step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         if not self._is_handed:
@@ -199,10 +194,6 @@ class MujocoEnv(ClassEnv):
         result = self._native.step(action)
         self._follow()
         return result
-
-    @cached_property
-    def _info_types(self) -> tuple[tuple[str, Any], ...]:
-        return tuple(info_types(self.env_id).items())
 
     def render(self) -> Any:
         """As ``Env.render``; ``"depth_array"`` and ``"rgbd_tuple"`` need MuJoCo's package."""

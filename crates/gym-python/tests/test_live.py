@@ -236,11 +236,18 @@ def test_environments_of_a_vector_are_live() -> None:
     assert np.array_equal(kept.state, envs.envs[2].state) and kept is envs.envs[2]
     envs.get_attr("state")[0][0] = 1.0
     assert envs.step([0, 0, 0])[0][0, 0] > 0.9
-    lakes = rustgym.VectorEnv("FrozenLake-v1", 2, kind="sync")
-    lakes.reset(seed=1)
-    lakes.envs[0].P[0][1] = [(1.0, 5, 0.0, False)]
-    with pytest.raises(ValueError, match="P of an environment of a vector"):
-        lakes.step([1, 1])
+
+
+@pytest.mark.parametrize("way", ["itself", "pickle"])
+def test_a_table_of_an_environment_of_a_vector(way: str) -> None:
+    envs = rustgym.VectorEnv("FrozenLake-v1", 2, kind="sync")
+    envs.reset(seed=1)
+    envs.envs[0].P[0][1] = [(1.0, 5, 2.0, False)]
+    envs = WAYS[way](envs)
+    observations, rewards, *_ = envs.step([1, 1])
+    assert observations[0] == 5 and rewards.tolist() == [2.0, 0.0]
+    envs.envs[1].initial_state_distrib[:] = np.eye(16)[14]
+    assert envs.reset(seed=1)[0].tolist() == [0, 14]
 
 
 def test_frames_per_second_follow_the_step() -> None:

@@ -63,10 +63,14 @@ class ClassicControlEnv(TunableEnv):
             raise ValueError(f"the state of {self.env_id} is {self.state_names}, not an array of shape {numbers.shape}")
         if self._native.state() is None:
             self._native.reset(str(entropy()), None)
-        whole, episode = self._take_apart()
-        named = dict(zip(self.state_names, numbers.tolist(), strict=True))
-        episode["state"].update(self._fields(numbers), **named)
-        self._native.restore(json.dumps(whole), True)
+        self._change(**self._fields(numbers), **dict(zip(self.state_names, numbers.tolist(), strict=True)))
+
+    def _change(self, **fields: Any) -> None:
+        """Continues from a state that differs in these fields."""
+        state = self._native.state()
+        if state is None:
+            raise AttributeError(f"{self.env_id} has no state before the first reset")
+        self._native.set_state(json.dumps({**json.loads(state), **fields}))
 
     state = Live(_read_state, _write_state)
 
@@ -113,11 +117,7 @@ class CartPoleEnv(ClassicControlEnv):
 
     @steps_beyond_terminated.setter
     def steps_beyond_terminated(self, steps: int | None) -> None:
-        whole, episode = self._take_apart()
-        if episode is None:
-            raise AttributeError(f"{self.env_id} has no state before the first reset")
-        episode["state"]["fallen"] = steps is not None
-        self._native.restore(json.dumps(whole), self._native.is_running())
+        self._change(fallen=steps is not None)
 
     @property
     def _sutton_barto_reward(self) -> bool:
@@ -176,11 +176,7 @@ class PendulumEnv(ClassicControlEnv):
 
     @last_u.setter
     def last_u(self, torque: Any) -> None:
-        if self._native.state() is None:
-            raise AttributeError(f"{self.env_id} has no last_u before the first reset")
-        whole, episode = self._take_apart()
-        episode["state"]["last_torque"] = None if torque is None else float(np.float32(torque))
-        self._native.restore(json.dumps(whole), self._native.is_running())
+        self._change(last_torque=None if torque is None else float(np.float32(torque)))
 
 
 class AcrobotEnv(ClassicControlEnv):

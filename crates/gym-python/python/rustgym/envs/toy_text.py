@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rustgym import _native
+from rustgym._json import to_json
 from rustgym._live import Live, Own
 from rustgym._modules import forwarder
 from rustgym.env import ClassEnv, checked_seed, entropy
@@ -60,13 +61,9 @@ class ToyTextEnv(ClassEnv):
 
     def _set_state(self, **fields: Any) -> None:
         """Continues from a state that differs in these fields."""
-        is_running = self._native.is_running()
         if self._native.state() is None:
             self._native.reset(str(entropy()), None)
-            is_running = True
-        whole, episode = self._take_apart()
-        episode["state"].update(fields)
-        self._native.restore(json.dumps(whole), is_running)
+        self._native.set_state(json.dumps({**self._state(), **fields}))
 
 
 def _draw(probabilities: Any, rng: np.random.Generator) -> int:
@@ -143,12 +140,13 @@ class TabularEnv(ToyTextEnv):
     def _push_into_vector(self) -> None:
         super()._push_into_vector()
         handed = self._handed or {}
-        for name, own in zip(("P", "initial_state_distrib"), self._table, strict=True):
-            if name in handed and not (np.array_equal(handed[name], own) if name != "P" else handed[name] == own):
-                raise ValueError(
-                    f"{name} of an environment of a vector cannot be changed: gymnasium.vector.SyncVectorEnv steps environments that "
-                    "have one of their own"
-                )
+        table = handed.get("P", self._table[0])
+        starts = handed.get("initial_state_distrib", self._table[1])
+        if table != self._table[0] or not np.array_equal(starts, self._table[1]):
+            rows = [[table[s][a] for a in sorted(table[s])] for s in sorted(table)]
+            whole = {"P": rows, "initial_state_distrib": np.asarray(starts, np.float64)}
+            self._native.set_table(to_json(whole))
+            self.__dict__.pop("_table", None)
 
     def _moved(self, state: int, cell: int, rng: np.random.Generator) -> int:
         """The state after what happens beyond the table."""

@@ -34,8 +34,8 @@ use gym_core::vector::{
     Autoreset, Columns, Seeds, VectorEnv, VectorEnvExt, VectorKind, VectorReset,
 };
 use gym_core::{
-    BoxEnv, DType, Env, EnvExt, Error, Info, Kwargs, Reset, Result, Seed, Value, WrapperSpec,
-    builder,
+    BoxEnv, DType, Env, EnvExt, Error, Info, Inspect, Kwargs, Reset, Result, Seed, Value,
+    WrapperSpec, builder,
 };
 
 /// The resets and steps of one environment, or of one vector.
@@ -271,19 +271,20 @@ impl TryFrom<&ResetRequest> for VectorReset {
 impl Trace {
     /// Repeats the resets and steps, and records the answers.
     ///
-    /// If the trace has a `state`, the function `state` computes it; such a trace may leave the
-    /// observation out, and the answers then do so too.
+    /// If the trace has a `state`, the answers have the environment's, which
+    /// [`Env::inspect`] shows; such a trace may leave the observation out, and the answers then do so
+    /// too.
     ///
     /// # Errors
     /// The environment's error, with its event.
-    pub fn replay(&self, state: impl Fn(&BoxEnv) -> Option<Json>) -> Result<Self> {
+    pub fn replay(&self) -> Result<Self> {
         let events = if self.vector.is_some() {
             let mut envs = self.make_vector()?;
             let mut columns = envs.columns()?;
             self.replay_events(|event| event.replay_vector(&mut envs, &mut columns))
         } else {
             let mut env = self.make()?;
-            self.replay_events(|event| event.replay(self, &mut env, &state))
+            self.replay_events(|event| event.replay(self, &mut env))
         };
         Ok(Self {
             events: events?,
@@ -408,12 +409,7 @@ const PARTS: [Part; 10] = [
 ];
 
 impl Event {
-    fn replay(
-        &self,
-        trace: &Trace,
-        env: &mut BoxEnv,
-        state: &dyn Fn(&BoxEnv) -> Option<Json>,
-    ) -> Result<Self> {
+    fn replay(&self, trace: &Trace, env: &mut BoxEnv) -> Result<Self> {
         let mut observed = Value::Null;
         let mut answer = match (&self.reset, &self.step) {
             (Some(request), None) => {
@@ -435,7 +431,7 @@ impl Event {
         answer.step.clone_from(&self.step);
         answer.info = Some(plain(env.info_map()));
         if self.state.is_some() {
-            answer.state = state(env);
+            answer.state = env.inspect().and_then(Inspect::state);
         }
         // frames are compared by checksums
         if self.observation.is_some() || (self.state.is_none() && trace.render_mode.is_none()) {

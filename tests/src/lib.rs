@@ -69,6 +69,7 @@ mod documents {
         Bridge: "docs/bridge.md",
         ComingFromGymnasium: "docs/coming-from-gymnasium.md",
         Faq: "docs/faq.md",
+        ChangingATask: "docs/python/live.md",
         FirstSteps: "docs/first-steps.md",
         Introduction: "docs/README.md",
         Native: "docs/native.md",

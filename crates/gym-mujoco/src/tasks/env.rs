@@ -55,9 +55,10 @@ pub trait Task: Clone + fmt::Debug + Send + Sync + Sized + 'static {
         visit: &mut dyn FnMut(&str, f64),
     );
 
-    /// Whether `info` has lengths and velocities of the model's tendons.
-    fn tells_tendons(&self) -> bool {
-        false
+    /// The entry of `info` after which it has lengths and velocities of the model's tendons; `None` if
+    /// it has none.
+    fn tendons_follow(&self) -> Option<&'static str> {
+        None
     }
 }
 
@@ -293,20 +294,21 @@ impl<T: Task> Env for MujocoEnv<T> {
     fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
         let Some(episode) = &self.episode else { return };
         let Episode { data, step, .. } = &**episode;
+        let tendons_follow = self.task.tendons_follow();
         self.task
             .info(&self.simulation, data, step.as_ref(), &mut |name, x| {
                 visit(name, Value::Float(x));
+                if tendons_follow == Some(name) {
+                    visit(
+                        "tendon_length",
+                        Value::Array(data.ten_length.clone().into()),
+                    );
+                    visit(
+                        "tendon_velocity",
+                        Value::Array(data.ten_velocity.clone().into()),
+                    );
+                }
             });
-        if self.task.tells_tendons() {
-            visit(
-                "tendon_length",
-                Value::Array(data.ten_length.clone().into()),
-            );
-            visit(
-                "tendon_velocity",
-                Value::Array(data.ten_velocity.clone().into()),
-            );
-        }
     }
 
     fn metadata(&self) -> Metadata {

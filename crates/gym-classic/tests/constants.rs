@@ -521,7 +521,7 @@ fn numbers_drawn_outside_of_the_ranges_are_refused() {
     envs.restore(&stored(N, &[("length", 0.52, 0.58)])).unwrap();
     // and so do numbers that equal the ends
     let native = envs
-        .wrapper::<gym_native::NativeVectorEnv<gym_classic::cartpole::CartPoleDynamics>>()
+        .layer::<gym_native::NativeVectorEnv<gym_classic::cartpole::CartPoleDynamics>>()
         .unwrap();
     let drawn: Vec<f64> = (0..N).map(|i| native.arguments(i)[0].1).collect();
     let [low, high] = [f64::min, f64::max].map(|end| drawn.iter().copied().reduce(end).unwrap());

@@ -187,7 +187,7 @@ fn python_draws() {
         .build()
         .unwrap();
     assert_eq!(env.metadata().render_fps, 7);
-    // recorders ask for it
+    // recorders read the render mode
     assert_eq!(env.render_mode(), Some(RenderMode::RgbArray));
     assert_eq!(env.clone().render_mode(), Some(RenderMode::RgbArray));
     env.reset(0).unwrap();

@@ -1,4 +1,4 @@
-//! Native vectors give the bits of scalar environments, step by step.
+//! Native vectors give the bits of single environments, step by step.
 
 use gym_classic as _;
 use gym_core::vector::{Autoreset, VectorKind, VectorReset};
@@ -14,7 +14,7 @@ const IDS: [&str; 6] = [
     "Pendulum-v1",
 ];
 
-/// Compares all that both kinds of vectors give, for as many steps of one environment.
+/// Compares native and sync vectors for `steps` steps.
 fn compare(id: &str, num_envs: usize, steps: usize, seed: u64) {
     let [mut native, mut sync] = [VectorKind::Native, VectorKind::Sync].map(|kind| {
         builder(id)
@@ -40,7 +40,7 @@ fn compare(id: &str, num_envs: usize, steps: usize, seed: u64) {
     }
 }
 
-/// 100 is not a multiple of a register's numbers.
+/// 100 is not a multiple of a register's length.
 #[test]
 fn native_vectors_equal_scalar_environments() {
     for id in IDS {
@@ -49,7 +49,7 @@ fn native_vectors_equal_scalar_environments() {
     }
 }
 
-/// FNV-1a of the numbers of 100 environments in 300 steps.
+/// Returns FNV-1a of the results of 100 environments in 300 steps.
 fn fingerprint(id: &str) -> u64 {
     let mut envs = builder(id)
         .vector(100)
@@ -75,7 +75,8 @@ fn fingerprint(id: &str) -> u64 {
     hash
 }
 
-/// The same on every platform, and with the feature `emulate-fma` of gym-numerics.
+/// The fingerprints are equal on every platform, and with the feature `emulate-fma` of
+/// gym-numerics.
 #[test]
 fn results_depend_on_no_machine() {
     let fingerprints = IDS.map(fingerprint);

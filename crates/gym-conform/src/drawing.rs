@@ -95,7 +95,7 @@ pub(crate) fn sound(subject: &Subject<'_>) -> Verdict {
 pub(crate) fn pure(subject: &Subject<'_>) -> Verdict {
     for seed in SEEDS {
         let (mut env, mut unseen) = (subject.reset(seed)?, subject.reset(seed)?);
-        env.start_rendering();
+        env.frames_drawn(0);
         for step in 0..30 {
             let (first, second) = (Calls::of(&env), Calls::of(&env));
             if first.text != second.text {
@@ -108,7 +108,7 @@ pub(crate) fn pure(subject: &Subject<'_>) -> Verdict {
                     "seed {seed}, step {step}: two calls of `ansi` for one state return different texts"
                 ));
             }
-            env.picture_taken();
+            env.frames_drawn(step + 1);
             let what = "an episode that was drawn";
             same(
                 &carry_on(&mut unseen, seed + step, 1)?,
@@ -141,10 +141,7 @@ pub(crate) fn render_modes(subject: &Subject<'_>) -> Verdict {
         let rendered = Render::new(env.clone(), mode).and_then(|mut render| render.render());
         match rendered {
             Ok(Rendered::Frame(frame))
-                if (frame.width(), frame.height()) == metadata.render_size =>
-            {
-                ()
-            }
+                if (frame.width(), frame.height()) == metadata.render_size => {}
             Ok(Rendered::Text(text)) if !text.is_empty() => (),
             Ok(other) => return broken(format!("the mode {mode} gives {other:?}")),
             Err(error) => return broken(format!("the mode {mode}: {error}")),

@@ -167,5 +167,5 @@ impl Limited {
 
 /// The count of the outermost time limit.
 fn count(env: &BoxEnv) -> Option<StepCount> {
-    env.wrapper::<StepCount>().copied()
+    env.layer::<StepCount>().copied()
 }

@@ -27,7 +27,7 @@ pub fn check(make: impl Fn() -> Result<BoxEnv>) -> Vec<Finding> {
         Some(spec) => {
             let make = || spec.make();
             run(&Subject::of_spec(&make, spec.clone()), |long| {
-                eprintln!("{}: {long}", spec.id)
+                eprintln!("{}: {long}", spec.id);
             })
             .0
         }

@@ -165,7 +165,7 @@ fn parse_seed(text: &str) -> Result<u64, String> {
 
 /// Fails early if a file cannot be written.
 fn check_writable(path: &Path) -> Result<()> {
-    gym::rendering::file::AtomicFile::create(path).map(drop)
+    gym::render::file::AtomicFile::create(path).map(drop)
 }
 
 /// Whether two paths name one file, which need not exist yet.

@@ -157,7 +157,7 @@ fn write_all(folder: &Path, name: &str, native: bool) -> Result<()> {
             .replace("GYM_CORE", &dependency("gym-core"))
             .replace("GYM_NATIVE", &dependency("gym-native"))
             .replace("GYM_RENDER", &dependency("gym-render"));
-        gym::rendering::file::write(&path, text.as_bytes())?;
+        gym::render::file::write(&path, text.as_bytes())?;
     }
     // the versions that are there already
     let lock = root().join("Cargo.lock");

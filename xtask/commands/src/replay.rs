@@ -6,9 +6,9 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::output::{say, tell};
-use gym::rendering::file;
+use gym::render::file;
 use gym::trace::Trace;
-use gym::{BoxEnv, Error, Result};
+use gym::{Error, Result};
 use serde_json::{Map, Value as Json};
 
 #[derive(clap::Args)]
@@ -92,24 +92,6 @@ fn destinations(traces: &[PathBuf], out: &Path) -> Result<BTreeMap<PathBuf, Path
         .collect())
 }
 
-/// The state that a trace records besides the observation: the bodies of CarRacing, positions and
-/// velocities of MuJoCo tasks.
-#[cfg(feature = "families")]
-fn state(env: &BoxEnv) -> Option<Json> {
-    use gym::EnvExt;
-
-    if let Some(data) = gym::mujoco::simulated(env).and_then(|env| env.data()) {
-        return Some(serde_json::json!({"qpos": data.qpos, "qvel": data.qvel}));
-    }
-    env.unwrapped::<gym::box2d::CarRacing>()
-        .and_then(|car| serde_json::to_value(car.state()).ok())
-}
-
-#[cfg(not(feature = "families"))]
-fn state(_: &BoxEnv) -> Option<Json> {
-    None
-}
-
 fn read(path: &Path) -> Result<String> {
     /// The largest size of a recording in bytes: larger than any, and small enough for every
     /// memory.
@@ -145,7 +127,7 @@ fn compare(path: &Path) -> Result<String> {
             "it has no events, so there is nothing to compare",
         ));
     }
-    match recorded.first_difference(&recorded.replay(state)?) {
+    match recorded.first_difference(&recorded.replay()?) {
         Some(difference) => Err(Error::custom(difference)),
         None => Ok(format!("{} events", recorded.events.len())),
     }
@@ -166,7 +148,7 @@ fn write_answers(path: &Path, to: &Path) -> Result<()> {
     let json = match of_engine(&rest, path)? {
         Some(answer) => serde_json::to_vec(&answer),
         None => {
-            let answers = parse(&text)?.replay(state)?;
+            let answers = parse(&text)?.replay()?;
             rest.remove("events");
             serde_json::to_vec(&Answers {
                 rest,

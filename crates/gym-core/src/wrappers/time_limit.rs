@@ -2,8 +2,9 @@
 
 use std::any::{Any, TypeId};
 
-use crate::registry::WrapperConfig;
-use crate::{BoxEnv, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot};
+use crate::env::{BoxEnv, Env, Outcome};
+use crate::spec::{EnvSpec, Reset, WrapperConfig};
+use crate::value::{Error, Result, Snapshot};
 
 /// Sets `truncated` once an episode has lasted a number of steps. `terminated` is unchanged: one
 /// step can set both.
@@ -13,7 +14,7 @@ pub struct TimeLimit<E = BoxEnv> {
     count: StepCount,
 }
 
-/// The limit and the count of a [`TimeLimit`]. It is a layer of its own: `env.wrapper::<StepCount>()`
+/// The limit and the count of a [`TimeLimit`]. It is a layer of its own: `env.layer::<StepCount>()`
 /// finds it whatever the `TimeLimit` wraps. Of several limits it is the one that is reached first.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -71,7 +72,7 @@ impl<E: Env> TimeLimit<E> {
     }
 }
 
-impl<E: Env> crate::Wrapper for TimeLimit<E> {
+impl<E: Env> crate::env::Wrapper for TimeLimit<E> {
     type Observation = E::Observation;
     type Action = E::Action;
 
@@ -110,9 +111,9 @@ impl<E: Env> crate::Wrapper for TimeLimit<E> {
         Ok(())
     }
 
-    fn layer(&self, layer: TypeId) -> Option<&dyn Any> {
+    fn any_layer(&self, layer: TypeId) -> Option<&dyn Any> {
         if layer == TypeId::of::<StepCount>() {
-            let inner = self.inner.layer(layer);
+            let inner = self.inner.any_layer(layer);
             let left =
                 |count: &StepCount| count.max_episode_steps.saturating_sub(count.elapsed_steps);
             let is_nearer = |inner: &&dyn Any| {
@@ -123,7 +124,7 @@ impl<E: Env> crate::Wrapper for TimeLimit<E> {
         } else if layer == TypeId::of::<Self>() {
             Some(self)
         } else {
-            self.inner.layer(layer)
+            self.inner.any_layer(layer)
         }
     }
 

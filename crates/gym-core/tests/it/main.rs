@@ -3,5 +3,6 @@
 mod edges;
 mod lockstep;
 mod rare;
+mod rooms;
 mod seams;
 mod spaces;

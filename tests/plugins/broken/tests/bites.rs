@@ -9,12 +9,12 @@ use gym_core::wrappers::TimeLimit;
 use gym_core::{BoxEnv, Env, Outcome, Reset, Result, Value};
 use gym_render as _;
 
-/// Made once: some faults are in what the process has done before.
+/// The reports, made once: some faults depend on what the process did before.
 static REPORTS: LazyLock<Vec<Report>> = LazyLock::new(|| {
     gym_conform::reports(&gym_conform::ids_of("broken-envs")).expect("the ids are registered")
 });
 
-/// The check that an id is named after, before the point where it has several faults.
+/// Returns the check that an id is named after, without the suffix that tells several faults apart.
 fn expected(id: &str) -> &str {
     let name = id.strip_prefix("broken/").expect("an id of this crate");
     let name = name.strip_suffix("-v0").unwrap_or(name);
@@ -30,7 +30,7 @@ fn each_check_flags_its_fault_and_no_other() {
             .map(|finding| finding.check)
             .collect();
         match expected(&report.id) {
-            // a sound environment is checked whole, but for what chance decides
+            // a correct environment passes all checks; a nondeterministic one skips comparisons
             "none" if report.id.contains("by-chance") => {
                 flagged.is_empty() && compares_nothing(report)
             }
@@ -42,7 +42,7 @@ fn each_check_flags_its_fault_and_no_other() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
-/// Whether all is checked but the rules of equal episodes, and what depends on them.
+/// Whether only the checks of equal episodes, and those that depend on them, were skipped.
 fn compares_nothing(report: &Report) -> bool {
     let is_chance = |reason: &str| {
         reason == "it is registered as nondeterministic" || reason.starts_with("it depends on")
@@ -98,7 +98,7 @@ fn an_unregistered_environment_is_checked_as_well() {
     assert_eq!(check(broken_envs::Fault::Constructs), ["constructs"]);
 }
 
-/// A wrapper of one's own around a limit: nobody has registered either, and the limit counts.
+/// A third-party wrapper that drops a limit is found, although neither is registered.
 #[test]
 fn a_limit_that_is_lost_on_the_way_is_seen_without_a_registration() {
     #[derive(Clone, Debug)]
@@ -335,7 +335,7 @@ fn a_check_that_takes_long_is_told() {
     assert_eq!(told.into_inner().unwrap(), expected);
 }
 
-/// Wall-clock time is no difference between two runs.
+/// Wall-clock time does not count as a difference between runs.
 #[test]
 fn statistics_of_episodes_are_no_fault() {
     let findings = gym_conform::check(|| {

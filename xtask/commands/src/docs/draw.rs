@@ -4,8 +4,7 @@
 use std::path::{Path, PathBuf};
 
 use gym::registry::Clip;
-use gym::render::RenderMode;
-use gym::rendering::{GifWriter, contact_sheet, write_png};
+use gym::render::{RenderMode, Video, contact_sheet, write_png};
 use gym::{BoxEnv, Env, EnvExt, Error, Result, render::Frame};
 
 use super::Document;
@@ -40,7 +39,7 @@ pub(super) fn gif(page: &Page) -> Result<Option<Document>> {
     drawn(
         &format!("docs/environments/images/{}.gif", page.name),
         |path| {
-            let mut video = GifWriter::create(path, env.metadata().render_fps / every)?;
+            let mut video = Video::create(path, env.metadata().render_fps / every)?;
             let mut states = 0;
             let policy = if Policy::good(&env)?.is_some() {
                 Policy::Good

@@ -10,7 +10,7 @@ mod wrappers;
 
 use std::path::{Path, PathBuf};
 
-use gym::rendering::file;
+use gym::render::file;
 use gym::{Error, Result};
 
 use crate::output::say;

@@ -4,7 +4,7 @@
 use gym_classic as _;
 use gym_core::prelude::*;
 use gym_core::vector::VectorKind;
-use gym_core::{BoxEnv, Generator, Kwargs, Value, builder};
+use gym_core::{BoxEnv, Generator, Inspect, Kwargs, Value, builder};
 use serde::Deserialize;
 
 /// An episode of Gymnasium, recorded by `constants.py`.

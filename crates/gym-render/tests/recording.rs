@@ -263,12 +263,20 @@ fn recording_is_no_part_of_clones_and_snapshots() {
 
 /// Two sub-environments whose first one is recorded.
 fn recorded(
+<<<<<<< HEAD
     common: impl Into<RecordVideoConfig>,
+=======
+    config: RecordVideoConfig,
+>>>>>>> main
     mode: Autoreset,
 ) -> RecordVectorVideo<SyncVectorEnv<Render<Count>>> {
     let envs = SyncVectorEnv::new([drawn(), drawn()]).unwrap();
     let config = RecordVectorVideoConfig {
+<<<<<<< HEAD
         common: common.into(),
+=======
+        common: config,
+>>>>>>> main
         record_first_only: true,
         ..Default::default()
     };
@@ -299,7 +307,7 @@ fn episodes_of_a_vector_are_recorded_in_every_mode() {
             let name = format!("rl-video-episode-{episode}.gif");
             folder.path().join(name)
         };
-        let mut envs = recorded(folder.path(), mode).episode_trigger(|episode| episode != 2);
+        let mut envs = recorded(folder.path().into(), mode).episode_trigger(|episode| episode != 2);
         envs.reset(0).unwrap();
         step_all(&mut envs, steps);
         // the second is running, from its first frame on
@@ -331,11 +339,19 @@ fn a_recording_of_a_length_goes_on_over_episodes_of_a_vector() {
         (Autoreset::Disabled, [0, 1, 2, 3, 0, 1]),
     ] {
         let folder = TempDir::new().unwrap();
+<<<<<<< HEAD
         let common = RecordVideoConfig {
             video_length: 6,
             ..folder.path().into()
         };
         let mut envs = recorded(common, mode).episode_trigger(|episode| episode == 0);
+=======
+        let config = RecordVideoConfig {
+            video_length: 6,
+            ..folder.path().into()
+        };
+        let mut envs = recorded(config, mode).episode_trigger(|episode| episode == 0);
+>>>>>>> main
         envs.reset(0).unwrap();
         step_all(&mut envs, 9);
         assert!(!envs.is_recording());
@@ -356,7 +372,7 @@ fn a_reset_of_another_sub_environment_begins_no_video() {
         Autoreset::Disabled,
     ] {
         let folder = TempDir::new().unwrap();
-        let mut envs = recorded(folder.path(), mode);
+        let mut envs = recorded(folder.path().into(), mode);
         envs.reset(0).unwrap();
         step_all(&mut envs, 1);
         envs.reset(VectorReset::default().mask([false, true]))
@@ -379,11 +395,19 @@ fn a_reset_of_another_sub_environment_begins_no_video() {
 #[test]
 fn steps_start_recordings_of_a_vector() {
     let folder = TempDir::new().unwrap();
+<<<<<<< HEAD
     let common = RecordVideoConfig {
         name_prefix: "late".into(),
         ..folder.path().into()
     };
     let mut envs = recorded(common, Autoreset::SameStep).step_trigger(|step| step == 2);
+=======
+    let config = RecordVideoConfig {
+        name_prefix: "late".into(),
+        ..folder.path().into()
+    };
+    let mut envs = recorded(config, Autoreset::SameStep).step_trigger(|step| step == 2);
+>>>>>>> main
     envs.reset(0).unwrap();
     step_all(&mut envs, 7);
     assert_eq!(names(folder.path()), ["late-step-2.gif"]);

@@ -39,11 +39,7 @@ pub(crate) struct Mind {
     pub(crate) own: u64,
     /// A generator other than the walk's.
     pub(crate) other: Option<Generator>,
-<<<<<<< HEAD
     /// The time at which the episode began.
-=======
-    /// When the episode began.
->>>>>>> main
     pub(crate) begun: Option<Instant>,
     /// The walk's observation, if the twist shows another one.
     pub(crate) seen: Value,
@@ -158,11 +154,7 @@ impl<T: Twist> Twisted<T> {
         })
     }
 
-<<<<<<< HEAD
     /// Returns the arguments as JSON.
-=======
-    /// The arguments as data; nothing if there are none.
->>>>>>> main
     fn own_arguments(&self) -> Json {
         serde_json::to_value(&self.arguments).unwrap_or_default()
     }
@@ -191,11 +183,7 @@ impl<T: Twist> Twisted<T> {
         self.walk.restore(&Snapshot::of(&walk)?)
     }
 
-<<<<<<< HEAD
     /// Returns the result of [`Self::stored`] and the age.
-=======
-    /// Returns the walk's [`Self::stored`] and its age.
->>>>>>> main
     pub(crate) fn snapshot_with_age(&self) -> Result<Snapshot> {
         Snapshot::of(&(self.stored()?.get::<Json>()?, self.mind.age))
     }

@@ -263,20 +263,12 @@ fn recording_is_no_part_of_clones_and_snapshots() {
 
 /// Two sub-environments whose first one is recorded.
 fn recorded(
-<<<<<<< HEAD
-    common: impl Into<RecordVideoConfig>,
-=======
     config: RecordVideoConfig,
->>>>>>> main
     mode: Autoreset,
 ) -> RecordVectorVideo<SyncVectorEnv<Render<Count>>> {
     let envs = SyncVectorEnv::new([drawn(), drawn()]).unwrap();
     let config = RecordVectorVideoConfig {
-<<<<<<< HEAD
-        common: common.into(),
-=======
         common: config,
->>>>>>> main
         record_first_only: true,
         ..Default::default()
     };
@@ -339,19 +331,11 @@ fn a_recording_of_a_length_goes_on_over_episodes_of_a_vector() {
         (Autoreset::Disabled, [0, 1, 2, 3, 0, 1]),
     ] {
         let folder = TempDir::new().unwrap();
-<<<<<<< HEAD
-        let common = RecordVideoConfig {
-            video_length: 6,
-            ..folder.path().into()
-        };
-        let mut envs = recorded(common, mode).episode_trigger(|episode| episode == 0);
-=======
         let config = RecordVideoConfig {
             video_length: 6,
             ..folder.path().into()
         };
         let mut envs = recorded(config, mode).episode_trigger(|episode| episode == 0);
->>>>>>> main
         envs.reset(0).unwrap();
         step_all(&mut envs, 9);
         assert!(!envs.is_recording());
@@ -395,19 +379,11 @@ fn a_reset_of_another_sub_environment_begins_no_video() {
 #[test]
 fn steps_start_recordings_of_a_vector() {
     let folder = TempDir::new().unwrap();
-<<<<<<< HEAD
-    let common = RecordVideoConfig {
-        name_prefix: "late".into(),
-        ..folder.path().into()
-    };
-    let mut envs = recorded(common, Autoreset::SameStep).step_trigger(|step| step == 2);
-=======
     let config = RecordVideoConfig {
         name_prefix: "late".into(),
         ..folder.path().into()
     };
     let mut envs = recorded(config, Autoreset::SameStep).step_trigger(|step| step == 2);
->>>>>>> main
     envs.reset(0).unwrap();
     step_all(&mut envs, 7);
     assert_eq!(names(folder.path()), ["late-step-2.gif"]);

@@ -118,10 +118,13 @@ fn start(package: &str, book: Option<&Book>) -> ExitCode {
     log::set_logger(&Stderr)
         .map(|()| log::set_max_level(log::LevelFilter::Warn))
         .ok();
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => return ExitCode::from(output::refuse(&error)),
+    };
     let workspace = Workspace::of(Path::new(package));
-    match command(Arguments::parse().command, &workspace, book) {
+    match command(arguments.command, &workspace, book) {
         Ok(code) => code,
-        Err(error) if output::reader_left(&error) => ExitCode::SUCCESS,
         Err(error) => {
             tell!("error: {error}");
             ExitCode::FAILURE

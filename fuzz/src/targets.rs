@@ -210,9 +210,9 @@ pub fn traces(input: &[u8]) {
         return;
     }
     trace.events.truncate(STEPS);
-    match trace.replay(|_| None) {
+    match trace.replay() {
         Ok(answers) => {
-            let again = trace.replay(|_| None).expect("what works once works twice");
+            let again = trace.replay().expect("what works once works twice");
             // an unseeded reset may differ
             let seeded = trace
                 .events

@@ -143,14 +143,10 @@ fn arguments_reach_the_environment() {
         .unwrap();
     assert_eq!(env.observation_space().to_string(), "Discrete(64)");
     assert_eq!(
-        env.unwrapped::<FrozenLake>()
-            .unwrap()
-            .dynamics()
-            .p()
-            .states(),
+        env.layer::<FrozenLake>().unwrap().dynamics().p().states(),
         64
     );
-    assert!(env.unwrapped::<CartPole>().is_none());
+    assert!(env.layer::<CartPole>().is_none());
     assert_eq!(
         registry::find("FrozenLake8x8-v1")
             .unwrap()

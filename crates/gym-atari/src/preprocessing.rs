@@ -220,12 +220,12 @@ fn brighter(picture: &mut [u8], other: &[u8], grays: &[u8; 256]) {
 
 /// Returns the game's environment, which may be inside the wrappers of `make`.
 fn within<E: Env>(env: &E) -> Option<&AtariEnv> {
-    env.layer(TypeId::of::<AtariEnv>())?.downcast_ref()
+    env.any_layer(TypeId::of::<AtariEnv>())?.downcast_ref()
 }
 
 fn within_mut<E: Env>(env: &mut E) -> &mut AtariEnv {
     let layer = env
-        .layer_mut(TypeId::of::<AtariEnv>())
+        .any_layer_mut(TypeId::of::<AtariEnv>())
         .and_then(|layer| layer.downcast_mut());
     layer.expect("the constructor found it")
 }

@@ -40,8 +40,8 @@ use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::vector::lockstep::Lockstep;
 use gym_core::{
-    Configure, Continuous, Env, Error, Generator, Keys, Outcome, Policy, Precision, Registration,
-    Reset, Result, Snapshot, Space, pygame,
+    Configure, Continuous, Env, Error, Generator, Inspect, Keys, Outcome, Policy, Precision,
+    Registration, Reset, Result, Snapshot, Space, pygame,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::{Value as Json, json};
@@ -159,17 +159,6 @@ impl BipedalWalker {
     /// The arguments.
     pub fn config(&self) -> &Config {
         &self.config
-    }
-
-    /// Sets the argument `name` to `value`, like an assignment to Gymnasium's attribute. The next
-    /// reset applies it.
-    ///
-    /// # Errors
-    /// [`Error::InvalidArgument`] for a value that is out of range, and for `physics`, which cannot
-    /// be changed.
-    pub fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
-        self.config = common::assigned(&self.config, name, value, "BipedalWalker")?;
-        Ok(())
     }
 
     /// Resets the environment and begins its first step, in which no motor drives.
@@ -525,6 +514,18 @@ impl Episode {
     }
 }
 
+/// The next reset applies it. `physics` is fixed.
+impl Inspect for BipedalWalker {
+    fn arguments(&self) -> Json {
+        serde_json::to_value(self.config).unwrap_or_default()
+    }
+
+    fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
+        self.config = common::assigned(&self.config, name, value, "BipedalWalker")?;
+        Ok(())
+    }
+}
+
 impl Env for BipedalWalker {
     type Observation = [f32; 24];
     type Action = Continuous<4>;
@@ -650,10 +651,18 @@ impl Env for BipedalWalker {
         canvas.pop();
     }
 
-    fn picture_taken(&mut self) {
-        if let Some(episode) = &mut self.episode {
+    fn frames_drawn(&mut self, count: u64) {
+        if let (1.., Some(episode)) = (count, &mut self.episode) {
             episode.pictures = (episode.pictures + 1) % LIDAR_CYCLE;
         }
+    }
+
+    fn inspect(&self) -> Option<&dyn Inspect> {
+        Some(self)
+    }
+
+    fn inspect_mut(&mut self) -> Option<&mut dyn Inspect> {
+        Some(self)
     }
 
     fn close(&mut self) {

@@ -35,8 +35,8 @@ use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::vector::lockstep::Lockstep;
 use gym_core::{
-    Configure, Continuous, Element, Env, Error, Generator, Keys, Outcome, Policy, Registration,
-    Reset, Result, Snapshot, Space, Value, pygame,
+    Configure, Continuous, Element, Env, Error, Generator, Inspect, Keys, Outcome, Policy,
+    Registration, Reset, Result, Snapshot, Space, Value, pygame,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::{Value as Json, json};
@@ -251,19 +251,6 @@ impl LunarLander {
     /// The arguments.
     pub fn config(&self) -> &Config {
         &self.config
-    }
-
-    /// Sets the argument `name` to `value`, like an assignment to Gymnasium's attribute: wind
-    /// changes at once, gravity at the next reset.
-    ///
-    /// # Errors
-    /// The errors of [`new`](Self::new), and [`Error::InvalidArgument`] for `continuous` and
-    /// `physics`, which cannot be changed.
-    pub fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
-        let config = common::assigned(&self.config, name, value, "LunarLander")?;
-        Self::check(&config)?;
-        self.config = config;
-        Ok(())
     }
 
     /// Resets the environment and begins its first step, in which no engine fires.
@@ -586,6 +573,20 @@ fn chunk_x(i: usize) -> f64 {
     W / (CHUNKS - 1) as f64 * i as f64
 }
 
+/// Wind changes at once, gravity at the next reset. `continuous` and `physics` are fixed.
+impl Inspect for LunarLander {
+    fn arguments(&self) -> Json {
+        serde_json::to_value(self.config).unwrap_or_default()
+    }
+
+    fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
+        let config = common::assigned(&self.config, name, value, "LunarLander")?;
+        Self::check(&config)?;
+        self.config = config;
+        Ok(())
+    }
+}
+
 impl Env for LunarLander {
     type Observation = [f32; 8];
     type Action = Action;
@@ -713,21 +714,27 @@ impl Env for LunarLander {
         canvas.pop();
     }
 
-    fn start_rendering(&mut self) {
-        self.renders = true;
-        if let Some(episode) = &mut self.episode {
-            episode.render(&self.config, true);
-        }
-    }
-
-    fn picture_taken(&mut self) {
-        if let Some(exhaust) = self
+    fn frames_drawn(&mut self, count: u64) {
+        if count == 0 {
+            self.renders = true;
+            if let Some(episode) = &mut self.episode {
+                episode.render(&self.config, true);
+            }
+        } else if let Some(exhaust) = self
             .episode
             .as_mut()
             .and_then(|episode| episode.exhaust.as_mut())
         {
             exhaust.fade();
         }
+    }
+
+    fn inspect(&self) -> Option<&dyn Inspect> {
+        Some(self)
+    }
+
+    fn inspect_mut(&mut self) -> Option<&mut dyn Inspect> {
+        Some(self)
     }
 
     fn close(&mut self) {

@@ -3,7 +3,7 @@
 
 use gym_box2d::car_racing::{self, CarRacing};
 use gym_box2d::lunar_lander::{self, LunarLander};
-use gym_core::{BoxEnv, EnvExt, Outcome, Reset, Value, builder, make};
+use gym_core::{BoxEnv, EnvExt, Inspect, Outcome, Reset, Value, builder, make};
 use serde_json::json;
 
 /// Returns the results and rewards of `steps` steps with the action `action`.

@@ -34,6 +34,10 @@
 //!   [`Env::generator`](gym_core::Env::generator) refuse.
 //! - A clone is another worker, which loads the environment by `pickle` (or `cloudpickle`); if that
 //!   fails, the clone's calls return the error.
+//!
+//! The worker speaks length-prefixed frames over a socket pair, and exits when the other end of its
+//! socket closes. A large array is never copied into a frame: its numbers are written from Python's
+//! memory and read into the caller's array.
 
 mod config;
 mod env;

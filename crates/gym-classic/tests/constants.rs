@@ -280,7 +280,7 @@ fn constants_set_later_take_effect() {
         let mut env = builder(&id).max_episode_steps(None).build().unwrap();
         let space = env.observation_space();
         env.reset(0).unwrap();
-        let own = env.unwrapped_mut::<CartPole>().unwrap();
+        let own = env.layer_mut::<CartPole>().unwrap();
         let derived = ["total_mass", "polemass_length"];
         let given = |name: &str| {
             !derived.contains(&name) || !matches!(arguments[name].as_f64(), Some(1.1 | 0.05))
@@ -290,7 +290,7 @@ fn constants_set_later_take_effect() {
         }
         assert_eq!(env.observation_space(), space);
         assert_eq!(sum_of(&mut env, &id, seed), sum, "{arguments:?}");
-        let own = env.unwrapped_mut::<CartPole>().unwrap();
+        let own = env.layer_mut::<CartPole>().unwrap();
         let error = own
             .set_argument("gravity", "much".into())
             .unwrap_err()
@@ -406,7 +406,7 @@ fn ranges_draw_constants_anew_at_each_reset() {
         }
     }
     assert!(ends > 100);
-    let native = envs.wrapper::<NativeVectorEnv<CartPoleDynamics>>().unwrap();
+    let native = envs.layer::<NativeVectorEnv<CartPoleDynamics>>().unwrap();
     let drawn: Vec<_> = (0..N).map(|i| native.arguments(i)).collect();
     for (i, (dynamics, _)) in own.iter().enumerate() {
         let Config {

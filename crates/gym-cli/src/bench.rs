@@ -7,8 +7,7 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 
 use clap::{ValueEnum, builder::PossibleValue};
-use gym::render::RenderMode;
-use gym::rendering::Recorder;
+use gym::render::{Recorder, RenderMode};
 use gym::vector::{VectorEnvExt, VectorKind};
 use gym::{Element, Env, EnvExt, Error, Registration, Result, registry};
 
@@ -210,7 +209,7 @@ pub(crate) fn bench(arguments: &Arguments, workspace: &Workspace) -> Result<()> 
             start,
         });
         let report = report.map_err(|error| Error::custom(error.to_string()))?;
-        gym::rendering::file::write(path, &report)?;
+        gym::render::file::write(path, &report)?;
     }
     Ok(())
 }

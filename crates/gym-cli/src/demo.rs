@@ -7,8 +7,7 @@ use std::sync::{Mutex, PoisonError};
 use std::thread;
 
 use gym::registry::EnvId;
-use gym::render::RenderMode;
-use gym::rendering::Recorder;
+use gym::render::{Recorder, RenderMode};
 use gym::{EnvSpec, Error, Registration, Result};
 use indicatif::{ProgressBar, ProgressStyle};
 

@@ -2,8 +2,7 @@
 
 use std::path::PathBuf;
 
-use gym::render::RenderMode;
-use gym::rendering::Recorder;
+use gym::render::{Recorder, RenderMode};
 use gym::{Kwargs, Result};
 
 use crate::inputs;

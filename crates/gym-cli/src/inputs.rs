@@ -96,7 +96,7 @@ impl<'de> Visitor<'de> for UniqueVisitor {
 
 /// Fails early if a file cannot be written.
 pub(crate) fn check_writable(path: &Path) -> Result<()> {
-    gym::rendering::file::AtomicFile::create(path).map(drop)
+    gym::render::file::AtomicFile::create(path).map(drop)
 }
 
 /// Fails early if two options name one file: its second content would replace the first.

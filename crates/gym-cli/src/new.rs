@@ -182,10 +182,10 @@ fn write_all(folder: &Path, arguments: &Arguments, source: &Source, lock: &str) 
             .replace("GYM_CORE", &source.dependency("gym-core"))
             .replace("GYM_NATIVE", &source.dependency("gym-native"))
             .replace("GYM_RENDER", &source.dependency("gym-render"));
-        gym::rendering::file::write(&path, text.as_bytes())?;
+        gym::render::file::write(&path, text.as_bytes())?;
     }
     // the versions that are there already
-    gym::rendering::file::write(folder.join("Cargo.lock"), lock.as_bytes())
+    gym::render::file::write(folder.join("Cargo.lock"), lock.as_bytes())
 }
 
 #[cfg(test)]

@@ -3,9 +3,7 @@
 use std::io::BufRead;
 use std::path::PathBuf;
 
-use gym::render::{Frame, RenderMode};
-use gym::rendering::VideoWriter;
-use gym::rendering::file;
+use gym::render::{Frame, RenderMode, Video, file};
 use gym::trace::{Event, Trace};
 use gym::{BoxEnv, Env, EnvExt, Error, Kwargs, Reset, Result};
 use serde_json::{Value as Json, json};
@@ -103,7 +101,7 @@ pub(crate) fn play(arguments: &Arguments) -> Result<()> {
 struct Session {
     env: BoxEnv,
     frame: Frame,
-    video: Option<VideoWriter>,
+    video: Option<Video>,
     trace: Trace,
     episode: u64,
     episodes: Option<u64>,
@@ -133,7 +131,7 @@ impl Session {
         let video = arguments
             .record
             .as_ref()
-            .map(|path| VideoWriter::create(path, fps))
+            .map(|path| Video::create(path, fps))
             .transpose()?;
         let mut session = Self {
             env,
@@ -276,7 +274,7 @@ fn in_terminal(session: &mut Session, keys: &Keys) -> Result<()> {
 mod window {
     use std::time::{Duration, Instant};
 
-    use gym::rendering::Window;
+    use gym::render::Window;
 
     use super::*;
 

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use gym::rendering::Plot;
+use gym::render::Plot;
 use gym::{Error, Result};
 
 use crate::policy::Episode;

@@ -97,7 +97,7 @@ fn write_crate(folder: &Path, source: &Source, workspace: &Workspace) -> Result<
         let path = folder.join(file);
         let parent = path.parent().unwrap_or(folder);
         fs::create_dir_all(parent).map_err(|error| Error::io(parent, error))?;
-        gym::rendering::file::write(&path, text.as_bytes())?;
+        gym::render::file::write(&path, text.as_bytes())?;
     }
     Ok(())
 }

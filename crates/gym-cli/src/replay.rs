@@ -6,9 +6,9 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::output::{say, tell};
-use gym::rendering::file;
+use gym::render::file;
 use gym::trace::Trace;
-use gym::{BoxEnv, Error, Result};
+use gym::{Error, Result};
 use serde_json::{Map, Value as Json};
 
 #[derive(clap::Args)]
@@ -92,24 +92,6 @@ fn destinations(traces: &[PathBuf], out: &Path) -> Result<BTreeMap<PathBuf, Path
         .collect())
 }
 
-/// The state that a trace records besides the observation: the bodies of CarRacing, positions and
-/// velocities of MuJoCo tasks.
-#[cfg(feature = "families")]
-fn state(env: &BoxEnv) -> Option<Json> {
-    use gym::EnvExt;
-
-    if let Some(data) = gym::mujoco::simulated(env).and_then(|env| env.data()) {
-        return Some(serde_json::json!({"qpos": data.qpos, "qvel": data.qvel}));
-    }
-    env.unwrapped::<gym::box2d::CarRacing>()
-        .and_then(|car| serde_json::to_value(car.state()).ok())
-}
-
-#[cfg(not(feature = "families"))]
-fn state(_: &BoxEnv) -> Option<Json> {
-    None
-}
-
 fn read(path: &Path) -> Result<String> {
     /// The largest size of a recording in bytes: larger than any, and small enough for every
     /// memory.
@@ -146,7 +128,7 @@ fn compare(path: &Path) -> Result<String> {
             "no event has an answer, so there is nothing to compare",
         ));
     }
-    if let Some(difference) = recorded.first_difference(&recorded.replay(state)?) {
+    if let Some(difference) = recorded.first_difference(&recorded.replay()?) {
         return Err(Error::custom(difference));
     }
     let (events, names) = (recorded.events.len(), [parts, facts].concat().join(", "));
@@ -174,7 +156,7 @@ fn write_answers(path: &Path, to: &Path) -> Result<()> {
     let json = match of_engine(&rest, path)? {
         Some(answer) => serde_json::to_vec(&answer),
         None => {
-            let answers = parse(&text)?.replay(state)?;
+            let answers = parse(&text)?.replay()?;
             rest.remove("events");
             let (_, facts) = answers.compared();
             for name in facts {

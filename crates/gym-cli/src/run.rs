@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::path::PathBuf;
 
-use gym::rendering::file;
+use gym::render::file;
 use gym::{EnvSpec, Error, Kwargs, Result};
 
 use crate::inputs;

@@ -90,7 +90,7 @@ pub(crate) fn sound(subject: &Subject<'_>) -> Verdict {
 pub(crate) fn pure(subject: &Subject<'_>) -> Verdict {
     for seed in SEEDS {
         let (mut env, mut unseen) = (subject.reset(seed)?, subject.reset(seed)?);
-        env.start_rendering();
+        env.frames_drawn(0);
         for step in 0..30 {
             let (first, second) = (Calls::of(&env), Calls::of(&env));
             if first.text != second.text {
@@ -103,7 +103,7 @@ pub(crate) fn pure(subject: &Subject<'_>) -> Verdict {
                     "seed {seed}, step {step}: two calls of `ansi` for one state return different texts"
                 ));
             }
-            env.picture_taken();
+            env.frames_drawn(step + 1);
             let what = "an episode that was drawn";
             same(
                 &carry_on(&mut unseen, seed + step, 1)?,

@@ -27,7 +27,7 @@ pub(crate) fn time_limit(subject: &Subject<'_>) -> Verdict {
     let limit = match spec {
         Some(spec) => spec.max_episode_steps,
         None => env
-            .wrapper::<TimeLimit<BoxEnv>>()
+            .layer::<TimeLimit<BoxEnv>>()
             .map(TimeLimit::max_episode_steps),
     };
     // a wrapper may truncate for reasons of its own

@@ -39,7 +39,7 @@ pub use gym_numerics::{Generator, Seed, math, rng};
 
 pub use drawing::{canvas, pygame, render};
 pub use env::{
-    BoxEnv, Configure, Dynamics, Env, EnvExt, NoArguments, Outcome, Stateful, Step, Task,
+    BoxEnv, Configure, Dynamics, Env, EnvExt, Inspect, NoArguments, Outcome, Stateful, Step, Task,
     Transition, Wrapper, equations,
 };
 pub use play::{Keys, Policy, keys, policy};

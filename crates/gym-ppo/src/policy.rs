@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use gym::rendering::file;
+use gym::render::file;
 use gym::wrappers::{NormalizeObservation, RunningMeanStd};
 use gym::{BoxVector, EnvSpec, Generator};
 use serde::{Deserialize, Serialize};
@@ -29,7 +29,7 @@ impl Policy {
         let mut vector = checkpoint.spec.make()?;
         vector.restore(&checkpoint.envs)?;
         let normalization = vector
-            .wrapper::<NormalizeObservation<BoxVector>>()
+            .layer::<NormalizeObservation<BoxVector>>()
             .map(|wrapper| wrapper.statistics().clone());
         let (observation, action) = (
             vector.single_observation_space(),

@@ -19,7 +19,7 @@ pub(crate) enum Task {
 
 impl Task {
     pub(crate) fn of(env: &BoxEnv) -> Self {
-        if env.unwrapped::<AtariEnv>().is_some() {
+        if env.layer::<AtariEnv>().is_some() {
             return Self::Atari;
         }
         match env.action_space() {

@@ -49,7 +49,7 @@ impl Checkpoint {
     /// Replaces the checkpoint in `folder` atomically.
     pub(crate) fn write(&self, folder: &Path) -> Result<()> {
         std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-        gym::rendering::file::write(Self::path(folder), &serde_json::to_vec(self)?)?;
+        gym::render::file::write(Self::path(folder), &serde_json::to_vec(self)?)?;
         Ok(())
     }
 }

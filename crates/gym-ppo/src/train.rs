@@ -5,7 +5,7 @@ use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, ensure};
-use gym::rendering::Plot;
+use gym::render::Plot;
 use gym::vector::{Autoreset, VectorEnv, VectorKind, VectorSpec};
 use gym::wrappers::RecordEpisodeStatistics;
 use gym::{BoxVector, Generator, WrapperSpec, builder};
@@ -168,7 +168,7 @@ impl Run {
             ..
         } = self;
         rollout.collect(&mut **envs, agent, rng, |envs| {
-            if let Some(statistics) = envs.wrapper::<RecordEpisodeStatistics<BoxVector>>() {
+            if let Some(statistics) = envs.layer::<RecordEpisodeStatistics<BoxVector>>() {
                 let ended = (0..envs.num_envs()).filter_map(|index| statistics.ended(index));
                 returns.extend(ended.map(|episode| episode.episode_return));
             }

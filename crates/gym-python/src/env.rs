@@ -8,8 +8,8 @@ use gym::mujoco::simulated_mut;
 use gym::registry::find;
 use gym::render::{RenderMode, Rendered};
 use gym::{
-    BoxEnv, Env as _, EnvExt as _, EnvSpec, Error, Kwargs, Outcome, Reset, Result, Seed, Snapshot,
-    Space, Value,
+    BoxEnv, Env as _, EnvExt as _, EnvSpec, Error, Inspect, Kwargs, Outcome, Reset, Result, Seed,
+    Snapshot, Space, Value,
 };
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
@@ -164,7 +164,7 @@ impl Env {
         f: impl FnOnce(&mut AtariEnv) -> PyResult<T>,
     ) -> PyResult<T> {
         let mut core = self.lock(py)?;
-        match core.env.unwrapped_mut::<AtariEnv>() {
+        match core.env.layer_mut::<AtariEnv>() {
             Some(env) => guard(|| f(env)),
             None => Err(Error::custom(format!("{} is not an Atari game", self.id))).or_raise(),
         }
@@ -343,14 +343,15 @@ impl Env {
     /// The state as JSON, for environments whose dynamics are pure functions of one.
     fn state(&self, py: Python<'_>) -> PyResult<Option<String>> {
         let core = self.lock(py)?;
-        Ok(peek::state(&core.env).map(|state| state.to_string()))
+        let state = core.env.inspect().and_then(Inspect::state);
+        Ok(state.map(|state| state.to_string()))
     }
 
     /// The arguments as they are, as JSON; those it was made with, where they cannot be set.
     fn arguments(&self, py: Python<'_>) -> PyResult<String> {
         let core = self.lock(py)?;
-        Ok(peek::arguments(&core.env)
-            .map_or_else(|| self.kwargs.clone(), |arguments| arguments.to_string()))
+        let arguments = core.env.inspect().map(Inspect::arguments);
+        Ok(arguments.map_or_else(|| self.kwargs.clone(), |arguments| arguments.to_string()))
     }
 
     /// Sets an argument: a JSON object of its name and value.
@@ -359,9 +360,15 @@ impl Env {
             .map_err(|error| Error::argument(&self.id, error.to_string()))
             .or_raise()?;
         let mut core = self.lock(py)?;
-        let mut set =
-            |(name, value): (String, Json)| peek::set_argument(&mut core.env, &name, value);
-        guard(|| argument.into_iter().try_for_each(&mut set).or_raise())
+        let Some(inspect) = core.env.inspect_mut() else {
+            return Err(Error::argument(&self.id, "its arguments cannot be set")).or_raise();
+        };
+        guard(|| {
+            argument
+                .into_iter()
+                .try_for_each(|(name, value)| inspect.set_argument(&name, value))
+                .or_raise()
+        })
     }
 
     /// `P` and `initial_state_distrib`, for environments that have them.
@@ -373,7 +380,8 @@ impl Env {
     /// The rows of the map, for FrozenLake.
     fn map(&self, py: Python<'_>) -> PyResult<Option<Vec<String>>> {
         let core = self.lock(py)?;
-        Ok(peek::map(&core.env))
+        let table = core.env.inspect().and_then(Inspect::table);
+        Ok(table.and_then(|table| serde_json::from_value(table["desc"].clone()).ok()))
     }
 
     /// The state of a MuJoCo task, array by array.
@@ -404,7 +412,7 @@ impl Env {
     /// Writes the score of CarRacing with these digits: the text of a file of `ScoreGlyphs`.
     fn set_score_glyphs(&self, py: Python<'_>, glyphs: &str) -> PyResult<()> {
         let glyphs = ScoreGlyphs::parse(glyphs).or_raise()?;
-        match self.lock(py)?.env.unwrapped_mut::<CarRacing>() {
+        match self.lock(py)?.env.layer_mut::<CarRacing>() {
             Some(env) => env.set_score_glyphs(glyphs),
             None => {
                 return Err(Error::custom(format!("{} does not draw a score", self.id))).or_raise();

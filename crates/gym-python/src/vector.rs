@@ -20,7 +20,6 @@ use crate::convert::{action_from_python, new_array, numpy, refill, rendered, to_
 use crate::env::{Env, from_json};
 use crate::error::{OrRaise, guard, gymnasium};
 use crate::fork::Origin;
-use crate::peek;
 
 /// A vector of environments. The lock of Python is released while it works.
 #[pyclass(frozen, module = "rustgym._native")]
@@ -384,7 +383,19 @@ impl Vector {
     /// The states as a JSON list, for environments whose dynamics are pure functions of one.
     fn states(&self, py: Python<'_>) -> PyResult<Option<String>> {
         let mut core = self.lock(py)?;
-        guard(|| Ok(peek::states(core.envs.as_dyn()).map(|states| states.to_string())))
+        guard(|| {
+            let envs = core.envs.as_dyn();
+            let mut states = Vec::with_capacity(envs.num_envs());
+            for index in 0..envs.num_envs() {
+                let mut state = None;
+                let seen = envs.inspect(index, &mut |env| state = env.state());
+                let Some(state) = state.filter(|_| seen.is_ok()) else {
+                    return Ok(None);
+                };
+                states.push(state);
+            }
+            Ok(Some(Json::Array(states).to_string()))
+        })
     }
 
     /// Copies of the environments, wrappers included.

@@ -6,7 +6,7 @@ use std::time::Instant;
 
 use gym_core::canvas::{Canvas, Color, Transform};
 use gym_core::render::{Frame, Painter};
-use gym_render::{GifWriter, Raster};
+use gym_render::{Raster, Video};
 
 const SIZE: (u32, u32) = (600, 400);
 const FRAMES: u32 = 500;
@@ -81,9 +81,9 @@ fn main() -> gym_core::Result<()> {
         })
         .collect();
     let start = Instant::now();
-    let mut writer = GifWriter::create(&path, FPS)?;
-    frames.iter().try_for_each(|frame| writer.write(frame))?;
-    writer.finish()?;
+    let mut video = Video::create(&path, FPS)?;
+    frames.iter().try_for_each(|frame| video.write(frame))?;
+    video.finish()?;
     let bytes = std::fs::metadata(&path).map_or(0, |file| file.len());
     println!(
         "{FRAMES} frames: {:.3} s, {bytes} bytes, {}",

@@ -7,12 +7,10 @@
 
 use std::io::{self, Seek, SeekFrom, Write};
 
-use crate::file::AtomicFile;
 use gym_core::render::Frame;
 use png::{BitDepth, ColorType, Compression, Encoder, EncodingError, Filter};
 
 use crate::changes::changed;
-use crate::stream::Format;
 
 const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
 /// Bytes of a chunk besides its data: length, kind and checksum.
@@ -38,26 +36,8 @@ pub(crate) struct Apng<W> {
     file: Vec<u8>,
 }
 
-impl Format for Apng<AtomicFile> {
-    const NAME: &'static str = "VideoWriter";
-    const MAX_SIDE: u32 = i32::MAX as u32;
-    const MAX_FPS: u32 = u16::MAX as u32;
-
-    fn start(file: AtomicFile, fps: u32, frame: &Frame) -> io::Result<Self> {
-        Self::start(file, fps, frame)
-    }
-
-    fn write(&mut self, frame: &Frame) -> io::Result<()> {
-        self.write(frame)
-    }
-
-    fn finish(self) -> io::Result<AtomicFile> {
-        self.finish()
-    }
-}
-
 impl<W: Write + Seek> Apng<W> {
-    fn start(writer: W, fps: u32, frame: &Frame) -> io::Result<Self> {
+    pub(crate) fn start(writer: W, fps: u32, frame: &Frame) -> io::Result<Self> {
         let mut apng = Self {
             writer,
             fps,
@@ -81,7 +61,7 @@ impl<W: Write + Seek> Apng<W> {
         Ok(apng)
     }
 
-    fn write(&mut self, frame: &Frame) -> io::Result<()> {
+    pub(crate) fn write(&mut self, frame: &Frame) -> io::Result<()> {
         // durations are 16-bit numbers
         if *frame == self.pending && self.repeats < u32::from(u16::MAX) {
             self.repeats += 1;
@@ -97,7 +77,7 @@ impl<W: Write + Seek> Apng<W> {
         Ok(())
     }
 
-    fn finish(mut self) -> io::Result<W> {
+    pub(crate) fn finish(mut self) -> io::Result<W> {
         self.write_pending()?;
         chunk(&mut self.writer, *b"IEND", &[])?;
         self.writer

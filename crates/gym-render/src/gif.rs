@@ -1,4 +1,4 @@
-//! Animations as GIF files, frame by frame, in bounded memory.
+//! Animations as GIF, frame by frame, in bounded memory.
 //!
 //! The file is small, and its colours are exact as far as the format allows:
 //! - Each image contains only the rectangle that changed. Its unchanged pixels are transparent or
@@ -12,16 +12,12 @@
 use std::borrow::Cow;
 use std::io::{self, Seek, SeekFrom, Write};
 use std::ops::Range;
-use std::path::Path;
 
-use crate::file::AtomicFile;
 use gif::{Encoder, EncodingError, Repeat};
 use gym_core::render::Frame;
-use gym_core::{Error, Result};
 
 use crate::changes::changed;
 use crate::palette::{ENTRIES, Palette, Rgb, TRANSPARENT};
-use crate::stream::{Format, Stream};
 
 /// The offset of the shared colour table, after signature and screen descriptor (GIF89a
 /// specification, sections 17 and 18).
@@ -31,148 +27,11 @@ const TICKS_PER_SECOND: u64 = 100;
 /// The shortest delay: browsers show an image with a shorter delay for 10 ticks.
 const SHORTEST_DELAY: u64 = 2;
 
-/// Writes an animation that loops for ever.
+/// An animation that is being written. It loops forever. Frames appear at their times, rounded to
+/// hundredths of a second; rounding errors do not accumulate.
 ///
-/// Frames appear at their times, rounded to hundredths of a second; rounding errors do not add up.
-/// Above 50 frames per second some frames are left out, because viewers show each image for at
-/// least two hundredths.
-///
-/// The file appears under its name when it is finished. Dropping the writer finishes it too if a
-/// frame was written, but cannot report errors.
-#[derive(Debug)]
-pub struct GifWriter(Stream<Animation<AtomicFile>>);
-
-impl GifWriter {
-    /// Starts a file of that many frames per second.
-    ///
-    /// # Errors
-    /// `Error::InvalidArgument` for 0 frames per second, `Error::Io` if the file cannot be created.
-    pub fn create(path: impl AsRef<Path>, fps: u32) -> Result<Self> {
-        Stream::create(path.as_ref(), fps).map(Self)
-    }
-
-    /// Appends a frame.
-    ///
-    /// # Errors
-    /// `Error::InvalidArgument` for a frame that is empty, larger than 65535 pixels a side, or of
-    /// another size than the first, which is left out. `Error::Io` if writing fails; the file is
-    /// then removed, and every later call fails.
-    pub fn write(&mut self, frame: &Frame) -> Result<()> {
-        self.0.write(frame)
-    }
-
-    /// Completes the file and gives it its name.
-    ///
-    /// # Errors
-    /// `Error::Io` if writing fails, now or before; `Error::InvalidArgument` if no frame was
-    /// written; the file is then removed.
-    pub fn finish(mut self) -> Result<()> {
-        self.0.finish()
-    }
-
-    /// Abandons and removes the file.
-    pub fn abandon(mut self) {
-        self.0.abandon();
-    }
-}
-
-/// Writes all frames to a GIF file; see [`GifWriter`].
-///
-/// # Errors
-/// The errors of [`GifWriter`]; the file is then removed.
-pub fn write_gif(path: impl AsRef<Path>, fps: u32, frames: &[Frame]) -> Result<()> {
-    let mut writer = GifWriter::create(path, fps)?;
-    if let Err(error) = frames.iter().try_for_each(|frame| writer.write(frame)) {
-        writer.abandon();
-        return Err(error);
-    }
-    writer.finish()
-}
-
-/// Encodes an animation in memory, frame by frame, as [`GifWriter`] does to a file.
-#[derive(Debug)]
-pub struct GifEncoder {
-    size: (u32, u32),
-    animation: Animation<io::Cursor<Vec<u8>>>,
-}
-
-impl GifEncoder {
-    /// Starts an animation of that many frames per second with its first frame.
-    ///
-    /// # Errors
-    /// `Error::InvalidArgument` for 0 frames per second, and for a frame that is empty or larger
-    /// than 65535 pixels a side.
-    pub fn new(fps: u32, first: &Frame) -> Result<Self> {
-        check(fps, first)?;
-        let animation = Animation::start(io::Cursor::default(), fps, first).map_err(failed)?;
-        Ok(Self {
-            size: (first.width(), first.height()),
-            animation,
-        })
-    }
-
-    /// Appends a frame.
-    ///
-    /// # Errors
-    /// `Error::InvalidArgument` for a frame of another size than the first; it is left out.
-    pub fn write(&mut self, frame: &Frame) -> Result<()> {
-        if (frame.width(), frame.height()) != self.size {
-            return Err(Error::argument(
-                "GifEncoder",
-                "all frames must have one size",
-            ));
-        }
-        self.animation.write(frame).map_err(failed)
-    }
-
-    /// The bytes of the GIF.
-    ///
-    /// # Errors
-    /// If the last frame cannot be encoded.
-    pub fn finish(self) -> Result<Vec<u8>> {
-        self.animation
-            .finish()
-            .map(io::Cursor::into_inner)
-            .map_err(failed)
-    }
-}
-
-/// Refuses sizes and rates that no GIF can have.
-fn check(fps: u32, first: &Frame) -> Result<()> {
-    let fits = |side: u32| (1..=u32::from(u16::MAX)).contains(&side);
-    if fps == 0 || !fits(first.width()) || !fits(first.height()) {
-        let reason = "give at least 1 frame per second, and frames of 1 to 65535 pixels a side";
-        return Err(Error::argument("GifWriter", reason));
-    }
-    Ok(())
-}
-
-#[expect(clippy::needless_pass_by_value, reason = "`map_err` passes a value")]
-fn failed(error: io::Error) -> Error {
-    Error::custom(format!("the GIF could not be written: {error}"))
-}
-
-/// Writes all frames as a GIF, to something else than a file.
-pub(crate) fn encode<W: Write + Seek>(writer: W, fps: u32, frames: &[Frame]) -> Result<W> {
-    let invalid = |reason: &str| Error::argument("GifWriter", reason);
-    let [first, rest @ ..] = frames else {
-        return Err(invalid("there is no frame: give at least one"));
-    };
-    let size = |frame: &Frame| (frame.width(), frame.height());
-    check(fps, first)?;
-    if rest.iter().any(|frame| size(frame) != size(first)) {
-        return Err(invalid("all frames must have one size"));
-    }
-    let write = || {
-        let mut animation = Animation::start(writer, fps, first)?;
-        rest.iter().try_for_each(|frame| animation.write(frame))?;
-        animation.finish()
-    };
-    write().map_err(failed)
-}
-
-/// An animation that is being written. The last frame is not written until its duration is known.
-struct Animation<W: Write + Seek> {
+/// The last frame is not written until its duration is known.
+pub(crate) struct Gif<W: Write + Seek> {
     encoder: Encoder<W>,
     palette: Palette,
     fps: u32,
@@ -189,26 +48,8 @@ struct Animation<W: Write + Seek> {
     opaque: Vec<u8>,
 }
 
-impl Format for Animation<AtomicFile> {
-    const NAME: &'static str = "GifWriter";
-    const MAX_SIDE: u32 = u16::MAX as u32;
-    const MAX_FPS: u32 = u32::MAX;
-
-    fn start(file: AtomicFile, fps: u32, frame: &Frame) -> io::Result<Self> {
-        Self::start(file, fps, frame)
-    }
-
-    fn write(&mut self, frame: &Frame) -> io::Result<()> {
-        self.write(frame)
-    }
-
-    fn finish(self) -> io::Result<AtomicFile> {
-        self.finish()
-    }
-}
-
-impl<W: Write + Seek> Animation<W> {
-    fn start(writer: W, fps: u32, frame: &Frame) -> io::Result<Self> {
+impl<W: Write + Seek> Gif<W> {
+    pub(crate) fn start(writer: W, fps: u32, frame: &Frame) -> io::Result<Self> {
         let (width, height) = (frame.width() as u16, frame.height() as u16);
         let mut encoder =
             Encoder::new(writer, width, height, &[0; ENTRIES * 3]).map_err(io_error)?;
@@ -227,7 +68,7 @@ impl<W: Write + Seek> Animation<W> {
         })
     }
 
-    fn write(&mut self, frame: &Frame) -> io::Result<()> {
+    pub(crate) fn write(&mut self, frame: &Frame) -> io::Result<()> {
         let now = self.now();
         self.count += 1;
         if *frame == self.pending {
@@ -246,7 +87,7 @@ impl<W: Write + Seek> Animation<W> {
         Ok(())
     }
 
-    fn finish(mut self) -> io::Result<W> {
+    pub(crate) fn finish(mut self) -> io::Result<W> {
         self.write_pending(self.now().max(self.since + SHORTEST_DELAY))?;
         let mut writer = self.encoder.into_inner().map_err(io_error)?;
         writer.seek(SeekFrom::Start(TABLE_OFFSET))?;
@@ -319,9 +160,9 @@ impl<W: Write + Seek> Animation<W> {
     }
 }
 
-impl<W: Write + Seek> std::fmt::Debug for Animation<W> {
+impl<W: Write + Seek> std::fmt::Debug for Gif<W> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Animation")
+        f.debug_struct("Gif")
             .field("fps", &self.fps)
             .field("count", &self.count)
             .finish_non_exhaustive()
@@ -375,15 +216,13 @@ fn io_error(error: EncodingError) -> io::Error {
 #[cfg(test)]
 mod tests {
     use std::collections::HashSet;
-    use std::fs;
     use std::io::Cursor;
 
     use gif::{ColorOutput, DecodeOptions, DisposalMethod};
 
     use super::*;
-    use tempfile::TempDir;
 
-    use crate::testing::{Full, names};
+    use crate::testing::Full;
 
     /// A decoded image: its own properties, and the whole screen after it.
     struct Picture {
@@ -431,9 +270,11 @@ mod tests {
     }
 
     fn encode(fps: u32, frames: &[Frame]) -> Vec<u8> {
-        super::encode(Cursor::new(Vec::new()), fps, frames)
-            .unwrap()
-            .into_inner()
+        let mut gif = Gif::start(Cursor::new(Vec::new()), fps, &frames[0]).unwrap();
+        frames[1..]
+            .iter()
+            .for_each(|frame| gif.write(frame).unwrap());
+        gif.finish().unwrap().into_inner()
     }
 
     fn delays(pictures: &[Picture]) -> Vec<u16> {
@@ -648,83 +489,12 @@ mod tests {
     }
 
     #[test]
-    fn files_appear_when_finished_or_dropped() {
-        let folder = TempDir::new().unwrap();
-        let path = folder.path().join("a.gif");
-        let mut writer = GifWriter::create(&path, 50).unwrap();
-        moving(3)
-            .iter()
-            .for_each(|frame| writer.write(frame).unwrap());
-        assert!(!path.exists());
-        writer.finish().unwrap();
-        assert_eq!(fs::read(&path).unwrap(), encode(50, &moving(3)));
-
-        let mut dropped = GifWriter::create(folder.path().join("b.gif"), 50).unwrap();
-        moving(3)
-            .iter()
-            .for_each(|frame| dropped.write(frame).unwrap());
-        drop(dropped);
-        write_gif(folder.path().join("c.gif"), 50, &moving(3)).unwrap();
-        assert_eq!(names(&folder), ["a.gif", "b.gif", "c.gif"]);
-        assert_eq!(
-            fs::read(folder.path().join("b.gif")).unwrap(),
-            fs::read(folder.path().join("c.gif")).unwrap()
-        );
-    }
-
-    #[test]
-    fn an_animation_in_memory_equals_the_file() {
-        let frames = moving(12);
-        let mut encoder = GifEncoder::new(50, &frames[0]).unwrap();
-        frames[1..]
-            .iter()
-            .for_each(|frame| encoder.write(frame).unwrap());
-        assert!(encoder.write(&Frame::new(3, 3).unwrap()).is_err());
-        assert_eq!(encoder.finish().unwrap(), encode(50, &frames));
-        assert!(
-            GifEncoder::new(0, &frames[0]).is_err()
-                && GifEncoder::new(1, &Frame::new(0, 2).unwrap()).is_err()
-        );
-    }
-
-    #[test]
-    fn mistakes_are_errors_and_leave_no_file() {
-        let folder = TempDir::new().unwrap();
-        let path = folder.path().join("a.gif");
-        let refused = |result: Result<()>| matches!(result, Err(Error::InvalidArgument { .. }));
-        let mixed = [Frame::new(2, 2).unwrap(), Frame::new(3, 2).unwrap()];
-        assert!(refused(GifWriter::create(&path, 0).map(|_| ())));
-        assert!(refused(GifWriter::create(&path, 1).unwrap().finish()));
-        assert!(refused(write_gif(&path, 1, &[])));
-        assert!(refused(write_gif(&path, 1, &mixed)));
-        assert!(refused(write_gif(&path, 1, &[Frame::new(0, 2).unwrap()])));
-        assert!(refused(write_gif(
-            &path,
-            1,
-            &[Frame::new(65536, 1).unwrap()]
-        )));
-        assert!(matches!(
-            GifWriter::create(folder.path().join("no/a.gif"), 1),
-            Err(Error::Io { .. })
-        ));
-        drop(GifWriter::create(&path, 1).unwrap());
-        assert_eq!(names(&folder), [""; 0]);
-
-        let mut writer = GifWriter::create(&path, 1).unwrap();
-        assert!(refused(writer.write(&Frame::new(0, 0).unwrap())));
-        writer.write(&mixed[0]).unwrap();
-        assert!(refused(writer.write(&mixed[1])));
-        writer.finish().unwrap();
-        assert_eq!(decode(&fs::read(&path).unwrap()).len(), 1);
-    }
-
-    #[test]
     fn a_full_disk_is_an_error_wherever_it_strikes() {
         let frames = moving(20);
         let size = encode(50, &frames).len();
         let write = |room: usize| {
             let writer = Full::new(room);
-            let mut animation = Animation::start(writer, 50, &frames[0])?;
+            let mut animation = Gif::start(writer, 50, &frames[0])?;
             frames[1..]
                 .iter()
                 .try_for_each(|frame| animation.write(frame))?;
@@ -738,20 +508,5 @@ mod tests {
             );
         }
         write(size).unwrap();
-    }
-
-    #[test]
-    fn after_a_failure_there_is_no_file_and_every_call_fails() {
-        let folder = TempDir::new().unwrap();
-        let mut writer = GifWriter::create(folder.path().join("a.gif"), 50).unwrap();
-        writer.write(&Frame::new(2, 2).unwrap()).unwrap();
-        // remove the folder, so that the final rename fails
-        fs::remove_dir_all(folder.path()).unwrap();
-        assert!(matches!(writer.0.finish(), Err(Error::Io { .. })));
-        assert!(matches!(
-            writer.write(&Frame::new(2, 2).unwrap()),
-            Err(Error::Io { .. })
-        ));
-        assert!(matches!(writer.finish(), Err(Error::Io { .. })));
     }
 }

@@ -5,14 +5,12 @@
 //! If a notebook's first cell uses `?`, the kernel uses `{:?}` instead: let the first cell only
 //! define something, as in `docs/notebook.ipynb`.
 
-use std::io::Cursor;
-
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use gym_core::Result;
 use gym_core::render::Frame;
 
-use crate::{Plot, gif, png};
+use crate::{Plot, Video, VideoFormat, png};
 
 /// An image that a notebook shows as the value of a cell.
 ///
@@ -46,9 +44,11 @@ impl Inline {
     /// Makes an animation, as GIF.
     ///
     /// # Errors
-    /// The errors of [`write_gif`](crate::write_gif).
+    /// The errors of [`Video`].
     pub fn gif(fps: u32, frames: &[Frame]) -> Result<Self> {
-        let bytes = gif::encode(Cursor::new(Vec::new()), fps, frames)?.into_inner();
+        let mut video = Video::in_memory(VideoFormat::Gif, fps)?;
+        frames.iter().try_for_each(|frame| video.write(frame))?;
+        let bytes = video.into_bytes()?;
         // as HTML, because nbconvert does not show content of type image/gif
         let content = format!(
             r#"<img src="data:image/gif;base64,{}">"#,

@@ -5,9 +5,6 @@ use std::process::{Child, Command, Stdio};
 
 use crate::file::AtomicFile;
 use gym_core::render::Frame;
-use gym_core::{Error, Result};
-
-use crate::stream::Format;
 
 const PROGRAM: &str = "ffmpeg";
 
@@ -30,30 +27,29 @@ impl Drop for Ffmpeg {
     }
 }
 
-impl Format for Mp4 {
-    const NAME: &'static str = "VideoWriter";
-    const MAX_SIDE: u32 = 16_384; // H.264's limit in `libx264`
-    const MAX_FPS: u32 = 1000;
+/// H.264's limit of width and height in `libx264`.
+pub(crate) const MAX_SIDE: u32 = 16_384;
 
-    fn available() -> Result<()> {
-        let [stdin, stdout, stderr] = std::array::from_fn(|_| Stdio::null());
-        match Command::new(PROGRAM)
-            .arg("-version")
-            .stdin(stdin)
-            .stdout(stdout)
-            .stderr(stderr)
-            .status()
-        {
-            Ok(status) if status.success() => Ok(()),
-            _ => Err(Error::argument(
-                Self::NAME,
-                "MP4 is written by the program `ffmpeg`, which was not found: install it, or choose a name \
-                 that ends in .gif or .png",
-            )),
-        }
+/// Returns why MP4 cannot be written, if `ffmpeg` is missing.
+pub(crate) fn available() -> Result<(), &'static str> {
+    let [stdin, stdout, stderr] = std::array::from_fn(|_| Stdio::null());
+    match Command::new(PROGRAM)
+        .arg("-version")
+        .stdin(stdin)
+        .stdout(stdout)
+        .stderr(stderr)
+        .status()
+    {
+        Ok(status) if status.success() => Ok(()),
+        _ => Err(
+            "MP4 is written by the program `ffmpeg`, which was not found: install it, or choose a \
+             name that ends in .gif or .png",
+        ),
     }
+}
 
-    fn start(file: AtomicFile, fps: u32, frame: &Frame) -> io::Result<Self> {
+impl Mp4 {
+    pub(crate) fn start(file: AtomicFile, fps: u32, frame: &Frame) -> io::Result<Self> {
         let size = format!("{}x{}", frame.width(), frame.height());
         let ffmpeg = Command::new(PROGRAM)
             .args(["-loglevel", "error", "-xerror"])
@@ -90,7 +86,7 @@ impl Format for Mp4 {
         Ok(mp4)
     }
 
-    fn write(&mut self, frame: &Frame) -> io::Result<()> {
+    pub(crate) fn write(&mut self, frame: &Frame) -> io::Result<()> {
         let Some(pipe) = &mut self.ffmpeg.0.stdin else {
             return Err(io::Error::other("the pipe to `ffmpeg` is closed"));
         };
@@ -99,13 +95,11 @@ impl Format for Mp4 {
             .or_else(|error| self.wait().and(Err(error)))
     }
 
-    fn finish(mut self) -> io::Result<AtomicFile> {
+    pub(crate) fn finish(mut self) -> io::Result<AtomicFile> {
         self.wait()?;
         Ok(self.file)
     }
-}
 
-impl Mp4 {
     /// Closes the pipe and waits until the file is complete.
     fn wait(&mut self) -> io::Result<()> {
         self.ffmpeg.0.stdin = None;

@@ -536,7 +536,7 @@ impl Area {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Recording;
+    use crate::DrawLog;
 
     const AXES: &str = r#"clear #ffffff
 push x=1,0 y=0,1 origin=0,0
@@ -712,7 +712,7 @@ pop
         let plot = Plot::new("t")
             .series("a", &[0.0, 10.0, 5.0])
             .series("", &[1.0, f64::NAN, 2.0, 3.0]);
-        let text = Recording::of(|canvas| plot.draw(canvas)).to_string();
+        let text = DrawLog::of(|canvas| plot.draw(canvas)).to_string();
         // the area between the axes starts at 20 + 34 + 22 and is 310 high, from 10.5 to -0.5
         let y = Decimal::<3>(76.0 + 310.0 * 0.5 / 11.0);
         assert!(text.contains(&format!(",{y} ")), "{text}");
@@ -738,7 +738,7 @@ pop
             .x_label("across")
             .y_label("up")
             .series("a", &[0.0, 1.0, 2.0]);
-        let text = Recording::of(|canvas| plot.draw(canvas)).to_string();
+        let text = DrawLog::of(|canvas| plot.draw(canvas)).to_string();
         assert_eq!(text, AXES);
     }
 
@@ -750,7 +750,7 @@ pop
             plot().below(plot()).below(plot()).size(),
             (width, 3 * height)
         );
-        let text = Recording::of(|canvas| plot().below(plot()).draw(canvas)).to_string();
+        let text = DrawLog::of(|canvas| plot().below(plot()).draw(canvas)).to_string();
         assert!(text.contains(&format!("origin=0,{height}")) && text.matches("clear").count() == 1);
     }
 
@@ -788,7 +788,7 @@ pop
             ("two", &[3.0, 4.0], &[30.0, 40.0]),
         ];
         let plot = Plot::episodes("t", 2, runs);
-        let text = Recording::of(|canvas| plot.draw(canvas)).to_string();
+        let text = DrawLog::of(|canvas| plot.draw(canvas)).to_string();
         let place = |what: &str| text.find(what).unwrap_or_else(|| panic!("{what}: {text}"));
         assert!(place("\"return\"") < place("\"length\""));
         assert_eq!(
@@ -830,10 +830,10 @@ pop
         ] {
             let plot = Plot::new("").series("x", values).moving_average(0);
             assert!(
-                Recording::of(|canvas| plot.draw(canvas)).to_string().len() < 20_000,
+                DrawLog::of(|canvas| plot.draw(canvas)).to_string().len() < 20_000,
                 "{values:?}"
             );
         }
-        Recording::of(|canvas| Plot::new("").draw(canvas));
+        DrawLog::of(|canvas| Plot::new("").draw(canvas));
     }
 }

@@ -9,7 +9,7 @@ use gym_core::canvas::{Canvas, Color};
 use gym_core::render::{Frame, Metadata, RenderMode};
 use gym_core::wrappers::{Render, RenderCollection};
 use gym_core::{BoxEnv, Env, EnvExt, Error, Outcome, Reset, Result, Snapshot, Space};
-use gym_render::{RecordVideo, Recorder, VideoWriter, capped_cubic, write_video};
+use gym_render::{RecordVideo, RecordVideoConfig, Recorder, Video, capped_cubic, write_video};
 use tempfile::TempDir;
 
 /// An environment that counts to 3 and shows the count as a bar.
@@ -180,11 +180,14 @@ fn cubes_are_recorded() {
 #[test]
 fn triggers_length_and_prefix() {
     let folder = TempDir::new().unwrap();
-    let mut env = RecordVideo::new(BoxEnv::new(drawn()), folder.path())
+    let config = RecordVideoConfig {
+        video_length: 5,
+        name_prefix: "try".into(),
+        ..folder.path().into()
+    };
+    let mut env = RecordVideo::new(BoxEnv::new(drawn()), config)
         .unwrap()
-        .step_trigger(|step| step == 4)
-        .video_length(5)
-        .name_prefix("try");
+        .step_trigger(|step| step == 4);
     play(&mut env, 4);
     assert!(!env.is_recording());
     assert_eq!(names(folder.path()), ["try-step-4.gif"]);
@@ -193,11 +196,14 @@ fn triggers_length_and_prefix() {
         [2, 3, 0, 1, 2]
     );
 
-    let mut both = RecordVideo::new(drawn(), folder.path())
+    let config = RecordVideoConfig {
+        extension: "png".into(),
+        ..folder.path().into()
+    };
+    let mut both = RecordVideo::new(drawn(), config)
         .unwrap()
         .step_trigger(|step| step == 1)
-        .episode_trigger(|episode| episode == 0)
-        .extension("png");
+        .episode_trigger(|episode| episode == 0);
     play(&mut both, 2);
     let expected = [
         "rl-video-episode-0.png",
@@ -304,10 +310,10 @@ fn formats_go_by_the_extension() {
         assert!(fs::read(path).unwrap().starts_with(signature), "{name}");
     }
     for name in ["a.webm", "a", ".gif"] {
-        let error = VideoWriter::create(folder.path().join(name), 10).unwrap_err();
+        let error = Video::create(folder.path().join(name), 10).unwrap_err();
         assert!(matches!(error, Error::InvalidArgument { .. }), "{error}");
     }
-    assert!(VideoWriter::create(folder.path().join("d.png"), 65536).is_err());
+    assert!(Video::create(folder.path().join("d.png"), 65536).is_err());
     // a file that fails half-way is removed: frames of different sizes
     let mixed = [frames[0].clone(), Frame::new(1, 1).unwrap()];
     for name in ["e.gif", "e.png"] {
@@ -346,7 +352,7 @@ fn mp4_needs_ffmpeg_and_says_so() {
     if installed {
         written.unwrap();
         assert_eq!(&fs::read(path).unwrap()[4..8], b"ftyp");
-        let mut given_up = VideoWriter::create(folder.path().join("b.mp4"), 10).unwrap();
+        let mut given_up = Video::create(folder.path().join("b.mp4"), 10).unwrap();
         given_up.write(&frames[0]).unwrap();
         given_up.abandon();
         assert_eq!(names(folder.path()), ["a.mp4"]);
@@ -369,10 +375,13 @@ fn endless_recording() {
     let Some(folder) = std::env::var_os(FOLDER) else {
         return;
     };
-    let env = RecordVideo::new(drawn(), folder).unwrap();
-    let mut env = env
-        .episode_trigger(|episode| episode == 0)
-        .video_length(u64::MAX);
+    let config = RecordVideoConfig {
+        video_length: u64::MAX,
+        ..folder.into()
+    };
+    let mut env = RecordVideo::new(drawn(), config)
+        .unwrap()
+        .episode_trigger(|episode| episode == 0);
     loop {
         play(&mut env, 1);
     }

@@ -30,6 +30,7 @@ use gym_core::{
 };
 use gym_native::{Many, Native};
 use serde::{Deserialize, Serialize};
+use serde_json::Value as Json;
 
 use crate::art::{self, Facing};
 use crate::planning;
@@ -259,6 +260,18 @@ impl Task for FrozenLakeDynamics {
 
     fn config(&self) -> &Config {
         &self.config
+    }
+
+    /// Besides `P`, it shows `desc`: the rows of the map, which do not follow a replaced table.
+    fn table(&self) -> Option<Json> {
+        let mut table = self.p.to_json(&self.initial);
+        table["desc"] = self.desc.to_vec().into();
+        Some(table)
+    }
+
+    fn set_table(&mut self, table: Json) -> Result<()> {
+        (self.p, self.initial) = self.p.replaced(&table)?;
+        Ok(())
     }
 
     fn observation_space(&self) -> Space {

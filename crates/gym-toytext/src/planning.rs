@@ -11,7 +11,7 @@ pub(crate) const DESCRIPTION: &str =
 
 /// A controller that plays the best action of the environment's table.
 pub(crate) fn controller<D: Dynamics>(env: &BoxEnv, table: fn(&D) -> &Table) -> Option<Controller> {
-    let best = value_iteration(table(env.unwrapped::<Stateful<D>>()?.dynamics()));
+    let best = value_iteration(table(env.layer::<Stateful<D>>()?.dynamics()));
     reflex(move |state: &usize| best.get(*state).copied().unwrap_or(0))
 }
 

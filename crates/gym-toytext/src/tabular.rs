@@ -27,6 +27,7 @@ use std::sync::Arc;
 use gym_core::rng::Stream;
 use gym_core::{Error, Generator, Result};
 use gym_native::{LANES, Packed};
+use serde_json::{Value as Json, json};
 
 /// An exemption of tables from gym-conform's check `info-constant`.
 pub(crate) const WHOLE_AT_RESET: (&str, &str) = (
@@ -81,6 +82,89 @@ impl Table {
             rows: rows.into(),
             lottery,
         }
+    }
+
+    /// The table as [`Inspect::table`](gym_core::Inspect::table) shows it.
+    pub(crate) fn to_json(&self, initial: &Distribution) -> Json {
+        let row = |state, action| -> Vec<_> {
+            let outcomes = self.outcomes(state, action).iter();
+            outcomes
+                .map(|o| json!([o.probability, o.next, o.reward, o.terminated]))
+                .collect()
+        };
+        let actions = |state| -> Vec<_> { (0..self.actions).map(|a| row(state, a)).collect() };
+        let p: Vec<_> = (0..self.states()).map(actions).collect();
+        json!({"P": p, "initial_state_distrib": initial.probabilities()})
+    }
+
+    /// Reads a table of the same numbers of states and actions, and a distribution of its initial
+    /// state, from the form of [`to_json`](Self::to_json).
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] with the place that does not fit.
+    pub(crate) fn replaced(&self, table: &Json) -> Result<(Self, Distribution)> {
+        let refuse = |reason: String| Error::argument("table", reason);
+        type Row = Vec<(f64, usize, f64, bool)>;
+        let p: Vec<Vec<Row>> = serde_json::from_value(table["P"].clone()).map_err(|error| {
+            refuse(format!(
+                "`P` must be a list of states, each a list of actions, each a list of outcomes \
+                 [probability, next state, reward, terminated]: {error}"
+            ))
+        })?;
+        let states = self.states();
+        if p.len() != states {
+            return Err(refuse(format!(
+                "`P` has {} states, and the task {states}",
+                p.len()
+            )));
+        }
+        for (state, actions) in p.iter().enumerate() {
+            if actions.len() != self.actions {
+                return Err(refuse(format!(
+                    "P[{state}] has {} actions, and the task {}",
+                    actions.len(),
+                    self.actions
+                )));
+            }
+            for (action, row) in actions.iter().enumerate() {
+                let place = format!("P[{state}][{action}]");
+                if row.is_empty() {
+                    return Err(refuse(format!("{place} has no outcome")));
+                }
+                let bad = |(probability, next, reward, _): &&(f64, usize, f64, bool)| {
+                    !(0.0..=1.0).contains(probability) || *next >= states || !reward.is_finite()
+                };
+                if let Some(outcome) = row.iter().find(bad) {
+                    return Err(refuse(format!(
+                        "{place}: {outcome:?} needs a probability from 0 to 1, a next state below \
+                         {states} and a finite reward"
+                    )));
+                }
+            }
+        }
+        let initial: Vec<f64> = serde_json::from_value(table["initial_state_distrib"].clone())
+            .map_err(|error| {
+                refuse(format!(
+                    "`initial_state_distrib` must be a list of numbers: {error}"
+                ))
+            })?;
+        if initial.len() != states || !initial.iter().all(|p| (0.0..=1.0).contains(p)) {
+            return Err(refuse(format!(
+                "`initial_state_distrib` needs {states} probabilities from 0 to 1"
+            )));
+        }
+        let table = Self::build(states, self.actions, |state, action, row| {
+            let outcomes = p[state][action].iter();
+            row.extend(
+                outcomes.map(|&(probability, next, reward, terminated)| Outcome {
+                    probability,
+                    next,
+                    reward,
+                    terminated,
+                }),
+            );
+        });
+        Ok((table, Distribution::new(initial.into())))
     }
 
     /// Returns the number of states.
@@ -146,6 +230,9 @@ enum Rows {
     /// Each row has a single outcome, so the draw decides nothing.
     Certain(Vec<Ticket>),
     Random(Vec<Row>),
+    /// The outcomes of each row as they are, for tables with more outcomes than [`Row`] or more
+    /// kinds than a [`Ticket`] can tell apart.
+    Listed(Vec<Vec<Outcome>>),
 }
 
 /// The outcomes of one action in one state: at most [`MAX_OUTCOMES`].
@@ -162,11 +249,36 @@ const MAX_OUTCOMES: usize = 3;
 /// An outcome: its index in `kinds` in the lowest byte, the next state above.
 type Ticket = u32;
 
+/// The largest number of distinct outcomes, next states aside: an index of one byte.
+const MAX_KINDS: usize = 256;
+
 /// The largest number of states.
 pub(crate) const MAX_STATES: usize = 1 << 24;
 
 impl Lottery {
     fn new(outcomes: &[Outcome], rows: &[usize]) -> Self {
+        let row_of = |bounds: &[usize]| &outcomes[bounds[0]..bounds[1]];
+        let mut kinds = Vec::new();
+        let fits = rows
+            .windows(2)
+            .all(|bounds| row_of(bounds).len() <= MAX_OUTCOMES)
+            && outcomes.iter().all(|outcome| {
+                let kind = Outcome {
+                    next: 0,
+                    ..*outcome
+                };
+                if !kinds.contains(&kind) {
+                    kinds.push(kind);
+                }
+                kinds.len() <= MAX_KINDS
+            });
+        if !fits {
+            let rows = rows.windows(2).map(|bounds| row_of(bounds).to_vec());
+            return Self {
+                rows: Rows::Listed(rows.collect()),
+                kinds: Vec::new(),
+            };
+        }
         let mut kinds = Vec::new();
         let mut ticket = |outcome: &Outcome| {
             let kind = Outcome {
@@ -181,7 +293,7 @@ impl Lottery {
                     kinds.len() - 1
                 });
             debug_assert!(
-                outcome.next < MAX_STATES && index < 256,
+                outcome.next < MAX_STATES && index < MAX_KINDS,
                 "it does not fit a ticket"
             );
             (outcome.next << 8 | index) as Ticket
@@ -232,6 +344,16 @@ impl Lottery {
                     .iter()
                     .fold(0, |passed, sum| passed + usize::from(*sum <= r));
                 row.tickets[passed]
+            }
+            Rows::Listed(rows) => {
+                let row = rows.get(row)?;
+                let r = rng.random();
+                let mut sum = 0.0;
+                let drawn = row.iter().find(|outcome| {
+                    sum += outcome.probability;
+                    sum > r
+                });
+                return drawn.or(row.first()).copied();
             }
         };
         let kind = self.kinds.get((ticket & 0xff) as usize)?;
@@ -312,15 +434,21 @@ impl Distribution {
     /// Returns a uniform distribution over the states for which `possible` is true.
     pub(crate) fn uniform(states: usize, possible: impl Fn(usize) -> bool) -> Self {
         let count = (0..states).filter(|state| possible(*state)).count();
-        let probabilities: Arc<[f64]> = (0..states)
-            .map(|state| {
-                if possible(state) {
-                    1.0 / count as f64
-                } else {
-                    0.0
-                }
-            })
-            .collect();
+        Self::new(
+            (0..states)
+                .map(|state| {
+                    if possible(state) {
+                        1.0 / count as f64
+                    } else {
+                        0.0
+                    }
+                })
+                .collect(),
+        )
+    }
+
+    /// Returns the distribution with the probability of each state.
+    pub(crate) fn new(probabilities: Arc<[f64]>) -> Self {
         let mut sum = 0.0;
         let cumulative = probabilities
             .iter()
@@ -329,10 +457,11 @@ impl Distribution {
                 sum
             })
             .collect();
-        let only = if count == 1 {
-            (0..states).find(|state| possible(*state))
-        } else {
-            None
+        let mut possible = (0..probabilities.len()).filter(|&state| probabilities[state] > 0.0);
+        let only = match (possible.next(), possible.next()) {
+            // rounding aside, the draw always gives this state
+            (Some(state), None) if probabilities[state] == 1.0 => Some(state),
+            _ => None,
         };
         Self {
             probabilities,

@@ -29,6 +29,7 @@ use gym_core::{
 };
 use gym_native::{Many, Native};
 use serde::{Deserialize, Serialize};
+use serde_json::Value as Json;
 
 use crate::art::{self, Facing, INK};
 use crate::planning;
@@ -300,6 +301,15 @@ impl Task for TaxiDynamics {
 
     fn config(&self) -> &Config {
         &self.config
+    }
+
+    fn table(&self) -> Option<Json> {
+        Some(self.p.to_json(&self.initial))
+    }
+
+    fn set_table(&mut self, table: Json) -> Result<()> {
+        (self.p, self.initial) = self.p.replaced(&table)?;
+        Ok(())
     }
 
     fn observation_space(&self) -> Space {

@@ -10,6 +10,9 @@
 //!
 //! A panic traps and ends the instance: its text lies at [`panic_text`], and the page starts
 //! another instance.
+//!
+//! The page's JavaScript neither computes nor draws environments. One call with JSON in and out,
+//! and bytes beside it, is the whole interface: there are no generated bindings.
 
 mod describe;
 mod episode;

@@ -248,13 +248,13 @@ fn reset_options() {
 
 #[test]
 fn files_that_cannot_be_written() {
-    use gym::rendering::{GifWriter, write_gif};
+    use gym::render::{Video, write_video};
     says(
-        GifWriter::create("/nonexistent/folder/x.gif", 30),
+        Video::create("/nonexistent/folder/x.gif", 30),
         &["/nonexistent/folder"],
     );
     says(
-        write_gif("/nonexistent/folder/x.gif", 30, &[]),
+        write_video("/nonexistent/folder/x.gif", 30, &[]),
         &["/nonexistent/folder"],
     );
 }

@@ -228,8 +228,8 @@ paths! {
     gym::policy::reflex,
     gym::register,
     gym::registry::pretty,
-    gym::rendering,
-    gym::rendering::RecordVectorVideo,
+    gym::render,
+    gym::render::RecordVectorVideo,
     gym::vector::native,
     gym::wrappers::map,
 }

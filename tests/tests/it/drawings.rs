@@ -5,7 +5,7 @@
 
 use std::path::Path;
 
-use gym::rendering::Recording;
+use gym::render::DrawLog;
 use gym::{Env, EnvExt, Registration, registry};
 
 #[test]
@@ -31,19 +31,19 @@ fn drawings_are_as_kept() {
         // at first, CarRacing's whole field is visible
         let steps = if id.starts_with("CarRacing") { 1 } else { 3 };
         for step in 0..steps {
-            let recording = Recording::of(|canvas| env.draw(canvas));
-            drawn += &format!("# step {step}\n{recording}\n");
+            let log = DrawLog::of(|canvas| env.draw(canvas));
+            drawn += &format!("# step {step}\n{log}\n");
             if env.step(&actions.sample()).unwrap().done() {
                 env.reset(()).unwrap();
             }
         }
         // the last frame of an episode, if the episode is short
         if (0..200).any(|_| env.step(&actions.sample()).unwrap().done()) {
-            drawn += &format!("# the end\n{}\n", Recording::of(|canvas| env.draw(canvas)));
+            drawn += &format!("# the end\n{}\n", DrawLog::of(|canvas| env.draw(canvas)));
         }
         let path = folder.join(format!("{}.txt", id.replace('/', "_")));
         if update {
-            gym::rendering::file::write(&path, drawn.as_bytes()).unwrap();
+            gym::render::file::write(&path, drawn.as_bytes()).unwrap();
         }
         let kept = std::fs::read_to_string(&path).unwrap_or_default();
         for (line, (kept, drawn)) in kept.lines().zip(drawn.lines()).enumerate() {

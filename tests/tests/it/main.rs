@@ -3,6 +3,7 @@
 mod bad_input;
 mod book;
 mod drawings;
+mod inspect;
 mod main_job;
 mod native;
 mod notebook;

@@ -1,14 +1,13 @@
 //! The same seed gives the same episode, sample and number as in Gymnasium and numpy, to the last
 //! bit.
 
-use gym::box2d::CarRacing;
 use gym::spaces::{
     BoxSpace, DictSpace, Discrete, GraphSpace, MultiBinary, MultiDiscrete, OneOfSpace, Selection,
     SequenceSpace, TextSpace, TupleSpace,
 };
 use gym::trace::Trace;
 use gym::vector::VectorKind;
-use gym::{BoxEnv, DType, Env, EnvExt, Generator, Seed, Space, VectorEnv, VectorEnvExt};
+use gym::{DType, Env, Generator, Seed, Space, VectorEnv, VectorEnvExt};
 use gym_tests::{Reference, references};
 use serde::de::DeserializeOwned;
 use serde_json::{Value as Json, json};
@@ -69,7 +68,7 @@ fn traces() {
         let recorded: Trace =
             serde_json::from_str(text).unwrap_or_else(|error| panic!("{name}: {error}"));
         let answered = recorded
-            .replay(state)
+            .replay()
             .unwrap_or_else(|error| panic!("{name}: {error}"));
         if let Some(difference) = recorded.first_difference(&answered) {
             panic!("{name}: {difference}");
@@ -92,7 +91,7 @@ fn traces_of_vectors_on_threads() {
         };
         vector.kind = Some(VectorKind::Async);
         let answered = recorded
-            .replay(state)
+            .replay()
             .unwrap_or_else(|error| panic!("{name}: {error}"));
         if let Some(difference) = recorded.first_difference(&answered) {
             panic!("{name}: {difference}");
@@ -129,11 +128,6 @@ fn actions_of_vectors() {
             assert_eq!(&sampler.sample().to_json(), recorded, "{name}: action {i}");
         }
     }
-}
-
-/// Returns the state of a CarRacing: its traces omit the images.
-fn state(env: &BoxEnv) -> Option<Json> {
-    env.unwrapped::<CarRacing>().map(|car| json!(car.state()))
 }
 
 /// The spec and spaces in a trace are compared, too.

@@ -26,7 +26,7 @@ fn starts() {
         let mut env = make(&json);
         env.reset(json["seed"].as_u64().expect("a seed"))
             .expect("a reset");
-        if let Some(lander) = env.unwrapped::<LunarLander>() {
+        if let Some(lander) = env.layer::<LunarLander>() {
             let heights = lander.terrain().expect("reset");
             for (i, edge) in start["smooth_terrain"]
                 .as_array()
@@ -41,9 +41,9 @@ fn starts() {
                 Some(lunar_lander::HELIPAD_Y),
                 "{name}"
             );
-        } else if let Some(walker) = env.unwrapped::<BipedalWalker>() {
+        } else if let Some(walker) = env.layer::<BipedalWalker>() {
             assert_eq!(&json!(walker.terrain()), &start["terrain_y"], "{name}");
-        } else if let Some(car) = env.unwrapped::<CarRacing>() {
+        } else if let Some(car) = env.layer::<CarRacing>() {
             let track = car.track().expect("reset");
             for (i, (p, expected)) in track
                 .iter()
@@ -100,7 +100,7 @@ fn play(json: &Json, policy: &str, seed: u64) -> (f64, u64) {
     let mut actions = env.action_sampler(seed).expect("actions");
     let mut gait = bipedal_walker::Heuristic::default();
     let continuous = json["kwargs"]["continuous"] == true;
-    let lander = env.unwrapped::<LunarLander>().is_some();
+    let lander = env.layer::<LunarLander>().is_some();
     let mut heuristic = |observation: &Value| {
         let seen: &[f32] = observation.as_slice().expect("numbers");
         match lander {

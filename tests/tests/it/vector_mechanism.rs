@@ -5,8 +5,9 @@ use std::any::Any;
 use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex};
 
-use gym::render::{Frame, Metadata, RenderMode, Rendered};
-use gym::rendering::RecordVectorVideo;
+use gym::render::{
+    Frame, Metadata, RecordVectorVideo, RecordVectorVideoConfig, RenderMode, Rendered,
+};
 use gym::spaces::BoxSpace;
 use gym::vector::{Autoreset, Columns, Progress, VectorKind, VectorReset, VectorSpec};
 use gym::wrappers::{
@@ -14,8 +15,8 @@ use gym::wrappers::{
     TransformObservation, TransformReward,
 };
 use gym::{
-    BoxEnv, DType, Env, Error, Result, Snapshot, Space, Value, VectorEnv, VectorEnvExt, VectorWrap,
-    WrapperSpec, registry,
+    BoxEnv, DType, Env, Error, Inspect, Result, Snapshot, Space, Value, VectorEnv, VectorEnvExt,
+    VectorWrap, WrapperSpec, registry,
 };
 
 const N: usize = 3;
@@ -105,6 +106,12 @@ impl VectorEnv for Spy {
         Ok(())
     }
 
+    fn inspect(&mut self, index: usize, _visit: &mut dyn FnMut(&mut dyn Inspect)) -> Result<()> {
+        assert_eq!(index, 1);
+        self.note("inspect");
+        Ok(())
+    }
+
     fn render(&mut self) -> Result<Vec<Rendered>> {
         self.note("render");
         Ok((0..N)
@@ -178,10 +185,11 @@ fn drawn() -> BoxEnv {
 /// Returns every wrapper, and whether it changes the spaces of observations and actions.
 fn wrappers() -> Vec<(&'static str, [bool; 2], Wrap)> {
     fn video(envs: Box<dyn VectorEnv>) -> Box<dyn VectorEnv> {
+        let mut config = RecordVectorVideoConfig::from(videos());
+        config.common.video_length = 1;
         Box::new(
-            RecordVectorVideo::new(envs, videos())
+            RecordVectorVideo::new(envs, config)
                 .unwrap()
-                .video_length(1)
                 .step_trigger(|_| true),
         )
     }
@@ -287,6 +295,7 @@ fn every_method_reaches_the_vector_within() {
             "{name}"
         );
         assert_eq!(envs.metadata().render_fps, 77, "{name}");
+        envs.inspect(1, &mut |_| ()).unwrap();
         let observation = envs.observation_space().unwrap();
         let expected = BoxSpace::uniform(-7.0, 7.0, [N, 2], DType::F32)
             .unwrap()
@@ -322,10 +331,10 @@ fn every_method_reaches_the_vector_within() {
         let snapshot = envs.snapshot().unwrap();
         envs.step_into(&actions, &mut columns).unwrap();
         envs.restore(&snapshot).unwrap();
-        assert_eq!(envs.wrapper::<Spy>().unwrap().state, 1, "{name}");
-        envs.wrapper_mut::<Spy>().unwrap().state = 9;
-        assert_eq!(envs.wrapper::<Spy>().unwrap().state, 9, "{name}");
-        assert!(envs.wrapper::<ClipReward<Spy>>().is_none());
+        assert_eq!(envs.layer::<Spy>().unwrap().state, 1, "{name}");
+        envs.layer_mut::<Spy>().unwrap().state = 9;
+        assert_eq!(envs.layer::<Spy>().unwrap().state, 9, "{name}");
+        assert!(envs.layer::<ClipReward<Spy>>().is_none());
         if let Some(spec) = envs.spec() {
             assert_eq!(spec.vector_wrappers.len(), 1, "{name}");
             assert_eq!(spec.vector_wrappers[0].name, name);
@@ -352,7 +361,7 @@ fn every_method_reaches_the_vector_within() {
         }
         // a wrapper without a spec does not ask for the inner one
         reached.insert("spec".into());
-        // `wrapper` uses these to find the inner vector
+        // `layer` uses these to find the inner vector
         reached.extend(["within", "within_mut"].map(str::to_owned));
         assert_eq!(reached, methods(), "{name}");
     }

@@ -537,23 +537,23 @@ fn statistics_are_reached_and_frozen() {
     let mut columns = envs.reset(0).unwrap();
     play(&mut *envs, &mut columns, &mut actions, 50);
     assert!(
-        envs.wrapper::<RecordEpisodeStatistics<BoxVector>>()
+        envs.layer::<RecordEpisodeStatistics<BoxVector>>()
             .unwrap()
             .episode_count()
             > 10
     );
     let statistics = envs
-        .wrapper::<NormalizeObservation<BoxVector>>()
+        .layer::<NormalizeObservation<BoxVector>>()
         .unwrap()
         .statistics()
         .clone();
     assert!(statistics.count() > 200.0);
-    envs.wrapper_mut::<NormalizeObservation<BoxVector>>()
+    envs.layer_mut::<NormalizeObservation<BoxVector>>()
         .unwrap()
         .update_running_mean(false);
     play(&mut *envs, &mut columns, &mut actions, 5);
     assert_eq!(
-        envs.wrapper::<NormalizeObservation<BoxVector>>()
+        envs.layer::<NormalizeObservation<BoxVector>>()
             .unwrap()
             .statistics(),
         &statistics
@@ -571,9 +571,7 @@ fn statistics_are_reached_and_frozen() {
     one = WrapperSpec::new("NormalizeObservation")
         .wrap_vector(one)
         .unwrap();
-    let normalizer = one
-        .wrapper_mut::<NormalizeObservation<BoxVector>>()
-        .unwrap();
+    let normalizer = one.layer_mut::<NormalizeObservation<BoxVector>>().unwrap();
     normalizer.set_statistics(statistics).unwrap();
     normalizer.update_running_mean(false);
     assert_eq!(
@@ -582,12 +580,12 @@ fn statistics_are_reached_and_frozen() {
     );
     let other = gym::wrappers::RunningMeanStd::new(7);
     assert!(
-        one.wrapper_mut::<NormalizeObservation<BoxVector>>()
+        one.layer_mut::<NormalizeObservation<BoxVector>>()
             .unwrap()
             .set_statistics(other)
             .is_err()
     );
-    assert!(one.wrapper::<SyncVectorEnv<BoxEnv>>().is_some());
+    assert!(one.layer::<SyncVectorEnv<BoxEnv>>().is_some());
 }
 
 /// What the vector stores about a sub-environment, such as a due reset, is not part of the

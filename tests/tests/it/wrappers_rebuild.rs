@@ -506,7 +506,7 @@ fn a_refused_action_draws_nothing() {
 
 #[test]
 fn a_recording_is_rebuilt() {
-    use gym::rendering::RecordVideo;
+    use gym::render::{RecordVideo, RecordVideoConfig};
     let folder = std::env::temp_dir().join(format!("gym-rebuilt-video-{}", std::process::id()));
     let make = || {
         gym::builder("CartPole-v1")
@@ -514,10 +514,12 @@ fn a_recording_is_rebuilt() {
             .build()
             .unwrap()
     };
-    let env = RecordVideo::new(make(), &folder)
-        .unwrap()
-        .name_prefix("try")
-        .fps(25);
+    let config = RecordVideoConfig {
+        name_prefix: "try".into(),
+        fps: Some(25),
+        ..(&folder).into()
+    };
+    let env = RecordVideo::new(make(), config).unwrap();
     let spec = BoxEnv::new(env).spec().unwrap();
     let json = serde_json::to_string(&spec).unwrap();
     let mut rebuilt = serde_json::from_str::<EnvSpec>(&json)

@@ -209,7 +209,7 @@ fn rendered_pictures_are_observed() {
 
 #[test]
 fn a_vector_is_recorded_as_a_grid() {
-    use gym::rendering::RecordVectorVideo;
+    use gym::render::RecordVectorVideo;
     use gym::vector::{Autoreset, VectorReset};
     let folder = std::env::temp_dir().join(format!("gym-vector-video-{}", std::process::id()));
     for (autoreset, expected) in [
@@ -258,7 +258,7 @@ fn a_vector_is_recorded_as_a_grid() {
 
 #[test]
 fn a_refused_step_is_not_filmed() {
-    use gym::rendering::RecordVectorVideo;
+    use gym::render::RecordVectorVideo;
     let folder = std::env::temp_dir().join(format!("gym-refused-video-{}", std::process::id()));
     let film = |refused: usize| {
         let vector = gym::builder("CartPole-v1")

@@ -11,10 +11,11 @@ use gym_core::canvas::{Canvas, Color};
 use gym_core::render::Metadata;
 use gym_core::spaces::BoxSpace;
 use gym_core::{
-    Array, Configure, DType, Env, Error, Generator, Outcome, Reset, Result, Seed, Snapshot, Space,
-    Value,
+    Array, Configure, DType, Env, Error, Generator, Inspect, Outcome, Reset, Result, Seed,
+    Snapshot, Space, Value,
 };
 use serde::{Deserialize, Serialize};
+use serde_json::{Value as Json, json};
 
 use crate::action::{Action, Command};
 use crate::ale::{Ale, Moment, Settings, State};
@@ -267,6 +268,19 @@ pub(crate) fn bytes(shape: &[usize]) -> Space {
     Space::Box(BoxSpace::uniform(0.0, 255.0, shape, DType::U8).expect("a box of bytes"))
 }
 
+/// The state is the console's RAM, 128 bytes, and the lives left. It is not set this way: a
+/// snapshot holds the whole console.
+impl Inspect for AtariEnv {
+    fn state(&self) -> Option<Json> {
+        self.episode.as_ref()?;
+        Some(json!({"ram": self.ale.ram().0.as_slice(), "lives": self.ale.lives()}))
+    }
+
+    fn arguments(&self) -> Json {
+        serde_json::to_value(&self.config).unwrap_or_default()
+    }
+}
+
 impl Env for AtariEnv {
     type Observation = Array;
     type Action = AtariAction;
@@ -368,6 +382,14 @@ impl Env for AtariEnv {
 
     fn generator(&mut self) -> Option<&mut Generator> {
         self.episode.as_mut().map(|episode| &mut episode.rng)
+    }
+
+    fn inspect(&self) -> Option<&dyn Inspect> {
+        Some(self)
+    }
+
+    fn inspect_mut(&mut self) -> Option<&mut dyn Inspect> {
+        Some(self)
     }
 
     fn close(&mut self) {

@@ -16,7 +16,7 @@ pub(super) fn follow_the_track(env: &BoxEnv) -> Option<Controller> {
     }
     let mut passed = 0;
     Some(Box::new(move |env, _| {
-        let env = env.unwrapped::<CarRacing>()?;
+        let env = env.layer::<CarRacing>()?;
         let track = env.track()?;
         let [x, y, angle, vx, vy, _] = env.state()?.hull;
         let ahead = |n: usize| &track[(passed + n) % track.len()];

@@ -30,7 +30,7 @@ use gym_core::canvas::Canvas;
 use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::{
-    Array, Configure, Continuous, Element, Env, Error, Generator, Keys, Outcome, Policy,
+    Array, Configure, Continuous, Element, Env, Error, Generator, Inspect, Keys, Outcome, Policy,
     Registration, Reset, Result, Snapshot, Space, Value,
 };
 use serde::{Deserialize, Serialize};
@@ -272,19 +272,6 @@ impl CarRacing {
         &self.config
     }
 
-    /// Sets the argument `name` to `value`, like an assignment to Gymnasium's attribute. The next
-    /// reset applies it.
-    ///
-    /// # Errors
-    /// The errors of [`new`](Self::new); [`Error::InvalidArgument`] for `continuous` and `physics`,
-    /// which cannot be changed.
-    pub fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
-        let config = common::assigned(&self.config, name, value, "CarRacing")?;
-        Self::check(&config)?;
-        self.config = config;
-        Ok(())
-    }
-
     /// The state of the car; `None` before the first reset.
     pub fn state(&self) -> Option<State> {
         self.episode.as_ref().map(Episode::state)
@@ -504,6 +491,24 @@ impl Episode {
     }
 }
 
+/// The next reset applies it. `continuous` and `physics` are fixed.
+impl Inspect for CarRacing {
+    fn state(&self) -> Option<Json> {
+        serde_json::to_value(self.state()?).ok()
+    }
+
+    fn arguments(&self) -> Json {
+        serde_json::to_value(self.config).unwrap_or_default()
+    }
+
+    fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
+        let config = common::assigned(&self.config, name, value, "CarRacing")?;
+        Self::check(&config)?;
+        self.config = config;
+        Ok(())
+    }
+}
+
 impl Env for CarRacing {
     type Observation = Array;
     type Action = Action;
@@ -575,6 +580,14 @@ impl Env for CarRacing {
                 self.glyphs.as_deref(),
             );
         }
+    }
+
+    fn inspect(&self) -> Option<&dyn Inspect> {
+        Some(self)
+    }
+
+    fn inspect_mut(&mut self) -> Option<&mut dyn Inspect> {
+        Some(self)
     }
 
     fn close(&mut self) {

@@ -3,8 +3,7 @@
 use std::path::PathBuf;
 
 use gym::registry::Clip;
-use gym::render::RenderMode;
-use gym::rendering::GifEncoder;
+use gym::render::{RenderMode, Video, VideoFormat};
 use gym::{Env, EnvExt, Error, Result};
 
 use super::Document;
@@ -32,7 +31,7 @@ pub(super) fn gif(page: &Page) -> Result<Option<Document>> {
     } else {
         Policy::Random
     };
-    let mut gif: Option<GifEncoder> = None;
+    let mut gif = Video::in_memory(VideoFormat::Gif, fps)?;
     let mut states = 0;
     for seed in seeds.clone() {
         policy.play(&mut env, seed, |env| {
@@ -40,16 +39,12 @@ pub(super) fn gif(page: &Page) -> Result<Option<Document>> {
                 let frame = env.render()?.into_frame();
                 let frame =
                     frame.ok_or_else(|| Error::Contract(format!("{env} renders no frame")))?;
-                match &mut gif {
-                    Some(gif) => gif.write(&frame)?,
-                    None => gif = Some(GifEncoder::new(fps, &frame)?),
-                }
+                gif.write(&frame)?;
             }
             states += 1;
             Ok(())
         })?;
     }
-    let Some(gif) = gif else { return Ok(None) };
     let path = PathBuf::from(format!("docs/environments/images/{}.gif", page.name));
-    Ok(Some((path, gif.finish()?)))
+    Ok(Some((path, gif.into_bytes()?)))
 }

@@ -6,7 +6,7 @@ mod returns;
 
 use std::path::{Path, PathBuf};
 
-use gym::rendering::file;
+use gym::render::file;
 use gym::{Error, Result};
 
 use crate::output::say;

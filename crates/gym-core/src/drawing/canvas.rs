@@ -3,6 +3,11 @@
 //! An environment draws in the pixels of its own frame size (see
 //! [`Metadata`](crate::render::Metadata)), origin top left, y down. The canvas decides the real
 //! size: `gym-render` has one for pixels, one for SVG, and one that records calls.
+//!
+//! Environments that look like Gymnasium's pass the arguments of its pygame calls
+//! ([`Canvas::pygame`]): at Gymnasium's size `gym-render` repeats pygame's pixels, at other sizes
+//! it draws antialiased shapes. `draw` changes nothing; state that advances per frame is updated in
+//! a method of its own.
 
 use gym_numerics::math;
 

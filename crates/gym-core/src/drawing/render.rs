@@ -1,4 +1,7 @@
 //! Render modes, frames, and the painter that a rendering crate provides at link time.
+//!
+//! `gym-render` submits its painter as a [`PainterProvider`]. Without it, `make` with a render mode
+//! is an error that says to link it.
 
 use std::fmt;
 use std::str::FromStr;

@@ -8,7 +8,7 @@ use gym_numerics::Generator;
 use crate::drawing::canvas::Canvas;
 use crate::drawing::render::{Metadata, RenderMode, Rendered};
 use crate::env::wrapper::{all_methods, forward};
-use crate::env::{Env, Outcome};
+use crate::env::{Env, Inspect, Outcome};
 use crate::spaces::Space;
 use crate::spec::{EnvSpec, Reset};
 use crate::value::{Element, Result, Snapshot, Value};

@@ -9,7 +9,7 @@ use serde_json::Value as Json;
 
 use crate::drawing::canvas::Canvas;
 use crate::drawing::render::Metadata;
-use crate::env::{Env, Outcome};
+use crate::env::{Env, Inspect, Outcome};
 use crate::spaces::Space;
 use crate::spec::{Arguments, Reset, arguments};
 use crate::value::{Element, Error, Result, Snapshot, Value};
@@ -51,6 +51,23 @@ pub trait Task: Clone + fmt::Debug + Send + 'static {
         Err(Error::argument(
             Self::NAME,
             "its arguments are fixed: make a new environment",
+        ))
+    }
+
+    /// See [`Inspect::table`].
+    fn table(&self) -> Option<Json> {
+        None
+    }
+
+    /// See [`Inspect::set_table`].
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for a table that does not fit, and if the task has none.
+    fn set_table(&mut self, table: Json) -> Result<()> {
+        let _ = table;
+        Err(Error::argument(
+            Self::NAME,
+            "its dynamics are not a table that can be replaced",
         ))
     }
 
@@ -292,12 +309,36 @@ impl<D: Dynamics> Stateful<D> {
         self.dynamics.config()
     }
 
-    /// Sets one argument to a value in JSON. The episode continues with it.
-    ///
-    /// # Errors
-    /// The errors of [`Task::assign`], and [`Error::InvalidArgument`] for a name or a value that
-    /// does not fit.
-    pub fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
+    /// The current state; `None` before the first reset.
+    pub fn state(&self) -> Option<&D::State> {
+        self.episode.as_ref().map(|episode| &episode.state)
+    }
+}
+
+/// An argument that is set counts from the next step on.
+impl<D: Dynamics> Inspect for Stateful<D> {
+    fn state(&self) -> Option<Json> {
+        serde_json::to_value(self.state()?).ok()
+    }
+
+    fn set_state(&mut self, state: Json) -> Result<()> {
+        let refuse = |reason: String| Error::argument(format!("the state of {}", D::NAME), reason);
+        let Some(episode) = &mut self.episode else {
+            return Err(Error::ResetNeeded("set_state"));
+        };
+        let state = serde_json::from_value(state).map_err(|error| refuse(error.to_string()))?;
+        if !self.dynamics.is_valid(&state) {
+            return Err(refuse(format!("{state:?} does not occur")));
+        }
+        episode.state = state;
+        Ok(())
+    }
+
+    fn arguments(&self) -> Json {
+        serde_json::to_value(self.config()).unwrap_or_default()
+    }
+
+    fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
         let given = [(name.to_owned(), value)].into_iter().collect();
         self.dynamics.assign(arguments::read(
             self.dynamics.config(),
@@ -307,9 +348,12 @@ impl<D: Dynamics> Stateful<D> {
         )?)
     }
 
-    /// The current state; `None` before the first reset.
-    pub fn state(&self) -> Option<&D::State> {
-        self.episode.as_ref().map(|episode| &episode.state)
+    fn table(&self) -> Option<Json> {
+        self.dynamics.table()
+    }
+
+    fn set_table(&mut self, table: Json) -> Result<()> {
+        self.dynamics.set_table(table)
     }
 }
 
@@ -391,6 +435,14 @@ impl<D: Dynamics> Env for Stateful<D> {
 
     fn generator(&mut self) -> Option<&mut Generator> {
         self.episode.as_mut().map(|episode| &mut episode.rng)
+    }
+
+    fn inspect(&self) -> Option<&dyn Inspect> {
+        Some(self)
+    }
+
+    fn inspect_mut(&mut self) -> Option<&mut dyn Inspect> {
+        Some(self)
     }
 
     fn close(&mut self) {

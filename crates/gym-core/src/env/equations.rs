@@ -1,4 +1,9 @@
 //! Equations for one environment, or for the environments of a SIMD register.
+//!
+//! The equations are generic over [`Real`](crate::math::Real): one `f64`, or as many as a vector
+//! register holds. Single environments and native vectors run the same function, and sines and
+//! squares round equally, so their bits are equal. The equations use `Real::select` instead of
+//! `if`: with plain `f64` loops, vectorization depended on the compiler's version.
 
 use std::fmt;
 

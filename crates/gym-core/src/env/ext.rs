@@ -70,21 +70,10 @@ pub trait EnvExt: Env {
         map
     }
 
-    /// The environment inside all wrappers, if it is a `T`: for methods beyond the interface, such
-    /// as a transition table.
-    fn unwrapped<T: 'static>(&self) -> Option<&T> {
-        self.layer(TypeId::of::<T>())?.downcast_ref()
-    }
-
-    /// As [`unwrapped`](Self::unwrapped), mutable.
-    fn unwrapped_mut<T: 'static>(&mut self) -> Option<&mut T> {
-        self.layer_mut(TypeId::of::<T>())?.downcast_mut()
-    }
-
-    /// The outermost wrapper of type `W` in the stack, through any number of
-    /// [`BoxEnv`](crate::BoxEnv)s.
+    /// The environment inside all wrappers, if it is a `T`, or the outermost wrapper of type `T`,
+    /// through any number of [`BoxEnv`](crate::BoxEnv)s: for methods beyond the interface.
     ///
-    /// Name the full type: around an environment from [`make`](crate::make) it is
+    /// Name the full type: around an environment from [`make`](crate::make) a wrapper is
     /// `RecordEpisodeStatistics<BoxEnv>`, or `RecordEpisodeStatistics` for short.
     ///
     /// ```no_run
@@ -93,17 +82,17 @@ pub trait EnvExt: Env {
     ///
     /// fn main() -> Result<()> {
     ///     let env = BoxEnv::new(RecordEpisodeStatistics::new(make("CartPole-v1")?));
-    ///     assert_eq!(env.wrapper::<RecordEpisodeStatistics>().map(|record| record.episode_count()), Some(0));
+    ///     assert_eq!(env.layer::<RecordEpisodeStatistics>().map(|record| record.episode_count()), Some(0));
     ///     Ok(())
     /// }
     /// ```
-    fn wrapper<W: 'static>(&self) -> Option<&W> {
-        self.layer(TypeId::of::<W>())?.downcast_ref()
+    fn layer<T: 'static>(&self) -> Option<&T> {
+        self.any_layer(TypeId::of::<T>())?.downcast_ref()
     }
 
-    /// As [`wrapper`](Self::wrapper), mutable.
-    fn wrapper_mut<W: 'static>(&mut self) -> Option<&mut W> {
-        self.layer_mut(TypeId::of::<W>())?.downcast_mut()
+    /// As [`layer`](Self::layer), mutable.
+    fn layer_mut<T: 'static>(&mut self) -> Option<&mut T> {
+        self.any_layer_mut(TypeId::of::<T>())?.downcast_mut()
     }
 }
 

@@ -1,11 +1,26 @@
 //! Environments: the trait, its methods for callers, wrappers, the erased environment, and
 //! environments made of dynamics or equations.
+//!
+//! There is one trait. [`Env`] has associated types, and [`BoxEnv`] implements the same trait with
+//! `Value` on both sides, so each wrapper exists once and generic code accepts both. The required
+//! methods write the observation to the caller's buffer (`reset_into`, `step_into`), so a step
+//! allocates nothing, even for erased environments and images. [`EnvExt`] has the methods of
+//! callers, which return the observation.
+//!
+//! Actions are validated where they become typed: a typed action cannot be out of range, and a
+//! `Value` of another kind, dtype, shape or range is refused before the step. Numbers beyond the
+//! bounds of a `Box` pass, as in Gymnasium, where some environments clip them; NaN and infinities
+//! do not.
+//!
+//! `info` is lazy: [`Env::info`] computes its entries when it is called, so a step pays nothing for
+//! them.
 
 mod boxed;
 mod configure;
 mod dynamics;
 pub mod equations;
 mod ext;
+mod inspect;
 pub(crate) mod wrapper;
 
 use std::any::{Any, TypeId};
@@ -22,6 +37,7 @@ pub use boxed::BoxEnv;
 pub use configure::{Configure, NoArguments};
 pub use dynamics::{Dynamics, Stateful, Task, Transition};
 pub use ext::EnvExt;
+pub use inspect::Inspect;
 pub use wrapper::Wrapper;
 
 /// A task for an agent: Gymnasium's `Env`.
@@ -188,12 +204,12 @@ pub trait Env: Clone + Send + 'static {
         let _ = canvas;
     }
 
-    /// Called before the first frame. From then on the environment may keep state that only frames
-    /// show, such as particles.
-    fn start_rendering(&mut self) {}
-
-    /// Called after each frame. Advance per-frame state here; do not change the episode.
-    fn picture_taken(&mut self) {}
+    /// Called after each frame with the number of frames drawn, and once before the first with 0.
+    /// From then on the environment may keep state that only frames show, such as particles.
+    /// Advance that state here; do not change the episode.
+    fn frames_drawn(&mut self, count: u64) {
+        let _ = count;
+    }
 
     /// The current state as text, for the mode `ansi`.
     fn ansi(&self) -> Option<String> {
@@ -234,8 +250,8 @@ pub trait Env: Clone + Send + 'static {
     }
 
     /// The outermost layer of a type: a wrapper or the environment itself.
-    /// [`wrapper`](crate::EnvExt::wrapper) and [`unwrapped`](crate::EnvExt::unwrapped) call it.
-    fn layer(&self, layer: TypeId) -> Option<&dyn Any> {
+    /// [`layer`](crate::EnvExt::layer) calls it.
+    fn any_layer(&self, layer: TypeId) -> Option<&dyn Any> {
         if layer == TypeId::of::<Self>() {
             Some(self)
         } else {
@@ -243,8 +259,8 @@ pub trait Env: Clone + Send + 'static {
         }
     }
 
-    /// As [`layer`](Self::layer), mutable.
-    fn layer_mut(&mut self, layer: TypeId) -> Option<&mut dyn Any> {
+    /// As [`any_layer`](Self::any_layer), mutable.
+    fn any_layer_mut(&mut self, layer: TypeId) -> Option<&mut dyn Any> {
         if layer == TypeId::of::<Self>() {
             Some(self)
         } else {
@@ -257,6 +273,16 @@ pub trait Env: Clone + Send + 'static {
     /// Wrappers such as `StickyAction` draw from it as well, so that one seed determines an
     /// episode. They cannot wrap an environment that returns `None`.
     fn generator(&mut self) -> Option<&mut Generator> {
+        None
+    }
+
+    /// The state, arguments and table of the environment; `None` if it shows none.
+    fn inspect(&self) -> Option<&dyn Inspect> {
+        None
+    }
+
+    /// As [`inspect`](Self::inspect), to change them.
+    fn inspect_mut(&mut self) -> Option<&mut dyn Inspect> {
         None
     }
 

@@ -1,4 +1,10 @@
 //! The trait of wrappers. Methods that are left out call the inner environment.
+//!
+//! [`Wrapper`] has every method of [`Env`](crate::Env) with the inner environment's as its default,
+//! and one blanket implementation makes each wrapper an `Env`. The forwarded methods are listed
+//! once, in this file; [`BoxEnv`](crate::BoxEnv) uses the same list. A test reads the trait's
+//! source and calls every method through every wrapper. A wrapper without a stored form has no
+//! spec, because a rebuilt stack must step identically.
 
 use std::any::{Any, TypeId};
 
@@ -6,7 +12,7 @@ use gym_numerics::Generator;
 
 use crate::drawing::canvas::Canvas;
 use crate::drawing::render::{Metadata, RenderMode, Rendered};
-use crate::env::{Env, Outcome, short_type_name};
+use crate::env::{Env, Inspect, Outcome, short_type_name};
 use crate::spaces::Space;
 use crate::spec::{EnvSpec, Reset, WrapperSpec};
 use crate::value::{Element, Result, Snapshot, Value};
@@ -126,20 +132,20 @@ pub trait Wrapper: Clone + Send + 'static {
     }
 
     /// As [`Env::layer`]: the wrapper itself, or a layer within.
-    fn layer(&self, layer: TypeId) -> Option<&dyn Any> {
+    fn any_layer(&self, layer: TypeId) -> Option<&dyn Any> {
         if layer == TypeId::of::<Self>() {
             Some(self)
         } else {
-            self.inner().layer(layer)
+            self.inner().any_layer(layer)
         }
     }
 
     /// As [`Env::layer_mut`]: the wrapper itself, or a layer within.
-    fn layer_mut(&mut self, layer: TypeId) -> Option<&mut dyn Any> {
+    fn any_layer_mut(&mut self, layer: TypeId) -> Option<&mut dyn Any> {
         if layer == TypeId::of::<Self>() {
             Some(self)
         } else {
-            self.inner_mut().layer_mut(layer)
+            self.inner_mut().any_layer_mut(layer)
         }
     }
 
@@ -167,12 +173,13 @@ macro_rules! methods {
         $then! { $($words)* fn info(&self, visit: &mut dyn FnMut(&str, Value)) }
         $then! { $($words)* fn metadata(&self) -> Metadata }
         $then! { $($words)* fn draw(&self, canvas: &mut dyn Canvas) }
-        $then! { $($words)* fn start_rendering(&mut self) }
-        $then! { $($words)* fn picture_taken(&mut self) }
+        $then! { $($words)* fn frames_drawn(&mut self, count: u64) }
         $then! { $($words)* fn ansi(&self) -> Option<String> }
         $then! { $($words)* fn render_mode(&self) -> Option<RenderMode> }
         $then! { $($words)* fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> }
         $then! { $($words)* fn generator(&mut self) -> Option<&mut Generator> }
+        $then! { $($words)* fn inspect(&self) -> Option<&dyn Inspect> }
+        $then! { $($words)* fn inspect_mut(&mut self) -> Option<&mut dyn Inspect> }
         $then! { $($words)* fn close(&mut self) }
     };
 }
@@ -184,8 +191,8 @@ macro_rules! all_methods {
         $crate::env::wrapper::methods!($then! $($words)*);
         $then! { $($words)* fn spec(&self) -> Option<EnvSpec> }
         $then! { $($words)* fn describe(&self) -> String }
-        $then! { $($words)* fn layer(&self, layer: TypeId) -> Option<&dyn Any> }
-        $then! { $($words)* fn layer_mut(&mut self, layer: TypeId) -> Option<&mut dyn Any> }
+        $then! { $($words)* fn any_layer(&self, layer: TypeId) -> Option<&dyn Any> }
+        $then! { $($words)* fn any_layer_mut(&mut self, layer: TypeId) -> Option<&mut dyn Any> }
     };
 }
 pub(crate) use all_methods;

@@ -2,6 +2,11 @@
 //!
 //! The table contains the entries of [`register!`](crate::register!) in linked crates, and those
 //! that [`register`] adds at run time, sorted by id.
+//!
+//! [`register!`](crate::register!) is one `inventory::submit!`, which puts the registration into
+//! the program at link time. The table keeps duplicate ids and reports them. Cargo does not link a
+//! crate that the code never names: the facade re-exports its families, and users name a plugin
+//! with `use my_envs as _;`.
 
 mod builder;
 mod lockstep;

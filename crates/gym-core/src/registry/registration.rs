@@ -1,4 +1,7 @@
 //! The registration of an environment.
+//!
+//! It states the facts about an environment that its code does not. Commands, the book's pages and
+//! the Python package read them here, so they support plugins.
 
 use std::borrow::Cow;
 use std::fmt;

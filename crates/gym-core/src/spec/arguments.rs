@@ -1,4 +1,7 @@
 //! Arguments as data: one definition gives the constructor's struct, its JSON and its table.
+//!
+//! Spec, JSON, defaults, tables of the documentation and error texts follow from
+//! [`arguments!`](crate::arguments!), for plugins too.
 
 use serde::{Serialize, de::DeserializeOwned};
 use serde_json::Value as Json;

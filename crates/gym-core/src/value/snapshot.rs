@@ -1,4 +1,7 @@
 //! The stored state of an environment.
+//!
+//! A snapshot is data (JSON): [`restore`](crate::Env::restore) checks it, and it can be stored. A
+//! clone is faster, for branching within a program.
 
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::Value as Json;

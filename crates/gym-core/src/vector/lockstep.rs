@@ -6,6 +6,10 @@
 //! of them, and then resets or steps each as a sync vector does: the environment finishes the step
 //! it has begun. So time limits, autoreset, infos, errors and all numbers are equal to a sync
 //! vector's.
+//!
+//! The working memory of a step belongs to the group and is lent to its environments, so that many
+//! environments fit the CPU's cache. If a vector has more environments than fit the cache, a
+//! group's memory is prefetched before the group steps.
 
 use std::borrow::{Borrow, BorrowMut};
 use std::hint::black_box;
@@ -110,13 +114,13 @@ impl<E: Lockstep, W: Env> Ahead<W> for Within<E, W> {
     }
 
     fn touch(&self, slot: &Slot<W>) {
-        black_box(slot.env.unwrapped::<E>().map(E::touch));
+        black_box(slot.env.layer::<E>().map(E::touch));
     }
 
     fn begin(&mut self, slot: &mut Slot<W>, ask: &Ask) {
         let restart = slot.restarts();
         slot.go_ahead(|Slot { env, action, .. }| {
-            let Some(env) = env.unwrapped_mut::<E>() else {
+            let Some(env) = env.layer_mut::<E>() else {
                 return;
             };
             match ask {
@@ -139,7 +143,7 @@ impl<E: Lockstep, W: Env> Ahead<W> for Within<E, W> {
             return; // it has not begun
         }
         slot.go_ahead(|Slot { env, .. }| {
-            if let Some(env) = env.unwrapped_mut::<E>() {
+            if let Some(env) = env.layer_mut::<E>() {
                 env.collect(&mut self.group);
             }
         });

@@ -1,4 +1,13 @@
 //! Many environments stepped as one: Gymnasium's `VectorEnv`.
+//!
+//! [`VectorEnv`] is object safe and works on batched `Value`s, so `Box<dyn VectorEnv>` goes through
+//! the same wrappers as typed vectors. Calls write into columns that the caller owns. Sync and
+//! async vectors have one slot per sub-environment, which alone handles the ends of episodes and
+//! panics. `Columns::progress` tells wrappers what a call did with each sub-environment, so
+//! wrappers need no record of due resets or failures.
+//!
+//! In a snapshot, sub-environments store themselves and the slot adds the vector's state. A native
+//! vector stores columns: one object per environment would be ten times as large.
 
 mod columns;
 mod ext;
@@ -18,6 +27,7 @@ use std::fmt;
 use serde::{Deserialize, Serialize};
 
 use crate::drawing::render::{Metadata, Rendered};
+use crate::env::Inspect;
 use crate::spaces::Space;
 use crate::value::{Error, Result, Snapshot, Value};
 
@@ -136,6 +146,20 @@ pub trait VectorEnv: Any + Send {
         Err(no_envs(&self.describe()))
     }
 
+    /// Calls `visit` with what sub-environment `index` shows beyond Gymnasium's interface, to read
+    /// or to change.
+    ///
+    /// # Errors
+    /// [`Error::Custom`] if there is no such sub-environment, or it cannot be inspected; then
+    /// `visit` was not called.
+    fn inspect(&mut self, index: usize, visit: &mut dyn FnMut(&mut dyn Inspect)) -> Result<()> {
+        let _ = (index, visit);
+        Err(Error::custom(format!(
+            "the sub-environments of {} cannot be inspected",
+            self.describe()
+        )))
+    }
+
     /// The frame or text of each sub-environment, in their render mode.
     ///
     /// # Errors
@@ -190,7 +214,7 @@ pub trait VectorEnv: Any + Send {
         Err(no_snapshots(&self.describe()))
     }
 
-    /// The inner vector, for a wrapper. The method `wrapper` of `dyn VectorEnv` calls it.
+    /// The inner vector, for a wrapper. The method `layer` of `dyn VectorEnv` calls it.
     fn within(&self) -> Option<&dyn VectorEnv> {
         None
     }

@@ -65,6 +65,14 @@ fn fits(bytes: Option<usize>) -> bool {
     reserved
 }
 
+/// The error of an index beyond the last sub-environment.
+pub fn no_such_env(index: usize, num_envs: usize) -> Error {
+    Error::custom(format!(
+        "there is no sub-environment {index}: the indices are 0 to {}",
+        num_envs - 1
+    ))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -18,6 +18,8 @@ pub struct Render<E = BoxEnv> {
     size: (u32, u32),
     painter: Option<Box<dyn Painter>>,
     window: Window,
+    /// The number of frames drawn.
+    frames: u64,
 }
 
 /// The window of the mode `human`.
@@ -79,7 +81,7 @@ impl<E: Env> Render<E> {
         };
         let mut env = env;
         if painter.is_some() {
-            env.start_rendering();
+            env.frames_drawn(0);
         }
         Ok(Self {
             inner: env,
@@ -87,6 +89,7 @@ impl<E: Env> Render<E> {
             size: metadata.render_size,
             painter,
             window,
+            frames: 0,
         })
     }
 
@@ -134,7 +137,8 @@ impl<E: Env> Render<E> {
                 &mut |canvas: &mut dyn Canvas| self.inner.draw(canvas),
                 frame,
             );
-            self.inner.picture_taken();
+            self.frames += 1;
+            self.inner.frames_drawn(self.frames);
             if !screen.show(frame) {
                 self.window = Window::None;
             }
@@ -193,7 +197,8 @@ impl<E: Env> crate::env::Wrapper for Render<E> {
             &mut |canvas: &mut dyn Canvas| self.inner.draw(canvas),
             &mut frame,
         );
-        self.inner.picture_taken();
+        self.frames += 1;
+        self.inner.frames_drawn(self.frames);
         *rendered = Rendered::Frame(frame);
         Ok(())
     }
@@ -228,6 +233,7 @@ impl<E: Clone> Clone for Render<E> {
             size: self.size,
             painter,
             window: Window::None,
+            frames: self.frames,
         }
     }
 }

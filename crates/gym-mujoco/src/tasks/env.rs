@@ -6,9 +6,11 @@ use gym_core::canvas::Canvas;
 use gym_core::render::Metadata;
 use gym_core::spaces::BoxSpace;
 use gym_core::{
-    Array, Configure, DType, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Space, Value,
+    Array, Configure, DType, Env, Error, Generator, Inspect, Outcome, Reset, Result, Snapshot,
+    Space, Value,
 };
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use serde_json::{Value as Json, json};
 
 use super::Simulated;
 use super::arguments::TaskArguments;
@@ -202,6 +204,26 @@ impl<T: Task> Simulated for MujocoEnv<T> {
     }
 }
 
+/// The state is `qpos` and `qvel`, as in Gymnasium's `set_state`.
+impl<T: Task> Inspect for MujocoEnv<T> {
+    fn state(&self) -> Option<Json> {
+        let Data { qpos, qvel, .. } = &self.episode.as_ref()?.data;
+        Some(json!({"qpos": qpos, "qvel": qvel}))
+    }
+
+    fn set_state(&mut self, state: Json) -> Result<()> {
+        let numbers = |name: &str| -> Result<Vec<f64>> {
+            serde_json::from_value(state[name].clone())
+                .map_err(|error| Error::argument(name, format!("a list of numbers: {error}")))
+        };
+        Simulated::set_state(self, &numbers("qpos")?, &numbers("qvel")?)
+    }
+
+    fn arguments(&self) -> Json {
+        serde_json::to_value(&self.arguments.1).unwrap_or_default()
+    }
+}
+
 impl<T: Task> Env for MujocoEnv<T> {
     type Observation = Array;
     type Action = Array;
@@ -312,6 +334,14 @@ impl<T: Task> Env for MujocoEnv<T> {
 
     fn generator(&mut self) -> Option<&mut Generator> {
         self.episode.as_mut().map(|episode| &mut episode.rng)
+    }
+
+    fn inspect(&self) -> Option<&dyn Inspect> {
+        Some(self)
+    }
+
+    fn inspect_mut(&mut self) -> Option<&mut dyn Inspect> {
+        Some(self)
     }
 
     fn close(&mut self) {

@@ -9,6 +9,14 @@
 //! ```
 //!
 //! Sine, cosine and squares also work on several numbers at once, see [`Real`].
+//!
+//! Scalars are `f64`, in Gymnasium's order of operations, which gives its numbers bit for bit;
+//! where numpy 2 computes in `float32`, so do the environments. A lint (`clippy.toml`) forbids the
+//! platform's own functions. A CPU without FMA emulates it, with equal results.
+//!
+//! Every function that is called inside [`with`] or [`widest`] must be `#[inline(always)]`:
+//! otherwise it is compiled without FMA. A test that counts the instructions of a step detects
+//! this.
 
 mod arc;
 mod exp;

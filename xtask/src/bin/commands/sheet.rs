@@ -1,7 +1,7 @@
 //! The sheet of images of many environments.
 
 use gym::render::{Frame, RenderMode};
-use gym::rendering::{contact_sheet, write_png};
+use gym::render::{contact_sheet, write_png};
 use gym::{BoxEnv, EnvExt, Error, Result};
 use gym_cli::Document;
 

@@ -71,11 +71,8 @@ fn described(argument: &Argument) -> String {
     } else {
         format!("default `{default}`")
     };
-    // a link leads somewhere in the documentation of the crate alone
-    let meaning = meaning
-        .replace("[`", "`")
-        .replace("`]", "`")
-        .replace("(crate::VideoWriter)", "");
+    // links work only in the crate's documentation
+    let meaning = meaning.replace("[`", "`").replace("`]", "`");
     format!(
         "`{name}` ({kind}, {default}): {}",
         meaning.replace('|', "\\|")

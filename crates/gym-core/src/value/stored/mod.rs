@@ -3,6 +3,9 @@
 //! [`Value`]'s `Serialize` describes the form; [`exact`] handles the floats of any other type. For
 //! plain JSON, which a space interprets, see [`Value::to_json`] and
 //! [`Space::from_json`](crate::Space::from_json).
+//!
+//! Snapshots, vectors, the generator and the bridge use this form: floats that JSON lacks are
+//! `{"$float": "inf"}`, arrays carry their dtype, and more than 32 numbers are bytes in base64.
 
 pub(crate) mod exact;
 pub(crate) mod plain;

@@ -6,21 +6,21 @@ use gym_core::canvas::{Align, Canvas, Color, Point, Primitive, Segment, Shape, T
 
 use crate::number::{Decimal, Pair, Rgb};
 
-/// Records a drawing's calls as lines of text, with numbers rounded to 3 decimals: tests compare
-/// calls rather than pixels.
+/// The calls of a drawing as lines of text, with numbers rounded to 3 decimals: tests compare calls
+/// rather than pixels.
 ///
 /// ```
 /// use gym_core::canvas::{Canvas, Color, Transform};
-/// use gym_render::Recording;
+/// use gym_render::DrawLog;
 ///
-/// let recording = Recording::of(|canvas| {
+/// let log = DrawLog::of(|canvas| {
 ///     canvas.clear(Color::WHITE);
 ///     canvas.push(Transform::translate(10.0, 0.0));
 ///     canvas.line([0.0, 0.5], [1.0, 2.0 / 3.0], 2.0, Color::BLACK.alpha(128));
 ///     canvas.pop();
 /// });
 /// assert_eq!(
-///     recording.to_string(),
+///     log.to_string(),
 ///     "clear #ffffff\n\
 ///      push x=1,0 y=0,1 origin=10,0\n  \
 ///        stroke polyline 0,0.5 1,0.667 width=2 #00000080\n\
@@ -28,32 +28,32 @@ use crate::number::{Decimal, Pair, Rgb};
 /// );
 /// ```
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Recording {
+pub struct DrawLog {
     text: String,
     depth: usize,
 }
 
-impl Recording {
-    /// The calls that `draw` makes.
+impl DrawLog {
+    /// Records the calls that `draw` makes.
     pub fn of(draw: impl FnOnce(&mut dyn Canvas)) -> Self {
-        let mut recording = Self::default();
-        draw(&mut recording);
-        recording
+        let mut log = Self::default();
+        draw(&mut log);
+        log
     }
 
     fn line(&mut self, line: fmt::Arguments<'_>) {
-        // Writing to a string does not fail.
+        // writing to a string cannot fail
         let _ = writeln!(self.text, "{:1$}{line}", "", 2 * self.depth);
     }
 }
 
-impl fmt::Display for Recording {
+impl fmt::Display for DrawLog {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.text)
     }
 }
 
-impl Canvas for Recording {
+impl Canvas for DrawLog {
     fn clear(&mut self, color: Color) {
         self.line(format_args!("clear {}", Rgba(color)));
     }
@@ -112,7 +112,7 @@ impl Canvas for Recording {
     }
 }
 
-/// `#rrggbb`, or `#rrggbbaa` if translucent.
+/// Writes `#rrggbb`, or `#rrggbbaa` if translucent.
 struct Rgba(Color);
 
 impl fmt::Display for Rgba {
@@ -161,7 +161,7 @@ impl fmt::Display for Geometry<'_> {
     }
 }
 
-/// A call of pygame, under pygame's name.
+/// Writes a call of pygame with pygame's name.
 struct Call<'a>(Primitive<'a>);
 
 impl fmt::Display for Call<'_> {
@@ -211,7 +211,7 @@ mod tests {
 
     #[test]
     fn every_call_is_a_line() {
-        let recording = Recording::of(|canvas| {
+        let log = DrawLog::of(|canvas| {
             canvas.clear(Color::WHITE);
             canvas.push(Transform::y_up(400.0));
             canvas.push(Transform::rotate(0.5));
@@ -248,6 +248,6 @@ fill rect 0,1 size=2,3 corner=0.5 #000000
 text "a \"b\"\n" 1,2 size=12 right #000000
 stroke path move 0,0 line 1,0 quad 2,0 2,1 cubic 2,2 1,2 0,2 close width=0.25 #000000
 "##;
-        assert_eq!(recording.to_string(), expected);
+        assert_eq!(log.to_string(), expected);
     }
 }

@@ -33,7 +33,7 @@ use gym_core::vector::{
     Autoreset, Columns, Seeds, VectorEnv, VectorEnvExt, VectorKind, VectorReset,
 };
 use gym_core::{
-    BoxEnv, DType, Env, EnvExt, EnvSpec, Error, Info, Kwargs, Reset, Result, Seed, Value,
+    BoxEnv, DType, Env, EnvExt, EnvSpec, Error, Info, Inspect, Kwargs, Reset, Result, Seed, Value,
     WrapperSpec, builder,
 };
 
@@ -294,12 +294,13 @@ impl TryFrom<&ResetRequest> for VectorReset {
 impl Trace {
     /// Repeats the resets and steps, and records the answers.
     ///
-    /// If the trace has a `state`, the function `state` computes it; such a trace may leave the
-    /// observation out, and the answers then do so too.
+    /// If the trace has a `state`, the answers have the environment's, which
+    /// [`Env::inspect`] shows; such a trace may leave the observation out, and the answers then do so
+    /// too.
     ///
     /// # Errors
     /// The environment's error, with its event.
-    pub fn replay(&self, state: impl Fn(&BoxEnv) -> Option<Json>) -> Result<Self> {
+    pub fn replay(&self) -> Result<Self> {
         let mut env = self.make()?;
         let (events, spaces) = if self.vector.is_some() {
             let mut envs = self.make_vector()?;
@@ -309,7 +310,7 @@ impl Trace {
             (self.replay_events(replay)?, spaces)
         } else {
             let spaces = [env.observation_space(), env.action_space()];
-            let replay = |event: &Event| event.replay(self, &mut env, &state);
+            let replay = |event: &Event| event.replay(self, &mut env);
             (self.replay_events(replay)?, spaces)
         };
         let mut about = self.about.clone();
@@ -494,12 +495,7 @@ const PARTS: [Part; 10] = [
 ];
 
 impl Event {
-    fn replay(
-        &self,
-        trace: &Trace,
-        env: &mut BoxEnv,
-        state: &dyn Fn(&BoxEnv) -> Option<Json>,
-    ) -> Result<Self> {
+    fn replay(&self, trace: &Trace, env: &mut BoxEnv) -> Result<Self> {
         let mut observed = Value::Null;
         let mut answer = match (&self.reset, &self.step) {
             (Some(request), None) => {
@@ -521,7 +517,7 @@ impl Event {
         answer.step.clone_from(&self.step);
         answer.info = Some(plain(env.info_map()));
         if self.state.is_some() {
-            answer.state = state(env);
+            answer.state = env.inspect().and_then(Inspect::state);
         }
         // frames are compared by checksums
         if self.observation.is_some() || (self.state.is_none() && trace.render_mode.is_none()) {

@@ -55,9 +55,15 @@ pub(crate) fn line(text: &str) -> Result<()> {
     write(format_args!("{}\n", Lines(text)))
 }
 
-/// For [`tell!`].
+/// For [`tell!`]. Lines that quote something huge are cut.
 pub(crate) fn error_line(text: &str) {
-    let _ = writeln!(stderr().lock(), "{}", Lines(text));
+    const MAX_LENGTH: usize = 2000;
+    let cut = |line: &str| match line.char_indices().nth(MAX_LENGTH) {
+        Some((end, _)) => format!("{}...", &line[..end]),
+        None => line.to_owned(),
+    };
+    let lines: Vec<_> = text.split('\n').map(cut).collect();
+    let _ = writeln!(stderr().lock(), "{}", Lines(&lines.join("\n")));
 }
 
 /// Prints the message of a command line that is refused, or the help; gives the exit status.

@@ -5,7 +5,7 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use gym_core::{Error, Result};
 
@@ -29,10 +29,23 @@ pub struct AtomicFile {
 #[derive(Debug)]
 struct TemporaryPath(PathBuf);
 
+/// The temporary files of this program.
+static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+fn unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 impl TemporaryPath {
+    fn new(path: PathBuf) -> Self {
+        unfinished().insert(path.clone());
+        Self(path)
+    }
+
     /// Renames the file.
     fn rename(mut self, to: PathBuf) -> io::Result<()> {
         fs::rename(&self.0, to)?;
+        unfinished().remove(&self.0);
         // another program's file may have the old name by now
         self.0.clear();
         Ok(())
@@ -42,6 +55,15 @@ impl TemporaryPath {
 impl Drop for TemporaryPath {
     fn drop(&mut self) {
         let _ = fs::remove_file(&self.0);
+        unfinished().remove(&self.0);
+    }
+}
+
+/// Removes every temporary file of this program: for the handler of a signal that ends the program,
+/// which drops no [`AtomicFile`].
+pub fn remove_unfinished() {
+    for path in &*unfinished() {
+        let _ = fs::remove_file(path);
     }
 }
 
@@ -175,7 +197,7 @@ fn temporary(path: &Path) -> io::Result<(File, TemporaryPath)> {
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => continue,
             opened => opened?,
         };
-        let temporary = TemporaryPath(hidden);
+        let temporary = TemporaryPath::new(hidden);
         lock(&file);
         // another program may have removed it as a leftover before it was locked
         if temporary.0.exists() {

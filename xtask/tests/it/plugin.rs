@@ -78,6 +78,24 @@ fn new_makes_a_plugin_that_works() {
     assert_eq!(reports[0]["findings"][0]["check"], "reward-finite");
 }
 
+#[test]
+fn new_makes_a_native_vector_that_works() {
+    let _alone = alone();
+    let folder = folder("new-native").join("rockets");
+    let path = folder.to_str().unwrap();
+    prints(&["new", "rockets", "--native", "--path", path]);
+    let tests = said(&run(&folder, &["test", "--lib"]), &["test"]);
+    assert!(
+        tests.contains("native_vectors_equal_single_environments ... ok"),
+        "{tests}"
+    );
+    let text = xtask(&folder, &["list", "--long"]);
+    assert!(
+        text.contains("rockets/Rocket-v0") && text.contains("limit   500"),
+        "{text}"
+    );
+}
+
 /// Every command works over the environments of a crate that this workspace does not know.
 #[test]
 fn commands_serve_a_plugin() {

@@ -352,6 +352,10 @@ impl Env for PythonEnv {
         self.metadata.clone()
     }
 
+    fn render_mode(&self) -> Option<RenderMode> {
+        self.render_mode
+    }
+
     fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
         if self.render_mode.is_none() {
             return Err(Error::UnsupportedMode {

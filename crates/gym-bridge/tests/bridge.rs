@@ -187,6 +187,9 @@ fn python_draws() {
         .build()
         .unwrap();
     assert_eq!(env.metadata().render_fps, 7);
+    // recorders ask for it
+    assert_eq!(env.render_mode(), Some(RenderMode::RgbArray));
+    assert_eq!(env.clone().render_mode(), Some(RenderMode::RgbArray));
     env.reset(0).unwrap();
     let Rendered::Frame(frame) = env.render().unwrap() else {
         panic!("a frame")

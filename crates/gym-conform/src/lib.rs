@@ -42,6 +42,8 @@ mod allocations;
 mod arguments;
 mod calls;
 mod checks;
+mod clock;
+mod close;
 mod copies;
 mod damage;
 mod damaged;

@@ -204,6 +204,26 @@ impl Env {
         }
     }
 
+    /// Changes what the environment lets be changed; `json` says how.
+    fn inspect<T: DeserializeOwned>(
+        &self,
+        py: Python<'_>,
+        what: &str,
+        json: &str,
+        change: impl FnOnce(&mut dyn Inspect, T) -> Result<()>,
+    ) -> PyResult<()> {
+        let value = from_json(&self.id, json)?;
+        let mut core = self.lock(py)?;
+        let Some(inspect) = core.env.inspect_mut() else {
+            return Err(Error::argument(
+                what,
+                format!("{} cannot be changed", self.id),
+            ))
+            .or_raise();
+        };
+        guard(|| change(inspect, value).or_raise())
+    }
+
     fn action(&self, action: &Bound<'_, PyAny>) -> PyResult<Value> {
         action_from_python(&self.action_space, None, action).map_err(|error| {
             let py = action.py();
@@ -347,6 +367,21 @@ impl Env {
         Ok(state.map(|state| state.to_string()))
     }
 
+    /// Continues from another state, of the form of [`state`](Self::state).
+    fn set_state(&self, py: Python<'_>, state: &str) -> PyResult<()> {
+        self.inspect(py, "state", state, |inspect, state| {
+            inspect.set_state(state)
+        })
+    }
+
+    /// Replaces the table: a JSON object of `P`, lists of outcomes by state and action, and
+    /// `initial_state_distrib`.
+    fn set_table(&self, py: Python<'_>, table: &str) -> PyResult<()> {
+        self.inspect(py, "table", table, |inspect, table| {
+            inspect.set_table(table)
+        })
+    }
+
     /// The arguments as they are, as JSON; those it was made with, where they cannot be set.
     fn arguments(&self, py: Python<'_>) -> PyResult<String> {
         let core = self.lock(py)?;
@@ -356,18 +391,10 @@ impl Env {
 
     /// Sets an argument: a JSON object of its name and value.
     fn set_argument(&self, py: Python<'_>, argument: &str) -> PyResult<()> {
-        let argument: Kwargs = serde_json::from_str(argument)
-            .map_err(|error| Error::argument(&self.id, error.to_string()))
-            .or_raise()?;
-        let mut core = self.lock(py)?;
-        let Some(inspect) = core.env.inspect_mut() else {
-            return Err(Error::argument(&self.id, "its arguments cannot be set")).or_raise();
-        };
-        guard(|| {
+        self.inspect(py, "arguments", argument, |inspect, argument: Kwargs| {
             argument
                 .into_iter()
                 .try_for_each(|(name, value)| inspect.set_argument(&name, value))
-                .or_raise()
         })
     }
 
@@ -387,6 +414,12 @@ impl Env {
     /// The state of a MuJoCo task, array by array.
     fn mujoco_data<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         mujoco::data(py, &self.lock(py)?.env)
+    }
+
+    /// The last call of the engine of a MuJoCo task: whether it was a step, where it started, where
+    /// it led.
+    fn mujoco_before<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyTuple>>> {
+        mujoco::before(py, &self.lock(py)?.env)
     }
 
     /// The parts of a MuJoCo task's model.
@@ -421,12 +454,15 @@ impl Env {
         Ok(())
     }
 
-    /// Ends the use of the environment.
+    /// Closes the window, if there is one; everything else is as it was.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
+        if self.render_mode.as_deref() != Some("human") {
+            return Ok(());
+        }
         let mut core = self.lock(py)?;
-        core.is_running = false;
         guard(|| {
-            core.env.close();
+            // a copy has no window
+            core.env = core.env.clone();
             Ok(())
         })
     }

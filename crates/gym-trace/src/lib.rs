@@ -27,7 +27,7 @@
 use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::{Number, Value as Json, json, value::RawValue};
 
-use gym_core::registry::EnvBuilder;
+use gym_core::registry::{EnvBuilder, find};
 use gym_core::render::{RenderMode, Rendered};
 use gym_core::vector::{
     Autoreset, Columns, Seeds, VectorEnv, VectorEnvExt, VectorKind, VectorReset,
@@ -39,7 +39,8 @@ use gym_core::{
 
 /// The resets and steps of one environment, or of one vector.
 ///
-/// An unknown key is an error, so that a misspelt one is not ignored.
+/// An unknown key is an error, so that a misspelt one is not ignored. An environment with an
+/// argument `mujoco` gets the recorded version of MuJoCo, unless `kwargs` has another.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(from = "Recorded")]
 pub struct Trace {
@@ -47,6 +48,9 @@ pub struct Trace {
     pub id: String,
     /// Its constructor's arguments.
     pub kwargs: Kwargs,
+    /// The version of MuJoCo that was recorded.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mujoco: Option<String>,
     /// Wrappers around the environment of `make`, innermost first. Such traces leave out the
     /// wall-clock time of episode statistics.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -80,6 +84,7 @@ macro_rules! recorded {
             id: String,
             #[serde(default)]
             kwargs: Kwargs,
+            mujoco: Option<String>,
             #[serde(default)]
             wrappers: Vec<WrapperSpec>,
             vector: Option<VectorRequest>,
@@ -106,6 +111,7 @@ macro_rules! recorded {
                 Self {
                     id: recorded.id,
                     kwargs: recorded.kwargs,
+                    mujoco: recorded.mujoco,
                     wrappers: recorded.wrappers,
                     vector: recorded.vector,
                     render_mode: recorded.render_mode,
@@ -121,7 +127,7 @@ macro_rules! recorded {
 
 recorded! {
     // the programs that answered
-    ale_py backend backend_version gymnasium module mujoco numpy pygame_ce
+    ale_py backend backend_version gymnasium module numpy pygame_ce
     // how they were asked
     action_seed deep info_left_out md5 note policy rom seed smoothscale
     // the environment; see `FACTS`
@@ -379,7 +385,15 @@ impl Trace {
     }
 
     fn builder(&self) -> EnvBuilder {
-        let mut builder = builder(&self.id).args(self.kwargs.clone());
+        let mut builder = builder(&self.id);
+        let taken = find(&self.id).and_then(|registration| registration.arguments());
+        let takes = |name| taken.is_ok_and(|all| all.iter().any(|argument| argument.name == name));
+        if let Some(version) = &self.mujoco
+            && takes("mujoco")
+        {
+            builder = builder.arg("mujoco", version.as_str());
+        }
+        builder = builder.args(self.kwargs.clone());
         if let Some(mode) = self.render_mode {
             builder = builder.render_mode(mode);
         }

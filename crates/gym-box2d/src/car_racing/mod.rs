@@ -296,9 +296,10 @@ impl CarRacing {
         let mut rng = reset.generator(self.episode.as_ref().map(|episode| &episode.rng))?;
         let Options { randomize } = reset.options("CarRacing")?;
         let colors = match &self.episode {
-            _ if !self.config.domain_randomize => Colors::DEFAULT,
-            _ if randomize => Colors::random(&mut rng),
+            _ if self.config.domain_randomize && randomize => Colors::random(&mut rng),
+            // those of the last episode, which may have been set
             Some(episode) => episode.colors,
+            None if !self.config.domain_randomize => Colors::DEFAULT,
             // the constructor's colours, drawn from the constructor's own generator
             None => Colors::random(&mut rng.clone()),
         };

@@ -4,6 +4,8 @@ mod book;
 #[cfg(feature = "families")]
 mod games;
 mod sheet;
+#[cfg(feature = "families")]
+mod versions;
 mod wrappers;
 
 use std::path::Path;
@@ -27,6 +29,8 @@ fn documents(folder: &Path, draw: bool) -> Result<Vec<Document>> {
     let mut documents = vec![wrappers::document(folder)?];
     #[cfg(feature = "families")]
     documents.push(games::document(folder)?);
+    #[cfg(feature = "families")]
+    documents.push(versions::document(folder)?);
     if draw {
         documents.push(sheet::document()?);
     }

@@ -21,7 +21,7 @@ use array::Scalar;
 pub use array::{Array, DType, Data};
 pub use continuous::{Continuous, Precision};
 pub use element::Element;
-pub use error::{Error, Result};
+pub use error::{Error, Result, printable};
 pub use snapshot::Snapshot;
 
 /// The entries of [`Env::info`](crate::Env::info) by name.

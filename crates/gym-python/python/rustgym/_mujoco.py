@@ -32,7 +32,7 @@ def _library() -> Any:
 def _asset(xml_file: str) -> str | None:
     """Gymnasium's own file of a built-in model: the same numbers as ours, with its names, lights and textures."""
     gymnasium = import_module("gymnasium")
-    path = os.path.join(os.path.dirname(gymnasium.__file__), "envs", "mujoco", "assets", xml_file)
+    path = os.path.join(os.path.dirname(str(gymnasium.__file__)), "envs", "mujoco", "assets", xml_file)
     return path if os.path.exists(path) else None
 
 

@@ -95,7 +95,7 @@ class _Borrowed:
     def __get__(self, env: MujocoEnv | None, owner: type[MujocoEnv]) -> Any:
         if env is None:
             return self
-        function = None
+        function: Any = None
         for theirs in owner._theirs().__mro__:
             if self.name in vars(theirs):
                 function = vars(theirs)[self.name]

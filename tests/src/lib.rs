@@ -72,6 +72,7 @@ mod documents {
         ChangingATask: "docs/python/live.md",
         FirstSteps: "docs/first-steps.md",
         Introduction: "docs/README.md",
+        MujocoVersions: "docs/mujoco-versions.md",
         Native: "docs/native.md",
         Planning: "docs/planning.md",
         Plugins: "docs/plugins.md",

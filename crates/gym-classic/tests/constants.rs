@@ -4,7 +4,7 @@
 use gym_classic as _;
 use gym_core::prelude::*;
 use gym_core::vector::VectorKind;
-use gym_core::{BoxEnv, Generator, Kwargs, Value, builder};
+use gym_core::{BoxEnv, Generator, Inspect, Kwargs, Value, builder};
 use serde::Deserialize;
 
 /// An episode of Gymnasium, recorded by `constants.py`.
@@ -446,6 +446,13 @@ fn what_cannot_differ_is_refused() {
     assert!(error("gravity", [1.0].into()).contains("there are 1 values for 2 environments"));
     assert!(error("gravity", (3.0..1.0).into()).contains("the lower one first"));
     assert!(error("gravity", [1.0, 1e9].into()).contains("gravity is 1000000000.0"));
+    // either end of a range
+    assert!(error("gravity", (1.0..1e9).into()).contains("gravity is 1000000000.0"));
+    assert!(error("gravity", (-1e9..1.0).into()).contains("gravity is -1000000000.0"));
+    assert!(
+        error("x_threshold", (2.4..3.0).into())
+            .contains("must give all environments the same spaces")
+    );
     assert!(error("mass", [1.0, 2.0].into()).contains("no argument of this name"));
     assert!(
         error("x_threshold", [1.0, 2.0].into())
@@ -474,4 +481,59 @@ fn what_cannot_differ_is_refused() {
         envs.build().unwrap().spec().unwrap().vectorization_mode,
         VectorKind::Sync
     );
+}
+
+/// Numbers that were drawn from wider ranges, from either side, are refused, and so are those of
+/// another number of environments or arguments. What is refused changes nothing.
+#[test]
+fn numbers_drawn_outside_of_the_ranges_are_refused() {
+    let make = |n: usize, ranges: &[(&str, f64, f64)]| {
+        let vector = builder("CartPole-v1").vector(n).kind(VectorKind::Native);
+        let vector = ranges.iter().fold(vector, |vector, (name, low, high)| {
+            vector.arg_each(name, *low..*high)
+        });
+        vector.build().unwrap()
+    };
+    let stored = |n: usize, ranges: &[(&str, f64, f64)]| {
+        let mut envs = make(n, ranges);
+        envs.reset(7).unwrap();
+        envs.snapshot().unwrap()
+    };
+    const N: usize = 40;
+    let own = [("length", 0.5, 0.6)];
+    let mut envs = make(N, &own);
+    envs.reset(1).unwrap();
+    let before = envs.snapshot().unwrap();
+    for (n, ranges) in [
+        (N, &[("length", 0.3, 0.8)][..]),
+        (N, &[("length", 0.3, 0.45)]),
+        (N, &[("length", 0.65, 0.8)]),
+        (N, &[("length", 0.5, 0.6), ("gravity", 9.0, 10.0)]),
+        (N, &[]),
+        (N + 1, &own),
+        (2 * N, &own),
+    ] {
+        let error = envs.restore(&stored(n, ranges)).unwrap_err().to_string();
+        assert!(error.contains("cannot restore"), "{n}, {ranges:?}: {error}");
+        assert_eq!(envs.snapshot().unwrap(), before, "{n}, {ranges:?}");
+    }
+    // narrower ranges lie inside
+    envs.restore(&stored(N, &[("length", 0.52, 0.58)])).unwrap();
+    // and so do numbers that equal the ends
+    let native = envs
+        .layer::<gym_native::NativeVectorEnv<gym_classic::cartpole::CartPoleDynamics>>()
+        .unwrap();
+    let drawn: Vec<f64> = (0..N).map(|i| native.arguments(i)[0].1).collect();
+    let [low, high] = [f64::min, f64::max].map(|end| drawn.iter().copied().reduce(end).unwrap());
+    let snapshot = envs.snapshot().unwrap();
+    make(N, &[("length", low, high)])
+        .restore(&snapshot)
+        .unwrap();
+    for (low, high) in [(low.next_up(), high), (low, high.next_down())] {
+        assert!(
+            make(N, &[("length", low, high)])
+                .restore(&snapshot)
+                .is_err()
+        );
+    }
 }

@@ -2,7 +2,7 @@
 
 use crate::calls::Calls;
 use crate::subject::{SEEDS, STEPS, Subject, carry_on, same, tour};
-use crate::verdict::{Verdict, broken, skipped};
+use crate::verdict::{Trouble, Verdict, broken, skipped};
 use gym_core::render::{RenderMode, Rendered, painter};
 use gym_core::wrappers::Render;
 use gym_core::{BoxEnv, Env, EnvExt};
@@ -27,12 +27,20 @@ pub(crate) fn metadata_complete(subject: &Subject<'_>) -> Verdict {
     {
         return broken(format!("`render_modes` names {mode} again as number {i}"));
     }
+    let verdict = tour(&mut env, 0, STEPS, |env, step| match env.metadata() {
+        now if now == metadata => Ok(()),
+        now => broken(format!(
+            "the metadata is {metadata:?} at first and {now:?} after step {step}"
+        )),
+    });
+    match verdict {
+        // another check reports failing steps
+        Ok(()) | Err(Trouble::Error(_)) => (),
+        verdict => return verdict,
+    }
     env.reset(0)?;
-    if env.metadata() != metadata {
-        return broken(format!(
-            "the metadata is {metadata:?} at first and {:?} after reset",
-            env.metadata()
-        ));
+    if metadata.render_fps == 0 {
+        return broken("`render_fps` is 0: even without render modes it divides a second");
     }
     if modes.is_empty() {
         return match (Calls::of(&env).count, env.ansi()) {
@@ -43,9 +51,6 @@ pub(crate) fn metadata_complete(subject: &Subject<'_>) -> Verdict {
     }
     let (width, height) = metadata.render_size;
     let valid = 1..=MAX_SIDE;
-    if metadata.render_fps == 0 {
-        return broken("`render_fps` is 0");
-    }
     if !(valid.contains(&width) && valid.contains(&height)) {
         return broken(format!(
             "`render_size` is {width}x{height}: both must be between 1 and {MAX_SIDE}"

@@ -2,7 +2,7 @@
 //! `check_env`, its passive checker and `check_environments_match`, and more that Rust allows.
 //!
 //! A plugin's tests run all checks over all of its environments in one line (see [`suite!`]),
-//! `cargo xtask conform` over everything that is linked, or over a crate on disk.
+//! `cargo xtask conform` over the environments of a workspace.
 //!
 //! ```
 //! # use gym_conform as my_envs;
@@ -42,6 +42,8 @@ mod allocations;
 mod arguments;
 mod calls;
 mod checks;
+mod clock;
+mod close;
 mod copies;
 mod damage;
 mod damaged;

@@ -203,7 +203,7 @@ pub(crate) fn from_python(space: &Space, object: &Bound<'_, PyAny>) -> PyResult<
         Space::Box(space) => numbers(space.dtype(), space.shape()),
         Space::MultiDiscrete(space) => numbers(space.dtype(), space.shape()),
         Space::MultiBinary(space) => numbers(DType::I8, space.shape()),
-        Space::Text(_) => object.extract().map(Value::Text),
+        Space::Text(_) | Space::Mission(_) => object.extract().map(Value::Text),
         Space::Tuple(space) => {
             let items = members(object, space.spaces().len())?;
             let items = space

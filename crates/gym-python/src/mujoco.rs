@@ -1,7 +1,7 @@
 //! The MuJoCo tasks in Python: the arrays of `mjData`, and the parts of their model.
 
 use gym::mujoco::tasks::{self, Simulated, Simulation};
-use gym::mujoco::{Data, simulated};
+use gym::mujoco::{Data, Revision, simulated};
 use gym::{BoxEnv, Error};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
@@ -90,7 +90,8 @@ fn matrix<'py, const N: usize>(
 }
 
 /// The parts of the model, and its stepping: its source, the text of a built-in one, initial
-/// positions, number of velocities, names of bodies, timestep. `None` for other environments.
+/// positions, number of velocities, names of bodies, timestep, and the version of MuJoCo with the
+/// names of all versions. `None` for other environments.
 pub(crate) fn model<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound<'py, PyDict>>> {
     let Some(env) = simulated(env) else {
         return Ok(None);
@@ -112,5 +113,11 @@ pub(crate) fn model<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound
     facts.set_item("bodies", &model.names.body)?;
     facts.set_item("timestep", model.opt.timestep)?;
     facts.set_item("frame_skip", frame_skip)?;
+    facts.set_item("mujoco", model.revision.name())?;
+    let versions = PyDict::new(py);
+    for revision in Revision::ALL {
+        versions.set_item(revision.name(), revision.versions())?;
+    }
+    facts.set_item("versions", versions)?;
     Ok(Some(facts))
 }

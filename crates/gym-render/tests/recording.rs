@@ -7,9 +7,15 @@ use std::time::{Duration, Instant};
 
 use gym_core::canvas::{Canvas, Color};
 use gym_core::render::{Frame, Metadata, RenderMode};
+use gym_core::vector::{Autoreset, SyncVectorEnv, VectorReset};
 use gym_core::wrappers::{Render, RenderCollection};
-use gym_core::{BoxEnv, Env, EnvExt, Error, Outcome, Reset, Result, Snapshot, Space};
-use gym_render::{RecordVideo, RecordVideoConfig, Recorder, Video, capped_cubic, write_video};
+use gym_core::{
+    BoxEnv, Env, EnvExt, Error, Outcome, Reset, Result, Snapshot, Space, Value, VectorEnv,
+    VectorEnvExt,
+};
+use gym_render::{
+    RecordVectorVideo, RecordVideo, RecordVideoConfig, Recorder, Video, capped_cubic, write_video,
+};
 use tempfile::TempDir;
 
 /// An environment that counts to 3 and shows the count as a bar.
@@ -252,6 +258,125 @@ fn recording_is_no_part_of_clones_and_snapshots() {
         counts(&folder.path().join("rl-video-episode-0.gif")),
         [0, 1, 2]
     );
+}
+
+/// Two sub-environments whose first one is recorded.
+fn recorded(folder: &Path, mode: Autoreset) -> RecordVectorVideo<SyncVectorEnv<Render<Count>>> {
+    let envs = SyncVectorEnv::new([drawn(), drawn()]).unwrap();
+    RecordVectorVideo::new(envs.with_autoreset(mode), folder)
+        .unwrap()
+        .first_only()
+}
+
+/// Steps a vector, and resets by a mask what is over and does not reset by itself.
+fn step_all(envs: &mut impl VectorEnv, steps: usize) {
+    for _ in 0..steps {
+        let columns = envs.step(&Value::from([0_i64, 0])).unwrap();
+        if envs.autoreset() == Autoreset::Disabled && columns.done(0) {
+            let mask = VectorReset::default().mask([true, true]);
+            envs.reset(mask).unwrap();
+        }
+    }
+}
+
+/// In the mode SameStep the frame of the step that ends an episode is the first of the next.
+#[test]
+fn episodes_of_a_vector_are_recorded_in_every_mode() {
+    for (mode, steps, frames) in [
+        (Autoreset::NextStep, 4, &[0, 1, 2, 3][..]),
+        (Autoreset::SameStep, 3, &[0, 1, 2]),
+        (Autoreset::Disabled, 3, &[0, 1, 2, 3]),
+    ] {
+        let folder = TempDir::new().unwrap();
+        let video = |episode| {
+            let name = format!("rl-video-episode-{episode}.gif");
+            folder.path().join(name)
+        };
+        let mut envs = recorded(folder.path(), mode).episode_trigger(|episode| episode != 2);
+        envs.reset(0).unwrap();
+        step_all(&mut envs, steps);
+        // the second is running, from its first frame on
+        assert_eq!(counts(&video(0)), frames, "{mode:?}");
+        step_all(&mut envs, steps - 1);
+        assert!(
+            envs.is_recording() || mode == Autoreset::NextStep,
+            "{mode:?}"
+        );
+        step_all(&mut envs, 1);
+        assert_eq!(counts(&video(1)), frames, "{mode:?}");
+        // the third is not wanted
+        assert!(!envs.is_recording(), "{mode:?}");
+        step_all(&mut envs, steps + 1);
+        assert!(envs.is_recording(), "{mode:?}");
+        drop(envs);
+        let expected = [0, 1, 3].map(|episode| format!("rl-video-episode-{episode}.gif"));
+        assert_eq!(names(folder.path()), expected, "{mode:?}");
+        assert_eq!(counts(&video(3)), frames[..2], "{mode:?}");
+    }
+}
+
+/// A recording of a number of frames goes on over the ends of episodes.
+#[test]
+fn a_recording_of_a_length_goes_on_over_episodes_of_a_vector() {
+    for (mode, frames) in [
+        (Autoreset::NextStep, [0, 1, 2, 3, 0, 1]),
+        (Autoreset::SameStep, [0, 1, 2, 0, 1, 2]),
+        (Autoreset::Disabled, [0, 1, 2, 3, 0, 1]),
+    ] {
+        let folder = TempDir::new().unwrap();
+        let mut envs = recorded(folder.path(), mode)
+            .episode_trigger(|episode| episode == 0)
+            .video_length(6);
+        envs.reset(0).unwrap();
+        step_all(&mut envs, 9);
+        assert!(!envs.is_recording());
+        assert_eq!(
+            counts(&folder.path().join("rl-video-episode-0.gif")),
+            frames,
+            "{mode:?}"
+        );
+    }
+}
+
+/// The episodes are those of the first sub-environment: a reset that leaves it out begins none.
+#[test]
+fn a_reset_of_another_sub_environment_begins_no_video() {
+    for mode in [
+        Autoreset::NextStep,
+        Autoreset::SameStep,
+        Autoreset::Disabled,
+    ] {
+        let folder = TempDir::new().unwrap();
+        let mut envs = recorded(folder.path(), mode);
+        envs.reset(0).unwrap();
+        step_all(&mut envs, 1);
+        envs.reset(VectorReset::default().mask([false, true]))
+            .unwrap();
+        step_all(&mut envs, 1);
+        assert_eq!(names(folder.path()).len(), 1, "{mode:?}");
+        // its own reset ends the video
+        envs.reset(VectorReset::default().mask([true, false]))
+            .unwrap();
+        let video = folder.path().join("rl-video-episode-0.gif");
+        // the frame that stays as it was is shown for longer
+        assert_eq!(counts(&video), [0, 1, 2], "{mode:?}");
+        envs.close();
+        let second = folder.path().join("rl-video-episode-1.gif");
+        assert_eq!(counts(&second), [0], "{mode:?}");
+    }
+}
+
+/// By the number of the step, also of one that ends an episode.
+#[test]
+fn steps_start_recordings_of_a_vector() {
+    let folder = TempDir::new().unwrap();
+    let mut envs = recorded(folder.path(), Autoreset::SameStep)
+        .step_trigger(|step| step == 2)
+        .name_prefix("late");
+    envs.reset(0).unwrap();
+    step_all(&mut envs, 7);
+    assert_eq!(names(folder.path()), ["late-step-2.gif"]);
+    assert_eq!(counts(&folder.path().join("late-step-2.gif")), [0, 1, 2]);
 }
 
 #[test]

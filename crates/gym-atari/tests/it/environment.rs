@@ -544,3 +544,37 @@ fn a_snapshot_of_another_rom_is_refused() {
     );
     env.restore(&serde_json::from_str(&text).unwrap()).unwrap();
 }
+
+/// A stick that is not a number is refused in every part, and so is an action of the other kind.
+/// What is refused plays no frame; a stick beyond its bounds is played.
+#[test]
+fn sticks_that_are_no_numbers_are_refused() {
+    use gym_atari::AtariAction::{Index, Stick};
+    let mut continuous = env(Config {
+        continuous: true,
+        ..Config::default()
+    });
+    continuous.reset(0).unwrap();
+    let frames = continuous.ale().frame_number();
+    for part in 0..3 {
+        for number in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            let mut stick = [0.0; 3];
+            stick[part] = number;
+            let error = continuous.step(&Stick(stick)).unwrap_err();
+            assert!(
+                matches!(error, Error::InvalidAction { .. }),
+                "{stick:?}: {error}"
+            );
+        }
+    }
+    assert!(continuous.step(&Index(0)).is_err());
+    assert_eq!(continuous.ale().frame_number(), frames);
+    continuous.step(&Stick([7.0, -9.0, -1.0])).unwrap();
+
+    let mut discrete = env(Config::default());
+    discrete.reset(0).unwrap();
+    let n = discrete.actions().len();
+    assert!(discrete.step(&Index(n - 1)).is_ok());
+    assert!(discrete.step(&Index(n)).is_err());
+    assert!(discrete.step(&Stick([0.0; 3])).is_err());
+}

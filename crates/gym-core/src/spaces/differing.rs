@@ -34,6 +34,7 @@ impl Space {
             (Self::Text(a), Self::Text(b)) => {
                 a.max_length() == b.max_length() && a.charset() == b.charset()
             }
+            (Self::Mission(a), Self::Mission(b)) => a == b,
             (Self::Tuple(a), Self::Tuple(b)) => all(a.spaces(), b.spaces()),
             (Self::OneOf(a), Self::OneOf(b)) => all(a.spaces(), b.spaces()),
             (Self::Dict(a), Self::Dict(b)) => {

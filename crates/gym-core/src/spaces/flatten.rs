@@ -153,7 +153,7 @@ impl Space {
                 // without a first number, zeros, which the flat space allows for
                 padding.fill(flat.first().copied().unwrap_or(int(0)));
             }
-            Self::Sequence(_) | Self::Graph(_) => {
+            Self::Sequence(_) | Self::Graph(_) | Self::Mission(_) => {
                 return Err(Fault::new("it does not flatten to an array"));
             }
         }
@@ -235,7 +235,7 @@ impl Space {
                     _ => Err(Fault::new("the first number is not the index of a space")),
                 }
             }
-            Self::Sequence(_) | Self::Graph(_) => {
+            Self::Sequence(_) | Self::Graph(_) | Self::Mission(_) => {
                 Err(Fault::new("it does not flatten to an array"))
             }
         }

@@ -59,7 +59,7 @@ impl Space {
                 Value::Int(_) => Ok(()),
                 _ => Err(Fault::kind("a whole number", value)),
             },
-            Self::Text(_) => match value {
+            Self::Text(_) | Self::Mission(_) => match value {
                 Value::Text(_) => Ok(()),
                 _ => Err(Fault::kind("a text", value)),
             },
@@ -127,7 +127,7 @@ impl Space {
                     .map(Value::Int)
                     .ok_or_else(|| Fault::new(format!("{number} does not fit int64")))
             }
-            Self::Text(_) => match json {
+            Self::Text(_) | Self::Mission(_) => match json {
                 Json::String(text) => Ok(Value::Text(text.clone())),
                 _ => Err(Fault::new("expected a string")),
             },

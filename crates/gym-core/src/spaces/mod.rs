@@ -14,6 +14,7 @@ mod flat_space;
 mod flatten;
 mod graph;
 pub(crate) mod json;
+mod mission;
 mod multi_binary;
 mod multi_discrete;
 mod one_of;
@@ -43,6 +44,7 @@ pub use box_space::BoxSpace;
 pub use dict::DictSpace;
 pub use discrete::Discrete;
 pub use graph::GraphSpace;
+pub use mission::MissionSpace;
 pub use multi_binary::MultiBinary;
 pub use multi_discrete::MultiDiscrete;
 pub use one_of::OneOfSpace;
@@ -65,6 +67,7 @@ use weight::Weight;
 /// | [`MultiDiscrete`] | arrays of integers, each from a range of its own |
 /// | [`MultiBinary`] | arrays of zeros and ones |
 /// | [`Text`](TextSpace) | strings |
+/// | [`Mission`](MissionSpace) | the sentences of a pattern |
 /// | [`Tuple`](TupleSpace), [`Dict`](DictSpace) | one element of each member space |
 /// | [`Sequence`](SequenceSpace) | any number of elements of one space |
 /// | [`Graph`](GraphSpace) | nodes and edges |
@@ -88,6 +91,7 @@ pub enum Space {
     MultiDiscrete(MultiDiscrete),
     MultiBinary(MultiBinary),
     Text(TextSpace),
+    Mission(MissionSpace),
     Tuple(TupleSpace),
     Dict(DictSpace),
     Sequence(SequenceSpace),
@@ -106,7 +110,7 @@ macro_rules! from {
 }
 from! {
     Box BoxSpace, Discrete Discrete, MultiDiscrete MultiDiscrete, MultiBinary MultiBinary, Text TextSpace,
-    Tuple TupleSpace, Dict DictSpace, Sequence SequenceSpace, Graph GraphSpace, OneOf OneOfSpace,
+    Mission MissionSpace,    Tuple TupleSpace, Dict DictSpace, Sequence SequenceSpace, Graph GraphSpace, OneOf OneOfSpace,
 }
 
 /// Evaluates `$body` with `$inner` bound to the inner space of any type.
@@ -118,6 +122,7 @@ macro_rules! each {
             Space::MultiDiscrete($inner) => $body,
             Space::MultiBinary($inner) => $body,
             Space::Text($inner) => $body,
+            Space::Mission($inner) => $body,
             Space::Tuple($inner) => $body,
             Space::Dict($inner) => $body,
             Space::Sequence($inner) => $body,
@@ -272,6 +277,7 @@ impl Space {
             Self::MultiDiscrete(space) => space.draw(&mut streams.own, selection, out),
             Self::MultiBinary(space) => space.draw(&mut streams.own, selection, out),
             Self::Text(space) => space.draw(&mut streams.own, selection, out),
+            Self::Mission(space) => space.draw(&mut streams.own, out),
             Self::Tuple(space) => space.draw(streams, selection, out),
             Self::Dict(space) => space.draw(streams, selection, out),
             Self::Sequence(space) => space.draw(streams, selection, out),

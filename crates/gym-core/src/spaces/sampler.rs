@@ -283,6 +283,7 @@ fn corner(space: &Space, high: bool) -> Value {
                     .collect(),
             )
         }
+        Space::Mission(space) => space.corner(high),
         Space::Tuple(space) => Value::Tuple(
             space
                 .spaces()

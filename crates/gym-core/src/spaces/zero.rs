@@ -33,6 +33,7 @@ impl Space {
                 let first = space.charset().first().copied().unwrap_or_default();
                 Value::Text(std::iter::repeat_n(first, space.min_length()).collect())
             }
+            Self::Mission(space) => space.corner(false),
             Self::Tuple(space) => Value::Tuple(
                 space
                     .spaces()

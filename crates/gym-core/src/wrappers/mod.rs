@@ -17,7 +17,7 @@ pub use record_episode_statistics::{EpisodeStatistics, RecordEpisodeStatistics};
 pub use registration::{WrapEnv, WrapVector, WrapperRegistration, wrappers};
 pub use render::Render;
 pub use render_collection::RenderCollection;
-pub use time_limit::TimeLimit;
+pub use time_limit::{StepCount, TimeLimit};
 
 /// The accessors of a [`Wrapper`](crate::Wrapper) whose inner environment is its field `inner`, of
 /// type `$inner`.

@@ -1,5 +1,6 @@
 //! Tests through the public interface.
 
+mod edges;
 mod lockstep;
 mod rare;
 mod rooms;

@@ -5,6 +5,7 @@
 //! All are the same [`Walk`] with one [`Fault`] or one twist. `broken/none-v0` has none.
 
 mod arguments;
+mod edges;
 mod fault;
 mod twisted;
 mod twists;

@@ -5,10 +5,11 @@ use std::fmt;
 use std::marker::PhantomData;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
 
 use gym_core::canvas::Canvas;
 use gym_core::render::Metadata;
-use gym_core::{Configure, Env, Generator, Outcome, Reset, Result, Snapshot, Space, Value};
+use gym_core::{Configure, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Space, Value};
 use serde_json::Value as Json;
 
 use crate::{Config, Fault, Walk};
@@ -38,6 +39,8 @@ pub(crate) struct Mind {
     pub(crate) own: u64,
     /// A generator other than the walk's.
     pub(crate) other: Option<Generator>,
+    /// When the episode began.
+    pub(crate) begun: Option<Instant>,
     /// The walk's observation, if the twist shows another one.
     pub(crate) seen: Value,
 }
@@ -89,12 +92,12 @@ pub(crate) trait Twist: Sized + 'static {
 
     /// Like [`Env::snapshot`].
     fn snapshot(env: &Twisted<Self>) -> Result<Snapshot> {
-        env.walk.snapshot()
+        env.stored()
     }
 
     /// Like [`Env::restore`].
     fn restore(env: &mut Twisted<Self>, snapshot: &Snapshot) -> Result<()> {
-        env.walk.restore(snapshot)
+        env.restore_stored(snapshot)
     }
 
     /// Like [`Env::info`].
@@ -121,6 +124,11 @@ pub(crate) trait Twist: Sized + 'static {
     fn generator(env: &mut Twisted<Self>) -> Option<&mut Generator> {
         env.walk.generator()
     }
+
+    /// As [`Env::close`].
+    fn close(env: &mut Twisted<Self>) {
+        env.walk.close();
+    }
 }
 
 /// The arguments of a [`Twisted`] walk.
@@ -146,15 +154,44 @@ impl<T: Twist> Twisted<T> {
         })
     }
 
-    /// Returns a snapshot of the walk and its age.
+    /// The arguments as data; nothing if there are none.
+    fn own_arguments(&self) -> Json {
+        serde_json::to_value(&self.arguments).unwrap_or_default()
+    }
+
+    /// The state of the walk, and the arguments if there are some.
+    pub(crate) fn stored(&self) -> Result<Snapshot> {
+        let walk = self.walk.snapshot()?;
+        match self.own_arguments() {
+            Json::Object(arguments) if !arguments.is_empty() => {
+                Snapshot::of(&(walk.get::<Json>()?, arguments))
+            }
+            _ => Ok(walk),
+        }
+    }
+
+    /// Restores the result of [`Self::stored`].
+    pub(crate) fn restore_stored(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let own = self.own_arguments();
+        if own.as_object().is_none_or(serde_json::Map::is_empty) {
+            return self.walk.restore(snapshot);
+        }
+        let (walk, arguments) = snapshot.get::<(Json, Json)>()?;
+        if arguments != own {
+            return Err(Error::Snapshot("it was taken with other arguments".into()));
+        }
+        self.walk.restore(&Snapshot::of(&walk)?)
+    }
+
+    /// Returns the walk's [`Self::stored`] and its age.
     pub(crate) fn snapshot_with_age(&self) -> Result<Snapshot> {
-        Snapshot::of(&(self.walk.snapshot()?.get::<Json>()?, self.mind.age))
+        Snapshot::of(&(self.stored()?.get::<Json>()?, self.mind.age))
     }
 
     /// Restores the result of [`Self::snapshot_with_age`].
     pub(crate) fn restore_with_age(&mut self, snapshot: &Snapshot) -> Result<()> {
         let (walk, age) = snapshot.get::<(Json, u64)>()?;
-        self.walk.restore(&Snapshot::of(&walk)?)?;
+        self.restore_stored(&Snapshot::of(&walk)?)?;
         self.mind.age = age;
         Ok(())
     }
@@ -217,6 +254,7 @@ impl<T: Twist> Env for Twisted<T> {
             self.mind.age = 0;
         }
         self.mind.looked.set(0);
+        self.mind.begun = Some(Instant::now());
         T::reset(self, reset, observation)?;
         (self.mind.is_begun, self.mind.is_over) = (true, false);
         Ok(())
@@ -256,5 +294,9 @@ impl<T: Twist> Env for Twisted<T> {
 
     fn generator(&mut self) -> Option<&mut Generator> {
         T::generator(self)
+    }
+
+    fn close(&mut self) {
+        T::close(self);
     }
 }

@@ -43,6 +43,8 @@ macro_rules! twists {
     (@ $Arguments:ident) => { $Arguments };
 }
 
+pub(crate) use twists;
+
 /// Draws the walk, and then `draw` on top.
 fn drawn_too<T: Twist>(env: &Of<T>, canvas: &mut dyn Canvas, draw: impl FnOnce(&mut dyn Canvas)) {
     env.walk.draw(canvas);
@@ -120,7 +122,7 @@ twists! {
             if env.arguments.number.abs() > 1e3 {
                 return Err(Error::Snapshot("a size that no walk has".into()));
             }
-            env.walk.restore(snapshot)
+            env.restore_stored(snapshot)
         }
     }
 
@@ -731,7 +733,7 @@ fn without_numbers<T: Twist>(
 }
 
 /// Resets with another seed, if the seed has at most 64 bits.
-fn with_seed<T: Twist>(
+pub(crate) fn with_seed<T: Twist>(
     env: &mut Of<T>,
     reset: &Reset,
     other: impl Fn(u64) -> u64,

@@ -141,6 +141,138 @@ fn a_limit_that_is_lost_on_the_way_is_seen_without_a_registration() {
     assert_eq!(check(false), ["time-limit"]);
 }
 
+/// What a wrapper of one's own does to the end of an episode.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Ends {
+    /// Truncates after that many steps.
+    After(u32),
+    /// Truncates where the walk is to the right of that place.
+    RightOf(f32),
+    /// Begins the next episode in the step that ends one.
+    Resets,
+    /// Begins the next episode in place of showing the end.
+    ResetsInside,
+    /// Repeats each action that many times.
+    Repeats(u32),
+}
+
+/// A wrapper without a stored form, so that nothing but the environment itself tells of its limit.
+#[derive(Clone, Debug)]
+struct Own {
+    env: BoxEnv,
+    ends: Ends,
+    steps: u32,
+}
+
+impl gym_core::Wrapper for Own {
+    type Inner = BoxEnv;
+    type Observation = Value;
+    type Action = Value;
+
+    fn inner(&self) -> &BoxEnv {
+        &self.env
+    }
+
+    fn inner_mut(&mut self) -> &mut BoxEnv {
+        &mut self.env
+    }
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
+        self.steps = 0;
+        self.env.reset_into(reset, observation)
+    }
+
+    fn step_into(&mut self, action: &Value, observation: &mut Value) -> Result<Outcome> {
+        let mut outcome = self.env.step_into(action, observation)?;
+        self.steps += 1;
+        match self.ends {
+            Ends::After(steps) => outcome.truncated |= self.steps >= steps,
+            Ends::RightOf(place) => {
+                let seen = observation
+                    .as_array()
+                    .and_then(|seen| seen.as_slice::<f32>());
+                outcome.truncated |= seen.is_some_and(|seen| seen[0] > place);
+            }
+            Ends::Resets | Ends::ResetsInside if outcome.done() => {
+                self.env.reset_into(&Reset::default(), observation)?;
+                if self.ends == Ends::ResetsInside {
+                    (outcome.terminated, outcome.truncated) = (false, false);
+                }
+            }
+            Ends::Resets | Ends::ResetsInside => {}
+            Ends::Repeats(times) => {
+                for _ in 1..times {
+                    if !outcome.done() {
+                        outcome = self.env.step_into(action, observation)?;
+                    }
+                }
+            }
+        }
+        Ok(outcome)
+    }
+
+    fn snapshot(&self) -> Result<gym_core::Snapshot> {
+        gym_core::Snapshot::of(&(self.env.snapshot()?, self.steps))
+    }
+
+    fn restore(&mut self, snapshot: &gym_core::Snapshot) -> Result<()> {
+        let (env, steps) = snapshot.get()?;
+        self.env.restore(&env)?;
+        self.steps = steps;
+        Ok(())
+    }
+}
+
+/// The count of a time limit shows who ends episodes, in every stack that has one: around what
+/// `make` returns, and around a limit inside or outside of a wrapper.
+#[test]
+fn wrappers_that_end_episodes_by_themselves_are_seen() {
+    let flagged = |limits: &[u32], ends: Ends| {
+        let findings = gym_conform::check(|| {
+            let walk = broken_envs::Walk::<broken_envs::Config>::new(broken_envs::Fault::None)?;
+            let mut env = BoxEnv::new(walk);
+            for limit in limits {
+                env = BoxEnv::new(TimeLimit::new(env, *limit)?);
+            }
+            Ok(BoxEnv::new(Own {
+                env,
+                ends,
+                steps: 0,
+            }))
+        });
+        // the count of its own is restored as it was stored, and a reset within a step allocates
+        let others = ["snapshot-legal", "no-allocation"];
+        let checks = findings.iter().map(|finding| finding.check);
+        checks
+            .filter(|check| !others.contains(check))
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(flagged(&[9], Ends::After(5)), ["time-limit"]);
+    assert_eq!(flagged(&[9], Ends::Resets), ["time-limit"]);
+    assert_eq!(flagged(&[9], Ends::ResetsInside), ["time-limit"]);
+    // their sound twins: a reason of its own, a limit that others reach first, fewer outer steps
+    assert_eq!(flagged(&[9], Ends::RightOf(0.3)), [""; 0]);
+    assert_eq!(flagged(&[5, 9], Ends::After(100)), [""; 0]);
+    assert_eq!(flagged(&[9, 5], Ends::After(100)), [""; 0]);
+    assert_eq!(flagged(&[9], Ends::Repeats(2)), [""; 0]);
+
+    // what `make` returns is one type for each environment
+    let made = |ends| {
+        gym_conform::check(|| {
+            let env = gym_core::make("broken/none-v0")?;
+            Ok(BoxEnv::new(Own {
+                env,
+                ends,
+                steps: 0,
+            }))
+        })
+    };
+    let has_limit =
+        |findings: Vec<Finding>| findings.iter().any(|finding| finding.check == "time-limit");
+    assert!(has_limit(made(Ends::After(5))) && has_limit(made(Ends::ResetsInside)));
+    assert!(!has_limit(made(Ends::Repeats(3))) && !has_limit(made(Ends::RightOf(0.3))));
+}
+
 #[test]
 fn what_make_puts_around_an_environment_hides_nothing() {
     for name in [

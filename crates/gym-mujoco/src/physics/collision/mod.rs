@@ -6,6 +6,7 @@
 mod capsule_cylinder;
 mod epa;
 mod gjk;
+mod on_end;
 mod primitive;
 
 use super::spatial::{Mat3, Vec3, add_scaled, column, cross, dot, norm, normalize, sub};
@@ -71,11 +72,18 @@ pub fn collision(m: &Model, d: &mut Data) {
                 primitive::sphere_capsule(a, b, pair.margin, &mut push);
             }
             (GeomType::Capsule, GeomType::Capsule) => {
-                primitive::capsule_capsule(a, b, pair.margin, &mut push);
+                primitive::capsule_capsule(a, b, pair.margin, m.revision, &mut push);
             }
             (GeomType::Capsule, GeomType::Cylinder) => {
                 let apart = 1e-3 * m.geom_rbound[pair.geom[0]].min(m.geom_rbound[pair.geom[1]]);
-                capsule_cylinder::capsule_cylinder(a, b, pair.margin, apart, polytope, &mut push);
+                capsule_cylinder::capsule_cylinder(
+                    a,
+                    b,
+                    pair.margin,
+                    apart,
+                    (m.revision, polytope),
+                    &mut push,
+                );
             }
             _ => {} // refused by Model::new
         }

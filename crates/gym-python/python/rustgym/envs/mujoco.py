@@ -8,8 +8,10 @@ as another model, hands the environment over: from then on the package steps it,
 from __future__ import annotations
 
 import json
-from functools import cached_property
+import os
+from functools import cache, cached_property
 from importlib import import_module
+from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from types import MethodType
 from typing import Any
@@ -54,6 +56,28 @@ _INFO_TYPES: dict[str, dict[str, Any]] = {
     **dict.fromkeys(["Ant", "HalfCheetah", "Hopper", "Pusher", "Reacher", "Swimmer", "Walker2d"], {"reward_ctrl": np.float32}),
     "InvertedPendulum": {"reward_survive": np.int64},
 }
+
+
+@cache
+def _installed() -> str | None:
+    """The version of MuJoCo's Python package, with whose numbers Gymnasium plays."""
+    try:
+        return version("mujoco")
+    except PackageNotFoundError:
+        return None
+
+
+def _is_of(installed: str, versions: list[str]) -> bool:
+    return installed in versions or ".".join(installed.split(".")[:2]) in versions
+
+
+@cache
+def _tell_other(own: str, installed: str, name: str | None) -> None:
+    """Logs, once, that Gymnasium has other numbers here."""
+    hint = f'make it with mujoco="{name}" for these' if name else "whose numbers rustgym does not repeat"
+    gymnasium.logger.warn(
+        f"the environment has the numbers of MuJoCo {own}, and Gymnasium has those of the installed mujoco {installed}: {hint}"
+    )
 
 
 def info_types(env_id: str) -> dict[str, Any]:
@@ -140,6 +164,10 @@ class MujocoEnv(ClassEnv):
             self._theirs().__init__(self, *args, **kwargs)
             return
         super().__init__(*args, **kwargs)
+        if (installed := _installed()) is not None:
+            version, versions = self._made_of["mujoco"], self._made_of["versions"]
+            if not _is_of(installed, versions[version]):
+                _tell_other(version, installed, next((name for name in versions if _is_of(installed, versions[name])), None))
         own = (vars(cls) for cls in type(self).__mro__[: type(self).__mro__.index(MujocoEnv)])
         self._overrides = any(isinstance(found, _Borrowed) for names in own for found in map(vars(MujocoEnv).get, names))
         if self._overrides:

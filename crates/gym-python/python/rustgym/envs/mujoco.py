@@ -8,7 +8,6 @@ as another model, hands the environment over: from then on the package steps it,
 from __future__ import annotations
 
 import json
-import os
 from functools import cache, cached_property
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
@@ -65,6 +64,10 @@ def _installed() -> str | None:
         return version("mujoco")
     except PackageNotFoundError:
         return None
+
+
+# whether a version of the package and one that was asked for have the same numbers
+_AGREE: dict[tuple[str, str], bool] = {}
 
 
 def _is_of(installed: str, versions: list[str]) -> bool:
@@ -164,14 +167,21 @@ class MujocoEnv(ClassEnv):
             self._theirs().__init__(self, *args, **kwargs)
             return
         super().__init__(*args, **kwargs)
-        if (installed := _installed()) is not None:
-            version, versions = self._made_of["mujoco"], self._made_of["versions"]
-            if not _is_of(installed, versions[version]):
-                _tell_other(version, installed, next((name for name in versions if _is_of(installed, versions[name])), None))
+        if (installed := _installed()) is not None and not self._is_of_version(installed):
+            versions = self._made_of["versions"]
+            name = next((name for name in versions if _is_of(installed, versions[name])), None)
+            _tell_other(self._made_of["mujoco"], installed, name)
         own = (vars(cls) for cls in type(self).__mro__[: type(self).__mro__.index(MujocoEnv)])
         self._overrides = any(isinstance(found, _Borrowed) for names in own for found in map(vars(MujocoEnv).get, names))
         if self._overrides:
             self._hand_over("a method that Gymnasium's task calls", warn=False)
+
+    def _is_of_version(self, installed: str) -> bool:
+        """Whether a version of MuJoCo's package has the numbers of this environment."""
+        key = installed, str(self.arguments.get("mujoco"))
+        if key not in _AGREE:
+            _AGREE[key] = _is_of(installed, self._made_of["versions"][self._made_of["mujoco"]])
+        return _AGREE[key]
 
     @classmethod
     def _theirs(cls) -> Any:
@@ -361,13 +371,13 @@ class MujocoEnv(ClassEnv):
         """From now on MuJoCo's package steps the environment."""
         if self._is_handed:
             return
-        version = str(self.arguments.get("mujoco") or "3.12")
+        version = self._made_of["mujoco"]
         if not _has_package():
             raise gymnasium.error.DependencyNotInstalled(
-                f"{cause} was changed, which needs the package mujoco: run `pip install mujoco=={version}`"
+                f"{cause} was changed, which needs the package mujoco: run `pip install mujoco=={version}.*`"
             )
-        installed = import_module("mujoco").__version__
-        if installed.split(".")[:2] != version.split("."):
+        installed = str(_installed())
+        if not self._is_of_version(installed):
             raise gymnasium.error.Error(
                 f"{cause} was changed: MuJoCo's package would have to step the environment, and {installed} is installed, while "
                 f"this environment computes as {version}: make it with mujoco={'.'.join(installed.split('.')[:2])!r}"

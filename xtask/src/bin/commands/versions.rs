@@ -5,7 +5,7 @@ use std::fmt::Write;
 use std::path::Path;
 
 use gym::mujoco::Revision;
-use gym::{Env, EnvExt, Error, Registration, Result, Value, builder, registry};
+use gym::{EnvExt, Error, Registration, Result, Value, builder, registry};
 
 use gym_cli::Document;
 
@@ -66,7 +66,7 @@ fn first_differences(registration: &Registration) -> Result<[Option<usize>; 3]> 
         }
         found.iter().all(Option::is_some)
     };
-    let mut reset = |envs: &mut [gym::BoxEnv], seed: Option<u64>| -> Result<[Vec<f64>; 2]> {
+    let reset = |envs: &mut [gym::BoxEnv], seed: Option<u64>| -> Result<[Vec<f64>; 2]> {
         let mut seen = envs.iter_mut().map(|env| {
             let observation = match seed {
                 Some(seed) => env.reset(seed),

@@ -87,7 +87,7 @@ class Mirror:
         return (self._options(self._opt), *[span.tobytes() for span in self._spans])
 
     def follow(self, native: Any, is_reset: bool) -> None:
-        """Brings the data to what it is in Gymnasium after a reset or step: that of the engine's last call, of the package's own making."""
+        """Brings the data to what it is in Gymnasium after a reset or step: the package repeats the engine's last call."""
         mujoco, model, data = _library(), self.model, self.data
         calls = native.mujoco_before()
         if is_reset:

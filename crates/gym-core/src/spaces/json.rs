@@ -2,7 +2,6 @@
 
 use serde_json::{Map, Value as Json, json};
 
-use crate::value::array::Array;
 use crate::value::number::Number;
 use crate::value::stored::plain::{
     check_length, list, read_array, read_number, rows, write_number,

@@ -199,7 +199,7 @@ pub(super) struct Streams {
 
 impl Streams {
     /// Gymnasium's `Space.seed`: the generator of a space draws the seeds of its members.
-    fn new(space: &Space, seed: &Seed) -> Self {
+    pub(super) fn new(space: &Space, seed: &Seed) -> Self {
         let mut own = Generator::new(seed);
         let mut member = |space| {
             let seed = own.integers(0, i32::MAX.into());

@@ -1,0 +1,112 @@
+//! GoToDoor: go to the door that the mission names, and say done.
+//!
+//! | | |
+//! |---|---|
+//! | observation | `image`: kind, colour and state of the 7 by 7 cells before the agent; `direction`; `mission` |
+//! | action | [`Action`] |
+//! | reward | `1 - 0.9 * steps / max_steps` for `done` beside the door, else 0 |
+//! | start | a room of random size with four doors, the agent at random |
+//! | end | terminated by `done` and by `toggle` |
+//! | limit | `4 * size * size` steps |
+//!
+//! Source: minigrid 3.2.0, `envs/gotodoor.py`.
+
+use gym_core::{Generator, Outcome, Result};
+
+use super::{ids, square};
+use crate::draft::Area;
+use crate::level::{Level, Rules, View, refuse};
+use crate::{Action, Cell, Color, Draft, GridEnv, Making, Pos, State, World};
+
+/// The environment.
+pub type GoToDoorEnv = GridEnv<GoToDoor>;
+
+gym_core::arguments! {
+    /// Arguments.
+    #[derive(Eq)]
+    pub struct GoToDoor {
+        /// Columns and rows of the grid, walls included: at least 5.
+        pub size: u32 = 5,
+        /// The arguments of every task.
+        #[flatten]
+        pub view: View,
+    }
+}
+
+impl Level for GoToDoor {
+    type Action = Action;
+    type Memory = Pos;
+
+    const NAME: &'static str = "GoToDoor";
+
+    fn view(&self) -> &View {
+        &self.view
+    }
+
+    fn rules(&self) -> Result<Rules> {
+        if self.size < 5 {
+            return refuse::<Self, _>(format!("size is {}: it is at least 5", self.size));
+        }
+        let rules = Rules::new(
+            self.size,
+            self.size,
+            square(self.size).saturating_mul(4),
+            "",
+        )
+        .see_through();
+        rules.missions("go to the {} door", [Color::names()])
+    }
+
+    fn generate(&self, draft: &mut Draft<'_>) -> Making<Pos> {
+        let width = draft.int(5, draft.width() + 1)?;
+        let height = draft.int(5, draft.height() + 1)?;
+        draft.world.grid.wall_rect(0, 0, width, height);
+        let doors = [
+            Pos::new(draft.int(2, width - 2)?, 0),
+            Pos::new(draft.int(2, width - 2)?, height - 1),
+            Pos::new(0, draft.int(2, height - 2)?),
+            Pos::new(width - 1, draft.int(2, height - 2)?),
+        ];
+        let mut colors = Vec::new();
+        while colors.len() < doors.len() {
+            let color = draft.color()?;
+            if !colors.contains(&color) {
+                colors.push(color);
+            }
+        }
+        for (pos, color) in doors.into_iter().zip(&colors) {
+            draft.put(pos, Cell::door(*color, State::Closed));
+        }
+        draft.place_agent_in(Area::new(0, 0, width, height), u32::MAX)?;
+        let index = draft.int(0, doors.len() as i32)? as usize;
+        draft.mission(format!("go to the {} door", colors[index].name()));
+        Ok(doors[index])
+    }
+
+    fn step(
+        &self,
+        world: &mut World,
+        target: &mut Pos,
+        action: Action,
+        _rng: &mut Generator,
+    ) -> Outcome {
+        let mut outcome = world.step(action);
+        outcome.terminated |= matches!(action, Action::Toggle | Action::Done);
+        if action == Action::Done && world.agent.distance(*target) == 1 {
+            outcome.reward = world.reward();
+        }
+        outcome
+    }
+
+    fn remembers(&self, world: &World, target: &Pos) -> bool {
+        world.grid.contains(*target)
+    }
+}
+
+const SENTENCE: &str = "Go to the door that the mission names, and say done.";
+
+ids! { GoToDoor:
+    "MiniGrid-GoToDoor-5x5-v0", SENTENCE, "{}";
+    "MiniGrid-GoToDoor-6x6-v0", SENTENCE, r#"{"size": 6}"#;
+    "MiniGrid-GoToDoor-8x8-v0", SENTENCE, r#"{"size": 8}"#;
+}

@@ -1,0 +1,95 @@
+//! GoToObject: go to the object that the mission names, and say done.
+//!
+//! | | |
+//! |---|---|
+//! | observation | `image`: kind, colour and state of the 7 by 7 cells before the agent; `direction`; `mission` |
+//! | action | [`Action`] |
+//! | reward | `1 - 0.9 * steps / max_steps` for `done` beside the place of the object, else 0 |
+//! | start | objects and the agent at random |
+//! | end | terminated by `done` and by `toggle` |
+//! | limit | `5 * size * size` steps |
+//!
+//! Source: minigrid 3.2.0, `envs/gotoobject.py`.
+
+#![expect(non_snake_case, reason = "an argument has minigrid's name")]
+
+use gym_core::{Generator, Outcome, Result};
+
+use super::{describe, distinct_objects, ids, names, square};
+use crate::level::{Level, Rules, View};
+use crate::rooms::KINDS;
+use crate::{Action, Color, Draft, GridEnv, Making, Pos, World};
+
+/// The environment.
+pub type GoToObjectEnv = GridEnv<GoToObject>;
+
+gym_core::arguments! {
+    /// Arguments.
+    #[derive(Eq)]
+    pub struct GoToObject {
+        /// Columns and rows of the grid, walls included.
+        pub size: u32 = 6,
+        /// The number of objects.
+        pub numObjs: u32 = 2,
+        /// The arguments of every task.
+        #[flatten]
+        pub view: View,
+    }
+}
+
+impl Level for GoToObject {
+    type Action = Action;
+    type Memory = Pos;
+
+    const NAME: &'static str = "GoToObject";
+
+    fn view(&self) -> &View {
+        &self.view
+    }
+
+    fn rules(&self) -> Result<Rules> {
+        let rules = Rules::new(
+            self.size,
+            self.size,
+            square(self.size).saturating_mul(5),
+            "",
+        )
+        .see_through();
+        rules.missions("go to the {} {}", [Color::names(), names(&KINDS)])
+    }
+
+    fn generate(&self, draft: &mut Draft<'_>) -> Making<Pos> {
+        draft.world.grid.surround();
+        let objects = distinct_objects(draft, self.numObjs, |_, _| true)?;
+        draft.place_agent()?;
+        let (target, pos) = draft.pick(&objects)?;
+        draft.mission(format!("go to the {}", describe(target)));
+        Ok(pos)
+    }
+
+    fn step(
+        &self,
+        world: &mut World,
+        target: &mut Pos,
+        action: Action,
+        _rng: &mut Generator,
+    ) -> Outcome {
+        let mut outcome = world.step(action);
+        outcome.terminated |= matches!(action, Action::Toggle | Action::Done);
+        if action == Action::Done && world.agent.distance(*target) == 1 {
+            outcome.reward = world.reward();
+        }
+        outcome
+    }
+
+    fn remembers(&self, world: &World, target: &Pos) -> bool {
+        world.grid.contains(*target)
+    }
+}
+
+const SENTENCE: &str = "Go to the object that the mission names, and say done.";
+
+ids! { GoToObject:
+    "MiniGrid-GoToObject-6x6-N2-v0", SENTENCE, "{}";
+    "MiniGrid-GoToObject-8x8-N2-v0", SENTENCE, r#"{"size": 8, "numObjs": 2}"#;
+}

@@ -1,0 +1,118 @@
+//! PutNear: put an object near another one.
+//!
+//! | | |
+//! |---|---|
+//! | observation | `image`: kind, colour and state of the 7 by 7 cells before the agent; `direction`; `mission` |
+//! | action | [`Action`] |
+//! | reward | `1 - 0.9 * steps / max_steps` for the right object dropped beside the other, else 0 |
+//! | start | objects, none beside another, and the agent at random |
+//! | end | terminated by picking up a wrong object, and by dropping one |
+//! | limit | `5 * size` steps |
+//!
+//! Source: minigrid 3.2.0, `envs/putnear.py`.
+
+#![expect(non_snake_case, reason = "an argument has minigrid's name")]
+
+use gym_core::{Generator, Outcome, Result};
+
+use super::{describe, distinct_objects, ids, is_alike, names};
+use crate::level::{Level, Rules, View};
+use crate::rooms::KINDS;
+use crate::{Action, Cell, Color, Draft, GridEnv, Making, Pos, World};
+
+/// The environment.
+pub type PutNearEnv = GridEnv<PutNear>;
+
+gym_core::arguments! {
+    /// Arguments.
+    #[derive(Eq)]
+    pub struct PutNear {
+        /// Columns and rows of the grid, walls included.
+        pub size: u32 = 6,
+        /// The number of objects: at least 2.
+        pub numObjs: u32 = 2,
+        /// The arguments of every task.
+        #[flatten]
+        pub view: View,
+    }
+}
+
+impl Level for PutNear {
+    type Action = Action;
+    type Memory = (Cell, Pos);
+
+    const NAME: &'static str = "PutNear";
+
+    fn view(&self) -> &View {
+        &self.view
+    }
+
+    fn rules(&self) -> Result<Rules> {
+        if self.numObjs < 2 {
+            return crate::level::refuse::<Self, _>(format!(
+                "numObjs is {}: at least 2 are needed",
+                self.numObjs
+            ));
+        }
+        let rules = Rules::new(self.size, self.size, self.size.saturating_mul(5), "").see_through();
+        let words = [Color::names(), names(&KINDS), Color::names(), names(&KINDS)];
+        rules.missions("put the {} {} near the {} {}", words)
+    }
+
+    fn generate(&self, draft: &mut Draft<'_>) -> Making<(Cell, Pos)> {
+        draft.world.grid.surround();
+        let objects = distinct_objects(draft, self.numObjs, |objects, pos| {
+            !objects.iter().any(|(_, other)| pos.is_near(*other))
+        })?;
+        draft.place_agent()?;
+        let index = draft.int(0, objects.len() as i32)?;
+        let target = loop {
+            let target = draft.int(0, objects.len() as i32)?;
+            if target != index {
+                break target as usize;
+            }
+        };
+        let (moved, (target, pos)) = (objects[index as usize].0, objects[target]);
+        draft.mission(format!(
+            "put the {} near the {}",
+            describe(moved),
+            describe(target)
+        ));
+        Ok((moved, pos))
+    }
+
+    fn step(
+        &self,
+        world: &mut World,
+        (moved, target): &mut (Cell, Pos),
+        action: Action,
+        _rng: &mut Generator,
+    ) -> Outcome {
+        let before = world.carrying;
+        let mut outcome = world.step(action);
+        if action == Action::Pickup
+            && !world.carrying.is_empty()
+            && !is_alike(world.carrying, *moved)
+        {
+            outcome.terminated = true;
+        }
+        if action == Action::Drop && !before.is_empty() {
+            if world.front() == before && world.front_pos().is_near(*target) {
+                outcome.reward = world.reward();
+            }
+            outcome.terminated = true;
+        }
+        outcome
+    }
+
+    fn remembers(&self, world: &World, (moved, target): &(Cell, Pos)) -> bool {
+        moved.is_valid(world.things.len()) && world.grid.contains(*target)
+    }
+}
+
+const SENTENCE: &str = "Put an object near another one.";
+
+ids! { PutNear:
+    "MiniGrid-PutNear-6x6-N2-v0", SENTENCE, "{}";
+    "MiniGrid-PutNear-8x8-N3-v0", SENTENCE, r#"{"size": 8, "numObjs": 3}"#;
+}

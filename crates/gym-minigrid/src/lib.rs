@@ -27,6 +27,7 @@
 pub mod babyai;
 mod cell;
 mod draft;
+mod env;
 mod grid;
 pub mod level;
 mod picture;
@@ -37,8 +38,9 @@ mod world;
 
 pub use cell::{Cell, Color, Kind, State};
 pub use draft::{Area, Draft, Making, Stop};
+pub use env::{Facts, GridEnv, Nothing, register};
 pub use grid::{Grid, Pos};
-pub use level::{GridEnv, Level};
+pub use level::Level;
 pub use world::{Action, World};
 
 /// The example of the README, compiled and run.

@@ -11,8 +11,8 @@
 //!
 //! Source: minigrid 3.2.0, `envs/babyai/goto.py`.
 
-use super::level_gen::{Form, Task};
-use super::{Desc, Instr, LevelGen, Maze, Plan, all_reachable, babyai, check_reachable};
+use super::level_gen::Task;
+use super::{Desc, Instr, LevelGen, Maze, babyai, check_reachable};
 use crate::rooms::Rooms;
 use crate::tasks::ids;
 use crate::{Cell, Color, Kind, Making, State, Stop};
@@ -238,66 +238,68 @@ babyai! {
     };
 }
 
-ids! { GoToRedBallGrey:
-    "BabyAI-GoToRedBallGrey-v0", "Go to the red ball among grey objects.", "{}";
+ids! { GoToRedBallGrey, "Go to the red ball among grey objects.":
+    "BabyAI-GoToRedBallGrey-v0", "{}";
 }
 
-ids! { GoToRedBall:
-    "BabyAI-GoToRedBall-v0", "Go to the red ball.", "{}";
-    "BabyAI-GoToRedBallNoDists-v0", "Go to the red ball.", r#"{"num_dists": 0}"#;
+ids! { GoToRedBall, "Go to the red ball.":
+    "BabyAI-GoToRedBall-v0", "{}";
+    "BabyAI-GoToRedBallNoDists-v0", r#"{"num_dists": 0}"#;
 }
 
-ids! { GoToObj:
-    "BabyAI-GoToObj-v0", "Go to the only object.", "{}";
-    "BabyAI-GoToObjS4-v0", "Go to the only object.", r#"{"room_size": 4}"#;
-    "BabyAI-GoToObjS6-v1", "Go to the only object.", r#"{"room_size": 6}"#;
+ids! { GoToObj, "Go to the only object.":
+    "BabyAI-GoToObj-v0", "{}";
+    "BabyAI-GoToObjS4-v0", r#"{"room_size": 4}"#;
+    "BabyAI-GoToObjS6-v1", r#"{"room_size": 6}"#;
 }
 
-ids! { GoToLocal:
-    "BabyAI-GoToLocal-v0", "Go to an object in the room.", "{}";
-    "BabyAI-GoToLocalS5N2-v0", "Go to an object in the room.", r#"{"room_size": 5, "num_dists": 2}"#;
-    "BabyAI-GoToLocalS6N2-v0", "Go to an object in the room.", r#"{"room_size": 6, "num_dists": 2}"#;
-    "BabyAI-GoToLocalS6N3-v0", "Go to an object in the room.", r#"{"room_size": 6, "num_dists": 3}"#;
-    "BabyAI-GoToLocalS6N4-v0", "Go to an object in the room.", r#"{"room_size": 6, "num_dists": 4}"#;
-    "BabyAI-GoToLocalS7N4-v0", "Go to an object in the room.", r#"{"room_size": 7, "num_dists": 4}"#;
-    "BabyAI-GoToLocalS7N5-v0", "Go to an object in the room.", r#"{"room_size": 7, "num_dists": 5}"#;
-    "BabyAI-GoToLocalS8N2-v0", "Go to an object in the room.", r#"{"room_size": 8, "num_dists": 2}"#;
-    "BabyAI-GoToLocalS8N3-v0", "Go to an object in the room.", r#"{"room_size": 8, "num_dists": 3}"#;
-    "BabyAI-GoToLocalS8N4-v0", "Go to an object in the room.", r#"{"room_size": 8, "num_dists": 4}"#;
-    "BabyAI-GoToLocalS8N5-v0", "Go to an object in the room.", r#"{"room_size": 8, "num_dists": 5}"#;
-    "BabyAI-GoToLocalS8N6-v0", "Go to an object in the room.", r#"{"room_size": 8, "num_dists": 6}"#;
-    "BabyAI-GoToLocalS8N7-v0", "Go to an object in the room.", r#"{"room_size": 8, "num_dists": 7}"#;
+ids! { GoToLocal, "Go to an object in the room.":
+    "BabyAI-GoToLocal-v0", "{}";
+    "BabyAI-GoToLocalS5N2-v0", r#"{"room_size": 5, "num_dists": 2}"#;
+    "BabyAI-GoToLocalS6N2-v0", r#"{"room_size": 6, "num_dists": 2}"#;
+    "BabyAI-GoToLocalS6N3-v0", r#"{"room_size": 6, "num_dists": 3}"#;
+    "BabyAI-GoToLocalS6N4-v0", r#"{"room_size": 6, "num_dists": 4}"#;
+    "BabyAI-GoToLocalS7N4-v0", r#"{"room_size": 7, "num_dists": 4}"#;
+    "BabyAI-GoToLocalS7N5-v0", r#"{"room_size": 7, "num_dists": 5}"#;
+    "BabyAI-GoToLocalS8N2-v0", r#"{"room_size": 8, "num_dists": 2}"#;
+    "BabyAI-GoToLocalS8N3-v0", r#"{"room_size": 8, "num_dists": 3}"#;
+    "BabyAI-GoToLocalS8N4-v0", r#"{"room_size": 8, "num_dists": 4}"#;
+    "BabyAI-GoToLocalS8N5-v0", r#"{"room_size": 8, "num_dists": 5}"#;
+    "BabyAI-GoToLocalS8N6-v0", r#"{"room_size": 8, "num_dists": 6}"#;
+    "BabyAI-GoToLocalS8N7-v0", r#"{"room_size": 8, "num_dists": 7}"#;
 }
 
-ids! { GoTo:
-    "BabyAI-GoTo-v0", "Go to an object in a maze of rooms.", "{}";
-    "BabyAI-GoToOpen-v0", "Go to an object in a maze of rooms.", r#"{"doors_open": true}"#;
-    "BabyAI-GoToObjMaze-v0", "Go to an object in a maze of rooms.", r#"{"num_dists": 1, "doors_open": false}"#;
-    "BabyAI-GoToObjMazeOpen-v0", "Go to an object in a maze of rooms.", r#"{"num_dists": 1, "doors_open": true}"#;
-    "BabyAI-GoToObjMazeS4R2-v0", "Go to an object in a maze of rooms.", r#"{"num_dists": 1, "room_size": 4, "num_rows": 2, "num_cols": 2}"#;
-    "BabyAI-GoToObjMazeS4-v0", "Go to an object in a maze of rooms.", r#"{"num_dists": 1, "room_size": 4}"#;
-    "BabyAI-GoToObjMazeS5-v0", "Go to an object in a maze of rooms.", r#"{"num_dists": 1, "room_size": 5}"#;
-    "BabyAI-GoToObjMazeS6-v0", "Go to an object in a maze of rooms.", r#"{"num_dists": 1, "room_size": 6}"#;
-    "BabyAI-GoToObjMazeS7-v0", "Go to an object in a maze of rooms.", r#"{"num_dists": 1, "room_size": 7}"#;
+ids! { GoTo, "Go to an object in a maze of rooms.":
+    "BabyAI-GoTo-v0", "{}";
+    "BabyAI-GoToOpen-v0", r#"{"doors_open": true}"#;
+    "BabyAI-GoToObjMaze-v0", r#"{"num_dists": 1, "doors_open": false}"#;
+    "BabyAI-GoToObjMazeOpen-v0", r#"{"num_dists": 1, "doors_open": true}"#;
+    "BabyAI-GoToObjMazeS4R2-v0",
+        r#"{"num_dists": 1, "room_size": 4, "num_rows": 2, "num_cols": 2}"#;
+    "BabyAI-GoToObjMazeS4-v0", r#"{"num_dists": 1, "room_size": 4}"#;
+    "BabyAI-GoToObjMazeS5-v0", r#"{"num_dists": 1, "room_size": 5}"#;
+    "BabyAI-GoToObjMazeS6-v0", r#"{"num_dists": 1, "room_size": 6}"#;
+    "BabyAI-GoToObjMazeS7-v0", r#"{"num_dists": 1, "room_size": 7}"#;
 }
 
-ids! { GoToImpUnlock:
-    "BabyAI-GoToImpUnlock-v0", "Go to an object in a locked room.", "{}";
+ids! { GoToImpUnlock, "Go to an object in a locked room.":
+    "BabyAI-GoToImpUnlock-v0", "{}";
 }
 
-ids! { GoToSeq:
-    "BabyAI-GoToSeq-v0", "Go to several objects in an order.", "{}";
-    "BabyAI-GoToSeqS5R2-v0", "Go to several objects in an order.", r#"{"room_size": 5, "num_rows": 2, "num_cols": 2, "num_dists": 4}"#;
+ids! { GoToSeq, "Go to several objects in an order.":
+    "BabyAI-GoToSeq-v0", "{}";
+    "BabyAI-GoToSeqS5R2-v0",
+        r#"{"room_size": 5, "num_rows": 2, "num_cols": 2, "num_dists": 4}"#;
 }
 
-ids! { GoToRedBlueBall:
-    "BabyAI-GoToRedBlueBall-v0", "Go to the red or the blue ball.", "{}";
+ids! { GoToRedBlueBall, "Go to the red or the blue ball.":
+    "BabyAI-GoToRedBlueBall-v0", "{}";
 }
 
-ids! { GoToDoor:
-    "BabyAI-GoToDoor-v0", "Go to a door.", "{}";
+ids! { GoToDoor, "Go to a door.":
+    "BabyAI-GoToDoor-v0", "{}";
 }
 
-ids! { GoToObjDoor:
-    "BabyAI-GoToObjDoor-v0", "Go to an object or a door.", "{}";
+ids! { GoToObjDoor, "Go to an object or a door.":
+    "BabyAI-GoToObjDoor-v0", "{}";
 }

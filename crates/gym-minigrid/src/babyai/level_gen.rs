@@ -76,7 +76,7 @@ impl LevelGen {
         locked: Option<usize>,
         forms: &[Form],
     ) -> Making<Instr> {
-        let mut two = |rooms: &mut Rooms<'_, '_>, forms: &[Form]| {
+        let two = |rooms: &mut Rooms<'_, '_>, forms: &[Form]| {
             let a = self.instruction(rooms, locked, forms)?;
             Ok((a, self.instruction(rooms, locked, forms)?))
         };

@@ -115,6 +115,12 @@ pub struct Memory {
     carried: Cell,
 }
 
+impl crate::level::Memory for Memory {
+    fn fits(&self, world: &World) -> bool {
+        self.instr.is_valid(world) && self.carried.is_valid(world.things.len())
+    }
+}
+
 impl<B: Babyai> Level for B {
     type Action = Action;
     type Memory = Memory;
@@ -211,10 +217,6 @@ impl<B: Babyai> Level for B {
             ..outcome
         }
     }
-
-    fn remembers(&self, world: &World, memory: &Memory) -> bool {
-        memory.instr.is_valid(world) && memory.carried.is_valid(world.things.len())
-    }
 }
 
 /// The colours of the locked doors.
@@ -287,16 +289,7 @@ macro_rules! babyai {
         $(#[$doc:meta])* $name:ident { $($arguments:tt)* }
         $(check $check:expr;)? plan $plan:expr; make $make:expr;
     ) => {
-        gym_core::arguments! {
-            $(#[$doc])*
-            #[derive(Eq)]
-            pub struct $name {
-                $($arguments)*
-                /// The arguments of every task.
-                #[flatten]
-                pub view: $crate::level::View,
-            }
-        }
+        $crate::tasks::level! { $(#[$doc])* $name { $($arguments)* } }
 
         impl $crate::babyai::Babyai for $name {
             const NAME: &'static str = concat!("BabyAI-", stringify!($name));

@@ -150,30 +150,31 @@ babyai! {
     };
 }
 
-ids! { Open:
-    "BabyAI-Open-v0", "Open a door in a maze of rooms.", "{}";
+ids! { Open, "Open a door in a maze of rooms.":
+    "BabyAI-Open-v0", "{}";
 }
 
-ids! { OpenRedDoor:
-    "BabyAI-OpenRedDoor-v0", "Open the red door.", "{}";
+ids! { OpenRedDoor, "Open the red door.":
+    "BabyAI-OpenRedDoor-v0", "{}";
 }
 
-ids! { OpenDoor:
-    "BabyAI-OpenDoor-v0", "Open a door of four.", "{}";
-    "BabyAI-OpenDoorDebug-v0", "Open a door of four.", r#"{"debug": true, "select_by": null}"#;
-    "BabyAI-OpenDoorColor-v0", "Open a door of four.", r#"{"select_by": "color"}"#;
-    "BabyAI-OpenDoorLoc-v0", "Open a door of four.", r#"{"select_by": "loc"}"#;
+ids! { OpenDoor, "Open a door of four.":
+    "BabyAI-OpenDoor-v0", "{}";
+    "BabyAI-OpenDoorDebug-v0", r#"{"debug": true, "select_by": null}"#;
+    "BabyAI-OpenDoorColor-v0", r#"{"select_by": "color"}"#;
+    "BabyAI-OpenDoorLoc-v0", r#"{"select_by": "loc"}"#;
 }
 
-ids! { OpenTwoDoors:
-    "BabyAI-OpenTwoDoors-v0", "Open two doors in an order.", "{}";
-    "BabyAI-OpenRedBlueDoors-v0", "Open two doors in an order.", r#"{"first_color": "red", "second_color": "blue"}"#;
-    "BabyAI-OpenRedBlueDoorsDebug-v0", "Open two doors in an order.", r#"{"first_color": "red", "second_color": "blue", "strict": true}"#;
+ids! { OpenTwoDoors, "Open two doors in an order.":
+    "BabyAI-OpenTwoDoors-v0", "{}";
+    "BabyAI-OpenRedBlueDoors-v0", r#"{"first_color": "red", "second_color": "blue"}"#;
+    "BabyAI-OpenRedBlueDoorsDebug-v0",
+        r#"{"first_color": "red", "second_color": "blue", "strict": true}"#;
 }
 
-ids! { OpenDoorsOrder:
-    "BabyAI-OpenDoorsOrderN2-v0", "Open one or two doors in an order.", r#"{"num_doors": 2}"#;
-    "BabyAI-OpenDoorsOrderN4-v0", "Open one or two doors in an order.", r#"{"num_doors": 4}"#;
-    "BabyAI-OpenDoorsOrderN2Debug-v0", "Open one or two doors in an order.", r#"{"debug": true, "num_doors": 2}"#;
-    "BabyAI-OpenDoorsOrderN4Debug-v0", "Open one or two doors in an order.", r#"{"debug": true, "num_doors": 4}"#;
+ids! { OpenDoorsOrder, "Open one or two doors in an order.":
+    "BabyAI-OpenDoorsOrderN2-v0", r#"{"num_doors": 2}"#;
+    "BabyAI-OpenDoorsOrderN4-v0", r#"{"num_doors": 4}"#;
+    "BabyAI-OpenDoorsOrderN2Debug-v0", r#"{"debug": true, "num_doors": 2}"#;
+    "BabyAI-OpenDoorsOrderN4Debug-v0", r#"{"debug": true, "num_doors": 4}"#;
 }

@@ -127,34 +127,34 @@ babyai! {
     };
 }
 
-ids! { ActionObjDoor:
-    "BabyAI-ActionObjDoor-v0", "Go to an object or a door, open it, or pick it up.", "{}";
+ids! { ActionObjDoor, "Go to an object or a door, open it, or pick it up.":
+    "BabyAI-ActionObjDoor-v0", "{}";
 }
 
-ids! { FindObjS5:
-    "BabyAI-FindObjS5-v0", "Find an object in a maze of rooms.", "{}";
-    "BabyAI-FindObjS6-v0", "Find an object in a maze of rooms.", r#"{"room_size": 6}"#;
-    "BabyAI-FindObjS7-v0", "Find an object in a maze of rooms.", r#"{"room_size": 7}"#;
+ids! { FindObjS5, "Find an object in a maze of rooms.":
+    "BabyAI-FindObjS5-v0", "{}";
+    "BabyAI-FindObjS6-v0", r#"{"room_size": 6}"#;
+    "BabyAI-FindObjS7-v0", r#"{"room_size": 7}"#;
 }
 
-ids! { KeyCorridor:
-    "BabyAI-KeyCorridor-v0", "Find the key, unlock the room, and pick up the ball in it.", "{}";
-    "BabyAI-KeyCorridorS3R1-v0", "Find the key, unlock the room, and pick up the ball in it.", r#"{"room_size": 3, "num_rows": 1}"#;
-    "BabyAI-KeyCorridorS3R2-v0", "Find the key, unlock the room, and pick up the ball in it.", r#"{"room_size": 3, "num_rows": 2}"#;
-    "BabyAI-KeyCorridorS3R3-v0", "Find the key, unlock the room, and pick up the ball in it.", r#"{"room_size": 3, "num_rows": 3}"#;
-    "BabyAI-KeyCorridorS4R3-v0", "Find the key, unlock the room, and pick up the ball in it.", r#"{"room_size": 4, "num_rows": 3}"#;
-    "BabyAI-KeyCorridorS5R3-v0", "Find the key, unlock the room, and pick up the ball in it.", r#"{"room_size": 5, "num_rows": 3}"#;
-    "BabyAI-KeyCorridorS6R3-v0", "Find the key, unlock the room, and pick up the ball in it.", r#"{"room_size": 6, "num_rows": 3}"#;
+ids! { KeyCorridor, "Find the key, unlock the room, and pick up the ball in it.":
+    "BabyAI-KeyCorridor-v0", "{}";
+    "BabyAI-KeyCorridorS3R1-v0", r#"{"room_size": 3, "num_rows": 1}"#;
+    "BabyAI-KeyCorridorS3R2-v0", r#"{"room_size": 3, "num_rows": 2}"#;
+    "BabyAI-KeyCorridorS3R3-v0", r#"{"room_size": 3, "num_rows": 3}"#;
+    "BabyAI-KeyCorridorS4R3-v0", r#"{"room_size": 4, "num_rows": 3}"#;
+    "BabyAI-KeyCorridorS5R3-v0", r#"{"room_size": 5, "num_rows": 3}"#;
+    "BabyAI-KeyCorridorS6R3-v0", r#"{"room_size": 6, "num_rows": 3}"#;
 }
 
-ids! { OneRoomS8:
-    "BabyAI-OneRoomS8-v0", "Pick up the ball in a room.", "{}";
-    "BabyAI-OneRoomS12-v0", "Pick up the ball in a room.", r#"{"room_size": 12}"#;
-    "BabyAI-OneRoomS16-v0", "Pick up the ball in a room.", r#"{"room_size": 16}"#;
-    "BabyAI-OneRoomS20-v0", "Pick up the ball in a room.", r#"{"room_size": 20}"#;
+ids! { OneRoomS8, "Pick up the ball in a room.":
+    "BabyAI-OneRoomS8-v0", "{}";
+    "BabyAI-OneRoomS12-v0", r#"{"room_size": 12}"#;
+    "BabyAI-OneRoomS16-v0", r#"{"room_size": 16}"#;
+    "BabyAI-OneRoomS20-v0", r#"{"room_size": 20}"#;
 }
 
-ids! { MoveTwoAcross:
-    "BabyAI-MoveTwoAcrossS5N2-v0", "Move two objects across a room.", r#"{"room_size": 5, "objs_per_room": 2}"#;
-    "BabyAI-MoveTwoAcrossS8N9-v0", "Move two objects across a room.", r#"{"room_size": 8, "objs_per_room": 9}"#;
+ids! { MoveTwoAcross, "Move two objects across a room.":
+    "BabyAI-MoveTwoAcrossS5N2-v0", r#"{"room_size": 5, "objs_per_room": 2}"#;
+    "BabyAI-MoveTwoAcrossS8N9-v0", r#"{"room_size": 8, "objs_per_room": 9}"#;
 }

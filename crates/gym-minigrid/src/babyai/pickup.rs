@@ -14,7 +14,7 @@
 use super::level_gen::{Form, Task};
 use super::{Desc, Instr, LevelGen, Maze, Plan, all_reachable, babyai, check_reachable};
 use crate::tasks::ids;
-use crate::{Cell, Color, Kind, Making, Stop};
+use crate::{Cell, Color, Making, Stop};
 
 fn pickup(object: Cell) -> Making<Instr> {
     Ok(Instr::pickup(Desc::of(object), false))
@@ -106,23 +106,23 @@ babyai! {
     };
 }
 
-ids! { Pickup:
-    "BabyAI-Pickup-v0", "Pick up an object in a maze of rooms.", "{}";
+ids! { Pickup, "Pick up an object in a maze of rooms.":
+    "BabyAI-Pickup-v0", "{}";
 }
 
-ids! { UnblockPickup:
-    "BabyAI-UnblockPickup-v0", "Pick up an object in a maze, past others.", "{}";
+ids! { UnblockPickup, "Pick up an object in a maze, past others.":
+    "BabyAI-UnblockPickup-v0", "{}";
 }
 
-ids! { PickupLoc:
-    "BabyAI-PickupLoc-v0", "Pick up an object that is described by its place.", "{}";
+ids! { PickupLoc, "Pick up an object that is described by its place.":
+    "BabyAI-PickupLoc-v0", "{}";
 }
 
-ids! { PickupDist:
-    "BabyAI-PickupDist-v0", "Pick up an object in the room.", "{}";
-    "BabyAI-PickupDistDebug-v0", "Pick up an object in the room.", r#"{"debug": true}"#;
+ids! { PickupDist, "Pick up an object in the room.":
+    "BabyAI-PickupDist-v0", "{}";
+    "BabyAI-PickupDistDebug-v0", r#"{"debug": true}"#;
 }
 
-ids! { PickupAbove:
-    "BabyAI-PickupAbove-v0", "Pick up an object in the room above.", "{}";
+ids! { PickupAbove, "Pick up an object in the room above.":
+    "BabyAI-PickupAbove-v0", "{}";
 }

@@ -65,19 +65,22 @@ babyai! {
     };
 }
 
-ids! { PutNextLocal:
-    "BabyAI-PutNextLocal-v0", "Put an object of a room next to another one.", "{}";
-    "BabyAI-PutNextLocalS5N3-v0", "Put an object of a room next to another one.", r#"{"room_size": 5, "num_objs": 3}"#;
-    "BabyAI-PutNextLocalS6N4-v0", "Put an object of a room next to another one.", r#"{"room_size": 6, "num_objs": 4}"#;
+ids! { PutNextLocal, "Put an object of a room next to another one.":
+    "BabyAI-PutNextLocal-v0", "{}";
+    "BabyAI-PutNextLocalS5N3-v0", r#"{"room_size": 5, "num_objs": 3}"#;
+    "BabyAI-PutNextLocalS6N4-v0", r#"{"room_size": 6, "num_objs": 4}"#;
 }
 
-ids! { PutNext:
-    "BabyAI-PutNextS4N1-v0", "Put an object next to one of the other half of a room.", r#"{"room_size": 4, "objs_per_room": 1}"#;
-    "BabyAI-PutNextS5N2-v0", "Put an object next to one of the other half of a room.", r#"{"room_size": 5, "objs_per_room": 2}"#;
-    "BabyAI-PutNextS5N1-v0", "Put an object next to one of the other half of a room.", r#"{"room_size": 5, "objs_per_room": 1}"#;
-    "BabyAI-PutNextS6N3-v0", "Put an object next to one of the other half of a room.", r#"{"room_size": 6, "objs_per_room": 3}"#;
-    "BabyAI-PutNextS7N4-v0", "Put an object next to one of the other half of a room.", r#"{"room_size": 7, "objs_per_room": 4}"#;
-    "BabyAI-PutNextS5N2Carrying-v0", "Put an object next to one of the other half of a room.", r#"{"room_size": 5, "objs_per_room": 2, "start_carrying": true}"#;
-    "BabyAI-PutNextS6N3Carrying-v0", "Put an object next to one of the other half of a room.", r#"{"room_size": 6, "objs_per_room": 3, "start_carrying": true}"#;
-    "BabyAI-PutNextS7N4Carrying-v0", "Put an object next to one of the other half of a room.", r#"{"room_size": 7, "objs_per_room": 4, "start_carrying": true}"#;
+ids! { PutNext, "Put an object next to one of the other half of a room.":
+    "BabyAI-PutNextS4N1-v0", r#"{"room_size": 4, "objs_per_room": 1}"#;
+    "BabyAI-PutNextS5N2-v0", r#"{"room_size": 5, "objs_per_room": 2}"#;
+    "BabyAI-PutNextS5N1-v0", r#"{"room_size": 5, "objs_per_room": 1}"#;
+    "BabyAI-PutNextS6N3-v0", r#"{"room_size": 6, "objs_per_room": 3}"#;
+    "BabyAI-PutNextS7N4-v0", r#"{"room_size": 7, "objs_per_room": 4}"#;
+    "BabyAI-PutNextS5N2Carrying-v0",
+        r#"{"room_size": 5, "objs_per_room": 2, "start_carrying": true}"#;
+    "BabyAI-PutNextS6N3Carrying-v0",
+        r#"{"room_size": 6, "objs_per_room": 3, "start_carrying": true}"#;
+    "BabyAI-PutNextS7N4Carrying-v0",
+        r#"{"room_size": 7, "objs_per_room": 4, "start_carrying": true}"#;
 }

@@ -132,27 +132,27 @@ babyai! {
     };
 }
 
-ids! { Synth:
-    "BabyAI-Synth-v0", "Follow a single instruction.", "{}";
-    "BabyAI-SynthS5R2-v0", "Follow a single instruction.", r#"{"room_size": 5, "num_rows": 2}"#;
+ids! { Synth, "Follow a single instruction.":
+    "BabyAI-Synth-v0", "{}";
+    "BabyAI-SynthS5R2-v0", r#"{"room_size": 5, "num_rows": 2}"#;
 }
 
-ids! { SynthLoc:
-    "BabyAI-SynthLoc-v0", "Follow a single instruction, which may describe places.", "{}";
+ids! { SynthLoc, "Follow a single instruction, which may describe places.":
+    "BabyAI-SynthLoc-v0", "{}";
 }
 
-ids! { SynthSeq:
-    "BabyAI-SynthSeq-v0", "Follow instructions of all forms.", "{}";
+ids! { SynthSeq, "Follow instructions of all forms.":
+    "BabyAI-SynthSeq-v0", "{}";
 }
 
-ids! { MiniBossLevel:
-    "BabyAI-MiniBossLevel-v0", "Follow instructions of all forms in a small maze.", "{}";
+ids! { MiniBossLevel, "Follow instructions of all forms in a small maze.":
+    "BabyAI-MiniBossLevel-v0", "{}";
 }
 
-ids! { BossLevel:
-    "BabyAI-BossLevel-v0", "Follow instructions of all forms, through locked doors.", "{}";
+ids! { BossLevel, "Follow instructions of all forms, through locked doors.":
+    "BabyAI-BossLevel-v0", "{}";
 }
 
-ids! { BossLevelNoUnlock:
-    "BabyAI-BossLevelNoUnlock-v0", "Follow instructions of all forms, without locked doors.", "{}";
+ids! { BossLevelNoUnlock, "Follow instructions of all forms, without locked doors.":
+    "BabyAI-BossLevelNoUnlock-v0", "{}";
 }

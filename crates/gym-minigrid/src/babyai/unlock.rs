@@ -130,28 +130,28 @@ babyai! {
     };
 }
 
-ids! { Unlock:
-    "BabyAI-Unlock-v0", "Unlock a door in a maze of rooms.", "{}";
+ids! { Unlock, "Unlock a door in a maze of rooms.":
+    "BabyAI-Unlock-v0", "{}";
 }
 
-ids! { UnlockLocal:
-    "BabyAI-UnlockLocal-v0", "Unlock the door of the room.", "{}";
-    "BabyAI-UnlockLocalDist-v0", "Unlock the door of the room.", r#"{"distractors": true}"#;
+ids! { UnlockLocal, "Unlock the door of the room.":
+    "BabyAI-UnlockLocal-v0", "{}";
+    "BabyAI-UnlockLocalDist-v0", r#"{"distractors": true}"#;
 }
 
-ids! { KeyInBox:
-    "BabyAI-KeyInBox-v0", "Find the key in a box, and unlock the door.", "{}";
+ids! { KeyInBox, "Find the key in a box, and unlock the door.":
+    "BabyAI-KeyInBox-v0", "{}";
 }
 
-ids! { UnlockPickup:
-    "BabyAI-UnlockPickup-v0", "Pick up the box behind a locked door.", "{}";
-    "BabyAI-UnlockPickupDist-v0", "Pick up the box behind a locked door.", r#"{"distractors": true}"#;
+ids! { UnlockPickup, "Pick up the box behind a locked door.":
+    "BabyAI-UnlockPickup-v0", "{}";
+    "BabyAI-UnlockPickupDist-v0", r#"{"distractors": true}"#;
 }
 
-ids! { BlockedUnlockPickup:
-    "BabyAI-BlockedUnlockPickup-v0", "Pick up the box behind a locked and blocked door.", "{}";
+ids! { BlockedUnlockPickup, "Pick up the box behind a locked and blocked door.":
+    "BabyAI-BlockedUnlockPickup-v0", "{}";
 }
 
-ids! { UnlockToUnlock:
-    "BabyAI-UnlockToUnlock-v0", "Unlock two doors to reach a ball.", "{}";
+ids! { UnlockToUnlock, "Unlock two doors to reach a ball.":
+    "BabyAI-UnlockToUnlock-v0", "{}";
 }

@@ -8,8 +8,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 use gym_core::canvas::{Canvas, Color};
 
-use crate::level::{Rules, View};
-use crate::{Cell, Pos, World};
+use crate::level::View;
+use crate::{Cell, Facts, Pos, World};
 use tile::{Patch, Scene};
 
 /// The longest side of a picture.
@@ -24,7 +24,7 @@ pub(crate) struct Picture {
 }
 
 impl Picture {
-    pub(crate) fn new(view: &View, rules: &Rules) -> Result<Self, String> {
+    pub(crate) fn new(Facts { view, rules }: &Facts) -> Result<Self, String> {
         let tile = view.tile_size;
         let (width, height) = if view.agent_pov {
             (view.agent_view_size, view.agent_view_size)
@@ -49,11 +49,11 @@ impl Picture {
         self.size
     }
 
-    pub(crate) fn draw(&self, world: &World, see_through_walls: bool, canvas: &mut dyn Canvas) {
+    pub(crate) fn draw(&self, world: &World, facts: &Facts, canvas: &mut dyn Canvas) {
         canvas.clear(Color::BLACK);
         let size = self.view.agent_view_size as i32;
         let view = world.view(size);
-        let visible = view.visible(&world.grid, see_through_walls);
+        let visible = view.visible(&world.grid, facts.rules.see_through_walls);
         let square = || (0..size).flat_map(|j| (0..size).map(move |i| Pos::new(i, j)));
         let lit = |pos: Pos| visible[pos.y as usize] >> pos.x & 1 == 1;
         if self.view.agent_pov {

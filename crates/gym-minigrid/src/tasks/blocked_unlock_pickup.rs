@@ -13,10 +13,10 @@
 
 use gym_core::{Generator, Outcome, Result};
 
-use super::{describe, ids, names, square};
+use super::{describe, ids, level, names, pick_up, square};
 use crate::level::{Level, Rules, View, refuse};
 use crate::rooms::{Rooms, grid_size};
-use crate::{Action, Color, Draft, GridEnv, Kind, Making, World};
+use crate::{Action, Cell, Color, Draft, GridEnv, Kind, Making, World};
 
 /// Columns and rows of a room, walls included.
 const ROOM_SIZE: u32 = 6;
@@ -24,20 +24,14 @@ const ROOM_SIZE: u32 = 6;
 /// The environment.
 pub type BlockedUnlockPickupEnv = GridEnv<BlockedUnlockPickup>;
 
-gym_core::arguments! {
+level! {
     /// Arguments.
-    #[derive(Eq)]
-    pub struct BlockedUnlockPickup {
-
-        /// The arguments of every task.
-        #[flatten]
-        pub view: View,
-    }
+    BlockedUnlockPickup {}
 }
 
 impl Level for BlockedUnlockPickup {
     type Action = Action;
-    type Memory = u16;
+    type Memory = Cell;
 
     const NAME: &'static str = "BlockedUnlockPickup";
 
@@ -54,7 +48,7 @@ impl Level for BlockedUnlockPickup {
         )
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making<u16> {
+    fn generate(&self, draft: &mut Draft<'_>) -> Making<Cell> {
         let mut rooms = Rooms::new(draft, ROOM_SIZE, 2, 1)?;
         let target = rooms.add_object(1, 0, Some(Kind::Box), None)?;
         let (door, pos) = rooms.add_door(0, 0, Some(0), None, Some(true))?;
@@ -63,32 +57,23 @@ impl Level for BlockedUnlockPickup {
         rooms.add_object(0, 0, Some(Kind::Key), Some(door.color()))?;
         rooms.place_agent(Some((0, 0)))?;
         draft.mission(format!("pick up the {}", describe(target)));
-        Ok(target.id())
+        Ok(target)
     }
 
     fn step(
         &self,
         world: &mut World,
-        target: &mut u16,
+        target: &mut Cell,
         action: Action,
         _rng: &mut Generator,
     ) -> Outcome {
-        let mut outcome = world.step(action);
-        if action == Action::Pickup && world.carrying.id() == *target {
-            outcome.reward = world.reward();
-            outcome.terminated = true;
-        }
-        outcome
-    }
-
-    fn remembers(&self, world: &World, target: &u16) -> bool {
-        (1..=world.things.len()).contains(&usize::from(*target))
+        pick_up(world, *target, action)
     }
 }
 
 const SENTENCE: &str =
     "Pick up the box in the other room, behind a locked door with a ball before it.";
 
-ids! { BlockedUnlockPickup:
-    "MiniGrid-BlockedUnlockPickup-v0", SENTENCE, "{}";
+ids! { BlockedUnlockPickup, SENTENCE:
+    "MiniGrid-BlockedUnlockPickup-v0", "{}";
 }

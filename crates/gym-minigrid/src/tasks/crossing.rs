@@ -14,7 +14,7 @@
 use gym_core::{ArgumentType, Result};
 use serde::{Deserialize, Serialize};
 
-use super::{ids, square};
+use super::{ids, level, square};
 use crate::level::{Level, Rules, View, refuse};
 use crate::{Action, Cell, Draft, GridEnv, Making, Pos};
 
@@ -53,19 +53,15 @@ impl ArgumentType for Obstacle {
 /// The environment.
 pub type CrossingEnv = GridEnv<Crossing>;
 
-gym_core::arguments! {
+level! {
     /// Arguments.
-    #[derive(Eq)]
-    pub struct Crossing {
+    Crossing {
         /// Columns and rows of the grid, walls included; an odd number.
         pub size: u32 = 9,
         /// The number of rivers.
         pub num_crossings: u32 = 1,
         /// What the rivers are made of.
         pub obstacle_type: Obstacle = Obstacle::Lava,
-        /// The arguments of every task.
-        #[flatten]
-        pub view: View,
     }
 }
 
@@ -148,16 +144,20 @@ impl Level for Crossing {
     }
 }
 
-const LAVA: &str = "Get across rivers of lava to the goal.";
-const WALL: &str = "Get through the gaps in walls to the goal.";
+ids! { Crossing, "Get across rivers of lava to the goal.":
+    "MiniGrid-LavaCrossingS9N1-v0", r#"{"size": 9, "num_crossings": 1}"#;
+    "MiniGrid-LavaCrossingS9N2-v0", r#"{"size": 9, "num_crossings": 2}"#;
+    "MiniGrid-LavaCrossingS9N3-v0", r#"{"size": 9, "num_crossings": 3}"#;
+    "MiniGrid-LavaCrossingS11N5-v0", r#"{"size": 11, "num_crossings": 5}"#;
+}
 
-ids! { Crossing:
-    "MiniGrid-LavaCrossingS9N1-v0", LAVA, r#"{"size": 9, "num_crossings": 1}"#;
-    "MiniGrid-LavaCrossingS9N2-v0", LAVA, r#"{"size": 9, "num_crossings": 2}"#;
-    "MiniGrid-LavaCrossingS9N3-v0", LAVA, r#"{"size": 9, "num_crossings": 3}"#;
-    "MiniGrid-LavaCrossingS11N5-v0", LAVA, r#"{"size": 11, "num_crossings": 5}"#;
-    "MiniGrid-SimpleCrossingS9N1-v0", WALL, r#"{"size": 9, "num_crossings": 1, "obstacle_type": "wall"}"#;
-    "MiniGrid-SimpleCrossingS9N2-v0", WALL, r#"{"size": 9, "num_crossings": 2, "obstacle_type": "wall"}"#;
-    "MiniGrid-SimpleCrossingS9N3-v0", WALL, r#"{"size": 9, "num_crossings": 3, "obstacle_type": "wall"}"#;
-    "MiniGrid-SimpleCrossingS11N5-v0", WALL, r#"{"size": 11, "num_crossings": 5, "obstacle_type": "wall"}"#;
+ids! { Crossing, "Get through the gaps in walls to the goal.":
+    "MiniGrid-SimpleCrossingS9N1-v0",
+        r#"{"size": 9, "num_crossings": 1, "obstacle_type": "wall"}"#;
+    "MiniGrid-SimpleCrossingS9N2-v0",
+        r#"{"size": 9, "num_crossings": 2, "obstacle_type": "wall"}"#;
+    "MiniGrid-SimpleCrossingS9N3-v0",
+        r#"{"size": 9, "num_crossings": 3, "obstacle_type": "wall"}"#;
+    "MiniGrid-SimpleCrossingS11N5-v0",
+        r#"{"size": 11, "num_crossings": 5, "obstacle_type": "wall"}"#;
 }

@@ -13,17 +13,16 @@
 
 use gym_core::Result;
 
-use super::{direction, ids};
+use super::{direction, ids, level};
 use crate::level::{Level, Rules, View};
 use crate::{Action, Cell, Draft, GridEnv, Making, Pos};
 
 /// The environment.
 pub type DistShiftEnv = GridEnv<DistShift>;
 
-gym_core::arguments! {
+level! {
     /// Arguments.
-    #[derive(Eq)]
-    pub struct DistShift {
+    DistShift {
         /// The number of columns, walls included.
         pub width: u32 = 9,
         /// The number of rows, walls included.
@@ -34,9 +33,6 @@ gym_core::arguments! {
         pub agent_start_dir: u32 = 0,
         /// The row of the second strip of lava.
         pub strip2_row: u32 = 2,
-        /// The arguments of every task.
-        #[flatten]
-        pub view: View,
     }
 }
 
@@ -77,9 +73,7 @@ impl Level for DistShift {
     }
 }
 
-const SENTENCE: &str = "Reach the goal along strips of lava.";
-
-ids! { DistShift:
-    "MiniGrid-DistShift1-v0", SENTENCE, r#"{"strip2_row": 2}"#;
-    "MiniGrid-DistShift2-v0", SENTENCE, r#"{"strip2_row": 5}"#;
+ids! { DistShift, "Reach the goal along strips of lava.":
+    "MiniGrid-DistShift1-v0", r#"{"strip2_row": 2}"#;
+    "MiniGrid-DistShift2-v0", r#"{"strip2_row": 5}"#;
 }

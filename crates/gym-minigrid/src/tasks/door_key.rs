@@ -13,7 +13,7 @@
 
 use gym_core::Result;
 
-use super::{ids, square};
+use super::{ids, level, square};
 use crate::draft::Area;
 use crate::level::{Level, Rules, View};
 use crate::{Action, Cell, Color, Draft, GridEnv, Kind, Making, Pos, State};
@@ -21,15 +21,11 @@ use crate::{Action, Cell, Color, Draft, GridEnv, Kind, Making, Pos, State};
 /// The environment.
 pub type DoorKeyEnv = GridEnv<DoorKey>;
 
-gym_core::arguments! {
+level! {
     /// Arguments.
-    #[derive(Eq)]
-    pub struct DoorKey {
+    DoorKey {
         /// Columns and rows of the grid, walls included.
         pub size: u32 = 8,
-        /// The arguments of every task.
-        #[flatten]
-        pub view: View,
     }
 }
 
@@ -65,11 +61,9 @@ impl Level for DoorKey {
     }
 }
 
-const SENTENCE: &str = "Pick up the key, open the door, and get to the goal.";
-
-ids! { DoorKey:
-    "MiniGrid-DoorKey-5x5-v0", SENTENCE, r#"{"size": 5}"#;
-    "MiniGrid-DoorKey-6x6-v0", SENTENCE, r#"{"size": 6}"#;
-    "MiniGrid-DoorKey-8x8-v0", SENTENCE, r#"{"size": 8}"#;
-    "MiniGrid-DoorKey-16x16-v0", SENTENCE, r#"{"size": 16}"#;
+ids! { DoorKey, "Pick up the key, open the door, and get to the goal.":
+    "MiniGrid-DoorKey-5x5-v0", r#"{"size": 5}"#;
+    "MiniGrid-DoorKey-6x6-v0", r#"{"size": 6}"#;
+    "MiniGrid-DoorKey-8x8-v0", r#"{"size": 8}"#;
+    "MiniGrid-DoorKey-16x16-v0", r#"{"size": 16}"#;
 }

@@ -14,7 +14,7 @@
 use gym_core::{Generator, Outcome, Result};
 use serde::{Deserialize, Serialize};
 
-use super::{direction, ids, square};
+use super::{direction, ids, level, square};
 use crate::draft::Area;
 use crate::level::{Level, Rules, View};
 use crate::{Action, Cell, Color, Draft, GridEnv, Kind, Making, Pos, World};
@@ -48,10 +48,9 @@ const MAX_TRIES: u32 = 100;
 /// The environment.
 pub type DynamicObstaclesEnv = GridEnv<DynamicObstacles>;
 
-gym_core::arguments! {
+level! {
     /// Arguments.
-    #[derive(Eq)]
-    pub struct DynamicObstacles {
+    DynamicObstacles {
         /// Columns and rows of the grid, walls included.
         pub size: u32 = 8,
         /// Where the agent starts; at random if null.
@@ -60,9 +59,6 @@ gym_core::arguments! {
         pub agent_start_dir: u32 = 0,
         /// The number of obstacles; if it is above `size / 2 + 1`, it is `size / 2`.
         pub n_obstacles: u32 = 4,
-        /// The arguments of every task.
-        #[flatten]
-        pub view: View,
     }
 }
 
@@ -136,24 +132,15 @@ impl Level for DynamicObstacles {
         }
         outcome
     }
-
-    fn remembers(&self, world: &World, obstacles: &Vec<Cell>) -> bool {
-        obstacles.iter().all(|ball| {
-            ball.is(Kind::Ball)
-                && world
-                    .thing(*ball)
-                    .is_some_and(|thing| world.grid.get(thing.pos) == *ball)
-        })
-    }
 }
 
-const SENTENCE: &str = "Reach the goal without running into moving balls.";
-
-ids! { DynamicObstacles:
-    "MiniGrid-Dynamic-Obstacles-5x5-v0", SENTENCE, r#"{"size": 5, "n_obstacles": 2}"#;
-    "MiniGrid-Dynamic-Obstacles-Random-5x5-v0", SENTENCE, r#"{"size": 5, "agent_start_pos": null, "n_obstacles": 2}"#;
-    "MiniGrid-Dynamic-Obstacles-6x6-v0", SENTENCE, r#"{"size": 6, "n_obstacles": 3}"#;
-    "MiniGrid-Dynamic-Obstacles-Random-6x6-v0", SENTENCE, r#"{"size": 6, "agent_start_pos": null, "n_obstacles": 3}"#;
-    "MiniGrid-Dynamic-Obstacles-8x8-v0", SENTENCE, "{}";
-    "MiniGrid-Dynamic-Obstacles-16x16-v0", SENTENCE, r#"{"size": 16, "n_obstacles": 8}"#;
+ids! { DynamicObstacles, "Reach the goal without running into moving balls.":
+    "MiniGrid-Dynamic-Obstacles-5x5-v0", r#"{"size": 5, "n_obstacles": 2}"#;
+    "MiniGrid-Dynamic-Obstacles-Random-5x5-v0",
+        r#"{"size": 5, "agent_start_pos": null, "n_obstacles": 2}"#;
+    "MiniGrid-Dynamic-Obstacles-6x6-v0", r#"{"size": 6, "n_obstacles": 3}"#;
+    "MiniGrid-Dynamic-Obstacles-Random-6x6-v0",
+        r#"{"size": 6, "agent_start_pos": null, "n_obstacles": 3}"#;
+    "MiniGrid-Dynamic-Obstacles-8x8-v0", "{}";
+    "MiniGrid-Dynamic-Obstacles-16x16-v0", r#"{"size": 16, "n_obstacles": 8}"#;
 }

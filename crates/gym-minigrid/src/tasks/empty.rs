@@ -13,26 +13,22 @@
 
 use gym_core::Result;
 
-use super::{direction, ids, square};
+use super::{direction, ids, level, square};
 use crate::level::{Level, Rules, View};
 use crate::{Action, Cell, Draft, GridEnv, Making, Pos};
 
 /// The environment.
 pub type EmptyEnv = GridEnv<Empty>;
 
-gym_core::arguments! {
+level! {
     /// Arguments.
-    #[derive(Eq)]
-    pub struct Empty {
+    Empty {
         /// Columns and rows of the grid, walls included.
         pub size: u32 = 8,
         /// Where the agent starts; at random if null.
         pub agent_start_pos: Option<[u32; 2]> = Some([1, 1]),
         /// The direction in which the agent looks first: right, down, left, up.
         pub agent_start_dir: u32 = 0,
-        /// The arguments of every task.
-        #[flatten]
-        pub view: View,
     }
 }
 
@@ -63,13 +59,11 @@ impl Level for Empty {
     }
 }
 
-const SENTENCE: &str = "Cross an empty room to the goal.";
-
-ids! { Empty:
-    "MiniGrid-Empty-5x5-v0", SENTENCE, r#"{"size": 5}"#;
-    "MiniGrid-Empty-Random-5x5-v0", SENTENCE, r#"{"size": 5, "agent_start_pos": null}"#;
-    "MiniGrid-Empty-6x6-v0", SENTENCE, r#"{"size": 6}"#;
-    "MiniGrid-Empty-Random-6x6-v0", SENTENCE, r#"{"size": 6, "agent_start_pos": null}"#;
-    "MiniGrid-Empty-8x8-v0", SENTENCE, "{}";
-    "MiniGrid-Empty-16x16-v0", SENTENCE, r#"{"size": 16}"#;
+ids! { Empty, "Cross an empty room to the goal.":
+    "MiniGrid-Empty-5x5-v0", r#"{"size": 5}"#;
+    "MiniGrid-Empty-Random-5x5-v0", r#"{"size": 5, "agent_start_pos": null}"#;
+    "MiniGrid-Empty-6x6-v0", r#"{"size": 6}"#;
+    "MiniGrid-Empty-Random-6x6-v0", r#"{"size": 6, "agent_start_pos": null}"#;
+    "MiniGrid-Empty-8x8-v0", "{}";
+    "MiniGrid-Empty-16x16-v0", r#"{"size": 16}"#;
 }

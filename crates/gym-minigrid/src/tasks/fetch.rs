@@ -15,7 +15,7 @@
 
 use gym_core::{Generator, Outcome, Result};
 
-use super::{describe, ids, is_alike, names, square};
+use super::{describe, ids, is_alike, level, names, square};
 use crate::level::{Level, Rules, View};
 use crate::{Action, Cell, Color, Draft, GridEnv, Kind, Making, World};
 
@@ -31,17 +31,13 @@ const KINDS: [Kind; 2] = [Kind::Key, Kind::Ball];
 /// The environment.
 pub type FetchEnv = GridEnv<Fetch>;
 
-gym_core::arguments! {
+level! {
     /// Arguments.
-    #[derive(Eq)]
-    pub struct Fetch {
+    Fetch {
         /// Columns and rows of the grid, walls included.
         pub size: u32 = 8,
         /// The number of objects.
         pub numObjs: u32 = 3,
-        /// The arguments of every task.
-        #[flatten]
-        pub view: View,
     }
 }
 
@@ -106,10 +102,8 @@ impl Level for Fetch {
     }
 }
 
-const SENTENCE: &str = "Pick up the object that the mission names.";
-
-ids! { Fetch:
-    "MiniGrid-Fetch-5x5-N2-v0", SENTENCE, r#"{"size": 5, "numObjs": 2}"#;
-    "MiniGrid-Fetch-6x6-N2-v0", SENTENCE, r#"{"size": 6, "numObjs": 2}"#;
-    "MiniGrid-Fetch-8x8-N3-v0", SENTENCE, "{}";
+ids! { Fetch, "Pick up the object that the mission names.":
+    "MiniGrid-Fetch-5x5-N2-v0", r#"{"size": 5, "numObjs": 2}"#;
+    "MiniGrid-Fetch-6x6-N2-v0", r#"{"size": 6, "numObjs": 2}"#;
+    "MiniGrid-Fetch-8x8-N3-v0", "{}";
 }

@@ -13,7 +13,7 @@
 
 use gym_core::Result;
 
-use super::ids;
+use super::{ids, level};
 use crate::level::{Level, Rules, View};
 use crate::{Action, Cell, Draft, GridEnv, Making, Pos};
 
@@ -23,17 +23,13 @@ const SIZE: u32 = 19;
 /// The environment.
 pub type FourRoomsEnv = GridEnv<FourRooms>;
 
-gym_core::arguments! {
+level! {
     /// Arguments.
-    #[derive(Eq)]
-    pub struct FourRooms {
+    FourRooms {
         /// Where the agent starts; at random if null.
         pub agent_pos: Option<[u32; 2]>,
         /// Where the goal lies; at random if null.
         pub goal_pos: Option<[u32; 2]>,
-        /// The arguments of every task.
-        #[flatten]
-        pub view: View,
     }
 }
 
@@ -89,8 +85,6 @@ impl Level for FourRooms {
     }
 }
 
-const SENTENCE: &str = "Find the goal in four rooms.";
-
-ids! { FourRooms:
-    "MiniGrid-FourRooms-v0", SENTENCE, "{}";
+ids! { FourRooms, "Find the goal in four rooms.":
+    "MiniGrid-FourRooms-v0", "{}";
 }

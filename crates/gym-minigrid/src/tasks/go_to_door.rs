@@ -13,7 +13,7 @@
 
 use gym_core::{Generator, Outcome, Result};
 
-use super::{ids, square};
+use super::{ids, level, square};
 use crate::draft::Area;
 use crate::level::{Level, Rules, View, refuse};
 use crate::{Action, Cell, Color, Draft, GridEnv, Making, Pos, State, World};
@@ -21,15 +21,11 @@ use crate::{Action, Cell, Color, Draft, GridEnv, Making, Pos, State, World};
 /// The environment.
 pub type GoToDoorEnv = GridEnv<GoToDoor>;
 
-gym_core::arguments! {
+level! {
     /// Arguments.
-    #[derive(Eq)]
-    pub struct GoToDoor {
+    GoToDoor {
         /// Columns and rows of the grid, walls included: at least 5.
         pub size: u32 = 5,
-        /// The arguments of every task.
-        #[flatten]
-        pub view: View,
     }
 }
 
@@ -97,16 +93,10 @@ impl Level for GoToDoor {
         }
         outcome
     }
-
-    fn remembers(&self, world: &World, target: &Pos) -> bool {
-        world.grid.contains(*target)
-    }
 }
 
-const SENTENCE: &str = "Go to the door that the mission names, and say done.";
-
-ids! { GoToDoor:
-    "MiniGrid-GoToDoor-5x5-v0", SENTENCE, "{}";
-    "MiniGrid-GoToDoor-6x6-v0", SENTENCE, r#"{"size": 6}"#;
-    "MiniGrid-GoToDoor-8x8-v0", SENTENCE, r#"{"size": 8}"#;
+ids! { GoToDoor, "Go to the door that the mission names, and say done.":
+    "MiniGrid-GoToDoor-5x5-v0", "{}";
+    "MiniGrid-GoToDoor-6x6-v0", r#"{"size": 6}"#;
+    "MiniGrid-GoToDoor-8x8-v0", r#"{"size": 8}"#;
 }

@@ -15,7 +15,7 @@
 
 use gym_core::{Generator, Outcome, Result};
 
-use super::{describe, distinct_objects, ids, names, square};
+use super::{describe, distinct_objects, ids, level, names, square};
 use crate::level::{Level, Rules, View};
 use crate::rooms::KINDS;
 use crate::{Action, Color, Draft, GridEnv, Making, Pos, World};
@@ -23,17 +23,13 @@ use crate::{Action, Color, Draft, GridEnv, Making, Pos, World};
 /// The environment.
 pub type GoToObjectEnv = GridEnv<GoToObject>;
 
-gym_core::arguments! {
+level! {
     /// Arguments.
-    #[derive(Eq)]
-    pub struct GoToObject {
+    GoToObject {
         /// Columns and rows of the grid, walls included.
         pub size: u32 = 6,
         /// The number of objects.
         pub numObjs: u32 = 2,
-        /// The arguments of every task.
-        #[flatten]
-        pub view: View,
     }
 }
 
@@ -81,15 +77,9 @@ impl Level for GoToObject {
         }
         outcome
     }
-
-    fn remembers(&self, world: &World, target: &Pos) -> bool {
-        world.grid.contains(*target)
-    }
 }
 
-const SENTENCE: &str = "Go to the object that the mission names, and say done.";
-
-ids! { GoToObject:
-    "MiniGrid-GoToObject-6x6-N2-v0", SENTENCE, "{}";
-    "MiniGrid-GoToObject-8x8-N2-v0", SENTENCE, r#"{"size": 8, "numObjs": 2}"#;
+ids! { GoToObject, "Go to the object that the mission names, and say done.":
+    "MiniGrid-GoToObject-6x6-N2-v0", "{}";
+    "MiniGrid-GoToObject-8x8-N2-v0", r#"{"size": 8, "numObjs": 2}"#;
 }

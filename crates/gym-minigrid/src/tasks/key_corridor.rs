@@ -13,35 +13,31 @@
 
 use gym_core::{Generator, Outcome, Result};
 
-use super::{describe, ids, square};
+use super::{describe, ids, level, pick_up, square};
 use crate::level::{Level, Rules, View, refuse};
 use crate::rooms::{KINDS, Rooms, grid_size};
-use crate::{Action, Color, Draft, GridEnv, Kind, Making, World};
+use crate::{Action, Cell, Color, Draft, GridEnv, Kind, Making, World};
 
 const COLUMNS: u32 = 3;
 
 /// The environment.
 pub type KeyCorridorEnv = GridEnv<KeyCorridor>;
 
-gym_core::arguments! {
+level! {
     /// Arguments.
-    #[derive(Eq)]
-    pub struct KeyCorridor {
+    KeyCorridor {
         /// The number of rows of rooms.
         pub num_rows: u32 = 3,
         /// The kind of the object: `key`, `ball` or `box`.
         pub obj_type: Kind = Kind::Ball,
         /// Columns and rows of a room, walls included.
         pub room_size: u32 = 6,
-        /// The arguments of every task.
-        #[flatten]
-        pub view: View,
     }
 }
 
 impl Level for KeyCorridor {
     type Action = Action;
-    type Memory = u16;
+    type Memory = Cell;
 
     const NAME: &'static str = "KeyCorridor";
 
@@ -62,7 +58,7 @@ impl Level for KeyCorridor {
         )
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making<u16> {
+    fn generate(&self, draft: &mut Draft<'_>) -> Making<Cell> {
         let mut rooms = Rooms::new(draft, self.room_size, COLUMNS, self.num_rows)?;
         for j in 1..rooms.rows {
             rooms.remove_wall(1, j, 3)?;
@@ -75,36 +71,25 @@ impl Level for KeyCorridor {
         rooms.place_agent(Some((1, rooms.rows / 2)))?;
         rooms.connect_all(&Color::SORTED)?;
         draft.mission(format!("pick up the {}", describe(target)));
-        Ok(target.id())
+        Ok(target)
     }
 
     fn step(
         &self,
         world: &mut World,
-        target: &mut u16,
+        target: &mut Cell,
         action: Action,
         _rng: &mut Generator,
     ) -> Outcome {
-        let mut outcome = world.step(action);
-        if action == Action::Pickup && world.carrying.id() == *target {
-            outcome.reward = world.reward();
-            outcome.terminated = true;
-        }
-        outcome
-    }
-
-    fn remembers(&self, world: &World, target: &u16) -> bool {
-        (1..=world.things.len()).contains(&usize::from(*target))
+        pick_up(world, *target, action)
     }
 }
 
-const SENTENCE: &str = "Find the key, unlock the room, and pick up the object in it.";
-
-ids! { KeyCorridor:
-    "MiniGrid-KeyCorridorS3R1-v0", SENTENCE, r#"{"room_size": 3, "num_rows": 1}"#;
-    "MiniGrid-KeyCorridorS3R2-v0", SENTENCE, r#"{"room_size": 3, "num_rows": 2}"#;
-    "MiniGrid-KeyCorridorS3R3-v0", SENTENCE, r#"{"room_size": 3, "num_rows": 3}"#;
-    "MiniGrid-KeyCorridorS4R3-v0", SENTENCE, r#"{"room_size": 4, "num_rows": 3}"#;
-    "MiniGrid-KeyCorridorS5R3-v0", SENTENCE, r#"{"room_size": 5, "num_rows": 3}"#;
-    "MiniGrid-KeyCorridorS6R3-v0", SENTENCE, r#"{"room_size": 6, "num_rows": 3}"#;
+ids! { KeyCorridor, "Find the key, unlock the room, and pick up the object in it.":
+    "MiniGrid-KeyCorridorS3R1-v0", r#"{"room_size": 3, "num_rows": 1}"#;
+    "MiniGrid-KeyCorridorS3R2-v0", r#"{"room_size": 3, "num_rows": 2}"#;
+    "MiniGrid-KeyCorridorS3R3-v0", r#"{"room_size": 3, "num_rows": 3}"#;
+    "MiniGrid-KeyCorridorS4R3-v0", r#"{"room_size": 4, "num_rows": 3}"#;
+    "MiniGrid-KeyCorridorS5R3-v0", r#"{"room_size": 5, "num_rows": 3}"#;
+    "MiniGrid-KeyCorridorS6R3-v0", r#"{"room_size": 6, "num_rows": 3}"#;
 }

@@ -14,24 +14,20 @@
 use gym_core::Result;
 
 use super::crossing::Obstacle;
-use super::{ids, square};
+use super::{ids, level, square};
 use crate::level::{Level, Rules, View, refuse};
 use crate::{Action, Cell, Draft, GridEnv, Making, Pos};
 
 /// The environment.
 pub type LavaGapEnv = GridEnv<LavaGap>;
 
-gym_core::arguments! {
+level! {
     /// Arguments.
-    #[derive(Eq)]
-    pub struct LavaGap {
+    LavaGap {
         /// Columns and rows of the grid, walls included: at least 5.
         pub size: u32,
         /// What the strip is made of.
         pub obstacle_type: Obstacle = Obstacle::Lava,
-        /// The arguments of every task.
-        #[flatten]
-        pub view: View,
     }
 }
 
@@ -74,10 +70,8 @@ impl Level for LavaGap {
     }
 }
 
-const SENTENCE: &str = "Get through a gap in a strip of lava.";
-
-ids! { LavaGap:
-    "MiniGrid-LavaGapS5-v0", SENTENCE, r#"{"size": 5}"#;
-    "MiniGrid-LavaGapS6-v0", SENTENCE, r#"{"size": 6}"#;
-    "MiniGrid-LavaGapS7-v0", SENTENCE, r#"{"size": 7}"#;
+ids! { LavaGap, "Get through a gap in a strip of lava.":
+    "MiniGrid-LavaGapS5-v0", r#"{"size": 5}"#;
+    "MiniGrid-LavaGapS6-v0", r#"{"size": 6}"#;
+    "MiniGrid-LavaGapS7-v0", r#"{"size": 7}"#;
 }

@@ -13,7 +13,7 @@
 
 use gym_core::Result;
 
-use super::{ids, inside};
+use super::{ids, inside, level};
 use crate::draft::Area;
 use crate::level::{Level, Rules, View};
 use crate::{Action, Cell, Color, Draft, GridEnv, Kind, Making, Pos, State};
@@ -23,15 +23,11 @@ const MISSION: &str = "get the {} key from the {} room, unlock the {} door and g
 /// The environment.
 pub type LockedRoomEnv = GridEnv<LockedRoom>;
 
-gym_core::arguments! {
+level! {
     /// Arguments.
-    #[derive(Eq)]
-    pub struct LockedRoom {
+    LockedRoom {
         /// Columns and rows of the grid, walls included.
         pub size: u32 = 19,
-        /// The arguments of every task.
-        #[flatten]
-        pub view: View,
     }
 }
 
@@ -103,8 +99,6 @@ impl Level for LockedRoom {
     }
 }
 
-const SENTENCE: &str = "Find the key, unlock the door, and go to the goal behind it.";
-
-ids! { LockedRoom:
-    "MiniGrid-LockedRoom-v0", SENTENCE, "{}";
+ids! { LockedRoom, "Find the key, unlock the door, and go to the goal behind it.":
+    "MiniGrid-LockedRoom-v0", "{}";
 }

@@ -13,24 +13,20 @@
 
 use gym_core::{Generator, Outcome, Result};
 
-use super::{ids, square};
+use super::{ids, level, square};
 use crate::level::{Level, Rules, View, refuse};
 use crate::{Action, Cell, Color, Draft, GridEnv, Kind, Making, Pos, World};
 
 /// The environment.
 pub type MemoryEnv = GridEnv<Memory>;
 
-gym_core::arguments! {
+level! {
     /// Arguments.
-    #[derive(Eq)]
-    pub struct Memory {
+    Memory {
         /// Columns and rows of the grid, walls included; an odd number.
         pub size: u32 = 7,
         /// Whether the length of the hallway is random.
         pub random_length: bool = false,
-        /// The arguments of every task.
-        #[flatten]
-        pub view: View,
     }
 }
 
@@ -127,19 +123,13 @@ impl Level for Memory {
         }
         outcome
     }
-
-    fn remembers(&self, world: &World, places: &[Pos; 2]) -> bool {
-        places.iter().all(|pos| world.grid.contains(*pos))
-    }
 }
 
-const SENTENCE: &str = "Look at an object, and go to the one that equals it.";
-
-ids! { Memory:
-    "MiniGrid-MemoryS17Random-v0", SENTENCE, r#"{"size": 17, "random_length": true}"#;
-    "MiniGrid-MemoryS13Random-v0", SENTENCE, r#"{"size": 13, "random_length": true}"#;
-    "MiniGrid-MemoryS13-v0", SENTENCE, r#"{"size": 13}"#;
-    "MiniGrid-MemoryS11-v0", SENTENCE, r#"{"size": 11}"#;
-    "MiniGrid-MemoryS9-v0", SENTENCE, r#"{"size": 9}"#;
-    "MiniGrid-MemoryS7-v0", SENTENCE, r#"{"size": 7}"#;
+ids! { Memory, "Look at an object, and go to the one that equals it.":
+    "MiniGrid-MemoryS17Random-v0", r#"{"size": 17, "random_length": true}"#;
+    "MiniGrid-MemoryS13Random-v0", r#"{"size": 13, "random_length": true}"#;
+    "MiniGrid-MemoryS13-v0", r#"{"size": 13}"#;
+    "MiniGrid-MemoryS11-v0", r#"{"size": 11}"#;
+    "MiniGrid-MemoryS9-v0", r#"{"size": 9}"#;
+    "MiniGrid-MemoryS7-v0", r#"{"size": 7}"#;
 }

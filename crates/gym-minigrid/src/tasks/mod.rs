@@ -22,10 +22,10 @@ pub mod red_blue_doors;
 pub mod unlock;
 pub mod unlock_pickup;
 
-use gym_core::{Error, Result};
+use gym_core::{Error, Outcome, Result};
 
 use crate::draft::Area;
-use crate::{Cell, Color, Kind, Pos};
+use crate::{Action, Cell, Color, Draft, Kind, Making, Pos, World};
 
 /// The square of a number, or as much as a `u32` holds.
 pub(crate) fn square(size: u32) -> u32 {
@@ -47,12 +47,29 @@ pub(crate) fn direction(name: &str, direction: u32) -> Result<u8> {
         })
 }
 
-/// Registers the ids of a level, each with a sentence and arguments.
+/// Defines a struct of arguments, with those of every task.
+macro_rules! level {
+    ($(#[$doc:meta])* $name:ident { $($arguments:tt)* }) => {
+        gym_core::arguments! {
+            $(#[$doc])*
+            #[derive(Eq)]
+            pub struct $name {
+                $($arguments)*
+                /// The arguments of every task.
+                #[flatten]
+                pub view: $crate::level::View,
+            }
+        }
+    };
+}
+pub(crate) use level;
+
+/// Registers the ids of a level, each with its arguments.
 macro_rules! ids {
-    ($level:ty: $($id:literal, $sentence:expr, $kwargs:literal;)+) => {
+    ($level:ty, $sentence:literal: $($id:literal, $kwargs:literal;)+) => {
         #[cfg(not(test))]
         gym_core::register!($(
-            $crate::level::register::<$level>($id, $sentence).kwargs($kwargs)
+            $crate::env::register::<$level>($id, $sentence).kwargs($kwargs)
         ),+);
     };
 }
@@ -74,18 +91,28 @@ pub(crate) fn is_alike(a: Cell, b: Cell) -> bool {
 }
 
 /// A random place within the walls of a room.
-pub(crate) fn inside(draft: &mut crate::Draft<'_>, room: Area) -> crate::Making<Pos> {
+pub(crate) fn inside(draft: &mut Draft<'_>, room: Area) -> Making<Pos> {
     let end = room.top + room.size - Pos::new(1, 1);
     let x = draft.int(room.top.x + 1, end.x)?;
     Ok(Pos::new(x, draft.int(room.top.y + 1, end.y)?))
 }
 
+/// A step of a task that ends when the target is picked up.
+pub(crate) fn pick_up(world: &mut World, target: Cell, action: Action) -> Outcome {
+    let mut outcome = world.step(action);
+    if action == Action::Pickup && world.carrying == target {
+        outcome.reward = world.reward();
+        outcome.terminated = true;
+    }
+    outcome
+}
+
 /// Objects of distinct kinds and colours at random places that `accept` accepts, with their places.
 pub(crate) fn distinct_objects(
-    draft: &mut crate::Draft<'_>,
+    draft: &mut Draft<'_>,
     count: u32,
     accept: impl Fn(&[(Cell, Pos)], Pos) -> bool,
-) -> crate::Making<Vec<(Cell, Pos)>> {
+) -> Making<Vec<(Cell, Pos)>> {
     let mut objects: Vec<(Cell, Pos)> = Vec::new();
     while objects.len() < count as usize {
         let kind = draft.pick(&crate::rooms::KINDS)?;

@@ -15,7 +15,7 @@
 
 use gym_core::Result;
 
-use super::ids;
+use super::{ids, level};
 use crate::draft::Area;
 use crate::level::{Level, Rules, View, refuse};
 use crate::{Action, Cell, Color, Draft, GridEnv, Making, Pos, State};
@@ -29,10 +29,9 @@ type Room = (Area, Pos);
 /// The environment.
 pub type MultiRoomEnv = GridEnv<MultiRoom>;
 
-gym_core::arguments! {
+level! {
     /// Arguments.
-    #[derive(Eq)]
-    pub struct MultiRoom {
+    MultiRoom {
         /// The least number of rooms.
         pub minNumRooms: u32,
         /// The greatest number of rooms.
@@ -43,9 +42,6 @@ gym_core::arguments! {
         pub width: u32 = 25,
         /// The number of rows.
         pub height: u32 = 25,
-        /// The arguments of every task.
-        #[flatten]
-        pub view: View,
     }
 }
 
@@ -191,11 +187,9 @@ impl MultiRoom {
     }
 }
 
-const SENTENCE: &str = "Traverse a chain of rooms to the goal.";
-
-ids! { MultiRoom:
-    "MiniGrid-MultiRoom-N2-S4-v0", SENTENCE, r#"{"minNumRooms": 2, "maxNumRooms": 2, "maxRoomSize": 4}"#;
-    "MiniGrid-MultiRoom-N4-S5-v0", SENTENCE, r#"{"minNumRooms": 6, "maxNumRooms": 6, "maxRoomSize": 5}"#;
-    "MiniGrid-MultiRoom-N4-S5-v1", SENTENCE, r#"{"minNumRooms": 4, "maxNumRooms": 4, "maxRoomSize": 5}"#;
-    "MiniGrid-MultiRoom-N6-v0", SENTENCE, r#"{"minNumRooms": 6, "maxNumRooms": 6}"#;
+ids! { MultiRoom, "Traverse a chain of rooms to the goal.":
+    "MiniGrid-MultiRoom-N2-S4-v0", r#"{"minNumRooms": 2, "maxNumRooms": 2, "maxRoomSize": 4}"#;
+    "MiniGrid-MultiRoom-N4-S5-v0", r#"{"minNumRooms": 6, "maxNumRooms": 6, "maxRoomSize": 5}"#;
+    "MiniGrid-MultiRoom-N4-S5-v1", r#"{"minNumRooms": 4, "maxNumRooms": 4, "maxRoomSize": 5}"#;
+    "MiniGrid-MultiRoom-N6-v0", r#"{"minNumRooms": 6, "maxNumRooms": 6}"#;
 }

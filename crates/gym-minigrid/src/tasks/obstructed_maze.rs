@@ -13,10 +13,10 @@
 
 use gym_core::{Generator, Outcome, Result};
 
-use super::{ids, square};
+use super::{ids, level, pick_up, square};
 use crate::level::{Level, Rules, View, refuse};
 use crate::rooms::{Rooms, grid_size};
-use crate::{Action, Color, Draft, GridEnv, Kind, Making, Pos, World};
+use crate::{Action, Cell, Color, Draft, GridEnv, Kind, Making, Pos, World};
 
 /// Columns and rows of a room, walls included.
 const ROOM_SIZE: u32 = 6;
@@ -77,23 +77,19 @@ fn add_key(
 /// The environment.
 pub type ObstructedMaze1DlhbEnv = GridEnv<ObstructedMaze1Dlhb>;
 
-gym_core::arguments! {
+level! {
     /// Arguments.
-    #[derive(Eq)]
-    pub struct ObstructedMaze1Dlhb {
+    ObstructedMaze1Dlhb {
         /// Whether the key lies in a box.
         pub key_in_box: bool = true,
         /// Whether a ball stands before the door.
         pub blocked: bool = true,
-        /// The arguments of every task.
-        #[flatten]
-        pub view: View,
     }
 }
 
 impl Level for ObstructedMaze1Dlhb {
     type Action = Action;
-    type Memory = u16;
+    type Memory = Cell;
 
     const NAME: &'static str = "ObstructedMaze1Dlhb";
 
@@ -105,7 +101,7 @@ impl Level for ObstructedMaze1Dlhb {
         rules::<Self>(2, 1, 2)
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making<u16> {
+    fn generate(&self, draft: &mut Draft<'_>) -> Making<Cell> {
         let mut rooms = Rooms::new(draft, ROOM_SIZE, 2, 1)?;
         let colors = rooms.draft.subset(&Color::SORTED, Color::SORTED.len())?;
         add_locked_door(&mut rooms, (0, 0), 0, colors[0], self.blocked)?;
@@ -113,255 +109,135 @@ impl Level for ObstructedMaze1Dlhb {
         let target = rooms.add_object(1, 0, Some(Kind::Ball), Some(BALL))?;
         rooms.place_agent(Some((0, 0)))?;
         mission(draft);
-        Ok(target.id())
+        Ok(target)
     }
 
     fn step(
         &self,
         world: &mut World,
-        target: &mut u16,
+        target: &mut Cell,
         action: Action,
         _rng: &mut Generator,
     ) -> Outcome {
-        let mut outcome = world.step(action);
-        if action == Action::Pickup && world.carrying.id() == *target {
-            outcome.reward = world.reward();
-            outcome.terminated = true;
-        }
-        outcome
-    }
-
-    fn remembers(&self, world: &World, target: &u16) -> bool {
-        (1..=world.things.len()).contains(&usize::from(*target))
+        pick_up(world, *target, action)
     }
 }
 
-/// The environment.
-pub type ObstructedMazeFullEnv = GridEnv<ObstructedMazeFull>;
+/// Defines the maze of three by three rooms. With `$late_keys` keys are placed after the doors of
+/// their room, so that no ball takes the place of one.
+macro_rules! full {
+    ($name:ident, $env:ident, $late_keys:literal) => {
+        /// The environment.
+        pub type $env = GridEnv<$name>;
 
-gym_core::arguments! {
-    /// Arguments.
-    #[derive(Eq)]
-    pub struct ObstructedMazeFull {
-        /// The column and row of the room in which the agent starts.
-        pub agent_room: [u32; 2] = [1, 1],
-        /// Whether keys lie in boxes.
-        pub key_in_box: bool = true,
-        /// Whether balls stand before the locked doors.
-        pub blocked: bool = true,
-        /// The number of rooms around the middle one that have locked doors: up to 4.
-        pub num_quarters: u32 = 4,
-        /// The number of rooms to visit, which decides the limit of steps.
-        pub num_rooms_visited: u32 = 25,
-        /// The arguments of every task.
-        #[flatten]
-        pub view: View,
-    }
-}
-
-impl Level for ObstructedMazeFull {
-    type Action = Action;
-    type Memory = u16;
-
-    const NAME: &'static str = "ObstructedMazeFull";
-
-    fn view(&self) -> &View {
-        &self.view
-    }
-
-    fn rules(&self) -> Result<Rules> {
-        let [column, row] = self.agent_room;
-        if column > 2 || row > 2 {
-            return refuse::<Self, _>(format!(
-                "agent_room is [{column}, {row}]: there are 3 by 3 rooms"
-            ));
-        }
-        if !(1..=4).contains(&self.num_quarters) {
-            return refuse::<Self, _>(format!(
-                "num_quarters is {}: from 1 to 4 are possible",
-                self.num_quarters
-            ));
-        }
-        rules::<Self>(3, 3, self.num_rooms_visited)
-    }
-
-    fn generate(&self, draft: &mut Draft<'_>) -> Making<u16> {
-        let mut rooms = Rooms::new(draft, ROOM_SIZE, 3, 3)?;
-        let colors = rooms.draft.subset(&Color::SORTED, Color::SORTED.len())?;
-        for (i, (column, row)) in SIDES
-            .into_iter()
-            .enumerate()
-            .take(self.num_quarters as usize)
-        {
-            rooms.add_door(1, 1, Some(i), Some(colors[i]), Some(false))?;
-            for k in [-1, 1] {
-                let turn = i as i32 + k;
-                let color = colors[turn.rem_euclid(6) as usize];
-                add_locked_door(
-                    &mut rooms,
-                    (column, row),
-                    turn.rem_euclid(4) as usize,
-                    color,
-                    self.blocked,
-                )?;
-                add_key(&mut rooms, (column, row), color, self.key_in_box)?;
+        level! {
+            /// Arguments.
+            $name {
+                /// The column and row of the room in which the agent starts.
+                pub agent_room: [u32; 2] = [1, 1],
+                /// Whether keys lie in boxes.
+                pub key_in_box: bool = true,
+                /// Whether balls stand before the locked doors.
+                pub blocked: bool = true,
+                /// The number of rooms around the middle one that have locked doors: up to 4.
+                pub num_quarters: u32 = 4,
+                /// The number of rooms to visit, which decides the limit of steps.
+                pub num_rooms_visited: u32 = 25,
             }
         }
-        let corners = &CORNERS[..self.num_quarters as usize];
-        let (column, row) = rooms.draft.pick(corners)?;
-        let target = rooms.add_object(column, row, Some(Kind::Ball), Some(BALL))?;
-        let [column, row] = self.agent_room.map(|n| n as i32);
-        rooms.place_agent(Some((column, row)))?;
-        mission(draft);
-        Ok(target.id())
-    }
 
-    fn step(
-        &self,
-        world: &mut World,
-        target: &mut u16,
-        action: Action,
-        _rng: &mut Generator,
-    ) -> Outcome {
-        let mut outcome = world.step(action);
-        if action == Action::Pickup && world.carrying.id() == *target {
-            outcome.reward = world.reward();
-            outcome.terminated = true;
-        }
-        outcome
-    }
+        impl Level for $name {
+            type Action = Action;
+            type Memory = Cell;
 
-    fn remembers(&self, world: &World, target: &u16) -> bool {
-        (1..=world.things.len()).contains(&usize::from(*target))
-    }
-}
+            const NAME: &'static str = stringify!($name);
 
-/// The environment.
-pub type ObstructedMazeFullV1Env = GridEnv<ObstructedMazeFullV1>;
-
-gym_core::arguments! {
-    /// Arguments.
-    #[derive(Eq)]
-    pub struct ObstructedMazeFullV1 {
-        /// The column and row of the room in which the agent starts.
-        pub agent_room: [u32; 2] = [1, 1],
-        /// Whether keys lie in boxes.
-        pub key_in_box: bool = true,
-        /// Whether balls stand before the locked doors.
-        pub blocked: bool = true,
-        /// The number of rooms around the middle one that have locked doors: up to 4.
-        pub num_quarters: u32 = 4,
-        /// The number of rooms to visit, which decides the limit of steps.
-        pub num_rooms_visited: u32 = 25,
-        /// The arguments of every task.
-        #[flatten]
-        pub view: View,
-    }
-}
-
-impl Level for ObstructedMazeFullV1 {
-    type Action = Action;
-    type Memory = u16;
-
-    const NAME: &'static str = "ObstructedMazeFullV1";
-
-    fn view(&self) -> &View {
-        &self.view
-    }
-
-    fn rules(&self) -> Result<Rules> {
-        let [column, row] = self.agent_room;
-        if column > 2 || row > 2 {
-            return refuse::<Self, _>(format!(
-                "agent_room is [{column}, {row}]: there are 3 by 3 rooms"
-            ));
-        }
-        if !(1..=4).contains(&self.num_quarters) {
-            return refuse::<Self, _>(format!(
-                "num_quarters is {}: from 1 to 4 are possible",
-                self.num_quarters
-            ));
-        }
-        rules::<Self>(3, 3, self.num_rooms_visited)
-    }
-
-    fn generate(&self, draft: &mut Draft<'_>) -> Making<u16> {
-        let mut rooms = Rooms::new(draft, ROOM_SIZE, 3, 3)?;
-        let colors = rooms.draft.subset(&Color::SORTED, Color::SORTED.len())?;
-        for (i, (column, row)) in SIDES
-            .into_iter()
-            .enumerate()
-            .take(self.num_quarters as usize)
-        {
-            rooms.add_door(1, 1, Some(i), Some(colors[i]), Some(false))?;
-            let turns = [i as i32 - 1, i as i32 + 1];
-            let color = |turn: i32| colors[turn.rem_euclid(6) as usize];
-            for turn in turns {
-                let wall = turn.rem_euclid(4) as usize;
-                add_locked_door(&mut rooms, (column, row), wall, color(turn), self.blocked)?;
+            fn view(&self) -> &View {
+                &self.view
             }
-            // after both doors, so that no ball takes the place of a key
-            for turn in turns {
-                add_key(&mut rooms, (column, row), color(turn), self.key_in_box)?;
+
+            fn rules(&self) -> Result<Rules> {
+                let ([column, row], quarters) = (self.agent_room, self.num_quarters);
+                if column > 2 || row > 2 {
+                    return refuse::<Self, _>(format!(
+                        "agent_room is [{column}, {row}]: there are 3 by 3 rooms"
+                    ));
+                }
+                if !(1..=4).contains(&quarters) {
+                    return refuse::<Self, _>(format!(
+                        "num_quarters is {quarters}: from 1 to 4 are possible"
+                    ));
+                }
+                rules::<Self>(3, 3, self.num_rooms_visited)
+            }
+
+            fn generate(&self, draft: &mut Draft<'_>) -> Making<Cell> {
+                let mut rooms = Rooms::new(draft, ROOM_SIZE, 3, 3)?;
+                let colors = rooms.draft.subset(&Color::SORTED, Color::SORTED.len())?;
+                let quarters = self.num_quarters as usize;
+                for (i, room) in SIDES.into_iter().enumerate().take(quarters) {
+                    rooms.add_door(1, 1, Some(i), Some(colors[i]), Some(false))?;
+                    let walls = [(i + 3) % 4, (i + 1) % 4];
+                    let colors = [colors[(i + 5) % 6], colors[(i + 1) % 6]];
+                    for (wall, color) in walls.into_iter().zip(colors) {
+                        add_locked_door(&mut rooms, room, wall, color, self.blocked)?;
+                        if !$late_keys {
+                            add_key(&mut rooms, room, color, self.key_in_box)?;
+                        }
+                    }
+                    for color in colors.into_iter().filter(|_| $late_keys) {
+                        add_key(&mut rooms, room, color, self.key_in_box)?;
+                    }
+                }
+                let (column, row) = rooms.draft.pick(&CORNERS[..quarters])?;
+                let target = rooms.add_object(column, row, Some(Kind::Ball), Some(BALL))?;
+                let [column, row] = self.agent_room.map(|n| n as i32);
+                rooms.place_agent(Some((column, row)))?;
+                mission(draft);
+                Ok(target)
+            }
+
+            fn step(
+                &self,
+                world: &mut World,
+                target: &mut Cell,
+                action: Action,
+                _rng: &mut Generator,
+            ) -> Outcome {
+                pick_up(world, *target, action)
             }
         }
-        let corners = &CORNERS[..self.num_quarters as usize];
-        let (column, row) = rooms.draft.pick(corners)?;
-        let target = rooms.add_object(column, row, Some(Kind::Ball), Some(BALL))?;
-        let [column, row] = self.agent_room.map(|n| n as i32);
-        rooms.place_agent(Some((column, row)))?;
-        mission(draft);
-        Ok(target.id())
-    }
+    };
+}
+full!(ObstructedMazeFull, ObstructedMazeFullEnv, false);
+full!(ObstructedMazeFullV1, ObstructedMazeFullV1Env, true);
 
-    fn step(
-        &self,
-        world: &mut World,
-        target: &mut u16,
-        action: Action,
-        _rng: &mut Generator,
-    ) -> Outcome {
-        let mut outcome = world.step(action);
-        if action == Action::Pickup && world.carrying.id() == *target {
-            outcome.reward = world.reward();
-            outcome.terminated = true;
-        }
-        outcome
-    }
-
-    fn remembers(&self, world: &World, target: &u16) -> bool {
-        (1..=world.things.len()).contains(&usize::from(*target))
-    }
+ids! { ObstructedMaze1Dlhb, "Find the blue ball behind obstructed doors.":
+    "MiniGrid-ObstructedMaze-1Dl-v0", r#"{"key_in_box": false, "blocked": false}"#;
+    "MiniGrid-ObstructedMaze-1Dlh-v0", r#"{"key_in_box": true, "blocked": false}"#;
+    "MiniGrid-ObstructedMaze-1Dlhb-v0", "{}";
 }
 
-const SENTENCE: &str = "Find the blue ball behind obstructed doors.";
-
-ids! { ObstructedMaze1Dlhb:
-    "MiniGrid-ObstructedMaze-1Dl-v0", SENTENCE, r#"{"key_in_box": false, "blocked": false}"#;
-    "MiniGrid-ObstructedMaze-1Dlh-v0", SENTENCE, r#"{"key_in_box": true, "blocked": false}"#;
-    "MiniGrid-ObstructedMaze-1Dlhb-v0", SENTENCE, "{}";
-}
-
-ids! { ObstructedMazeFull:
-    "MiniGrid-ObstructedMaze-2Dl-v0", SENTENCE,
+ids! { ObstructedMazeFull, "Find the blue ball behind obstructed doors.":
+    "MiniGrid-ObstructedMaze-2Dl-v0",
         r#"{"agent_room": [2, 1], "key_in_box": false, "blocked": false, "num_quarters": 1, "num_rooms_visited": 4}"#;
-    "MiniGrid-ObstructedMaze-2Dlh-v0", SENTENCE,
+    "MiniGrid-ObstructedMaze-2Dlh-v0",
         r#"{"agent_room": [2, 1], "key_in_box": true, "blocked": false, "num_quarters": 1, "num_rooms_visited": 4}"#;
-    "MiniGrid-ObstructedMaze-2Dlhb-v0", SENTENCE,
+    "MiniGrid-ObstructedMaze-2Dlhb-v0",
         r#"{"agent_room": [2, 1], "key_in_box": true, "blocked": true, "num_quarters": 1, "num_rooms_visited": 4}"#;
-    "MiniGrid-ObstructedMaze-1Q-v0", SENTENCE,
+    "MiniGrid-ObstructedMaze-1Q-v0",
         r#"{"agent_room": [1, 1], "key_in_box": true, "blocked": true, "num_quarters": 1, "num_rooms_visited": 5}"#;
-    "MiniGrid-ObstructedMaze-2Q-v0", SENTENCE,
+    "MiniGrid-ObstructedMaze-2Q-v0",
         r#"{"agent_room": [2, 1], "key_in_box": true, "blocked": true, "num_quarters": 2, "num_rooms_visited": 11}"#;
-    "MiniGrid-ObstructedMaze-Full-v0", SENTENCE, "{}";
+    "MiniGrid-ObstructedMaze-Full-v0", "{}";
 }
 
-ids! { ObstructedMazeFullV1:
-    "MiniGrid-ObstructedMaze-2Dlhb-v1", SENTENCE,
+ids! { ObstructedMazeFullV1, "Find the blue ball behind obstructed doors.":
+    "MiniGrid-ObstructedMaze-2Dlhb-v1",
         r#"{"agent_room": [2, 1], "key_in_box": true, "blocked": true, "num_quarters": 1, "num_rooms_visited": 4}"#;
-    "MiniGrid-ObstructedMaze-1Q-v1", SENTENCE,
+    "MiniGrid-ObstructedMaze-1Q-v1",
         r#"{"agent_room": [1, 1], "key_in_box": true, "blocked": true, "num_quarters": 1, "num_rooms_visited": 5}"#;
-    "MiniGrid-ObstructedMaze-2Q-v1", SENTENCE,
+    "MiniGrid-ObstructedMaze-2Q-v1",
         r#"{"agent_room": [2, 1], "key_in_box": true, "blocked": true, "num_quarters": 2, "num_rooms_visited": 11}"#;
-    "MiniGrid-ObstructedMaze-Full-v1", SENTENCE, "{}";
+    "MiniGrid-ObstructedMaze-Full-v1", "{}";
 }

@@ -13,7 +13,7 @@
 
 use gym_core::Result;
 
-use super::ids;
+use super::{ids, level};
 use crate::level::{Level, Rules, View};
 use crate::rooms::KINDS;
 use crate::{Action, Cell, Draft, GridEnv, Making, Pos, State};
@@ -25,15 +25,9 @@ const OBJECTS: u32 = 12;
 /// The environment.
 pub type PlaygroundEnv = GridEnv<Playground>;
 
-gym_core::arguments! {
+level! {
     /// Arguments.
-    #[derive(Eq)]
-    pub struct Playground {
-
-        /// The arguments of every task.
-        #[flatten]
-        pub view: View,
-    }
+    Playground {}
 }
 
 impl Level for Playground {
@@ -82,8 +76,6 @@ impl Level for Playground {
     }
 }
 
-const SENTENCE: &str = "Play with doors and objects in nine rooms.";
-
-ids! { Playground:
-    "MiniGrid-Playground-v0", SENTENCE, "{}";
+ids! { Playground, "Play with doors and objects in nine rooms.":
+    "MiniGrid-Playground-v0", "{}";
 }

@@ -15,7 +15,7 @@
 
 use gym_core::{Generator, Outcome, Result};
 
-use super::{describe, distinct_objects, ids, is_alike, names};
+use super::{describe, distinct_objects, ids, is_alike, level, names};
 use crate::level::{Level, Rules, View};
 use crate::rooms::KINDS;
 use crate::{Action, Cell, Color, Draft, GridEnv, Making, Pos, World};
@@ -23,17 +23,13 @@ use crate::{Action, Cell, Color, Draft, GridEnv, Making, Pos, World};
 /// The environment.
 pub type PutNearEnv = GridEnv<PutNear>;
 
-gym_core::arguments! {
+level! {
     /// Arguments.
-    #[derive(Eq)]
-    pub struct PutNear {
+    PutNear {
         /// Columns and rows of the grid, walls included.
         pub size: u32 = 6,
         /// The number of objects: at least 2.
         pub numObjs: u32 = 2,
-        /// The arguments of every task.
-        #[flatten]
-        pub view: View,
     }
 }
 
@@ -104,15 +100,9 @@ impl Level for PutNear {
         }
         outcome
     }
-
-    fn remembers(&self, world: &World, (moved, target): &(Cell, Pos)) -> bool {
-        moved.is_valid(world.things.len()) && world.grid.contains(*target)
-    }
 }
 
-const SENTENCE: &str = "Put an object near another one.";
-
-ids! { PutNear:
-    "MiniGrid-PutNear-6x6-N2-v0", SENTENCE, "{}";
-    "MiniGrid-PutNear-8x8-N3-v0", SENTENCE, r#"{"size": 8, "numObjs": 3}"#;
+ids! { PutNear, "Put an object near another one.":
+    "MiniGrid-PutNear-6x6-N2-v0", "{}";
+    "MiniGrid-PutNear-8x8-N3-v0", r#"{"size": 8, "numObjs": 3}"#;
 }

@@ -13,23 +13,19 @@
 
 use gym_core::{Generator, Outcome, Result};
 
-use super::{ids, square};
+use super::{ids, level, square};
 use crate::draft::Area;
 use crate::level::{Level, Rules, View};
-use crate::{Action, Cell, Color, Draft, GridEnv, Kind, Making, Pos, State, World};
+use crate::{Action, Cell, Color, Draft, GridEnv, Making, Pos, State, World};
 
 /// The environment.
 pub type RedBlueDoorEnv = GridEnv<RedBlueDoors>;
 
-gym_core::arguments! {
+level! {
     /// Arguments.
-    #[derive(Eq)]
-    pub struct RedBlueDoors {
+    RedBlueDoors {
         /// The number of rows; there are twice as many columns.
         pub size: u32 = 8,
-        /// The arguments of every task.
-        #[flatten]
-        pub view: View,
     }
 }
 
@@ -86,15 +82,9 @@ impl Level for RedBlueDoors {
         }
         outcome
     }
-
-    fn remembers(&self, world: &World, doors: &[Pos; 2]) -> bool {
-        doors.iter().all(|pos| world.grid.get(*pos).is(Kind::Door))
-    }
 }
 
-const SENTENCE: &str = "Open the red door, then the blue one.";
-
-ids! { RedBlueDoors:
-    "MiniGrid-RedBlueDoors-6x6-v0", SENTENCE, r#"{"size": 6}"#;
-    "MiniGrid-RedBlueDoors-8x8-v0", SENTENCE, "{}";
+ids! { RedBlueDoors, "Open the red door, then the blue one.":
+    "MiniGrid-RedBlueDoors-6x6-v0", r#"{"size": 6}"#;
+    "MiniGrid-RedBlueDoors-8x8-v0", "{}";
 }

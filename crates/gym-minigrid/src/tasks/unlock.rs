@@ -13,7 +13,7 @@
 
 use gym_core::{Generator, Outcome, Result};
 
-use super::{ids, square};
+use super::{ids, level, square};
 use crate::level::{Level, Rules, View, refuse};
 use crate::rooms::{Rooms, grid_size};
 use crate::{Action, Draft, GridEnv, Kind, Making, Pos, State, World};
@@ -24,15 +24,9 @@ const ROOM_SIZE: u32 = 6;
 /// The environment.
 pub type UnlockEnv = GridEnv<Unlock>;
 
-gym_core::arguments! {
+level! {
     /// Arguments.
-    #[derive(Eq)]
-    pub struct Unlock {
-
-        /// The arguments of every task.
-        #[flatten]
-        pub view: View,
-    }
+    Unlock {}
 }
 
 impl Level for Unlock {
@@ -77,14 +71,8 @@ impl Level for Unlock {
         }
         outcome
     }
-
-    fn remembers(&self, world: &World, door: &Pos) -> bool {
-        world.grid.get(*door).is(Kind::Door)
-    }
 }
 
-const SENTENCE: &str = "Open a locked door with the key.";
-
-ids! { Unlock:
-    "MiniGrid-Unlock-v0", SENTENCE, "{}";
+ids! { Unlock, "Open a locked door with the key.":
+    "MiniGrid-Unlock-v0", "{}";
 }

@@ -13,10 +13,10 @@
 
 use gym_core::{Generator, Outcome, Result};
 
-use super::{describe, ids, square};
+use super::{describe, ids, level, pick_up, square};
 use crate::level::{Level, Rules, View, refuse};
 use crate::rooms::{Rooms, grid_size};
-use crate::{Action, Color, Draft, GridEnv, Kind, Making, World};
+use crate::{Action, Cell, Color, Draft, GridEnv, Kind, Making, World};
 
 /// Columns and rows of a room, walls included.
 const ROOM_SIZE: u32 = 6;
@@ -24,20 +24,14 @@ const ROOM_SIZE: u32 = 6;
 /// The environment.
 pub type UnlockPickupEnv = GridEnv<UnlockPickup>;
 
-gym_core::arguments! {
+level! {
     /// Arguments.
-    #[derive(Eq)]
-    pub struct UnlockPickup {
-
-        /// The arguments of every task.
-        #[flatten]
-        pub view: View,
-    }
+    UnlockPickup {}
 }
 
 impl Level for UnlockPickup {
     type Action = Action;
-    type Memory = u16;
+    type Memory = Cell;
 
     const NAME: &'static str = "UnlockPickup";
 
@@ -51,38 +45,27 @@ impl Level for UnlockPickup {
         rules.missions("pick up the {} box", [Color::names()])
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making<u16> {
+    fn generate(&self, draft: &mut Draft<'_>) -> Making<Cell> {
         let mut rooms = Rooms::new(draft, ROOM_SIZE, 2, 1)?;
         let target = rooms.add_object(1, 0, Some(Kind::Box), None)?;
         let (door, _) = rooms.add_door(0, 0, Some(0), None, Some(true))?;
         rooms.add_object(0, 0, Some(Kind::Key), Some(door.color()))?;
         rooms.place_agent(Some((0, 0)))?;
         draft.mission(format!("pick up the {}", describe(target)));
-        Ok(target.id())
+        Ok(target)
     }
 
     fn step(
         &self,
         world: &mut World,
-        target: &mut u16,
+        target: &mut Cell,
         action: Action,
         _rng: &mut Generator,
     ) -> Outcome {
-        let mut outcome = world.step(action);
-        if action == Action::Pickup && world.carrying.id() == *target {
-            outcome.reward = world.reward();
-            outcome.terminated = true;
-        }
-        outcome
-    }
-
-    fn remembers(&self, world: &World, target: &u16) -> bool {
-        (1..=world.things.len()).contains(&usize::from(*target))
+        pick_up(world, *target, action)
     }
 }
 
-const SENTENCE: &str = "Pick up the box in the other room, behind a locked door.";
-
-ids! { UnlockPickup:
-    "MiniGrid-UnlockPickup-v0", SENTENCE, "{}";
+ids! { UnlockPickup, "Pick up the box in the other room, behind a locked door.":
+    "MiniGrid-UnlockPickup-v0", "{}";
 }

@@ -3,51 +3,59 @@
 use gym_core::ArgumentType;
 use serde::{Deserialize, Serialize};
 
-/// The kind of an object, under minigrid's numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-#[repr(u8)]
-pub enum Kind {
-    /// Outside of what the agent sees.
-    Unseen,
-    /// Nothing.
-    Empty,
-    /// A wall, which blocks the way and the view.
-    Wall,
-    /// A coloured floor.
-    Floor,
-    /// A door: open, closed or locked.
-    Door,
-    /// A key, which opens locked doors of its colour.
-    Key,
-    /// A ball.
-    Ball,
-    /// A box, which may contain an object.
-    Box,
-    /// The goal, which ends the episode.
-    Goal,
-    /// Lava, which ends the episode without a reward.
-    Lava,
-    /// The agent, in views of the whole grid.
-    Agent,
+gym_core::discrete! {
+    /// The kind of an object, under minigrid's numbers.
+    #[derive(PartialOrd, Ord, Serialize, Deserialize)]
+    #[serde(rename_all = "lowercase")]
+    pub enum Kind {
+        /// Outside of what the agent sees.
+        Unseen,
+        /// Nothing.
+        Empty,
+        /// A wall, which blocks the way and the view.
+        Wall,
+        /// A coloured floor.
+        Floor,
+        /// A door: open, closed or locked.
+        Door,
+        /// A key, which opens locked doors of its colour.
+        Key,
+        /// A ball.
+        Ball,
+        /// A box, which may contain an object.
+        Box,
+        /// The goal, which ends the episode.
+        Goal,
+        /// Lava, which ends the episode without a reward.
+        Lava,
+        /// The agent, in views of the whole grid.
+        Agent,
+    }
+}
+
+gym_core::discrete! {
+    /// A colour, under minigrid's numbers.
+    #[derive(PartialOrd, Ord, Serialize, Deserialize)]
+    #[serde(rename_all = "lowercase")]
+    #[expect(missing_docs, reason = "the colours explain themselves")]
+    pub enum Color { Red, Green, Blue, Purple, Yellow, Grey }
+}
+
+gym_core::discrete! {
+    /// The state of a door, under minigrid's numbers.
+    #[derive(Serialize, Deserialize)]
+    #[serde(rename_all = "lowercase")]
+    pub enum State {
+        /// It can be entered.
+        Open,
+        /// It opens when toggled.
+        Closed,
+        /// It opens with a key of its colour.
+        Locked,
+    }
 }
 
 impl Kind {
-    /// Every kind, in the order of its number.
-    pub const ALL: [Self; 11] = [
-        Self::Unseen,
-        Self::Empty,
-        Self::Wall,
-        Self::Floor,
-        Self::Door,
-        Self::Key,
-        Self::Ball,
-        Self::Box,
-        Self::Goal,
-        Self::Lava,
-        Self::Agent,
-    ];
-
     /// The word for it in missions.
     pub const fn name(self) -> &'static str {
         [
@@ -63,20 +71,6 @@ impl ArgumentType for Kind {
     }
 }
 
-/// A colour, under minigrid's numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-#[repr(u8)]
-#[expect(missing_docs, reason = "the colours explain themselves")]
-pub enum Color {
-    Red,
-    Green,
-    Blue,
-    Purple,
-    Yellow,
-    Grey,
-}
-
 impl Color {
     /// Every colour, in the order of its name: minigrid's `COLOR_NAMES`.
     pub const SORTED: [Self; 6] = [
@@ -86,15 +80,6 @@ impl Color {
         Self::Purple,
         Self::Red,
         Self::Yellow,
-    ];
-
-    const ALL: [Self; 6] = [
-        Self::Red,
-        Self::Green,
-        Self::Blue,
-        Self::Purple,
-        Self::Yellow,
-        Self::Grey,
     ];
 
     /// The word for it in missions.
@@ -124,19 +109,6 @@ impl ArgumentType for Color {
     fn kind() -> String {
         "name of a colour".to_owned()
     }
-}
-
-/// The state of a door, under minigrid's numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-#[repr(u8)]
-pub enum State {
-    /// It can be entered.
-    Open,
-    /// It opens when toggled.
-    Closed,
-    /// It opens with a key of its colour.
-    Locked,
 }
 
 /// An object or its absence: kind, colour, state, and the number that identifies it.

@@ -78,6 +78,8 @@ impl<'a> Draft<'a> {
     pub fn clear(&mut self) {
         self.world.grid.clear();
         self.world.things.clear();
+        self.world.targets.clear();
+        self.world.places.clear();
     }
 
     /// Uniform in `low` to `high - 1`: minigrid's `_rand_int`.

@@ -1,35 +1,38 @@
 //! The environment of a level.
 
 use std::any::{Any, TypeId};
+use std::marker::PhantomData;
 use std::sync::Arc;
 
 use gym_core::canvas::Canvas;
 use gym_core::keys::json;
 use gym_core::render::Metadata;
 use gym_core::spaces::{BoxSpace, DictSpace, array_of};
-use gym_core::vector::lockstep::{Lockstep, Together};
 use gym_core::{
-    BoxEnv, Configure, DType, Element, Env, Error, Generator, Keys, Outcome, Registration, Reset,
-    Result, Snapshot, Space, Value,
+    Arguments, BoxEnv, Configure, DType, Env, Error, Generator, Keys, Outcome, Policy,
+    Registration, Reset, Result, Snapshot, Space, Value,
 };
 use serde::{Deserialize, Serialize};
+use serde_json::Value as Json;
 
 use crate::draft::{Draft, Stop};
-use crate::level::{Level, Memory, Rules, View, refuse};
+use crate::level::{Level, Rules, View};
 use crate::picture::Picture;
 use crate::view::MAX_VIEW;
-use crate::{Action, Cell, Grid, World};
+use crate::{Action, Grid, World, vector};
 
 /// The environment of a [`Level`].
 ///
 /// Its [`World`], once it was reset, and its [`Facts`] are layers of the environment:
-/// `env.unwrapped::<World>()` finds them through wrappers, whatever the level.
+/// `env.unwrapped::<World>()` finds them through wrappers.
 #[derive(Clone, Debug)]
-pub struct GridEnv<L: Level> {
-    level: Arc<L>,
+pub struct GridEnv {
+    level: Arc<dyn Level>,
+    /// The arguments, as JSON.
+    config: Arc<Json>,
     facts: Arc<Facts>,
     picture: Arc<Picture>,
-    episode: Option<Episode<L::Memory>>,
+    episode: Option<Episode>,
 }
 
 /// What follows from the arguments of an environment.
@@ -42,67 +45,32 @@ pub struct Facts {
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
-struct Episode<M> {
+struct Episode {
     world: World,
-    memory: M,
     rng: Generator,
-    /// Whether [`Level::begin`] is still to come.
-    fresh: bool,
 }
 
-impl<M> Episode<M> {
-    /// What happens between the first observation and the first step.
-    fn begin(&mut self, level: &impl Level<Memory = M>) {
-        if std::mem::take(&mut self.fresh) {
-            level.begin(&mut self.world, &self.memory);
-        }
-    }
-}
-
-impl<L: Level> GridEnv<L> {
+impl GridEnv {
     /// The environment of a level.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for an argument out of range.
-    pub fn new(level: L) -> Result<Self> {
-        let view = level.view().clone();
-        let mut rules = level.rules()?;
-        let size = view.agent_view_size;
-        if size % 2 == 0 || !(3..=MAX_VIEW).contains(&size) {
-            return refuse::<L, _>(format!(
-                "agent_view_size is {size}: it is an odd number from 3 to {MAX_VIEW}"
-            ));
-        }
-        let sides = 3..=Grid::MAX_SIDE;
-        if !(sides.contains(&rules.width) && sides.contains(&rules.height)) {
-            return refuse::<L, _>(format!(
-                "the grid has {} by {} cells: from 3 to {} each are possible",
-                rules.width,
-                rules.height,
-                Grid::MAX_SIDE
-            ));
-        }
-        rules.max_steps = view.max_steps.unwrap_or(rules.max_steps);
-        rules.see_through_walls = view.see_through_walls.unwrap_or(rules.see_through_walls);
-        if rules.max_steps == 0 {
-            return refuse::<L, _>("max_steps is 0: an episode has at least one step");
-        }
-        let facts = Facts { view, rules };
-        let picture = Picture::new(&facts).or_else(refuse::<L, _>)?;
+    pub fn new<L: Level + Serialize>(level: L) -> Result<Self> {
+        let name = level.name();
+        let facts = Facts::new(&level).map_err(|reason| Error::argument(name, reason))?;
+        let picture = Picture::new(&facts).map_err(|reason| Error::argument(name, reason))?;
+        let config = serde_json::to_value(&level);
+        let config = config.map_err(|error| Error::argument(name, error.to_string()))?;
         Ok(Self {
-            level: level.into(),
+            level: Arc::new(level),
+            config: config.into(),
             picture: picture.into(),
             facts: facts.into(),
             episode: None,
         })
     }
 
-    /// The level.
-    pub fn level(&self) -> &L {
-        &self.level
-    }
-
-    /// What follows from its arguments.
+    /// What follows from the arguments.
     pub fn facts(&self) -> &Facts {
         &self.facts
     }
@@ -112,12 +80,11 @@ impl<L: Level> GridEnv<L> {
         self.episode.as_ref().map(|episode| &episode.world)
     }
 
-    /// What the level remembers; `None` before the first reset.
-    pub fn memory(&self) -> Option<&L::Memory> {
-        self.episode.as_ref().map(|episode| &episode.memory)
+    fn refuse<T>(&self, reason: impl Into<String>) -> Result<T> {
+        Err(Error::argument(self.level.name(), reason))
     }
 
-    fn start(&self, mut rng: Generator) -> Result<Episode<L::Memory>> {
+    fn start(&self, mut rng: Generator) -> Result<Episode> {
         let Rules {
             width,
             height,
@@ -129,41 +96,60 @@ impl<L: Level> GridEnv<L> {
         if missions.words().is_empty() {
             world.mission.push_str(missions.pattern());
         }
-        let memory = self.level.generate(&mut Draft::new(&mut world, &mut rng));
-        let memory = memory.or_else(|stop| {
-            refuse::<L, _>(match stop {
-                Stop::Again(reason) => format!("{reason}: reset with another seed"),
-                Stop::Impossible(reason) => reason,
-            })
-        })?;
+        match self.level.generate(&mut Draft::new(&mut world, &mut rng)) {
+            Ok(()) => {}
+            Err(Stop::Impossible(reason)) => return self.refuse(reason),
+            Err(Stop::Again(reason)) => {
+                return self.refuse(format!("{reason}: reset with another seed"));
+            }
+        }
         if !world.grid.contains(world.agent) || !world.grid.get(world.agent).can_overlap() {
             let place = [world.agent.x, world.agent.y];
-            return refuse::<L, _>(format!("the agent starts at {place:?}, which is not free"));
+            return self.refuse(format!("the agent starts at {place:?}, which is not free"));
         }
-        Ok(Episode {
-            world,
-            memory,
-            rng,
-            fresh: true,
-        })
-    }
-
-    fn is_valid(&self, Episode { world, memory, .. }: &Episode<L::Memory>) -> bool {
-        let Rules { width, height, .. } = self.facts.rules;
-        world.is_valid(width as i32, height as i32)
-            && self.facts.rules.missions.has(&world.mission)
-            && memory.fits(world)
+        Ok(Episode { world, rng })
     }
 
     /// The world as pictures show it.
     fn shown(&self) -> Option<World> {
-        let mut episode = self.episode.clone()?;
-        episode.begin(&*self.level);
-        Some(episode.world)
+        let mut world = self.world()?.clone();
+        world.begin();
+        Some(world)
     }
 }
 
 impl Facts {
+    fn new(level: &impl Level) -> Result<Self, String> {
+        let view: View = level.as_ref().clone();
+        let mut rules = level.rules()?;
+        let size = view.agent_view_size;
+        if size % 2 == 0 || !(3..=MAX_VIEW).contains(&size) {
+            return Err(format!(
+                "agent_view_size is {size}: it is an odd number from 3 to {MAX_VIEW}"
+            ));
+        }
+        let sides = 3..=Grid::MAX_SIDE;
+        if !(sides.contains(&rules.width) && sides.contains(&rules.height)) {
+            return Err(format!(
+                "the grid has {} by {} cells: from 3 to {} each are possible",
+                rules.width,
+                rules.height,
+                Grid::MAX_SIDE
+            ));
+        }
+        rules.max_steps = view.max_steps.unwrap_or(rules.max_steps);
+        rules.see_through_walls = view.see_through_walls.unwrap_or(rules.see_through_walls);
+        if rules.max_steps == 0 {
+            return Err("max_steps is 0: an episode has at least one step".into());
+        }
+        Ok(Self { view, rules })
+    }
+
+    fn is_valid(&self, world: &World) -> bool {
+        let Rules { width, height, .. } = self.rules;
+        world.is_valid(width as i32, height as i32) && self.rules.missions.has(&world.mission)
+    }
+
     /// The space of observations.
     pub fn observation_space(&self) -> Space {
         let size = self.view.agent_view_size as usize;
@@ -212,17 +198,16 @@ impl Facts {
     }
 }
 
-impl<L: Level> Env for GridEnv<L> {
+impl Env for GridEnv {
     type Observation = Value;
-    type Action = L::Action;
+    type Action = Action;
 
     fn observation_space(&self) -> Space {
         self.facts.observation_space()
     }
 
     fn action_space(&self) -> Space {
-        let is_action = |n: &i64| L::Action::from_value(&Value::Int(*n)).is_some();
-        Space::discrete((0..Action::ALL.len() as i64).filter(is_action).count() as i64)
+        Space::discrete(self.facts.rules.actions.into())
     }
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
@@ -233,30 +218,26 @@ impl<L: Level> Env for GridEnv<L> {
         Ok(())
     }
 
-    fn step_into(&mut self, action: &L::Action, observation: &mut Value) -> Result<Outcome> {
-        let Self {
-            level,
-            facts,
-            episode,
-            ..
-        } = self;
-        let episode = episode.as_mut().ok_or(Error::ResetNeeded("step"))?;
-        episode.begin(&**level);
-        let Episode {
-            world, memory, rng, ..
-        } = episode;
-        let outcome = level.step(world, memory, (*action).into(), rng);
-        facts.observe(world, observation);
+    fn step_into(&mut self, action: &Action, observation: &mut Value) -> Result<Outcome> {
+        let Some(Episode { world, rng }) = &mut self.episode else {
+            return Err(Error::ResetNeeded("step"));
+        };
+        if *action as u32 >= self.facts.rules.actions {
+            return Err(self.action_space().refuse_action(action));
+        }
+        world.begin();
+        let outcome = self.level.step(world, *action, rng);
+        self.facts.observe(world, observation);
         Ok(outcome)
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::with_config(L::NAME, &*self.level, &self.episode)
+        Snapshot::with_config(self.level.name(), &*self.config, &self.episode)
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        self.episode =
-            snapshot.for_config(L::NAME, &*self.level, |episode| self.is_valid(episode))?;
+        let is_valid = |episode: &Episode| self.facts.is_valid(&episode.world);
+        self.episode = snapshot.for_config(self.level.name(), &*self.config, is_valid)?;
         Ok(())
     }
 
@@ -276,7 +257,7 @@ impl<L: Level> Env for GridEnv<L> {
     }
 
     fn describe(&self) -> String {
-        L::NAME.to_owned()
+        self.level.name().to_owned()
     }
 
     fn layer(&self, layer: TypeId) -> Option<&dyn Any> {
@@ -300,49 +281,70 @@ impl<L: Level> Env for GridEnv<L> {
     }
 }
 
-impl<L: Level> Configure for GridEnv<L> {
-    type Config = L;
+/// The environment of levels of one type: what a registration names.
+#[derive(Clone, Debug)]
+pub struct Of<L> {
+    env: GridEnv,
+    level: PhantomData<fn() -> L>,
+}
 
-    fn configure(level: L, _version: u32) -> Result<Self> {
-        Self::new(level)
+impl<L: Clone + 'static> gym_core::Wrapper for Of<L> {
+    type Inner = GridEnv;
+    type Observation = Value;
+    type Action = Action;
+
+    fn inner(&self) -> &GridEnv {
+        &self.env
+    }
+
+    fn inner_mut(&mut self) -> &mut GridEnv {
+        &mut self.env
+    }
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
+        self.env.reset_into(reset, observation)
+    }
+
+    fn step_into(&mut self, action: &Action, observation: &mut Value) -> Result<Outcome> {
+        self.env.step_into(action, observation)
+    }
+
+    fn describe(&self) -> String {
+        self.env.describe()
     }
 }
 
-/// The shared part of the steps of a vector: there is none.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Nothing;
+impl<L: Level + Arguments + Clone> Configure for Of<L> {
+    type Config = L;
 
-impl Together for Nothing {
-    const LEN: usize = 1;
-
-    fn solve(&mut self) {}
-
-    fn clear(&mut self) {}
+    fn configure(level: L, _version: u32) -> Result<Self> {
+        Ok(Self {
+            env: GridEnv::new(level)?,
+            level: PhantomData,
+        })
+    }
 }
 
-/// A native vector steps environments of their own type, without the cost of erased ones.
-impl<L: Level> Lockstep for GridEnv<L> {
-    type Group = Nothing;
-
-    fn begin_reset(&mut self, _reset: &Reset, _group: &mut Nothing) {}
-
-    fn begin_step(&mut self, _action: &L::Action, _group: &mut Nothing) {}
-
-    fn collect(&mut self, _group: &mut Nothing) {}
-}
-
-/// The registration of a level under an id.
-pub const fn register<L: Level>(id: &'static str, description: &'static str) -> Registration {
-    Registration::new::<GridEnv<L>>(id)
+/// The registration of a level under an id, perhaps with a good policy.
+pub const fn register<L: Level + Arguments + Clone>(
+    id: &'static str,
+    description: &'static str,
+    policy: Option<Policy>,
+) -> Registration {
+    let registration = Registration::new::<Of<L>>(id)
         .description(description)
         .exceptions(&[(
             "arguments-matter.screen_size",
             "a window has the size of the picture",
         )])
-        .lockstep::<GridEnv<L>>()
+        .vector_entry_point(vector::entry_point::<L>)
         .light_step()
         .actions(Action::VARIANTS)
-        .keys(keys)
+        .keys(keys);
+    match policy {
+        Some(policy) => registration.policy(policy),
+        None => registration,
+    }
 }
 
 /// The keys of the actions that there are.

@@ -101,10 +101,6 @@ impl Grid {
         &self.cells
     }
 
-    pub(crate) fn cells_mut(&mut self) -> &mut [Cell] {
-        &mut self.cells
-    }
-
     fn index(&self, Pos { x, y }: Pos) -> Option<usize> {
         let inside = (x as u32) < self.width as u32 && (y as u32) < self.height as u32;
         inside.then(|| (y * self.width + x) as usize)

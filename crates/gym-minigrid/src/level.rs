@@ -3,12 +3,10 @@
 use std::fmt;
 
 use gym_core::spaces::MissionSpace;
-use gym_core::{Arguments, Element, Error, Generator, Outcome, Result};
-use serde::Serialize;
-use serde::de::DeserializeOwned;
+use gym_core::{Generator, Outcome};
 
 use crate::draft::{Draft, Making};
-use crate::{Action, Cell, Pos, World};
+use crate::{Action, World};
 
 gym_core::arguments! {
     /// The arguments of every task.
@@ -47,6 +45,8 @@ pub struct Rules {
     pub see_through_walls: bool,
     /// The missions.
     pub missions: MissionSpace,
+    /// The number of actions; a task may have only the first few.
+    pub actions: u32,
 }
 
 impl Rules {
@@ -59,15 +59,21 @@ impl Rules {
             see_through_walls: false,
             missions: MissionSpace::new(mission, Vec::<Vec<String>>::new())
                 .unwrap_or_else(|_| MissionSpace::any(mission)),
+            actions: Action::ALL.len() as u32,
         }
     }
 
     /// Missions with words in the blanks `{}`.
     ///
     /// # Errors
-    /// The errors of [`MissionSpace::new`].
-    pub fn missions(self, pattern: &str, words: impl Into<Vec<Vec<&'static str>>>) -> Result<Self> {
-        let missions = MissionSpace::new(pattern, words.into())?;
+    /// Why there is no [`MissionSpace`] of them.
+    pub fn missions(
+        self,
+        pattern: &str,
+        words: impl Into<Vec<Vec<&'static str>>>,
+    ) -> Result<Self, String> {
+        let missions =
+            MissionSpace::new(pattern, words.into()).map_err(|error| error.to_string())?;
         Ok(Self { missions, ..self })
     }
 
@@ -81,102 +87,59 @@ impl Rules {
     }
 }
 
-/// A kind of task on a grid. It is a struct of [`arguments!`](gym_core::arguments!), which has a
-/// [`View`] among its fields.
+/// A kind of task on a grid. It is a struct of arguments, with those of every task: the macro
+/// [`level!`](crate::level!) defines it.
 ///
 /// [`GridEnv`](crate::GridEnv) makes an environment of it.
-pub trait Level: Arguments + PartialEq + fmt::Debug + Clone + Send + Sync + 'static {
-    /// The type of actions; [`Action`], unless the agent has fewer.
-    type Action: Element + Copy + Into<Action>;
-    /// What is remembered from the making of the level to its end, such as a target.
-    type Memory: Memory;
-
-    /// The name of the environment, without version.
-    const NAME: &'static str;
-
-    /// The arguments of every task.
-    fn view(&self) -> &View;
+pub trait Level: AsRef<View> + fmt::Debug + Send + Sync + 'static {
+    /// The name of the environment, without version: by default that of the type.
+    fn name(&self) -> &'static str {
+        let path = std::any::type_name::<Self>();
+        path.rsplit("::").next().unwrap_or(path)
+    }
 
     /// The facts that follow from the arguments.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for an argument out of range; [`refuse`] makes it.
-    fn rules(&self) -> Result<Rules>;
+    /// Why an argument cannot be used.
+    fn rules(&self) -> Result<Rules, String>;
 
     /// Makes a level: places walls, objects and the agent on an empty grid, and sets the mission if
-    /// there are several.
+    /// there are several. What decides about the end of the episode can be kept in
+    /// [`World::targets`] and [`World::places`].
     ///
     /// # Errors
-    /// [`Stop`] if chance or the arguments left no room.
-    fn generate(&self, draft: &mut Draft<'_>) -> Making<Self::Memory>;
+    /// [`Stop`](crate::Stop) if chance or the arguments left no room.
+    fn generate(&self, draft: &mut Draft<'_>) -> Making;
 
     /// Takes a step. By default the episode ends in the goal and in lava.
-    fn step(
-        &self,
-        world: &mut World,
-        memory: &mut Self::Memory,
-        action: Action,
-        rng: &mut Generator,
-    ) -> Outcome {
-        let _ = (memory, rng);
+    fn step(&self, world: &mut World, action: Action, rng: &mut Generator) -> Outcome {
+        let _ = rng;
         world.step(action)
     }
-
-    /// What happens after the first observation.
-    fn begin(&self, world: &mut World, memory: &Self::Memory) {
-        let _ = (world, memory);
-    }
 }
 
-/// What a level remembers, in a form that can be stored.
-pub trait Memory:
-    Clone + fmt::Debug + PartialEq + Send + Serialize + DeserializeOwned + 'static
-{
-    /// Whether this can be the memory of a world; a snapshot with another one is refused.
-    fn fits(&self, world: &World) -> bool {
-        let _ = world;
-        true
-    }
-}
+/// Defines a [`Level`]'s struct of arguments, as [`gym_core::arguments!`], with the field `view`
+/// for the arguments of every task. The crate needs `serde`.
+#[macro_export]
+macro_rules! level {
+    ($(#[$doc:meta])* $name:ident { $($arguments:tt)* }) => {
+        $crate::gym_core::arguments! {
+            $(#[$doc])*
+            #[derive(Eq)]
+            pub struct $name {
+                $($arguments)*
+                /// The arguments of every task.
+                #[flatten]
+                pub view: $crate::level::View,
+            }
+        }
 
-impl Memory for () {}
-
-/// A place on the grid.
-impl Memory for Pos {
-    fn fits(&self, world: &World) -> bool {
-        world.grid.contains(*self)
-    }
+        impl AsRef<$crate::level::View> for $name {
+            fn as_ref(&self) -> &$crate::level::View {
+                &self.view
+            }
+        }
+    };
 }
-
-/// An object.
-impl Memory for Cell {
-    fn fits(&self, world: &World) -> bool {
-        self.is_valid(world.things.len())
-    }
-}
-
-impl<M: Memory> Memory for [M; 2]
-where
-    [M; 2]: Serialize + DeserializeOwned,
-{
-    fn fits(&self, world: &World) -> bool {
-        self.iter().all(|memory| memory.fits(world))
-    }
-}
-
-impl<M: Memory> Memory for Vec<M> {
-    fn fits(&self, world: &World) -> bool {
-        self.iter().all(|memory| memory.fits(world))
-    }
-}
-
-impl<A: Memory, B: Memory> Memory for (A, B) {
-    fn fits(&self, world: &World) -> bool {
-        self.0.fits(world) && self.1.fits(world)
-    }
-}
-
-/// The error of an argument of a level.
-pub fn refuse<L: Level, T>(reason: impl Into<String>) -> Result<T> {
-    Err(Error::argument(L::NAME, reason))
-}
+pub(crate) use level;

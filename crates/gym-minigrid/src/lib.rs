@@ -3,9 +3,9 @@
 //!
 //! ```
 //! use gym_core::{EnvExt, Env};
-//! use gym_minigrid::{Action, tasks::empty::{Empty, EmptyEnv}};
+//! use gym_minigrid::{Action, GridEnv, tasks::empty::Empty};
 //!
-//! let mut env = EmptyEnv::new(Empty { size: 5, ..Empty::default() })?;
+//! let mut env = GridEnv::new(Empty { size: 5, ..Empty::default() })?;
 //! env.reset(0)?;
 //! for action in [Action::Forward, Action::Forward, Action::Right, Action::Forward] {
 //!     env.step(&action)?;
@@ -31,14 +31,20 @@ mod env;
 mod grid;
 pub mod level;
 mod picture;
+mod planner;
 mod rooms;
 pub mod tasks;
+mod vector;
 mod view;
 mod world;
+pub mod wrappers;
+
+#[doc(hidden)]
+pub use gym_core;
 
 pub use cell::{Cell, Color, Kind, State};
 pub use draft::{Area, Draft, Making, Stop};
-pub use env::{Facts, GridEnv, Nothing, register};
+pub use env::{Facts, GridEnv, Of, register};
 pub use grid::{Grid, Pos};
 pub use level::Level;
 pub use world::{Action, World};

@@ -3,6 +3,7 @@
 use gym_core::Outcome;
 use serde::{Deserialize, Serialize};
 
+use crate::babyai::Instr;
 use crate::view::{DIRECTIONS, View};
 use crate::{Cell, Grid, Kind, Pos, State};
 
@@ -58,6 +59,14 @@ pub struct World {
     pub max_steps: u32,
     /// The task in words.
     pub mission: String,
+    /// Objects that decide about the end of the episode.
+    pub targets: Vec<Cell>,
+    /// Places that decide about the end of the episode.
+    pub places: Vec<Pos>,
+    /// The instruction of a level of BabyAI.
+    pub(crate) instr: Option<Instr>,
+    /// The object that the agent gets after the first observation, or an empty cell.
+    pub(crate) pending: Cell,
     /// The numbered objects, from number 1 on.
     pub(crate) things: Vec<Thing>,
 }
@@ -72,6 +81,10 @@ impl World {
             step_count: 0,
             max_steps,
             mission: String::new(),
+            targets: Vec::new(),
+            places: Vec::new(),
+            instr: None,
+            pending: Cell::EMPTY,
             things: Vec::new(),
         }
     }
@@ -142,6 +155,25 @@ impl World {
         self.grid.set(pos, next);
     }
 
+    /// The object of an index in [`targets`](Self::targets); an empty cell if there is none.
+    pub fn target(&self, index: usize) -> Cell {
+        self.targets.get(index).copied().unwrap_or(Cell::EMPTY)
+    }
+
+    /// The place of an index in [`places`](Self::places); outside of the grid if there is none.
+    pub fn place(&self, index: usize) -> Pos {
+        self.places.get(index).copied().unwrap_or(NOWHERE)
+    }
+
+    /// Gives the agent the object that it carries from the first step on.
+    pub(crate) fn begin(&mut self) {
+        let pending = std::mem::replace(&mut self.pending, Cell::EMPTY);
+        if let Some(start) = self.thing(pending).map(|thing| thing.start) {
+            self.grid.set(start, Cell::EMPTY);
+            self.carrying = pending;
+        }
+    }
+
     /// What is remembered of a numbered object.
     pub(crate) fn thing(&self, cell: Cell) -> Option<&Thing> {
         self.things.get(usize::from(cell.id()).checked_sub(1)?)
@@ -184,8 +216,12 @@ impl World {
         self.grid.is_valid(width, height, things)
             && self.grid.contains(self.agent)
             && self.direction < 4
-            && self.carrying.is_valid(things)
-            && (self.carrying.is_empty() || self.carrying.can_pickup())
+            && [self.carrying, self.pending]
+                .iter()
+                .all(|cell| cell.is_valid(things) && (cell.is_empty() || cell.can_pickup()))
+            && self.targets.iter().all(|cell| cell.is_valid(things))
+            && self.places.iter().all(|pos| self.grid.contains(*pos))
+            && self.instr.as_ref().is_none_or(|instr| instr.is_valid(self))
             && self
                 .things
                 .iter()

@@ -36,6 +36,8 @@ pub use gym_conform as conform;
 #[cfg(feature = "trace")]
 pub use gym_conform::trace;
 pub use gym_core::*;
+#[cfg(feature = "minigrid")]
+pub use gym_minigrid as minigrid;
 #[cfg(feature = "mujoco")]
 pub use gym_mujoco as mujoco;
 #[cfg(feature = "render")]

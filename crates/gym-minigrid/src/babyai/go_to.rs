@@ -238,22 +238,22 @@ babyai! {
     };
 }
 
-ids! { GoToRedBallGrey, "Go to the red ball among grey objects.":
+ids! { GoToRedBallGrey, "Go to the red ball among grey objects.", planned:
     "BabyAI-GoToRedBallGrey-v0", "{}";
 }
 
-ids! { GoToRedBall, "Go to the red ball.":
+ids! { GoToRedBall, "Go to the red ball.", planned:
     "BabyAI-GoToRedBall-v0", "{}";
     "BabyAI-GoToRedBallNoDists-v0", r#"{"num_dists": 0}"#;
 }
 
-ids! { GoToObj, "Go to the only object.":
+ids! { GoToObj, "Go to the only object.", planned:
     "BabyAI-GoToObj-v0", "{}";
     "BabyAI-GoToObjS4-v0", r#"{"room_size": 4}"#;
     "BabyAI-GoToObjS6-v1", r#"{"room_size": 6}"#;
 }
 
-ids! { GoToLocal, "Go to an object in the room.":
+ids! { GoToLocal, "Go to an object in the room.", planned:
     "BabyAI-GoToLocal-v0", "{}";
     "BabyAI-GoToLocalS5N2-v0", r#"{"room_size": 5, "num_dists": 2}"#;
     "BabyAI-GoToLocalS6N2-v0", r#"{"room_size": 6, "num_dists": 2}"#;
@@ -269,7 +269,7 @@ ids! { GoToLocal, "Go to an object in the room.":
     "BabyAI-GoToLocalS8N7-v0", r#"{"room_size": 8, "num_dists": 7}"#;
 }
 
-ids! { GoTo, "Go to an object in a maze of rooms.":
+ids! { GoTo, "Go to an object in a maze of rooms.", planned:
     "BabyAI-GoTo-v0", "{}";
     "BabyAI-GoToOpen-v0", r#"{"doors_open": true}"#;
     "BabyAI-GoToObjMaze-v0", r#"{"num_dists": 1, "doors_open": false}"#;
@@ -292,14 +292,14 @@ ids! { GoToSeq, "Go to several objects in an order.":
         r#"{"room_size": 5, "num_rows": 2, "num_cols": 2, "num_dists": 4}"#;
 }
 
-ids! { GoToRedBlueBall, "Go to the red or the blue ball.":
+ids! { GoToRedBlueBall, "Go to the red or the blue ball.", planned:
     "BabyAI-GoToRedBlueBall-v0", "{}";
 }
 
-ids! { GoToDoor, "Go to a door.":
+ids! { GoToDoor, "Go to a door.", planned:
     "BabyAI-GoToDoor-v0", "{}";
 }
 
-ids! { GoToObjDoor, "Go to an object or a door.":
+ids! { GoToObjDoor, "Go to an object or a door.", planned:
     "BabyAI-GoToObjDoor-v0", "{}";
 }

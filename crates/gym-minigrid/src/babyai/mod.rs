@@ -13,18 +13,17 @@ pub mod other;
 pub mod pickup;
 pub mod put_next;
 pub mod synth;
-pub mod unlock;
+pub mod unlocking;
 
+use gym_core::Outcome;
 use gym_core::spaces::MissionSpace;
-use gym_core::{Generator, Outcome, Result};
-use serde::{Deserialize, Serialize};
 
 pub use description::{Desc, Loc};
 pub use instruction::Instr;
 pub(crate) use level_gen::LevelGen;
 
 use crate::draft::{Making, Stop};
-use crate::level::{Level, Rules, View, refuse};
+use crate::level::{Rules, View};
 use crate::rooms::{Rooms, grid_size};
 use crate::view::DIRECTIONS;
 use crate::{Action, Cell, Color, Draft, Kind, Pos, State, World};
@@ -87,135 +86,87 @@ impl Plan {
     }
 }
 
-/// A level of BabyAI.
-pub(crate) trait Babyai:
-    gym_core::Arguments + PartialEq + std::fmt::Debug + Clone + Send + Sync + 'static
-{
-    const NAME: &'static str;
-
-    fn view(&self) -> &View;
-
-    fn plan(&self) -> Plan;
-
-    /// Why the arguments cannot be used.
-    fn check(&self) -> Result<(), String> {
-        Ok(())
-    }
-
-    /// Places everything, and forms the instruction.
-    fn make(&self, rooms: &mut Rooms<'_, '_>) -> Making<Instr>;
+pub(crate) fn rules(plan: Plan) -> Result<Rules, String> {
+    let Maze {
+        room_size,
+        num_rows,
+        num_cols,
+    } = plan.maze;
+    let [width, height] = grid_size(room_size, num_cols, num_rows)?;
+    Ok(Rules {
+        missions: MissionSpace::any("go"),
+        ..Rules::new(width, height, plan.max_steps.unwrap_or(1), "")
+    })
 }
 
-/// The instruction of an episode.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Memory {
-    /// The instruction, and what of it is done.
-    pub instr: Instr,
-    /// The object that the agent gets after the first observation, or an empty cell.
-    carried: Cell,
+/// Makes levels until one can be used.
+pub(crate) fn generate(
+    plan: Plan,
+    view: &View,
+    draft: &mut Draft<'_>,
+    make: impl Fn(&mut Rooms<'_, '_>) -> Making<Instr>,
+) -> Making {
+    let maze = plan.maze;
+    let mut instr = loop {
+        let attempt = Rooms::new(draft, maze.room_size, maze.num_cols, maze.num_rows).and_then(
+            |mut rooms| {
+                let mut instr = make(&mut rooms)?;
+                let room = rooms.agents_room().area;
+                let colors = if plan.unblocking {
+                    locked_colors(&rooms)
+                } else {
+                    Vec::new()
+                };
+                let world = &*rooms.draft.world;
+                instr.each(&mut |single| validate(single, world, room, &colors))?;
+                Ok(instr)
+            },
+        );
+        match attempt {
+            Err(Stop::Again(_)) => {}
+            other => break other?,
+        }
+    };
+    let world = &mut *draft.world;
+    if let Instr::PutNext { moved, .. } = &mut instr
+        && plan.start_carrying
+    {
+        world.pending = moved
+            .places
+            .first()
+            .map_or(Cell::EMPTY, |pos| world.grid.get(*pos));
+    }
+    if view.max_steps.or(plan.max_steps).is_none() {
+        let room = maze.room_size.saturating_mul(maze.room_size);
+        let all = room
+            .saturating_mul(maze.num_rows)
+            .saturating_mul(maze.num_cols);
+        world.max_steps = all.saturating_mul(instr.walks());
+    }
+    world.mission = instr.words();
+    world.instr = Some(instr);
+    Ok(())
 }
 
-impl crate::level::Memory for Memory {
-    fn fits(&self, world: &World) -> bool {
-        self.instr.is_valid(world) && self.carried.is_valid(world.things.len())
+pub(crate) fn step(world: &mut World, action: Action) -> Outcome {
+    let outcome = world.step(action);
+    let Some(mut instr) = world.instr.take() else {
+        return outcome;
+    };
+    if action == Action::Drop {
+        instr.update(world);
     }
-}
-
-impl<B: Babyai> Level for B {
-    type Action = Action;
-    type Memory = Memory;
-
-    const NAME: &'static str = B::NAME;
-
-    fn view(&self) -> &View {
-        Babyai::view(self)
-    }
-
-    fn rules(&self) -> Result<Rules> {
-        let plan = self.plan();
-        let Maze {
-            room_size,
-            num_rows,
-            num_cols,
-        } = plan.maze;
-        self.check().or_else(refuse::<Self, _>)?;
-        let [width, height] =
-            grid_size(room_size, num_cols, num_rows).or_else(refuse::<Self, _>)?;
-        Ok(Rules {
-            missions: MissionSpace::any("go"),
-            ..Rules::new(width, height, plan.max_steps.unwrap_or(1), "")
-        })
-    }
-
-    fn generate(&self, draft: &mut Draft<'_>) -> Making<Memory> {
-        let plan = self.plan();
-        let maze = plan.maze;
-        let mut instr = loop {
-            let attempt = Rooms::new(draft, maze.room_size, maze.num_cols, maze.num_rows).and_then(
-                |mut rooms| {
-                    let mut instr = self.make(&mut rooms)?;
-                    let room = rooms.agents_room().area;
-                    let colors = if plan.unblocking {
-                        locked_colors(&rooms)
-                    } else {
-                        Vec::new()
-                    };
-                    let world = &*rooms.draft.world;
-                    instr.each(&mut |single| validate(single, world, room, &colors))?;
-                    Ok(instr)
-                },
-            );
-            match attempt {
-                Err(Stop::Again(_)) => {}
-                other => break other?,
-            }
-        };
-        let carried = match &mut instr {
-            Instr::PutNext { moved, .. } if plan.start_carrying => moved
-                .places
-                .first()
-                .map_or(Cell::EMPTY, |pos| draft.world.grid.get(*pos)),
-            _ => Cell::EMPTY,
-        };
-        if Babyai::view(self).max_steps.or(plan.max_steps).is_none() {
-            let room = maze.room_size.saturating_mul(maze.room_size);
-            let all = room
-                .saturating_mul(maze.num_rows)
-                .saturating_mul(maze.num_cols);
-            draft.world.max_steps = all.saturating_mul(instr.walks());
-        }
-        draft.mission(instr.words());
-        Ok(Memory { instr, carried })
-    }
-
-    fn begin(&self, world: &mut World, memory: &Memory) {
-        if let Some(thing) = world.thing(memory.carried) {
-            world.grid.set(thing.start, Cell::EMPTY);
-            world.carrying = memory.carried;
-        }
-    }
-
-    fn step(
-        &self,
-        world: &mut World,
-        memory: &mut Memory,
-        action: Action,
-        _rng: &mut Generator,
-    ) -> Outcome {
-        let outcome = world.step(action);
-        if action == Action::Drop {
-            memory.instr.update(world);
-        }
-        let (reward, terminated) = match memory.instr.verify(world, action) {
-            Status::Continue => return outcome,
-            Status::Success => (world.reward(), true),
-            Status::Failure => (0.0, true),
-        };
-        Outcome {
-            reward,
-            terminated,
-            ..outcome
-        }
+    let status = instr.verify(world, action);
+    world.instr = Some(instr);
+    let (reward, terminated) = match status {
+        Status::Continue => return outcome,
+        Status::Success => (world.reward(), true),
+        Status::Failure => (0.0, true),
+    };
+    Outcome {
+        reward,
+        terminated,
+        ..outcome
     }
 }
 
@@ -289,29 +240,41 @@ macro_rules! babyai {
         $(#[$doc:meta])* $name:ident { $($arguments:tt)* }
         $(check $check:expr;)? plan $plan:expr; make $make:expr;
     ) => {
-        $crate::tasks::level! { $(#[$doc])* $name { $($arguments)* } }
+        $crate::level! { $(#[$doc])* $name { $($arguments)* } }
 
-        impl $crate::babyai::Babyai for $name {
-            const NAME: &'static str = concat!("BabyAI-", stringify!($name));
-
-            fn view(&self) -> &$crate::level::View {
-                &self.view
-            }
-
+        impl $name {
             fn plan(&self) -> $crate::babyai::Plan {
                 let plan: fn(&Self) -> $crate::babyai::Plan = $plan;
                 plan(self)
             }
+        }
 
-            $(fn check(&self) -> Result<(), String> {
-                let check: fn(&Self) -> Result<(), String> = $check;
-                check(self)
-            })?
+        impl $crate::Level for $name {
+            fn name(&self) -> &'static str {
+                concat!("BabyAI-", stringify!($name))
+            }
 
-            fn make(&self, rooms: &mut $crate::rooms::Rooms<'_, '_>) -> $crate::Making<$crate::babyai::Instr> {
+            fn rules(&self) -> Result<$crate::level::Rules, String> {
+                $(
+                    let check: fn(&Self) -> Result<(), String> = $check;
+                    check(self)?;
+                )?
+                $crate::babyai::rules(self.plan())
+            }
+
+            fn generate(&self, draft: &mut $crate::Draft<'_>) -> $crate::Making {
                 type Make<T> = fn(&T, &mut $crate::rooms::Rooms<'_, '_>) -> $crate::Making<$crate::babyai::Instr>;
                 let make: Make<Self> = $make;
-                make(self, rooms)
+                $crate::babyai::generate(self.plan(), &self.view, draft, |rooms| make(self, rooms))
+            }
+
+            fn step(
+                &self,
+                world: &mut $crate::World,
+                action: $crate::Action,
+                _rng: &mut gym_core::Generator,
+            ) -> gym_core::Outcome {
+                $crate::babyai::step(world, action)
             }
         }
     };

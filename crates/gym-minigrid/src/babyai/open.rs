@@ -150,15 +150,15 @@ babyai! {
     };
 }
 
-ids! { Open, "Open a door in a maze of rooms.":
+ids! { Open, "Open a door in a maze of rooms.", planned:
     "BabyAI-Open-v0", "{}";
 }
 
-ids! { OpenRedDoor, "Open the red door.":
+ids! { OpenRedDoor, "Open the red door.", planned:
     "BabyAI-OpenRedDoor-v0", "{}";
 }
 
-ids! { OpenDoor, "Open a door of four.":
+ids! { OpenDoor, "Open a door of four.", planned:
     "BabyAI-OpenDoor-v0", "{}";
     "BabyAI-OpenDoorDebug-v0", r#"{"debug": true, "select_by": null}"#;
     "BabyAI-OpenDoorColor-v0", r#"{"select_by": "color"}"#;

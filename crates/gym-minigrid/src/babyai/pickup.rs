@@ -106,7 +106,7 @@ babyai! {
     };
 }
 
-ids! { Pickup, "Pick up an object in a maze of rooms.":
+ids! { Pickup, "Pick up an object in a maze of rooms.", planned:
     "BabyAI-Pickup-v0", "{}";
 }
 
@@ -118,11 +118,11 @@ ids! { PickupLoc, "Pick up an object that is described by its place.":
     "BabyAI-PickupLoc-v0", "{}";
 }
 
-ids! { PickupDist, "Pick up an object in the room.":
+ids! { PickupDist, "Pick up an object in the room.", planned:
     "BabyAI-PickupDist-v0", "{}";
     "BabyAI-PickupDistDebug-v0", r#"{"debug": true}"#;
 }
 
-ids! { PickupAbove, "Pick up an object in the room above.":
+ids! { PickupAbove, "Pick up an object in the room above.", planned:
     "BabyAI-PickupAbove-v0", "{}";
 }

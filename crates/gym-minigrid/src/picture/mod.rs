@@ -51,6 +51,33 @@ impl Picture {
 
     pub(crate) fn draw(&self, world: &World, facts: &Facts, canvas: &mut dyn Canvas) {
         canvas.clear(Color::BLACK);
+        self.each(world, facts, &mut |corner, Patch { place, color }| {
+            let [x, y, width, height] = place.map(f64::from);
+            let [r, g, b] = *color;
+            let corner = corner.map(|n| n as f64);
+            canvas.rect(
+                [corner[0] + x, corner[1] + y],
+                [width, height],
+                Color::rgb(r, g, b),
+            );
+        });
+    }
+
+    /// Writes red, green and blue of every pixel, row by row.
+    pub(crate) fn paint(&self, world: &World, facts: &Facts, pixels: &mut [u8]) {
+        pixels.fill(0);
+        let row_len = 3 * self.size.0 as usize;
+        self.each(world, facts, &mut |corner, Patch { place, color }| {
+            let [x, y, width, height] = place.map(usize::from);
+            let (left, top) = (3 * (corner[0] + x), corner[1] + y);
+            for row in pixels.chunks_exact_mut(row_len).skip(top).take(height) {
+                row[left..left + 3 * width].as_chunks_mut().0.fill(*color);
+            }
+        });
+    }
+
+    /// Calls `f` with the patches of each tile, and its top left pixel.
+    fn each(&self, world: &World, facts: &Facts, f: &mut dyn FnMut([usize; 2], &Patch)) {
         let size = self.view.agent_view_size as i32;
         let view = world.view(size);
         let visible = view.visible(&world.grid, facts.rules.see_through_walls);
@@ -64,7 +91,7 @@ impl Picture {
                     true => world.grid.get(view.place(pos.x, pos.y)),
                     false => Cell::EMPTY,
                 };
-                self.tile(canvas, pos, cell, (pos == own).then_some(3), lit(pos));
+                self.tile(pos, cell, (pos == own).then_some(3), lit(pos), f);
             }
             return;
         }
@@ -81,26 +108,25 @@ impl Picture {
         for (index, (cell, seen)) in world.grid.cells().iter().zip(seen).enumerate() {
             let pos = Pos::new(index as i32 % width, index as i32 / width);
             let agent = (pos == world.agent).then_some(world.direction);
-            self.tile(canvas, pos, *cell, agent, seen);
+            self.tile(pos, *cell, agent, seen, f);
         }
     }
 
-    fn tile(&self, canvas: &mut dyn Canvas, pos: Pos, cell: Cell, agent: Option<u8>, lit: bool) {
-        let size = self.view.tile_size;
+    fn tile(
+        &self,
+        pos: Pos,
+        cell: Cell,
+        agent: Option<u8>,
+        lit: bool,
+        f: &mut dyn FnMut([usize; 2], &Patch),
+    ) {
+        let size = self.view.tile_size as usize;
         let scene = Scene::new(cell, agent, lit);
         let mut tiles = self.tiles.lock().unwrap_or_else(PoisonError::into_inner);
         let patches = tiles
             .entry(scene)
-            .or_insert_with(|| scene.patches(cell, size as usize).into());
-        let corner = [pos.x, pos.y].map(|n| f64::from(n) * f64::from(size));
-        for Patch { place, color } in patches.iter() {
-            let [x, y, width, height] = place.map(f64::from);
-            let [r, g, b] = *color;
-            canvas.rect(
-                [corner[0] + x, corner[1] + y],
-                [width, height],
-                Color::rgb(r, g, b),
-            );
-        }
+            .or_insert_with(|| scene.patches(cell, size).into());
+        let corner = [pos.x, pos.y].map(|n| n as usize * size);
+        patches.iter().for_each(|patch| f(corner, patch));
     }
 }

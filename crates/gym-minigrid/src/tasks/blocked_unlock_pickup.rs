@@ -3,7 +3,7 @@
 //! | | |
 //! |---|---|
 //! | observation | `image`: kind, colour and state of the 7 by 7 cells before the agent; `direction`; `mission` |
-//! | action | [`Action`] |
+//! | action | [`Action`](crate::Action) |
 //! | reward | `1 - 0.9 * steps / max_steps` for the box, else 0 |
 //! | start | the agent and the key in the left of two rooms, the box in the right one |
 //! | end | terminated by picking up the box |
@@ -11,18 +11,15 @@
 //!
 //! Source: minigrid 3.2.0, `envs/blockedunlockpickup.py`.
 
-use gym_core::{Generator, Outcome, Result};
+use gym_core::{Generator, Outcome};
 
-use super::{describe, ids, level, names, pick_up, square};
-use crate::level::{Level, Rules, View, refuse};
+use super::{describe, ids, names, pick_up, square};
+use crate::level::{Level, Rules, level};
 use crate::rooms::{Rooms, grid_size};
-use crate::{Action, Cell, Color, Draft, GridEnv, Kind, Making, World};
+use crate::{Action, Color, Draft, Kind, Making, World};
 
 /// Columns and rows of a room, walls included.
 const ROOM_SIZE: u32 = 6;
-
-/// The environment.
-pub type BlockedUnlockPickupEnv = GridEnv<BlockedUnlockPickup>;
 
 level! {
     /// Arguments.
@@ -30,17 +27,8 @@ level! {
 }
 
 impl Level for BlockedUnlockPickup {
-    type Action = Action;
-    type Memory = Cell;
-
-    const NAME: &'static str = "BlockedUnlockPickup";
-
-    fn view(&self) -> &View {
-        &self.view
-    }
-
-    fn rules(&self) -> Result<Rules> {
-        let [width, height] = grid_size(ROOM_SIZE, 2, 1).or_else(refuse::<Self, _>)?;
+    fn rules(&self) -> Result<Rules, String> {
+        let [width, height] = grid_size(ROOM_SIZE, 2, 1)?;
         let rules = Rules::new(width, height, square(ROOM_SIZE) * 16, "");
         rules.missions(
             "pick up the {} {}",
@@ -48,7 +36,7 @@ impl Level for BlockedUnlockPickup {
         )
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making<Cell> {
+    fn generate(&self, draft: &mut Draft<'_>) -> Making {
         let mut rooms = Rooms::new(draft, ROOM_SIZE, 2, 1)?;
         let target = rooms.add_object(1, 0, Some(Kind::Box), None)?;
         let (door, pos) = rooms.add_door(0, 0, Some(0), None, Some(true))?;
@@ -57,23 +45,15 @@ impl Level for BlockedUnlockPickup {
         rooms.add_object(0, 0, Some(Kind::Key), Some(door.color()))?;
         rooms.place_agent(Some((0, 0)))?;
         draft.mission(format!("pick up the {}", describe(target)));
-        Ok(target)
+        draft.world.targets.push(target);
+        Ok(())
     }
 
-    fn step(
-        &self,
-        world: &mut World,
-        target: &mut Cell,
-        action: Action,
-        _rng: &mut Generator,
-    ) -> Outcome {
-        pick_up(world, *target, action)
+    fn step(&self, world: &mut World, action: Action, _rng: &mut Generator) -> Outcome {
+        pick_up(world, action)
     }
 }
 
-const SENTENCE: &str =
-    "Pick up the box in the other room, behind a locked door with a ball before it.";
-
-ids! { BlockedUnlockPickup, SENTENCE:
+ids! { BlockedUnlockPickup, "Pick up the box behind a locked and blocked door.":
     "MiniGrid-BlockedUnlockPickup-v0", "{}";
 }

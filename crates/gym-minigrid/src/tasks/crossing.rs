@@ -3,7 +3,7 @@
 //! | | |
 //! |---|---|
 //! | observation | `image`: kind, colour and state of the 7 by 7 cells before the agent; `direction`; `mission` |
-//! | action | [`Action`]: left, right, forward; the others have no effect here |
+//! | action | [`Action`](crate::Action): left, right, forward; the others have no effect here |
 //! | reward | `1 - 0.9 * steps / max_steps` in the goal, else 0 |
 //! | start | in the top left corner, looking right |
 //! | end | terminated in the goal and in lava |
@@ -11,12 +11,12 @@
 //!
 //! Source: minigrid 3.2.0, `envs/crossing.py`.
 
-use gym_core::{ArgumentType, Result};
+use gym_core::ArgumentType;
 use serde::{Deserialize, Serialize};
 
-use super::{ids, level, square};
-use crate::level::{Level, Rules, View, refuse};
-use crate::{Action, Cell, Draft, GridEnv, Making, Pos};
+use super::{ids, square};
+use crate::level::{Level, Rules, level};
+use crate::{Cell, Draft, Making, Pos};
 
 /// What stands in the way.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -50,9 +50,6 @@ impl ArgumentType for Obstacle {
     }
 }
 
-/// The environment.
-pub type CrossingEnv = GridEnv<Crossing>;
-
 level! {
     /// Arguments.
     Crossing {
@@ -66,18 +63,9 @@ level! {
 }
 
 impl Level for Crossing {
-    type Action = Action;
-    type Memory = ();
-
-    const NAME: &'static str = "Crossing";
-
-    fn view(&self) -> &View {
-        &self.view
-    }
-
-    fn rules(&self) -> Result<Rules> {
+    fn rules(&self) -> Result<Rules, String> {
         if self.size % 2 == 0 {
-            return refuse::<Self, _>(format!("size is {}: it is an odd number", self.size));
+            return Err(format!("size is {}: it is an odd number", self.size));
         }
         let steps = square(self.size).saturating_mul(4);
         Ok(Rules::new(
@@ -144,14 +132,14 @@ impl Level for Crossing {
     }
 }
 
-ids! { Crossing, "Get across rivers of lava to the goal.":
+ids! { Crossing, "Get across rivers of lava to the goal.", planned:
     "MiniGrid-LavaCrossingS9N1-v0", r#"{"size": 9, "num_crossings": 1}"#;
     "MiniGrid-LavaCrossingS9N2-v0", r#"{"size": 9, "num_crossings": 2}"#;
     "MiniGrid-LavaCrossingS9N3-v0", r#"{"size": 9, "num_crossings": 3}"#;
     "MiniGrid-LavaCrossingS11N5-v0", r#"{"size": 11, "num_crossings": 5}"#;
 }
 
-ids! { Crossing, "Get through the gaps in walls to the goal.":
+ids! { Crossing, "Get through the gaps in walls to the goal.", planned:
     "MiniGrid-SimpleCrossingS9N1-v0",
         r#"{"size": 9, "num_crossings": 1, "obstacle_type": "wall"}"#;
     "MiniGrid-SimpleCrossingS9N2-v0",

@@ -3,7 +3,7 @@
 //! | | |
 //! |---|---|
 //! | observation | `image`: kind, colour and state of the 7 by 7 cells before the agent; `direction`; `mission` |
-//! | action | [`Action`]: left, right, forward; the others have no effect here |
+//! | action | [`Action`](crate::Action): left, right, forward; the others have no effect here |
 //! | reward | `1 - 0.9 * steps / max_steps` in the goal, else 0 |
 //! | start | in the top left corner, looking right |
 //! | end | terminated in the goal and in lava |
@@ -11,14 +11,9 @@
 //!
 //! Source: minigrid 3.2.0, `envs/distshift.py`.
 
-use gym_core::Result;
-
-use super::{direction, ids, level};
-use crate::level::{Level, Rules, View};
-use crate::{Action, Cell, Draft, GridEnv, Making, Pos};
-
-/// The environment.
-pub type DistShiftEnv = GridEnv<DistShift>;
+use super::{direction, ids};
+use crate::level::{Level, Rules, level};
+use crate::{Cell, Draft, Making, Pos};
 
 level! {
     /// Arguments.
@@ -37,17 +32,8 @@ level! {
 }
 
 impl Level for DistShift {
-    type Action = Action;
-    type Memory = ();
-
-    const NAME: &'static str = "DistShift";
-
-    fn view(&self) -> &View {
-        &self.view
-    }
-
-    fn rules(&self) -> Result<Rules> {
-        direction(Self::NAME, self.agent_start_dir)?;
+    fn rules(&self) -> Result<Rules, String> {
+        direction(self.agent_start_dir)?;
         let steps = self.width.saturating_mul(self.height).saturating_mul(4);
         Ok(Rules::new(
             self.width,
@@ -73,7 +59,7 @@ impl Level for DistShift {
     }
 }
 
-ids! { DistShift, "Reach the goal along strips of lava.":
+ids! { DistShift, "Reach the goal along strips of lava.", planned:
     "MiniGrid-DistShift1-v0", r#"{"strip2_row": 2}"#;
     "MiniGrid-DistShift2-v0", r#"{"strip2_row": 5}"#;
 }

@@ -3,7 +3,7 @@
 //! | | |
 //! |---|---|
 //! | observation | `image`: kind, colour and state of the 7 by 7 cells before the agent; `direction`; `mission` |
-//! | action | [`Action`] |
+//! | action | [`Action`](crate::Action) |
 //! | reward | `1 - 0.9 * steps / max_steps` in the goal, else 0 |
 //! | start | a wall with a locked door divides the room; the agent and the key are on its left |
 //! | end | terminated in the goal |
@@ -11,15 +11,10 @@
 //!
 //! Source: minigrid 3.2.0, `envs/doorkey.py`.
 
-use gym_core::Result;
-
-use super::{ids, level, square};
+use super::{ids, square};
 use crate::draft::Area;
-use crate::level::{Level, Rules, View};
-use crate::{Action, Cell, Color, Draft, GridEnv, Kind, Making, Pos, State};
-
-/// The environment.
-pub type DoorKeyEnv = GridEnv<DoorKey>;
+use crate::level::{Level, Rules, level};
+use crate::{Cell, Color, Draft, Kind, Making, Pos, State};
 
 level! {
     /// Arguments.
@@ -30,16 +25,7 @@ level! {
 }
 
 impl Level for DoorKey {
-    type Action = Action;
-    type Memory = ();
-
-    const NAME: &'static str = "DoorKey";
-
-    fn view(&self) -> &View {
-        &self.view
-    }
-
-    fn rules(&self) -> Result<Rules> {
+    fn rules(&self) -> Result<Rules, String> {
         let steps = square(self.size).saturating_mul(10);
         let mission = "use the key to open the door and then get to the goal";
         Ok(Rules::new(self.size, self.size, steps, mission))
@@ -61,7 +47,7 @@ impl Level for DoorKey {
     }
 }
 
-ids! { DoorKey, "Pick up the key, open the door, and get to the goal.":
+ids! { DoorKey, "Pick up the key, open the door, and get to the goal.", planned:
     "MiniGrid-DoorKey-5x5-v0", r#"{"size": 5}"#;
     "MiniGrid-DoorKey-6x6-v0", r#"{"size": 6}"#;
     "MiniGrid-DoorKey-8x8-v0", r#"{"size": 8}"#;

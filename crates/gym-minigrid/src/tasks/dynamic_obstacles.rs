@@ -3,7 +3,7 @@
 //! | | |
 //! |---|---|
 //! | observation | `image`: kind, colour and state of the 7 by 7 cells before the agent; `direction`; `mission` |
-//! | action | [`Move`]: left, right, forward |
+//! | action | left, right, forward: the first three of [`Action`](crate::Action) |
 //! | reward | `1 - 0.9 * steps / max_steps` in the goal; -1 for moving forward against an obstacle; else 0 |
 //! | start | in the top left corner, looking right; at random in the ids with `Random` |
 //! | end | terminated in the goal and against an obstacle |
@@ -11,42 +11,15 @@
 //!
 //! Source: minigrid 3.2.0, `envs/dynamicobstacles.py`.
 
-use gym_core::{Generator, Outcome, Result};
-use serde::{Deserialize, Serialize};
+use gym_core::{Generator, Outcome};
 
-use super::{direction, ids, level, square};
+use super::{direction, ids, square};
 use crate::draft::Area;
-use crate::level::{Level, Rules, View};
-use crate::{Action, Cell, Color, Draft, GridEnv, Kind, Making, Pos, World};
-
-gym_core::discrete! {
-    /// A move of the agent.
-    #[derive(Serialize, Deserialize)]
-    pub enum Move {
-        /// Turn left.
-        Left,
-        /// Turn right.
-        Right,
-        /// Move forward.
-        Forward,
-    }
-}
-
-impl From<Move> for Action {
-    fn from(direction: Move) -> Self {
-        match direction {
-            Move::Left => Self::Left,
-            Move::Right => Self::Right,
-            Move::Forward => Self::Forward,
-        }
-    }
-}
+use crate::level::{Level, Rules, level};
+use crate::{Action, Cell, Color, Draft, Kind, Making, Pos, World};
 
 /// The tries after which an obstacle stays where it is.
 const MAX_TRIES: u32 = 100;
-
-/// The environment.
-pub type DynamicObstaclesEnv = GridEnv<DynamicObstacles>;
 
 level! {
     /// Arguments.
@@ -63,22 +36,17 @@ level! {
 }
 
 impl Level for DynamicObstacles {
-    type Action = Move;
-    type Memory = Vec<Cell>;
-
-    const NAME: &'static str = "DynamicObstacles";
-
-    fn view(&self) -> &View {
-        &self.view
-    }
-
-    fn rules(&self) -> Result<Rules> {
-        direction(Self::NAME, self.agent_start_dir)?;
+    fn rules(&self) -> Result<Rules, String> {
+        direction(self.agent_start_dir)?;
         let steps = square(self.size).saturating_mul(4);
-        Ok(Rules::new(self.size, self.size, steps, "get to the green goal square").see_through())
+        let rules = Rules::new(self.size, self.size, steps, "get to the green goal square");
+        Ok(Rules {
+            actions: 3,
+            ..rules.see_through()
+        })
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making<Vec<Cell>> {
+    fn generate(&self, draft: &mut Draft<'_>) -> Making {
         draft.world.grid.surround();
         draft.put(Pos::new(draft.width() - 2, draft.height() - 2), Cell::GOAL);
         match self.agent_start_pos {
@@ -91,25 +59,19 @@ impl Level for DynamicObstacles {
         } else {
             self.size / 2
         };
-        (0..count)
-            .map(|_| {
-                let ball = draft.object(Kind::Ball, Color::Blue);
-                draft.place_if(ball, draft.whole(), MAX_TRIES, |_, _| true)?;
-                Ok(ball)
-            })
-            .collect()
+        for _ in 0..count {
+            let ball = draft.object(Kind::Ball, Color::Blue);
+            draft.place_if(ball, draft.whole(), MAX_TRIES, |_, _| true)?;
+            draft.world.targets.push(ball);
+        }
+        Ok(())
     }
 
-    fn step(
-        &self,
-        world: &mut World,
-        obstacles: &mut Vec<Cell>,
-        action: Action,
-        rng: &mut Generator,
-    ) -> Outcome {
+    fn step(&self, world: &mut World, action: Action, rng: &mut Generator) -> Outcome {
         let front = world.front();
         let hits = action == Action::Forward && !front.is_empty() && !front.is(Kind::Goal);
-        for &ball in &*obstacles {
+        for index in 0..world.targets.len() {
+            let ball = world.targets[index];
             let Some(old) = world.thing(ball).map(|thing| thing.pos) else {
                 continue;
             };

@@ -3,7 +3,7 @@
 //! | | |
 //! |---|---|
 //! | observation | `image`: kind, colour and state of the 7 by 7 cells before the agent; `direction`; `mission` |
-//! | action | [`Action`]: left, right, forward; the others have no effect here |
+//! | action | [`Action`](crate::Action): left, right, forward; the others have no effect here |
 //! | reward | `1 - 0.9 * steps / max_steps` in the goal, else 0 |
 //! | start | in the top left corner, looking right; at random in the ids with `Random` |
 //! | end | terminated in the goal |
@@ -11,14 +11,9 @@
 //!
 //! Source: minigrid 3.2.0, `envs/empty.py`.
 
-use gym_core::Result;
-
-use super::{direction, ids, level, square};
-use crate::level::{Level, Rules, View};
-use crate::{Action, Cell, Draft, GridEnv, Making, Pos};
-
-/// The environment.
-pub type EmptyEnv = GridEnv<Empty>;
+use super::{direction, ids, square};
+use crate::level::{Level, Rules, level};
+use crate::{Cell, Draft, Making, Pos};
 
 level! {
     /// Arguments.
@@ -33,17 +28,8 @@ level! {
 }
 
 impl Level for Empty {
-    type Action = Action;
-    type Memory = ();
-
-    const NAME: &'static str = "Empty";
-
-    fn view(&self) -> &View {
-        &self.view
-    }
-
-    fn rules(&self) -> Result<Rules> {
-        direction(Self::NAME, self.agent_start_dir)?;
+    fn rules(&self) -> Result<Rules, String> {
+        direction(self.agent_start_dir)?;
         let steps = square(self.size).saturating_mul(4);
         Ok(Rules::new(self.size, self.size, steps, "get to the green goal square").see_through())
     }
@@ -59,7 +45,7 @@ impl Level for Empty {
     }
 }
 
-ids! { Empty, "Cross an empty room to the goal.":
+ids! { Empty, "Cross an empty room to the goal.", planned:
     "MiniGrid-Empty-5x5-v0", r#"{"size": 5}"#;
     "MiniGrid-Empty-Random-5x5-v0", r#"{"size": 5, "agent_start_pos": null}"#;
     "MiniGrid-Empty-6x6-v0", r#"{"size": 6}"#;

@@ -3,7 +3,7 @@
 //! | | |
 //! |---|---|
 //! | observation | `image`: kind, colour and state of the 7 by 7 cells before the agent; `direction`; `mission` |
-//! | action | [`Action`] |
+//! | action | [`Action`](crate::Action) |
 //! | reward | `1 - 0.9 * steps / max_steps` for the object, else 0 |
 //! | start | keys and balls, and the agent, at random |
 //! | end | terminated by picking up any object |
@@ -13,11 +13,11 @@
 
 #![expect(non_snake_case, reason = "an argument has minigrid's name")]
 
-use gym_core::{Generator, Outcome, Result};
+use gym_core::{Generator, Outcome};
 
-use super::{describe, ids, is_alike, level, names, square};
-use crate::level::{Level, Rules, View};
-use crate::{Action, Cell, Color, Draft, GridEnv, Kind, Making, World};
+use super::{describe, ids, is_alike, names, square};
+use crate::level::{Level, Rules, level};
+use crate::{Action, Color, Draft, Kind, Making, World};
 
 const PHRASES: [&str; 5] = [
     "get a",
@@ -27,9 +27,6 @@ const PHRASES: [&str; 5] = [
     "you must fetch a",
 ];
 const KINDS: [Kind; 2] = [Kind::Key, Kind::Ball];
-
-/// The environment.
-pub type FetchEnv = GridEnv<Fetch>;
 
 level! {
     /// Arguments.
@@ -42,16 +39,7 @@ level! {
 }
 
 impl Level for Fetch {
-    type Action = Action;
-    type Memory = Cell;
-
-    const NAME: &'static str = "Fetch";
-
-    fn view(&self) -> &View {
-        &self.view
-    }
-
-    fn rules(&self) -> Result<Rules> {
+    fn rules(&self) -> Result<Rules, String> {
         let rules = Rules::new(
             self.size,
             self.size,
@@ -65,7 +53,7 @@ impl Level for Fetch {
         )
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making<Cell> {
+    fn generate(&self, draft: &mut Draft<'_>) -> Making {
         draft.world.grid.surround();
         let mut objects = Vec::new();
         for _ in 0..self.numObjs {
@@ -79,20 +67,15 @@ impl Level for Fetch {
         let target = draft.pick(&objects)?;
         let phrase = draft.pick(&PHRASES)?;
         draft.mission(format!("{phrase} {}", describe(target)));
-        Ok(target)
+        draft.world.targets.push(target);
+        Ok(())
     }
 
-    fn step(
-        &self,
-        world: &mut World,
-        target: &mut Cell,
-        action: Action,
-        _rng: &mut Generator,
-    ) -> Outcome {
+    fn step(&self, world: &mut World, action: Action, _rng: &mut Generator) -> Outcome {
         let mut outcome = world.step(action);
         if !world.carrying.is_empty() {
             outcome.terminated = true;
-            outcome.reward = if is_alike(world.carrying, *target) {
+            outcome.reward = if is_alike(world.carrying, world.target(0)) {
                 world.reward()
             } else {
                 0.0

@@ -3,7 +3,7 @@
 //! | | |
 //! |---|---|
 //! | observation | `image`: kind, colour and state of the 7 by 7 cells before the agent; `direction`; `mission` |
-//! | action | [`Action`]: left, right, forward; the others have no effect here |
+//! | action | [`Action`](crate::Action): left, right, forward; the others have no effect here |
 //! | reward | `1 - 0.9 * steps / max_steps` in the goal, else 0 |
 //! | start | the gaps, the agent and the goal at random |
 //! | end | terminated in the goal |
@@ -11,17 +11,12 @@
 //!
 //! Source: minigrid 3.2.0, `envs/fourrooms.py`.
 
-use gym_core::Result;
-
-use super::{ids, level};
-use crate::level::{Level, Rules, View};
-use crate::{Action, Cell, Draft, GridEnv, Making, Pos};
+use super::ids;
+use crate::level::{Level, Rules, level};
+use crate::{Cell, Draft, Making, Pos};
 
 /// Columns and rows of the grid, walls included.
 const SIZE: u32 = 19;
-
-/// The environment.
-pub type FourRoomsEnv = GridEnv<FourRooms>;
 
 level! {
     /// Arguments.
@@ -34,16 +29,7 @@ level! {
 }
 
 impl Level for FourRooms {
-    type Action = Action;
-    type Memory = ();
-
-    const NAME: &'static str = "FourRooms";
-
-    fn view(&self) -> &View {
-        &self.view
-    }
-
-    fn rules(&self) -> Result<Rules> {
+    fn rules(&self) -> Result<Rules, String> {
         Ok(Rules::new(SIZE, SIZE, 100, "reach the goal"))
     }
 
@@ -85,6 +71,6 @@ impl Level for FourRooms {
     }
 }
 
-ids! { FourRooms, "Find the goal in four rooms.":
+ids! { FourRooms, "Find the goal in four rooms.", planned:
     "MiniGrid-FourRooms-v0", "{}";
 }

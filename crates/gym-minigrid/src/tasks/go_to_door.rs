@@ -3,7 +3,7 @@
 //! | | |
 //! |---|---|
 //! | observation | `image`: kind, colour and state of the 7 by 7 cells before the agent; `direction`; `mission` |
-//! | action | [`Action`] |
+//! | action | [`Action`](crate::Action) |
 //! | reward | `1 - 0.9 * steps / max_steps` for `done` beside the door, else 0 |
 //! | start | a room of random size with four doors, the agent at random |
 //! | end | terminated by `done` and by `toggle` |
@@ -11,15 +11,12 @@
 //!
 //! Source: minigrid 3.2.0, `envs/gotodoor.py`.
 
-use gym_core::{Generator, Outcome, Result};
+use gym_core::{Generator, Outcome};
 
-use super::{ids, level, square};
+use super::{ids, square};
 use crate::draft::Area;
-use crate::level::{Level, Rules, View, refuse};
-use crate::{Action, Cell, Color, Draft, GridEnv, Making, Pos, State, World};
-
-/// The environment.
-pub type GoToDoorEnv = GridEnv<GoToDoor>;
+use crate::level::{Level, Rules, level};
+use crate::{Action, Cell, Color, Draft, Making, Pos, State, World};
 
 level! {
     /// Arguments.
@@ -30,18 +27,9 @@ level! {
 }
 
 impl Level for GoToDoor {
-    type Action = Action;
-    type Memory = Pos;
-
-    const NAME: &'static str = "GoToDoor";
-
-    fn view(&self) -> &View {
-        &self.view
-    }
-
-    fn rules(&self) -> Result<Rules> {
+    fn rules(&self) -> Result<Rules, String> {
         if self.size < 5 {
-            return refuse::<Self, _>(format!("size is {}: it is at least 5", self.size));
+            return Err(format!("size is {}: it is at least 5", self.size));
         }
         let rules = Rules::new(
             self.size,
@@ -53,7 +41,7 @@ impl Level for GoToDoor {
         rules.missions("go to the {} door", [Color::names()])
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making<Pos> {
+    fn generate(&self, draft: &mut Draft<'_>) -> Making {
         let width = draft.int(5, draft.width() + 1)?;
         let height = draft.int(5, draft.height() + 1)?;
         draft.world.grid.wall_rect(0, 0, width, height);
@@ -76,19 +64,14 @@ impl Level for GoToDoor {
         draft.place_agent_in(Area::new(0, 0, width, height), u32::MAX)?;
         let index = draft.int(0, doors.len() as i32)? as usize;
         draft.mission(format!("go to the {} door", colors[index].name()));
-        Ok(doors[index])
+        draft.world.places.push(doors[index]);
+        Ok(())
     }
 
-    fn step(
-        &self,
-        world: &mut World,
-        target: &mut Pos,
-        action: Action,
-        _rng: &mut Generator,
-    ) -> Outcome {
+    fn step(&self, world: &mut World, action: Action, _rng: &mut Generator) -> Outcome {
         let mut outcome = world.step(action);
         outcome.terminated |= matches!(action, Action::Toggle | Action::Done);
-        if action == Action::Done && world.agent.distance(*target) == 1 {
+        if action == Action::Done && world.agent.distance(world.place(0)) == 1 {
             outcome.reward = world.reward();
         }
         outcome

@@ -3,7 +3,7 @@
 //! | | |
 //! |---|---|
 //! | observation | `image`: kind, colour and state of the 7 by 7 cells before the agent; `direction`; `mission` |
-//! | action | [`Action`] |
+//! | action | [`Action`](crate::Action) |
 //! | reward | `1 - 0.9 * steps / max_steps` for `done` beside the place of the object, else 0 |
 //! | start | objects and the agent at random |
 //! | end | terminated by `done` and by `toggle` |
@@ -13,15 +13,12 @@
 
 #![expect(non_snake_case, reason = "an argument has minigrid's name")]
 
-use gym_core::{Generator, Outcome, Result};
+use gym_core::{Generator, Outcome};
 
-use super::{describe, distinct_objects, ids, level, names, square};
-use crate::level::{Level, Rules, View};
+use super::{describe, distinct_objects, ids, names, square};
+use crate::level::{Level, Rules, level};
 use crate::rooms::KINDS;
-use crate::{Action, Color, Draft, GridEnv, Making, Pos, World};
-
-/// The environment.
-pub type GoToObjectEnv = GridEnv<GoToObject>;
+use crate::{Action, Color, Draft, Making, World};
 
 level! {
     /// Arguments.
@@ -34,16 +31,7 @@ level! {
 }
 
 impl Level for GoToObject {
-    type Action = Action;
-    type Memory = Pos;
-
-    const NAME: &'static str = "GoToObject";
-
-    fn view(&self) -> &View {
-        &self.view
-    }
-
-    fn rules(&self) -> Result<Rules> {
+    fn rules(&self) -> Result<Rules, String> {
         let rules = Rules::new(
             self.size,
             self.size,
@@ -54,25 +42,20 @@ impl Level for GoToObject {
         rules.missions("go to the {} {}", [Color::names(), names(&KINDS)])
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making<Pos> {
+    fn generate(&self, draft: &mut Draft<'_>) -> Making {
         draft.world.grid.surround();
         let objects = distinct_objects(draft, self.numObjs, |_, _| true)?;
         draft.place_agent()?;
         let (target, pos) = draft.pick(&objects)?;
         draft.mission(format!("go to the {}", describe(target)));
-        Ok(pos)
+        draft.world.places.push(pos);
+        Ok(())
     }
 
-    fn step(
-        &self,
-        world: &mut World,
-        target: &mut Pos,
-        action: Action,
-        _rng: &mut Generator,
-    ) -> Outcome {
+    fn step(&self, world: &mut World, action: Action, _rng: &mut Generator) -> Outcome {
         let mut outcome = world.step(action);
         outcome.terminated |= matches!(action, Action::Toggle | Action::Done);
-        if action == Action::Done && world.agent.distance(*target) == 1 {
+        if action == Action::Done && world.agent.distance(world.place(0)) == 1 {
             outcome.reward = world.reward();
         }
         outcome

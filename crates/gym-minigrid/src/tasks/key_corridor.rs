@@ -3,7 +3,7 @@
 //! | | |
 //! |---|---|
 //! | observation | `image`: kind, colour and state of the 7 by 7 cells before the agent; `direction`; `mission` |
-//! | action | [`Action`] |
+//! | action | [`Action`](crate::Action) |
 //! | reward | `1 - 0.9 * steps / max_steps` for the object, else 0 |
 //! | start | three columns of rooms: the key lies in the left one, the object in a locked room of the right one, the agent in the corridor between them |
 //! | end | terminated by picking up the object |
@@ -11,17 +11,14 @@
 //!
 //! Source: minigrid 3.2.0, `envs/keycorridor.py`.
 
-use gym_core::{Generator, Outcome, Result};
+use gym_core::{Generator, Outcome};
 
-use super::{describe, ids, level, pick_up, square};
-use crate::level::{Level, Rules, View, refuse};
+use super::{describe, ids, pick_up, square};
+use crate::level::{Level, Rules, level};
 use crate::rooms::{KINDS, Rooms, grid_size};
-use crate::{Action, Cell, Color, Draft, GridEnv, Kind, Making, World};
+use crate::{Action, Color, Draft, Kind, Making, World};
 
 const COLUMNS: u32 = 3;
-
-/// The environment.
-pub type KeyCorridorEnv = GridEnv<KeyCorridor>;
 
 level! {
     /// Arguments.
@@ -36,20 +33,10 @@ level! {
 }
 
 impl Level for KeyCorridor {
-    type Action = Action;
-    type Memory = Cell;
-
-    const NAME: &'static str = "KeyCorridor";
-
-    fn view(&self) -> &View {
-        &self.view
-    }
-
-    fn rules(&self) -> Result<Rules> {
-        let [width, height] =
-            grid_size(self.room_size, COLUMNS, self.num_rows).or_else(refuse::<Self, _>)?;
+    fn rules(&self) -> Result<Rules, String> {
+        let [width, height] = grid_size(self.room_size, COLUMNS, self.num_rows)?;
         if !KINDS.contains(&self.obj_type) {
-            return refuse::<Self, _>("obj_type is `key`, `ball` or `box`");
+            return Err("obj_type is `key`, `ball` or `box`".into());
         }
         let rules = Rules::new(width, height, square(self.room_size).saturating_mul(30), "");
         rules.missions(
@@ -58,7 +45,7 @@ impl Level for KeyCorridor {
         )
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making<Cell> {
+    fn generate(&self, draft: &mut Draft<'_>) -> Making {
         let mut rooms = Rooms::new(draft, self.room_size, COLUMNS, self.num_rows)?;
         for j in 1..rooms.rows {
             rooms.remove_wall(1, j, 3)?;
@@ -71,17 +58,12 @@ impl Level for KeyCorridor {
         rooms.place_agent(Some((1, rooms.rows / 2)))?;
         rooms.connect_all(&Color::SORTED)?;
         draft.mission(format!("pick up the {}", describe(target)));
-        Ok(target)
+        draft.world.targets.push(target);
+        Ok(())
     }
 
-    fn step(
-        &self,
-        world: &mut World,
-        target: &mut Cell,
-        action: Action,
-        _rng: &mut Generator,
-    ) -> Outcome {
-        pick_up(world, *target, action)
+    fn step(&self, world: &mut World, action: Action, _rng: &mut Generator) -> Outcome {
+        pick_up(world, action)
     }
 }
 

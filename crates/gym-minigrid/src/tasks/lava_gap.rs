@@ -3,7 +3,7 @@
 //! | | |
 //! |---|---|
 //! | observation | `image`: kind, colour and state of the 7 by 7 cells before the agent; `direction`; `mission` |
-//! | action | [`Action`]: left, right, forward; the others have no effect here |
+//! | action | [`Action`](crate::Action): left, right, forward; the others have no effect here |
 //! | reward | `1 - 0.9 * steps / max_steps` in the goal, else 0 |
 //! | start | in the top left corner, looking right |
 //! | end | terminated in the goal and in lava |
@@ -11,15 +11,10 @@
 //!
 //! Source: minigrid 3.2.0, `envs/lavagap.py`.
 
-use gym_core::Result;
-
 use super::crossing::Obstacle;
-use super::{ids, level, square};
-use crate::level::{Level, Rules, View, refuse};
-use crate::{Action, Cell, Draft, GridEnv, Making, Pos};
-
-/// The environment.
-pub type LavaGapEnv = GridEnv<LavaGap>;
+use super::{ids, square};
+use crate::level::{Level, Rules, level};
+use crate::{Cell, Draft, Making, Pos};
 
 level! {
     /// Arguments.
@@ -32,18 +27,9 @@ level! {
 }
 
 impl Level for LavaGap {
-    type Action = Action;
-    type Memory = ();
-
-    const NAME: &'static str = "LavaGap";
-
-    fn view(&self) -> &View {
-        &self.view
-    }
-
-    fn rules(&self) -> Result<Rules> {
+    fn rules(&self) -> Result<Rules, String> {
         if self.size < 5 {
-            return refuse::<Self, _>(format!("size is {}: it is at least 5", self.size));
+            return Err(format!("size is {}: it is at least 5", self.size));
         }
         let steps = square(self.size).saturating_mul(4);
         Ok(Rules::new(
@@ -70,7 +56,7 @@ impl Level for LavaGap {
     }
 }
 
-ids! { LavaGap, "Get through a gap in a strip of lava.":
+ids! { LavaGap, "Get through a gap in a strip of lava.", planned:
     "MiniGrid-LavaGapS5-v0", r#"{"size": 5}"#;
     "MiniGrid-LavaGapS6-v0", r#"{"size": 6}"#;
     "MiniGrid-LavaGapS7-v0", r#"{"size": 7}"#;

@@ -3,7 +3,7 @@
 //! | | |
 //! |---|---|
 //! | observation | `image`: kind, colour and state of the 7 by 7 cells before the agent; `direction`; `mission` |
-//! | action | [`Action`] |
+//! | action | [`Action`](crate::Action) |
 //! | reward | `1 - 0.9 * steps / max_steps` in the goal, else 0 |
 //! | start | three rooms on each side of a corridor, which the agent is in; the goal lies in the locked room, the key in another |
 //! | end | terminated in the goal |
@@ -11,17 +11,12 @@
 //!
 //! Source: minigrid 3.2.0, `envs/lockedroom.py`.
 
-use gym_core::Result;
-
-use super::{ids, inside, level};
+use super::{ids, inside};
 use crate::draft::Area;
-use crate::level::{Level, Rules, View};
-use crate::{Action, Cell, Color, Draft, GridEnv, Kind, Making, Pos, State};
+use crate::level::{Level, Rules, level};
+use crate::{Cell, Color, Draft, Kind, Making, Pos, State};
 
 const MISSION: &str = "get the {} key from the {} room, unlock the {} door and go to the goal";
-
-/// The environment.
-pub type LockedRoomEnv = GridEnv<LockedRoom>;
 
 level! {
     /// Arguments.
@@ -32,16 +27,7 @@ level! {
 }
 
 impl Level for LockedRoom {
-    type Action = Action;
-    type Memory = ();
-
-    const NAME: &'static str = "LockedRoom";
-
-    fn view(&self) -> &View {
-        &self.view
-    }
-
-    fn rules(&self) -> Result<Rules> {
+    fn rules(&self) -> Result<Rules, String> {
         let rules = Rules::new(self.size, self.size, self.size.saturating_mul(10), "");
         rules.missions(MISSION, vec![Color::names(); 3])
     }
@@ -99,6 +85,6 @@ impl Level for LockedRoom {
     }
 }
 
-ids! { LockedRoom, "Find the key, unlock the door, and go to the goal behind it.":
+ids! { LockedRoom, "Find the key, unlock the door, and go to the goal behind it.", planned:
     "MiniGrid-LockedRoom-v0", "{}";
 }

@@ -3,7 +3,7 @@
 //! | | |
 //! |---|---|
 //! | observation | `image`: kind, colour and state of the 7 by 7 cells before the agent; `direction`; `mission` |
-//! | action | [`Action`]; `pickup` does what `toggle` does |
+//! | action | [`Action`](crate::Action); `pickup` does what `toggle` does |
 //! | reward | `1 - 0.9 * steps / max_steps` beside the object of the same kind, else 0 |
 //! | start | in a small room with an object, or in the hallway to the two others, looking right |
 //! | end | terminated beside either object |
@@ -11,14 +11,11 @@
 //!
 //! Source: minigrid 3.2.0, `envs/memory.py`.
 
-use gym_core::{Generator, Outcome, Result};
+use gym_core::{Generator, Outcome};
 
-use super::{ids, level, square};
-use crate::level::{Level, Rules, View, refuse};
-use crate::{Action, Cell, Color, Draft, GridEnv, Kind, Making, Pos, World};
-
-/// The environment.
-pub type MemoryEnv = GridEnv<Memory>;
+use super::{ids, square};
+use crate::level::{Level, Rules, level};
+use crate::{Action, Cell, Color, Draft, Kind, Making, Pos, World};
 
 level! {
     /// Arguments.
@@ -31,18 +28,9 @@ level! {
 }
 
 impl Level for Memory {
-    type Action = Action;
-    type Memory = [Pos; 2];
-
-    const NAME: &'static str = "Memory";
-
-    fn view(&self) -> &View {
-        &self.view
-    }
-
-    fn rules(&self) -> Result<Rules> {
+    fn rules(&self) -> Result<Rules, String> {
         if self.size % 2 == 0 || self.size < 7 {
-            return refuse::<Self, _>(format!(
+            return Err(format!(
                 "size is {}: it is an odd number from 7 on",
                 self.size
             ));
@@ -56,7 +44,7 @@ impl Level for Memory {
         ))
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making<[Pos; 2]> {
+    fn generate(&self, draft: &mut Draft<'_>) -> Making {
         let (width, height) = (draft.width(), draft.height());
         let middle = height / 2;
         let (upper, lower) = (middle - 2, middle + 2);
@@ -93,31 +81,26 @@ impl Level for Memory {
             Cell::new(below, Color::Green),
         );
         let (above_pos, below_pos) = (Pos::new(end + 1, middle - 1), Pos::new(end + 1, middle + 1));
-        Ok(if shown == above {
-            [above_pos, below_pos]
+        draft.world.places = if shown == above {
+            vec![above_pos, below_pos]
         } else {
-            [below_pos, above_pos]
-        })
+            vec![below_pos, above_pos]
+        };
+        Ok(())
     }
 
-    fn step(
-        &self,
-        world: &mut World,
-        [success, failure]: &mut [Pos; 2],
-        action: Action,
-        _rng: &mut Generator,
-    ) -> Outcome {
+    fn step(&self, world: &mut World, action: Action, _rng: &mut Generator) -> Outcome {
         let action = if action == Action::Pickup {
             Action::Toggle
         } else {
             action
         };
         let mut outcome = world.step(action);
-        if world.agent == *success {
+        if world.agent == world.place(0) {
             outcome.reward = world.reward();
             outcome.terminated = true;
         }
-        if world.agent == *failure {
+        if world.agent == world.place(1) {
             outcome.reward = 0.0;
             outcome.terminated = true;
         }

@@ -22,7 +22,7 @@ pub mod red_blue_doors;
 pub mod unlock;
 pub mod unlock_pickup;
 
-use gym_core::{Error, Outcome, Result};
+use gym_core::Outcome;
 
 use crate::draft::Area;
 use crate::{Action, Cell, Color, Draft, Kind, Making, Pos, World};
@@ -33,44 +33,30 @@ pub(crate) fn square(size: u32) -> u32 {
 }
 
 /// The first direction of the agent, if it is one.
-pub(crate) fn direction(name: &str, direction: u32) -> Result<u8> {
-    u8::try_from(direction)
-        .ok()
-        .filter(|direction| *direction < 4)
-        .ok_or_else(|| {
-            Error::argument(
-                name,
-                format!(
-                    "agent_start_dir is {direction}: it is 0 (right), 1 (down), 2 (left) or 3 (up)"
-                ),
-            )
-        })
+pub(crate) fn direction(direction: u32) -> Result<u8, String> {
+    match direction {
+        0..=3 => Ok(direction as u8),
+        _ => Err(format!(
+            "agent_start_dir is {direction}: it is 0 (right), 1 (down), 2 (left) or 3 (up)"
+        )),
+    }
 }
 
-/// Defines a struct of arguments, with those of every task.
-macro_rules! level {
-    ($(#[$doc:meta])* $name:ident { $($arguments:tt)* }) => {
-        gym_core::arguments! {
-            $(#[$doc])*
-            #[derive(Eq)]
-            pub struct $name {
-                $($arguments)*
-                /// The arguments of every task.
-                #[flatten]
-                pub view: $crate::level::View,
-            }
-        }
-    };
-}
-pub(crate) use level;
-
-/// Registers the ids of a level, each with its arguments.
+/// Registers the ids of a level, each with its arguments; with `planned`, the planner is their good
+/// policy.
 macro_rules! ids {
-    ($level:ty, $sentence:literal: $($id:literal, $kwargs:literal;)+) => {
+    ($level:ty, $sentence:literal: $($ids:tt)+) => {
+        ids! { @($level, $sentence, None) $($ids)+ }
+    };
+    ($level:ty, $sentence:literal, planned: $($ids:tt)+) => {
+        ids! { @($level, $sentence, Some($crate::planner::POLICY)) $($ids)+ }
+    };
+    (@$facts:tt $($id:literal, $kwargs:literal;)+) => {
         #[cfg(not(test))]
-        gym_core::register!($(
-            $crate::env::register::<$level>($id, $sentence).kwargs($kwargs)
-        ),+);
+        gym_core::register!($(ids! { @one $facts $id, $kwargs }),+);
+    };
+    (@one ($level:ty, $sentence:literal, $policy:expr) $id:literal, $kwargs:literal) => {
+        $crate::env::register::<$level>($id, $sentence, $policy).kwargs($kwargs)
     };
 }
 pub(crate) use ids;
@@ -97,10 +83,10 @@ pub(crate) fn inside(draft: &mut Draft<'_>, room: Area) -> Making<Pos> {
     Ok(Pos::new(x, draft.int(room.top.y + 1, end.y)?))
 }
 
-/// A step of a task that ends when the target is picked up.
-pub(crate) fn pick_up(world: &mut World, target: Cell, action: Action) -> Outcome {
+/// A step of a task that ends when the first target is picked up.
+pub(crate) fn pick_up(world: &mut World, action: Action) -> Outcome {
     let mut outcome = world.step(action);
-    if action == Action::Pickup && world.carrying == target {
+    if action == Action::Pickup && world.carrying == world.target(0) {
         outcome.reward = world.reward();
         outcome.terminated = true;
     }

@@ -3,7 +3,7 @@
 //! | | |
 //! |---|---|
 //! | observation | `image`: kind, colour and state of the 7 by 7 cells before the agent; `direction`; `mission` |
-//! | action | [`Action`] |
+//! | action | [`Action`](crate::Action) |
 //! | reward | `1 - 0.9 * steps / max_steps` in the goal, else 0 |
 //! | start | in the first room, at random |
 //! | end | terminated in the goal |
@@ -13,21 +13,16 @@
 
 #![expect(non_snake_case, reason = "arguments have minigrid's names")]
 
-use gym_core::Result;
-
-use super::{ids, level};
+use super::ids;
 use crate::draft::Area;
-use crate::level::{Level, Rules, View, refuse};
-use crate::{Action, Cell, Color, Draft, GridEnv, Making, Pos, State};
+use crate::level::{Level, Rules, level};
+use crate::{Cell, Color, Draft, Making, Pos, State};
 
 /// The narrowest room.
 const MIN_SIZE: i32 = 4;
 
 /// A room, and the door through which the agent enters it.
 type Room = (Area, Pos);
-
-/// The environment.
-pub type MultiRoomEnv = GridEnv<MultiRoom>;
 
 level! {
     /// Arguments.
@@ -46,24 +41,15 @@ level! {
 }
 
 impl Level for MultiRoom {
-    type Action = Action;
-    type Memory = ();
-
-    const NAME: &'static str = "MultiRoom";
-
-    fn view(&self) -> &View {
-        &self.view
-    }
-
-    fn rules(&self) -> Result<Rules> {
+    fn rules(&self) -> Result<Rules, String> {
         let (least, most) = (self.minNumRooms, self.maxNumRooms);
         if least == 0 || least > most || most > 1000 {
-            return refuse::<Self, _>(format!(
+            return Err(format!(
                 "from {least} to {most} rooms: from 1 to 1000 are possible"
             ));
         }
         if !(4..=255).contains(&self.maxRoomSize) {
-            return refuse::<Self, _>(format!(
+            return Err(format!(
                 "maxRoomSize is {}: from 4 to 255 are possible",
                 self.maxRoomSize
             ));
@@ -187,7 +173,7 @@ impl MultiRoom {
     }
 }
 
-ids! { MultiRoom, "Traverse a chain of rooms to the goal.":
+ids! { MultiRoom, "Traverse a chain of rooms to the goal.", planned:
     "MiniGrid-MultiRoom-N2-S4-v0", r#"{"minNumRooms": 2, "maxNumRooms": 2, "maxRoomSize": 4}"#;
     "MiniGrid-MultiRoom-N4-S5-v0", r#"{"minNumRooms": 6, "maxNumRooms": 6, "maxRoomSize": 5}"#;
     "MiniGrid-MultiRoom-N4-S5-v1", r#"{"minNumRooms": 4, "maxNumRooms": 4, "maxRoomSize": 5}"#;

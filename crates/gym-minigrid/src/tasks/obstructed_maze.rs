@@ -3,7 +3,7 @@
 //! | | |
 //! |---|---|
 //! | observation | `image`: kind, colour and state of the 7 by 7 cells before the agent; `direction`; `mission` |
-//! | action | [`Action`] |
+//! | action | [`Action`](crate::Action) |
 //! | reward | `1 - 0.9 * steps / max_steps` for the blue ball, else 0 |
 //! | start | two rooms, or three by three with locked doors on the way to the corners; the ball lies in a corner |
 //! | end | terminated by picking up the blue ball |
@@ -11,12 +11,12 @@
 //!
 //! Source: minigrid 3.2.0, `envs/obstructedmaze.py` and `envs/obstructedmaze_v1.py`.
 
-use gym_core::{Generator, Outcome, Result};
+use gym_core::{Generator, Outcome};
 
-use super::{ids, level, pick_up, square};
-use crate::level::{Level, Rules, View, refuse};
+use super::{ids, pick_up, square};
+use crate::level::{Level, Rules, level};
 use crate::rooms::{Rooms, grid_size};
-use crate::{Action, Cell, Color, Draft, GridEnv, Kind, Making, Pos, World};
+use crate::{Action, Color, Draft, Kind, Making, Pos, World};
 
 /// Columns and rows of a room, walls included.
 const ROOM_SIZE: u32 = 6;
@@ -30,10 +30,10 @@ const BOX: Color = Color::SORTED[2];
 const SIDES: [(i32, i32); 4] = [(2, 1), (1, 2), (0, 1), (1, 0)];
 const CORNERS: [(i32, i32); 4] = [(2, 0), (2, 2), (0, 2), (0, 0)];
 
-fn rules<L: Level>(columns: u32, rows: u32, visited: u32) -> Result<Rules> {
-    let [width, height] = grid_size(ROOM_SIZE, columns, rows).or_else(refuse::<L, _>)?;
+fn rules(columns: u32, rows: u32, visited: u32) -> Result<Rules, String> {
+    let [width, height] = grid_size(ROOM_SIZE, columns, rows)?;
     if visited == 0 {
-        return refuse::<L, _>("num_rooms_visited is 0: at least one room is visited");
+        return Err("num_rooms_visited is 0: at least one room is visited".into());
     }
     let steps = visited.saturating_mul(4 * square(ROOM_SIZE));
     Rules::new(width, height, steps, "").missions("pick up the {} ball", [vec![BALL.name()]])
@@ -74,9 +74,6 @@ fn add_key(
     rooms.place(column, row, cell).map(|_| ())
 }
 
-/// The environment.
-pub type ObstructedMaze1DlhbEnv = GridEnv<ObstructedMaze1Dlhb>;
-
 level! {
     /// Arguments.
     ObstructedMaze1Dlhb {
@@ -88,20 +85,11 @@ level! {
 }
 
 impl Level for ObstructedMaze1Dlhb {
-    type Action = Action;
-    type Memory = Cell;
-
-    const NAME: &'static str = "ObstructedMaze1Dlhb";
-
-    fn view(&self) -> &View {
-        &self.view
+    fn rules(&self) -> Result<Rules, String> {
+        rules(2, 1, 2)
     }
 
-    fn rules(&self) -> Result<Rules> {
-        rules::<Self>(2, 1, 2)
-    }
-
-    fn generate(&self, draft: &mut Draft<'_>) -> Making<Cell> {
+    fn generate(&self, draft: &mut Draft<'_>) -> Making {
         let mut rooms = Rooms::new(draft, ROOM_SIZE, 2, 1)?;
         let colors = rooms.draft.subset(&Color::SORTED, Color::SORTED.len())?;
         add_locked_door(&mut rooms, (0, 0), 0, colors[0], self.blocked)?;
@@ -109,27 +97,19 @@ impl Level for ObstructedMaze1Dlhb {
         let target = rooms.add_object(1, 0, Some(Kind::Ball), Some(BALL))?;
         rooms.place_agent(Some((0, 0)))?;
         mission(draft);
-        Ok(target)
+        draft.world.targets.push(target);
+        Ok(())
     }
 
-    fn step(
-        &self,
-        world: &mut World,
-        target: &mut Cell,
-        action: Action,
-        _rng: &mut Generator,
-    ) -> Outcome {
-        pick_up(world, *target, action)
+    fn step(&self, world: &mut World, action: Action, _rng: &mut Generator) -> Outcome {
+        pick_up(world, action)
     }
 }
 
 /// Defines the maze of three by three rooms. With `$late_keys` keys are placed after the doors of
 /// their room, so that no ball takes the place of one.
 macro_rules! full {
-    ($name:ident, $env:ident, $late_keys:literal) => {
-        /// The environment.
-        pub type $env = GridEnv<$name>;
-
+    ($name:ident, $late_keys:literal) => {
         level! {
             /// Arguments.
             $name {
@@ -147,31 +127,22 @@ macro_rules! full {
         }
 
         impl Level for $name {
-            type Action = Action;
-            type Memory = Cell;
-
-            const NAME: &'static str = stringify!($name);
-
-            fn view(&self) -> &View {
-                &self.view
-            }
-
-            fn rules(&self) -> Result<Rules> {
+            fn rules(&self) -> Result<Rules, String> {
                 let ([column, row], quarters) = (self.agent_room, self.num_quarters);
                 if column > 2 || row > 2 {
-                    return refuse::<Self, _>(format!(
+                    return Err(format!(
                         "agent_room is [{column}, {row}]: there are 3 by 3 rooms"
                     ));
                 }
                 if !(1..=4).contains(&quarters) {
-                    return refuse::<Self, _>(format!(
+                    return Err(format!(
                         "num_quarters is {quarters}: from 1 to 4 are possible"
                     ));
                 }
-                rules::<Self>(3, 3, self.num_rooms_visited)
+                rules(3, 3, self.num_rooms_visited)
             }
 
-            fn generate(&self, draft: &mut Draft<'_>) -> Making<Cell> {
+            fn generate(&self, draft: &mut Draft<'_>) -> Making {
                 let mut rooms = Rooms::new(draft, ROOM_SIZE, 3, 3)?;
                 let colors = rooms.draft.subset(&Color::SORTED, Color::SORTED.len())?;
                 let quarters = self.num_quarters as usize;
@@ -194,23 +165,18 @@ macro_rules! full {
                 let [column, row] = self.agent_room.map(|n| n as i32);
                 rooms.place_agent(Some((column, row)))?;
                 mission(draft);
-                Ok(target)
+                draft.world.targets.push(target);
+                Ok(())
             }
 
-            fn step(
-                &self,
-                world: &mut World,
-                target: &mut Cell,
-                action: Action,
-                _rng: &mut Generator,
-            ) -> Outcome {
-                pick_up(world, *target, action)
+            fn step(&self, world: &mut World, action: Action, _rng: &mut Generator) -> Outcome {
+                pick_up(world, action)
             }
         }
     };
 }
-full!(ObstructedMazeFull, ObstructedMazeFullEnv, false);
-full!(ObstructedMazeFullV1, ObstructedMazeFullV1Env, true);
+full!(ObstructedMazeFull, false);
+full!(ObstructedMazeFullV1, true);
 
 ids! { ObstructedMaze1Dlhb, "Find the blue ball behind obstructed doors.":
     "MiniGrid-ObstructedMaze-1Dl-v0", r#"{"key_in_box": false, "blocked": false}"#;

@@ -3,7 +3,7 @@
 //! | | |
 //! |---|---|
 //! | observation | `image`: kind, colour and state of the 7 by 7 cells before the agent; `direction`; `mission` |
-//! | action | [`Action`] |
+//! | action | [`Action`](crate::Action) |
 //! | reward | 0 |
 //! | start | doors, objects and the agent at random |
 //! | end | never |
@@ -11,19 +11,14 @@
 //!
 //! Source: minigrid 3.2.0, `envs/playground.py`.
 
-use gym_core::Result;
-
-use super::{ids, level};
-use crate::level::{Level, Rules, View};
+use super::ids;
+use crate::level::{Level, Rules, level};
 use crate::rooms::KINDS;
-use crate::{Action, Cell, Draft, GridEnv, Making, Pos, State};
+use crate::{Cell, Draft, Making, Pos, State};
 
 /// Columns and rows of the grid, walls included.
 const SIZE: u32 = 19;
 const OBJECTS: u32 = 12;
-
-/// The environment.
-pub type PlaygroundEnv = GridEnv<Playground>;
 
 level! {
     /// Arguments.
@@ -31,16 +26,7 @@ level! {
 }
 
 impl Level for Playground {
-    type Action = Action;
-    type Memory = ();
-
-    const NAME: &'static str = "Playground";
-
-    fn view(&self) -> &View {
-        &self.view
-    }
-
-    fn rules(&self) -> Result<Rules> {
+    fn rules(&self) -> Result<Rules, String> {
         Ok(Rules::new(SIZE, SIZE, 100, ""))
     }
 

@@ -3,7 +3,7 @@
 //! | | |
 //! |---|---|
 //! | observation | `image`: kind, colour and state of the 7 by 7 cells before the agent; `direction`; `mission` |
-//! | action | [`Action`] |
+//! | action | [`Action`](crate::Action) |
 //! | reward | `1 - 0.9 * steps / max_steps` for the right object dropped beside the other, else 0 |
 //! | start | objects, none beside another, and the agent at random |
 //! | end | terminated by picking up a wrong object, and by dropping one |
@@ -13,15 +13,12 @@
 
 #![expect(non_snake_case, reason = "an argument has minigrid's name")]
 
-use gym_core::{Generator, Outcome, Result};
+use gym_core::{Generator, Outcome};
 
-use super::{describe, distinct_objects, ids, is_alike, level, names};
-use crate::level::{Level, Rules, View};
+use super::{describe, distinct_objects, ids, is_alike, names};
+use crate::level::{Level, Rules, level};
 use crate::rooms::KINDS;
-use crate::{Action, Cell, Color, Draft, GridEnv, Making, Pos, World};
-
-/// The environment.
-pub type PutNearEnv = GridEnv<PutNear>;
+use crate::{Action, Color, Draft, Making, World};
 
 level! {
     /// Arguments.
@@ -34,18 +31,9 @@ level! {
 }
 
 impl Level for PutNear {
-    type Action = Action;
-    type Memory = (Cell, Pos);
-
-    const NAME: &'static str = "PutNear";
-
-    fn view(&self) -> &View {
-        &self.view
-    }
-
-    fn rules(&self) -> Result<Rules> {
+    fn rules(&self) -> Result<Rules, String> {
         if self.numObjs < 2 {
-            return crate::level::refuse::<Self, _>(format!(
+            return Err(format!(
                 "numObjs is {}: at least 2 are needed",
                 self.numObjs
             ));
@@ -55,7 +43,7 @@ impl Level for PutNear {
         rules.missions("put the {} {} near the {} {}", words)
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making<(Cell, Pos)> {
+    fn generate(&self, draft: &mut Draft<'_>) -> Making {
         draft.world.grid.surround();
         let objects = distinct_objects(draft, self.numObjs, |objects, pos| {
             !objects.iter().any(|(_, other)| pos.is_near(*other))
@@ -74,26 +62,22 @@ impl Level for PutNear {
             describe(moved),
             describe(target)
         ));
-        Ok((moved, pos))
+        draft.world.targets.push(moved);
+        draft.world.places.push(pos);
+        Ok(())
     }
 
-    fn step(
-        &self,
-        world: &mut World,
-        (moved, target): &mut (Cell, Pos),
-        action: Action,
-        _rng: &mut Generator,
-    ) -> Outcome {
+    fn step(&self, world: &mut World, action: Action, _rng: &mut Generator) -> Outcome {
         let before = world.carrying;
         let mut outcome = world.step(action);
         if action == Action::Pickup
             && !world.carrying.is_empty()
-            && !is_alike(world.carrying, *moved)
+            && !is_alike(world.carrying, world.target(0))
         {
             outcome.terminated = true;
         }
         if action == Action::Drop && !before.is_empty() {
-            if world.front() == before && world.front_pos().is_near(*target) {
+            if world.front() == before && world.front_pos().is_near(world.place(0)) {
                 outcome.reward = world.reward();
             }
             outcome.terminated = true;

@@ -3,7 +3,7 @@
 //! | | |
 //! |---|---|
 //! | observation | `image`: kind, colour and state of the 7 by 7 cells before the agent; `direction`; `mission` |
-//! | action | [`Action`] |
+//! | action | [`Action`](crate::Action) |
 //! | reward | `1 - 0.9 * steps / max_steps` for the blue door after the red one, else 0 |
 //! | start | between two walls with a door each, the agent at random |
 //! | end | terminated once the blue door is open, and by opening the red one after the blue one |
@@ -11,15 +11,12 @@
 //!
 //! Source: minigrid 3.2.0, `envs/redbluedoors.py`.
 
-use gym_core::{Generator, Outcome, Result};
+use gym_core::{Generator, Outcome};
 
-use super::{ids, level, square};
+use super::{ids, square};
 use crate::draft::Area;
-use crate::level::{Level, Rules, View};
-use crate::{Action, Cell, Color, Draft, GridEnv, Making, Pos, State, World};
-
-/// The environment.
-pub type RedBlueDoorEnv = GridEnv<RedBlueDoors>;
+use crate::level::{Level, Rules, level};
+use crate::{Action, Cell, Color, Draft, Making, Pos, State, World};
 
 level! {
     /// Arguments.
@@ -30,16 +27,7 @@ level! {
 }
 
 impl Level for RedBlueDoors {
-    type Action = Action;
-    type Memory = [Pos; 2];
-
-    const NAME: &'static str = "RedBlueDoors";
-
-    fn view(&self) -> &View {
-        &self.view
-    }
-
-    fn rules(&self) -> Result<Rules> {
+    fn rules(&self) -> Result<Rules, String> {
         let steps = square(self.size).saturating_mul(20);
         let width = self.size.saturating_mul(2);
         Ok(Rules::new(
@@ -50,7 +38,7 @@ impl Level for RedBlueDoors {
         ))
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making<[Pos; 2]> {
+    fn generate(&self, draft: &mut Draft<'_>) -> Making {
         let size = draft.height();
         draft.world.grid.wall_rect(0, 0, 2 * size, size);
         draft.world.grid.wall_rect(size / 2, 0, size, size);
@@ -59,17 +47,14 @@ impl Level for RedBlueDoors {
         draft.put(red, Cell::door(Color::Red, State::Closed));
         let blue = Pos::new(size / 2 + size - 1, draft.int(1, size - 1)?);
         draft.put(blue, Cell::door(Color::Blue, State::Closed));
-        Ok([red, blue])
+        draft.world.places = vec![red, blue];
+        Ok(())
     }
 
-    fn step(
-        &self,
-        world: &mut World,
-        doors: &mut [Pos; 2],
-        action: Action,
-        _rng: &mut Generator,
-    ) -> Outcome {
-        let is_open = |world: &World| doors.map(|pos| world.grid.get(pos).is_door(State::Open));
+    fn step(&self, world: &mut World, action: Action, _rng: &mut Generator) -> Outcome {
+        let is_open = |world: &World| {
+            [0, 1].map(|door| world.grid.get(world.place(door)).is_door(State::Open))
+        };
         let [red_before, blue_before] = is_open(world);
         let mut outcome = world.step(action);
         let [red_after, blue_after] = is_open(world);

@@ -3,7 +3,7 @@
 //! | | |
 //! |---|---|
 //! | observation | `image`: kind, colour and state of the 7 by 7 cells before the agent; `direction`; `mission` |
-//! | action | [`Action`] |
+//! | action | [`Action`](crate::Action) |
 //! | reward | `1 - 0.9 * steps / max_steps` for the open door, else 0 |
 //! | start | the agent and the key in the left of two rooms |
 //! | end | terminated by opening the door |
@@ -11,18 +11,15 @@
 //!
 //! Source: minigrid 3.2.0, `envs/unlock.py`.
 
-use gym_core::{Generator, Outcome, Result};
+use gym_core::{Generator, Outcome};
 
-use super::{ids, level, square};
-use crate::level::{Level, Rules, View, refuse};
+use super::{ids, square};
+use crate::level::{Level, Rules, level};
 use crate::rooms::{Rooms, grid_size};
-use crate::{Action, Draft, GridEnv, Kind, Making, Pos, State, World};
+use crate::{Action, Draft, Kind, Making, State, World};
 
 /// Columns and rows of a room, walls included.
 const ROOM_SIZE: u32 = 6;
-
-/// The environment.
-pub type UnlockEnv = GridEnv<Unlock>;
 
 level! {
     /// Arguments.
@@ -30,17 +27,8 @@ level! {
 }
 
 impl Level for Unlock {
-    type Action = Action;
-    type Memory = Pos;
-
-    const NAME: &'static str = "Unlock";
-
-    fn view(&self) -> &View {
-        &self.view
-    }
-
-    fn rules(&self) -> Result<Rules> {
-        let [width, height] = grid_size(ROOM_SIZE, 2, 1).or_else(refuse::<Self, _>)?;
+    fn rules(&self) -> Result<Rules, String> {
+        let [width, height] = grid_size(ROOM_SIZE, 2, 1)?;
         Ok(Rules::new(
             width,
             height,
@@ -49,23 +37,18 @@ impl Level for Unlock {
         ))
     }
 
-    fn generate(&self, draft: &mut Draft<'_>) -> Making<Pos> {
+    fn generate(&self, draft: &mut Draft<'_>) -> Making {
         let mut rooms = Rooms::new(draft, ROOM_SIZE, 2, 1)?;
         let (door, pos) = rooms.add_door(0, 0, Some(0), None, Some(true))?;
         rooms.add_object(0, 0, Some(Kind::Key), Some(door.color()))?;
         rooms.place_agent(Some((0, 0)))?;
-        Ok(pos)
+        draft.world.places.push(pos);
+        Ok(())
     }
 
-    fn step(
-        &self,
-        world: &mut World,
-        door: &mut Pos,
-        action: Action,
-        _rng: &mut Generator,
-    ) -> Outcome {
+    fn step(&self, world: &mut World, action: Action, _rng: &mut Generator) -> Outcome {
         let mut outcome = world.step(action);
-        if action == Action::Toggle && world.grid.get(*door).is_door(State::Open) {
+        if action == Action::Toggle && world.grid.get(world.place(0)).is_door(State::Open) {
             outcome.reward = world.reward();
             outcome.terminated = true;
         }

@@ -4,13 +4,13 @@ use std::fmt;
 
 use gym_core::registry::WrapperConfig;
 use gym_core::{
-    BoxEnv, Element, Env, EnvExt, Error, Outcome, Reset, Result, Snapshot, Space, Value,
+    BoxEnv, Element, Env, EnvExt, Error, Generator, Outcome, Reset, Result, Snapshot, Space, Value,
     WrapperSpec,
 };
+use serde::Serialize;
 use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
 
-use crate::{Action, Facts, Kind, World};
+use crate::{Action, Cell, Facts, Kind, World};
 
 /// The effect of a wrapper: its arguments.
 pub trait Effect: WrapperConfig + Clone + fmt::Debug + PartialEq + Send + 'static {
@@ -32,17 +32,22 @@ pub trait Effect: WrapperConfig + Clone + fmt::Debug + PartialEq + Send + 'stati
         None
     }
 
-    /// Takes a step.
-    ///
-    /// # Errors
-    /// The errors of the environment.
-    fn step<E: Env>(
+    /// The number of another action, in place of the given one.
+    fn before(&self, state: &mut Self::State, rng: &mut Generator) -> Option<i64> {
+        let _ = (state, rng);
+        None
+    }
+
+    /// Changes the outcome of a step: of an action of this number, towards the cell `front`.
+    fn after(
         &self,
         state: &mut Self::State,
-        env: &mut E,
-        action: &E::Action,
-        observation: &mut E::Observation,
-    ) -> Result<Outcome>;
+        world: &World,
+        (action, front): (i64, Cell),
+        outcome: &mut Outcome,
+    ) {
+        let _ = (state, world, action, front, outcome);
+    }
 }
 
 /// Changes an environment by an [`Effect`].
@@ -59,9 +64,13 @@ impl<C: Effect, E: Env> Affected<C, E> {
     /// # Errors
     /// [`Error::InvalidArgument`] for another environment, and an argument out of range.
     pub fn new(env: E, config: C) -> Result<Self> {
-        let (Some(facts), Space::Discrete(actions)) = (env.unwrapped::<Facts>(), env.action_space())
+        let (Some(facts), Space::Discrete(actions)) =
+            (env.unwrapped::<Facts>(), env.action_space())
         else {
-            return Err(C::refuse(format!("it needs an environment of MiniGrid, and this is {}", env.describe())));
+            return Err(C::refuse(format!(
+                "it needs an environment of MiniGrid, and this is {}",
+                env.describe()
+            )));
         };
         let state = config.state(facts, actions.n() as usize)?;
         Ok(Self { env, config, state })
@@ -83,7 +92,8 @@ impl<C: Effect, E: Env> gym_core::Wrapper for Affected<C, E> {
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         let other = self.config.reset(&mut self.state, reset);
-        self.env.reset_into(other.as_ref().unwrap_or(reset), observation)
+        self.env
+            .reset_into(other.as_ref().unwrap_or(reset), observation)
     }
 
     fn step_into(
@@ -92,7 +102,15 @@ impl<C: Effect, E: Env> gym_core::Wrapper for Affected<C, E> {
         observation: &mut E::Observation,
     ) -> Result<Outcome> {
         let Self { env, config, state } = self;
-        config.step(state, env, action, observation)
+        let rng = env.generator().ok_or(Error::ResetNeeded("step"))?;
+        let other = config.before(state, rng);
+        let front = world(env)?.front();
+        let other = other.and_then(|number| E::Action::from_value(&Value::Int(number)));
+        let action = other.as_ref().unwrap_or(action);
+        let mut outcome = env.step_into(action, observation)?;
+        let number = action.to_value().as_int().unwrap_or(-1);
+        config.after(state, world(env)?, (number, front), &mut outcome);
+        Ok(outcome)
     }
 
     fn wrapper_spec(&self) -> Option<WrapperSpec> {
@@ -116,11 +134,6 @@ impl<C: Effect, E: Env> gym_core::Wrapper for Affected<C, E> {
         self.state = state;
         Ok(())
     }
-}
-
-/// The number of an action.
-fn number<A: Element>(action: &A) -> i64 {
-    action.to_value().as_int().unwrap_or(-1)
 }
 
 /// The world of an environment that was reset.
@@ -158,19 +171,16 @@ impl Effect for ActionBonus {
         stored.len() == first.len()
     }
 
-    fn step<E: Env>(
+    fn after(
         &self,
         counts: &mut Vec<u32>,
-        env: &mut E,
-        action: &E::Action,
-        observation: &mut E::Observation,
-    ) -> Result<Outcome> {
-        let mut outcome = env.step_into(action, observation)?;
-        let world = world(env)?;
+        world: &World,
+        (action, _): (i64, Cell),
+        outcome: &mut Outcome,
+    ) {
         let situations = 4 * world.grid.cells().len();
         let situation = 4 * place(world) + usize::from(world.direction);
-        outcome.reward += bonus(counts, number(action).max(0) as usize * situations + situation);
-        Ok(outcome)
+        outcome.reward += bonus(counts, action.max(0) as usize * situations + situation);
     }
 }
 
@@ -198,16 +208,8 @@ impl Effect for PositionBonus {
         stored.len() == first.len()
     }
 
-    fn step<E: Env>(
-        &self,
-        counts: &mut Vec<u32>,
-        env: &mut E,
-        action: &E::Action,
-        observation: &mut E::Observation,
-    ) -> Result<Outcome> {
-        let mut outcome = env.step_into(action, observation)?;
-        outcome.reward += bonus(counts, place(world(env)?)) * self.scale;
-        Ok(outcome)
+    fn after(&self, counts: &mut Vec<u32>, world: &World, _: (i64, Cell), outcome: &mut Outcome) {
+        outcome.reward += bonus(counts, place(world)) * self.scale;
     }
 }
 
@@ -231,7 +233,9 @@ impl Effect for NoDeath {
 
     fn state(&self, _: &Facts, _: usize) -> Result<()> {
         if self.no_death_types.contains(&Kind::Goal) {
-            return Err(Self::refuse("no_death_types contains `goal`, which is no death"));
+            return Err(Self::refuse(
+                "no_death_types contains `goal`, which is no death",
+            ));
         }
         Ok(())
     }
@@ -240,22 +244,19 @@ impl Effect for NoDeath {
         true
     }
 
-    fn step<E: Env>(
+    fn after(
         &self,
         (): &mut (),
-        env: &mut E,
-        action: &E::Action,
-        observation: &mut E::Observation,
-    ) -> Result<Outcome> {
-        let is_death = |cell: crate::Cell| self.no_death_types.contains(&cell.kind());
-        let enters = number(action) == Action::Forward as i64 && is_death(world(env)?.front());
-        let mut outcome = env.step_into(action, observation)?;
-        let world = world(env)?;
+        world: &World,
+        (action, front): (i64, Cell),
+        outcome: &mut Outcome,
+    ) {
+        let is_death = |cell: Cell| self.no_death_types.contains(&cell.kind());
+        let enters = action == Action::Forward as i64 && is_death(front);
         if outcome.terminated && (enters || is_death(world.grid.get(world.agent))) {
             outcome.terminated = false;
             outcome.reward += self.death_cost;
         }
-        Ok(outcome)
     }
 }
 
@@ -278,10 +279,18 @@ impl Effect for StochasticAction {
 
     fn state(&self, _: &Facts, actions: usize) -> Result<u32> {
         if !(0.0..=1.0).contains(&self.prob) {
-            return Err(Self::refuse(format!("prob is {}: a probability is between 0 and 1", self.prob)));
+            return Err(Self::refuse(format!(
+                "prob is {}: a probability is between 0 and 1",
+                self.prob
+            )));
         }
-        if let Some(action) = self.random_action.filter(|action| *action as usize >= actions) {
-            return Err(Self::refuse(format!("random_action is {action}: there are {actions} actions")));
+        if let Some(action) = self
+            .random_action
+            .filter(|action| *action as usize >= actions)
+        {
+            return Err(Self::refuse(format!(
+                "random_action is {action}: there are {actions} actions"
+            )));
         }
         Ok(actions as u32)
     }
@@ -290,22 +299,12 @@ impl Effect for StochasticAction {
         stored == first
     }
 
-    fn step<E: Env>(
-        &self,
-        actions: &mut u32,
-        env: &mut E,
-        action: &E::Action,
-        observation: &mut E::Observation,
-    ) -> Result<Outcome> {
-        let rng = env.generator().ok_or(Error::ResetNeeded("step"))?;
-        let other = if rng.random() < self.prob {
-            None
-        } else {
-            let random = self.random_action.map(i64::from);
-            let number = random.unwrap_or_else(|| rng.integers(0, i64::from(*actions)));
-            E::Action::from_value(&Value::Int(number))
-        };
-        env.step_into(other.as_ref().unwrap_or(action), observation)
+    fn before(&self, actions: &mut u32, rng: &mut Generator) -> Option<i64> {
+        if rng.random() < self.prob {
+            return None;
+        }
+        let random = self.random_action.map(i64::from);
+        Some(random.unwrap_or_else(|| rng.integers(0, i64::from(*actions))))
     }
 }
 
@@ -330,7 +329,10 @@ impl Effect for Reseed {
     fn state(&self, _: &Facts, _: usize) -> Result<u32> {
         if self.seed_idx as usize >= self.seeds.len() {
             let count = self.seeds.len();
-            return Err(Self::refuse(format!("seed_idx is {}: there are {count} seeds", self.seed_idx)));
+            return Err(Self::refuse(format!(
+                "seed_idx is {}: there are {count} seeds",
+                self.seed_idx
+            )));
         }
         Ok(self.seed_idx)
     }
@@ -346,16 +348,6 @@ impl Effect for Reseed {
             options: reset.options.clone(),
             ..Reset::seed(seed)
         })
-    }
-
-    fn step<E: Env>(
-        &self,
-        _: &mut u32,
-        env: &mut E,
-        action: &E::Action,
-        observation: &mut E::Observation,
-    ) -> Result<Outcome> {
-        env.step_into(action, observation)
     }
 }
 

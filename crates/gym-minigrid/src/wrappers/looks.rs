@@ -5,8 +5,8 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use gym_core::registry::WrapperConfig;
 use gym_core::spaces::{BoxSpace, array_of};
 use gym_core::{
-    Argument, ArgumentType, Arguments, Array, BoxEnv, DType, Env, EnvExt, Error, Outcome, Reset,
-    Result, Space, Value, WrapperSpec, math,
+    Argument, ArgumentType, Arguments, Array, BoxEnv, DType, Data, Env, EnvExt, Error, Outcome,
+    Reset, Result, Space, Value, WrapperSpec, math,
 };
 use serde::{Deserialize, Serialize};
 
@@ -57,11 +57,16 @@ impl<C: Look, E: Env<Observation = Value>> Looking<C, E> {
     /// [`Error::InvalidArgument`] for another environment, and an argument out of range.
     pub fn new(env: E, config: C) -> Result<Self> {
         let Some(facts) = env.unwrapped::<Facts>().cloned() else {
-            return Err(C::refuse(format!("it needs an environment of MiniGrid, and this is {}", env.describe())));
+            return Err(C::refuse(format!(
+                "it needs an environment of MiniGrid, and this is {}",
+                env.describe()
+            )));
         };
         let inner = env.observation_space();
         let Space::Dict(dict) = &inner else {
-            return Err(C::refuse(format!("it needs a dict of observations, and the space is {inner}")));
+            return Err(C::refuse(format!(
+                "it needs a dict of observations, and the space is {inner}"
+            )));
         };
         let member = config.space(&facts)?;
         let shape = member.shape().unwrap_or_default().to_vec();
@@ -150,10 +155,16 @@ impl Look for FullyObs {
 
     fn look(&self, world: &World, _: &Facts, out: &mut Value) -> Result<()> {
         let shape = [world.grid.width() as usize, world.grid.height() as usize, 3];
-        let cells = array_of(out, DType::U8, &shape).as_mut_slice::<u8>().unwrap_or_default();
+        let cells = array_of(out, DType::U8, &shape)
+            .as_mut_slice::<u8>()
+            .unwrap_or_default();
         for (out, (pos, cell)) in cells.chunks_exact_mut(3).zip(world.grid.by_column()) {
             let agent = [Kind::Agent as u8, 0, world.direction];
-            out.copy_from_slice(&if pos == world.agent { agent } else { cell.encode() });
+            out.copy_from_slice(&if pos == world.agent {
+                agent
+            } else {
+                cell.encode()
+            });
         }
         Ok(())
     }
@@ -171,14 +182,17 @@ gym_core::arguments! {
 impl Look for SymbolicObs {
     fn space(&self, facts: &Facts) -> Result<Space> {
         let (width, height) = (facts.rules.width as usize, facts.rules.height as usize);
-        let bound = |one: [i64; 3]| Array::new([width, height, 3], one.repeat(width * height).into());
+        let bound =
+            |one: [i64; 3]| Array::new([width, height, 3], Data::I64(one.repeat(width * height)));
         let high = [width as i64 - 1, height as i64 - 1, Kind::Agent as i64];
         BoxSpace::new(bound([0, 0, -1])?, bound(high)?).map(Space::from)
     }
 
     fn look(&self, world: &World, _: &Facts, out: &mut Value) -> Result<()> {
         let shape = [world.grid.width() as usize, world.grid.height() as usize, 3];
-        let cells = array_of(out, DType::I64, &shape).as_mut_slice::<i64>().unwrap_or_default();
+        let cells = array_of(out, DType::I64, &shape)
+            .as_mut_slice::<i64>()
+            .unwrap_or_default();
         for (out, (pos, cell)) in cells.chunks_exact_mut(3).zip(world.grid.by_column()) {
             let kind = match cell.kind() {
                 _ if pos == world.agent => Kind::Agent as i64,
@@ -208,7 +222,9 @@ impl Look for ViewSize {
         let size = self.agent_view_size;
         if size % 2 == 0 || !(3..=crate::view::MAX_VIEW).contains(&size) {
             let most = crate::view::MAX_VIEW;
-            return Err(Self::refuse(format!("agent_view_size is {size}: it is an odd number from 3 to {most}")));
+            return Err(Self::refuse(format!(
+                "agent_view_size is {size}: it is an odd number from 3 to {most}"
+            )));
         }
         bytes([size, size, 3])
     }
@@ -223,75 +239,52 @@ gym_core::register_wrapper!(
     "ViewSizeWrapper", "observes a square of cells of another width", ViewSize, env: Looking::<ViewSize>::new
 );
 
-/// The facts with another tile size and point of view.
-fn pictured(facts: &Facts, tile_size: u32, agent_pov: bool) -> Facts {
-    let mut facts = facts.clone();
-    (facts.view.tile_size, facts.view.agent_pov) = (tile_size, agent_pov);
-    facts
+/// Defines a wrapper that observes a picture: of the whole grid, or of what the agent sees.
+macro_rules! picture {
+    ($(#[$doc:meta])* $name:ident, $id:literal, $description:literal, $agent_pov:literal) => {
+        gym_core::arguments! {
+            $(#[$doc])*
+            pub struct $name {
+                /// The width of a cell.
+                #[unit = "px"]
+                pub tile_size: u32 = 8,
+            }
+        }
+
+        impl Look for $name {
+            fn space(&self, facts: &Facts) -> Result<Space> {
+                let picture = self.pictured(facts).map(|facts| Picture::new(&facts));
+                let (width, height) = match picture {
+                    Some(Ok(picture)) => picture.size(),
+                    Some(Err(reason)) => return Err(Self::refuse(reason)),
+                    None => (0, 0),
+                };
+                bytes([height, width, 3])
+            }
+
+            fn pictured(&self, facts: &Facts) -> Option<Facts> {
+                let mut facts = facts.clone();
+                facts.view.tile_size = self.tile_size;
+                facts.view.agent_pov = $agent_pov;
+                Some(facts)
+            }
+
+            fn look(&self, _: &World, _: &Facts, _: &mut Value) -> Result<()> {
+                Ok(())
+            }
+        }
+
+        gym_core::register_wrapper!($id, $description, $name, env: Looking::<$name>::new);
+    };
 }
 
-/// The space of pictures of so many cells.
-fn picture_space<C: WrapperConfig>(height: u32, width: u32, tile_size: u32) -> Result<Space> {
-    if tile_size == 0 || tile_size.saturating_mul(width.max(height)) > 16384 {
-        return Err(C::refuse(format!("tile_size is {tile_size}: a picture has 1 to 16384 pixels on each side")));
-    }
-    bytes([height * tile_size, width * tile_size, 3])
-}
-
-gym_core::arguments! {
+picture!(
     /// Observes a picture of the grid.
-    pub struct RgbImgObs {
-        /// The width of a cell.
-        #[unit = "px"]
-        pub tile_size: u32 = 8,
-    }
-}
-
-impl Look for RgbImgObs {
-    fn space(&self, facts: &Facts) -> Result<Space> {
-        picture_space::<Self>(facts.rules.height, facts.rules.width, self.tile_size)
-    }
-
-    fn pictured(&self, facts: &Facts) -> Option<Facts> {
-        Some(pictured(facts, self.tile_size, false))
-    }
-
-    fn look(&self, _: &World, _: &Facts, _: &mut Value) -> Result<()> {
-        Ok(())
-    }
-}
-
-gym_core::register_wrapper!(
-    "RGBImgObsWrapper", "observes a picture of the grid", RgbImgObs, env: Looking::<RgbImgObs>::new
+    RgbImgObs, "RGBImgObsWrapper", "observes a picture of the grid", false
 );
-
-gym_core::arguments! {
+picture!(
     /// Observes a picture of what the agent sees.
-    pub struct RgbImgPartialObs {
-        /// The width of a cell.
-        #[unit = "px"]
-        pub tile_size: u32 = 8,
-    }
-}
-
-impl Look for RgbImgPartialObs {
-    fn space(&self, facts: &Facts) -> Result<Space> {
-        let size = facts.view.agent_view_size;
-        picture_space::<Self>(size, size, self.tile_size)
-    }
-
-    fn pictured(&self, facts: &Facts) -> Option<Facts> {
-        Some(pictured(facts, self.tile_size, true))
-    }
-
-    fn look(&self, _: &World, _: &Facts, _: &mut Value) -> Result<()> {
-        Ok(())
-    }
-}
-
-gym_core::register_wrapper!(
-    "RGBImgPartialObsWrapper", "observes a picture of what the agent sees", RgbImgPartialObs,
-    env: Looking::<RgbImgPartialObs>::new
+    RgbImgPartialObs, "RGBImgPartialObsWrapper", "observes a picture of what the agent sees", true
 );
 
 /// How the direction of the goal is measured.
@@ -324,7 +317,11 @@ pub struct DirectionObs {
 
 impl Arguments for DirectionObs {
     fn table() -> Vec<Argument> {
-        vec![Argument::new::<Measure>("type", "", "How the direction is measured.")]
+        vec![Argument::new::<Measure>(
+            "type",
+            "",
+            "How the direction is measured.",
+        )]
     }
 
     fn set_number(&mut self, _name: &str, _x: f64) -> bool {
@@ -345,7 +342,8 @@ impl Look for DirectionObs {
     }
 
     fn look(&self, world: &World, _: &Facts, out: &mut Value) -> Result<()> {
-        let goal = goal(&world.grid).ok_or_else(|| Error::custom("DirectionObsWrapper needs a grid with a goal"))?;
+        let goal = goal(&world.grid)
+            .ok_or_else(|| Error::custom("DirectionObsWrapper needs a grid with a goal"))?;
         let Pos { x, y } = goal - world.agent;
         let (x, y) = (f64::from(x), f64::from(y));
         let direction = match self.measure {
@@ -354,7 +352,11 @@ impl Look for DirectionObs {
             _ if x == 0.0 => f64::INFINITY.copysign(y),
             _ => y / x,
         };
-        let direction = if self.measure == Measure::Angle { math::atan2(direction, 1.0) } else { direction };
+        let direction = if self.measure == Measure::Angle {
+            math::atan2(direction, 1.0)
+        } else {
+            direction
+        };
         if let Some([number]) = array_of(out, DType::F64, &[]).as_mut_slice() {
             *number = direction;
         }

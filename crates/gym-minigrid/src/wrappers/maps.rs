@@ -25,12 +25,16 @@ fn member<'a>(observation: &'a Value, key: &str) -> Result<&'a Value> {
 
 fn text<'a>(observation: &'a Value) -> Result<&'a str> {
     let not_text = || Error::Contract(format!("the mission of {observation} is not a text"));
-    member(observation, "mission")?.as_text().ok_or_else(not_text)
+    member(observation, "mission")?
+        .as_text()
+        .ok_or_else(not_text)
 }
 
 fn cells(observation: &Value) -> Result<&[u8]> {
     let not_cells = || Error::Contract(format!("the image of {observation} is not of uint8"));
-    member(observation, "image")?.as_slice().ok_or_else(not_cells)
+    member(observation, "image")?
+        .as_slice()
+        .ok_or_else(not_cells)
 }
 
 /// The dict and its image, of the observations of minigrid's environments.
@@ -40,12 +44,18 @@ fn image_of<C: WrapperConfig>(space: &Space) -> Result<(&DictSpace, &BoxSpace)> 
     {
         return Ok((dict, image));
     }
-    Err(C::refuse(format!("it needs observations with an `image`, and the space is {space}")))
+    Err(C::refuse(format!(
+        "it needs observations with an `image`, and the space is {space}"
+    )))
 }
 
 /// The dict with another member.
 pub(super) fn with_member(dict: &DictSpace, key: &str, space: Space) -> Result<Space> {
-    let others = dict.spaces().iter().filter(|(name, _)| name != key).cloned();
+    let others = dict
+        .spaces()
+        .iter()
+        .filter(|(name, _)| name != key)
+        .cloned();
     DictSpace::new(others.chain([(key.to_owned(), space)])).map(Space::from)
 }
 
@@ -135,18 +145,28 @@ impl ObservationMap for OneHotMap {
     fn new(_: &OneHot, inner: &Space) -> Result<(Self, Space)> {
         let (dict, image) = image_of::<OneHot>(inner)?;
         let [width, height, 3] = *image.shape() else {
-            return Err(OneHot::refuse(format!("it needs images of cells, and the space is {inner}")));
+            return Err(OneHot::refuse(format!(
+                "it needs images of cells, and the space is {inner}"
+            )));
         };
         let shape = vec![width, height, BITS.iter().sum()];
         let bits = BoxSpace::uniform(0.0, 255.0, shape.clone(), DType::U8)?;
         let space = with_member(dict, "image", bits.into())?;
-        Ok((Self { space: space.clone(), shape }, space))
+        Ok((
+            Self {
+                space: space.clone(),
+                shape,
+            },
+            space,
+        ))
     }
 
     fn map(&self, inner: &Value, out: &mut Value) -> Result<()> {
         let cells = cells(inner)?;
         let out = copy_others(&self.space, inner, "image", out)?;
-        let bits = array_of(out, DType::U8, &self.shape).as_mut_slice::<u8>().unwrap_or_default();
+        let bits = array_of(out, DType::U8, &self.shape)
+            .as_mut_slice::<u8>()
+            .unwrap_or_default();
         bits.fill(0);
         let rows = bits.chunks_exact_mut(BITS.iter().sum());
         for (bits, cell) in rows.zip(cells.chunks_exact(3)) {
@@ -207,7 +227,9 @@ impl ObservationMap for FlatMap {
             )));
         }
         let len = cells.len() + CHARACTERS * self.longest;
-        let out = array_of(out, DType::U8, &[len]).as_mut_slice::<u8>().unwrap_or_default();
+        let out = array_of(out, DType::U8, &[len])
+            .as_mut_slice::<u8>()
+            .unwrap_or_default();
         let (image, characters) = out.split_at_mut(cells.len());
         image.copy_from_slice(cells);
         characters.fill(0);
@@ -216,7 +238,11 @@ impl ObservationMap for FlatMap {
                 letter @ 'a'..='z' => letter as usize - 'a' as usize,
                 ' ' => 26,
                 ',' => 27,
-                other => return Err(Flat::refuse(format!("the mission {mission:?} has {other:?}"))),
+                other => {
+                    return Err(Flat::refuse(format!(
+                        "the mission {mission:?} has {other:?}"
+                    )));
+                }
             };
             row[number] = 1;
         }
@@ -256,11 +282,22 @@ impl ObservationMap for WordsMap {
     fn new(config: &Words, inner: &Space) -> Result<(Self, Space)> {
         let (dict, _) = image_of::<Words>(inner)?;
         let words: Vec<(String, i64)> = match &config.word_dict {
-            None => WORDS.split_whitespace().map(str::to_owned).zip(0..).collect(),
+            None => WORDS
+                .split_whitespace()
+                .map(str::to_owned)
+                .zip(0..)
+                .collect(),
             Some(words) => {
                 let number = |(word, number): (&String, &serde_json::Value)| {
-                    let number = number.as_i64().filter(|n| (0..words.len() as i64).contains(n));
-                    let refuse = || Words::refuse(format!("the number of {word:?} in `word_dict` is not one of the first {}", words.len()));
+                    let number = number
+                        .as_i64()
+                        .filter(|n| (0..words.len() as i64).contains(n));
+                    let refuse = || {
+                        Words::refuse(format!(
+                            "the number of {word:?} in `word_dict` is not one of the first {}",
+                            words.len()
+                        ))
+                    };
                     Ok((word.clone(), number.ok_or_else(refuse)?))
                 };
                 words.iter().map(number).collect::<Result<_>>()?
@@ -269,13 +306,22 @@ impl ObservationMap for WordsMap {
         let length = config.max_words_in_mission as usize;
         let mission = MultiDiscrete::new(vec![words.len() as i64 + 1; length])?;
         let space = with_member(dict, "mission", mission.into())?;
-        Ok((Self { space: space.clone(), words, length }, space))
+        Ok((
+            Self {
+                space: space.clone(),
+                words,
+                length,
+            },
+            space,
+        ))
     }
 
     fn map(&self, inner: &Value, out: &mut Value) -> Result<()> {
         let mission = text(inner)?;
         let out = copy_others(&self.space, inner, "mission", out)?;
-        let out = array_of(out, DType::I64, &[self.length]).as_mut_slice::<i64>().unwrap_or_default();
+        let out = array_of(out, DType::I64, &[self.length])
+            .as_mut_slice::<i64>()
+            .unwrap_or_default();
         out.fill(0);
         let mut count = 0;
         for part in mission.split_inclusive([' ', ',']) {
@@ -283,12 +329,19 @@ impl ObservationMap for WordsMap {
                 Some(word) => (word, Some(",")),
                 None => (part, None),
             };
-            for word in [Some(word.trim()), comma].into_iter().flatten().filter(|word| !word.is_empty()) {
+            for word in [Some(word.trim()), comma]
+                .into_iter()
+                .flatten()
+                .filter(|word| !word.is_empty())
+            {
                 let known = self.words.iter().find(|(known, _)| known == word);
-                let (_, number) =
-                    known.ok_or_else(|| Words::refuse(format!("the word {word:?} is not in `word_dict`")))?;
+                let (_, number) = known.ok_or_else(|| {
+                    Words::refuse(format!("the word {word:?} is not in `word_dict`"))
+                })?;
                 if count + 1 >= self.length {
-                    return Err(Words::refuse(format!("the mission {mission:?} is longer than `max_words_in_mission`")));
+                    return Err(Words::refuse(format!(
+                        "the mission {mission:?} is longer than `max_words_in_mission`"
+                    )));
                 }
                 out[count] = number + 1;
                 count += 1;

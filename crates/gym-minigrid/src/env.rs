@@ -9,7 +9,7 @@ use gym_core::keys::json;
 use gym_core::render::Metadata;
 use gym_core::spaces::{BoxSpace, DictSpace, array_of};
 use gym_core::{
-    Arguments, BoxEnv, Configure, DType, Env, Error, Generator, Keys, Outcome, Policy,
+    Arguments, BoxEnv, Configure, DType, Env, Error, Generator, Inspect, Keys, Outcome, Policy,
     Registration, Reset, Result, Snapshot, Space, Value,
 };
 use serde::{Deserialize, Serialize};
@@ -24,7 +24,7 @@ use crate::{Action, Grid, World, vector};
 /// The environment of a [`Level`].
 ///
 /// Its [`World`], once it was reset, and its [`Facts`] are layers of the environment:
-/// `env.unwrapped::<World>()` finds them through wrappers.
+/// `env.layer::<World>()` finds them through wrappers.
 #[derive(Clone, Debug)]
 pub struct GridEnv {
     level: Arc<dyn Level>,
@@ -260,7 +260,7 @@ impl Env for GridEnv {
         self.level.name().to_owned()
     }
 
-    fn layer(&self, layer: TypeId) -> Option<&dyn Any> {
+    fn any_layer(&self, layer: TypeId) -> Option<&dyn Any> {
         let layers: [Option<&dyn Any>; 3] = [
             Some(self),
             self.world().map(|world| world as &dyn Any),
@@ -272,12 +272,44 @@ impl Env for GridEnv {
             .find(|any| (**any).type_id() == layer)
     }
 
+    fn inspect(&self) -> Option<&dyn Inspect> {
+        Some(self)
+    }
+
+    fn inspect_mut(&mut self) -> Option<&mut dyn Inspect> {
+        Some(self)
+    }
+
     fn generator(&mut self) -> Option<&mut Generator> {
         self.episode.as_mut().map(|episode| &mut episode.rng)
     }
 
     fn close(&mut self) {
         self.episode = None;
+    }
+}
+
+impl Inspect for GridEnv {
+    fn state(&self) -> Option<Json> {
+        serde_json::to_value(self.shown()?).ok()
+    }
+
+    fn set_state(&mut self, state: Json) -> Result<()> {
+        let world = serde_json::from_value(state)
+            .map_err(|error| Error::argument("state", error.to_string()))?;
+        let episode = self
+            .episode
+            .as_mut()
+            .ok_or(Error::ResetNeeded("set_state"))?;
+        if !self.facts.is_valid(&world) {
+            return Err(Error::argument("state", "it is not one of this grid"));
+        }
+        episode.world = world;
+        Ok(())
+    }
+
+    fn arguments(&self) -> Json {
+        (*self.config).clone()
     }
 }
 

@@ -16,9 +16,9 @@ pub(crate) const POLICY: Policy = Policy::rules(
 );
 
 fn start(env: &BoxEnv) -> Option<Controller> {
-    env.unwrapped::<Facts>()?;
+    env.layer::<Facts>()?;
     Some(Box::new(|env, _| {
-        let action = next_action(env.unwrapped::<World>()?);
+        let action = next_action(env.layer::<World>()?);
         Some(action.unwrap_or(Action::Left).to_value())
     }))
 }

@@ -256,9 +256,9 @@ fn wrappers_keep_the_rules() {
 #[test]
 fn a_world_is_found_through_wrappers() {
     let mut env = wrapped("MiniGrid-Empty-5x5-v0", "ImgObsWrapper", json!({}));
-    assert!(env.unwrapped::<World>().is_none());
+    assert!(env.layer::<World>().is_none());
     env.reset(0).unwrap();
-    let world = env.unwrapped::<World>().unwrap();
+    let world = env.layer::<World>().unwrap();
     assert_eq!(
         world
             .grid

@@ -4,7 +4,8 @@
 //! (what is before a dot says more of the recording), or `xml` a file in MJCF beside the recording;
 //! `cases` have a state each (`qpos`, `qvel`, `qacc_warmstart`, `ctrl`, `time`). The answer to a
 //! case is the state after one step, under `after`, or the results of one forward call, under
-//! `out`, in MuJoCo's names. A recording without a `kind` is a table of a compiled model's figures,
+//! `out`, in MuJoCo's names. `mujoco` is the version of libmujoco that was recorded; without it, the
+//! newest is meant. A recording without a `kind` is a table of a compiled model's figures,
 //! and answered with our own.
 
 use std::path::Path;
@@ -14,7 +15,7 @@ use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
 use crate::model::Solver;
-use crate::{Data, Error, Model, Result, forward, physics, step, tasks};
+use crate::{Data, Error, Model, Result, Revision, forward, physics, step, tasks};
 
 /// A state, as recordings have it.
 #[derive(Deserialize)]
@@ -89,11 +90,15 @@ pub fn answer(recording: &Map<String, Value>, folder: &Path) -> Result<Map<Strin
 
 fn model(recording: &Map<String, Value>, folder: &Path) -> Result<Arc<Model>> {
     let text = |key: &str| recording.get(key).and_then(Value::as_str);
+    let revision = match text("mujoco").map(str::parse) {
+        Some(version) => version.map_err(Error::Data)?,
+        None => Revision::default(),
+    };
     match (text("xml"), text("model")) {
-        (Some(xml), _) => Model::from_xml_file(folder.join(xml)).map(Arc::new),
+        (Some(xml), _) => Model::from_xml_file_with(folder.join(xml), revision).map(Arc::new),
         (None, Some(name)) => {
             let name = name.rsplit('.').next().unwrap_or(name);
-            tasks::load(&format!("{name}.xml"))
+            tasks::load(&format!("{name}.xml"), revision)
                 .map_err(|error| Error::Data(format!("the recording's model: {error}")))
         }
         (None, None) => Err(Error::Data(

@@ -4,9 +4,11 @@ use serde::de::DeserializeOwned;
 use serde_json::Value as Json;
 
 use super::{EnvSpec, WrapperSpec, find, resolve};
-use crate::render::RenderMode;
+use crate::drawing::render::RenderMode;
+use crate::env::BoxEnv;
+use crate::spec::Kwargs;
+use crate::value::{Error, Result};
 use crate::wrappers::RenderCollection;
-use crate::{BoxEnv, Error, Kwargs, Result};
 
 /// Makes an environment with its default arguments and wrappers, as Gymnasium's `make`.
 ///
@@ -166,6 +168,14 @@ impl EnvBuilder {
 }
 
 impl EnvSpec {
+    /// Makes the environment with its wrappers.
+    ///
+    /// # Errors
+    /// The errors of [`make`](crate::make), and one for an unknown wrapper.
+    pub fn make(&self) -> Result<BoxEnv> {
+        EnvBuilder::from_spec(self.clone()).build()
+    }
+
     /// Gymnasium passes the arguments of `make` and of the constructor together; this separates
     /// them.
     fn take_arguments_of_make(&mut self) -> Result<()> {

@@ -2,32 +2,33 @@
 //!
 //! The table contains the entries of [`register!`](crate::register!) in linked crates, and those
 //! that [`register`] adds at run time, sorted by id.
+//!
+//! [`register!`](crate::register!) is one `inventory::submit!`, which puts the registration into
+//! the program at link time. The table keeps duplicate ids and reports them. Cargo does not link a
+//! crate that the code never names: the facade re-exports its families, and users name a plugin
+//! with `use my_envs as _;`.
 
 mod builder;
-mod id;
-mod options;
+mod lockstep;
 mod registration;
-mod spec;
 mod stack;
 mod vector;
-mod wrappers;
 
 use std::collections::BTreeMap;
 use std::sync::{LazyLock, PoisonError, RwLock};
 
 pub use builder::{EnvBuilder, builder, make};
-pub use id::EnvId;
-pub use registration::{
-    Clip, Configure, Need, NoArguments, Registration, Source, VectorEntryPoint,
+pub use registration::{Clip, Need, Registration, Source, VectorEntryPoint};
+pub use vector::{VectorBuilder, make_vec};
+
+pub use crate::env::{Configure, NoArguments};
+use crate::spec::nearest;
+pub use crate::spec::{
+    Each, EnvId, EnvSpec, ResetOptions, VectorKind, VectorSpec, WrapperConfig, WrapperSpec,
 };
-pub use spec::{EnvSpec, WrapperSpec};
-pub use vector::{Each, VectorBuilder, VectorKind, VectorSpec, make_vec};
-pub use wrappers::{WrapEnv, WrapVector, WrapperConfig, WrapperRegistration, wrappers};
+pub use crate::wrappers::{WrapEnv, WrapVector, WrapperRegistration, wrappers};
 
-pub(crate) use id::nearest;
-pub use options::ResetOptions;
-
-use crate::{Error, Result};
+use crate::value::{Error, Result};
 
 type Table = BTreeMap<EnvId, Vec<Registration>>;
 

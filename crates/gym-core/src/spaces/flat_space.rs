@@ -2,9 +2,9 @@
 
 use std::iter::{once, repeat_n};
 
-use crate::array::{Array, element_count};
-use crate::number::{Number, collect, result_type};
-use crate::{DType, Result};
+use crate::value::array::{Array, element_count};
+use crate::value::number::{Number, collect, result_type};
+use crate::value::{DType, Result};
 
 use super::{
     BoxSpace, DictSpace, GraphSpace, MAX_ELEMENTS, OneOfSpace, SequenceSpace, Space, TupleSpace,

@@ -1,12 +1,11 @@
 //! Elements as one row of numbers: Gymnasium's `flatten` and `unflatten`.
 
-use crate::array::Array;
-use crate::number::{Number, Numeric, collect, with_type};
-use crate::{GraphInstance, Result, Value};
-
 use super::batch::{concatenate, iterate_array};
-use super::fault::{Fault, expect_array};
 use super::{MultiBinary, Space};
+use crate::value::array::Array;
+use crate::value::fault::{Fault, expect_array};
+use crate::value::number::{Number, Numeric, collect, with_type};
+use crate::value::{GraphInstance, Result, Value};
 
 impl Space {
     /// An element as one row of numbers, in the type of [`flatten_space`](Self::flatten_space).

@@ -2,12 +2,12 @@
 
 use std::fmt;
 
+use gym_numerics::Generator;
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, Generator, Result, Value};
-
-use super::fault::Fault;
 use super::invalid;
+use crate::value::fault::Fault;
+use crate::value::{Error, Result, Value};
 
 /// Where a word stands in a pattern.
 const BLANK: &str = "{}";

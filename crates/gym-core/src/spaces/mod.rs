@@ -4,12 +4,12 @@
 //! in the space. Names, samples, printed form and rules of membership equal those of Gymnasium
 //! 1.4's `gymnasium.spaces`.
 
+mod actions;
 mod batch;
 mod box_space;
 mod dict;
 mod differing;
 mod discrete;
-pub(crate) mod fault;
 mod flat_space;
 mod flatten;
 mod graph;
@@ -29,14 +29,17 @@ mod zero;
 
 use std::fmt;
 
+use gym_numerics::Seed;
 use serde::{Deserialize, Serialize};
 
-use crate::array::{Array, MAX_AXES, element_count as count};
-use crate::error::shortened;
-use crate::numpy_fmt;
-use crate::{DType, Element, Error, Result, Seed, Value};
+use crate::value::array::{Array, MAX_AXES, element_count as count};
+use crate::value::error::shortened;
+use crate::value::{DType, Element, Error, Result, Value, numpy_fmt};
 
-pub use crate::array::MAX_ELEMENTS;
+pub use crate::value::array::MAX_ELEMENTS;
+pub use actions::{ActionColumn, Actions};
+#[doc(hidden)]
+pub use actions::{block_of, indices};
 pub use box_space::BoxSpace;
 pub use dict::DictSpace;
 pub use discrete::Discrete;
@@ -51,7 +54,7 @@ pub use sequence::SequenceSpace;
 pub use text::TextSpace;
 pub use tuple::TupleSpace;
 
-use fault::Fault;
+use crate::value::fault::Fault;
 use sampler::Streams;
 use weight::Weight;
 

@@ -3,9 +3,10 @@
 use std::any::type_name;
 use std::marker::PhantomData;
 
+use gym_numerics::{Generator, Seed};
 use serde::{Deserialize, Serialize};
 
-use crate::{Array, DType, Element, Error, Generator, GraphInstance, Result, Seed, Value};
+use crate::value::{Array, DType, Element, Error, GraphInstance, Result, Value};
 
 use super::batch::batch_space;
 use super::selection::{Mask, Probabilities, Selection};

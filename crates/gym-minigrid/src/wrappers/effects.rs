@@ -64,8 +64,7 @@ impl<C: Effect, E: Env> Affected<C, E> {
     /// # Errors
     /// [`Error::InvalidArgument`] for another environment, and an argument out of range.
     pub fn new(env: E, config: C) -> Result<Self> {
-        let (Some(facts), Space::Discrete(actions)) =
-            (env.unwrapped::<Facts>(), env.action_space())
+        let (Some(facts), Space::Discrete(actions)) = (env.layer::<Facts>(), env.action_space())
         else {
             return Err(C::refuse(format!(
                 "it needs an environment of MiniGrid, and this is {}",
@@ -138,7 +137,7 @@ impl<C: Effect, E: Env> gym_core::Wrapper for Affected<C, E> {
 
 /// The world of an environment that was reset.
 fn world<E: Env>(env: &E) -> Result<&World> {
-    env.unwrapped::<World>().ok_or(Error::ResetNeeded("step"))
+    env.layer::<World>().ok_or(Error::ResetNeeded("step"))
 }
 
 /// Counts how often a situation occurred, and returns the bonus for it.

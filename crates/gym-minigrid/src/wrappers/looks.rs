@@ -56,7 +56,7 @@ impl<C: Look, E: Env<Observation = Value>> Looking<C, E> {
     /// # Errors
     /// [`Error::InvalidArgument`] for another environment, and an argument out of range.
     pub fn new(env: E, config: C) -> Result<Self> {
-        let Some(facts) = env.unwrapped::<Facts>().cloned() else {
+        let Some(facts) = env.layer::<Facts>().cloned() else {
             return Err(C::refuse(format!(
                 "it needs an environment of MiniGrid, and this is {}",
                 env.describe()
@@ -89,7 +89,7 @@ impl<C: Look, E: Env<Observation = Value>> Looking<C, E> {
     }
 
     fn observe(&self, observation: &mut Value) -> Result<()> {
-        let Some(world) = self.env.unwrapped::<World>() else {
+        let Some(world) = self.env.layer::<World>() else {
             return Err(Error::ResetNeeded("step"));
         };
         let out = copy_others(&self.space, &self.seen, C::KEY, observation)?;

@@ -8,7 +8,7 @@ use super::spec::{Body, Geom, Inertial, Joint, Moments, Spec};
 use super::xml::Place;
 use crate::Result;
 use crate::model::{CompiledModel, GeomType, JointType};
-use crate::physics::spatial::normalize_quat;
+use crate::physics::spatial::{InTurn, normalize_quat};
 
 /// The most bodies, geoms and degrees of freedom, as the engine's matrices are dense; and the most
 /// of everything that is looked up by its name.
@@ -18,6 +18,7 @@ pub(super) const MOST: usize = 1000;
 pub(super) fn compile(spec: &Spec) -> Result<CompiledModel> {
     let mut m = CompiledModel {
         model: spec.name.clone(),
+        revision: spec.revision,
         opt: spec.option.clone(),
         ..CompiledModel::default()
     };
@@ -80,7 +81,7 @@ fn add_body(m: &mut CompiledModel, spec: &Spec, id: usize, body: &Body) -> Resul
     }
     // the world has no mass
     parts.truncate(if id == 0 { 0 } else { parts.len() });
-    let inertia = inertia_of(body, degree, spec.compiler.inertia_from_geom, &parts)?;
+    let inertia = inertia_of(body, spec, &parts)?;
     m.body_mass.push(inertia.mass);
     m.body_ipos.push(inertia.pos);
     m.body_iquat.push(inertia.quat);
@@ -335,26 +336,23 @@ fn single(rgba: [f64; 4]) -> [f64; 4] {
 ///
 /// Where there is neither, MuJoCo takes the body's frame in its parent for the inertial frame, and
 /// so does this.
-fn inertia_of(
-    body: &Body,
-    degree: bool,
-    from_geoms: Option<bool>,
-    parts: &[Inertia],
-) -> Result<Inertia> {
+fn inertia_of(body: &Body, spec: &Spec, parts: &[Inertia]) -> Result<Inertia> {
+    let degree = spec.compiler.degree;
     let heavy: Vec<Inertia> = parts
         .iter()
         .copied()
         .filter(|part| part.mass > EPS)
         .collect();
+    let from_geoms = spec.compiler.inertia_from_geom;
     let from_geoms = from_geoms.unwrap_or(body.inertial.is_none());
     let combined = if from_geoms {
-        inertia::combine(&heavy)
+        inertia::combine(&heavy, spec.revision)
     } else {
         None
     };
     let (inertia, place) = match (combined, &body.inertial) {
         (Some(combined), _) => (combined, &body.place),
-        (None, Some(inertial)) => (explicit(inertial, degree), &inertial.place),
+        (None, Some(inertial)) => (explicit(inertial, spec), &inertial.place),
         (None, None) => {
             let (pos, quat) = (body.pos, body.orientation.resolve(degree));
             (
@@ -382,10 +380,13 @@ fn inertia_of(
     Ok(inertia)
 }
 
-fn explicit(inertial: &Inertial, degree: bool) -> Inertia {
+fn explicit(inertial: &Inertial, spec: &Spec) -> Inertia {
     let (moments, quat) = match inertial.moments {
-        Moments::Principal(moments) => (moments, inertial.orientation.resolve(degree)),
-        Moments::Full(full) => inertia::principal_axes(full),
+        Moments::Principal(moments) => {
+            let quat = inertial.orientation.resolve(spec.compiler.degree);
+            (moments, quat)
+        }
+        Moments::Full(full) => inertia::principal_axes(full, spec.revision),
     };
     Inertia {
         mass: inertial.mass,
@@ -628,7 +629,7 @@ fn normalize_quaternions(m: &CompiledModel, qpos: &mut [f64]) {
     for j in (0..m.njnt()).filter(|j| m.jnt_type[*j] == JointType::Free) {
         let start = m.jnt_qposadr[j] + 3;
         let quat = std::array::from_fn(|k| qpos[start + k]);
-        qpos[start..start + 4].copy_from_slice(&normalize_quat(unit(quat).0));
+        qpos[start..start + 4].copy_from_slice(&normalize_quat::<InTurn>(unit(quat).0));
     }
 }
 

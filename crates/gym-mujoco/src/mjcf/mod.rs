@@ -37,7 +37,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
-use crate::{Error, Model, Result};
+use crate::{Error, Model, Result, Revision};
 
 impl Model {
     /// Compiles a model from a text in MJCF.
@@ -46,7 +46,16 @@ impl Model {
     /// [`Error::Mjcf`] for text that is not XML, for anything outside the supported part of MJCF,
     /// and for an impossible model, with the line.
     pub fn from_xml(text: &str) -> Result<Self> {
-        let spec = reader::read(text)?;
+        Self::from_xml_with(text, Revision::default())
+    }
+
+    /// As [`from_xml`](Self::from_xml), for the engine of a revision.
+    ///
+    /// # Errors
+    /// The errors of `from_xml`.
+    pub fn from_xml_with(text: &str, revision: Revision) -> Result<Self> {
+        let mut spec = reader::read(text)?;
+        spec.revision = revision;
         let compiled = compile::compile(&spec)?;
         constants::add_constants(compiled, &spec.statistic).map_err(|error| spec.located(error))
     }
@@ -57,6 +66,14 @@ impl Model {
     /// [`Error::File`] if the file cannot be read, or with the error of
     /// [`from_xml`](Self::from_xml).
     pub fn from_xml_file(path: impl AsRef<Path>) -> Result<Self> {
+        Self::from_xml_file_with(path, Revision::default())
+    }
+
+    /// As [`from_xml_file`](Self::from_xml_file), for the engine of a revision.
+    ///
+    /// # Errors
+    /// The errors of `from_xml_file`.
+    pub fn from_xml_file_with(path: impl AsRef<Path>, revision: Revision) -> Result<Self> {
         let path = path.as_ref();
         let in_file = |reason: String| Error::File {
             path: path.display().to_string(),
@@ -70,6 +87,6 @@ impl Model {
             .take(reader::MAX_LEN as u64 + 1)
             .read_to_string(&mut text);
         read.map_err(|error| in_file(error.to_string()))?;
-        Self::from_xml(&text).map_err(|error| in_file(error.to_string()))
+        Self::from_xml_with(&text, revision).map_err(|error| in_file(error.to_string()))
     }
 }

@@ -7,12 +7,13 @@
 use super::orientation::{EPS, Orientation, norm};
 use super::xml::{Element, Place};
 use crate::model::{GeomType, JointType, Options};
-use crate::{Error, Result};
+use crate::{Error, Result, Revision};
 
 /// A whole model.
 #[derive(Debug, Default)]
 pub(super) struct Spec {
     pub(super) name: String,
+    pub(super) revision: Revision,
     pub(super) compiler: Compiler,
     pub(super) option: Options,
     pub(super) statistic: Statistic,

@@ -6,6 +6,7 @@
 
 mod check;
 mod plan;
+mod revision;
 mod types;
 
 use std::ops::Deref;
@@ -14,6 +15,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Error, Result};
 pub(crate) use plan::{Bounds, Pair, Placed, Plan, Reach, Softness};
+pub use revision::Revision;
 pub use types::{GeomType, Integrator, JointType, Names, Options, Solver, Statistics};
 
 /// A checked [`CompiledModel`], with the engine's precomputed data.
@@ -84,6 +86,8 @@ impl From<Model> for CompiledModel {
 pub struct CompiledModel {
     /// The model's name; empty if it has none.
     pub model: String,
+    /// The version of MuJoCo whose results the engine repeats.
+    pub revision: Revision,
     /// The options of the simulation.
     pub opt: Options,
     /// Statistics of the model, which scale tolerances and pictures.

@@ -1,11 +1,13 @@
 //! Velocities and positions from accelerations.
 
+use std::f64::consts::PI;
+
 use super::evaluate;
 use super::inertia::solve;
-use super::spatial::quat_integrate;
-use crate::libm::wide;
+use super::spatial::{InTurn, Pairwise, Vec3, add_scaled, cross, dot, quat_integrate, scale};
+use crate::libm::{self, wide};
 use crate::model::JointType;
-use crate::{Data, Model};
+use crate::{Data, Model, Revision};
 
 /// Moves positions along velocities for some time: MuJoCo's `mj_integratePos`.
 pub fn integrate_pos(m: &Model, qpos: &mut [f64], qvel: &[f64], dt: f64) {
@@ -16,11 +18,12 @@ pub fn integrate_pos(m: &Model, qpos: &mut [f64], qvel: &[f64], dt: f64) {
                 qpos[p + k] += dt * qvel[v + k];
             }
             let q = &mut qpos[p + 3..p + 7];
-            let turned = quat_integrate(
-                [q[0], q[1], q[2], q[3]],
-                [qvel[v + 3], qvel[v + 4], qvel[v + 5]],
-                dt,
-            );
+            let quat = [q[0], q[1], q[2], q[3]];
+            let velocity = [qvel[v + 3], qvel[v + 4], qvel[v + 5]];
+            let turned = match m.revision {
+                Revision::V3_12 => quat_integrate::<InTurn>(quat, velocity, dt),
+                Revision::V4_0 => quat_integrate::<Pairwise>(quat, velocity, dt),
+            };
             q.copy_from_slice(&turned);
         } else {
             qpos[p] += dt * qvel[v];
@@ -62,6 +65,9 @@ fn semi_implicit(m: &Model, d: &mut Data) {
 
 /// Runge-Kutta of fourth order: MuJoCo's `mj_RungeKutta`. The forward call of the start is done
 /// already.
+///
+/// From 4.0 on, angular velocities of free joints are of fourth order too ([`rates`]), and `qacc`
+/// is left as the mean of the stages; before, it is left as that of the last stage.
 pub fn runge_kutta(m: &Model, d: &mut Data) {
     const WEIGHTS: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
     // the part of the step from the start to the next stage
@@ -71,18 +77,22 @@ pub fn runge_kutta(m: &Model, d: &mut Data) {
     d.work.qvel_start.copy_from_slice(&d.qvel);
     d.work.vel_sum.fill(0.0);
     d.work.acc_sum.fill(0.0);
+    // the time from the start to the stage
+    let mut way = 0.0;
     for (weight, part) in WEIGHTS.into_iter().zip(PARTS) {
+        rates(m, &d.qvel, way, &mut d.work.rates);
         for i in 0..nv {
-            d.work.vel_sum[i] += weight * d.qvel[i];
+            d.work.vel_sum[i] += weight * d.work.rates[i];
             d.work.acc_sum[i] += weight * d.qacc[i];
         }
         if part > 0.0 {
             d.qpos.copy_from_slice(&d.work.qpos_start);
-            integrate_pos(m, &mut d.qpos, &d.qvel, part * dt);
+            way = part * dt;
+            integrate_pos(m, &mut d.qpos, &d.work.rates, way);
             for i in 0..nv {
-                d.qvel[i] = d.work.qvel_start[i] + part * dt * d.qacc[i];
+                d.qvel[i] = d.work.qvel_start[i] + way * d.qacc[i];
             }
-            d.time = start + part * dt;
+            d.time = start + way;
             evaluate(m, d);
         }
     }
@@ -93,4 +103,65 @@ pub fn runge_kutta(m: &Model, d: &mut Data) {
     integrate_pos(m, &mut d.qpos, &d.work.vel_sum, dt);
     d.time = start + dt;
     d.qacc_warmstart.copy_from_slice(&d.qacc);
+    if m.revision == Revision::V4_0 {
+        d.qacc.copy_from_slice(&d.work.acc_sum);
+    }
+}
+
+/// The velocities of a stage as rates of change of the positions since the start.
+///
+/// From 4.0 on, a rate of a free joint's orientation is that of the rotation vector since the start
+/// (the method of Runge, Kutta and Munthe-Kaas). `rates` holds those that led to the stage for the
+/// time `way`.
+fn rates(m: &Model, qvel: &[f64], way: f64, rates: &mut [f64]) {
+    if m.revision == Revision::V3_12 || way == 0.0 {
+        rates.copy_from_slice(qvel);
+        return;
+    }
+    for j in 0..m.njnt() {
+        let v = m.jnt_dofadr[j];
+        if m.jnt_type[j] == JointType::Free {
+            let turn = [rates[v + 3], rates[v + 4], rates[v + 5]].map(|rate| rate * way);
+            rates[v..v + 3].copy_from_slice(&qvel[v..v + 3]);
+            let velocity = [qvel[v + 3], qvel[v + 4], qvel[v + 5]];
+            rates[v + 3..v + 6].copy_from_slice(&rate_of_turn(turn, velocity));
+        } else {
+            rates[v] = qvel[v];
+        }
+    }
+}
+
+/// How fast a rotation vector changes, at an angular velocity in the turned frame.
+fn rate_of_turn(turn: Vec3, velocity: Vec3) -> Vec3 {
+    // the last factor is (1 - t / tan t) / (4 t^2), with the square of the angle 2 t
+    const SERIES: [f64; 9] = [
+        1.230313397310169e-14,
+        3.161551550077822e-13,
+        1.3455485951057888e-11,
+        5.282849430384459e-10,
+        2.0876900642039142e-8,
+        8.267194907152073e-7,
+        3.30687830944332e-5,
+        0.0013888888888859755,
+        0.08333333333333338,
+    ];
+    /// The square of the largest angle for which the series is used.
+    const SERIES_UP_TO: f64 = 3.0625;
+    let (mut turn, mut square) = (turn, dot(turn, turn));
+    if square > PI * PI {
+        let angle = square.sqrt();
+        let within = angle - 2.0 * PI * (angle / (2.0 * PI) + 0.5).floor();
+        turn = scale(turn, within / angle);
+        square = dot(turn, turn);
+    }
+    let factor = if square < SERIES_UP_TO {
+        SERIES.into_iter().fold(0.0, |sum, x| sum * square + x)
+    } else {
+        let half = 0.5 * square.sqrt();
+        let (sin, cos) = libm::sin_cos(half);
+        (1.0 - half / (sin / cos)) / square
+    };
+    let once = cross(turn, velocity);
+    let twice = cross(turn, once);
+    add_scaled(add_scaled(velocity, once, 0.5), twice, factor)
 }

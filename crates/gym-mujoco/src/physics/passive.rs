@@ -3,11 +3,11 @@
 use std::f64::consts::PI;
 
 use super::spatial::{
-    add, cross, dot, normalize_quat, rotate, rotate_back, rotation, scale, sub, sub_quat,
-    translation, velocity_at,
+    InTurn, Pairwise, add, cross, dot, normalize_quat, rotate, rotate_back, rotation, scale, sub,
+    sub_quat, translation, velocity_at,
 };
 use crate::model::JointType;
-use crate::{Data, Model};
+use crate::{Data, Model, Revision};
 
 /// `qfrc_passive`: MuJoCo's `mj_passive`, springs, then dampers, then the medium.
 #[inline(always)]
@@ -22,7 +22,11 @@ pub fn passive(m: &Model, d: &mut Data) {
                 d.qfrc_passive[i + k] = (d.qpos[p + k] - m.qpos_spring[p + k]) * -stiffness;
             }
             let quat = |q: &[f64]| [q[p + 3], q[p + 4], q[p + 5], q[p + 6]];
-            let turned = sub_quat(normalize_quat(quat(&d.qpos)), quat(&m.qpos_spring));
+            let (now, rest) = (quat(&d.qpos), quat(&m.qpos_spring));
+            let turned = match m.revision {
+                Revision::V3_12 => sub_quat::<InTurn>(normalize_quat::<InTurn>(now), rest),
+                Revision::V4_0 => sub_quat::<Pairwise>(normalize_quat::<Pairwise>(now), rest),
+            };
             for (force, turned) in d.qfrc_passive[i + 3..i + 6].iter_mut().zip(turned) {
                 *force = turned * -stiffness;
             }

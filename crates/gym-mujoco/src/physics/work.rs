@@ -43,6 +43,8 @@ pub(crate) struct Work {
     pub(crate) qh_diag_inv: Vec<f64>,
     pub(crate) acc_sum: Vec<f64>,
     pub(crate) vel_sum: Vec<f64>,
+    /// Velocities of a stage of Runge and Kutta's method, as rates since the start.
+    pub(crate) rates: Vec<f64>,
     pub(crate) qpos_start: Vec<f64>,
     pub(crate) qvel_start: Vec<f64>,
 }
@@ -96,6 +98,7 @@ impl Work {
             qh_diag_inv: vec![0.0; nv],
             acc_sum: vec![0.0; nv],
             vel_sum: vec![0.0; nv],
+            rates: vec![0.0; nv],
             qpos_start: vec![0.0; m.nq()],
             qvel_start: vec![0.0; nv],
         }

@@ -11,11 +11,11 @@
 //!
 //! Versions: 4 observes contact forces, and subtracts their cost, only with `use_contact_forces`;
 //! only 5 has `forward_reward_weight` and `main_body`. 3 also lacks the camera's arguments; 2 takes
-//! no arguments.
+//! only `mujoco`.
 //!
-//! Differences from Gymnasium: all numbers equal Gymnasium's with MuJoCo 3.12.0 or 3.13.0 for Linux
-//! on x86-64. Versions 2 and 3, and Pusher-v4, which Gymnasium 1.4.0 refuses to make, run on the
-//! same engine. The default camera follows the torso.
+//! Differences from Gymnasium: all numbers equal Gymnasium's with the version of MuJoCo that
+//! `mujoco` names, for Linux on x86-64. By default that is 4.0; versions 2 and 3, and Pusher-v4,
+//! which Gymnasium 1.4.0 refuses to make, keep 3.12. The default camera follows the torso.
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/ant_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
 
@@ -98,6 +98,10 @@ gym_core::arguments! {
 impl TaskArguments for Config {
     fn common(&self) -> &Common {
         &self.common
+    }
+
+    fn common_mut(&mut self) -> &mut Common {
+        &mut self.common
     }
 }
 
@@ -250,35 +254,38 @@ impl env::Task for Task {
             (3 | 4, Some(step)) => Some(step.position),
             _ => None,
         };
-        if let Some(position) = position {
-            visit("x_position", position[0]);
-            visit("y_position", position[1]);
-            visit("distance_from_origin", norm(self.version, &position));
+        let place = |visit: &mut dyn FnMut(&str, f64)| {
+            if let Some(position) = position {
+                visit("x_position", position[0]);
+                visit("y_position", position[1]);
+                visit("distance_from_origin", norm(self.version, &position));
+            }
+            if let (3.., Some(step)) = (self.version, step) {
+                visit("x_velocity", step.velocity[0]);
+                visit("y_velocity", step.velocity[1]);
+            }
+        };
+        if self.version >= 5 {
+            place(visit);
         }
         let Some(step) = step else { return };
-        if self.version >= 3 {
-            visit("x_velocity", step.velocity[0]);
-            visit("y_velocity", step.velocity[1]);
-        }
         visit("reward_forward", step.forward);
-        if matches!(self.version, 3 | 4) {
-            visit("forward_reward", step.forward);
-        }
-        if self.version == 4 {
-            // Gymnasium's name for either cost
-            visit(
-                "reward_ctrl",
-                if self.forces_cost {
-                    -step.contact
-                } else {
-                    -step.ctrl
-                },
-            );
-        } else {
-            visit("reward_ctrl", -step.ctrl);
+        // in version 4 Gymnasium's name for either cost
+        let is_contact = self.version == 4 && self.forces_cost;
+        visit(
+            "reward_ctrl",
+            -if is_contact { step.contact } else { step.ctrl },
+        );
+        if self.version != 4 {
             visit("reward_contact", -step.contact);
         }
         visit("reward_survive", step.survive);
+        if self.version < 5 {
+            place(visit);
+        }
+        if matches!(self.version, 3 | 4) {
+            visit("forward_reward", step.forward);
+        }
     }
 }
 

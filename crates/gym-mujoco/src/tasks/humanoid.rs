@@ -10,11 +10,11 @@
 //! | limit | 1000 steps of 0.015 s |
 //!
 //! Versions: 4 has no cost of contacts, and lacks `xml_file` and `frame_skip`; 3 also lacks the
-//! camera's arguments; 2 takes no arguments.
+//! camera's arguments; 2 takes only `mujoco`.
 //!
-//! Differences from Gymnasium: all numbers equal Gymnasium's with MuJoCo 3.12.0 or 3.13.0 for Linux
-//! on x86-64. Versions 2 and 3, and Pusher-v4, which Gymnasium 1.4.0 refuses to make, run on the
-//! same engine. The default camera follows the torso.
+//! Differences from Gymnasium: all numbers equal Gymnasium's with the version of MuJoCo that
+//! `mujoco` names, for Linux on x86-64. By default that is 4.0; versions 2 and 3, and Pusher-v4,
+//! which Gymnasium 1.4.0 refuses to make, keep 3.12. The default camera follows the torso.
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/humanoid_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
 
@@ -125,6 +125,10 @@ impl Observed {
 impl TaskArguments for Config {
     fn common(&self) -> &Common {
         &self.common
+    }
+
+    fn common_mut(&mut self) -> &mut Common {
+        &mut self.common
     }
 }
 
@@ -241,16 +245,21 @@ impl env::Task for Task {
             (3 | 4, Some(step)) => Some(step.position),
             _ => None,
         };
-        if let Some(position) = position {
-            visit("x_position", position[0]);
-            visit("y_position", position[1]);
-            visit("distance_from_origin", norm(self.version, &position));
+        let place = |visit: &mut dyn FnMut(&str, f64)| {
+            if let Some(position) = position {
+                visit("x_position", position[0]);
+                visit("y_position", position[1]);
+                visit("distance_from_origin", norm(self.version, &position));
+            }
+            if let (3.., Some(step)) = (self.version, step) {
+                visit("x_velocity", step.velocity[0]);
+                visit("y_velocity", step.velocity[1]);
+            }
+        };
+        if self.version >= 5 {
+            place(visit);
         }
         let Some(step) = step else { return };
-        if self.version >= 3 {
-            visit("x_velocity", step.velocity[0]);
-            visit("y_velocity", step.velocity[1]);
-        }
         if self.version >= 5 {
             visit("reward_survive", step.survive);
             visit("reward_forward", step.forward);
@@ -264,13 +273,14 @@ impl env::Task for Task {
         if self.version <= 3 {
             visit("reward_impact", -step.contact);
         }
+        place(visit);
         if self.version >= 3 {
             visit("forward_reward", step.forward);
         }
     }
 
-    fn tells_tendons(&self) -> bool {
-        self.version >= 5
+    fn tendons_follow(&self) -> Option<&'static str> {
+        (self.version >= 5).then_some("y_position")
     }
 }
 

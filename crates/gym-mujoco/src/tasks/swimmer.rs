@@ -9,12 +9,12 @@
 //! | end | never |
 //! | limit | 1000 steps of 0.04 s |
 //!
-//! Versions: 4 lacks `xml_file` and `frame_skip`; 3 also lacks the camera's arguments; 2 takes no
-//! arguments.
+//! Versions: 4 lacks `xml_file` and `frame_skip`; 3 also lacks the camera's arguments; 2 takes only
+//! `mujoco`.
 //!
-//! Differences from Gymnasium: all numbers equal Gymnasium's with MuJoCo 3.12.0 or 3.13.0 for Linux
-//! on x86-64. Versions 2 and 3, and Pusher-v4, which Gymnasium 1.4.0 refuses to make, run on the
-//! same engine. The default camera follows the torso.
+//! Differences from Gymnasium: all numbers equal Gymnasium's with the version of MuJoCo that
+//! `mujoco` names, for Linux on x86-64. By default that is 4.0; versions 2 and 3, and Pusher-v4,
+//! which Gymnasium 1.4.0 refuses to make, keep 3.12. The default camera follows the torso.
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/swimmer_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
 
@@ -55,6 +55,10 @@ gym_core::arguments! {
 impl TaskArguments for Config {
     fn common(&self) -> &Common {
         &self.common
+    }
+
+    fn common_mut(&mut self) -> &mut Common {
+        &mut self.common
     }
 }
 
@@ -126,28 +130,34 @@ impl env::Task for Task {
         step: Option<&Step>,
         visit: &mut dyn FnMut(&str, f64),
     ) {
-        if self.version >= 5 || (self.version >= 3 && step.is_some()) {
-            visit("x_position", data.qpos[0]);
-            visit("y_position", data.qpos[1]);
-            visit("distance_from_origin", norm(self.version, &data.qpos[..2]));
+        let place = |visit: &mut dyn FnMut(&str, f64)| {
+            if self.version >= 5 || (self.version >= 3 && step.is_some()) {
+                visit("x_position", data.qpos[0]);
+                visit("y_position", data.qpos[1]);
+                visit("distance_from_origin", norm(self.version, &data.qpos[..2]));
+            }
+            if let (3.., Some(step)) = (self.version, step) {
+                visit("x_velocity", step.velocity[0]);
+                visit("y_velocity", step.velocity[1]);
+            }
+        };
+        if self.version >= 5 {
+            place(visit);
         }
         let Some(step) = step else { return };
-        if self.version >= 3 {
-            visit("x_velocity", step.velocity[0]);
-            visit("y_velocity", step.velocity[1]);
+        let forward = if self.version >= 5 {
+            "reward_forward"
+        } else {
+            "reward_fwd"
+        };
+        visit(forward, step.forward);
+        visit("reward_ctrl", -step.ctrl);
+        if self.version < 5 {
+            place(visit);
         }
-        visit(
-            if self.version >= 5 {
-                "reward_forward"
-            } else {
-                "reward_fwd"
-            },
-            step.forward,
-        );
         if matches!(self.version, 3 | 4) {
             visit("forward_reward", step.forward);
         }
-        visit("reward_ctrl", -step.ctrl);
     }
 }
 

@@ -69,7 +69,7 @@ fn each_version_takes_its_own_arguments() {
     );
     assert!(refusal("HalfCheetah-v3", "width", json!(100)).contains("ctrl_cost_weight"));
     assert!(refusal("Ant-v5", "use_contact_forces", json!(true)).contains("contact_force_range"));
-    assert!(refusal("Ant-v2", "ctrl_cost_weight", json!(1.0)).contains("no arguments"));
+    assert!(refusal("Ant-v2", "ctrl_cost_weight", json!(1.0)).contains("(known are `mujoco`)"));
     builder("HalfCheetah-v3")
         .arg("xml_file", "half_cheetah.xml")
         .build()
@@ -278,4 +278,98 @@ fn a_state_that_was_set_is_seen_at_once_and_gone_on_from() -> gym_core::Result<(
         "{a:?} for {b:?}"
     );
     Ok(())
+}
+
+/// Versions begin with 2; those after the newest are the newest.
+#[test]
+fn versions_that_never_were_are_refused() {
+    use gym_mujoco::Ant;
+    for version in [0, 1] {
+        let error = Ant::with_version(Default::default(), version)
+            .unwrap_err()
+            .to_string();
+        let expected = format!("version {version} does not exist: set 2 to 5");
+        assert!(error.contains(&expected), "{error}");
+    }
+    let length = |version| {
+        let env = Ant::with_version(Default::default(), version).unwrap();
+        env.observation_space().shape().unwrap()[0]
+    };
+    assert_eq!([2, 3, 4, 5, 6].map(length), [111, 111, 27, 105, 105]);
+}
+
+/// The value of `mujoco` where it is not given.
+fn default_version(id: &str) -> Json {
+    let arguments = registry::find(id).unwrap().arguments().unwrap();
+    let mut named = arguments
+        .iter()
+        .filter(|argument| argument.name == "mujoco");
+    named.next().expect("the argument").default.clone()
+}
+
+#[test]
+fn every_id_takes_a_version_of_mujoco() {
+    for registration in registry::all() {
+        let id = registration.id();
+        let old = id.ends_with("-v2") || id.ends_with("-v3") || id == "Pusher-v4";
+        assert_eq!(
+            default_version(id),
+            if old { "3.12" } else { "4.0" },
+            "{id}"
+        );
+        let message = refusal(id, "mujoco", json!("3.14"));
+        assert!(
+            message.contains("there is no MuJoCo version \"3.14\"")
+                && message.contains("\"3.12\" (also 3.11, 3.13")
+                && message.contains("\"4.0\" (also 4.0.0, 4.0.1)"),
+            "{message}"
+        );
+    }
+}
+
+#[test]
+fn versions_with_other_names_have_the_same_numbers() {
+    let numbers = |version: Option<&str>| {
+        let mut builder = builder("Ant-v5");
+        if let Some(version) = version {
+            builder = builder.arg("mujoco", version);
+        }
+        let mut env = builder.build().unwrap();
+        env.reset(3).unwrap();
+        let seen = play(&mut env, 1, 20);
+        seen.into_iter().map(f64::to_bits).collect::<Vec<_>>()
+    };
+    let (old, new) = (numbers(Some("3.12")), numbers(Some("4.0")));
+    assert_ne!(old, new);
+    for version in ["3.11", "3.12.0", "3.13.0"] {
+        assert_eq!(numbers(Some(version)), old, "{version}");
+    }
+    for version in [None, Some("4.0.0"), Some("4.0.1")] {
+        assert_eq!(numbers(version), new, "{version:?}");
+    }
+}
+
+#[test]
+fn a_snapshot_of_another_version_of_mujoco_is_refused() {
+    let made = |version: &str| builder("Hopper-v5").arg("mujoco", version).build().unwrap();
+    for (taken, other) in [("3.12", "4.0"), ("4.0", "3.12")] {
+        let mut env = made(taken);
+        env.reset(5).unwrap();
+        play(&mut env, 1, 5);
+        let snapshot = env.snapshot().unwrap();
+        let mut refuses = made(other);
+        refuses.reset(6).unwrap();
+        let before = refuses.snapshot().unwrap();
+        let error = refuses.restore(&snapshot).unwrap_err().to_string();
+        let said = format!(
+            "of MuJoCo {taken}, and this one is of MuJoCo {other}: restore it into an environment made with mujoco=\"{taken}\""
+        );
+        assert!(error.contains(&said), "{error}");
+        assert_eq!(refuses.snapshot().unwrap(), before);
+        made(taken).restore(&snapshot).unwrap();
+        // another argument that differs is not blamed on the version
+        let mut wide = builder("Hopper-v5").arg("frame_skip", 3).build().unwrap();
+        let error = wide.restore(&made("4.0").snapshot().unwrap()).unwrap_err();
+        assert!(error.to_string().contains("other arguments"), "{error}");
+    }
 }

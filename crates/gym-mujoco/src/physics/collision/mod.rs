@@ -6,6 +6,7 @@
 mod capsule_cylinder;
 mod epa;
 mod gjk;
+mod on_end;
 mod primitive;
 
 use super::spatial::{Mat3, Vec3, add_scaled, column, cross, dot, norm, normalize, sub};
@@ -56,26 +57,33 @@ pub fn collision(m: &Model, d: &mut Data) {
         let mut push = |hit: Hit| contacts.push(contact(pair, index, &hit));
         match pair.kind {
             (GeomType::Plane, GeomType::Sphere) => {
-                primitive::plane_sphere(a, b, pair.margin, &mut push)
+                primitive::plane_sphere(a, b, pair.margin, &mut push);
             }
             (GeomType::Plane, GeomType::Capsule) => {
-                primitive::plane_capsule(a, b, pair.margin, &mut push)
+                primitive::plane_capsule(a, b, pair.margin, &mut push);
             }
             (GeomType::Plane, GeomType::Cylinder) => {
-                primitive::plane_cylinder(a, b, pair.margin, &mut push)
+                primitive::plane_cylinder(a, b, pair.margin, &mut push);
             }
             (GeomType::Sphere, GeomType::Sphere) => {
-                primitive::sphere_sphere(a, b, pair.margin, &mut push)
+                primitive::sphere_sphere(a, b, pair.margin, &mut push);
             }
             (GeomType::Sphere, GeomType::Capsule) => {
-                primitive::sphere_capsule(a, b, pair.margin, &mut push)
+                primitive::sphere_capsule(a, b, pair.margin, &mut push);
             }
             (GeomType::Capsule, GeomType::Capsule) => {
-                primitive::capsule_capsule(a, b, pair.margin, &mut push);
+                primitive::capsule_capsule(a, b, pair.margin, m.revision, &mut push);
             }
             (GeomType::Capsule, GeomType::Cylinder) => {
                 let apart = 1e-3 * m.geom_rbound[pair.geom[0]].min(m.geom_rbound[pair.geom[1]]);
-                capsule_cylinder::capsule_cylinder(a, b, pair.margin, apart, polytope, &mut push);
+                capsule_cylinder::capsule_cylinder(
+                    a,
+                    b,
+                    pair.margin,
+                    apart,
+                    (m.revision, polytope),
+                    &mut push,
+                );
             }
             _ => {} // refused by Model::new
         }

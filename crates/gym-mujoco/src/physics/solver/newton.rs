@@ -371,7 +371,7 @@ fn iterate(problem: &Problem<'_>, b: &mut Buffers, scale: f64, tolerance: f64) -
             hessian(problem, b);
         }
         b.mgrad.copy_from_slice(&b.grad);
-        cholesky::solve(&b.hessian, n, problem.stride, &mut b.mgrad);
+        cholesky::solve(&b.hessian, n, problem.stride, &mut b.mgrad, m.revision);
         if iteration == m.opt.iterations || ((level || iteration > 0) && decrement(b) < tolerance) {
             return iteration;
         }

@@ -1,4 +1,4 @@
-//! Projected Gauss-Seidel on forces, with momentum and in random order, as MuJoCo 3.12.0 does it.
+//! Projected Gauss-Seidel on forces, with momentum and in random order, as MuJoCo does it.
 //!
 //! It stops long before it converges. So order and number of iterations are part of the answer, and
 //! both are repeated.
@@ -7,7 +7,7 @@ use super::{dense, residuals};
 use crate::model::{Bounds, Solver};
 use crate::physics::dense::{Lanes, add_scaled, dot, times};
 use crate::physics::inertia;
-use crate::{Data, Model};
+use crate::{Data, Model, Revision};
 
 /// Buffers of the solver: vectors of all rows, and of an island's.
 #[derive(Clone, Debug, Default)]
@@ -109,7 +109,9 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
             let block = &d.efc.blocks[index];
             s.rows.extend(block.row..block.row + block.rows);
         }
-        let iterations = iterate(m, d, &mut s);
+        let trees = &d.work.island_trees[island.trees.clone()];
+        let scale = 1.0 / inertia_of(m, d, trees);
+        let iterations = iterate(m, d, &mut s, scale);
         d.solver_niter.push(iterations);
     }
     d.work.islands = islands;
@@ -231,13 +233,25 @@ impl Pcg32 {
     }
 }
 
+/// The inertia against which an island's improvement is measured: before 3.17 the model's, in the
+/// initial configuration; from then on the island's, in the current one.
+fn inertia_of(m: &Model, d: &Data, trees: &[usize]) -> f64 {
+    let plan = m.plan();
+    match m.revision {
+        Revision::V3_12 => m.stat.meaninertia * m.nv().max(1) as f64,
+        Revision::V4_0 => {
+            let dofs = trees.iter().flat_map(|&tree| plan.trees[tree].clone());
+            dofs.fold(0.0, |sum, i| sum + d.qm[plan.m_diagonal(i)])
+        }
+    }
+}
+
 /// Iterates on the forces of an island; the number of iterations.
 #[inline(always)]
-fn iterate(m: &Model, d: &Data, s: &mut Buffers) -> usize {
+fn iterate(m: &Model, d: &Data, s: &mut Buffers, scale: f64) -> usize {
     let (n, nefc) = (s.rows.len(), d.efc.nefc());
     let stride = dense::groups(nefc);
     let rows = &s.rows;
-    let scale = 1.0 / (m.stat.meaninertia * m.nv().max(1) as f64);
     s.steps.clear();
     s.steps.extend(rows.iter().map(|&row| {
         let diag_inv = 1.0 / s.ar[row * stride + row / 4][row % 4];

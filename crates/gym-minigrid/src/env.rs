@@ -123,7 +123,7 @@ impl Facts {
         let view: View = level.as_ref().clone();
         let mut rules = level.rules()?;
         let size = view.agent_view_size;
-        if size % 2 == 0 || !(3..=MAX_VIEW).contains(&size) {
+        if size.is_multiple_of(2) || !(3..=MAX_VIEW).contains(&size) {
             return Err(format!(
                 "agent_view_size is {size}: it is an odd number from 3 to {MAX_VIEW}"
             ));

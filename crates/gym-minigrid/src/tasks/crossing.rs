@@ -64,7 +64,7 @@ level! {
 
 impl Level for Crossing {
     fn rules(&self) -> Result<Rules, String> {
-        if self.size % 2 == 0 {
+        if self.size.is_multiple_of(2) {
             return Err(format!("size is {}: it is an odd number", self.size));
         }
         let steps = square(self.size).saturating_mul(4);

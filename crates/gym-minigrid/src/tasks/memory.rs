@@ -29,7 +29,7 @@ level! {
 
 impl Level for Memory {
     fn rules(&self) -> Result<Rules, String> {
-        if self.size % 2 == 0 || self.size < 7 {
+        if self.size.is_multiple_of(2) || self.size < 7 {
             return Err(format!(
                 "size is {}: it is an odd number from 7 on",
                 self.size

@@ -220,7 +220,7 @@ gym_core::arguments! {
 impl Look for ViewSize {
     fn space(&self, _: &Facts) -> Result<Space> {
         let size = self.agent_view_size;
-        if size % 2 == 0 || !(3..=crate::view::MAX_VIEW).contains(&size) {
+        if size.is_multiple_of(2) || !(3..=crate::view::MAX_VIEW).contains(&size) {
             let most = crate::view::MAX_VIEW;
             return Err(Self::refuse(format!(
                 "agent_view_size is {size}: it is an odd number from 3 to {most}"

@@ -23,7 +23,7 @@ fn member<'a>(observation: &'a Value, key: &str) -> Result<&'a Value> {
     observation.get(key).ok_or_else(missing)
 }
 
-fn text<'a>(observation: &'a Value) -> Result<&'a str> {
+fn text(observation: &Value) -> Result<&str> {
     let not_text = || Error::Contract(format!("the mission of {observation} is not a text"));
     member(observation, "mission")?
         .as_text()

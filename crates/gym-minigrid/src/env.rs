@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use gym_core::canvas::Canvas;
 use gym_core::keys::json;
+use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::spaces::{BoxSpace, DictSpace, array_of};
 use gym_core::{
@@ -357,6 +358,14 @@ impl<L: Level + Arguments + Clone> Configure for Of<L> {
     }
 }
 
+/// The episode on the page of a level with a good policy.
+const CLIP: Clip = Clip {
+    seeds: 1..2,
+    every: 1,
+    frames: 40,
+    size: (160, 160),
+};
+
 /// The registration of a level under an id, perhaps with a good policy.
 pub const fn register<L: Level + Arguments + Clone>(
     id: &'static str,
@@ -374,7 +383,7 @@ pub const fn register<L: Level + Arguments + Clone>(
         .actions(Action::VARIANTS)
         .keys(keys);
     match policy {
-        Some(policy) => registration.policy(policy),
+        Some(policy) => registration.policy(policy).clip(CLIP),
         None => registration,
     }
 }

@@ -59,7 +59,7 @@ impl Level for DistShift {
     }
 }
 
-ids! { DistShift, "Reach the goal along strips of lava.", planned:
+ids! { DistShift, "Reach the goal along strips of lava.":
     "MiniGrid-DistShift1-v0", r#"{"strip2_row": 2}"#;
     "MiniGrid-DistShift2-v0", r#"{"strip2_row": 5}"#;
 }

@@ -26,6 +26,7 @@ from rustgym.envs.classic_control import (
     MountainCarEnv,
     PendulumEnv,
 )
+from rustgym.envs.minigrid import GridEnv
 from rustgym.envs.mujoco import DEPTH_MODES, MODULES, MujocoEnv
 from rustgym.envs.toy_text import BlackjackEnv, CliffWalkingEnv, FrozenLakeEnv, TaxiEnv, generate_random_map
 from rustgym.registration import registry
@@ -93,7 +94,8 @@ def _documented(argument: dict[str, str], defaults: dict[str, Any]) -> str:
 
 def _env_class(name: str, env_id: str) -> type[Env]:
     spec = SPECS[env_id]
-    base = AtariEnv if spec["crate"] == "gym-atari" else _BASES.get(_task(env_id), ClassEnv)
+    of_crate: dict[str, type[Env]] = {"gym-atari": AtariEnv, "gym-minigrid": GridEnv}
+    base = of_crate.get(spec["crate"]) or _BASES.get(_task(env_id), ClassEnv)
     # without its ROM a game cannot be made, and so not described
     metadata = dict(base.metadata) if base is AtariEnv else metadata_from(json.loads(_native.describe(env_id)))
     metadata["render_modes"] = metadata["render_modes"] + _MORE_MODES.get(_task(env_id), [])

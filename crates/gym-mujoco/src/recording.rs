@@ -90,7 +90,7 @@ pub fn answer(recording: &Map<String, Value>, folder: &Path) -> Result<Map<Strin
 fn model(recording: &Map<String, Value>, folder: &Path) -> Result<Arc<Model>> {
     let text = |key: &str| recording.get(key).and_then(Value::as_str);
     match (text("xml"), text("model")) {
-        (Some(xml), _) => Model::from_xml_file(folder.join(xml)).map(Arc::new),
+        (Some(xml), _) => Model::from_path(folder.join(xml)).map(Arc::new),
         (None, Some(name)) => {
             let name = name.rsplit('.').next().unwrap_or(name);
             tasks::load(&format!("{name}.xml"))
@@ -154,7 +154,7 @@ fn constraints(m: &Model, d: &Data) -> Value {
             .iter()
             .map(|force| u8::from(*force > 0.0))
             .collect(),
-        Solver::Newton => efc.b.iter().map(|b| u8::from(*b < 0.0)).collect(),
+        _ => efc.b.iter().map(|b| u8::from(*b < 0.0)).collect(),
     };
     json!({
         "efc_pos": efc.pos, "efc_margin": efc.margin, "efc_diagApprox": efc.diag_approx, "efc_R": efc.r, "efc_D": efc.d,

@@ -22,9 +22,7 @@ impl Model {
         add_all(&mut figures, derived(self));
         add_all(&mut figures, constant(self));
         let more = json!({
-            "magnetic": [0.0, -0.5, 0.0], "cone": 0, "noslip_iterations": 0, "noslip_tolerance": 1e-6,
-            "ccd_iterations": 35, "ccd_tolerance": 1e-6, "impratio": 1.0, "disableflags": 0, "enableflags": 0,
-            "disableactuator": 0,
+            "ccd_iterations": 35, "ccd_tolerance": 1e-6,
         });
         if let Some(Value::Object(opt)) = figures.get_mut("opt") {
             add_all(opt, more);
@@ -131,7 +129,7 @@ fn derived(m: &Model) -> Value {
         .map(|t| {
             let mut row = vec![0.0; m.nv()];
             for w in m.tendon_adr[t]..m.tendon_adr[t] + m.tendon_num[t] {
-                row[m.jnt_dofadr[m.wrap_objid[w]]] += m.wrap_prm[w];
+                row[m.jnt_dofadr[m.wrap_objid[w] as usize]] += m.wrap_prm[w];
             }
             row
         })
@@ -139,7 +137,7 @@ fn derived(m: &Model) -> Value {
     let tendon_length = |t: usize, qpos: &[f64]| {
         let terms = m.tendon_adr[t]..m.tendon_adr[t] + m.tendon_num[t];
         terms
-            .map(|w| m.wrap_prm[w] * qpos[m.jnt_qposadr[m.wrap_objid[w]]])
+            .map(|w| m.wrap_prm[w] * qpos[m.jnt_qposadr[m.wrap_objid[w] as usize]])
             .sum::<f64>()
     };
     let length = |row: &[f64]| dot_slices(row, row).sqrt();

@@ -23,53 +23,54 @@
 //! and `size` the figures that MuJoCo takes from them; `visual`, `custom`, `user` and `group` are
 //! read and ignored.
 
+mod bodies;
 mod compile;
 mod constants;
 mod defaults;
 mod figures;
+mod files;
+mod fluid;
 mod inertia;
 mod orientation;
 mod reader;
 mod spec;
 mod xml;
 
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
 use crate::{Error, Model, Result};
 
 impl Model {
-    /// Compiles a model from a text in MJCF.
+    /// Compiles a model from a text in MJCF, which includes no files.
     ///
     /// # Errors
     /// [`Error::Mjcf`] for text that is not XML, for anything outside the supported part of MJCF,
     /// and for an impossible model, with the line.
     pub fn from_xml(text: &str) -> Result<Self> {
-        let spec = reader::read(text)?;
-        let compiled = compile::compile(&spec)?;
-        constants::add_constants(compiled, &spec.statistic).map_err(|error| spec.located(error))
+        Self::from_texts(&files::Texts::of(text)?)
     }
 
-    /// Compiles a model from a file in MJCF.
+    /// Compiles a model from a file in MJCF and the files that it includes. Their names are
+    /// relative to the folder of this file, or else to that of the including file.
     ///
     /// # Errors
-    /// [`Error::File`] if the file cannot be read, or with the error of
-    /// [`from_xml`](Self::from_xml).
-    pub fn from_xml_file(path: impl AsRef<Path>) -> Result<Self> {
+    /// [`Error::File`] if a file cannot be read, is missing or is included twice, or with the error
+    /// of [`from_xml`](Self::from_xml).
+    pub fn from_path(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
-        let in_file = |reason: String| Error::File {
-            path: path.display().to_string(),
-            reason,
-        };
-        let mut text = String::new();
-        let file = File::open(path).map_err(|error| in_file(error.to_string()))?;
-        // one byte more than is read, which `from_xml` refuses: a device such as `/dev/zero` never
-        // ends
-        let read = file
-            .take(reader::MAX_LEN as u64 + 1)
-            .read_to_string(&mut text);
-        read.map_err(|error| in_file(error.to_string()))?;
-        Self::from_xml(&text).map_err(|error| in_file(error.to_string()))
+        let model = files::Texts::of_file(path).and_then(|texts| Self::from_texts(&texts));
+        model.map_err(|error| match error {
+            Error::File { .. } => error,
+            error => Error::File {
+                path: path.display().to_string(),
+                reason: error.to_string(),
+            },
+        })
+    }
+
+    fn from_texts(texts: &files::Texts) -> Result<Self> {
+        let spec = reader::read(&texts.parse()?)?;
+        let compiled = compile::compile(&spec)?;
+        constants::add_constants(compiled, &spec.statistic).map_err(|error| spec.located(error))
     }
 }

@@ -3,7 +3,8 @@
 
 use std::ops::Range;
 
-use super::{CompiledModel, GeomType, Integrator, JointType};
+use super::mix::Mixed;
+use super::{CompiledModel, Disable, GeomType, Integrator, JointType, Options};
 use crate::{Error, Result};
 
 /// Friction below this counts as this: MuJoCo's `mjMINMU`.
@@ -41,6 +42,8 @@ pub(crate) struct Plan {
     pub(crate) reaches: Vec<Reach>,
     /// Joints with limits.
     pub(crate) limits: Vec<Limit>,
+    /// Gravity, unless it is switched off.
+    pub(crate) gravity: [f64; 3],
     /// Whether Euler's integrator has damping to treat implicitly.
     pub(crate) implicit: bool,
     /// Joints with springs.
@@ -179,14 +182,27 @@ pub(crate) struct Softness {
 }
 
 impl Softness {
-    fn new(solref: [f64; 2], solimp: [f64; 5], timestep: f64) -> Self {
+    /// MuJoCo's `getsolparam` and the stiffness and damping of `mj_makeImpedance`.
+    pub(crate) fn new(solref: [f64; 2], solimp: [f64; 5], opt: &Options) -> Self {
+        const LEAST: f64 = 1e-15;
         let [dmin, dmax, width, midpoint, power] = solimp;
         let [dmin, dmax, midpoint] =
             [dmin, dmax, midpoint].map(|x| x.clamp(IMPEDANCE[0], IMPEDANCE[1]));
-        let (time, ratio) = (solref[0].max(2.0 * timestep), solref[1]);
+        let [mut time, ratio] = solref;
+        if time > 0.0 && !opt.disables(Disable::RefSafe) {
+            time = time.max(2.0 * opt.timestep);
+        }
         Self {
-            stiffness: 1.0 / f64::max(1e-15, dmax * dmax * time * time * ratio * ratio),
-            damping: 2.0 / f64::max(1e-15, dmax * time),
+            stiffness: if time > 0.0 {
+                1.0 / f64::max(LEAST, dmax * dmax * time * time * ratio * ratio)
+            } else {
+                -time / f64::max(LEAST, dmax * dmax)
+            },
+            damping: if ratio > 0.0 {
+                2.0 / f64::max(LEAST, dmax * time)
+            } else {
+                -ratio / f64::max(LEAST, dmax)
+            },
             dmin,
             dmax,
             width: width.max(0.0),
@@ -235,7 +251,10 @@ impl Plan {
                     .map(|first| first + number - 1),
             });
         }
+        let off = |part: Disable| m.opt.disables(part);
         let implicit = m.opt.integrator == Integrator::Euler
+            && !off(Disable::EulerDamp)
+            && !off(Disable::Damper)
             && m.dof_damping.iter().any(|&damping| damping > 0.0);
         let geoms = (0..m.ngeom()).map(|g| {
             let (b, pos, quat) = (m.geom_bodyid[g], &m.geom_pos[g], &m.geom_quat[g]);
@@ -267,9 +286,14 @@ impl Plan {
             pairs: Vec::new(),
             reaches: Vec::new(),
             limits: Vec::new(),
+            gravity: if off(Disable::Gravity) {
+                [0.0; 3]
+            } else {
+                m.opt.gravity
+            },
             implicit,
             springs: (0..m.njnt())
-                .filter(|&j| m.jnt_stiffness[j] != 0.0)
+                .filter(|&j| m.jnt_stiffness[j] != 0.0 && !off(Disable::Spring))
                 .collect(),
             boxes: boxes(m),
             bodies: Placed::all(&m.body_pos, &m.body_quat),
@@ -278,10 +302,13 @@ impl Plan {
             geoms: geoms.collect(),
             anchored: m.jnt_pos.iter().map(|pos| *pos != [0.0; 3]).collect(),
         };
-        plan.pairs = plan.find_pairs(m)?;
+        let constraints = !off(Disable::Constraint);
+        if constraints && !off(Disable::Contact) {
+            plan.pairs = plan.find_pairs(m)?;
+        }
         plan.reaches = plan.pairs.iter().map(Reach::new).collect();
         plan.limits = (0..m.njnt())
-            .filter(|&j| m.jnt_limited[j] && m.jnt_type[j] != JointType::Free)
+            .filter(|&j| constraints && !off(Disable::Limit) && m.jnt_limited[j])
             .map(|j| limit(m, j))
             .collect();
         Ok(plan)
@@ -397,7 +424,9 @@ impl Plan {
         let kind = (m.geom_type[g1], m.geom_type[g2]);
         match kind {
             (GeomType::Plane, GeomType::Plane) => return Ok(None),
-            (GeomType::Sphere | GeomType::Cylinder, GeomType::Cylinder) => {
+            (GeomType::Sphere | GeomType::Cylinder, GeomType::Cylinder)
+            | (GeomType::Ellipsoid | GeomType::Box, _)
+            | (_, GeomType::Ellipsoid | GeomType::Box) => {
                 return Err(Error::Pair {
                     first: g1,
                     second: g2,
@@ -410,25 +439,12 @@ impl Plan {
         let includemargin = m.geom_margin[g1] + m.geom_margin[g2];
         let margin = includemargin + (m.geom_gap[g1] + m.geom_gap[g2]);
 
-        let (priority1, priority2) = (m.geom_priority[g1], m.geom_priority[g2]);
-        let (dim, friction, solref, solimp) = if priority1 == priority2 {
-            let weight = mix(m.geom_solmix[g1], m.geom_solmix[g2]);
-            let blend = |a: f64, b: f64| weight * a + (1.0 - weight) * b;
-            (
-                m.geom_condim[g1].max(m.geom_condim[g2]),
-                std::array::from_fn(|k| m.geom_friction[g1][k].max(m.geom_friction[g2][k])),
-                std::array::from_fn(|k| blend(m.geom_solref[g1][k], m.geom_solref[g2][k])),
-                std::array::from_fn(|k| blend(m.geom_solimp[g1][k], m.geom_solimp[g2][k])),
-            )
-        } else {
-            let g = if priority1 > priority2 { g1 } else { g2 };
-            (
-                m.geom_condim[g],
-                m.geom_friction[g],
-                m.geom_solref[g],
-                m.geom_solimp[g],
-            )
-        };
+        let Mixed {
+            dim,
+            friction,
+            solref,
+            solimp,
+        } = m.mixed(g1, g2);
         let [slide, spin, roll]: [f64; 3] = friction.map(|f| f.max(MIN_FRICTION));
         let tree = |b: usize| usize::try_from(m.body_treeid[b]).ok();
         let columns = self.columns(m, b1, b2);
@@ -442,7 +458,7 @@ impl Plan {
             friction: [slide, slide, spin, roll, roll],
             solref,
             solimp,
-            softness: Softness::new(solref, solimp, m.opt.timestep),
+            softness: Softness::new(solref, solimp, &m.opt),
             diag: m.body_invweight0[b1][0] + m.body_invweight0[b2][0],
             groups: columns.last().map_or(0, |column| column.dof / 4 + 1),
             columns,
@@ -482,21 +498,14 @@ fn boxes(m: &CompiledModel) -> Vec<(usize, [f64; 3])> {
     heavy.map(of).collect()
 }
 
-/// The weight of the first of two geoms: MuJoCo's `mix` of `solmix`.
-fn mix(s1: f64, s2: f64) -> f64 {
-    const LEAST: f64 = 1e-15;
-    match (s1 >= LEAST, s2 >= LEAST) {
-        (true, true) => s1 / (s1 + s2),
-        (false, false) => 0.5,
-        (first, _) => f64::from(u8::from(first)),
-    }
-}
-
 /// `excluded` is sorted.
 fn bodies_collide(m: &CompiledModel, excluded: &[u32], b1: usize, b2: usize) -> bool {
     let (w1, w2) = (m.body_weldid[b1], m.body_weldid[b2]);
     let parent = |w: usize| m.body_weldid[m.body_parentid[w]];
-    let related = w1 != 0 && w2 != 0 && (w1 == parent(w2) || w2 == parent(w1));
+    let related = !m.opt.disables(Disable::FilterParent)
+        && w1 != 0
+        && w2 != 0
+        && (w1 == parent(w2) || w2 == parent(w1));
     w1 != w2
         && !related
         && excluded
@@ -517,6 +526,6 @@ fn limit(m: &CompiledModel, joint: usize) -> Limit {
         range: m.jnt_range[joint],
         margin: m.jnt_margin[joint],
         diag: m.dof_invweight0[dof],
-        softness: Softness::new(m.jnt_solref[joint], m.jnt_solimp[joint], m.opt.timestep),
+        softness: Softness::new(m.jnt_solref[joint], m.jnt_solimp[joint], &m.opt),
     }
 }

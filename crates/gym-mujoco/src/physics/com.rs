@@ -52,6 +52,12 @@ pub fn com_pos(m: &Model, d: &mut Data) {
                     d.cdof[i + 3 + k] = join(axis, cross(axis, offset));
                 }
             }
+            JointType::Ball => {
+                for k in 0..3 {
+                    let axis = column(&d.xmat[b], k);
+                    d.cdof[i + k] = join(axis, cross(axis, offset));
+                }
+            }
             JointType::Slide => d.cdof[i] = join([0.0; 3], d.xaxis[j]),
             JointType::Hinge => d.cdof[i] = join(d.xaxis[j], cross(d.xaxis[j], offset)),
         }
@@ -79,5 +85,5 @@ pub fn tendon_velocity(m: &Model, d: &mut Data) {
 /// The joints of a tendon and their coefficients.
 fn terms(m: &Model, tendon: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
     (m.tendon_adr[tendon]..m.tendon_adr[tendon] + m.tendon_num[tendon])
-        .map(|w| (m.wrap_objid[w], m.wrap_prm[w]))
+        .map(|w| (m.wrap_objid[w] as usize, m.wrap_prm[w]))
 }

@@ -100,8 +100,8 @@ pub fn step(m: &Model, d: &mut Data) {
         evaluate(m, d);
     }
     match m.opt.integrator {
-        Integrator::Euler => euler(m, d),
         Integrator::RK4 => runge_kutta(m, d),
+        _ => euler(m, d),
     }
 }
 

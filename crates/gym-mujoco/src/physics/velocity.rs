@@ -61,7 +61,7 @@ pub fn rne(m: &Model, d: &mut Data) {
     let (acc, force, parents) = (&mut acc[..n], &mut force[..n], &m.body_parentid[..n]);
     let (cinert, cvel) = (&d.cinert[..n], &d.cvel[..n]);
     let (cdof_dot, qvel) = (&d.cdof_dot[..nv], &d.qvel[..nv]);
-    let g = m.opt.gravity;
+    let g = m.plan().gravity;
     acc[0] = [0.0, 0.0, 0.0, -g[0], -g[1], -g[2]];
     force[0] = [0.0; 6];
     for b in 1..n {

@@ -154,7 +154,7 @@ pub fn load(xml_file: &str) -> Result<Arc<Model>> {
             (Some(rest), Some(home)) => home.join(rest),
             _ => xml_file.into(),
         };
-        return Model::from_xml_file(path).map(Arc::new).map_err(wrong);
+        return Model::from_path(path).map(Arc::new).map_err(wrong);
     }
     let Some(built_in) = MODELS.iter().find(|built_in| built_in.name == xml_file) else {
         let names: Vec<&str> = MODELS.iter().map(|built_in| built_in.name).collect();

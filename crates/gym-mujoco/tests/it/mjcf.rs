@@ -438,7 +438,7 @@ fn large_texts_are_read_in_time_or_refused() {
 #[test]
 fn endless_files_are_refused() {
     assert!(
-        Model::from_xml_file("/dev/zero")
+        Model::from_path("/dev/zero")
             .unwrap_err()
             .to_string()
             .contains("the limit is")

@@ -54,7 +54,7 @@ fn models_have_mujocos_figures() {
                 continue;
             }
             let model = match recorded["xml"].as_str() {
-                Some(xml) => Arc::new(Model::from_xml_file(folder.join(xml)).unwrap()),
+                Some(xml) => Arc::new(Model::from_path(folder.join(xml)).unwrap()),
                 None => load(&format!("{}.xml", recorded["model"].as_str().unwrap())).unwrap(),
             };
             // names and versions of the recorder, and what only MuJoCo's viewer uses

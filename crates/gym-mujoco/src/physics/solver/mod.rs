@@ -26,8 +26,8 @@ pub fn fwd_constraint(m: &Model, d: &mut Data) {
     d.efc.b = b;
     islands(m, d);
     match m.opt.solver {
-        Solver::Newton => newton::solve(m, d),
         Solver::PGS => pgs::solve(m, d),
+        _ => newton::solve(m, d),
     }
 }
 

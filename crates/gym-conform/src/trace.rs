@@ -28,7 +28,7 @@ use serde::de::IgnoredAny;
 use serde::{Deserialize, Serialize};
 use serde_json::{Number, Value as Json, json, value::RawValue};
 
-use gym_core::registry::EnvBuilder;
+use gym_core::registry::{EnvBuilder, find};
 use gym_core::render::{RenderMode, Rendered};
 use gym_core::vector::{
     Autoreset, Columns, Seeds, VectorEnv, VectorEnvExt, VectorKind, VectorReset,
@@ -41,7 +41,8 @@ use gym_core::{
 /// The resets and steps of one environment, or of one vector.
 ///
 /// An unknown key is an error, so that a misspelt one is not ignored. Facts about the recorder,
-/// such as `gymnasium` and `numpy`, are accepted and dropped.
+/// such as `gymnasium` and `numpy`, are accepted and dropped, but for the version of MuJoCo: an
+/// environment with an argument `mujoco` gets it, unless `kwargs` has another.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(from = "Recorded")]
 pub struct Trace {
@@ -49,6 +50,9 @@ pub struct Trace {
     pub id: String,
     /// Its constructor's arguments.
     pub kwargs: Kwargs,
+    /// The version of MuJoCo that was recorded.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub mujoco: Option<String>,
     /// Wrappers around the environment of `make`, innermost first. Such traces leave out the
     /// wall-clock time of episode statistics.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -79,6 +83,7 @@ macro_rules! recorded {
             id: String,
             #[serde(default)]
             kwargs: Kwargs,
+            mujoco: Option<String>,
             #[serde(default)]
             wrappers: Vec<WrapperSpec>,
             vector: Option<VectorRequest>,
@@ -98,7 +103,7 @@ macro_rules! recorded {
 
 recorded! {
     // the programs that answered
-    ale_py backend backend_version gymnasium module mujoco numpy pygame_ce
+    ale_py backend backend_version gymnasium module numpy pygame_ce
     // how they were asked
     action_seed deep info_left_out max_episode_steps md5 note policy rom seed smoothscale
     // the environment
@@ -112,6 +117,7 @@ impl From<Recorded> for Trace {
         let Recorded {
             id,
             kwargs,
+            mujoco,
             wrappers,
             vector,
             render_mode,
@@ -123,6 +129,7 @@ impl From<Recorded> for Trace {
         Self {
             id,
             kwargs,
+            mujoco,
             wrappers,
             vector,
             render_mode,
@@ -340,7 +347,15 @@ impl Trace {
     }
 
     fn builder(&self) -> EnvBuilder {
-        let mut builder = builder(&self.id).args(self.kwargs.clone());
+        let mut builder = builder(&self.id);
+        let taken = find(&self.id).and_then(|registration| registration.arguments());
+        let takes = |name| taken.is_ok_and(|all| all.iter().any(|argument| argument.name == name));
+        if let Some(version) = &self.mujoco
+            && takes("mujoco")
+        {
+            builder = builder.arg("mujoco", version.as_str());
+        }
+        builder = builder.args(self.kwargs.clone());
         if let Some(mode) = self.render_mode {
             builder = builder.render_mode(mode);
         }

@@ -1,9 +1,9 @@
 //! MuJoCo's physics, and Gymnasium's environments on it, in pure Rust.
 //!
-//! The engine repeats libmujoco 3.12.0 (the Linux x86-64 wheel, and 3.13.0 with it) to the last bit
-//! for models within the subset that [`Model`] describes. It does not depend on reinforcement
-//! learning: a [`Model`] is constant, a [`Data`] is a state and everything computed from it, and
-//! [`physics::step`] advances the data by a timestep of the model.
+//! The engine repeats libmujoco (the Linux x86-64 wheels of 3.11 to 3.13 and of 4.0, as the model's
+//! [`Revision`] says) to the last bit for models within the subset that [`Model`] describes. It
+//! does not depend on reinforcement learning: a [`Model`] is constant, a [`Data`] is a state and
+//! everything computed from it, and [`physics::step`] advances the data by a timestep of the model.
 
 #![warn(clippy::disallowed_methods)]
 // Unit tests register no environment, so that the compiler leaves out all that they do not call.
@@ -21,7 +21,7 @@ pub mod view;
 
 pub use data::{Contact, Data};
 pub use error::{Error, Result};
-pub use model::{CompiledModel, Model};
+pub use model::{CompiledModel, Model, Revision};
 pub use physics::{forward, step};
 pub use tasks::{
     Ant, HalfCheetah, Hopper, Humanoid, HumanoidStandup, InvertedDoublePendulum, InvertedPendulum,

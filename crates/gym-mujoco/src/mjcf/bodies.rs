@@ -6,7 +6,7 @@ use super::orientation::{Orientation, unit, within};
 use super::spec::{Body, Camera, Frame, Geom, Inertial, Joint, Light, Site, Spec};
 use super::xml::Element;
 use crate::Result;
-use crate::physics::spatial::{add, quat_to_mat, rotate};
+use crate::physics::spatial::{InTurn, add, quat_to_mat, rotate};
 
 /// The most elements of bodies, copies among them.
 const MOST_ELEMENTS: usize = 200_000;
@@ -130,7 +130,9 @@ impl<'s> Bodies<'s> {
         body.orientation.read(&mut element)?;
         body.mocap = element.flag("mocap")?.unwrap_or(false);
         body.gravcomp = element.number("gravcomp")?.unwrap_or(0.0);
-        let class = self.classes.named(&mut element, "childclass", around.class)?;
+        let class = self
+            .classes
+            .named(&mut element, "childclass", around.class)?;
         element.keyword("sleep", &[("auto", ())])?;
         element.ignore(&["user"]);
         self.spec.bodies.push(body);
@@ -159,7 +161,9 @@ impl<'s> Bodies<'s> {
         orientation.read(&mut element)?;
         let own = (pos, orientation.resolve(&self.spec.compiler));
         let (pos, quat) = within(around.frame, own);
-        let class = self.classes.named(&mut element, "childclass", around.class)?;
+        let class = self
+            .classes
+            .named(&mut element, "childclass", around.class)?;
         element.ignore(&["name"]);
         Ok(Open {
             children: element.children()?.into_iter(),
@@ -189,7 +193,9 @@ impl<'s> Bodies<'s> {
         let (offset, euler) = (element.numbers("offset")?, element.numbers("euler")?);
         let euler = euler.unwrap_or_default();
         let step = Orientation::of_euler(euler).resolve(&self.spec.compiler);
-        let class = self.classes.named(&mut element, "childclass", around.class)?;
+        let class = self
+            .classes
+            .named(&mut element, "childclass", around.class)?;
         let copies = Copies {
             count,
             next: 0,
@@ -227,7 +233,7 @@ impl<'s> Bodies<'s> {
         let (pos, quat) = within(copies.outer.0, (copies.pos, quat));
         open.frame = Some((pos, unit(quat).0));
         // the frame of the copy after this one: MuJoCo's `mjuu_frameaccum`
-        let moved = rotate(&quat_to_mat(copies.turn), copies.offset);
+        let moved = rotate(&quat_to_mat::<InTurn>(copies.turn), copies.offset);
         copies.pos = add(copies.pos, moved);
         copies.turn = super::orientation::compose(copies.turn, copies.step);
         let digits = copies.count.to_string().len();

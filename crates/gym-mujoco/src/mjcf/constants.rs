@@ -5,8 +5,8 @@ use super::orientation::norm;
 use super::spec::Statistic;
 use crate::model::JointType;
 use crate::physics::dense::dot_slices;
-use crate::physics::spatial::cross;
-use crate::physics::{com_pos, crb, factor_m, kinematics, solve_m};
+use crate::physics::spatial::{MINVAL, cross};
+use crate::physics::{com_pos, crb, factor_m, kinematics, solve_m, tendon, transmission};
 use crate::{CompiledModel, Data, Model, Result};
 
 /// The finished model.
@@ -32,12 +32,16 @@ pub(super) fn add_constants(mut m: CompiledModel, stated: &Statistic) -> Result<
         m.dof_m0.iter().sum::<f64>() / m.nv() as f64
     };
     let model = Model::new(m)?;
+    d.fit(&model);
     factor_inertia(&model, &mut d);
     let mut m = model.clone().into_compiled();
     add_dof_weights(&mut m, &model, &d);
     add_body_weights(&mut m, &model, &d);
+    add_tendons(&mut m, &model, &mut d);
+    add_actuators(&mut m, &model, &d);
     add_statistics(&mut m, &d);
     state_statistics(&mut m, stated);
+    add_springs(&mut m, &model, &mut d);
     Model::new(m)
 }
 
@@ -67,12 +71,16 @@ fn add_dof_weights(m: &mut CompiledModel, model: &Model, d: &Data) {
     }
     for j in 0..m.njnt() {
         let first = m.jnt_dofadr[j];
-        if m.jnt_type[j] == JointType::Free {
-            for three in [first, first + 3] {
-                let mean = m.dof_invweight0[three..three + 3].iter().sum::<f64>() / 3.0;
-                m.dof_invweight0[three..three + 3].fill(mean);
-            }
-        } else if m.body_simple[m.jnt_bodyid[j]] == 2 {
+        let threes: &[usize] = match m.jnt_type[j] {
+            JointType::Free => &[0, 3],
+            JointType::Ball => &[0],
+            _ => &[],
+        };
+        for three in threes.iter().map(|three| first + three) {
+            let mean = m.dof_invweight0[three..three + 3].iter().sum::<f64>() / 3.0;
+            m.dof_invweight0[three..three + 3].fill(mean);
+        }
+        if threes.is_empty() && m.body_simple[m.jnt_bodyid[j]] == 2 {
             m.dof_invweight0[first] = 1.0 / m.body_mass[m.jnt_bodyid[j]];
         }
     }
@@ -83,7 +91,7 @@ fn add_dof_weights(m: &mut CompiledModel, model: &Model, d: &Data) {
 fn add_body_weights(m: &mut CompiledModel, model: &Model, d: &Data) {
     let (mut row, mut solved) = (vec![0.0; m.nv()], vec![0.0; m.nv()]);
     for b in 1..m.nbody() {
-        if m.body_weldid[b] == 0 {
+        if model.plan().chain(b).is_empty() {
             continue;
         }
         if m.body_simple[b] == 2 {
@@ -111,6 +119,67 @@ fn add_body_weights(m: &mut CompiledModel, model: &Model, d: &Data) {
                 trace += dot_slices(&row, &solved);
             }
             m.body_invweight0[b][kind] = trace / 3.0;
+        }
+    }
+}
+
+/// Lengths and inverse inertias of the tendons, and lengths and moments of the actuators.
+fn add_tendons(m: &mut CompiledModel, model: &Model, d: &mut Data) {
+    tendon(model, d);
+    transmission(model, d);
+    m.tendon_length0.clone_from(&d.ten_length);
+    m.actuator_length0.clone_from(&d.actuator_length);
+    let paths = &model.plan().paths;
+    for (t, row) in paths.rows.iter().enumerate() {
+        let columns = &paths.columns[row.clone()];
+        let (along, solved) = response(model, d, columns, &d.ten_j[row.clone()]);
+        m.tendon_invweight0[t] = dot_slices(&along, &solved);
+    }
+}
+
+/// A sparse vector of the degrees of freedom as a dense one, and the accelerations by these forces.
+fn response(model: &Model, d: &Data, columns: &[usize], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let mut dense = vec![0.0; model.nv()];
+    for (&dof, value) in columns.iter().zip(values) {
+        dense[dof] = *value;
+    }
+    let mut solved = dense.clone();
+    solve_m(model, d, &mut solved);
+    (dense, solved)
+}
+
+/// `actuator_acc0`, and the damping of servos that is given as a ratio.
+fn add_actuators(m: &mut CompiledModel, model: &Model, d: &Data) {
+    for i in 0..m.nu() {
+        let (columns, moments) = d.work.moments.row(i);
+        let (_, solved) = response(model, d, columns, moments);
+        m.actuator_acc0[i] = dot_slices(&solved, &solved).sqrt();
+        let kp = m.actuator_gainprm[i].0[0];
+        let bias = &mut m.actuator_biasprm[i].0;
+        if kp != -bias[1] || bias[2] <= 0.0 {
+            continue;
+        }
+        let mut mass = 0.0;
+        for (&dof, moment) in columns.iter().zip(moments) {
+            let square = moment.abs() * moment.abs();
+            if square > MINVAL {
+                mass += m.dof_m0[dof] / square;
+            }
+        }
+        bias[2] = -(bias[2] * 2.0 * (kp * mass).sqrt());
+    }
+}
+
+/// The lengths of slack springs of tendons where the joints' springs are at rest: MuJoCo's
+/// `setSpring`.
+fn add_springs(m: &mut CompiledModel, model: &Model, d: &mut Data) {
+    d.qpos.copy_from_slice(&model.qpos_spring);
+    kinematics(model, d);
+    com_pos(model, d);
+    tendon(model, d);
+    for (spring, length) in m.tendon_lengthspring.iter_mut().zip(&d.ten_length) {
+        if *spring == [-1.0; 2] {
+            *spring = [*length; 2];
         }
     }
 }

@@ -4,10 +4,11 @@
 use std::f64::consts::PI;
 
 use super::orientation::{compose, unit};
+use crate::Revision;
 use crate::libm;
 use crate::model::GeomType;
 pub(super) use crate::physics::spatial::MINVAL;
-use crate::physics::spatial::{Mat3, Quat, inertia_at, quat_to_mat};
+use crate::physics::spatial::{InTurn, Mat3, Quat, inertia_at, quat_to_mat};
 
 /// Mass, centre and principal moments of inertia of a body, or of a geom within its body.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -33,8 +34,7 @@ pub(super) fn volume(shape: GeomType, [r, half, z]: [f64; 3], shell: bool) -> f6
         (GeomType::Ellipsoid, true) => {
             // Thomsen's approximation
             const P: f64 = 1.6075;
-            let sum =
-                libm::pow(r * half, P) + libm::pow(half * z, P) + libm::pow(z * r, P);
+            let sum = libm::pow(r * half, P) + libm::pow(half * z, P) + libm::pow(z * r, P);
             4.0 * PI * libm::pow(sum / 3.0, 1.0 / P)
         }
         (GeomType::Box, false) => r * half * z * 8.0,
@@ -136,7 +136,7 @@ fn shell_moments(shape: GeomType, mass: f64, size: [f64; 3]) -> [f64; 3] {
 }
 
 /// The inertia of several parts as one; `None` if there are none.
-pub(super) fn combine(parts: &[Inertia]) -> Option<Inertia> {
+pub(super) fn combine(parts: &[Inertia], revision: Revision) -> Option<Inertia> {
     match parts {
         [] => return None,
         [one] => return Some(*one),
@@ -152,7 +152,12 @@ pub(super) fn combine(parts: &[Inertia]) -> Option<Inertia> {
     });
     let mut total = [0.0; 6];
     for part in parts {
-        let turned = inertia_at(part.moments, &quat_to_mat(part.quat), [0.0; 3], part.mass);
+        let turned = inertia_at(
+            part.moments,
+            &quat_to_mat::<InTurn>(part.quat),
+            [0.0; 3],
+            part.mass,
+        );
         let [x, y, z] = std::array::from_fn(|i| part.pos[i] - pos[i]);
         let m = part.mass;
         let shift = [
@@ -167,7 +172,7 @@ pub(super) fn combine(parts: &[Inertia]) -> Option<Inertia> {
             *sum = *sum + turned + shift;
         }
     }
-    let (moments, quat) = principal_axes(total);
+    let (moments, quat) = principal_axes(total, revision);
     Some(Inertia {
         mass,
         pos,
@@ -179,8 +184,16 @@ pub(super) fn combine(parts: &[Inertia]) -> Option<Inertia> {
 /// Principal moments of an inertia matrix (xx, yy, zz, xy, xz, yz), falling, and the orientation of
 /// their axes: Jacobi's method on a quaternion, in the order of `mju_eig3`, because a principal
 /// frame is only determined up to the choices made on the way.
-pub(super) fn principal_axes([xx, yy, zz, xy, xz, yz]: [f64; 6]) -> ([f64; 3], Quat) {
+///
+/// From 3.14 on, it stops where the largest element off the diagonal is small beside the largest of
+/// the matrix, no longer where it or the turn is small in itself, and the half turn comes from its
+/// tangent.
+pub(super) fn principal_axes(
+    [xx, yy, zz, xy, xz, yz]: [f64; 6],
+    revision: Revision,
+) -> ([f64; 3], Quat) {
     const EIG_EPS: f64 = 1e-12;
+    const REST: f64 = 4e-15;
     const MAX_ITERATIONS: usize = 500;
     // the root of one half, with as many digits as libmujoco has
     #[expect(
@@ -189,10 +202,16 @@ pub(super) fn principal_axes([xx, yy, zz, xy, xz, yz]: [f64; 6]) -> ([f64; 3], Q
     )]
     const QUARTER_TURN: f64 = 0.707106781186548;
     let full = [xx, xy, xz, xy, yy, yz, xz, yz, zz];
+    let largest = full.iter().fold(0.0, |most, x| f64::max(most, x.abs()));
+    let (least, rising) = match revision {
+        Revision::V3_12 => (EIG_EPS, EIG_EPS),
+        // a number that is just the limit is small
+        Revision::V4_0 => ((REST * largest).next_up(), EIG_EPS * largest),
+    };
     let mut quat = [1.0, 0.0, 0.0, 0.0];
     let mut moments = [0.0; 3];
     for _ in 0..MAX_ITERATIONS {
-        let d = in_axes(&full, &quat_to_mat(quat));
+        let d = in_axes(&full, &quat_to_mat::<InTurn>(quat));
         moments = [d[0][0], d[1][1], d[2][2]];
         // the largest entry off the diagonal, and the axis of the rotation that removes it
         let (row, column, axis) = if d[0][1].abs() > d[0][2].abs() && d[0][1].abs() > d[1][2].abs()
@@ -204,7 +223,7 @@ pub(super) fn principal_axes([xx, yy, zz, xy, xz, yz]: [f64; 6]) -> ([f64; 3], Q
             (1, 2, 0)
         };
         let off = d[row][column];
-        if off.abs() < EIG_EPS {
+        if off.abs() < least {
             break;
         }
         let tau = (d[column][column] - d[row][row]) / (2.0 * off);
@@ -214,22 +233,30 @@ pub(super) fn principal_axes([xx, yy, zz, xy, xz, yz]: [f64; 6]) -> ([f64; 3], Q
         } else {
             -1.0 / (root - tau)
         };
-        let cos = 1.0 / (1.0 + tan * tan).sqrt();
-        if cos > 1.0 - EIG_EPS {
-            break;
-        }
-        let mut turn = [0.0; 4];
-        let half_sin = (0.5 - 0.5 * cos).sqrt();
-        turn[axis + 1] = if (tau >= 0.0) == (axis == 1) {
-            half_sin
-        } else {
-            -half_sin
+        let (cos, sin) = match revision {
+            Revision::V3_12 => {
+                let cos = 1.0 / (1.0 + tan * tan).sqrt();
+                if cos > 1.0 - EIG_EPS {
+                    break;
+                }
+                let sin = (0.5 - 0.5 * cos).sqrt();
+                ((1.0 - sin * sin).sqrt(), sin.copysign(tan))
+            }
+            Revision::V4_0 => {
+                let tan = tan / (1.0 + (1.0 + tan * tan).sqrt());
+                let cos = 1.0 / (1.0 + tan * tan).sqrt();
+                (cos, tan * cos)
+            }
         };
-        turn[0] = (1.0 - half_sin * half_sin).sqrt();
-        quat = unit(compose(quat, unit(turn).0)).0;
+        let mut turn = [cos, 0.0, 0.0, 0.0];
+        turn[axis + 1] = if axis == 1 { sin } else { -sin };
+        if revision == Revision::V3_12 {
+            turn = unit(turn).0;
+        }
+        quat = unit(compose(quat, turn)).0;
     }
     for pair in [0, 1, 0] {
-        if moments[pair] + EIG_EPS < moments[pair + 1] {
+        if moments[pair] + rising < moments[pair + 1] {
             moments.swap(pair, pair + 1);
             let mut quarter = [QUARTER_TURN, 0.0, 0.0, 0.0];
             quarter[(pair + 2) % 3 + 1] = quarter[0];

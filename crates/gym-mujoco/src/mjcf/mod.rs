@@ -38,7 +38,7 @@ mod xml;
 
 use std::path::Path;
 
-use crate::{Error, Model, Result};
+use crate::{Error, Model, Result, Revision};
 
 impl Model {
     /// Compiles a model from a text in MJCF, which includes no files.
@@ -47,7 +47,15 @@ impl Model {
     /// [`Error::Mjcf`] for text that is not XML, for anything outside the supported part of MJCF,
     /// and for an impossible model, with the line.
     pub fn from_xml(text: &str) -> Result<Self> {
-        Self::from_texts(&files::Texts::of(text)?)
+        Self::from_xml_with(text, Revision::default())
+    }
+
+    /// As [`from_xml`](Self::from_xml), for the engine of a revision.
+    ///
+    /// # Errors
+    /// The errors of `from_xml`.
+    pub fn from_xml_with(text: &str, revision: Revision) -> Result<Self> {
+        Self::from_texts(&files::Texts::of(text)?, revision)
     }
 
     /// Compiles a model from a file in MJCF and the files that it includes. Their names are
@@ -57,8 +65,17 @@ impl Model {
     /// [`Error::File`] if a file cannot be read, is missing or is included twice, or with the error
     /// of [`from_xml`](Self::from_xml).
     pub fn from_path(path: impl AsRef<Path>) -> Result<Self> {
+        Self::from_path_with(path, Revision::default())
+    }
+
+    /// As [`from_path`](Self::from_path), for the engine of a revision.
+    ///
+    /// # Errors
+    /// The errors of `from_path`.
+    pub fn from_path_with(path: impl AsRef<Path>, revision: Revision) -> Result<Self> {
         let path = path.as_ref();
-        let model = files::Texts::of_file(path).and_then(|texts| Self::from_texts(&texts));
+        let texts = files::Texts::of_file(path);
+        let model = texts.and_then(|texts| Self::from_texts(&texts, revision));
         model.map_err(|error| match error {
             Error::File { .. } => error,
             error => Error::File {
@@ -68,8 +85,9 @@ impl Model {
         })
     }
 
-    fn from_texts(texts: &files::Texts) -> Result<Self> {
-        let spec = reader::read(&texts.parse()?)?;
+    fn from_texts(texts: &files::Texts, revision: Revision) -> Result<Self> {
+        let mut spec = reader::read(&texts.parse()?)?;
+        spec.revision = revision;
         let compiled = compile::compile(&spec)?;
         constants::add_constants(compiled, &spec.statistic).map_err(|error| spec.located(error))
     }

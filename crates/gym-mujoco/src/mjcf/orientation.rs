@@ -2,7 +2,9 @@
 
 use super::spec::{Compiler, Frame};
 use super::xml::Element;
-use crate::physics::spatial::{Quat, add, axis_angle, cross, mul_quat, quat_to_mat, rotate};
+use crate::physics::spatial::{
+    InTurn, Quat, add, axis_angle, cross, mul_quat, quat_to_mat, rotate,
+};
 use crate::{Result, libm};
 
 const IDENTITY: Quat = [1.0, 0.0, 0.0, 0.0];
@@ -149,21 +151,21 @@ pub(super) fn within(frame: Option<Frame>, (pos, quat): Frame) -> Frame {
     let Some((origin, turn)) = frame else {
         return (pos, quat);
     };
-    let moved = add(origin, rotate(&quat_to_mat(turn), pos));
+    let moved = add(origin, rotate(&quat_to_mat::<InTurn>(turn), pos));
     (moved, compose(turn, quat))
 }
 
 /// The rotation `a`, after the rotation `b` in its frame: MuJoCo's `mjuu_mulquat`.
 pub(super) fn compose(a: Quat, b: Quat) -> Quat {
-    unit(mul_quat(a, b)).0
+    unit(mul_quat::<InTurn>(a, b)).0
 }
 
 /// The shortest rotation that turns the z axis to a direction of length 1; by half a turn about x
 /// where it is opposite.
-pub(super) fn from_z([x, y, z]: [f64; 3]) -> Quat {
-    let (axis, sin) = unit([-y, x, 0.0]);
+pub(super) fn from_z(direction: [f64; 3]) -> Quat {
+    let (axis, sin) = unit(cross([0.0, 0.0, 1.0], direction));
     let axis = if sin < 1e-10 { [1.0, 0.0, 0.0] } else { axis };
-    let (s, c) = libm::sin_cos(libm::atan2(sin, z) / 2.0);
+    let (s, c) = libm::sin_cos(libm::atan2(sin, direction[2]) / 2.0);
     [c, axis[0] * s, axis[1] * s, axis[2] * s]
 }
 
@@ -245,9 +247,9 @@ mod tests {
                     s * axis[1] / length,
                     s * axis[2] / length,
                 ];
-                let m = quat_to_mat(quat);
+                let m = quat_to_mat::<InTurn>(quat);
                 let column = |k: usize| [m[k], m[3 + k], m[6 + k]];
-                let again = quat_to_mat(from_columns(column(0), column(1), column(2)));
+                let again = quat_to_mat::<InTurn>(from_columns(column(0), column(1), column(2)));
                 for (a, b) in again.iter().zip(m) {
                     assert!(
                         (a - b).abs() < 1e-12,

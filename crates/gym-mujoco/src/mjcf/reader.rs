@@ -321,8 +321,7 @@ impl Reader<'_> {
     fn read_equalities(&mut self, section: Element<'_, '_>) -> Result<()> {
         for mut child in section.children()? {
             let kinds = EQUALITIES.map(|(name, ..)| name);
-            let Some((_, kind, names)) =
-                EQUALITIES.iter().find(|(name, ..)| *name == child.name())
+            let Some((_, kind, names)) = EQUALITIES.iter().find(|(name, ..)| *name == child.name())
             else {
                 return Err(section.unsupported(&child, &kinds));
             };

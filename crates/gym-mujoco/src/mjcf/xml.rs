@@ -94,12 +94,7 @@ impl<'a, 'input> Element<'a, 'input> {
         Self::new(files.root(0), files, 0, 0)
     }
 
-    fn new(
-        node: Node<'a, 'input>,
-        files: &'a Files<'input>,
-        file: usize,
-        depth: usize,
-    ) -> Self {
+    fn new(node: Node<'a, 'input>, files: &'a Files<'input>, file: usize, depth: usize) -> Self {
         Self {
             node,
             unread: node.attributes().collect(),

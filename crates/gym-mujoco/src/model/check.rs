@@ -335,7 +335,7 @@ fn numbers(m: &CompiledModel) -> Result<()> {
         rows: body_pos body_quat body_ipos body_iquat body_inertia body_invweight0 jnt_pos jnt_axis jnt_range jnt_solref
             jnt_solimp geom_size geom_pos geom_quat geom_friction geom_solref geom_solimp site_pos site_quat actuator_gear
             actuator_ctrlrange actuator_forcerange actuator_actrange actuator_lengthrange jnt_actfrcrange dof_solref
-            dof_solimp geom_fluid tendon_range tendon_actfrcrange tendon_lengthspring tendon_solref_lim
+            dof_solimp tendon_range tendon_actfrcrange tendon_lengthspring tendon_solref_lim
             tendon_solimp_lim tendon_solref_fri tendon_solimp_fri eq_solref eq_solimp eq_data pair_solref
             pair_solreffriction pair_solimp pair_friction
     );

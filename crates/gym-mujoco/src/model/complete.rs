@@ -22,6 +22,34 @@ impl From<Vec<f64>> for Parameters {
     }
 }
 
+/// How the medium acts on a geom: whether it does as on an ellipsoid, five coefficients, virtual
+/// masses and virtual moments. What is left out where they are read is zero.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(from = "Numbers")]
+pub struct Fluid(pub [f64; 12]);
+
+/// A number, or several.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Numbers {
+    One(f64),
+    Several(Vec<f64>),
+}
+
+impl From<Numbers> for Fluid {
+    fn from(numbers: Numbers) -> Self {
+        let numbers = match numbers {
+            Numbers::One(number) => vec![number],
+            Numbers::Several(numbers) => numbers,
+        };
+        let mut all = Self::default();
+        for (to, from) in all.0.iter_mut().zip(numbers) {
+            *to = from;
+        }
+        all
+    }
+}
+
 const SOLREF: [f64; 2] = [0.02, 1.0];
 const SOLIMP: [f64; 5] = [0.9, 0.95, 0.001, 0.5, 2.0];
 
@@ -52,7 +80,7 @@ impl CompiledModel {
         fill_all!(self, nv, 0.0 => dof_frictionloss);
         fill_all!(self, nv, SOLREF => dof_solref);
         fill_all!(self, nv, SOLIMP => dof_solimp);
-        fill_all!(self, ngeom, [0.0; 12] => geom_fluid);
+        fill_all!(self, ngeom, Fluid::default() => geom_fluid);
         fill_all!(self, nu, TransmissionType::Joint => actuator_trntype);
         fill_all!(self, nu, DynamicsType::None => actuator_dyntype);
         fill_all!(self, nu, GainType::Fixed => actuator_gaintype);

@@ -1,8 +1,8 @@
 //! Ids of the features that refer to other objects, and the features that the engine lacks.
 
 use super::{
-    Cone, CompiledModel, DynamicsType, EqualityType, Integrator, JointType, ObjectType, Solver,
-    TransmissionType, WrapType,
+    CompiledModel, Cone, Disable, DynamicsType, EqualityType, Integrator, JointType, ObjectType,
+    Solver, TransmissionType, WrapType,
 };
 use crate::{Error, Result};
 
@@ -176,27 +176,31 @@ fn sensors(m: &CompiledModel) -> Result<()> {
 /// Refuses what the engine does not compute.
 fn unsupported(m: &CompiledModel) -> Result<()> {
     let o = &m.opt;
+    let pulls = m.neq() > 0
+        || m.dof_frictionloss.iter().any(|x| *x != 0.0)
+        || m.tendon_frictionloss.iter().any(|x| *x != 0.0);
+    let pgs = o.solver == Solver::PGS;
     for (used, what) in [
-        (o.cone != Cone::Pyramidal, "elliptic cones"),
-        (o.impratio != 1.0, "impratio other than 1"),
+        (
+            pgs && o.cone != Cone::Pyramidal,
+            "elliptic cones with the solver PGS",
+        ),
+        (
+            pgs && pulls,
+            "equality and friction loss with the solver PGS",
+        ),
         (o.noslip_iterations > 0, "noslip iterations"),
         (o.solver == Solver::CG, "the solver CG"),
         (
             !matches!(o.integrator, Integrator::Euler | Integrator::RK4),
             "implicit integrators",
         ),
-        (m.jnt_type.contains(&JointType::Ball), "ball joints"),
-        (m.nmocap() > 0, "mocap bodies"),
-        (m.body_gravcomp.iter().any(|x| *x != 0.0), "gravcomp"),
-        (m.dof_frictionloss.iter().any(|x| *x != 0.0), "friction loss of joints"),
-        (m.tendon_frictionloss.iter().any(|x| *x != 0.0), "friction loss of tendons"),
-        (m.neq() > 0, "equality constraints"),
         (!m.pair_dim.is_empty(), "contact pairs"),
-        (m.geom_condim.iter().any(|dim| *dim > 3), "condim 4 and 6"),
-        (m.geom_fluid.iter().any(|fluid| fluid[0] > 0.0), "fluidshape ellipsoid"),
-        (m.nsensor() > 0, "sensors"),
-        (m.na() > 0, "activations"),
-        (m.tendon_limited.contains(&true), "limits of tendons"),
+        (
+            m.geom_fluid.iter().any(|fluid| fluid.0[0] > 0.0),
+            "fluidshape ellipsoid",
+        ),
+        (o.disables(Disable::Island), "islands that are switched off"),
     ] {
         ensure!(!used, "{what}: not supported");
     }

@@ -234,6 +234,18 @@ impl JointType {
     }
 }
 
+impl EqualityType {
+    /// How many rows it has.
+    #[must_use]
+    pub fn rows(self) -> usize {
+        match self {
+            Self::Connect => 3,
+            Self::Weld => 6,
+            Self::Joint | Self::Tendon => 1,
+        }
+    }
+}
+
 /// Sensors: the names of MJCF, the variants with MuJoCo's numbers, what they are about, how many
 /// numbers they give, and when these are known.
 macro_rules! sensors {

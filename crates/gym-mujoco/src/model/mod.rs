@@ -6,11 +6,15 @@
 
 mod check;
 mod complete;
+mod drives;
 mod features;
 mod kinds;
+mod laws;
 mod lookup;
 mod mix;
+mod paths;
 mod plan;
+mod revision;
 mod types;
 
 use std::ops::Deref;
@@ -18,13 +22,15 @@ use std::ops::Deref;
 use serde::{Deserialize, Serialize};
 
 use crate::{Error, Result};
-pub(crate) use plan::{Bounds, Pair, Placed, Plan, Reach, Softness};
-pub use complete::Parameters;
+pub use complete::{Fluid, Parameters};
+pub(crate) use kinds::{About, Stage};
 pub use kinds::{
     BiasType, Cone, DynamicsType, EqualityType, GainType, GeomType, Integrator, JointType,
     ObjectType, SensorType, Solver, TransmissionType, WrapType,
 };
-pub(crate) use kinds::{About, Stage};
+pub(crate) use laws::{Equality, Scalar};
+pub(crate) use plan::{Bounds, Limit, Pair, Placed, Plan, Reach, Softness};
+pub use revision::Revision;
 pub use types::{Disable, Names, Options, Statistics};
 
 /// A checked [`CompiledModel`], with the engine's precomputed data.
@@ -96,6 +102,8 @@ impl From<Model> for CompiledModel {
 pub struct CompiledModel {
     /// The model's name; empty if it has none.
     pub model: String,
+    /// The version of MuJoCo whose results the engine repeats.
+    pub revision: Revision,
     /// The options of the simulation.
     pub opt: Options,
     /// Statistics of the model, which scale tolerances and pictures.
@@ -251,7 +259,7 @@ pub struct CompiledModel {
     pub geom_matid: Vec<i32>,
     /// How the medium acts on an ellipsoid: whether it does, five coefficients, virtual masses and
     /// moments.
-    pub geom_fluid: Vec<[f64; 12]>,
+    pub geom_fluid: Vec<Fluid>,
 
     /// The site's body.
     pub site_bodyid: Vec<usize>,

@@ -3,8 +3,10 @@
 
 use std::ops::Range;
 
+use super::laws::Laws;
 use super::mix::Mixed;
-use super::{CompiledModel, Disable, GeomType, Integrator, JointType, Options};
+use super::paths::Paths;
+use super::{CompiledModel, Cone, Disable, GeomType, Integrator, JointType, Options, Stage};
 use crate::{Error, Result};
 
 /// Friction below this counts as this: MuJoCo's `mjMINMU`.
@@ -42,6 +44,30 @@ pub(crate) struct Plan {
     pub(crate) reaches: Vec<Reach>,
     /// Joints with limits.
     pub(crate) limits: Vec<Limit>,
+    /// Constraints of equality, friction and tendons.
+    pub(crate) laws: Laws,
+    /// Whether all rows push only, so that no row needs to say what it is.
+    pub(crate) plain: bool,
+    /// The tendons.
+    pub(crate) paths: Paths,
+    /// Whether all actuators are motors of slides and hinges, without anything else.
+    pub(crate) motors: bool,
+    /// Whether lengths and velocities of actuators are needed.
+    pub(crate) transmits: bool,
+    /// The periods of setpoints that are angles about any axis; 0 for others.
+    pub(crate) periods: Vec<f64>,
+    /// Whether the forces of actuators on a tendon are limited.
+    pub(crate) tendon_forces: bool,
+    /// Whether weights are lifted.
+    pub(crate) gravcomp: bool,
+    /// Whether there are sensors or energies.
+    pub(crate) measures: bool,
+    /// Whether forces between bodies are needed.
+    pub(crate) internal: bool,
+    /// Whether there are passive forces at all.
+    pub(crate) passive: bool,
+    /// The damping of each degree of freedom, unless it is switched off.
+    pub(crate) damping: Vec<f64>,
     /// Gravity, unless it is switched off.
     pub(crate) gravity: [f64; 3],
     /// Whether Euler's integrator has damping to treat implicitly.
@@ -97,6 +123,9 @@ pub(crate) struct Bounds {
 /// A limited joint.
 #[derive(Clone, Debug)]
 pub(crate) struct Limit {
+    pub(crate) joint: usize,
+    /// Whether it bounds the angle of a ball.
+    pub(crate) ball: bool,
     pub(crate) qpos: usize,
     pub(crate) dof: usize,
     pub(crate) tree: usize,
@@ -119,12 +148,17 @@ pub(crate) struct Pair {
     /// Nothing can touch where centres are further apart; from a plane, where the centre is higher.
     pub(crate) reach: f64,
     pub(crate) dim: u8,
+    /// The rows of a contact.
+    pub(crate) rows: usize,
     pub(crate) friction: [f64; 5],
     pub(crate) solref: [f64; 2],
     pub(crate) solimp: [f64; 5],
     pub(crate) softness: Softness,
-    /// Sum of the bodies' inverse weights.
+    /// Damping of sliding in elliptic cones.
+    pub(crate) friction_damping: f64,
+    /// Sums of the bodies' inverse weights: of translation, of rotation.
     pub(crate) diag: f64,
+    pub(crate) diag_turn: f64,
     /// The degrees of freedom that move one of the bodies and not the other, ascending, with the
     /// sign of the motion of the second body against the first.
     pub(crate) columns: Vec<Column>,
@@ -286,6 +320,30 @@ impl Plan {
             pairs: Vec::new(),
             reaches: Vec::new(),
             limits: Vec::new(),
+            plain: {
+                let elliptic = m.opt.cone == Cone::Elliptic;
+                !elliptic && !Laws::new(m).pull()
+            },
+            laws: Laws::new(m),
+            paths: Paths::default(),
+            motors: super::drives::motors(m),
+            transmits: super::drives::transmits(m),
+            periods: super::drives::periods(m),
+            tendon_forces: m.tendon_actfrclimited.contains(&true),
+            gravcomp: !off(Disable::Gravity)
+                && m.opt.gravity != [0.0; 3]
+                && m.body_gravcomp.iter().any(|part| *part != 0.0),
+            measures: m.nsensor() > 0 || m.opt.enableflags != 0,
+            internal: m
+                .sensor_type
+                .iter()
+                .any(|kind| kind.stage() == Stage::Acceleration),
+            passive: !off(Disable::Spring) || !off(Disable::Damper),
+            damping: if off(Disable::Damper) {
+                vec![0.0; m.nv()]
+            } else {
+                m.dof_damping.clone()
+            },
             gravity: if off(Disable::Gravity) {
                 [0.0; 3]
             } else {
@@ -302,6 +360,7 @@ impl Plan {
             geoms: geoms.collect(),
             anchored: m.jnt_pos.iter().map(|pos| *pos != [0.0; 3]).collect(),
         };
+        plan.paths = Paths::new(m, |body| plan.chain(body));
         let constraints = !off(Disable::Constraint);
         if constraints && !off(Disable::Contact) {
             plan.pairs = plan.find_pairs(m)?;
@@ -318,22 +377,17 @@ impl Plan {
     pub(crate) fn bounds(&self) -> Bounds {
         // both sides of each limit
         let limits = 2 * self.limits.len();
+        let (blocks, rows) = self.laws.most();
         let mut bounds = Bounds {
             contacts: 0,
-            blocks: limits,
-            rows: limits,
+            blocks: limits + blocks,
+            rows: limits + rows,
         };
         for pair in &self.pairs {
-            let contacts = match pair.kind {
-                (GeomType::Plane, GeomType::Capsule) | (GeomType::Capsule, GeomType::Capsule) => 2,
-                (GeomType::Plane, GeomType::Cylinder) => 4,
-                (GeomType::Capsule, GeomType::Cylinder) => 5,
-                _ => 1,
-            };
-            let rows = if pair.dim == 1 { 1 } else { 4 };
+            let contacts = most_contacts(pair.kind);
             bounds.contacts += contacts;
             bounds.blocks += contacts;
-            bounds.rows += contacts * rows;
+            bounds.rows += contacts * pair.rows;
         }
         // of so many rows hardly any state has all: buffers grow as they are needed
         const MOST_ROWS: usize = 4000;
@@ -424,9 +478,9 @@ impl Plan {
         let kind = (m.geom_type[g1], m.geom_type[g2]);
         match kind {
             (GeomType::Plane, GeomType::Plane) => return Ok(None),
-            (GeomType::Sphere | GeomType::Cylinder, GeomType::Cylinder)
-            | (GeomType::Ellipsoid | GeomType::Box, _)
-            | (_, GeomType::Ellipsoid | GeomType::Box) => {
+            (GeomType::Cylinder, GeomType::Cylinder | GeomType::Box)
+            | (GeomType::Ellipsoid, _)
+            | (_, GeomType::Ellipsoid) => {
                 return Err(Error::Pair {
                     first: g1,
                     second: g2,
@@ -448,6 +502,7 @@ impl Plan {
         let [slide, spin, roll]: [f64; 3] = friction.map(|f| f.max(MIN_FRICTION));
         let tree = |b: usize| usize::try_from(m.body_treeid[b]).ok();
         let columns = self.columns(m, b1, b2);
+        let softness = Softness::new(solref, solimp, &m.opt);
         Ok(Some(Pair {
             geom: [g1, g2],
             kind,
@@ -455,11 +510,18 @@ impl Plan {
             includemargin,
             reach: m.geom_rbound[g1] + m.geom_rbound[g2] + margin,
             dim,
+            rows: match (dim, m.opt.cone) {
+                (1, _) => 1,
+                (dim, Cone::Pyramidal) => 2 * (usize::from(dim) - 1),
+                (dim, Cone::Elliptic) => dim.into(),
+            },
             friction: [slide, slide, spin, roll, roll],
             solref,
             solimp,
-            softness: Softness::new(solref, solimp, &m.opt),
+            friction_damping: softness.damping,
+            softness,
             diag: m.body_invweight0[b1][0] + m.body_invweight0[b2][0],
+            diag_turn: m.body_invweight0[b1][1] + m.body_invweight0[b2][1],
             groups: columns.last().map_or(0, |column| column.dof / 4 + 1),
             columns,
             trees: [tree(b1), tree(b2)],
@@ -482,6 +544,18 @@ impl Plan {
         columns.extend(of(c2, c1, b2, 1.0));
         columns.sort_by_key(|column| column.dof);
         columns
+    }
+}
+
+/// The most contacts of two shapes.
+fn most_contacts(kind: (GeomType, GeomType)) -> usize {
+    match kind {
+        (GeomType::Plane, GeomType::Capsule) | (GeomType::Capsule, GeomType::Capsule) => 2,
+        (GeomType::Capsule, GeomType::Box) => 2,
+        (GeomType::Plane, GeomType::Cylinder | GeomType::Box) => 4,
+        (GeomType::Box, GeomType::Box) => 8,
+        (GeomType::Capsule, GeomType::Cylinder) => 5,
+        _ => 1,
     }
 }
 
@@ -520,6 +594,8 @@ fn geoms(m: &CompiledModel, body: usize) -> Range<usize> {
 fn limit(m: &CompiledModel, joint: usize) -> Limit {
     let dof = m.jnt_dofadr[joint];
     Limit {
+        joint,
+        ball: m.jnt_type[joint] == JointType::Ball,
         qpos: m.jnt_qposadr[joint],
         dof,
         tree: m.dof_treeid[dof],

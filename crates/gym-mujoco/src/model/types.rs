@@ -173,4 +173,3 @@ pub struct Names {
     /// Keyframes.
     pub key: Vec<Option<String>>,
 }
-

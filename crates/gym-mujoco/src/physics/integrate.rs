@@ -1,26 +1,34 @@
 //! Velocities and positions from accelerations.
 
+use std::f64::consts::PI;
+
+use super::actuation::advance;
 use super::evaluate;
 use super::inertia::solve;
-use super::spatial::quat_integrate;
-use crate::libm::wide;
+use super::spatial::{InTurn, Pairwise, Vec3, add_scaled, cross, dot, quat_integrate, scale};
+use crate::libm::{self, wide};
 use crate::model::JointType;
-use crate::{Data, Model};
+use crate::{Data, Model, Revision};
 
 /// Moves positions along velocities for some time: MuJoCo's `mj_integratePos`.
 pub fn integrate_pos(m: &Model, qpos: &mut [f64], qvel: &[f64], dt: f64) {
     for j in 0..m.njnt() {
-        let (p, v) = (m.jnt_qposadr[j], m.jnt_dofadr[j]);
-        if m.jnt_type[j] == JointType::Free {
+        let (mut p, mut v) = (m.jnt_qposadr[j], m.jnt_dofadr[j]);
+        let free = m.jnt_type[j] == JointType::Free;
+        if free {
             for k in 0..3 {
                 qpos[p + k] += dt * qvel[v + k];
             }
-            let q = &mut qpos[p + 3..p + 7];
-            let turned = quat_integrate(
-                [q[0], q[1], q[2], q[3]],
-                [qvel[v + 3], qvel[v + 4], qvel[v + 5]],
-                dt,
-            );
+            (p, v) = (p + 3, v + 3);
+        }
+        if free || m.jnt_type[j] == JointType::Ball {
+            let q = &mut qpos[p..p + 4];
+            let quat = [q[0], q[1], q[2], q[3]];
+            let velocity = [qvel[v], qvel[v + 1], qvel[v + 2]];
+            let turned = match m.revision {
+                Revision::V3_12 => quat_integrate::<InTurn>(quat, velocity, dt),
+                Revision::V4_0 => quat_integrate::<Pairwise>(quat, velocity, dt),
+            };
             q.copy_from_slice(&turned);
         } else {
             qpos[p] += dt * qvel[v];
@@ -52,6 +60,11 @@ fn semi_implicit(m: &Model, d: &mut Data) {
     } else {
         d.work.acc_sum.copy_from_slice(&d.qacc);
     }
+    if m.na() > 0 {
+        let rates = std::mem::take(&mut d.act_dot);
+        advance(m, d, &rates);
+        d.act_dot = rates;
+    }
     for i in 0..m.nv() {
         d.qvel[i] += dt * d.work.acc_sum[i];
     }
@@ -62,6 +75,9 @@ fn semi_implicit(m: &Model, d: &mut Data) {
 
 /// Runge-Kutta of fourth order: MuJoCo's `mj_RungeKutta`. The forward call of the start is done
 /// already.
+///
+/// From 4.0 on, angular velocities of free joints are of fourth order too ([`rates`]), and `qacc`
+/// is left as the mean of the stages; before, it is left as that of the last stage.
 pub fn runge_kutta(m: &Model, d: &mut Data) {
     const WEIGHTS: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
     // the part of the step from the start to the next stage
@@ -71,20 +87,38 @@ pub fn runge_kutta(m: &Model, d: &mut Data) {
     d.work.qvel_start.copy_from_slice(&d.qvel);
     d.work.vel_sum.fill(0.0);
     d.work.acc_sum.fill(0.0);
+    d.work.act_start.copy_from_slice(&d.act);
+    d.work.act_sum.fill(0.0);
+    // the time from the start to the stage
+    let mut way = 0.0;
     for (weight, part) in WEIGHTS.into_iter().zip(PARTS) {
+        rates(m, &d.qvel, way, &mut d.work.rates);
         for i in 0..nv {
-            d.work.vel_sum[i] += weight * d.qvel[i];
+            d.work.vel_sum[i] += weight * d.work.rates[i];
             d.work.acc_sum[i] += weight * d.qacc[i];
+        }
+        for (sum, rate) in d.work.act_sum.iter_mut().zip(&d.act_dot) {
+            *sum += weight * rate;
         }
         if part > 0.0 {
             d.qpos.copy_from_slice(&d.work.qpos_start);
-            integrate_pos(m, &mut d.qpos, &d.qvel, part * dt);
+            way = part * dt;
+            integrate_pos(m, &mut d.qpos, &d.work.rates, way);
             for i in 0..nv {
-                d.qvel[i] = d.work.qvel_start[i] + part * dt * d.qacc[i];
+                d.qvel[i] = d.work.qvel_start[i] + way * d.qacc[i];
             }
-            d.time = start + part * dt;
+            for i in 0..m.na() {
+                d.act[i] = d.work.act_start[i] + way * d.act_dot[i];
+            }
+            d.time = start + way;
             evaluate(m, d);
         }
+    }
+    if m.na() > 0 {
+        d.act.copy_from_slice(&d.work.act_start);
+        let rates = std::mem::take(&mut d.work.act_sum);
+        advance(m, d, &rates);
+        d.work.act_sum = rates;
     }
     d.qpos.copy_from_slice(&d.work.qpos_start);
     for i in 0..nv {
@@ -93,4 +127,69 @@ pub fn runge_kutta(m: &Model, d: &mut Data) {
     integrate_pos(m, &mut d.qpos, &d.work.vel_sum, dt);
     d.time = start + dt;
     d.qacc_warmstart.copy_from_slice(&d.qacc);
+    if m.revision == Revision::V4_0 {
+        d.qacc.copy_from_slice(&d.work.acc_sum);
+    }
+}
+
+/// The velocities of a stage as rates of change of the positions since the start.
+///
+/// From 4.0 on, a rate of a free joint's orientation is that of the rotation vector since the start
+/// (the method of Runge, Kutta and Munthe-Kaas). `rates` holds those that led to the stage for the
+/// time `way`.
+fn rates(m: &Model, qvel: &[f64], way: f64, rates: &mut [f64]) {
+    if m.revision == Revision::V3_12 || way == 0.0 {
+        rates.copy_from_slice(qvel);
+        return;
+    }
+    for j in 0..m.njnt() {
+        let mut v = m.jnt_dofadr[j];
+        let free = m.jnt_type[j] == JointType::Free;
+        if free {
+            rates[v..v + 3].copy_from_slice(&qvel[v..v + 3]);
+            v += 3;
+        }
+        if free || m.jnt_type[j] == JointType::Ball {
+            let turn = [rates[v], rates[v + 1], rates[v + 2]].map(|rate| rate * way);
+            let velocity = [qvel[v], qvel[v + 1], qvel[v + 2]];
+            rates[v..v + 3].copy_from_slice(&rate_of_turn(turn, velocity));
+        } else {
+            rates[v] = qvel[v];
+        }
+    }
+}
+
+/// How fast a rotation vector changes, at an angular velocity in the turned frame.
+fn rate_of_turn(turn: Vec3, velocity: Vec3) -> Vec3 {
+    // the last factor is (1 - t / tan t) / (4 t^2), with the square of the angle 2 t
+    const SERIES: [f64; 9] = [
+        1.230313397310169e-14,
+        3.161551550077822e-13,
+        1.3455485951057888e-11,
+        5.282849430384459e-10,
+        2.0876900642039142e-8,
+        8.267194907152073e-7,
+        3.30687830944332e-5,
+        0.0013888888888859755,
+        0.08333333333333338,
+    ];
+    /// The square of the largest angle for which the series is used.
+    const SERIES_UP_TO: f64 = 3.0625;
+    let (mut turn, mut square) = (turn, dot(turn, turn));
+    if square > PI * PI {
+        let angle = square.sqrt();
+        let within = angle - 2.0 * PI * (angle / (2.0 * PI) + 0.5).floor();
+        turn = scale(turn, within / angle);
+        square = dot(turn, turn);
+    }
+    let factor = if square < SERIES_UP_TO {
+        SERIES.into_iter().fold(0.0, |sum, x| sum * square + x)
+    } else {
+        let half = 0.5 * square.sqrt();
+        let (sin, cos) = libm::sin_cos(half);
+        (1.0 - half / (sin / cos)) / square
+    };
+    let once = cross(turn, velocity);
+    let twice = cross(turn, once);
+    add_scaled(add_scaled(velocity, once, 0.5), twice, factor)
 }

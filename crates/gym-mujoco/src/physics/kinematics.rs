@@ -1,16 +1,24 @@
 //! Where everything is: positions and orientations of bodies, joints, geoms and sites.
 
 use super::spatial::{
-    Mat3, Quat, Vec3, add, add_scaled, axis_angle, mul_quat, normalize_quat, quat_to_mat, rotate,
-    rotate_quat, sub,
+    InTurn, Mat3, Order, Pairwise, Quat, Vec3, add, add_scaled, axis_angle, mul_quat,
+    normalize_quat, quat_to_mat, rotate, rotate_quat, sub,
 };
 use super::velocity::joints;
 use crate::model::{JointType, Placed};
-use crate::{Data, Model};
+use crate::{Data, Model, Revision};
 
 /// Frames of bodies, joints, geoms and sites from `qpos`: MuJoCo's `mj_kinematics`.
 #[inline(always)]
 pub fn kinematics(m: &Model, d: &mut Data) {
+    match m.revision {
+        Revision::V3_12 => place::<InTurn>(m, d),
+        Revision::V4_0 => place::<Pairwise>(m, d),
+    }
+}
+
+#[inline(always)]
+fn place<O: Order>(m: &Model, d: &mut Data) {
     // slices of one length: an index is checked once for all of them
     let n = m.nbody();
     let parents = &m.body_parentid[..n];
@@ -40,16 +48,20 @@ pub fn kinematics(m: &Model, d: &mut Data) {
             let j = joints.start;
             let q = &qpos[addresses[j]..addresses[j] + 7];
             pos = [q[0], q[1], q[2]];
-            quat = normalize_quat([q[3], q[4], q[5], q[6]]);
+            quat = normalize_quat::<O>([q[3], q[4], q[5], q[6]]);
             xanchor[j] = pos;
             xaxis[j] = axes[j];
         } else {
             let parent = parents[b];
             (pos, quat) = (body_pos[b], body_quat[b]);
+            if let Ok(mocap) = usize::try_from(m.body_mocapid[b]) {
+                (pos, quat) = (d.mocap_pos[mocap], d.mocap_quat[mocap]);
+                quat = normalize_quat::<O>(quat);
+            }
             if parent > 0 {
                 pos = add(rotate(&xmat[parent], pos), xpos[parent]);
                 quat = if placed[b].turned {
-                    mul_quat(xquat[parent], quat)
+                    mul_quat::<O>(xquat[parent], quat)
                 } else {
                     xquat[parent]
                 };
@@ -64,8 +76,14 @@ pub fn kinematics(m: &Model, d: &mut Data) {
                 let moved = qpos[addresses[j]] - qpos0[addresses[j]];
                 match types[j] {
                     JointType::Slide => pos = add_scaled(pos, axis, moved),
-                    _ => {
-                        quat = mul_quat(quat, axis_angle(axes[j], moved));
+                    other => {
+                        let turn = if other == JointType::Ball {
+                            let q = &qpos[addresses[j]..addresses[j] + 4];
+                            normalize_quat::<O>([q[0], q[1], q[2], q[3]])
+                        } else {
+                            axis_angle(axes[j], moved)
+                        };
+                        quat = mul_quat::<O>(quat, turn);
                         if anchored[j] {
                             pos = sub(anchor, rotate_quat(origins[j], quat));
                         }
@@ -74,9 +92,9 @@ pub fn kinematics(m: &Model, d: &mut Data) {
                 (xaxis[j], xanchor[j]) = (axis, anchor);
             }
         }
-        quat = normalize_quat(quat);
-        (xpos[b], xquat[b], xmat[b]) = (pos, quat, quat_to_mat(quat));
-        (xipos[b], ximat[b]) = local_to_global(
+        quat = normalize_quat::<O>(quat);
+        (xpos[b], xquat[b], xmat[b]) = (pos, quat, quat_to_mat::<O>(quat));
+        (xipos[b], ximat[b]) = local_to_global::<O>(
             pos,
             quat,
             &xmat[b],
@@ -92,7 +110,7 @@ pub fn kinematics(m: &Model, d: &mut Data) {
         let b = bodies[g];
         (geom_xpos[g], geom_xmat[g]) = match placed[g] {
             None => (xipos[b], ximat[b]),
-            Some(placed) => local_to_global(
+            Some(placed) => local_to_global::<O>(
                 xpos[b],
                 xquat[b],
                 &xmat[b],
@@ -104,7 +122,7 @@ pub fn kinematics(m: &Model, d: &mut Data) {
     }
     for (s, &placed) in m.plan().sites.iter().enumerate() {
         let b = m.site_bodyid[s];
-        (d.site_xpos[s], d.site_xmat[s]) = local_to_global(
+        (d.site_xpos[s], d.site_xmat[s]) = local_to_global::<O>(
             xpos[b],
             xquat[b],
             &xmat[b],
@@ -117,7 +135,7 @@ pub fn kinematics(m: &Model, d: &mut Data) {
 
 /// A frame given in a body's frame: MuJoCo's `mj_local2Global`.
 #[inline(always)]
-fn local_to_global(
+fn local_to_global<O: Order>(
     xpos: Vec3,
     xquat: Quat,
     xmat: &Mat3,
@@ -132,7 +150,7 @@ fn local_to_global(
             xpos
         },
         if placed.turned {
-            quat_to_mat(mul_quat(xquat, quat))
+            quat_to_mat::<O>(mul_quat::<O>(xquat, quat))
         } else {
             *xmat
         },

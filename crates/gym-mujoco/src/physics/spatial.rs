@@ -95,21 +95,89 @@ pub(crate) fn rotate_back(m: &Mat3, v: Vec3) -> Vec3 {
     ]
 }
 
+/// The order in which functions of quaternions add four terms: it differs between revisions.
+pub(crate) trait Order {
+    /// The sum of the terms of a product or a square.
+    fn sum(terms: [f64; 4]) -> f64;
+
+    /// The sum of the terms of an element on the diagonal of a rotation matrix.
+    fn sum_diagonal(terms: [f64; 4]) -> f64;
+
+    /// The sum of the terms of the second element of the product with an axis.
+    fn axis_first(a: f64, b: f64, c: f64) -> f64;
+
+    /// The sum of the terms of its last element.
+    fn axis_last(a: f64, b: f64, c: f64) -> f64;
+}
+
+/// One after the other: [`Revision::V3_12`](crate::Revision::V3_12), and the compiler of models in
+/// every revision.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct InTurn;
+
+/// By pairs: [`Revision::V4_0`](crate::Revision::V4_0).
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pairwise;
+
+impl Order for InTurn {
+    #[inline(always)]
+    fn sum([a, b, c, d]: [f64; 4]) -> f64 {
+        a + b + c + d
+    }
+
+    #[inline(always)]
+    fn sum_diagonal(terms: [f64; 4]) -> f64 {
+        Self::sum(terms)
+    }
+
+    #[inline(always)]
+    fn axis_first(a: f64, b: f64, c: f64) -> f64 {
+        a + b + c
+    }
+
+    #[inline(always)]
+    fn axis_last(a: f64, b: f64, c: f64) -> f64 {
+        a + b + c
+    }
+}
+
+impl Order for Pairwise {
+    #[inline(always)]
+    fn sum([a, b, c, d]: [f64; 4]) -> f64 {
+        (a + b) + (c + d)
+    }
+
+    #[inline(always)]
+    fn sum_diagonal([a, b, c, d]: [f64; 4]) -> f64 {
+        (a + c) + (b + d)
+    }
+
+    #[inline(always)]
+    fn axis_first(a: f64, b: f64, c: f64) -> f64 {
+        (a + c) + b
+    }
+
+    #[inline(always)]
+    fn axis_last(a: f64, b: f64, c: f64) -> f64 {
+        a + (b + c)
+    }
+}
+
 /// The rotation `a`, after the rotation `b` in its frame.
 #[inline]
-pub(crate) fn mul_quat(a: Quat, b: Quat) -> Quat {
+pub(crate) fn mul_quat<O: Order>(a: Quat, b: Quat) -> Quat {
     [
-        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
-        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-        a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
-        a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
+        O::sum([a[0] * b[0], -a[1] * b[1], -a[2] * b[2], -a[3] * b[3]]),
+        O::sum([a[0] * b[1], a[1] * b[0], a[2] * b[3], -a[3] * b[2]]),
+        O::sum([a[0] * b[2], -a[1] * b[3], a[2] * b[0], a[3] * b[1]]),
+        O::sum([a[0] * b[3], a[1] * b[2], -a[2] * b[1], a[3] * b[0]]),
     ]
 }
 
 /// The quaternion at length 1; the identity for one shorter than [`MINVAL`].
 #[inline]
-pub(crate) fn normalize_quat(q: Quat) -> Quat {
-    let length = (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]).sqrt();
+pub(crate) fn normalize_quat<O: Order>(q: Quat) -> Quat {
+    let length = O::sum(q.map(|x| x * x)).sqrt();
     if length < MINVAL {
         [1.0, 0.0, 0.0, 0.0]
     } else if (length - 1.0).abs() > MINVAL {
@@ -142,27 +210,32 @@ pub(crate) fn rotate_quat(v: Vec3, q: Quat) -> Vec3 {
     [v[0] + 2.0 * c[0], v[1] + 2.0 * c[1], v[2] + 2.0 * c[2]]
 }
 
+/// The rotation matrix of a quaternion of length 1.
 #[inline]
-pub(crate) fn quat_to_mat(q: Quat) -> Mat3 {
+pub(crate) fn quat_to_mat<O: Order>(q: Quat) -> Mat3 {
     let (q00, q11, q22, q33) = (q[0] * q[0], q[1] * q[1], q[2] * q[2], q[3] * q[3]);
     let (q01, q02, q03) = (q[0] * q[1], q[0] * q[2], q[0] * q[3]);
     let (q12, q13, q23) = (q[1] * q[2], q[1] * q[3], q[2] * q[3]);
     [
-        q00 + q11 - q22 - q33,
+        O::sum_diagonal([q00, q11, -q22, -q33]),
         2.0 * (q12 - q03),
         2.0 * (q13 + q02),
         2.0 * (q12 + q03),
-        q00 - q11 + q22 - q33,
+        O::sum_diagonal([q00, -q11, q22, -q33]),
         2.0 * (q23 - q01),
         2.0 * (q13 - q02),
         2.0 * (q23 + q01),
-        q00 - q11 - q22 + q33,
+        O::sum_diagonal([q00, -q11, -q22, q33]),
     ]
 }
 
 /// The rotation vector that leads from `b` to `a`, in the frame of `b`: MuJoCo's `mju_subQuat`.
-pub(crate) fn sub_quat(a: Quat, b: Quat) -> Vec3 {
-    let d = mul_quat([b[0], -b[1], -b[2], -b[3]], a);
+pub(crate) fn sub_quat<O: Order>(a: Quat, b: Quat) -> Vec3 {
+    quat_to_velocity(mul_quat::<O>([b[0], -b[1], -b[2], -b[3]], a))
+}
+
+/// The rotation vector of a quaternion: MuJoCo's `mju_quat2Vel` for a time of 1.
+pub(crate) fn quat_to_velocity(d: Quat) -> Vec3 {
     let (axis, sine) = normalize([d[1], d[2], d[3]]);
     let mut angle = 2.0 * libm::atan2(sine, d[0]);
     if angle > std::f64::consts::PI {
@@ -173,9 +246,9 @@ pub(crate) fn sub_quat(a: Quat, b: Quat) -> Vec3 {
 
 /// The quaternion moved by an angular velocity, in its own frame, for some time: MuJoCo's
 /// `mju_quatIntegrate`.
-pub(crate) fn quat_integrate(q: Quat, velocity: Vec3, time: f64) -> Quat {
+pub(crate) fn quat_integrate<O: Order>(q: Quat, velocity: Vec3, time: f64) -> Quat {
     let (axis, speed) = normalize(velocity);
-    mul_quat(normalize_quat(q), axis_angle(axis, time * speed))
+    mul_quat::<O>(normalize_quat::<O>(q), axis_angle(axis, time * speed))
 }
 
 #[inline]
@@ -270,6 +343,20 @@ pub(crate) fn inertia_at(moments: Vec3, mat: &Mat3, offset: Vec3, mass: f64) -> 
         mass * d[2],
         mass,
     ]
+}
+
+/// A motion about another point: MuJoCo's `mju_transformSpatial`.
+#[inline]
+pub(crate) fn transform_motion(v: &Vec6, to: Vec3, from: Vec3) -> Vec6 {
+    let across = cross(sub(to, from), rotation(v));
+    join(rotation(v), sub(translation(v), across))
+}
+
+/// A force about another point: MuJoCo's `mju_transformSpatial`.
+#[inline]
+pub(crate) fn transform_force(f: &Vec6, to: Vec3, from: Vec3) -> Vec6 {
+    let across = cross(sub(to, from), translation(f));
+    join(sub(rotation(f), across), translation(f))
 }
 
 /// The velocity of a point, given the velocity about a reference point and the offset between them.

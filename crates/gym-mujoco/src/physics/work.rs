@@ -3,6 +3,7 @@
 use super::collision::Polytope;
 use super::dense::{self, Lanes};
 use super::solver::{Island, newton, pgs};
+use super::transmission::Moments;
 use crate::Model;
 use crate::model::GeomType;
 
@@ -10,7 +11,7 @@ use crate::model::GeomType;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Work {
     /// Sizes of the model that they are for.
-    sizes: Option<[usize; 8]>,
+    sizes: Option<[usize; 11]>,
     /// Composite inertias.
     pub(crate) crb: Vec<[f64; 10]>,
     /// Motion axes by components, of four degrees of freedom each.
@@ -19,10 +20,23 @@ pub(crate) struct Work {
     pub(crate) acc: Vec<[f64; 6]>,
     /// Forces on bodies.
     pub(crate) body_force: Vec<[f64; 6]>,
+    /// Velocities of bodies at their centres of mass.
+    pub(crate) body_velocity: Vec<[f64; 6]>,
     /// A vector of degrees of freedom.
     pub(crate) dofs: Vec<Lanes>,
-    /// Forces of the medium.
+    /// Forces of the medium, of dampers, and those that lift weights.
     pub(crate) fluid: Vec<f64>,
+    pub(crate) damper: Vec<f64>,
+    pub(crate) gravcomp: Vec<f64>,
+    /// Moment arms of the actuators.
+    pub(crate) moments: Moments,
+    /// Clamped controls.
+    pub(crate) ctrl: Vec<f64>,
+    /// Forces of the actuators on tendons.
+    pub(crate) tendon_sums: Vec<f64>,
+    /// Changes of the activations: their weighted sum over stages.
+    pub(crate) act_sum: Vec<f64>,
+    pub(crate) act_start: Vec<f64>,
 
     pub(crate) polytope: Polytope,
 
@@ -43,11 +57,13 @@ pub(crate) struct Work {
     pub(crate) qh_diag_inv: Vec<f64>,
     pub(crate) acc_sum: Vec<f64>,
     pub(crate) vel_sum: Vec<f64>,
+    /// Velocities of a stage of Runge and Kutta's method, as rates since the start.
+    pub(crate) rates: Vec<f64>,
     pub(crate) qpos_start: Vec<f64>,
     pub(crate) qvel_start: Vec<f64>,
 }
 
-fn sizes(m: &Model) -> [usize; 8] {
+fn sizes(m: &Model) -> [usize; 11] {
     let plan = m.plan();
     [
         m.nq(),
@@ -58,6 +74,9 @@ fn sizes(m: &Model) -> [usize; 8] {
         m.ngeom(),
         m.nsite(),
         plan.m_colind.len(),
+        m.na(),
+        m.nsensordata(),
+        plan.paths.columns.len(),
     ]
 }
 
@@ -85,8 +104,16 @@ impl Work {
             axes: vec![[[0.0; 4]; 6]; dense::groups(nv)],
             acc: vec![[0.0; 6]; m.nbody()],
             body_force: vec![[0.0; 6]; m.nbody()],
+            body_velocity: Vec::with_capacity(m.nbody()),
             dofs: vec![[0.0; 4]; dense::groups(nv)],
             fluid: vec![0.0; nv],
+            damper: vec![0.0; nv],
+            gravcomp: vec![0.0; nv],
+            moments: Moments::new(m),
+            ctrl: Vec::with_capacity(m.nu()),
+            tendon_sums: vec![0.0; m.ntendon()],
+            act_sum: vec![0.0; m.na()],
+            act_start: vec![0.0; m.na()],
             polytope: if deep {
                 Polytope::new()
             } else {
@@ -96,6 +123,7 @@ impl Work {
             qh_diag_inv: vec![0.0; nv],
             acc_sum: vec![0.0; nv],
             vel_sum: vec![0.0; nv],
+            rates: vec![0.0; nv],
             qpos_start: vec![0.0; m.nq()],
             qvel_start: vec![0.0; nv],
         }

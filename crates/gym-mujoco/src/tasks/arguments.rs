@@ -3,6 +3,7 @@
 use gym_core::{Arguments, Error, Result};
 use serde_json::{Map, Value as Json};
 
+use crate::Revision;
 use crate::view::CameraConfig;
 
 /// The largest frame skip: a step with more timesteps would seem to hang.
@@ -12,20 +13,30 @@ const LONGEST_SKIP: usize = 1000;
 pub trait TaskArguments:
     Arguments + Clone + PartialEq + std::fmt::Debug + Send + Sync + 'static
 {
-    /// Their default values in a version.
+    /// Their default values in a version. Versions that no other library can make any more keep the
+    /// version of MuJoCo that their recordings are of.
     fn defaults(version: u32) -> Self {
-        let _ = version;
-        Self::default()
+        let mut config = Self::default();
+        if version < 4 {
+            config.common_mut().mujoco = Revision::V3_12;
+        }
+        config
     }
 
     /// The arguments that all tasks share.
     fn common(&self) -> &Common;
+
+    /// The same, to change them.
+    fn common_mut(&mut self) -> &mut Common;
 }
 
 gym_core::arguments! {
     /// The arguments that all tasks share. `xml_file`, `frame_skip` and `default_camera_config`
     /// have other values in each task.
     pub struct Common {
+        /// The version of MuJoCo whose numbers the episodes have, to the last bit: `"4.0"`, or
+        /// `"3.12"`, which 3.11 and 3.13 equal.
+        pub mujoco: Revision = Revision::V4_0,
         /// The model: the name of a built-in one, such as `"ant.xml"`, or a path that begins with
         /// `.`, `/` or `~`.
         #[versions = 5..]

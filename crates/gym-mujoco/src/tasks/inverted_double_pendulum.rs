@@ -50,6 +50,10 @@ impl TaskArguments for Config {
     fn common(&self) -> &Common {
         &self.common
     }
+
+    fn common_mut(&mut self) -> &mut Common {
+        &mut self.common
+    }
 }
 
 /// The task.

@@ -28,8 +28,8 @@ use super::cost::ControlCost;
 use super::env;
 use super::numpy::norm;
 use super::simulation::{Simulation, uniform_velocities};
-use crate::Data;
 use crate::view::CameraConfig;
+use crate::{Data, Revision};
 
 const ARM: usize = 7; // joints
 const LEAST_DISTANCE: f64 = 0.17; // m, from the object to the goal at the start
@@ -58,12 +58,17 @@ impl TaskArguments for Config {
         let mut config = Self::default();
         if version < 5 {
             config.common.xml_file = "pusher.xml".to_owned();
+            config.common.mujoco = Revision::V3_12;
         }
         config
     }
 
     fn common(&self) -> &Common {
         &self.common
+    }
+
+    fn common_mut(&mut self) -> &mut Common {
+        &mut self.common
     }
 }
 

@@ -7,7 +7,7 @@ use gym_core::{Array, Error, Generator, Result, Space};
 
 use super::arguments::Common;
 use crate::view::View;
-use crate::{Data, Model, forward, physics, step};
+use crate::{Data, Model, Revision, forward, physics, step};
 
 /// The parts of an environment beside its state.
 #[derive(Clone, Debug)]
@@ -30,7 +30,7 @@ pub struct Simulation {
 impl Simulation {
     pub(super) fn new(arguments: &Common, version: u32) -> Result<Self> {
         arguments.check()?;
-        let model = load(&arguments.xml_file)?;
+        let model = load(&arguments.xml_file, arguments.mujoco)?;
         let dt = model.opt.timestep * arguments.frame_skip as f64;
         let view = View::new(&model, arguments)?;
         let xml_file = arguments.xml_file.clone();
@@ -119,16 +119,17 @@ pub(super) fn uniform_velocities(numbers: &mut [f64], scale: f64, rng: &mut Gene
     }
 }
 
-/// A built-in model: its name, its text, and its compiled form, compiled on first use.
+/// A built-in model: its name, its text, and its compiled forms, compiled on first use.
 struct BuiltIn {
     name: &'static str,
     text: &'static str,
-    model: OnceLock<Arc<Model>>,
+    /// For each of [`Revision::ALL`].
+    models: [OnceLock<Arc<Model>>; 2],
 }
 
 macro_rules! built_in {
     ($($name:literal)+) => {
-        [$(BuiltIn { name: $name, text: include_str!(concat!("../../models/", $name)), model: OnceLock::new() }),+]
+        [$(BuiltIn { name: $name, text: include_str!(concat!("../../models/", $name)), models: [const { OnceLock::new() }; 2] }),+]
     };
 }
 
@@ -142,19 +143,22 @@ pub fn models() -> impl Iterator<Item = (&'static str, &'static str)> {
     MODELS.iter().map(|built_in| (built_in.name, built_in.text))
 }
 
-/// A built-in model by name, or a file by a path that begins with `.`, `/` or `~`.
+/// A built-in model by name, or a file by a path that begins with `.`, `/` or `~`, for the engine
+/// of a revision.
 ///
 /// # Errors
 /// [`Error::InvalidArgument`] for an unknown name, a file that cannot be read, and one that is not
 /// a model.
-pub fn load(xml_file: &str) -> Result<Arc<Model>> {
+pub fn load(xml_file: &str, revision: Revision) -> Result<Arc<Model>> {
     let wrong = |error: crate::Error| Error::argument("xml_file", error.to_string());
     if xml_file.starts_with(['.', '/', '~']) {
         let path = match (xml_file.strip_prefix("~/"), std::env::home_dir()) {
             (Some(rest), Some(home)) => home.join(rest),
             _ => xml_file.into(),
         };
-        return Model::from_path(path).map(Arc::new).map_err(wrong);
+        return Model::from_path_with(path, revision)
+            .map(Arc::new)
+            .map_err(wrong);
     }
     let Some(built_in) = MODELS.iter().find(|built_in| built_in.name == xml_file) else {
         let names: Vec<&str> = MODELS.iter().map(|built_in| built_in.name).collect();
@@ -164,13 +168,14 @@ pub fn load(xml_file: &str) -> Result<Arc<Model>> {
         );
         return Err(Error::argument("xml_file", reason));
     };
-    match built_in.model.get() {
+    let compiled = &built_in.models[revision as usize];
+    match compiled.get() {
         Some(model) => Ok(Arc::clone(model)),
         None => {
-            let model = Model::from_xml(built_in.text)
+            let model = Model::from_xml_with(built_in.text, revision)
                 .map(Arc::new)
                 .map_err(wrong)?;
-            Ok(Arc::clone(built_in.model.get_or_init(|| model)))
+            Ok(Arc::clone(compiled.get_or_init(|| model)))
         }
     }
 }

@@ -26,6 +26,7 @@ use super::Walker2d;
 use super::arguments::{Common, TaskArguments};
 use super::range::Range;
 use super::runner::{Runner, RunnerArguments, Settings};
+use crate::Revision;
 use crate::view::CameraConfig;
 
 /// The task.
@@ -72,11 +73,18 @@ impl TaskArguments for Config {
         if version < 5 {
             config.common.xml_file = "walker2d.xml".to_owned();
         }
+        if version < 4 {
+            config.common.mujoco = Revision::V3_12;
+        }
         config
     }
 
     fn common(&self) -> &Common {
         &self.common
+    }
+
+    fn common_mut(&mut self) -> &mut Common {
+        &mut self.common
     }
 }
 

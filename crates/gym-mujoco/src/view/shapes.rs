@@ -82,7 +82,7 @@ fn round(camera: &Camera, ends: [Vec3; 2], radius: f64, color: Color, canvas: &m
     outline(
         centers,
         radii.map(|r| r + 0.6),
-        blend(layer(color, 0.0), Color::BLACK, 0.35),
+        blend(shade(color, 0.0), Color::BLACK, 0.35),
         canvas,
     );
     for layer in 0..LAYERS {
@@ -95,7 +95,7 @@ fn round(camera: &Camera, ends: [Vec3; 2], radius: f64, color: Color, canvas: &m
                 centers[i][1] + light[1] * radii[i] * shift,
             ]
         });
-        outline(moved, radii.map(|r| r * shrink), layer(color, t), canvas);
+        outline(moved, radii.map(|r| r * shrink), shade(color, t), canvas);
     }
 }
 
@@ -140,7 +140,7 @@ pub(super) fn lit(color: Color, normal: Vec3) -> Color {
 }
 
 /// The colour of a layer of a round shape, from 0 outside to 1 within.
-pub(super) fn layer(color: Color, t: f64) -> Color {
+pub(super) fn shade(color: Color, t: f64) -> Color {
     let (dark, bright) = (
         blend(color, Color::rgb(16, 18, 34), 0.52),
         blend(color, Color::WHITE, 0.22),

@@ -3,7 +3,7 @@
 use gym_core::canvas::{Canvas, Color, Point};
 
 use super::camera::{Camera, NEAR};
-use super::shapes::{LAYERS, LIGHT, layer, lit};
+use super::shapes::{LAYERS, LIGHT, lit, shade};
 use crate::physics::spatial::{
     Vec3, add, add_scaled, column, cross, dot, normalize, rotate, rotate_back, scale, sub,
 };
@@ -74,6 +74,6 @@ pub(super) fn ellipsoid(
         let middle = add_scaled(center, light, 0.46 * t);
         let shrink = 1.0 - 0.86 * t;
         let points: [Point; CORNERS] = rim.map(|at| camera.project(add_scaled(middle, at, shrink)));
-        canvas.polygon(&points, layer(color, t));
+        canvas.polygon(&points, shade(color, t));
     }
 }

@@ -2,10 +2,13 @@
 
 use serde_json::Value;
 
-/// Whether two values are the same, numbers to the last bit; a whole number may be written as one.
+/// Whether two values are the same, numbers to the last bit, so that `0.0` is not `-0.0`; a whole
+/// number may be written as one.
 pub(crate) fn same(a: &Value, b: &Value) -> bool {
     match (a, b) {
-        (Value::Number(a), Value::Number(b)) => a.as_f64() == b.as_f64(),
+        (Value::Number(a), Value::Number(b)) => {
+            a.as_f64().map(f64::to_bits) == b.as_f64().map(f64::to_bits)
+        }
         (Value::Array(a), Value::Array(b)) => {
             a.len() == b.len() && a.iter().zip(b).all(|(a, b)| same(a, b))
         }
@@ -16,4 +19,11 @@ pub(crate) fn same(a: &Value, b: &Value) -> bool {
         }
         _ => a == b,
     }
+}
+
+#[test]
+fn zeros_have_a_sign() {
+    let read = |text: &str| serde_json::from_str::<Value>(text).unwrap();
+    assert!(same(&read("[0, 1]"), &read("[0.0, 1.0]")));
+    assert!(!same(&read("[0.0]"), &read("[-0.0]")));
 }

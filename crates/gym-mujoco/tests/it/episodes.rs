@@ -1,7 +1,7 @@
-//! Whole episodes of Gymnasium 1.4.0 on MuJoCo 3.12.0, by digest: the same observations, rewards
-//! and ends, byte for byte.
+//! Whole episodes of Gymnasium 1.4.0 on MuJoCo 3.12.0 and 4.0.0, by digest: the same observations,
+//! rewards and ends, byte for byte.
 
-use gym_core::{EnvExt, make};
+use gym_core::{EnvExt, builder};
 use gym_mujoco as _;
 use serde_json::Value;
 
@@ -113,8 +113,13 @@ fn the_digest_is_sha256() {
 }
 
 /// Plays with the actions that the space draws from a seed; a new episode starts where one ends.
-fn digest(id: &str, seed: u64, steps: usize, constants: &[u32; 64]) -> (String, u64) {
-    let mut env = make(id).unwrap();
+fn digest(
+    (id, mujoco): (&str, &str),
+    seed: u64,
+    steps: usize,
+    constants: &[u32; 64],
+) -> (String, u64) {
+    let mut env = builder(id).arg("mujoco", mujoco).build().unwrap();
     let mut actions = env.action_sampler(seed).unwrap();
     let mut sha = Sha256::new();
     let mut put = |observation: &gym_core::Value, reward: f64, end: u8| {
@@ -148,22 +153,25 @@ fn digest(id: &str, seed: u64, steps: usize, constants: &[u32; 64]) -> (String, 
 /// set.
 #[test]
 fn episodes_have_gymnasiums_digests() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/recorded/episodes.json");
-    let told: Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
-    let steps = told["steps"].as_u64().unwrap() as usize;
     let (constants, every) = (constants(), std::env::var_os("GYM_REFERENCE").is_some());
-    let (mut compared, mut wrong) = (0, Vec::new());
-    for (key, expected) in told["digests"].as_object().unwrap() {
-        let (id, seed) = key.rsplit_once('.').unwrap();
-        let seed = seed.parse().unwrap();
-        if seed == 0 || every {
-            let (sha256, episodes) = digest(id, seed, steps, &constants);
-            compared += 1;
-            if expected["sha256"] != *sha256 || expected["episodes"] != episodes {
-                wrong.push(key);
+    for file in ["episodes.json", "episodes.4.0.json"] {
+        let path = format!("{}/tests/recorded/{file}", env!("CARGO_MANIFEST_DIR"));
+        let told: Value = serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap();
+        let steps = told["steps"].as_u64().unwrap() as usize;
+        let mujoco = told["mujoco"].as_str().unwrap();
+        let (mut compared, mut wrong) = (0, Vec::new());
+        for (key, expected) in told["digests"].as_object().unwrap() {
+            let (id, seed) = key.rsplit_once('.').unwrap();
+            let seed = seed.parse().unwrap();
+            if seed == 0 || every {
+                let (sha256, episodes) = digest((id, mujoco), seed, steps, &constants);
+                compared += 1;
+                if expected["sha256"] != *sha256 || expected["episodes"] != episodes {
+                    wrong.push(key);
+                }
             }
         }
+        assert_eq!(compared, if every { 63 } else { 21 });
+        assert!(wrong.is_empty(), "MuJoCo {mujoco}: {wrong:?} differ");
     }
-    assert_eq!(compared, if every { 63 } else { 21 });
-    assert!(wrong.is_empty(), "{wrong:?} differ");
 }

@@ -53,9 +53,14 @@ fn models_have_mujocos_figures() {
             if recorded.get("body_mass").is_none() {
                 continue;
             }
+            let revision = recorded["mujoco"].as_str().unwrap().parse().unwrap();
             let model = match recorded["xml"].as_str() {
-                Some(xml) => Arc::new(Model::from_path(folder.join(xml)).unwrap()),
-                None => load(&format!("{}.xml", recorded["model"].as_str().unwrap())).unwrap(),
+                Some(xml) => Arc::new(Model::from_path_with(folder.join(xml), revision).unwrap()),
+                None => load(
+                    &format!("{}.xml", recorded["model"].as_str().unwrap()),
+                    revision,
+                )
+                .unwrap(),
             };
             // names and versions of the recorder, and what only MuJoCo's viewer uses
             let object = recorded.as_object_mut().unwrap();

@@ -62,15 +62,14 @@ pub(super) fn add_actuators(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
         m.actuator_actearly.push(actuator.act_early);
         m.actuator_group.push(actuator.group);
         m.actuator_lengthrange.push(actuator.length_range);
+        m.actuator_length0.push(0.0);
+        m.actuator_acc0.push(0.0);
     }
     Ok(())
 }
 
 /// What an actuator acts on.
-fn transmission(
-    m: &CompiledModel,
-    actuator: &Actuator,
-) -> Result<(TransmissionType, [i32; 2])> {
+fn transmission(m: &CompiledModel, actuator: &Actuator) -> Result<(TransmissionType, [i32; 2])> {
     let place = &actuator.place;
     let Some((attribute, name)) = &actuator.target else {
         return Err(place.attribute("joint", "missing: it must be given (or tendon, or site)"));
@@ -132,8 +131,12 @@ pub(super) fn add_sensors(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
     for sensor in &spec.sensors {
         let object = object_of(m, sensor, sensor.object.as_ref())?;
         let reference = object_of(m, sensor, sensor.reference.as_ref())?;
-        if let (About::Joint, Some(Target { name, attribute, .. })) =
-            (sensor.kind.about(), &sensor.object)
+        if let (
+            About::Joint,
+            Some(Target {
+                name, attribute, ..
+            }),
+        ) = (sensor.kind.about(), &sensor.object)
         {
             scalar_joint(m, &sensor.place, attribute, name)?;
         }

@@ -5,9 +5,9 @@ use crate::Result;
 use crate::mjcf::fluid;
 use crate::mjcf::inertia::{self, Inertia};
 use crate::mjcf::orientation::{EPS, from_z, unit, within};
-use crate::mjcf::spec::{Body, Compiler, Frame, Geom, Inertial, Joint, Moments, Spec};
+use crate::mjcf::spec::{Body, Frame, Geom, Inertial, Joint, Moments, Spec};
 use crate::mjcf::xml::Place;
-use crate::model::{CompiledModel, GeomType, JointType};
+use crate::model::{CompiledModel, Fluid, GeomType, JointType};
 use crate::physics::spatial::rotate_quat;
 
 const IDENTITY: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
@@ -21,11 +21,12 @@ pub(super) fn add_body(m: &mut CompiledModel, spec: &Spec, id: usize, body: &Bod
     } else {
         m.body_rootid[parent]
     });
-    m.body_weldid.push(if id == 0 || body.mocap || !body.joints.is_empty() {
-        id
-    } else {
-        m.body_weldid[parent]
-    });
+    m.body_weldid
+        .push(if id == 0 || body.mocap || !body.joints.is_empty() {
+            id
+        } else {
+            m.body_weldid[parent]
+        });
     let own = (body.pos, body.orientation.resolve(&spec.compiler));
     let (pos, quat) = within(body.frame, own);
     m.body_pos.push(pos);
@@ -68,7 +69,7 @@ pub(super) fn add_body(m: &mut CompiledModel, spec: &Spec, id: usize, body: &Bod
             parts.push(part);
         }
     }
-    let inertia = inertia_of(body, id, &spec.compiler, &parts)?;
+    let inertia = inertia_of(body, id, spec, &parts)?;
     m.body_mass.push(inertia.mass);
     m.body_ipos.push(inertia.pos);
     m.body_iquat.push(inertia.quat);
@@ -274,7 +275,12 @@ fn add_geom(m: &mut CompiledModel, spec: &Spec, body: usize, geom: &Geom) -> Res
                     "only capsules, cylinders, ellipsoids and boxes have ends: give type=\"capsule\"",
                 ));
             }
-            between(place, ends, &mut size, geom.pos.is_some_and(|pos| pos != [0.0; 3]))?
+            between(
+                place,
+                ends,
+                &mut size,
+                geom.pos.is_some_and(|pos| pos != [0.0; 3]),
+            )?
         }
     };
     if geom.fromto.is_some() && matches!(shape, GeomType::Ellipsoid | GeomType::Box) {
@@ -325,9 +331,9 @@ fn add_geom(m: &mut CompiledModel, spec: &Spec, body: usize, geom: &Geom) -> Res
         GeomType::Box => (size[0] * size[0] + size[1] * size[1] + size[2] * size[2]).sqrt(),
     });
     m.geom_fluid.push(if geom.fluid_ellipsoid {
-        fluid::coefficients(*shape, size, geom.fluid)
+        Fluid(fluid::coefficients(*shape, size, geom.fluid))
     } else {
-        [0.0; 12]
+        Fluid::default()
     });
     m.geom_pos.push(pos);
     m.geom_quat.push(quat);
@@ -383,7 +389,8 @@ pub(super) fn single(rgba: [f64; 4]) -> [f64; 4] {
 ///
 /// Where there is neither, MuJoCo takes the body's frame in its parent for the inertial frame, and
 /// so does this.
-fn inertia_of(body: &Body, id: usize, compiler: &Compiler, parts: &[Inertia]) -> Result<Inertia> {
+fn inertia_of(body: &Body, id: usize, spec: &Spec, parts: &[Inertia]) -> Result<Inertia> {
+    let compiler = &spec.compiler;
     let heavy: Vec<Inertia> = parts
         .iter()
         .copied()
@@ -393,13 +400,13 @@ fn inertia_of(body: &Body, id: usize, compiler: &Compiler, parts: &[Inertia]) ->
         .inertia_from_geom
         .unwrap_or(body.inertial.is_none());
     let combined = if from_geoms {
-        inertia::combine(&heavy)
+        inertia::combine(&heavy, spec.revision)
     } else {
         None
     };
     let (mut inertia, place) = match (combined, &body.inertial) {
         (Some(combined), _) => (combined, &body.place),
-        (None, Some(inertial)) => (explicit(inertial, compiler), &inertial.place),
+        (None, Some(inertial)) => (explicit(inertial, spec), &inertial.place),
         (None, None) => {
             let (pos, quat) = (body.pos, body.orientation.resolve(compiler));
             (
@@ -434,10 +441,10 @@ fn inertia_of(body: &Body, id: usize, compiler: &Compiler, parts: &[Inertia]) ->
     Ok(inertia)
 }
 
-fn explicit(inertial: &Inertial, compiler: &Compiler) -> Inertia {
+fn explicit(inertial: &Inertial, spec: &Spec) -> Inertia {
     let (moments, quat) = match inertial.moments {
-        Moments::Principal(moments) => (moments, inertial.orientation.resolve(compiler)),
-        Moments::Full(full) => inertia::principal_axes(full),
+        Moments::Principal(moments) => (moments, inertial.orientation.resolve(&spec.compiler)),
+        Moments::Full(full) => inertia::principal_axes(full, spec.revision),
     };
     Inertia {
         mass: inertial.mass,
@@ -446,4 +453,3 @@ fn explicit(inertial: &Inertial, compiler: &Compiler) -> Inertia {
         moments,
     }
 }
-

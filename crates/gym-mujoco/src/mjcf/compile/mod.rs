@@ -21,6 +21,7 @@ pub(super) const MOST: usize = 1000;
 pub(super) fn compile(spec: &Spec) -> Result<CompiledModel> {
     let mut m = CompiledModel {
         model: spec.name.clone(),
+        revision: spec.revision,
         opt: spec.option.clone(),
         ..CompiledModel::default()
     };
@@ -154,7 +155,7 @@ fn add_looks(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
     m.mat_rgba = spec
         .materials
         .iter()
-        .map(|material| single(material.rgba))
+        .map(|material| bodies::single(material.rgba))
         .collect();
     Ok(())
 }

@@ -5,7 +5,7 @@ use crate::mjcf::orientation::unit;
 use crate::mjcf::spec::{Key, Spec, Wrap};
 use crate::mjcf::xml::Place;
 use crate::model::{CompiledModel, EqualityType, GeomType, JointType, ObjectType, WrapType};
-use crate::physics::spatial::normalize_quat;
+use crate::physics::spatial::{InTurn, normalize_quat};
 
 /// The object of that name, or an error.
 pub(super) fn named(
@@ -103,7 +103,10 @@ pub(super) fn add_tendons(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
         for (place, wrap) in &tendon.wraps {
             add_wrap(m, place, wrap)?;
         }
-        check_path(place, &m.wrap_type[m.wrap_type.len() - tendon.wraps.len()..])?;
+        check_path(
+            place,
+            &m.wrap_type[m.wrap_type.len() - tendon.wraps.len()..],
+        )?;
         let limited = super::limited(
             tendon.limited,
             tendon.range,
@@ -202,9 +205,7 @@ pub(super) fn add_equalities(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
             let Some(name) = name else { return Ok(-1) };
             let both = |one: &'static str, two: &'static str| [one, two][number];
             let id = match kind {
-                EqualityType::Joint => {
-                    scalar_joint(m, place, both("joint1", "joint2"), name)?
-                }
+                EqualityType::Joint => scalar_joint(m, place, both("joint1", "joint2"), name)?,
                 EqualityType::Tendon => {
                     let attribute = both("tendon1", "tendon2");
                     named(place, attribute, "tendon", &m.names.tendon, name)?
@@ -297,5 +298,5 @@ fn normalize_quaternions(m: &CompiledModel, qpos: &mut [f64]) {
 
 fn normalize(quat: &mut [f64]) {
     let long = unit([quat[0], quat[1], quat[2], quat[3]]).0;
-    quat.copy_from_slice(&normalize_quat(long));
+    quat.copy_from_slice(&normalize_quat::<InTurn>(long));
 }

@@ -234,12 +234,9 @@ impl Actuator {
 
     fn read_muscle(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
         // the numbers of other actuators give way to those of a muscle
-        for (value, general, own) in [
-            (&mut self.dynprm[0], 1.0, 0.01),
-            (&mut self.dynprm[1], 0.0, 0.04),
-        ] {
-            if *value == general {
-                *value = own;
+        for (k, general, own) in [(0, 1.0, 0.01), (1, 0.0, 0.04)] {
+            if self.dynprm[k] == general {
+                self.dynprm[k] = own;
             }
         }
         let defaults = [0.75, 1.05, -1.0, 200.0, 0.5, 1.6, 1.5, 1.3, 1.2];

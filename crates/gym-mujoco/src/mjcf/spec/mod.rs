@@ -20,12 +20,13 @@ pub(crate) use tendon::{Tendon, Wrap};
 
 use super::xml::Element;
 use crate::model::Options;
-use crate::{Error, Result};
+use crate::{Error, Result, Revision};
 
 /// A whole model.
 #[derive(Debug, Default)]
 pub(crate) struct Spec {
     pub(crate) name: String,
+    pub(crate) revision: Revision,
     pub(crate) compiler: Compiler,
     pub(crate) option: Options,
     pub(crate) statistic: Statistic,
@@ -111,17 +112,30 @@ impl Compiler {
         }
         replace(&mut self.autolimits, element.flag("autolimits")?);
         replace(&mut self.bound_mass, element.non_negative("boundmass")?);
-        replace(&mut self.bound_inertia, element.non_negative("boundinertia")?);
+        replace(
+            &mut self.bound_inertia,
+            element.non_negative("boundinertia")?,
+        );
         replace(&mut self.balance_inertia, element.flag("balanceinertia")?);
         if let Some([first, last]) = element.numbers("inertiagrouprange")? {
             self.inertia_groups = [first as i32, last as i32];
         }
         if let Some(text) = element.text("eulerseq") {
-            self.euler = sequence(&text)
-                .ok_or_else(|| element.place().attribute("eulerseq", "needs three of xyzXYZ"))?;
+            self.euler = sequence(&text).ok_or_else(|| {
+                element
+                    .place()
+                    .attribute("eulerseq", "needs three of xyzXYZ")
+            })?;
         }
         // of files that are not read, or without effect on the figures
-        element.ignore(&["assetdir", "meshdir", "texturedir", "strippath", "usethread", "saveinertial"]);
+        element.ignore(&[
+            "assetdir",
+            "meshdir",
+            "texturedir",
+            "strippath",
+            "usethread",
+            "saveinertial",
+        ]);
         for name in ["fusestatic", "discardvisual", "alignfree", "fitaabb"] {
             element.keyword(name, &[("false", ())])?;
         }

@@ -109,10 +109,7 @@ impl Joint {
         element.up_to("solimplimit", &mut self.solimp)?;
         read_solref(element, "solreffriction", &mut self.solref_friction)?;
         element.up_to("solimpfriction", &mut self.solimp_friction)?;
-        replace(
-            &mut self.force_range,
-            element.numbers("actuatorfrcrange")?,
-        );
+        replace(&mut self.force_range, element.numbers("actuatorfrcrange")?);
         replace(
             &mut self.force_limited,
             element.keyword("actuatorfrclimited", &LIMITED)?,
@@ -318,4 +315,3 @@ impl Site {
         Ok(())
     }
 }
-

@@ -71,10 +71,7 @@ impl Tendon {
             &mut self.force_limited,
             element.keyword("actuatorfrclimited", &LIMITED)?,
         );
-        replace(
-            &mut self.force_range,
-            element.numbers("actuatorfrcrange")?,
-        );
+        replace(&mut self.force_range, element.numbers("actuatorfrcrange")?);
         replace(&mut self.margin, element.number("margin")?);
         read_solref(element, "solreflimit", &mut self.solref)?;
         element.up_to("solimplimit", &mut self.solimp)?;

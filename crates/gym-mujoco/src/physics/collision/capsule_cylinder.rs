@@ -3,12 +3,13 @@
 //! capsule is taken out of it.
 
 use super::super::spatial::{
-    MINVAL, Mat3, Vec3, add, add_scaled, axis_angle, column, dot, norm, normalize, quat_to_mat,
-    rotate, rotate_back, scale, sub,
+    InTurn, MINVAL, Mat3, Vec3, add, add_scaled, axis_angle, column, dot, norm, normalize,
+    quat_to_mat, rotate, rotate_back, scale, sub,
 };
 use super::epa::Polytope;
 use super::gjk::{self, Vertex};
-use super::{Hit, Shape, frame};
+use super::{Hit, Shape, frame, on_end};
+use crate::Revision;
 
 /// By how much the shapes are turned to find further contacts, in radians.
 const TURN: f64 = 1e-3;
@@ -16,9 +17,43 @@ const TURN: f64 = 1e-3;
 /// Most contacts of the two shapes.
 const MOST: usize = 5;
 
-/// The contact of the two shapes, and up to four more, found with the shapes turned a little about
-/// it, as far as they are `apart` from those found before.
+/// The contacts of the two shapes: the revision's routine.
 pub(super) fn capsule_cylinder(
+    a: Shape<'_>,
+    b: Shape<'_>,
+    margin: f64,
+    apart: f64,
+    (revision, polytope): (Revision, &mut Polytope),
+    push: &mut impl FnMut(Hit),
+) {
+    match revision {
+        Revision::V3_12 => contacts_3_12(a, b, margin, apart, polytope, push),
+        Revision::V4_0 => contacts_4_0(a, b, margin, polytope, push),
+    }
+}
+
+/// From 4.0 on: the contact of the two shapes; or, where the capsule lies on an end of the
+/// cylinder, the two furthest apart along its axis.
+fn contacts_4_0(
+    capsule: Shape<'_>,
+    cylinder: Shape<'_>,
+    margin: f64,
+    polytope: &mut Polytope,
+    push: &mut impl FnMut(Hit),
+) {
+    let Some(touch) = one(capsule, cylinder, margin, Revision::V4_0, polytope) else {
+        return;
+    };
+    let line = on_end::line(capsule, cylinder, 0.5 * margin, &touch, polytope);
+    let first = line.is_none().then_some(touch);
+    for touch in first.into_iter().chain(line.into_iter().flatten()) {
+        push(touch.hit(margin));
+    }
+}
+
+/// Before 4.0: the contact of the two shapes, and up to four more, found with the shapes turned a
+/// little about it, as far as they are `apart` from those found before.
+fn contacts_3_12(
     a: Shape<'_>,
     b: Shape<'_>,
     margin: f64,
@@ -26,7 +61,10 @@ pub(super) fn capsule_cylinder(
     polytope: &mut Polytope,
     push: &mut impl FnMut(Hit),
 ) {
-    let Some(first) = one(a, b, margin, polytope) else {
+    let mut one = |a: Shape<'_>, b: Shape<'_>| {
+        one(a, b, margin, Revision::V3_12, polytope).map(|touch| touch.hit(margin))
+    };
+    let Some(first) = one(a, b) else {
         return;
     };
     push(first);
@@ -38,7 +76,7 @@ pub(super) fn capsule_cylinder(
         [frame[6], frame[7], frame[8]],
     ] {
         for angle in [-TURN, TURN] {
-            let turn = quat_to_mat(axis_angle(tangent, angle));
+            let turn = quat_to_mat::<InTurn>(axis_angle(tangent, angle));
             let back = std::array::from_fn(|k| turn[3 * (k % 3) + k / 3]);
             let (a_pos, a_mat) = turned(a, first.pos, &turn);
             let (b_pos, b_mat) = turned(b, first.pos, &back);
@@ -53,8 +91,6 @@ pub(super) fn capsule_cylinder(
                     mat: &b_mat,
                     ..b
                 },
-                margin,
-                polytope,
             );
             if let Some(hit) = turned.filter(|hit| {
                 kept[..number]
@@ -83,12 +119,14 @@ fn turned(shape: Shape<'_>, about: Vec3, turn: &Mat3) -> (Vec3, Mat3) {
     )
 }
 
+/// The deepest points of the two shapes.
 fn one(
     capsule: Shape<'_>,
     cylinder: Shape<'_>,
     margin: f64,
+    revision: Revision,
     polytope: &mut Polytope,
-) -> Option<Hit> {
+) -> Option<Touch> {
     let grown = 0.5 * margin;
     let grow = |point: Vec3, direction: Vec3| {
         if grown > 0.0 {
@@ -97,43 +135,85 @@ fn one(
             point
         }
     };
-    let rim = |direction: Vec3| grow(cylinder_support(cylinder, direction), direction);
-    let hit = |dist: f64, [w1, w2]: [Vec3; 2]| {
-        let pos = scale(add(w1, w2), 0.5);
-        Hit {
-            dist: margin + dist,
-            pos,
-            normal: normalize(sub(w1, w2)).0,
-            tangent: [0.0; 3],
-        }
+    let rim = |direction: Vec3| {
+        let (point, low) = cylinder_support(cylinder, direction);
+        (grow(point, direction), low)
     };
 
     let centers = [capsule.pos, cylinder.pos];
-    let reach = capsule.size[0] + grown;
-    let axis = |direction: Vec3| {
-        Vertex::new(
-            line_support(capsule, direction),
-            rim(scale(direction, -1.0)),
-        )
+    // from 4.0 on, the capsule's axis meets a cylinder that has not grown
+    let (reach, grown_after) = match revision {
+        Revision::V3_12 => (capsule.size[0] + grown, 0.0),
+        Revision::V4_0 => (grown + capsule.size[0], grown),
     };
-    let found = gjk::distance(centers, reach, &axis);
+    let axis = |direction: Vec3| {
+        let back = scale(direction, -1.0);
+        let other = match revision {
+            Revision::V3_12 => rim(back),
+            Revision::V4_0 => cylinder_support(cylinder, back),
+        };
+        Vertex::new(line_support(capsule, direction), other)
+    };
+    let found = gjk::distance(centers, reach + grown_after, revision, &axis);
     if found.distance > gjk::TOLERANCE {
         let [w1, w2] = found.nearest;
-        let dist = found.distance - reach;
+        let dist = found.distance - (reach + grown_after);
         let normal = normalize(sub(w2, w1)).0;
-        return (dist < 0.0).then(|| hit(dist, [add_scaled(w1, normal, reach), w2]));
+        let w2 = match revision {
+            Revision::V3_12 => w2,
+            Revision::V4_0 => add_scaled(w2, normal, -grown_after),
+        };
+        return (dist < 0.0).then(|| Touch {
+            dist,
+            points: [add_scaled(w1, normal, reach), w2],
+            low: end(&found.simplex[..found.number]),
+        });
     }
 
     let whole = |direction: Vec3| {
         let near = grow(capsule_support(capsule, direction), direction);
         Vertex::new(near, rim(scale(direction, -1.0)))
     };
-    let found = gjk::distance(centers, 0.0, &whole);
+    let found = gjk::distance(centers, 0.0, revision, &whole);
     if found.distance > gjk::TOLERANCE || found.separated {
         return None;
     }
-    let (nearest, depth) = polytope.overlap(&found, &whole)?;
-    (depth > 0.0).then(|| hit(-depth, nearest))
+    let overlap = polytope.overlap(&found, revision, &whole)?;
+    (overlap.depth > 0.0).then(|| Touch {
+        dist: -overlap.depth,
+        points: overlap.nearest,
+        low: end(&overlap.corners),
+    })
+}
+
+/// Whether the points of all vertices but the last of four are on the lower end of the cylinder;
+/// `None` where they are on both.
+fn end(simplex: &[Vertex]) -> Option<bool> {
+    let last = simplex.len() - 1;
+    let [a, b, c] = [0, 1, 2].map(|i| simplex[i.min(last)].low);
+    (a == b && b == c).then_some(a)
+}
+
+/// The deepest points of two shapes.
+#[derive(Clone, Copy)]
+pub(super) struct Touch {
+    /// Their distance, without the margin.
+    pub(super) dist: f64,
+    pub(super) points: [Vec3; 2],
+    /// Whether they are on the lower end of the cylinder, if they are on one of the ends.
+    pub(super) low: Option<bool>,
+}
+
+impl Touch {
+    fn hit(&self, margin: f64) -> Hit {
+        let [w1, w2] = self.points;
+        Hit {
+            dist: margin + self.dist,
+            pos: scale(add(w1, w2), 0.5),
+            normal: normalize(sub(w1, w2)).0,
+            tangent: [0.0; 3],
+        }
+    }
 }
 
 /// The point of a capsule's axis furthest in a direction.
@@ -159,8 +239,8 @@ fn capsule_support(capsule: Shape<'_>, direction: Vec3) -> Vec3 {
     add(rotate(capsule.mat, point), capsule.pos)
 }
 
-/// The point of a cylinder furthest in a direction.
-fn cylinder_support(cylinder: Shape<'_>, direction: Vec3) -> Vec3 {
+/// The point of a cylinder furthest in a direction, and whether it is on the lower end.
+fn cylinder_support(cylinder: Shape<'_>, direction: Vec3) -> (Vec3, bool) {
     let &[radius, half, _] = cylinder.size;
     let local = rotate_back(cylinder.mat, direction);
     let square = local[0] * local[0] + local[1] * local[1];
@@ -174,5 +254,8 @@ fn cylinder_support(cylinder: Shape<'_>, direction: Vec3) -> Vec3 {
         s * local[1],
         if local[2] >= 0.0 { half } else { -half },
     ];
-    add(rotate(cylinder.mat, point), cylinder.pos)
+    (
+        add(rotate(cylinder.mat, point), cylinder.pos),
+        point[2] < 0.0,
+    )
 }

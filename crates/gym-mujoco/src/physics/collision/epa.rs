@@ -6,16 +6,19 @@
 //! of faces, which decides between faces that are equally near.
 
 use super::super::spatial::{MINVAL, Mat3, Vec3, add, cross, dot, norm, rotate, scale, sub};
-use super::gjk::{Found, ITERATIONS, TOLERANCE, Vertex, areas, project};
+use super::gjk::{Found, ITERATIONS, LEAST, TOLERANCE, Vertex, project, weights_at};
+use crate::Revision;
 
-/// Faces nearer to the origin than this, squared, contain it.
-const LEAST: f64 = MINVAL * MINVAL;
 /// The most faces that are ever made.
 const FACES: usize = 6 * ITERATIONS;
+
+/// The most points of a line that was cut by each side of an end.
+const CUTS: usize = 40;
 
 /// A polytope that contains the origin.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Polytope {
+    revision: Revision,
     vertices: Vec<Vertex>,
     faces: Vec<Face>,
     center: Vec3,
@@ -23,6 +26,8 @@ pub(crate) struct Polytope {
     candidates: Vec<usize>,
     /// Faces that stay and their edges to faces that do not.
     horizon: Vec<(usize, usize)>,
+    /// Points of a line, before and after a cut.
+    pub(super) lines: [Vec<Vec3>; 2],
 }
 
 #[derive(Clone, Debug)]
@@ -34,6 +39,16 @@ struct Face {
     nearest: Vec3,
     square: f64,
     place: Place,
+}
+
+/// How two sets overlap.
+pub(super) struct Overlap {
+    /// The points of both sets that are as far within the other set as the sets overlap.
+    pub(super) nearest: [Vec3; 2],
+    /// By how much they overlap.
+    pub(super) depth: f64,
+    /// The corners of the face of the difference that is nearest to the origin.
+    pub(super) corners: [Vertex; 3],
 }
 
 /// Whether a face is a candidate, and where.
@@ -48,21 +63,24 @@ impl Polytope {
     /// A polytope that need not grow.
     pub(crate) fn new() -> Self {
         Self {
+            revision: Revision::default(),
             vertices: Vec::with_capacity(ITERATIONS + 5),
             faces: Vec::with_capacity(FACES),
             center: [0.0; 3],
             candidates: Vec::with_capacity(FACES),
             horizon: Vec::with_capacity(FACES),
+            lines: std::array::from_fn(|_| Vec::with_capacity(CUTS)),
         }
     }
 
-    /// The points of both sets that are as far within the other set as the sets overlap, and by how
-    /// much; `None` where they do not overlap, or nothing can be found out.
+    /// How the sets overlap; `None` where they do not, or nothing can be found out.
     pub(super) fn overlap(
         &mut self,
         found: &Found,
+        revision: Revision,
         support: &impl Fn(Vec3) -> Vertex,
-    ) -> Option<([Vec3; 2], f64)> {
+    ) -> Option<Overlap> {
+        self.revision = revision;
         self.vertices.clear();
         self.clear_faces();
         let s = &found.simplex;
@@ -79,8 +97,7 @@ impl Polytope {
         let nearest = self.expand(support)?;
         let face = &self.faces[nearest];
         let corners = face.corners.map(|v| self.vertices[v]);
-        let (whole, parts) = areas(corners.map(|v| v.x), face.nearest);
-        let weights = parts.map(|part| part / whole);
+        let (weights, _) = weights_at(corners.map(|v| v.x), face.nearest, revision);
         let point = |of: fn(&Vertex) -> Vec3| {
             let [a, b, c] = corners.map(|v| of(&v));
             add(
@@ -88,7 +105,11 @@ impl Polytope {
                 scale(c, weights[2]),
             )
         };
-        Some(([point(|v| v.w1), point(|v| v.w2)], face.square.sqrt()))
+        Some(Overlap {
+            nearest: [point(|v| v.w1), point(|v| v.w2)],
+            depth: face.square.sqrt(),
+            corners,
+        })
     }
 
     fn clear_faces(&mut self) {
@@ -121,7 +142,7 @@ impl Polytope {
     /// area.
     fn attach(&mut self, corners: [usize; 3], beyond: [usize; 3]) -> f64 {
         let [a, b, c] = corners.map(|v| self.vertices[v].x);
-        let (nearest, square) = match project(c, b, a) {
+        let (nearest, square) = match project(c, b, a, self.revision) {
             None => ([0.0; 3], 0.0),
             Some(nearest) => {
                 let inward = dot(nearest, sub(a, self.center)) < 0.0;
@@ -149,7 +170,6 @@ impl Polytope {
         [a, b]: [Vertex; 2],
         support: &impl Fn(Vec3) -> Vertex,
     ) -> Option<()> {
-        self.center = scale(add(a.x, b.x), 0.5);
         let along = sub(b.x, a.x);
         // across the line and the axis on which it is shortest
         let axis = (0..3).fold(0, |best, k| {
@@ -168,6 +188,11 @@ impl Polytope {
         let (v1, v2) = (self.insert(a), self.insert(b));
         let [v3, v4, v5] =
             [across, second, third].map(|d| self.insert_furthest(d, norm(d), support));
+        let [x1, x2, x3, x4, x5] = [v1, v2, v3, v4, v5].map(|v| self.vertices[v].x);
+        self.center = match self.revision {
+            Revision::V3_12 => scale(add(x1, x2), 0.5),
+            Revision::V4_0 => mean([x1, x2, x3, x4, x5]),
+        };
         for (corners, beyond) in [
             ([v1, v3, v4], [1, 3, 2]),
             ([v1, v5, v3], [2, 4, 0]),
@@ -180,7 +205,6 @@ impl Polytope {
                 return self.restart_from_face(corners, support);
             }
         }
-        let [x1, x2, x3, x4, x5] = [v1, v2, v3, v4, v5].map(|v| self.vertices[v].x);
         crosses([x1, x2], [x3, x4, x5]).then_some(())
     }
 
@@ -202,7 +226,6 @@ impl Polytope {
         support: &impl Fn(Vec3) -> Vertex,
     ) -> Option<()> {
         let [a, b, c] = t.map(|v| v.x);
-        self.center = scale(add(add(a, b), c), 1.0 / 3.0);
         let normal = cross(sub(b, a), sub(c, a));
         let length = norm(normal);
         if length < MINVAL {
@@ -214,10 +237,25 @@ impl Polytope {
         let v4 = self.insert_furthest(normal, length, support);
         if [v4, v5]
             .into_iter()
-            .any(|v| is_in_triangle([a, b, c], self.vertices[v].x))
+            .any(|v| is_in_triangle([a, b, c], self.vertices[v].x, self.revision))
         {
             return None;
         }
+        let [d, e] = [v4, v5].map(|v| self.vertices[v].x);
+        self.center = match self.revision {
+            Revision::V3_12 => scale(add(add(a, b), c), 1.0 / 3.0),
+            // the pyramids have height, and the origin is within them
+            Revision::V4_0 => {
+                let flat = |height: f64| height < length * MINVAL;
+                if flat(dot(normal, sub(d, a)))
+                    || flat(-dot(normal, sub(e, a)))
+                    || !crosses([d, e], [a, b, c])
+                {
+                    return None;
+                }
+                mean([a, b, c, d, e])
+            }
+        };
         for (corners, beyond) in [
             ([v4, v1, v2], [1, 3, 2]),
             ([v4, v3, v1], [2, 4, 0]),
@@ -230,7 +268,19 @@ impl Polytope {
                 return None;
             }
         }
-        Some(())
+        if self.revision == Revision::V3_12 {
+            return Some(());
+        }
+        // the origin is on the inner side of each face, or on it
+        let opposite = [c, b, a, c, b, a];
+        let holds = |face: &Face, opposite: Vec3| {
+            let [p, q, r] = face.corners.map(|v| self.vertices[v].x);
+            is_on_side_of_fourth([p, q, r, opposite]) || face.square < TOLERANCE * TOLERANCE
+        };
+        let mut faces = self.faces.iter().zip(opposite);
+        faces
+            .all(|(face, opposite)| holds(face, opposite))
+            .then_some(())
     }
 
     /// MuJoCo's `polytope4`.
@@ -279,11 +329,16 @@ impl Polytope {
             let vertex = self.insert_furthest(direction, lower, support);
             let w = self.vertices[vertex].x;
             let bound = dot(direction, w) / lower;
+            // from 4.0 on, the last bound ends the search and not the least
+            let (last, slack) = match self.revision {
+                Revision::V3_12 => (f64::min(bound, upper), 1e-10),
+                Revision::V4_0 => (bound, TOLERANCE),
+            };
+            if last - lower < TOLERANCE {
+                return face.filter(|_| iteration > 0 || last >= lower - slack);
+            }
             if bound < upper {
                 (upper, upper_square) = (bound, bound * bound);
-            }
-            if upper - lower < TOLERANCE {
-                return face.filter(|_| iteration > 0 || upper >= lower - 1e-10);
             }
             self.find_horizon(nearest, w);
             let edges = self.horizon.len();
@@ -304,7 +359,8 @@ impl Polytope {
                 let (last, next) = (first + (i + edges - 1) % edges, first + (i + 1) % edges);
                 let square = self.attach([vertex, v2, v1], [last, beyond, next]);
                 if square == 0.0 {
-                    return None;
+                    // from 4.0 on, what was found before stays
+                    return face.filter(|_| self.revision != Revision::V3_12);
                 }
                 if square >= lower_square && square <= upper_square {
                     self.faces[first + i].place = Place::Candidate(self.candidates.len());
@@ -355,7 +411,12 @@ impl Polytope {
             ..
         } = self.faces[face];
         let entry = corners[..2].iter().position(|c| *c == corner).unwrap_or(2);
-        if dot(nearest, w) - square > MINVAL {
+        // from 4.0 on, relative to the distance where that is above 1
+        let least = match self.revision {
+            Revision::V3_12 => MINVAL,
+            Revision::V4_0 => f64::max(MINVAL * square.sqrt(), MINVAL),
+        };
+        if dot(nearest, w) - square > least {
             self.remove(face);
             for edge in [(entry + 1) % 3, (entry + 2) % 3] {
                 let neighbour = beyond[edge];
@@ -397,10 +458,14 @@ fn crosses([a, b]: [Vec3; 2], triangle: [Vec3; 3]) -> bool {
     volumes.iter().all(|v| *v >= 0.0) || volumes.iter().all(|v| *v <= 0.0)
 }
 
+/// The mean of five points.
+fn mean([a, b, c, d, e]: [Vec3; 5]) -> Vec3 {
+    scale(add(add(add(add(a, b), c), d), e), 0.2)
+}
+
 /// Whether a point is one of a triangle.
-fn is_in_triangle(corners: [Vec3; 3], p: Vec3) -> bool {
-    let (whole, parts) = areas(corners, p);
-    let weights = parts.map(|part| part / whole);
+fn is_in_triangle(corners: [Vec3; 3], p: Vec3, revision: Revision) -> bool {
+    let (weights, _) = weights_at(corners, p, revision);
     let [a, b, c] = corners;
     let nearest = add(
         add(scale(a, weights[0]), scale(b, weights[1])),

@@ -6,11 +6,15 @@
 //! decides how often it iterates.
 
 use super::super::spatial::{MINVAL, Vec3, add_scaled, cross, dot, norm, scale, sub};
+use crate::Revision;
 
 /// MuJoCo's `ccd_tolerance`.
 pub(super) const TOLERANCE: f64 = 1e-6;
 /// MuJoCo's `ccd_iterations`.
 pub(super) const ITERATIONS: usize = 35;
+
+/// Squares of lengths below this count as zero.
+pub(super) const LEAST: f64 = MINVAL * MINVAL;
 
 /// Points of the two sets, and their difference.
 #[derive(Clone, Copy, Debug, Default)]
@@ -18,14 +22,17 @@ pub(super) struct Vertex {
     pub(super) w1: Vec3,
     pub(super) w2: Vec3,
     pub(super) x: Vec3,
+    /// Whether the point of the second set, a cylinder, is on its lower end.
+    pub(super) low: bool,
 }
 
 impl Vertex {
-    pub(super) fn new(w1: Vec3, w2: Vec3) -> Self {
+    pub(super) fn new(w1: Vec3, (w2, low): (Vec3, bool)) -> Self {
         Self {
             w1,
             w2,
             x: sub(w1, w2),
+            low,
         }
     }
 }
@@ -61,19 +68,49 @@ impl Found {
 ///
 /// `centers` are points of the sets. From the distance `reach` on it does not matter; with 0, all
 /// that matters is whether they overlap.
-pub(super) fn distance(centers: [Vec3; 2], reach: f64, support: &impl Fn(Vec3) -> Vertex) -> Found {
+pub(super) fn distance(
+    centers: [Vec3; 2],
+    reach: f64,
+    revision: Revision,
+    support: &impl Fn(Vec3) -> Vertex,
+) -> Found {
+    match revision {
+        Revision::V3_12 => distance_3_12(centers, reach, support),
+        Revision::V4_0 => distance_4_0(centers, reach, support),
+    }
+}
+
+/// The furthest point of the difference towards the origin from a point at some distance of it.
+fn toward_origin(x: Vec3, length: f64, support: &impl Fn(Vec3) -> Vertex) -> Vertex {
+    support(scale(scale(x, 1.0 / length), -1.0))
+}
+
+/// Drops the vertices of a simplex without weight, and returns how many are left.
+fn drop_vertices(simplex: &mut [Vertex; 4], weights: &mut [f64; 4], found: [f64; 4]) -> usize {
+    let mut number = 0;
+    for i in 0..4 {
+        if found[i] != 0.0 {
+            (simplex[number], weights[number]) = (simplex[i], found[i]);
+            number += 1;
+        }
+    }
+    number
+}
+
+/// Before 4.0: the nearest point is the weighted sum of the simplex, and where all that matters is
+/// whether the sets overlap, a tetrahedron looks for the origin by itself.
+fn distance_3_12(centers: [Vec3; 2], reach: f64, support: &impl Fn(Vec3) -> Vertex) -> Found {
     let (mut simplex, mut weights, mut number) = ([Vertex::default(); 4], [0.0; 4], 0);
     let mut nearest = centers;
     let mut portal = reach == 0.0;
     let mut x = sub(centers[0], centers[1]);
     let (mut length, mut before) = (norm(x), 0.0);
-    let toward_origin = |x: Vec3, length: f64| support(scale(scale(x, 1.0 / length), -1.0));
     let mut iteration = 0;
     while iteration < ITERATIONS {
         if length < TOLERANCE || f64::abs(before - length) < MINVAL {
             break;
         }
-        let vertex = toward_origin(x, length);
+        let vertex = toward_origin(x, length, support);
         let s = vertex.x;
         if dot(x, sub(x, s)) < 0.5 * (TOLERANCE * TOLERANCE) {
             break;
@@ -99,15 +136,8 @@ pub(super) fn distance(centers: [Vec3; 2], reach: f64, support: &impl Fn(Vec3) -
             }
         }
         number += 1;
-        let found = closest(&simplex.map(|v| v.x)[..number]);
-        // vertices without weight are dropped
-        number = 0;
-        for i in 0..4 {
-            if found[i] != 0.0 {
-                (simplex[number], weights[number]) = (simplex[i], found[i]);
-                number += 1;
-            }
-        }
+        let found = closest(&simplex.map(|v| v.x)[..number], Revision::V3_12);
+        number = drop_vertices(&mut simplex, &mut weights, found);
         if number == 0 {
             return Found::beyond();
         }
@@ -124,7 +154,7 @@ pub(super) fn distance(centers: [Vec3; 2], reach: f64, support: &impl Fn(Vec3) -
             combine(&simplex, &weights, number, |v| v.w2),
         ];
     }
-    let separated = dot(x, toward_origin(x, length).x) > 0.0;
+    let separated = dot(x, toward_origin(x, length, support).x) > 0.0;
     let distance = if number == 4 && !separated {
         0.0
     } else {
@@ -137,6 +167,78 @@ pub(super) fn distance(centers: [Vec3; 2], reach: f64, support: &impl Fn(Vec3) -
         number,
         separated,
     }
+}
+
+/// From 4.0 on: the nearest point of a segment or triangle is the origin's projection, the least
+/// distance known so far ends the search, and a tetrahedron is left to the polytope.
+fn distance_4_0(centers: [Vec3; 2], reach: f64, support: &impl Fn(Vec3) -> Vertex) -> Found {
+    let (mut simplex, mut weights, mut number) = ([Vertex::default(); 4], [0.0; 4], 0);
+    let least = if reach > 0.0 { MINVAL } else { TOLERANCE };
+    let mut x = sub(centers[0], centers[1]);
+    let mut length = norm(x);
+    if length < MINVAL {
+        (x, length) = ([1.0, 0.0, 0.0], 1.0);
+    }
+    let mut separated = false;
+    for iteration in 0..ITERATIONS {
+        let vertex = toward_origin(x, length, support);
+        let along = dot(x, vertex.x);
+        if along > 0.0 {
+            separated = true;
+            if reach == 0.0 || along >= reach * length {
+                return Found::beyond();
+            }
+        }
+        if iteration > 0 && dot(x, sub(x, vertex.x)) < 0.5 * (TOLERANCE * TOLERANCE) {
+            break;
+        }
+        simplex[number] = vertex;
+        let found = closest(&simplex.map(|v| v.x)[..=number], Revision::V4_0);
+        number = drop_vertices(&mut simplex, &mut weights, found);
+        if number == 0 {
+            return Found::beyond();
+        }
+        if number == 4 {
+            if !separated {
+                length = 0.0;
+            }
+            break;
+        }
+        let [a, b, c] = [0, 1, 2].map(|i| simplex[i].x);
+        let projected = match number {
+            2 => project_on_line(a, b),
+            3 => project(a, b, c, Revision::V4_0),
+            _ => None,
+        };
+        x = projected.unwrap_or_else(|| combine(&simplex, &weights, number, |v| v.x));
+        let before = length;
+        length = norm(x);
+        let near = if number == 1 { MINVAL } else { least };
+        if length < near || (iteration > 0 && f64::abs(length - before) < MINVAL) {
+            break;
+        }
+    }
+    let nearest = [
+        combine(&simplex, &weights, number, |v| v.w1),
+        combine(&simplex, &weights, number, |v| v.w2),
+    ];
+    if number <= 3 && !separated && length >= MINVAL {
+        separated = dot(x, toward_origin(x, length, support).x) > 0.0;
+    }
+    Found {
+        distance: length,
+        nearest,
+        simplex,
+        number,
+        separated,
+    }
+}
+
+/// The origin projected onto the line through two points; `None` where these coincide.
+fn project_on_line(a: Vec3, b: Vec3) -> Option<Vec3> {
+    let along = sub(b, a);
+    let square = dot(along, along);
+    (square >= LEAST).then(|| add_scaled(b, along, -(dot(b, along) / square)))
 }
 
 fn combine(
@@ -190,7 +292,6 @@ fn contains_origin(
 /// How far a face is from the origin along its normal, and the normal; the largest number for a
 /// face without normal.
 fn signed_distance(a: &Vertex, b: &Vertex, c: &Vertex) -> (f64, Vec3) {
-    const LEAST: f64 = MINVAL * MINVAL;
     const MOST: f64 = crate::physics::MAXVAL * crate::physics::MAXVAL;
     let normal = cross(sub(c.x, a.x), sub(b.x, a.x));
     let square = dot(normal, normal);
@@ -203,11 +304,11 @@ fn signed_distance(a: &Vertex, b: &Vertex, c: &Vertex) -> (f64, Vec3) {
 }
 
 /// Weights of the simplex's corners at its point nearest to the origin.
-fn closest(s: &[Vec3]) -> [f64; 4] {
+fn closest(s: &[Vec3], revision: Revision) -> [f64; 4] {
     match *s {
-        [a, b] => spread(segment(a, b), [0, 1]),
-        [a, b, c] => spread(triangle(a, b, c), [0, 1, 2]),
-        [a, b, c, d] => tetrahedron([a, b, c, d]),
+        [a, b] => spread(segment(a, b, revision), [0, 1]),
+        [a, b, c] => spread(triangle(a, b, c, revision), [0, 1, 2]),
+        [a, b, c, d] => tetrahedron([a, b, c, d], revision),
         _ => [1.0, 0.0, 0.0, 0.0],
     }
 }
@@ -225,8 +326,12 @@ fn same_sign(a: f64, b: f64) -> bool {
     (a > 0.0 && b > 0.0) || (a < 0.0 && b < 0.0)
 }
 
-fn segment(a: Vec3, b: Vec3) -> [f64; 2] {
+/// From 4.0 on, a place beyond the first end is that end; before, it counts as the second one.
+fn segment(a: Vec3, b: Vec3, revision: Revision) -> [f64; 2] {
     let along = sub(b, a);
+    if revision != Revision::V3_12 && dot(along, along) < LEAST {
+        return [0.0, 1.0];
+    }
     let nearest = add_scaled(b, along, -(dot(b, along) / dot(along, along)));
     // the axis on which the segment is longest
     let k = (0..3).fold(0, |best, k| {
@@ -237,16 +342,16 @@ fn segment(a: Vec3, b: Vec3) -> [f64; 2] {
         }
     });
     let (whole, from_b, from_a) = (a[k] - b[k], nearest[k] - b[k], a[k] - nearest[k]);
-    if same_sign(whole, from_b) && same_sign(whole, from_a) {
-        [from_b / whole, from_a / whole]
-    } else {
-        [0.0, 1.0]
+    match [from_b, from_a].map(|part| same_sign(whole, part)) {
+        [true, true] => [from_b / whole, from_a / whole],
+        [true, false] if revision != Revision::V3_12 => [1.0, 0.0],
+        _ => [0.0, 1.0],
     }
 }
 
 /// The origin projected onto the plane of a triangle; `None` where that has no area. The normal is
 /// made at the corner where it has a part towards the origin.
-pub(super) fn project(a: Vec3, b: Vec3, c: Vec3) -> Option<Vec3> {
+pub(super) fn project(a: Vec3, b: Vec3, c: Vec3, revision: Revision) -> Option<Vec3> {
     let (ba, ca, cb) = (sub(b, a), sub(c, a), sub(c, b));
     for (normal, corner) in [(cross(cb, ba), b), (cross(ba, ca), a)] {
         let (height, square) = (dot(normal, corner), dot(normal, normal));
@@ -258,14 +363,28 @@ pub(super) fn project(a: Vec3, b: Vec3, c: Vec3) -> Option<Vec3> {
         }
     }
     let normal = cross(ca, cb);
-    Some(scale(normal, dot(normal, c) / dot(normal, normal)))
+    let square = dot(normal, normal);
+    let flat = revision != Revision::V3_12 && square == 0.0;
+    (!flat).then(|| scale(normal, dot(normal, c) / square))
 }
 
-/// The areas of a triangle and of its three parts about a point of its plane, on the two axes on
-/// which it is largest.
-pub(super) fn areas([a, b, c]: [Vec3; 3], p: Vec3) -> (f64, [f64; 3]) {
-    let minor = |x: usize, y: usize| {
-        b[x] * c[y] - b[y] * c[x] - a[x] * c[y] + a[y] * c[x] + a[x] * b[y] - a[y] * b[x]
+/// The weights of a triangle's corners at a point of its plane, from the areas of the three parts
+/// about the point, on the two axes on which the triangle is largest; and which of them have the
+/// triangle's sign.
+///
+/// From 4.0 on, areas are those of edges and of corners relative to the point, and weights are
+/// shares of the parts' sum instead of the triangle.
+pub(super) fn weights_at(
+    [a, b, c]: [Vec3; 3],
+    p: Vec3,
+    revision: Revision,
+) -> ([f64; 3], [bool; 3]) {
+    let (ab, ac) = (sub(b, a), sub(c, a));
+    let minor = |x: usize, y: usize| match revision {
+        Revision::V3_12 => {
+            b[x] * c[y] - b[y] * c[x] - a[x] * c[y] + a[y] * c[x] + a[x] * b[y] - a[y] * b[x]
+        }
+        Revision::V4_0 => ab[x] * ac[y] - ab[y] * ac[x],
     };
     let minors = [minor(1, 2), minor(0, 2), minor(0, 1)];
     let [m0, m1, m2] = minors.map(f64::abs);
@@ -276,22 +395,36 @@ pub(super) fn areas([a, b, c]: [Vec3; 3], p: Vec3) -> (f64, [f64; 3]) {
     } else {
         (minors[2], 0, 1)
     };
-    let part = |q: Vec3, r: Vec3| {
-        p[x] * q[y] + p[y] * r[x] + q[x] * r[y] - p[x] * r[y] - p[y] * q[x] - r[x] * q[y]
+    let part = |q: Vec3, r: Vec3| match revision {
+        Revision::V3_12 => {
+            p[x] * q[y] + p[y] * r[x] + q[x] * r[y] - p[x] * r[y] - p[y] * q[x] - r[x] * q[y]
+        }
+        Revision::V4_0 => (q[x] - p[x]) * (r[y] - p[y]) - (q[y] - p[y]) * (r[x] - p[x]),
     };
-    (whole, [part(b, c), part(c, a), part(a, b)])
+    let parts = [part(b, c), part(c, a), part(a, b)];
+    let sum = match revision {
+        Revision::V3_12 => whole,
+        Revision::V4_0 => parts[0] + parts[1] + parts[2],
+    };
+    (
+        parts.map(|part| part / sum),
+        parts.map(|part| same_sign(whole, part)),
+    )
 }
 
-fn triangle(a: Vec3, b: Vec3, c: Vec3) -> [f64; 3] {
-    let Some(origin) = project(a, b, c) else {
-        let [u, v] = segment(a, b);
-        return [u, v, 0.0];
+/// Where a triangle has no area, its first edge decides before 4.0, and all three from then on.
+fn triangle(a: Vec3, b: Vec3, c: Vec3, revision: Revision) -> [f64; 3] {
+    let inside = match (project(a, b, c, revision), revision) {
+        (Some(origin), _) => {
+            let (weights, inside) = weights_at([a, b, c], origin, revision);
+            if inside == [true; 3] {
+                return weights;
+            }
+            inside
+        }
+        (None, Revision::V3_12) => [true, true, false],
+        (None, Revision::V4_0) => [false; 3],
     };
-    let (whole, parts) = areas([a, b, c], origin);
-    let inside = parts.map(|part| same_sign(whole, part));
-    if inside == [true; 3] {
-        return parts.map(|part| part / whole);
-    }
     let mut best = ([0.0; 3], f64::MAX);
     let edges = [([b, c], [1, 2]), ([a, c], [0, 2]), ([a, b], [0, 1])];
     for ([p, q], corners) in edges
@@ -300,7 +433,7 @@ fn triangle(a: Vec3, b: Vec3, c: Vec3) -> [f64; 3] {
         .filter(|(_, inside)| !inside)
         .map(|(edge, _)| edge)
     {
-        let weights = segment(p, q);
+        let weights = segment(p, q, revision);
         let nearest = add_scaled(scale(p, weights[0]), q, weights[1]);
         let square = dot(nearest, nearest);
         if square < best.1 {
@@ -311,7 +444,7 @@ fn triangle(a: Vec3, b: Vec3, c: Vec3) -> [f64; 3] {
     best.0
 }
 
-fn tetrahedron([a, b, c, d]: [Vec3; 4]) -> [f64; 4] {
+fn tetrahedron([a, b, c, d]: [Vec3; 4], revision: Revision) -> [f64; 4] {
     let volume = |p: Vec3, q: Vec3, r: Vec3| dot(p, cross(q, r));
     // the volumes of the origin with each face, with the sign of the whole for the inside
     let parts = [
@@ -338,7 +471,7 @@ fn tetrahedron([a, b, c, d]: [Vec3; 4]) -> [f64; 4] {
         .filter(|(_, inside)| !inside)
         .map(|(face, _)| face)
     {
-        let weights = triangle(p, q, r);
+        let weights = triangle(p, q, r, revision);
         let nearest = add_scaled(
             add_scaled(scale(p, weights[0]), q, weights[1]),
             r,
@@ -391,8 +524,8 @@ mod tests {
         let mut found = [0; 5];
         for _ in 0..500 {
             let corners: [Vec3; 4] = std::array::from_fn(|_| std::array::from_fn(|_| number()));
-            for n in 1..=4 {
-                let weights = closest(&corners[..n]);
+            for (n, revision) in (1..=4).flat_map(|n| Revision::ALL.map(|revision| (n, revision))) {
+                let weights = closest(&corners[..n], revision);
                 assert!(weights.iter().all(|&w| w >= 0.0));
                 assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-9);
                 if weights[..n].contains(&0.0) {

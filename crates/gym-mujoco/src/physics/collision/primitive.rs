@@ -4,6 +4,7 @@ use super::super::spatial::{
     MINVAL, Vec3, add, add_scaled, column, cross, dot, norm, normalize, scale, sub,
 };
 use super::{Hit, Shape, spheres};
+use crate::Revision;
 
 /// A plane and a sphere of some centre and radius.
 fn plane_point(
@@ -142,19 +143,33 @@ pub(super) fn sphere_capsule(
 }
 
 /// The nearest points of the two segments as spheres; for parallel segments up to two pairs of
-/// them.
-pub(super) fn capsule_capsule(a: Shape<'_>, b: Shape<'_>, margin: f64, push: &mut impl FnMut(Hit)) {
+/// them: the revision's routine.
+pub(super) fn capsule_capsule(
+    a: Shape<'_>,
+    b: Shape<'_>,
+    margin: f64,
+    revision: Revision,
+    push: &mut impl FnMut(Hit),
+) {
+    let mut test = |c1: Vec3, c2: Vec3| {
+        let hit = spheres(c1, a.size[0], c2, b.size[0], (a.axis(), b.axis()), margin);
+        hit.map(&mut *push).is_some()
+    };
+    match revision {
+        Revision::V3_12 => segments_about_centres(a, b, &mut test),
+        Revision::V4_0 => segments_between_ends(a, b, &mut test),
+    }
+}
+
+/// Places on the segments as shares of the way from the centres to the ends.
+fn segments_about_centres(a: Shape<'_>, b: Shape<'_>, test: &mut impl FnMut(Vec3, Vec3) -> bool) {
     let (a1, a2) = (scale(a.axis(), a.size[1]), scale(b.axis(), b.size[1]));
     let between = sub(a.pos, b.pos);
     let (ma, mb, mc) = (dot(a1, a1), -dot(a1, a2), dot(a2, a2));
     let (u, v) = (-dot(a1, between), dot(a2, between));
     let det = ma * mc - mb * mb;
 
-    let mut test = |x1: f64, x2: f64| {
-        let (c1, c2) = (add_scaled(a.pos, a1, x1), add_scaled(b.pos, a2, x2));
-        let hit = spheres(c1, a.size[0], c2, b.size[0], (a.axis(), b.axis()), margin);
-        hit.map(&mut *push).is_some()
-    };
+    let mut test = |x1: f64, x2: f64| test(add_scaled(a.pos, a1, x1), add_scaled(b.pos, a2, x2));
     if det.abs() >= MINVAL {
         let (mut x1, mut x2) = ((mc * u - mb * v) / det, (ma * v - mb * u) / det);
         if x1 > 1.0 {
@@ -178,5 +193,42 @@ pub(super) fn capsule_capsule(a: Shape<'_>, b: Shape<'_>, margin: f64, push: &mu
         if found < 2 {
             found += usize::from(test(((u - x2 * mb) / ma).clamp(-1.0, 1.0), x2));
         }
+    }
+}
+
+/// Places on the segments as shares of the way between their ends, from 3.17 on. Nearly parallel
+/// segments touch at the places that are nearest to the ends of the first one.
+fn segments_between_ends(a: Shape<'_>, b: Shape<'_>, test: &mut impl FnMut(Vec3, Vec3) -> bool) {
+    /// The square of the sine of the angle between segments that count as parallel.
+    const PARALLEL: f64 = 1e-8;
+    let ends = |shape: Shape<'_>| {
+        let half = scale(shape.axis(), shape.size[1]);
+        (sub(shape.pos, half), add(shape.pos, half))
+    };
+    let ((a0, a1), (b0, b1)) = (ends(a), ends(b));
+    let (d1, d2, between) = (sub(a1, a0), sub(b1, b0), sub(a0, b0));
+    let (square1, square2) = (dot(d1, d1), dot(d2, d2));
+    let (f, c, both) = (dot(d2, between), dot(d1, between), dot(d1, d2));
+    let share = |x: f64| x.clamp(0.0, 1.0);
+    let (to_start, to_end) = (-c / square1, (both - c) / square1);
+    // a place beyond an end of the second segment is that end, and the first one's is the nearest
+    let mut test = |s: f64, t: f64| {
+        let (s, t) = if t < 0.0 {
+            (share(to_start), 0.0)
+        } else if t > 1.0 {
+            (share(to_end), 1.0)
+        } else {
+            (s, t)
+        };
+        test(add_scaled(a0, d1, s), add_scaled(b0, d2, t))
+    };
+    let normal = cross(d1, d2);
+    let square = dot(normal, normal);
+    if square > PARALLEL * square1 * square2 {
+        let s = share(dot(normal, cross(d2, between)) / square);
+        test(s, (both * s + f) / square2);
+    } else {
+        test(0.0, f / square2);
+        test(1.0, (f + both) / square2);
     }
 }

@@ -4,6 +4,9 @@
 //! libmujoco makes one after the other, are made for four rows at once here. What is above the
 //! diagonal is not defined.
 
+use std::ops::Sub;
+
+use crate::Revision;
 use crate::physics::dense::{Lanes, minus, plus, times};
 use crate::physics::spatial::MINVAL;
 
@@ -69,9 +72,16 @@ fn dot_rows(
     plus(plus(plus(a, c, 1.0), plus(b, d, 1.0), 1.0), rest, 1.0)
 }
 
-/// Solves `L L' x = x`: MuJoCo's `mju_cholSolve`.
+/// Solves `L L' x = x`: MuJoCo's `mju_cholSolve`, which from 4.0 on substitutes back by columns, so
+/// that an element subtracts the products with the last ones first.
 #[inline(always)]
-pub(super) fn solve(factor: &[Lanes], n: usize, stride: usize, x: &mut [Lanes]) {
+pub(super) fn solve(
+    factor: &[Lanes],
+    n: usize,
+    stride: usize,
+    x: &mut [Lanes],
+    revision: Revision,
+) {
     for g in 0..stride {
         // subtract the columns before these four rows
         let known = x[..g].as_flattened();
@@ -95,10 +105,15 @@ pub(super) fn solve(factor: &[Lanes], n: usize, stride: usize, x: &mut [Lanes]) 
     let x = x.as_flattened_mut();
     for i in (0..n).rev() {
         let column = factor[i * stride..(i + 1) * stride].as_flattened();
-        let mut sum = x[i];
-        for (l, x) in column[i + 1..n].iter().zip(&x[i + 1..n]) {
-            sum -= l * x;
-        }
+        let products = column[i + 1..n].iter().zip(&x[i + 1..n]);
+        let products = products.map(
+            #[inline(always)]
+            |(l, x)| l * x,
+        );
+        let sum = match revision {
+            Revision::V3_12 => products.fold(x[i], Sub::sub),
+            Revision::V4_0 => products.rfold(x[i], Sub::sub),
+        };
         x[i] = sum / column[i];
     }
 }
@@ -165,7 +180,7 @@ mod tests {
     }
 
     /// The same by rows, element by element, as libmujoco does it.
-    fn plain(matrix: &mut [[f64; N]; N], x: &mut [f64; N]) {
+    fn plain(matrix: &mut [[f64; N]; N], x: &mut [f64; N], revision: Revision) {
         for j in 0..N {
             let diagonal = (matrix[j][j] - dot_slices(&matrix[j][..j], &matrix[j][..j])).sqrt();
             matrix[j][j] = diagonal;
@@ -178,10 +193,17 @@ mod tests {
             x[i] = (x[i] - dot_slices(&matrix[i][..i], &x[..i])) / matrix[i][i];
         }
         for i in (0..N).rev() {
-            for j in i + 1..N {
-                x[i] -= matrix[j][i] * x[j];
+            if revision == Revision::V3_12 {
+                for j in i + 1..N {
+                    x[i] -= matrix[j][i] * x[j];
+                }
             }
             x[i] /= matrix[i][i];
+            if revision == Revision::V4_0 {
+                for j in 0..i {
+                    x[j] -= matrix[i][j] * x[i];
+                }
+            }
         }
     }
 
@@ -189,20 +211,24 @@ mod tests {
     fn rows_four_at_once_have_the_bits_of_one_at_a_time() {
         let mut columns = by_columns(&matrix());
         factor(&mut columns, N, groups(N));
-        let mut rows = matrix();
-        let mut x: [f64; N] = std::array::from_fn(|i| 1.0 / (3.0 + i as f64));
-        let mut padded = vec![[0.0; 4]; groups(N)];
-        crate::physics::dense::put(&mut padded, &x);
-        solve(&columns, N, groups(N), &mut padded);
-        plain(&mut rows, &mut x);
-        let factors = by_columns(&rows);
-        for j in 0..N {
-            for i in j..N {
-                let at = j * groups(N) + i / 4;
-                assert_eq!(columns[at][i % 4], factors[at][i % 4], "{i} {j}");
+        let start: [f64; N] = std::array::from_fn(|i| 1.0 / (3.0 + i as f64));
+        let solved = Revision::ALL.map(|revision| {
+            let (mut rows, mut x) = (matrix(), start);
+            let mut padded = vec![[0.0; 4]; groups(N)];
+            crate::physics::dense::put(&mut padded, &x);
+            solve(&columns, N, groups(N), &mut padded, revision);
+            plain(&mut rows, &mut x, revision);
+            let factors = by_columns(&rows);
+            for j in 0..N {
+                for i in j..N {
+                    let at = j * groups(N) + i / 4;
+                    assert_eq!(columns[at][i % 4], factors[at][i % 4], "{i} {j}");
+                }
             }
-        }
-        assert_eq!(&padded.as_flattened()[..N], &x);
+            assert_eq!(&padded.as_flattened()[..N], &x);
+            x
+        });
+        assert_ne!(solved[0], solved[1], "the orders differ in the last bits");
     }
 
     #[test]

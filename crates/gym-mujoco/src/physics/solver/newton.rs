@@ -6,8 +6,10 @@
 
 use std::ops::Range;
 
+use super::law::{ConeHessian, Law, Piece, State};
 use super::line_search::{Along, Row, line_search};
 use super::{cholesky, cost_of_rows, residuals};
+use crate::model::Disable;
 use crate::physics::constraint::{Block, Constraints, mul_jacobian};
 use crate::physics::dense::{self, Lanes, add_scaled, combine, minus, times};
 use crate::physics::inertia::{mul_m_tree, multiply, solve_tree};
@@ -44,6 +46,15 @@ pub(crate) struct Buffers {
     /// Whether each row pushes.
     pushes: Vec<bool>,
     rows: Vec<Row>,
+    /// For rows that do more than push: their states, their costs along the search direction, the
+    /// second derivatives of cones, and the factor with these.
+    states: Vec<State>,
+    pieces: Vec<Piece>,
+    cones: Vec<ConeHessian>,
+    with_cones: Vec<Lanes>,
+    // of conjugate gradients
+    grad_before: Vec<Lanes>,
+    mgrad_before: Vec<Lanes>,
     /// The rows of an island that is not the whole model.
     gathered: Gathered,
 }
@@ -55,6 +66,8 @@ struct Gathered {
     jac: Vec<Lanes>,
     aref: Vec<f64>,
     d: Vec<f64>,
+    r: Vec<f64>,
+    loss: Vec<f64>,
 }
 
 impl Buffers {
@@ -73,6 +86,8 @@ impl Buffers {
             &mut buffers.search,
             &mut buffers.mv,
             &mut buffers.row_update,
+            &mut buffers.grad_before,
+            &mut buffers.mgrad_before,
         ] {
             vector.resize(groups, [0.0; 4]);
         }
@@ -90,6 +105,8 @@ impl Buffers {
             vector.reserve(rows);
         }
         buffers.pushes.reserve(rows);
+        buffers.states.reserve(rows);
+        buffers.pieces.reserve(rows);
         buffers.rows.reserve(rows);
         buffers.gathered.jac.reserve(rows * groups);
         buffers.gathered.blocks.reserve(blocks);
@@ -108,6 +125,8 @@ impl Buffers {
             &mut self.search,
             &mut self.mv,
             &mut self.row_update,
+            &mut self.grad_before,
+            &mut self.mgrad_before,
         ] {
             if vector.len() != dense::groups(n) || (!n.is_multiple_of(4) && self.last != n) {
                 vector.clear();
@@ -128,7 +147,26 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
     b.jar.resize(efc.nefc(), 0.0);
     residuals(m, efc, &d.qacc_warmstart, &mut work.dofs, &mut b.jar);
     multiply(m, &d.qm, &d.qacc_warmstart, &mut b.ma_start);
-    let mut warm = cost_of_rows(&efc.d, &b.jar);
+    let general = !m.plan().plain;
+    let law = Law {
+        blocks: &efc.blocks,
+        d: &efc.d,
+        r: &efc.r,
+        loss: &efc.loss,
+        contacts: &d.contact,
+    };
+    let mut cost = |b: &mut Buffers, jar: &[f64]| {
+        if general {
+            b.force.resize(jar.len(), 0.0);
+            b.states.resize(jar.len(), State::Satisfied);
+            law.update(jar, &mut b.force, &mut b.states, &mut b.cones)
+        } else {
+            cost_of_rows(&efc.d, jar)
+        }
+    };
+    let jar = std::mem::take(&mut b.jar);
+    let mut warm = cost(b, &jar);
+    b.jar = jar;
     for i in 0..m.nv() {
         let (force, a) = (
             b.ma_start[i] - d.qfrc_smooth[i],
@@ -136,7 +174,7 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
         );
         warm += 0.5 * force * a;
     }
-    let cold = warm > cost_of_rows(&efc.d, &efc.b);
+    let cold = warm > cost(b, &efc.b) || m.opt.disables(Disable::WarmStart);
     let start = if cold {
         &d.qacc_smooth
     } else {
@@ -167,6 +205,7 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
             stride: efc.stride(),
             d: &efc.d,
             aref: &efc.aref,
+            law: general.then_some(law),
         };
         let answer = (&mut *d.qacc, &mut *d.qfrc_constraint);
         let iterations = if trees.len() == m.ntree() {
@@ -183,6 +222,13 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
             (problem.blocks, problem.jac, problem.stride) =
                 (&rows.blocks, &rows.jac, dense::groups(n));
             (problem.d, problem.aref) = (&rows.d, &rows.aref);
+            problem.law = general.then_some(Law {
+                blocks: &rows.blocks,
+                d: &rows.d,
+                r: &rows.r,
+                loss: &rows.loss,
+                contacts: &d.contact,
+            });
             let iterations = solve_island(&problem, b, answer, false);
             b.gathered = rows;
             let mut forces = b.force.iter();
@@ -218,6 +264,8 @@ struct Problem<'a> {
     stride: usize,
     d: &'a [f64],
     aref: &'a [f64],
+    /// What the rows are, where they do more than push.
+    law: Option<Law<'a>>,
 }
 
 impl Problem<'_> {
@@ -267,6 +315,8 @@ fn gather(problem: &Problem<'_>, efc: &Constraints, b: &mut Gathered, blocks: &[
     b.blocks.clear();
     b.jac.clear();
     b.d.clear();
+    b.r.clear();
+    b.loss.clear();
     b.aref.clear();
     for &index in blocks {
         let block = &efc.blocks[index];
@@ -286,6 +336,11 @@ fn gather(problem: &Problem<'_>, efc: &Constraints, b: &mut Gathered, blocks: &[
         }
         let rows = block.row..block.row + block.rows;
         b.d.extend_from_slice(&efc.d[rows.clone()]);
+        if problem.law.is_some() {
+            b.r.extend_from_slice(&efc.r[rows.clone()]);
+            let loss = |row: usize| efc.loss.get(row).copied().unwrap_or(0.0);
+            b.loss.extend(rows.clone().map(loss));
+        }
         b.aref.extend_from_slice(&efc.aref[rows]);
     }
 }
@@ -324,6 +379,7 @@ fn solve_island(
     b.force.resize(nefc, 0.0);
     b.pushes.clear();
     b.pushes.extend(b.jar.iter().map(|jar| *jar < 0.0));
+    b.states.resize(nefc, State::Satisfied);
     let iterations = iterate(problem, b, scale, tolerance);
     for (dofs, place) in problem.places() {
         qacc[dofs.clone()].copy_from_slice(&b.acc.as_flattened()[place.clone()]);
@@ -367,11 +423,20 @@ fn iterate(problem: &Problem<'_>, b: &mut Buffers, scale: f64, tolerance: f64) -
                 return 0;
             }
         }
+        if iteration == 0 && problem.law.is_some() {
+            let states = b.states.iter().zip(&mut b.pushes);
+            states.for_each(|(state, pushes)| *pushes = *state == State::Quadratic);
+        }
         if iteration == 0 || !update_hessian(problem, b) {
             hessian(problem, b);
         }
         b.mgrad.copy_from_slice(&b.grad);
-        cholesky::solve(&b.hessian, n, problem.stride, &mut b.mgrad);
+        if problem.law.is_some() && !b.cones.is_empty() {
+            add_cones(problem, b);
+            cholesky::solve(&b.with_cones, n, problem.stride, &mut b.mgrad, m.revision);
+        } else {
+            cholesky::solve(&b.hessian, n, problem.stride, &mut b.mgrad, m.revision);
+        }
         if iteration == m.opt.iterations || ((level || iteration > 0) && decrement(b) < tolerance) {
             return iteration;
         }
@@ -398,12 +463,20 @@ fn iterate(problem: &Problem<'_>, b: &mut Buffers, scale: f64, tolerance: f64) -
 #[inline(always)]
 fn update(problem: &Problem<'_>, b: &mut Buffers) {
     b.terms.clear();
-    for (row, ((force, &jar), &stiffness)) in
-        b.force.iter_mut().zip(&b.jar).zip(problem.d).enumerate()
-    {
-        *force = if jar < 0.0 { -stiffness * jar } else { 0.0 };
-        if *force != 0.0 {
-            b.terms.push((row * problem.stride, *force));
+    if let Some(law) = &problem.law {
+        law.update(&b.jar, &mut b.force, &mut b.states, &mut b.cones);
+        let forces = b.force.iter().enumerate();
+        let forces = forces.filter(|(_, force)| **force != 0.0);
+        b.terms
+            .extend(forces.map(|(row, force)| (row * problem.stride, *force)));
+    } else {
+        for (row, ((force, &jar), &stiffness)) in
+            b.force.iter_mut().zip(&b.jar).zip(problem.d).enumerate()
+        {
+            *force = if jar < 0.0 { -stiffness * jar } else { 0.0 };
+            if *force != 0.0 {
+                b.terms.push((row * problem.stride, *force));
+            }
         }
     }
     combine(
@@ -472,7 +545,10 @@ fn hessian(problem: &Problem<'_>, b: &mut Buffers) {
 fn update_hessian(problem: &Problem<'_>, b: &mut Buffers) -> bool {
     let mut definite = true;
     for row in 0..b.jar.len() {
-        let pushes = b.jar[row] < 0.0;
+        let pushes = match problem.law {
+            None => b.jar[row] < 0.0,
+            Some(_) => b.states[row] == State::Quadratic,
+        };
         if pushes == b.pushes[row] {
             continue;
         }
@@ -494,6 +570,51 @@ fn update_hessian(problem: &Problem<'_>, b: &mut Buffers) -> bool {
     definite
 }
 
+/// Makes the factor with the second derivatives of the cones: MuJoCo's `HessianCone`.
+#[inline(never)]
+fn add_cones(problem: &Problem<'_>, b: &mut Buffers) {
+    b.with_cones.clear();
+    b.with_cones.extend_from_slice(&b.hessian);
+    for cone in &b.cones {
+        let local = local_factor(cone);
+        for c in 0..cone.dim {
+            b.row_update.fill([0.0; 4]);
+            for r in c..cone.dim {
+                add_scaled(&mut b.row_update, problem.row(cone.row + r), local[r][c]);
+            }
+            cholesky::update(
+                &mut b.with_cones,
+                problem.n,
+                problem.stride,
+                &mut b.row_update,
+                true,
+            );
+        }
+    }
+}
+
+/// The factor `L` of a cone's second derivatives, `L L'`: MuJoCo's `mju_cholFactor`.
+fn local_factor(cone: &ConeHessian) -> [[f64; 6]; 6] {
+    let mut l = cone.matrix;
+    for j in 0..cone.dim {
+        let own = dense::dot_slices(&l[j][..j], &l[j][..j]);
+        let pivot = l[j][j] - own;
+        let diagonal = if pivot < MINVAL { MINVAL } else { pivot }.sqrt();
+        let small = pivot < MINVAL;
+        l[j][j] = diagonal;
+        let inverse = 1.0 / diagonal;
+        for i in j + 1..cone.dim {
+            let product = dense::dot_slices(&l[i][..j], &l[j][..j]);
+            l[i][j] = if small {
+                0.0
+            } else {
+                (l[i][j] - product) * inverse
+            };
+        }
+    }
+    l
+}
+
 /// The length of the step along the search direction, and the improvement; leaves `M search` and `J
 /// search` behind.
 #[inline(always)]
@@ -506,15 +627,20 @@ fn search(problem: &Problem<'_>, b: &mut Buffers, scale: f64) -> (f64, f64) {
     problem.mul_m(&b.search, &mut b.mv);
     problem.mul_jacobian(&b.search, &mut b.jv);
     b.rows.clear();
-    b.rows.extend(
-        b.jar
-            .iter()
-            .zip(&b.jv)
-            .zip(problem.d)
-            .map(|((&jar, &jv), &d)| Row::new(jar, jv, d)),
-    );
+    b.pieces.clear();
+    match &problem.law {
+        Some(law) => law.prepare(&b.jar, &b.jv, &mut b.pieces),
+        None => b.rows.extend(
+            b.jar
+                .iter()
+                .zip(&b.jv)
+                .zip(problem.d)
+                .map(|((&jar, &jv), &d)| Row::new(jar, jv, d)),
+        ),
+    }
     let along = Along {
         rows: &b.rows,
+        pieces: &b.pieces,
         linear: dot(&b.search, &b.ma, n) - dot(&b.smooth, &b.search, n),
         quadratic: 0.5 * dot(&b.search, &b.mv, n),
         evaluations: 0,

@@ -1,4 +1,4 @@
-//! Projected Gauss-Seidel on forces, with momentum and in random order, as MuJoCo 3.12.0 does it.
+//! Projected Gauss-Seidel on forces, with momentum and in random order, as MuJoCo does it.
 //!
 //! It stops long before it converges. So order and number of iterations are part of the answer, and
 //! both are repeated.
@@ -7,7 +7,7 @@ use super::{dense, residuals};
 use crate::model::{Bounds, Solver};
 use crate::physics::dense::{Lanes, add_scaled, dot, times};
 use crate::physics::inertia;
-use crate::{Data, Model};
+use crate::{Data, Model, Revision};
 
 /// Buffers of the solver: vectors of all rows, and of an island's.
 #[derive(Clone, Debug, Default)]
@@ -237,7 +237,12 @@ fn iterate(m: &Model, d: &Data, s: &mut Buffers) -> usize {
     let (n, nefc) = (s.rows.len(), d.efc.nefc());
     let stride = dense::groups(nefc);
     let rows = &s.rows;
-    let scale = 1.0 / (m.stat.meaninertia * m.nv().max(1) as f64);
+    // of the initial configuration before 3.17, and of the current one from then on
+    let inertia = match m.revision {
+        Revision::V3_12 => m.stat.meaninertia * m.nv().max(1) as f64,
+        Revision::V4_0 => (0..m.nv()).map(|i| d.qm[m.plan().m_diagonal(i)]).sum(),
+    };
+    let scale = 1.0 / inertia;
     s.steps.clear();
     s.steps.extend(rows.iter().map(|&row| {
         let diag_inv = 1.0 / s.ar[row * stride + row / 4][row % 4];

@@ -4,8 +4,11 @@
 //! (what is before a dot says more of the recording), or `xml` a file in MJCF beside the recording;
 //! `cases` have a state each (`qpos`, `qvel`, `qacc_warmstart`, `ctrl`, `time`). The answer to a
 //! case is the state after one step, under `after`, or the results of one forward call, under
-//! `out`, in MuJoCo's names. A recording without a `kind` is a table of a compiled model's figures,
+//! `out`, in MuJoCo's names. `mujoco` is the version of libmujoco that was recorded; without it, the
+//! newest is meant. A recording without a `kind` is a table of a compiled model's figures,
 //! and answered with our own.
+
+mod features;
 
 use std::path::Path;
 use std::sync::Arc;
@@ -14,7 +17,7 @@ use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
 use crate::model::Solver;
-use crate::{Data, Error, Model, Result, forward, physics, step, tasks};
+use crate::{Data, Error, Model, Result, Revision, forward, physics, step, tasks};
 
 /// A state, as recordings have it.
 #[derive(Deserialize)]
@@ -39,7 +42,9 @@ impl State {
 /// Whether this is a recording of an engine or a table of figures, and not one of an environment.
 #[must_use]
 pub fn is_of_engine(recording: &Map<String, Value>) -> bool {
-    recording.contains_key("cases") || recording.contains_key("body_mass")
+    recording.contains_key("cases")
+        || recording.contains_key("body_mass")
+        || features::is_of_features(recording)
 }
 
 /// The results of this engine; `folder` contains the recording.
@@ -47,6 +52,9 @@ pub fn is_of_engine(recording: &Map<String, Value>) -> bool {
 /// # Errors
 /// If it names no model, or a state does not fit the model.
 pub fn answer(recording: &Map<String, Value>, folder: &Path) -> Result<Map<String, Value>> {
+    if features::is_of_features(recording) {
+        return features::answer(recording);
+    }
     let wrong = |what: &str| Error::Data(format!("the recording has {what}"));
     let m = model(recording, folder)?;
     let mut answer = recording.clone();
@@ -89,11 +97,15 @@ pub fn answer(recording: &Map<String, Value>, folder: &Path) -> Result<Map<Strin
 
 fn model(recording: &Map<String, Value>, folder: &Path) -> Result<Arc<Model>> {
     let text = |key: &str| recording.get(key).and_then(Value::as_str);
+    let revision = match text("mujoco").map(str::parse) {
+        Some(version) => version.map_err(Error::Data)?,
+        None => Revision::default(),
+    };
     match (text("xml"), text("model")) {
-        (Some(xml), _) => Model::from_path(folder.join(xml)).map(Arc::new),
+        (Some(xml), _) => Model::from_path_with(folder.join(xml), revision).map(Arc::new),
         (None, Some(name)) => {
             let name = name.rsplit('.').next().unwrap_or(name);
-            tasks::load(&format!("{name}.xml"))
+            tasks::load(&format!("{name}.xml"), revision)
                 .map_err(|error| Error::Data(format!("the recording's model: {error}")))
         }
         (None, None) => Err(Error::Data(

@@ -36,6 +36,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     for path in std::env::args().skip(1) {
         let text = std::fs::read_to_string(&path)?;
         let file: Map<String, Value> = serde_json::from_str(&text)?;
+        if let (Ok(step), Ok(version)) = (std::env::var("DUMP"), std::env::var("VER")) {
+            dump(&file, step.parse()?, &version)?;
+            continue;
+        }
         let name = file["name"].as_str().unwrap_or_default().to_owned();
         let answer = recording::answer(&file, std::path::Path::new(""))?;
         if let Some(error) = answer.get("error") {
@@ -69,5 +73,40 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         }
     }
     println!("{equal} of {total} equal");
+    Ok(())
+}
+
+fn dump(
+    file: &Map<String, Value>,
+    step: usize,
+    version: &str,
+) -> Result<(), Box<dyn std::error::Error>> {
+    use gym_mujoco::{Data, Model};
+    let m = Model::from_xml_with(file["xml"].as_str().unwrap(), version.parse()?)?;
+    let case = &file["versions"][version]["steps"][step];
+    let list = |key: &str| -> Vec<f64> {
+        case[key]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|x| x.as_f64().unwrap())
+            .collect()
+    };
+    let mut d = Data::new(&m);
+    d.qpos = list("qpos");
+    d.qvel = list("qvel");
+    d.act = list("act");
+    d.ctrl = list("ctrl");
+    d.qacc_warmstart = list("qacc_warmstart");
+    d.mocap_pos = list("mocap_pos").as_chunks().0.to_vec();
+    d.mocap_quat = list("mocap_quat").as_chunks().0.to_vec();
+    d.time = list("time")[0];
+    gym_mujoco::forward(&m, &mut d);
+    println!(
+        "{}",
+        serde_json::json!({"efc_pos": d.efc.pos, "efc_vel": d.efc.vel, "efc_aref": d.efc.aref, "efc_D": d.efc.d,
+      "efc_diagA": d.efc.diag_approx, "qacc_smooth": d.qacc_smooth, "qfrc_constraint": d.qfrc_constraint, "qfrc_smooth": d.qfrc_smooth,
+      "niter": d.solver_niter, "qacc": d.qacc, "eq_data": m.eq_data, "efc_force": d.efc.force, "body_invweight0": m.body_invweight0})
+    );
     Ok(())
 }

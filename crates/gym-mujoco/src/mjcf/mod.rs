@@ -89,6 +89,6 @@ impl Model {
         let mut spec = reader::read(&texts.parse()?)?;
         spec.revision = revision;
         let compiled = compile::compile(&spec)?;
-        constants::add_constants(compiled, &spec.statistic).map_err(|error| spec.located(error))
+        constants::add_constants(compiled, &spec).map_err(|error| spec.located(error))
     }
 }

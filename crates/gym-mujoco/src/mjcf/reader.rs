@@ -291,8 +291,12 @@ impl Reader<'_> {
                     material.read(&mut child)?;
                     self.spec.materials.push(material);
                 }
-                "texture" | "skin" => {}
-                _ => return Err(section.unsupported(&child, &["material", "texture", "skin"])),
+                "texture" | "skin" | "hfield" => {}
+                _ => {
+                    return Err(
+                        section.unsupported(&child, &["material", "texture", "skin", "hfield"])
+                    );
+                }
             }
         }
         section.finish()

@@ -190,15 +190,9 @@ fn unsupported(m: &CompiledModel) -> Result<()> {
             "equality and friction loss with the solver PGS",
         ),
         (o.noslip_iterations > 0, "noslip iterations"),
-        (o.solver == Solver::CG, "the solver CG"),
         (
             !matches!(o.integrator, Integrator::Euler | Integrator::RK4),
             "implicit integrators",
-        ),
-        (!m.pair_dim.is_empty(), "contact pairs"),
-        (
-            m.geom_fluid.iter().any(|fluid| fluid.0[0] > 0.0),
-            "fluidshape ellipsoid",
         ),
         (o.disables(Disable::Island), "islands that are switched off"),
     ] {

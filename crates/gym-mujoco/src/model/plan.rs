@@ -75,7 +75,7 @@ pub(crate) struct Plan {
     /// Joints with springs.
     pub(crate) springs: Vec<usize>,
     /// In a medium, the bodies with mass, and the edges of the box of equal inertia.
-    pub(crate) boxes: Vec<(usize, [f64; 3])>,
+    pub(crate) boxes: Vec<(usize, Option<[f64; 3]>)>,
     /// How each body is placed in its parent's frame, its principal axes of inertia in its own, and
     /// each site in its body's.
     pub(crate) bodies: Vec<Placed>,
@@ -156,9 +156,8 @@ pub(crate) struct Pair {
     pub(crate) softness: Softness,
     /// Damping of sliding in elliptic cones.
     pub(crate) friction_damping: f64,
-    /// Sums of the bodies' inverse weights: of translation, of rotation.
+    /// The sum of the bodies' inverse weights of translation.
     pub(crate) diag: f64,
-    pub(crate) diag_turn: f64,
     /// The degrees of freedom that move one of the bodies and not the other, ascending, with the
     /// sign of the motion of the second body against the first.
     pub(crate) columns: Vec<Column>,
@@ -166,6 +165,22 @@ pub(crate) struct Pair {
     pub(crate) groups: usize,
     /// The trees of the bodies, if they can move.
     pub(crate) trees: [Option<usize>; 2],
+}
+
+impl Pair {
+    /// Whether no closed form gives the contacts.
+    pub(crate) fn is_convex(&self) -> bool {
+        matches!(
+            self.kind,
+            (
+                GeomType::Sphere | GeomType::Capsule | GeomType::Ellipsoid,
+                GeomType::Ellipsoid
+            ) | (
+                GeomType::Capsule | GeomType::Ellipsoid | GeomType::Cylinder,
+                GeomType::Cylinder
+            ) | (GeomType::Ellipsoid | GeomType::Cylinder, GeomType::Box)
+        )
+    }
 }
 
 /// How near two geoms must be before they can touch. It is apart from the [`Pair`], which few pairs
@@ -435,10 +450,35 @@ impl Plan {
         const MOST_COLUMNS: usize = 4_000_000;
         let mut excluded = m.exclude_signature.clone();
         excluded.sort_unstable();
+        let mut stated: Vec<_> = (0..m.pair_dim.len()).collect();
+        stated.sort_by_key(|&i| stated_bodies(m, i));
         let (mut pairs, mut columns) = (Vec::new(), 0);
+        let mut next = 0;
         for b1 in 0..m.nbody() {
-            for b2 in b1 + 1..m.nbody() {
-                if !bodies_collide(m, &excluded, b1, b2) {
+            for b2 in b1..m.nbody() {
+                let mut push = |pairs: &mut Vec<Pair>, pair: Option<Pair>| {
+                    columns += pair.as_ref().map_or(0, |pair| pair.columns.len());
+                    if columns > MOST_COLUMNS {
+                        return Err(Error::Model(format!(
+                            "too many pairs of geoms can touch, moved by too many degrees of freedom: of all \
+                             pairs together more than {MOST_COLUMNS} are not supported"
+                        )));
+                    }
+                    pairs.extend(pair);
+                    Ok(())
+                };
+                // pairs that the model states come first, and replace others of these geoms
+                let of_bodies = stated[next..].iter();
+                let count = of_bodies
+                    .take_while(|&&i| stated_bodies(m, i) == [b1, b2])
+                    .count();
+                let of_bodies = &stated[next..next + count];
+                next += count;
+                for &i in of_bodies {
+                    let geoms = [m.pair_geom1[i], m.pair_geom2[i]];
+                    push(&mut pairs, self.pair(m, geoms, Figures::stated(m, i))?)?;
+                }
+                if b1 == b2 || !bodies_collide(m, &excluded, b1, b2) {
                     continue;
                 }
                 let first = pairs.len();
@@ -446,16 +486,15 @@ impl Plan {
                     for g2 in geoms(m, b2) {
                         let meet = m.geom_contype[g1] & m.geom_conaffinity[g2]
                             | m.geom_contype[g2] & m.geom_conaffinity[g1];
-                        if meet != 0 {
-                            let pair = self.pair(m, g1, g2)?;
-                            columns += pair.as_ref().map_or(0, |pair| pair.columns.len());
-                            if columns > MOST_COLUMNS {
-                                return Err(Error::Model(format!(
-                                    "too many pairs of geoms can touch, moved by too many degrees of freedom: of all \
-                                     pairs together more than {MOST_COLUMNS} are not supported"
-                                )));
-                            }
-                            pairs.extend(pair);
+                        let known = of_bodies.iter().any(|&i| {
+                            let geoms = [m.pair_geom1[i], m.pair_geom2[i]];
+                            geoms == [g1, g2] || geoms == [g2, g1]
+                        });
+                        if meet != 0 && !known {
+                            push(
+                                &mut pairs,
+                                self.pair(m, [g1, g2], Figures::mixed(m, g1, g2))?,
+                            )?;
                         }
                     }
                 }
@@ -469,40 +508,39 @@ impl Plan {
     ///
     /// # Errors
     /// For shapes whose contacts are not supported.
-    fn pair(&self, m: &CompiledModel, g1: usize, g2: usize) -> Result<Option<Pair>> {
+    fn pair(
+        &self,
+        m: &CompiledModel,
+        [g1, g2]: [usize; 2],
+        figures: Figures,
+    ) -> Result<Option<Pair>> {
         let [g1, g2] = if m.geom_type[g1] > m.geom_type[g2] {
             [g2, g1]
         } else {
             [g1, g2]
         };
         let kind = (m.geom_type[g1], m.geom_type[g2]);
-        match kind {
-            (GeomType::Plane, GeomType::Plane) => return Ok(None),
-            (GeomType::Cylinder, GeomType::Cylinder | GeomType::Box)
-            | (GeomType::Ellipsoid, _)
-            | (_, GeomType::Ellipsoid) => {
-                return Err(Error::Pair {
-                    first: g1,
-                    second: g2,
-                    kinds: format!("{:?} and {:?}", kind.0, kind.1),
-                });
-            }
-            _ => {}
+        if kind == (GeomType::Plane, GeomType::Plane) {
+            return Ok(None);
         }
         let (b1, b2) = (m.geom_bodyid[g1], m.geom_bodyid[g2]);
-        let includemargin = m.geom_margin[g1] + m.geom_margin[g2];
-        let margin = includemargin + (m.geom_gap[g1] + m.geom_gap[g2]);
-
-        let Mixed {
+        let Figures {
             dim,
-            friction,
             solref,
+            solref_friction,
             solimp,
-        } = m.mixed(g1, g2);
-        let [slide, spin, roll]: [f64; 3] = friction.map(|f| f.max(MIN_FRICTION));
+            includemargin,
+            ..
+        } = figures;
+        let margin = includemargin + figures.gap;
         let tree = |b: usize| usize::try_from(m.body_treeid[b]).ok();
         let columns = self.columns(m, b1, b2);
         let softness = Softness::new(solref, solimp, &m.opt);
+        let friction_damping = if solref_friction == [0.0; 2] {
+            softness.damping
+        } else {
+            Softness::new(solref_friction, solimp, &m.opt).damping
+        };
         Ok(Some(Pair {
             geom: [g1, g2],
             kind,
@@ -515,13 +553,12 @@ impl Plan {
                 (dim, Cone::Pyramidal) => 2 * (usize::from(dim) - 1),
                 (dim, Cone::Elliptic) => dim.into(),
             },
-            friction: [slide, slide, spin, roll, roll],
+            friction: figures.friction.map(|f| f.max(MIN_FRICTION)),
             solref,
             solimp,
-            friction_damping: softness.damping,
+            friction_damping,
             softness,
             diag: m.body_invweight0[b1][0] + m.body_invweight0[b2][0],
-            diag_turn: m.body_invweight0[b1][1] + m.body_invweight0[b2][1],
             groups: columns.last().map_or(0, |column| column.dof / 4 + 1),
             columns,
             trees: [tree(b1), tree(b2)],
@@ -547,6 +584,58 @@ impl Plan {
     }
 }
 
+/// The figures of the contacts of two geoms.
+struct Figures {
+    dim: u8,
+    friction: [f64; 5],
+    solref: [f64; 2],
+    /// That of sliding in elliptic cones; zeros for the same.
+    solref_friction: [f64; 2],
+    solimp: [f64; 5],
+    includemargin: f64,
+    gap: f64,
+}
+
+impl Figures {
+    /// Those of a pair that the model states.
+    fn stated(m: &CompiledModel, i: usize) -> Self {
+        Self {
+            dim: m.pair_dim[i],
+            friction: m.pair_friction[i],
+            solref: m.pair_solref[i],
+            solref_friction: m.pair_solreffriction[i],
+            solimp: m.pair_solimp[i],
+            includemargin: m.pair_margin[i],
+            gap: m.pair_gap[i],
+        }
+    }
+
+    /// Those that follow from the geoms.
+    fn mixed(m: &CompiledModel, g1: usize, g2: usize) -> Self {
+        let Mixed {
+            dim,
+            friction: [slide, spin, roll],
+            solref,
+            solimp,
+        } = m.mixed(g1, g2);
+        Self {
+            dim,
+            friction: [slide, slide, spin, roll, roll],
+            solref,
+            solref_friction: [0.0; 2],
+            solimp,
+            includemargin: m.geom_margin[g1] + m.geom_margin[g2],
+            gap: m.geom_gap[g1] + m.geom_gap[g2],
+        }
+    }
+}
+
+/// The bodies of a pair that the model states, the lower first.
+fn stated_bodies(m: &CompiledModel, i: usize) -> [usize; 2] {
+    let [b1, b2] = [m.pair_geom1[i], m.pair_geom2[i]].map(|g| m.geom_bodyid[g]);
+    [b1.min(b2), b1.max(b2)]
+}
+
 /// The most contacts of two shapes.
 fn most_contacts(kind: (GeomType, GeomType)) -> usize {
     match kind {
@@ -554,20 +643,23 @@ fn most_contacts(kind: (GeomType, GeomType)) -> usize {
         (GeomType::Capsule, GeomType::Box) => 2,
         (GeomType::Plane, GeomType::Cylinder | GeomType::Box) => 4,
         (GeomType::Box, GeomType::Box) => 8,
-        (GeomType::Capsule, GeomType::Cylinder) => 5,
+        (GeomType::Capsule | GeomType::Cylinder, GeomType::Cylinder | GeomType::Box) => 5,
         _ => 1,
     }
 }
 
-/// The boxes on which a medium acts: MuJoCo's `mj_inertiaBoxFluidModel`.
-fn boxes(m: &CompiledModel) -> Vec<(usize, [f64; 3])> {
+/// The boxes on which a medium acts, by their edges; none where it acts on the geoms of the body.
+fn boxes(m: &CompiledModel) -> Vec<(usize, Option<[f64; 3]>)> {
     const LEAST: f64 = 1e-15;
     let medium = m.opt.density > 0.0 || m.opt.viscosity > 0.0;
     let heavy = (1..m.nbody()).filter(|&b| medium && m.body_mass[b] >= LEAST);
     let of = |b: usize| {
+        if geoms(m, b).any(|g| m.geom_fluid[g].0[0] > 0.0) {
+            return (b, None);
+        }
         let ([i, j, k], mass) = (m.body_inertia[b], m.body_mass[b]);
         let edge = |a: f64, b: f64, c: f64| (f64::max(LEAST, a + b - c) / mass * 6.0).sqrt();
-        (b, [edge(j, k, i), edge(i, k, j), edge(i, j, k)])
+        (b, Some([edge(j, k, i), edge(i, k, j), edge(i, j, k)]))
     };
     heavy.map(of).collect()
 }

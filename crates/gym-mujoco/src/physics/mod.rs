@@ -49,6 +49,7 @@ mod constraint;
 mod contact_force;
 pub(crate) mod dense;
 mod energy;
+mod fluid;
 mod inertia;
 mod integrate;
 mod jacobian;

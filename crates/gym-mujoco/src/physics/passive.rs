@@ -2,6 +2,7 @@
 
 use std::f64::consts::PI;
 
+use super::fluid::ellipsoids;
 use super::jacobian::apply;
 use super::spatial::{
     InTurn, Pairwise, add, cross, dot, normalize_quat, rotate, rotate_back, rotation, scale, sub,
@@ -127,13 +128,18 @@ fn lift(m: &Model, d: &mut Data) {
     d.work.gravcomp = forces;
 }
 
-/// Adds the forces of the medium on each body, as if it were the box of equal inertia: MuJoCo's
-/// `mj_inertiaBoxFluidModel`.
+/// Adds the forces of the medium on each body, as if it were the box of equal inertia, or its geoms
+/// ellipsoids: MuJoCo's `mj_inertiaBoxFluidModel`.
 #[inline(always)]
 fn fluid(m: &Model, d: &mut Data) {
     let (density, viscosity) = (m.opt.density, m.opt.viscosity);
-    for (b, edges) in &m.plan().boxes {
-        let (b, edges) = (*b, *edges);
+    for &(b, edges) in &m.plan().boxes {
+        let Some(edges) = edges else {
+            let mut forces = std::mem::take(&mut d.work.fluid);
+            ellipsoids(m, d, b, &mut forces);
+            d.work.fluid = forces;
+            continue;
+        };
         let mat = &d.ximat[b];
         let offset = sub(d.xipos[b], d.subtree_com[m.body_rootid[b]]);
         let w = rotate_back(mat, rotation(&d.cvel[b]));

@@ -1,15 +1,19 @@
 //! Forces on bodies, and their accelerations, once constraint forces are known.
 
+use super::constraint::Source;
 use super::contact_force::contact_force;
-use super::spatial::{add_to, cross, cross_force, join, mul_inertia, rotate_back, sub};
+use super::rows;
+use super::spatial::{Vec3, add_to, cross, cross_force, join, mul_inertia, rotate_back, sub};
 use super::velocity::{along, dofs};
-use crate::{Data, Model};
+use crate::model::EqualityType;
+use crate::{Data, Model, Revision};
 
 /// `cfrc_ext` from the contacts of the last forward call, `cacc` and `cfrc_int`: MuJoCo's
 /// `mj_rnePostConstraint`.
 pub fn rne_post_constraint(m: &Model, d: &mut Data) {
     d.contact_forces = true;
     contacts(m, d);
+    equalities(m, d);
     if m.plan().internal {
         internal(m, d);
     }
@@ -29,6 +33,40 @@ fn contacts(m: &Model, d: &mut Data) {
             let body = m.geom_bodyid[geom];
             if body > 0 {
                 let offset = sub(d.subtree_com[m.body_rootid[body]], contact.pos);
+                let about = sub(torque, cross(offset, force));
+                add_to(&mut d.cfrc_ext[body], &join(about, force), sign);
+            }
+        }
+    }
+}
+
+/// The forces of joined points and welds on bodies.
+fn equalities(m: &Model, d: &mut Data) {
+    for block in &d.efc.blocks {
+        let Source::Equality(id) = block.source else {
+            continue;
+        };
+        let weld = match m.eq_type[id] {
+            EqualityType::Connect => false,
+            EqualityType::Weld => true,
+            EqualityType::Joint | EqualityType::Tendon => continue,
+        };
+        let three = |first: usize| -> Vec3 { std::array::from_fn(|k| d.efc.force[first + k]) };
+        let force = three(block.row);
+        let torque = if weld { three(block.row + 3) } else { [0.0; 3] };
+        let Some(law) = m.plan().laws.equalities.iter().find(|law| law.id == id) else {
+            continue;
+        };
+        let torque = if weld && m.revision == Revision::V4_0 {
+            rows::weld_torque(m, d, law, torque)
+        } else {
+            torque
+        };
+        let points = rows::anchors(m, d, law);
+        for (k, sign) in [(0, 1.0), (1, -1.0)] {
+            let body = law.bodies[k];
+            if body > 0 {
+                let offset = sub(d.subtree_com[m.body_rootid[body]], points[k]);
                 let about = sub(torque, cross(offset, force));
                 add_to(&mut d.cfrc_ext[body], &join(about, force), sign);
             }

@@ -28,7 +28,7 @@ pub(super) fn equality(m: &Model, d: &mut Data) {
 }
 
 /// The points of two bodies that an equality constraint joins: MuJoCo's `mj_equalityAnchors`.
-fn anchors(m: &Model, d: &Data, law: &Equality) -> [Vec3; 2] {
+pub(super) fn anchors(m: &Model, d: &Data, law: &Equality) -> [Vec3; 2] {
     let ids = [m.eq_obj1id[law.id], m.eq_obj2id[law.id]].map(|id| id as usize);
     if m.eq_objtype[law.id] == ObjectType::Site {
         return ids.map(|site| d.site_xpos[site]);
@@ -44,6 +44,38 @@ fn anchors(m: &Model, d: &Data, law: &Equality) -> [Vec3; 2] {
     [0, 1].map(|k| add(rotate(&d.xmat[ids[k]], parts[k]), d.xpos[ids[k]]))
 }
 
+/// The orientation that a weld gives its second body, and the inverse of the one that it has.
+fn orientations<O: Order>(m: &Model, d: &Data, law: &Equality) -> (Quat, Quat) {
+    let ids = [m.eq_obj1id[law.id], m.eq_obj2id[law.id]].map(|id| id as usize);
+    let inverse = |[w, x, y, z]: Quat| [w, -x, -y, -z];
+    if m.eq_objtype[law.id] == ObjectType::Body {
+        let data = &m.eq_data[law.id];
+        let pose = [data[6], data[7], data[8], data[9]];
+        (
+            mul_quat::<O>(d.xquat[ids[0]], pose),
+            inverse(d.xquat[ids[1]]),
+        )
+    } else {
+        let [b1, b2] = law.bodies;
+        (
+            mul_quat::<O>(d.xquat[b1], m.site_quat[ids[0]]),
+            inverse(mul_quat::<O>(d.xquat[b2], m.site_quat[ids[1]])),
+        )
+    }
+}
+
+/// The torque in the world of a weld's rows of orientation.
+pub(super) fn weld_torque(m: &Model, d: &Data, law: &Equality, rows: Vec3) -> Vec3 {
+    let (ahead, back) = orientations::<Pairwise>(m, d, law);
+    let torque = m.eq_data[law.id][10];
+    std::array::from_fn(|k| {
+        let mut axis = [0.0; 3];
+        axis[k] = 1.0;
+        let turned = mul_quat::<Pairwise>(mul_quat_axis::<Pairwise>(back, axis), ahead);
+        0.5 * torque * dot([turned[1], turned[2], turned[3]], rows)
+    })
+}
+
 fn bodies<O: Order>(m: &Model, d: &mut Data, law: &Equality) {
     let points = anchors(m, d, law);
     let weld = law.kind == EqualityType::Weld;
@@ -53,18 +85,10 @@ fn bodies<O: Order>(m: &Model, d: &mut Data, law: &Equality) {
     pos[..3].copy_from_slice(&apart);
     let data = &m.eq_data[law.id];
     let torque = data[10];
-    let (mut ahead, mut back): (Quat, Quat) = ([1.0, 0.0, 0.0, 0.0], [1.0, 0.0, 0.0, 0.0]);
+    let identity: Quat = [1.0, 0.0, 0.0, 0.0];
+    let (mut ahead, mut back) = (identity, identity);
     if weld {
-        let ids = [m.eq_obj1id[law.id], m.eq_obj2id[law.id]].map(|id| id as usize);
-        let inverse = |[w, x, y, z]: Quat| [w, -x, -y, -z];
-        if m.eq_objtype[law.id] == ObjectType::Body {
-            let pose = [data[6], data[7], data[8], data[9]];
-            ahead = mul_quat::<O>(d.xquat[ids[0]], pose);
-            back = inverse(d.xquat[ids[1]]);
-        } else {
-            ahead = mul_quat::<O>(d.xquat[b1], m.site_quat[ids[0]]);
-            back = inverse(mul_quat::<O>(d.xquat[b2], m.site_quat[ids[1]]));
-        }
+        (ahead, back) = orientations::<O>(m, d, law);
         let error = mul_quat::<O>(back, ahead);
         for k in 0..3 {
             pos[3 + k] = error[1 + k] * torque;

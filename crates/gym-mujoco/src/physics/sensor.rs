@@ -293,6 +293,9 @@ pub(super) fn object_velocity(
     id: usize,
     own_axes: bool,
 ) -> Vec6 {
+    if fixed(m, frame_of(m, d, kind, id).0) {
+        return [0.0; 6];
+    }
     of_object(m, d, &d.cvel, (kind, id), own_axes)
 }
 
@@ -304,9 +307,6 @@ fn of_object(
     own_axes: bool,
 ) -> Vec6 {
     let (body, pos, mat) = frame_of(m, d, kind, id);
-    if fixed(m, body) {
-        return [0.0; 6];
-    }
     let com = d.subtree_com[m.body_rootid[body]];
     let motion = transform_motion(&motions[body], pos, com);
     if own_axes {
@@ -319,9 +319,10 @@ fn of_object(
     }
 }
 
-/// The acceleration of an object: MuJoCo's `mj_objectAcceleration`.
+/// The acceleration of an object: MuJoCo's `mj_objectAcceleration`, which from 4.0 on has that of
+/// gravity for bodies that cannot move as well.
 fn object_acceleration(m: &Model, d: &Data, kind: ObjectType, id: usize, own_axes: bool) -> Vec6 {
-    if fixed(m, frame_of(m, d, kind, id).0) {
+    if m.revision == Revision::V3_12 && fixed(m, frame_of(m, d, kind, id).0) {
         return [0.0; 6];
     }
     let acceleration = of_object(m, d, &d.cacc, (kind, id), own_axes);

@@ -5,7 +5,6 @@ use super::dense::{self, Lanes};
 use super::solver::{Island, newton, pgs};
 use super::transmission::Moments;
 use crate::Model;
-use crate::model::GeomType;
 
 /// Buffers, allocated once.
 #[derive(Clone, Debug, Default)]
@@ -85,11 +84,7 @@ impl Work {
         let nv = m.nv();
         let bounds = m.plan().bounds();
         let trees = m.ntree();
-        let deep = m
-            .plan()
-            .pairs
-            .iter()
-            .any(|pair| pair.kind == (GeomType::Capsule, GeomType::Cylinder));
+        let deep = m.plan().pairs.iter().any(|pair| pair.is_convex());
         Self {
             tree_island: Vec::with_capacity(trees),
             tree_least: Vec::with_capacity(trees),

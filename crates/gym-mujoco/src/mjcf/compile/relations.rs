@@ -1,11 +1,11 @@
 //! What relates bodies, geoms, joints and tendons, and the keyframes.
 
-use crate::Result;
 use crate::mjcf::orientation::unit;
 use crate::mjcf::spec::{Key, Spec, Wrap};
 use crate::mjcf::xml::Place;
 use crate::model::{CompiledModel, EqualityType, GeomType, JointType, ObjectType, WrapType};
 use crate::physics::spatial::{InTurn, normalize_quat};
+use crate::{Result, Revision};
 
 /// The object of that name, or an error.
 pub(super) fn named(
@@ -83,7 +83,15 @@ pub(super) fn add_pairs(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
         m.pair_geom2.push(g2);
         m.pair_dim.push(pair.condim.unwrap_or(mixed.dim));
         m.pair_friction.push(friction);
-        m.pair_solref.push(pair.solref.unwrap_or(mixed.solref));
+        // MuJoCo 3.12 takes the lesser numbers of geoms of one priority, however these are given
+        let solref = if m.revision == Revision::V3_12 && m.geom_priority[g1] == m.geom_priority[g2]
+        {
+            let (a, b) = (m.geom_solref[g1], m.geom_solref[g2]);
+            [a[0].min(b[0]), a[1].min(b[1])]
+        } else {
+            mixed.solref
+        };
+        m.pair_solref.push(pair.solref.unwrap_or(solref));
         m.pair_solreffriction.push(pair.solref_friction);
         m.pair_solimp.push(pair.solimp.unwrap_or(mixed.solimp));
         let greater = |numbers: &[f64]| numbers[g1].max(numbers[g2]);
@@ -114,8 +122,10 @@ pub(super) fn add_tendons(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
             place,
             ["range", "limited"],
         )?;
+        // before 4.0, a range alone does not limit the force
+        let old = spec.revision == Revision::V3_12;
         let force_limited = super::limited(
-            tendon.force_limited,
+            tendon.force_limited.or(old.then_some(false)),
             tendon.force_range,
             spec,
             place,

@@ -1,8 +1,8 @@
 //! Rows that do more than push: forces, costs and cost along a direction of equality constraints,
 //! dry friction, limits and elliptic cones together.
 
-use crate::Contact;
 use crate::physics::constraint::{Block, Kind, Source};
+use crate::{Contact, Revision};
 
 /// What the rows of an island are, beside their residuals.
 #[derive(Clone, Copy)]
@@ -13,6 +13,7 @@ pub(super) struct Law<'a> {
     /// Forces of dry friction, up to the last row that has one.
     pub(super) loss: &'a [f64],
     pub(super) contacts: &'a [Contact],
+    pub(super) revision: Revision,
 }
 
 /// Where a row is on its curve of costs: MuJoCo's `mjtConstraintState`.
@@ -132,13 +133,35 @@ impl Law<'_> {
         let dm = self.d[i] / (mu * mu * (1.0 + mu * mu));
         let apart = n - mu * t;
         force[i] = -dm * apart * mu;
-        for j in 1..dim {
-            force[i + j] = -force[i] / t * u[j] * friction[j - 1];
-        }
+        let matrix = match self.revision {
+            Revision::V3_12 => {
+                for j in 1..dim {
+                    force[i + j] = -force[i] / t * u[j] * friction[j - 1];
+                }
+                cone_hessian(
+                    &u,
+                    mu / t,
+                    (mu * n / (t * t * t), mu * n / t),
+                    dim,
+                    mu,
+                    friction,
+                    dm,
+                )
+            }
+            Revision::V4_0 => {
+                // with the direction of sliding
+                let u = u.map(|u| u / t);
+                for j in 1..dim {
+                    force[i + j] = -force[i] * u[j] * friction[j - 1];
+                }
+                let bend = mu * (n / t);
+                cone_hessian(&u, mu, (bend, bend), dim, mu, friction, dm)
+            }
+        };
         cones.push(ConeHessian {
             row: i,
             dim,
-            matrix: cone_hessian(&u, (n, t), dim, mu, friction, dm),
+            matrix,
         });
         (0.5 * dm * apart * apart, State::Cone)
     }
@@ -149,9 +172,12 @@ fn norm(v: &[f64]) -> f64 {
     crate::physics::dense::dot_slices(v, v).sqrt()
 }
 
+/// The second derivatives, from the direction `u` of sliding, which may have a length, and what
+/// its length makes of the factors: of the first row, of the products, and of the diagonal.
 fn cone_hessian(
     u: &[f64; 6],
-    (n, t): (f64, f64),
+    first: f64,
+    (bend, straight): (f64, f64),
     dim: usize,
     mu: f64,
     friction: &[f64; 5],
@@ -159,17 +185,15 @@ fn cone_hessian(
 ) -> [[f64; 6]; 6] {
     let mut h = [[0.0; 6]; 6];
     h[0][0] = 1.0;
-    let factor = -mu / t;
     for j in 1..dim {
-        h[0][j] = factor * u[j];
+        h[0][j] = -first * u[j];
     }
-    let factor = mu * n / (t * t * t);
     for k in 1..dim {
         for j in k..dim {
-            h[k][j] = factor * u[j] * u[k];
+            h[k][j] = bend * u[j] * u[k];
         }
     }
-    let factor = mu * mu - mu * n / t;
+    let factor = mu * mu - straight;
     for j in 1..dim {
         h[j][j] += factor;
     }

@@ -1,6 +1,7 @@
 //! Constraint forces, and the accelerations with them.
 
 mod cholesky;
+mod conjugate;
 mod law;
 mod line_search;
 pub(crate) mod newton;

@@ -8,8 +8,8 @@ use std::ops::Range;
 
 use super::law::{ConeHessian, Law, Piece, State};
 use super::line_search::{Along, Row, line_search};
-use super::{cholesky, cost_of_rows, residuals};
-use crate::model::Disable;
+use super::{cholesky, conjugate, cost_of_rows, residuals};
+use crate::model::{Disable, Solver};
 use crate::physics::constraint::{Block, Constraints, mul_jacobian};
 use crate::physics::dense::{self, Lanes, add_scaled, combine, minus, times};
 use crate::physics::inertia::{mul_m_tree, multiply, solve_tree};
@@ -21,14 +21,14 @@ use crate::{Data, Model};
 pub(crate) struct Buffers {
     // vectors of degrees of freedom: of the island, but for the first, which is of all
     ma_start: Vec<f64>,
-    acc: Vec<Lanes>,
+    pub(super) acc: Vec<Lanes>,
     smooth: Vec<Lanes>,
     constraint: Vec<Lanes>,
-    ma: Vec<Lanes>,
-    grad: Vec<Lanes>,
-    mgrad: Vec<Lanes>,
-    search: Vec<Lanes>,
-    mv: Vec<Lanes>,
+    pub(super) ma: Vec<Lanes>,
+    pub(super) grad: Vec<Lanes>,
+    pub(super) mgrad: Vec<Lanes>,
+    pub(super) search: Vec<Lanes>,
+    pub(super) mv: Vec<Lanes>,
     row_update: Vec<Lanes>,
     /// The number of degrees of freedom that these are for.
     last: usize,
@@ -40,8 +40,8 @@ pub(crate) struct Buffers {
     /// The terms of the force on the joints: where rows of the Jacobian start, and their forces.
     terms: Vec<(usize, f64)>,
     // vectors of rows
-    jar: Vec<f64>,
-    jv: Vec<f64>,
+    pub(super) jar: Vec<f64>,
+    pub(super) jv: Vec<f64>,
     force: Vec<f64>,
     /// Whether each row pushes.
     pushes: Vec<bool>,
@@ -53,8 +53,8 @@ pub(crate) struct Buffers {
     cones: Vec<ConeHessian>,
     with_cones: Vec<Lanes>,
     // of conjugate gradients
-    grad_before: Vec<Lanes>,
-    mgrad_before: Vec<Lanes>,
+    pub(super) grad_before: Vec<Lanes>,
+    pub(super) mgrad_before: Vec<Lanes>,
     /// The rows of an island that is not the whole model.
     gathered: Gathered,
 }
@@ -154,8 +154,9 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
         r: &efc.r,
         loss: &efc.loss,
         contacts: &d.contact,
+        revision: m.revision,
     };
-    let mut cost = |b: &mut Buffers, jar: &[f64]| {
+    let cost = |b: &mut Buffers, jar: &[f64]| {
         if general {
             b.force.resize(jar.len(), 0.0);
             b.states.resize(jar.len(), State::Satisfied);
@@ -228,6 +229,7 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
                 r: &rows.r,
                 loss: &rows.loss,
                 contacts: &d.contact,
+                revision: m.revision,
             });
             let iterations = solve_island(&problem, b, answer, false);
             b.gathered = rows;
@@ -248,15 +250,15 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
 }
 
 /// The inputs of an island.
-struct Problem<'a> {
-    m: &'a Model,
+pub(super) struct Problem<'a> {
+    pub(super) m: &'a Model,
     trees: &'a [usize],
     /// The number of degrees of freedom.
-    n: usize,
+    pub(super) n: usize,
     // of all degrees of freedom
     qm: &'a [f64],
-    qld: &'a [f64],
-    qld_diag_inv: &'a [f64],
+    pub(super) qld: &'a [f64],
+    pub(super) qld_diag_inv: &'a [f64],
     qfrc_smooth: &'a [f64],
     // the island's rows
     blocks: &'a [Block],
@@ -271,7 +273,7 @@ struct Problem<'a> {
 impl Problem<'_> {
     /// The degrees of freedom of the trees: where they stand in the model, and in the island.
     #[inline(always)]
-    fn places(&self) -> impl Iterator<Item = (Range<usize>, Range<usize>)> {
+    pub(super) fn places(&self) -> impl Iterator<Item = (Range<usize>, Range<usize>)> {
         let mut next = 0;
         self.trees.iter().map(
             #[inline(always)]
@@ -380,7 +382,11 @@ fn solve_island(
     b.pushes.clear();
     b.pushes.extend(b.jar.iter().map(|jar| *jar < 0.0));
     b.states.resize(nefc, State::Satisfied);
-    let iterations = iterate(problem, b, scale, tolerance);
+    let iterations = if m.opt.solver == Solver::CG {
+        conjugate::iterate(problem, b, scale, tolerance)
+    } else {
+        iterate(problem, b, scale, tolerance)
+    };
     for (dofs, place) in problem.places() {
         qacc[dofs.clone()].copy_from_slice(&b.acc.as_flattened()[place.clone()]);
         qfrc_constraint[dofs].copy_from_slice(&b.constraint.as_flattened()[place]);
@@ -390,12 +396,12 @@ fn solve_island(
 
 /// [`dense::dot`], as one piece of code for all calls of it.
 #[inline(never)]
-fn dot(a: &[Lanes], b: &[Lanes], n: usize) -> f64 {
+pub(super) fn dot(a: &[Lanes], b: &[Lanes], n: usize) -> f64 {
     dense::dot(a, b, n)
 }
 
 /// The length of a vector of `n` elements: MuJoCo's `mju_norm`.
-fn norm(a: &[Lanes], n: usize) -> f64 {
+pub(super) fn norm(a: &[Lanes], n: usize) -> f64 {
     dot(a, a, n).sqrt()
 }
 
@@ -432,7 +438,12 @@ fn iterate(problem: &Problem<'_>, b: &mut Buffers, scale: f64, tolerance: f64) -
         }
         b.mgrad.copy_from_slice(&b.grad);
         if problem.law.is_some() && !b.cones.is_empty() {
-            add_cones(problem, b);
+            let ev = std::env::var("EV").unwrap_or_default();
+            if m.revision == crate::Revision::V4_0 && !ev.is_empty() {
+                fold_cones(problem, b, &ev);
+            } else {
+                add_cones(problem, b);
+            }
             cholesky::solve(&b.with_cones, n, problem.stride, &mut b.mgrad, m.revision);
         } else {
             cholesky::solve(&b.hessian, n, problem.stride, &mut b.mgrad, m.revision);
@@ -461,7 +472,7 @@ fn iterate(problem: &Problem<'_>, b: &mut Buffers, scale: f64, tolerance: f64) -
 /// Forces of the rows, the resulting forces on the joints, and the gradient: MuJoCo's
 /// `PrimalUpdateConstraint` and `PrimalUpdateGrad`.
 #[inline(always)]
-fn update(problem: &Problem<'_>, b: &mut Buffers) {
+pub(super) fn update(problem: &Problem<'_>, b: &mut Buffers) {
     b.terms.clear();
     if let Some(law) = &problem.law {
         law.update(&b.jar, &mut b.force, &mut b.states, &mut b.cones);
@@ -570,6 +581,116 @@ fn update_hessian(problem: &Problem<'_>, b: &mut Buffers) -> bool {
     definite
 }
 
+fn fold_cones(problem: &Problem<'_>, b: &mut Buffers, ev: &str) {
+    let (n, stride, plan) = (problem.n, problem.stride, problem.m.plan());
+    let mut left: Vec<Vec<f64>> = vec![];
+    let mut right: Vec<Vec<f64>> = vec![];
+    let mut cl: Vec<Vec<f64>> = vec![];
+    let mut cr: Vec<Vec<f64>> = vec![];
+    let zero = vec![0.0; stride * 4];
+    let row = |r: usize| problem.row(r).as_flattened().to_vec();
+    let axpy = |a: &mut Vec<f64>, b: &[f64], s: f64| {
+        for (a, b) in a.iter_mut().zip(b) {
+            *a += b * s;
+        }
+    };
+    let inline = ev.contains('i');
+    for r in 0..problem.d.len() {
+        if b.pushes[r] && problem.d[r] != 0.0 {
+            left.push(row(r));
+            let mut x = zero.clone();
+            x.iter_mut()
+                .zip(row(r))
+                .for_each(|(x, y)| *x = y * problem.d[r]);
+            right.push(x);
+        }
+        if let Some(cone) = b.cones.iter().find(|c| c.row == r) {
+            let l = local_factor(cone);
+            for c in 0..cone.dim {
+                let mut x = zero.clone();
+                let mut y = zero.clone();
+                if ev.contains('l') {
+                    for k in c..cone.dim {
+                        axpy(&mut x, &row(cone.row + k), l[k][c]);
+                    }
+                    y = x.clone();
+                } else {
+                    x = row(cone.row + c);
+                    for k in 0..cone.dim {
+                        axpy(&mut y, &row(cone.row + k), cone.matrix[c][k]);
+                    }
+                }
+                if inline {
+                    left.push(x);
+                    right.push(y);
+                } else {
+                    cl.push(x);
+                    cr.push(y);
+                }
+            }
+        }
+    }
+    let mut h = vec![[0.0; 4]; n * stride];
+    let at = |i: usize, j: usize| i * 4 * stride + j;
+    {
+        let h = h.as_flattened_mut();
+        for i in 0..n {
+            for j in i..n {
+                let mut sum = 0.0;
+                for (x, y) in left.iter().zip(&right) {
+                    sum += y[j] * x[i];
+                }
+                h[at(i, j)] = sum;
+            }
+        }
+        let addm = |h: &mut [f64]| {
+            for (dofs, place) in problem.places() {
+                for (dof, row) in dofs.zip(place.clone()) {
+                    let known = plan.m_row(dof);
+                    for (&column, value) in
+                        plan.m_local[known.clone()].iter().zip(&problem.qm[known])
+                    {
+                        h[(place.start + column) * 4 * stride + row] += value;
+                    }
+                }
+            }
+        };
+        if !ev.contains('m') {
+            addm(h);
+        }
+        if ev.contains('s') {
+            // per cone a sum of its own
+            let mut k = 0;
+            for cone in &b.cones {
+                for i in 0..n {
+                    for j in i..n {
+                        let mut sum = 0.0;
+                        for q in k..k + cone.dim {
+                            sum += cr[q][j] * cl[q][i];
+                        }
+                        h[at(i, j)] += sum;
+                    }
+                }
+                k += cone.dim;
+            }
+        } else {
+            for (x, y) in cl.iter().zip(&cr) {
+                for i in 0..n {
+                    for j in i..n {
+                        h[at(i, j)] += y[j] * x[i];
+                    }
+                }
+            }
+        }
+        if ev.contains('m') {
+            addm(h);
+        }
+    }
+    cholesky::factor(&mut h, n, stride);
+    b.with_cones.clear();
+    b.with_cones.extend_from_slice(&h);
+}
+
 /// Makes the factor with the second derivatives of the cones: MuJoCo's `HessianCone`.
 #[inline(never)]
 fn add_cones(problem: &Problem<'_>, b: &mut Buffers) {
@@ -618,7 +739,7 @@ fn local_factor(cone: &ConeHessian) -> [[f64; 6]; 6] {
 /// The length of the step along the search direction, and the improvement; leaves `M search` and `J
 /// search` behind.
 #[inline(always)]
-fn search(problem: &Problem<'_>, b: &mut Buffers, scale: f64) -> (f64, f64) {
+pub(super) fn search(problem: &Problem<'_>, b: &mut Buffers, scale: f64) -> (f64, f64) {
     let (opt, n) = (&problem.m.opt, problem.n);
     let length = norm(&b.search, n);
     if length < MINVAL {

@@ -106,7 +106,7 @@ fn dump(
         "{}",
         serde_json::json!({"efc_pos": d.efc.pos, "efc_vel": d.efc.vel, "efc_aref": d.efc.aref, "efc_D": d.efc.d,
       "efc_diagA": d.efc.diag_approx, "qacc_smooth": d.qacc_smooth, "qfrc_constraint": d.qfrc_constraint, "qfrc_smooth": d.qfrc_smooth,
-      "niter": d.solver_niter, "qacc": d.qacc, "eq_data": m.eq_data, "efc_force": d.efc.force, "body_invweight0": m.body_invweight0})
+      "niter": d.solver_niter, "con_pos": d.contact.iter().map(|c| c.pos).collect::<Vec<_>>(), "con_frame": d.contact.iter().map(|c| c.frame).collect::<Vec<_>>(), "cdof": d.cdof, "qacc": d.qacc, "eq_data": m.eq_data, "efc_force": d.efc.force, "body_invweight0": m.body_invweight0})
     );
     Ok(())
 }

@@ -6,6 +6,7 @@
 //! the normal and the two tangents. Rows are dense, because libmujoco sums over zeros too; see
 //! [`dense`](super::dense).
 
+use super::bias;
 use super::dense::{self, Lanes};
 use super::rows;
 use super::spatial::{Vec3, add, cross, dot, rotate, sub};
@@ -438,6 +439,9 @@ pub fn reference_constraint(m: &Model, d: &mut Data) {
     for i in 0..efc.pos.len() {
         let [stiffness, damping, impedance, _] = efc.kbip[i];
         efc.aref[i] = -damping * efc.vel[i] - stiffness * impedance * (efc.pos[i] - efc.margin[i]);
+    }
+    if !m.plan().laws.equalities.is_empty() {
+        bias::subtract(m, d);
     }
 }
 

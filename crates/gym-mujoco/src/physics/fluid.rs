@@ -8,7 +8,7 @@ use super::spatial::{
     MINVAL, Vec3, add, cross, norm, rotate, rotate_back, rotation, scale, sub, translation,
 };
 use crate::model::{Fluid, GeomType, ObjectType};
-use crate::{Data, Model};
+use crate::{Data, Model, Revision};
 
 /// Adds the forces on the geoms of a body.
 #[inline(never)]
@@ -30,6 +30,7 @@ pub(super) fn ellipsoids(m: &Model, d: &Data, body: usize, out: &mut [f64]) {
             (m.opt.density, m.opt.viscosity),
             semiaxes,
             fluid,
+            m.revision,
             (&mut torque, &mut force),
         );
         let [torque, force] = [torque, force].map(|x| rotate(mat, scale(x, fluid.0[0])));
@@ -57,17 +58,59 @@ fn added_mass(w: Vec3, v: Vec3, density: f64, fluid: &Fluid) -> (Vec3, Vec3) {
     (torque, add([0.0; 3], cross(linear, w)))
 }
 
+fn square(x: f64) -> f64 {
+    x * x
+}
+
+fn fourth(x: f64) -> f64 {
+    (x * x) * (x * x)
+}
+
+/// The area that a velocity sees; and a normal of the surface, with the factor that makes its
+/// product with the velocity the circulation.
+fn projection(revision: Revision, v: Vec3, size: Vec3) -> (f64, (Vec3, f64)) {
+    let faces = |[x, y, z]: Vec3| [y * z, z * x, x * y];
+    match revision {
+        Revision::V3_12 => {
+            let faces = faces(size);
+            let below = fourth(faces[0]) * square(v[0])
+                + fourth(faces[1]) * square(v[1])
+                + fourth(faces[2]) * square(v[2]);
+            let above = square(faces[0] * v[0]) + square(faces[1] * v[1]) + square(faces[2] * v[2]);
+            let area = PI * (below / above.max(MINVAL)).sqrt();
+            let normal = std::array::from_fn(|k| square(faces[k]) * v[k]);
+            (area, (normal, above / (norm(v) * below).max(MINVAL)))
+        }
+        Revision::V4_0 => {
+            // by the direction alone, of an ellipsoid whose longest semi-axis is 1
+            let inverse = |x: f64| if x > MINVAL { 1.0 / x } else { 0.0 };
+            let most = size[0].max(size[1]).max(size[2]);
+            let scaled = scale(size, inverse(most));
+            let weights = faces(scaled).map(square);
+            let along = scale(v, inverse(norm(v)));
+            let above = weights[0] * along[0] * along[0]
+                + weights[1] * along[1] * along[1]
+                + weights[2] * along[2] * along[2];
+            let weights = scale(weights, inverse(above));
+            let term = |k: usize| along[k] * square(weights[k]) * along[k];
+            let below = term(0) + term(1) + term(2);
+            let area = PI * most * most * (above * below).sqrt();
+            let normal = std::array::from_fn(|k| weights[k] * along[k]);
+            (area, (normal, inverse(below)))
+        }
+    }
+}
+
 /// Adds lift and drag: MuJoCo's `mj_viscousForces`.
 fn drag(
     (w, v): (Vec3, Vec3),
     (density, viscosity): (f64, f64),
     size: Vec3,
     fluid: &Fluid,
+    revision: Revision,
     (torque, force): (&mut Vec3, &mut Vec3),
 ) {
     let [_, blunt, slender, angular, kutta, magnus, ..] = fluid.0;
-    let square = |x: f64| x * x;
-    let fourth = |x: f64| (x * x) * (x * x);
     let volume = 4.0 / 3.0 * PI * size[0] * size[1] * size[2];
     let most = size[0].max(size[1]).max(size[2]);
     let least = size[0].min(size[1]).min(size[2]);
@@ -76,17 +119,13 @@ fn drag(
 
     let magnus = cross(w, v).map(|x| x * (magnus * density * volume));
 
-    // the area that the velocity sees, and the angle between it and the surface's normal
-    let faces = [size[1] * size[2], size[2] * size[0], size[0] * size[1]];
-    let below = fourth(faces[0]) * square(v[0])
-        + fourth(faces[1]) * square(v[1])
-        + fourth(faces[2]) * square(v[2]);
-    let above = square(faces[0] * v[0]) + square(faces[1] * v[1]) + square(faces[2] * v[2]);
-    let area = PI * (below / above.max(MINVAL)).sqrt();
-    let normal: Vec3 = std::array::from_fn(|k| square(faces[k]) * v[k]);
-    let cos = above / (norm(v) * below).max(MINVAL);
-    let circulation = cross(normal, v).map(|x| x * (kutta * density * cos * area));
-    let kutta = cross(circulation, v);
+    let speed = norm(v);
+    let (area, (surface, cos)) = projection(revision, v, size);
+    let kutta = match revision {
+        Revision::V3_12 => kutta * density * cos * area,
+        Revision::V4_0 => area * (density * kutta * cos),
+    };
+    let kutta = cross(cross(surface, v).map(|x| x * kutta), v);
 
     let diameter = 2.0 / 3.0 * (size[0] + size[1] + size[2]);
     let linear_viscous = 3.0 * PI * diameter;
@@ -102,7 +141,7 @@ fn drag(
         w[k] * (angular * own + slender * (moment_most - own))
     });
     let linear = viscosity * linear_viscous
-        + density * norm(v) * (area * blunt + slender * (area_most - area));
+        + density * speed * (area * blunt + slender * (area_most - area));
     let turning = viscosity * angular_viscous + density * norm(moments);
     for k in 0..3 {
         torque[k] -= turning * w[k];

@@ -43,6 +43,7 @@
 //! ```
 
 mod actuation;
+mod bias;
 mod collision;
 mod com;
 mod constraint;

@@ -45,7 +45,7 @@ pub(super) fn anchors(m: &Model, d: &Data, law: &Equality) -> [Vec3; 2] {
 }
 
 /// The orientation that a weld gives its second body, and the inverse of the one that it has.
-fn orientations<O: Order>(m: &Model, d: &Data, law: &Equality) -> (Quat, Quat) {
+pub(super) fn orientations<O: Order>(m: &Model, d: &Data, law: &Equality) -> (Quat, Quat) {
     let ids = [m.eq_obj1id[law.id], m.eq_obj2id[law.id]].map(|id| id as usize);
     let inverse = |[w, x, y, z]: Quat| [w, -x, -y, -z];
     if m.eq_objtype[law.id] == ObjectType::Body {
@@ -142,7 +142,7 @@ fn bodies<O: Order>(m: &Model, d: &mut Data, law: &Equality) {
 }
 
 /// The product of a quaternion and an axis: MuJoCo's `mju_mulQuatAxis`.
-fn mul_quat_axis<O: Order>(q: Quat, a: Vec3) -> Quat {
+pub(super) fn mul_quat_axis<O: Order>(q: Quat, a: Vec3) -> Quat {
     [
         -q[1] * a[0] - q[2] * a[1] - q[3] * a[2],
         O::axis_first(q[0] * a[0], q[2] * a[2], -q[3] * a[1]),

@@ -73,7 +73,7 @@ fn spatial(m: &Model, d: &mut Data, t: usize) {
                     side: (side >= 0.0).then(|| d.site_xpos[side as usize]),
                 };
                 j += 2;
-                wrap(begin.1, end, &obstacle)
+                wrap(begin.1, end, &obstacle, m.revision)
             }
             _ => {
                 j += 1;

@@ -1,11 +1,11 @@
 //! Tendons around spheres and cylinders: MuJoCo's `mju_wrap`.
 
-use std::f64::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI};
 
 use super::spatial::{
     MINVAL, Mat3, Vec3, add, cross, dot, norm, normalize, rotate, rotate_back, scale, sub,
 };
-use crate::libm;
+use crate::{Revision, libm};
 
 type Vec2 = [f64; 2];
 
@@ -21,7 +21,12 @@ pub(super) struct Obstacle<'a> {
 
 /// The length of the arc around a geom, and where it begins and ends; `None` where the way is
 /// free.
-pub(super) fn wrap(x0: Vec3, x1: Vec3, geom: &Obstacle<'_>) -> Option<(f64, [Vec3; 2])> {
+pub(super) fn wrap(
+    x0: Vec3,
+    x1: Vec3,
+    geom: &Obstacle<'_>,
+    revision: Revision,
+) -> Option<(f64, [Vec3; 2])> {
     let local = |x: Vec3| rotate_back(geom.mat, sub(x, geom.pos));
     let (p0, p1) = (local(x0), local(x1));
     if norm(p0) < MINVAL || norm(p1) < MINVAL {
@@ -36,10 +41,16 @@ pub(super) fn wrap(x0: Vec3, x1: Vec3, geom: &Obstacle<'_>) -> Option<(f64, [Vec
     let ends = [flat(p0), flat(p1)];
     let side = geom.side.map(local);
     let around = match side {
-        Some(side) if norm(side) < geom.radius => inside(ends, geom.radius)?,
+        Some(side) if norm(side) < geom.radius => match revision {
+            Revision::V3_12 => inside(ends, geom.radius)?,
+            Revision::V4_0 => inside_4_0(ends, geom.radius)?,
+        },
         _ => {
-            let side = side.map(|side| flat(side_scaled(flat(side), geom.radius)));
-            circle(ends, side, geom.radius)?
+            let side = side.map(|side| unit(flat(side)).map(|x| x * geom.radius));
+            match revision {
+                Revision::V3_12 => circle(ends, side, geom.radius)?,
+                Revision::V4_0 => circle_4_0(ends, side, geom.radius)?,
+            }
         }
     };
     let (mut arc, points) = around;
@@ -58,12 +69,6 @@ pub(super) fn wrap(x0: Vec3, x1: Vec3, geom: &Obstacle<'_>) -> Option<(f64, [Vec
         arc,
         points.map(|point| add(rotate(geom.mat, point), geom.pos)),
     ))
-}
-
-/// A point of the plane as one of space: the third coordinate is not used.
-fn side_scaled(side: Vec2, radius: f64) -> Vec3 {
-    let [u, v] = unit(side);
-    [u * radius, v * radius, 0.0]
 }
 
 /// Two axes of the plane through the centre and two points.
@@ -129,20 +134,7 @@ fn circle(ends: [Vec2; 2], side: Option<Vec2>, radius: f64) -> Option<(f64, [Vec
     if dot2(nearest, nearest) > square && side.is_none_or(|side| dot2(side, nearest) >= 0.0) {
         return None;
     }
-    let (r0, r1) = ((q0 - square).sqrt(), (q1 - square).sqrt());
-    let solve = |sign: f64| {
-        [
-            [
-                (e0[0] * square + sign * radius * e0[1] * r0) / q0,
-                (e0[1] * square - sign * radius * e0[0] * r0) / q0,
-            ],
-            [
-                (e1[0] * square - sign * radius * e1[1] * r1) / q1,
-                (e1[1] * square + sign * radius * e1[0] * r1) / q1,
-            ],
-        ]
-    };
-    let solutions = [solve(1.0), solve(-1.0)];
+    let solutions = tangents(ends, radius);
     let good = solutions.map(|[s0, s1]| {
         if cross_each_other(e0, s0, e1, s1) {
             return -10000.0;
@@ -161,6 +153,172 @@ fn circle(ends: [Vec2; 2], side: Option<Vec2>, radius: f64) -> Option<(f64, [Vec
         return None;
     }
     Some((arc_length(points, second, radius), points))
+}
+
+/// Where the tangents of a circle through two points touch it, on the one side and the other.
+fn tangents([e0, e1]: [Vec2; 2], radius: f64) -> [[Vec2; 2]; 2] {
+    let square = radius * radius;
+    let (q0, q1) = (dot2(e0, e0), dot2(e1, e1));
+    let (r0, r1) = ((q0 - square).sqrt(), (q1 - square).sqrt());
+    [1.0, -1.0].map(|sign| {
+        [
+            [
+                (e0[0] * square + sign * radius * e0[1] * r0) / q0,
+                (e0[1] * square - sign * radius * e0[0] * r0) / q0,
+            ],
+            [
+                (e1[0] * square - sign * radius * e1[1] * r1) / q1,
+                (e1[1] * square + sign * radius * e1[0] * r1) / q1,
+            ],
+        ]
+    })
+}
+
+/// The angle from one vector to another.
+fn angle(from: Vec2, to: Vec2) -> f64 {
+    let across = from[0] * to[1] - from[1] * to[0];
+    libm::atan2(across, dot2(from, to))
+}
+
+/// Whether two segments of the plane cross, each from an end to where it touches the circle, from
+/// 4.0 on.
+fn segments_cross(e0: Vec2, s0: Vec2, e1: Vec2, s1: Vec2) -> bool {
+    let minus = |a: Vec2, b: Vec2| [a[0] - b[0], a[1] - b[1]];
+    let across = |a: Vec2, b: Vec2| a[0] * b[1] - a[1] * b[0];
+    let (d0, d1) = (minus(s0, e0), minus(s1, e1));
+    let det = d0[0] * d1[1] - d1[0] * d0[1];
+    if det.abs() < MINVAL {
+        return false;
+    }
+    let sign = if det > 0.0 { 1.0 } else { -1.0 };
+    let (ends, touches) = (minus(e0, e1), minus(s0, s1));
+    across(d1, touches) * sign < 0.0
+        && across(d0, ends) * sign >= 0.0
+        && across(d1, ends) * sign >= 0.0
+        && across(d0, touches) * sign < 0.0
+}
+
+/// The arc around the outside of a circle, from 4.0 on: the tendon runs around it as the way
+/// through the point at its side does.
+fn circle_4_0(ends: [Vec2; 2], side: Option<Vec2>, radius: f64) -> Option<(f64, [Vec2; 2])> {
+    let [e0, e1] = ends;
+    let square = radius * radius;
+    let (q0, q1) = (dot2(e0, e0), dot2(e1, e1));
+    if q0 < square || radius < MINVAL || q1 < square {
+        return None;
+    }
+    let dif = [e1[0] - e0[0], e1[1] - e0[1]];
+    let dd = dot2(dif, dif);
+    if dd < MINVAL {
+        return None;
+    }
+    let a = (-dot2(dif, e0) / dd).clamp(0.0, 1.0);
+    let nearest = [a * dif[0] + e0[0], a * dif[1] + e0[1]];
+    let free = dot2(nearest, nearest) > square;
+    // how far the way through the side turns about the centre
+    let winding = side.map(|side| angle(side, e1) + angle(e0, side));
+    match winding {
+        None if free => return None,
+        Some(winding) if free && (winding - angle(e0, e1)).abs() < PI => return None,
+        _ => {}
+    }
+    let solutions = tangents(ends, radius);
+    let good = solutions.map(|[s0, s1]| {
+        if segments_cross(e0, s0, e1, s1) {
+            return -10000.0;
+        }
+        let apart = [s0[0] - s1[0], s0[1] - s1[1]];
+        -dot2(apart, apart)
+    });
+    let second = winding.map_or(good[0] <= good[1], |winding| winding > 0.0);
+    let points = solutions[usize::from(second)];
+    let [p0, p1] = points;
+    if segments_cross(e0, p0, e1, p1) {
+        return None;
+    }
+    let turned = if let Some(winding) = winding {
+        ((winding - angle(e0, p0)) - angle(p1, e1)).abs()
+    } else {
+        const LEAST: f64 = 1e-6;
+        let turn = p0[1] * p1[0] - p0[0] * p1[1];
+        let least = libm::atan2(turn.abs(), dot2(p0, p1));
+        let first = good[0] > good[1];
+        let around = (turn < 0.0 && first) || (turn > 0.0 && !first);
+        if around && least > LEAST {
+            2.0 * PI - least
+        } else {
+            least
+        }
+    };
+    Some((turned * radius, points))
+}
+
+/// The one point where a tendon inside of a circle touches it, from 4.0 on: solved for an angle.
+fn inside_4_0([e0, e1]: [Vec2; 2], radius: f64) -> Option<(f64, [Vec2; 2])> {
+    const MOST: i32 = 18;
+    const TOLERANCE: f64 = 1e-6;
+    let (len0, len1) = (dot2(e0, e0).sqrt(), dot2(e1, e1).sqrt());
+    if len0 <= radius || len0 < MINVAL || radius < MINVAL || len1 <= radius || len1 < MINVAL {
+        return None;
+    }
+    let dif = [e1[0] - e0[0], e1[1] - e0[1]];
+    let dd = dot2(dif, dif);
+    if dd > MINVAL {
+        let a = -dot2(dif, e0) / dd;
+        if a > 0.0 && a < 1.0 {
+            let nearest = [e0[0] + dif[0] * a, e0[1] + dif[1] * a];
+            if dot2(nearest, nearest).sqrt() <= radius {
+                return None;
+            }
+        }
+    }
+    let middle = unit([0.5 * (e0[0] + e1[0]), 0.5 * (e0[1] + e1[1])]).map(|x| x * radius);
+    let failed = Some((0.0, [middle; 2]));
+    let cos = (len0 * len0 + len1 * len1 - dd) / (2.0 * len0 * len1);
+    if cos < -1.0 + MINVAL {
+        return None;
+    } else if cos > 1.0 - MINVAL {
+        return failed;
+    }
+    let (a, b) = (radius / len0, radius / len1);
+    let between = libm::acos(cos);
+    let mut f = libm::asin(b) + libm::asin(a) - PI + between;
+    if f > 0.0 {
+        return failed;
+    }
+    let (mut turn, mut sin, mut iteration) = (FRAC_PI_2, 1.0, -1);
+    while f.abs() > TOLERANCE {
+        let square = sin * sin;
+        let part = |x: f64| x / f64::max(MINVAL, (1.0 + square * -x * x).sqrt());
+        let slope = (part(a) + part(b)) * libm::sin_cos(turn).1 - 2.0;
+        if slope > -MINVAL {
+            return failed;
+        }
+        let next = turn - f / slope;
+        if next > turn {
+            return failed;
+        }
+        turn = next;
+        sin = libm::sin_cos(turn).0;
+        f = libm::asin(b * sin) + libm::asin(a * sin) - (turn + turn) + between;
+        if f > TOLERANCE {
+            return failed;
+        }
+        iteration += 1;
+        if iteration > MOST {
+            return failed;
+        }
+    }
+    let (from, part) = if e0[0] * e1[1] - e0[1] * e1[0] > 0.0 {
+        (e0, a)
+    } else {
+        (e1, b)
+    };
+    let turned = turn - libm::asin(part * sin);
+    let [u, v] = unit(from);
+    let (sin, cos) = libm::sin_cos(turned);
+    let point = [radius * (cos * u - sin * v), radius * (sin * u + cos * v)];
+    Some((0.0, [point; 2]))
 }
 
 /// The length of an arc of a circle, on the side of one of the solutions.

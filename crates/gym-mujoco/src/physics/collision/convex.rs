@@ -317,10 +317,21 @@ pub(super) fn plane_ellipsoid(
     plane: Shape<'_>,
     ellipsoid: Shape<'_>,
     margin: f64,
+    revision: Revision,
     push: &mut impl FnMut(Hit),
 ) {
     let normal = plane.axis();
-    let lowest = ellipsoid_support(ellipsoid, scale(normal, -1.0));
+    let down = scale(normal, -1.0);
+    let lowest = match revision {
+        Revision::V3_12 => {
+            let &Shape { pos, mat, size } = &ellipsoid;
+            let local = rotate_back(mat, down);
+            let on_sphere = normalize(std::array::from_fn(|k| local[k] * size[k])).0;
+            let point = std::array::from_fn(|k| on_sphere[k] * size[k]);
+            add(rotate(mat, point), pos)
+        }
+        Revision::V4_0 => ellipsoid_support(ellipsoid, down),
+    };
     let dist = dot(normal, sub(lowest, plane.pos));
     if dist <= margin {
         push(Hit {

@@ -90,7 +90,7 @@ pub fn collision(m: &Model, d: &mut Data) {
             }
             (GeomType::Box, GeomType::Box) => box_box::box_box(a, b, pair.margin, &mut push),
             (GeomType::Plane, GeomType::Ellipsoid) => {
-                convex::plane_ellipsoid(a, b, pair.margin, &mut push);
+                convex::plane_ellipsoid(a, b, pair.margin, m.revision, &mut push);
             }
             (GeomType::Plane, GeomType::Plane) => {} // never touch
             (first, second) => {

@@ -244,6 +244,8 @@ pub(crate) struct Cone {
     vv: f64,
     dm: f64,
     mu: f64,
+    /// From 4.0 on, the tangential residuals and how they change, one by one.
+    parts: Option<([[f64; 2]; 5], usize)>,
 }
 
 impl Law<'_> {
@@ -286,6 +288,7 @@ impl Law<'_> {
         let force = self.d[i] * jar[i];
         let mut quad = [jar[i] * force, jv[i] * force, jv[i] * self.d[i] * jv[i]];
         let (mut uu, mut uv, mut vv) = (0.0, 0.0, 0.0);
+        let mut parts = [[0.0; 2]; 5];
         for j in 1..block.rows {
             let (x, y, d) = (jar[i + j], jv[i + j], self.d[i + j]);
             let force = d * x;
@@ -296,6 +299,7 @@ impl Law<'_> {
             ];
             let (u, v) = (x * contact.friction[j - 1], y * contact.friction[j - 1]);
             (uu, uv, vv) = (uu + u * u, uv + u * v, vv + v * v);
+            parts[j - 1] = [u, v];
         }
         Some(Cone {
             quad: [quad[0] * 0.5, quad[1], quad[2] * 0.5],
@@ -306,6 +310,7 @@ impl Law<'_> {
             vv,
             dm: self.d[i] / ((mu * mu) * (1.0 + mu * mu)),
             mu,
+            parts: (self.revision == Revision::V4_0).then_some((parts, block.rows - 1)),
         })
     }
 }
@@ -420,11 +425,25 @@ impl Cone {
         (zone, t)
     }
 
+    /// The normal part and the square of the tangential one.
     fn at(&self, alpha: f64) -> (f64, f64) {
-        (
-            self.u + alpha * self.v,
-            self.uu + alpha * (2.0 * self.uv + alpha * self.vv),
-        )
+        let square = if let Some((parts, number)) = &self.parts {
+            let moved = parts[..*number].iter().map(|[u, v]| u + alpha * v);
+            moved.fold(0.0, |sum, x| sum + x * x)
+        } else {
+            self.uu + alpha * (2.0 * self.uv + alpha * self.vv)
+        };
+        (self.u + alpha * self.v, square)
+    }
+
+    /// How much the square of the tangential part grows.
+    fn growth(&self, alpha: f64) -> f64 {
+        if let Some((parts, number)) = &self.parts {
+            let parts = parts[..*number].iter();
+            parts.fold(0.0, |sum, [u, v]| sum + alpha * v * (u + (u + alpha * v)))
+        } else {
+            alpha * (2.0 * self.uv + alpha * self.vv)
+        }
     }
 
     /// MuJoCo's `ellipticCostDif`.
@@ -437,8 +456,7 @@ impl Cone {
             (Zone::Top, Zone::Top) => 0.0,
             (Zone::Bottom, Zone::Bottom) => alpha * alpha * quad[2] + alpha * quad[1],
             (Zone::Middle, Zone::Middle) => {
-                let square = alpha * (2.0 * self.uv + alpha * self.vv);
-                let moved = alpha * self.v - mu * (square / (t + t0));
+                let moved = alpha * self.v - mu * (self.growth(alpha) / (t + t0));
                 let before = self.u - mu * t0;
                 0.5 * dm * moved * (2.0 * before + moved)
             }
@@ -469,6 +487,12 @@ impl Cone {
         match self.zone(n, square) {
             (Zone::Top, _) => [0.0; 2],
             (Zone::Bottom, _) => [2.0 * alpha * quad[2] + quad[1], 2.0 * quad[2]],
+            (Zone::Middle, t) if self.parts.is_some() => {
+                let (along, across) = self.slide(alpha, t);
+                let slope = self.v - mu * (along / t);
+                let bend = (n / t - mu) * (across * mu);
+                [dm * (n - mu * t) * slope, dm * (slope * slope - bend)]
+            }
             (Zone::Middle, t) => {
                 let n1 = self.v;
                 let t1 = (self.uv + alpha * self.vv) / t;
@@ -479,5 +503,28 @@ impl Cone {
                 ]
             }
         }
+    }
+
+    /// Of the tangential residuals and how they change: their product, and the square of what of
+    /// the change is across the direction of the residuals.
+    fn slide(&self, alpha: f64, length: f64) -> (f64, f64) {
+        let Some((parts, number)) = &self.parts else {
+            return (0.0, 0.0);
+        };
+        let parts = &parts[..*number];
+        let moved = |[u, v]: [f64; 2]| u + alpha * v;
+        let along = parts
+            .iter()
+            .fold(0.0, |sum, &part| sum + moved(part) * part[1]);
+        let mut across = 0.0;
+        for (j, &first) in parts.iter().enumerate() {
+            let direction = moved(first) / length;
+            for &second in &parts[j + 1..] {
+                let other = moved(second) / length;
+                let area = direction * second[1] - first[1] * other;
+                across += area * area;
+            }
+        }
+        (along, across)
     }
 }

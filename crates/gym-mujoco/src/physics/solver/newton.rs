@@ -438,12 +438,7 @@ fn iterate(problem: &Problem<'_>, b: &mut Buffers, scale: f64, tolerance: f64) -
         }
         b.mgrad.copy_from_slice(&b.grad);
         if problem.law.is_some() && !b.cones.is_empty() {
-            let ev = std::env::var("EV").unwrap_or_default();
-            if m.revision == crate::Revision::V4_0 && !ev.is_empty() {
-                fold_cones(problem, b, &ev);
-            } else {
-                add_cones(problem, b);
-            }
+            add_cones(problem, b);
             cholesky::solve(&b.with_cones, n, problem.stride, &mut b.mgrad, m.revision);
         } else {
             cholesky::solve(&b.hessian, n, problem.stride, &mut b.mgrad, m.revision);
@@ -579,116 +574,6 @@ fn update_hessian(problem: &Problem<'_>, b: &mut Buffers) -> bool {
         }
     }
     definite
-}
-
-fn fold_cones(problem: &Problem<'_>, b: &mut Buffers, ev: &str) {
-    let (n, stride, plan) = (problem.n, problem.stride, problem.m.plan());
-    let mut left: Vec<Vec<f64>> = vec![];
-    let mut right: Vec<Vec<f64>> = vec![];
-    let mut cl: Vec<Vec<f64>> = vec![];
-    let mut cr: Vec<Vec<f64>> = vec![];
-    let zero = vec![0.0; stride * 4];
-    let row = |r: usize| problem.row(r).as_flattened().to_vec();
-    let axpy = |a: &mut Vec<f64>, b: &[f64], s: f64| {
-        for (a, b) in a.iter_mut().zip(b) {
-            *a += b * s;
-        }
-    };
-    let inline = ev.contains('i');
-    for r in 0..problem.d.len() {
-        if b.pushes[r] && problem.d[r] != 0.0 {
-            left.push(row(r));
-            let mut x = zero.clone();
-            x.iter_mut()
-                .zip(row(r))
-                .for_each(|(x, y)| *x = y * problem.d[r]);
-            right.push(x);
-        }
-        if let Some(cone) = b.cones.iter().find(|c| c.row == r) {
-            let l = local_factor(cone);
-            for c in 0..cone.dim {
-                let mut x = zero.clone();
-                let mut y = zero.clone();
-                if ev.contains('l') {
-                    for k in c..cone.dim {
-                        axpy(&mut x, &row(cone.row + k), l[k][c]);
-                    }
-                    y = x.clone();
-                } else {
-                    x = row(cone.row + c);
-                    for k in 0..cone.dim {
-                        axpy(&mut y, &row(cone.row + k), cone.matrix[c][k]);
-                    }
-                }
-                if inline {
-                    left.push(x);
-                    right.push(y);
-                } else {
-                    cl.push(x);
-                    cr.push(y);
-                }
-            }
-        }
-    }
-    let mut h = vec![[0.0; 4]; n * stride];
-    let at = |i: usize, j: usize| i * 4 * stride + j;
-    {
-        let h = h.as_flattened_mut();
-        for i in 0..n {
-            for j in i..n {
-                let mut sum = 0.0;
-                for (x, y) in left.iter().zip(&right) {
-                    sum += y[j] * x[i];
-                }
-                h[at(i, j)] = sum;
-            }
-        }
-        let addm = |h: &mut [f64]| {
-            for (dofs, place) in problem.places() {
-                for (dof, row) in dofs.zip(place.clone()) {
-                    let known = plan.m_row(dof);
-                    for (&column, value) in
-                        plan.m_local[known.clone()].iter().zip(&problem.qm[known])
-                    {
-                        h[(place.start + column) * 4 * stride + row] += value;
-                    }
-                }
-            }
-        };
-        if !ev.contains('m') {
-            addm(h);
-        }
-        if ev.contains('s') {
-            // per cone a sum of its own
-            let mut k = 0;
-            for cone in &b.cones {
-                for i in 0..n {
-                    for j in i..n {
-                        let mut sum = 0.0;
-                        for q in k..k + cone.dim {
-                            sum += cr[q][j] * cl[q][i];
-                        }
-                        h[at(i, j)] += sum;
-                    }
-                }
-                k += cone.dim;
-            }
-        } else {
-            for (x, y) in cl.iter().zip(&cr) {
-                for i in 0..n {
-                    for j in i..n {
-                        h[at(i, j)] += y[j] * x[i];
-                    }
-                }
-            }
-        }
-        if ev.contains('m') {
-            addm(h);
-        }
-    }
-    cholesky::factor(&mut h, n, stride);
-    b.with_cones.clear();
-    b.with_cones.extend_from_slice(&h);
 }
 
 /// Makes the factor with the second derivatives of the cones: MuJoCo's `HessianCone`.

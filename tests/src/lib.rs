@@ -71,6 +71,7 @@ mod documents {
         Faq: "docs/faq.md",
         FirstSteps: "docs/first-steps.md",
         Introduction: "docs/README.md",
+        MujocoVersions: "docs/mujoco-versions.md",
         Native: "docs/native.md",
         Planning: "docs/planning.md",
         Plugins: "docs/plugins.md",

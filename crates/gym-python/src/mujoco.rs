@@ -2,7 +2,7 @@
 
 use gym::BoxEnv;
 use gym::mujoco::tasks::{self, Simulation};
-use gym::mujoco::{Data, simulated};
+use gym::mujoco::{Data, Revision, simulated};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -52,7 +52,8 @@ fn matrix<'py, const N: usize>(
 }
 
 /// The parts of the model, and its stepping: its source, the text of a built-in one, initial
-/// positions, number of velocities, names of bodies, timestep. `None` for other environments.
+/// positions, number of velocities, names of bodies, timestep, and the version of MuJoCo with the
+/// names of all versions. `None` for other environments.
 pub(crate) fn model<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound<'py, PyDict>>> {
     let Some(env) = simulated(env) else {
         return Ok(None);
@@ -74,5 +75,11 @@ pub(crate) fn model<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound
     facts.set_item("bodies", &model.names.body)?;
     facts.set_item("timestep", model.opt.timestep)?;
     facts.set_item("frame_skip", frame_skip)?;
+    facts.set_item("mujoco", model.revision.name())?;
+    let versions = PyDict::new(py);
+    for revision in Revision::ALL {
+        versions.set_item(revision.name(), revision.versions())?;
+    }
+    facts.set_item("versions", versions)?;
     Ok(Some(facts))
 }

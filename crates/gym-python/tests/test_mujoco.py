@@ -3,6 +3,7 @@
 import copy
 import pickle
 import sys
+import warnings
 
 import gymnasium
 import numpy as np
@@ -98,3 +99,37 @@ def test_mujocos_own_objects_follow(env_id, monkeypatch, tmp_path):
         assert np.allclose(env._arrays()[name], getattr(data, name), rtol=1e-9, atol=1e-9), name
     for twin in (copy.copy(env), copy.deepcopy(env), pickle.loads(pickle.dumps(env))):
         assert np.array_equal(twin.data.qpos, env.data.qpos) and twin.data is not env.data
+
+
+@pytest.mark.parametrize("env_id", TASKS)
+def test_the_version_of_mujoco_is_an_argument(env_id):
+    def rewards(**kwargs):
+        env = rustgym.make(env_id, **kwargs)
+        env.action_space.seed(1)
+        env.reset(seed=1)
+        steps = [env.step(env.action_space.sample()) for _ in range(120)]
+        return [(observation.tobytes(), reward) for observation, reward, *_ in steps]
+
+    assert rewards() == rewards(mujoco="4.0") == rewards(mujoco="4.0.1")
+    old = rewards(mujoco="3.12")
+    assert old == rewards(mujoco="3.13.0")
+    assert (old == rewards()) == (env_id in ("InvertedPendulum-v5", "Reacher-v5"))
+    envs = rustgym.make_vec(env_id, 2, mujoco="3.12")
+    assert envs.spec.kwargs["mujoco"] == "3.12"
+    with pytest.raises(Exception, match="no MuJoCo version \"3.0\": the versions are"):
+        rustgym.make(env_id, mujoco="3.0")
+
+
+@pytest.mark.parametrize(("installed", "own", "hint"), [("3.12.0", "4.0", 'mujoco="3.12"'), ("3.9.0", "4.0", "does not repeat")])
+def test_another_installed_version_is_told_once(installed, own, hint, monkeypatch):
+    mujoco_envs = sys.modules["rustgym.envs.mujoco"]
+    mujoco_envs._tell_other.cache_clear()
+    monkeypatch.setattr(mujoco_envs, "_installed", lambda: installed)
+    with pytest.warns(UserWarning, match=f"MuJoCo {own}.*mujoco {installed}: .*{hint}") as told:
+        for _ in range(2):
+            made("Hopper-v5", mujoco=own)
+    assert len(told) == 1
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        monkeypatch.setattr(mujoco_envs, "_installed", lambda: "4.0.0")
+        made("Hopper-v5")

@@ -331,10 +331,11 @@ fn contact_jacobian(
         let c = &cdof[column.dof];
         let offset = sub(contact.pos, com[column.root]);
         let moves = add([c[3], c[4], c[5]], cross([c[0], c[1], c[2]], offset));
+        // libmujoco's sums begin with 0, and so are never -0
         if contact.dim == 1 {
-            jac[column.dof] = column.sign * dot([frame[0], frame[1], frame[2]], moves);
+            jac[column.dof] = column.sign * dot([frame[0], frame[1], frame[2]], moves) + 0.0;
         } else {
-            let [n, t1, t2] = rotate(frame, moves).map(|along| column.sign * along);
+            let [n, t1, t2] = rotate(frame, moves).map(|along| column.sign * along + 0.0);
             let (t1, t2) = (t1 * contact.mu, t2 * contact.mu);
             for (row, value) in [n + t1, n - t1, n + t2, n - t2].into_iter().enumerate() {
                 jac[row * width + column.dof] = value;

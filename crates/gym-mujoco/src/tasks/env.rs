@@ -13,8 +13,8 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use super::Simulated;
 use super::arguments::TaskArguments;
 use super::simulation::Simulation;
-use crate::Data;
 use crate::physics::MAXVAL;
+use crate::{Data, Revision};
 
 /// A task: the parts in which the environments of this crate differ.
 pub trait Task: Clone + fmt::Debug + Send + Sync + Sized + 'static {
@@ -202,6 +202,33 @@ impl<T: Task> Simulated for MujocoEnv<T> {
     }
 }
 
+impl<T: Task> MujocoEnv<T> {
+    /// Why a snapshot does not fit: for one of another version of MuJoCo, that version.
+    fn explain_refusal(&self, snapshot: &Snapshot, error: Error) -> Error {
+        /// The part of a snapshot that is looked at.
+        #[derive(Deserialize)]
+        struct Taken {
+            env: String,
+            config: (u32, With),
+        }
+        #[derive(Deserialize)]
+        struct With {
+            mujoco: Revision,
+        }
+        let (env, own) = (self.describe(), self.arguments.1.common().mujoco);
+        match snapshot.get::<Taken>() {
+            Ok(taken) if taken.env == env && taken.config.1.mujoco != own => {
+                let other = taken.config.1.mujoco;
+                Error::Snapshot(format!(
+                    "it was taken from a {env} of MuJoCo {other}, and this one is of MuJoCo {own}: restore it into an \
+                     environment made with mujoco=\"{other}\""
+                ))
+            }
+            _ => error,
+        }
+    }
+}
+
 impl<T: Task> Env for MujocoEnv<T> {
     type Observation = Array;
     type Action = Array;
@@ -260,7 +287,8 @@ impl<T: Task> Env for MujocoEnv<T> {
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let model = &self.simulation.model;
         let valid = |episode: &Episode<T::Step>| episode.data.check(model).is_ok();
-        let mut episode = snapshot.for_config(&self.describe(), &self.arguments, valid)?;
+        let found = snapshot.for_config(&self.describe(), &self.arguments, valid);
+        let mut episode = found.map_err(|error| self.explain_refusal(snapshot, error))?;
         if let Some(episode) = &mut episode {
             episode.data.resume(model);
         }

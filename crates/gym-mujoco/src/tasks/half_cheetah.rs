@@ -9,12 +9,12 @@
 //! | end | never |
 //! | limit | 1000 steps of 0.05 s |
 //!
-//! Versions: 4 lacks `xml_file` and `frame_skip`; 3 also lacks the camera's arguments; 2 takes no
-//! arguments.
+//! Versions: 4 lacks `xml_file` and `frame_skip`; 3 also lacks the camera's arguments; 2 takes only
+//! `mujoco`.
 //!
-//! Differences from Gymnasium: all numbers equal Gymnasium's with MuJoCo 3.12.0 or 3.13.0 for Linux
-//! on x86-64. Versions 2 and 3, and Pusher-v4, which Gymnasium 1.4.0 refuses to make, run on the
-//! same engine. The default camera follows the torso.
+//! Differences from Gymnasium: all numbers equal Gymnasium's with the version of MuJoCo that
+//! `mujoco` names, for Linux on x86-64. By default that is 4.0; versions 2 and 3, and Pusher-v4,
+//! which Gymnasium 1.4.0 refuses to make, keep 3.12. The default camera follows the torso.
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/half_cheetah_v5.py` and `_v4.py`; 0.29.1 for versions 2
 //! and 3.

@@ -10,11 +10,11 @@
 //! | limit | 1000 steps of 0.008 s |
 //!
 //! Versions: before 5, the step of a fall is rewarded as well. 4 lacks `xml_file` and `frame_skip`;
-//! 3 also lacks the camera's arguments; 2 takes no arguments and has no entries in `info`.
+//! 3 also lacks the camera's arguments; 2 takes only `mujoco`, and has no entries in `info`.
 //!
-//! Differences from Gymnasium: all numbers equal Gymnasium's with MuJoCo 3.12.0 or 3.13.0 for Linux
-//! on x86-64. Versions 2 and 3, and Pusher-v4, which Gymnasium 1.4.0 refuses to make, run on the
-//! same engine. The default camera follows the torso.
+//! Differences from Gymnasium: all numbers equal Gymnasium's with the version of MuJoCo that
+//! `mujoco` names, for Linux on x86-64. By default that is 4.0; versions 2 and 3, and Pusher-v4,
+//! which Gymnasium 1.4.0 refuses to make, keep 3.12. The default camera follows the torso.
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/hopper_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
 

@@ -9,12 +9,12 @@
 //! | end | never |
 //! | limit | 100 steps of 0.05 s |
 //!
-//! Versions: 4 takes only the camera's arguments, 2 takes none; both have a lighter object with a
-//! ball inside, and `info` has the cost of actions without its weight.
+//! Versions: 4 takes only `mujoco` and the camera's arguments, 2 only `mujoco`; both have a lighter object
+//! with a ball inside, and `info` has the cost of actions without its weight.
 //!
-//! Differences from Gymnasium: all numbers equal Gymnasium's with MuJoCo 3.12.0 or 3.13.0 for Linux
-//! on x86-64. Versions 2 and 3, and Pusher-v4, which Gymnasium 1.4.0 refuses to make, run on the
-//! same engine.
+//! Differences from Gymnasium: all numbers equal Gymnasium's with the version of MuJoCo that
+//! `mujoco` names, for Linux on x86-64. By default that is 4.0; versions 2 and 3, and Pusher-v4,
+//! which Gymnasium 1.4.0 refuses to make, keep 3.12.
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/pusher_v5.py` and `_v4.py`; 0.29.1 for version 2.
 

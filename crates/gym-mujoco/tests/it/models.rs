@@ -1,5 +1,5 @@
-//! The built-in models against the figures that MuJoCo 3.12.0 compiles for the models of Gymnasium
-//! 1.4.0.
+//! The built-in models against the figures that MuJoCo 3.12.0 and 4.0.0 compile for the models of
+//! Gymnasium 1.4.0.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -28,12 +28,13 @@ fn compare(path: &str, expected: &Value, got: &Value, differences: &mut Vec<Stri
     }
 }
 
-/// The folders of figures: the one in this crate, and the one that `GYM_REFERENCE` names.
+/// The folders of figures: those in this crate, and the one that `GYM_REFERENCE` names.
 fn folders() -> Vec<PathBuf> {
     let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recorded");
     let more =
         std::env::var_os("GYM_REFERENCE").map(|folder| PathBuf::from(folder).join("models_mujoco"));
-    std::iter::once(own)
+    [own.join("4.0"), own]
+        .into_iter()
         .chain(more.filter(|folder| folder.is_dir()))
         .collect()
 }
@@ -90,7 +91,7 @@ fn models_have_mujocos_figures() {
         }
     }
     if std::env::var_os("GYM_REFERENCE").is_none() {
-        assert_eq!(files, 31);
+        assert_eq!(files, 42);
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }

@@ -1,4 +1,4 @@
-//! Steps and forward calls of libmujoco 3.12.0, repeated to the last bit.
+//! Steps and forward calls of libmujoco 3.12.0 and 4.0.0, repeated to the last bit.
 //!
 //! The recordings of this crate are always compared; more, where `GYM_REFERENCE` names a folder
 //! that has them.
@@ -15,7 +15,8 @@ fn recordings(kind: &str) -> Vec<PathBuf> {
     let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recorded");
     let more =
         std::env::var_os("GYM_REFERENCE").map(|folder| PathBuf::from(folder).join("mujoco_exact"));
-    let folders = std::iter::once(own).chain(more.filter(|folder| folder.is_dir()));
+    let folders = [own.join("4.0"), own].into_iter();
+    let folders = folders.chain(more.filter(|folder| folder.is_dir()));
     let entries = folders.flat_map(|folder| std::fs::read_dir(folder).unwrap());
     let is_kind = |path: &PathBuf| {
         let name = path.file_name().unwrap().to_string_lossy();
@@ -97,7 +98,7 @@ fn compare(path: &Path, side: &str) -> Result<(), String> {
 fn all(kind: &str, side: &str) {
     let paths = recordings(kind);
     if std::env::var_os("GYM_REFERENCE").is_none() {
-        let expected = if kind == "steps" { 33 } else { 15 };
+        let expected = if kind == "steps" { 64 } else { 21 };
         assert_eq!(paths.len(), expected, "recordings of {kind}");
     }
     let failed: Vec<String> = paths

@@ -279,3 +279,79 @@ fn a_state_that_was_set_is_seen_at_once_and_gone_on_from() -> gym_core::Result<(
     );
     Ok(())
 }
+
+/// The value of `mujoco` where it is not given.
+fn default_version(id: &str) -> Json {
+    let arguments = registry::find(id).unwrap().arguments().unwrap();
+    let mut named = arguments
+        .iter()
+        .filter(|argument| argument.name == "mujoco");
+    named.next().expect("the argument").default.clone()
+}
+
+#[test]
+fn every_id_takes_a_version_of_mujoco() {
+    for registration in registry::all() {
+        let id = registration.id();
+        let old = id.ends_with("-v2") || id.ends_with("-v3") || id == "Pusher-v4";
+        assert_eq!(
+            default_version(id),
+            if old { "3.12" } else { "4.0" },
+            "{id}"
+        );
+        let message = refusal(id, "mujoco", json!("3.14"));
+        assert!(
+            message.contains("there is no MuJoCo version \"3.14\"")
+                && message.contains("\"3.12\" (also 3.11, 3.13")
+                && message.contains("\"4.0\" (also 4.0.0, 4.0.1)"),
+            "{message}"
+        );
+    }
+}
+
+#[test]
+fn versions_with_other_names_have_the_same_numbers() {
+    let numbers = |version: Option<&str>| {
+        let mut builder = builder("Ant-v5");
+        if let Some(version) = version {
+            builder = builder.arg("mujoco", version);
+        }
+        let mut env = builder.build().unwrap();
+        env.reset(3).unwrap();
+        let seen = play(&mut env, 1, 20);
+        seen.into_iter().map(f64::to_bits).collect::<Vec<_>>()
+    };
+    let (old, new) = (numbers(Some("3.12")), numbers(Some("4.0")));
+    assert_ne!(old, new);
+    for version in ["3.11", "3.12.0", "3.13.0"] {
+        assert_eq!(numbers(Some(version)), old, "{version}");
+    }
+    for version in [None, Some("4.0.0"), Some("4.0.1")] {
+        assert_eq!(numbers(version), new, "{version:?}");
+    }
+}
+
+#[test]
+fn a_snapshot_of_another_version_of_mujoco_is_refused() {
+    let made = |version: &str| builder("Hopper-v5").arg("mujoco", version).build().unwrap();
+    for (taken, other) in [("3.12", "4.0"), ("4.0", "3.12")] {
+        let mut env = made(taken);
+        env.reset(5).unwrap();
+        play(&mut env, 1, 5);
+        let snapshot = env.snapshot().unwrap();
+        let mut refuses = made(other);
+        refuses.reset(6).unwrap();
+        let before = refuses.snapshot().unwrap();
+        let error = refuses.restore(&snapshot).unwrap_err().to_string();
+        let said = format!(
+            "of MuJoCo {taken}, and this one is of MuJoCo {other}: restore it into an environment made with mujoco=\"{taken}\""
+        );
+        assert!(error.contains(&said), "{error}");
+        assert_eq!(refuses.snapshot().unwrap(), before);
+        made(taken).restore(&snapshot).unwrap();
+        // another argument that differs is not blamed on the version
+        let mut wide = builder("Hopper-v5").arg("frame_skip", 3).build().unwrap();
+        let error = wide.restore(&made("4.0").snapshot().unwrap()).unwrap_err();
+        assert!(error.to_string().contains("other arguments"), "{error}");
+    }
+}

@@ -6,6 +6,8 @@ mod draw;
 mod games;
 mod page;
 mod returns;
+#[cfg(feature = "families")]
+mod versions;
 mod wrappers;
 
 use std::path::{Path, PathBuf};
@@ -70,6 +72,8 @@ pub(crate) fn docs(arguments: &Arguments, selection: Selection) -> Result<()> {
     documents.extend(wrappers::document(&folder)?);
     #[cfg(feature = "families")]
     documents.extend(games::document(&folder)?);
+    #[cfg(feature = "families")]
+    documents.extend(versions::document(&folder)?);
     if arguments.draw {
         for page in &pages {
             documents.extend(draw::gif(page)?);

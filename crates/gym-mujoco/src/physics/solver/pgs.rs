@@ -109,7 +109,9 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
             let block = &d.efc.blocks[index];
             s.rows.extend(block.row..block.row + block.rows);
         }
-        let iterations = iterate(m, d, &mut s);
+        let trees = &d.work.island_trees[island.trees.clone()];
+        let scale = 1.0 / inertia_of(m, d, trees);
+        let iterations = iterate(m, d, &mut s, scale);
         d.solver_niter.push(iterations);
     }
     d.work.islands = islands;
@@ -231,18 +233,25 @@ impl Pcg32 {
     }
 }
 
+/// The inertia against which an island's improvement is measured: before 3.17 the model's, in the
+/// initial configuration; from then on the island's, in the current one.
+fn inertia_of(m: &Model, d: &Data, trees: &[usize]) -> f64 {
+    let plan = m.plan();
+    match m.revision {
+        Revision::V3_12 => m.stat.meaninertia * m.nv().max(1) as f64,
+        Revision::V4_0 => {
+            let dofs = trees.iter().flat_map(|&tree| plan.trees[tree].clone());
+            dofs.fold(0.0, |sum, i| sum + d.qm[plan.m_diagonal(i)])
+        }
+    }
+}
+
 /// Iterates on the forces of an island; the number of iterations.
 #[inline(always)]
-fn iterate(m: &Model, d: &Data, s: &mut Buffers) -> usize {
+fn iterate(m: &Model, d: &Data, s: &mut Buffers, scale: f64) -> usize {
     let (n, nefc) = (s.rows.len(), d.efc.nefc());
     let stride = dense::groups(nefc);
     let rows = &s.rows;
-    // of the initial configuration before 3.17, and of the current one from then on
-    let inertia = match m.revision {
-        Revision::V3_12 => m.stat.meaninertia * m.nv().max(1) as f64,
-        Revision::V4_0 => (0..m.nv()).map(|i| d.qm[m.plan().m_diagonal(i)]).sum(),
-    };
-    let scale = 1.0 / inertia;
     s.steps.clear();
     s.steps.extend(rows.iter().map(|&row| {
         let diag_inv = 1.0 / s.ar[row * stride + row / 4][row % 4];

@@ -7,8 +7,9 @@ functions and viewers; they follow the environment, never the other way.
 from __future__ import annotations
 
 import os
-from functools import cached_property
+from functools import cache, cached_property
 from importlib import import_module
+from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
 from types import SimpleNamespace
 from typing import Any
@@ -25,12 +26,40 @@ __all__ = ["MujocoEnv"]
 _CAN_EXCLUDE = {"Ant": 2, "HalfCheetah": 1, "Hopper": 1, "Humanoid": 2, "HumanoidStandup": 2, "Swimmer": 2, "Walker2d": 1}
 
 
+@cache
+def _installed() -> str | None:
+    """The version of MuJoCo's Python package, with whose numbers Gymnasium plays."""
+    try:
+        return version("mujoco")
+    except PackageNotFoundError:
+        return None
+
+
+def _is_of(installed: str, versions: list[str]) -> bool:
+    return installed in versions or ".".join(installed.split(".")[:2]) in versions
+
+
+@cache
+def _tell_other(own: str, installed: str, name: str | None) -> None:
+    """Logs, once, that Gymnasium has other numbers here."""
+    hint = f'make it with mujoco="{name}" for these' if name else "whose numbers rustgym does not repeat"
+    gymnasium.logger.warn(
+        f"the environment has the numbers of MuJoCo {own}, and Gymnasium has those of the installed mujoco {installed}: {hint}"
+    )
+
+
 class MujocoEnv(ClassEnv):
     """A robot that moves by MuJoCo's equations."""
 
     # MuJoCo's own model and data, made on first use, and whether the data is from the last step
     _library: tuple[Any, Any] | None = None
     _is_current = False
+
+    def __init__(self, render_mode: str | None = None, **kwargs: Any) -> None:
+        super().__init__(render_mode, **kwargs)
+        own, versions = self._made_of["mujoco"], self._made_of["versions"]
+        if (installed := _installed()) is not None and not _is_of(installed, versions[own]):
+            _tell_other(own, installed, next((name for name in versions if _is_of(installed, versions[name])), None))
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """As ``Env.reset``."""

@@ -4,24 +4,24 @@
 //! into figures. Whatever is outside of the supported part is an error that names element,
 //! attribute and line; nothing is skipped silently.
 //!
-//! | element | attributes |
+//! | section | supported |
 //! |---|---|
-//! | `compiler` | angle, coordinate="local", inertiafromgeom, settotalmass, autolimits |
-//! | `option` | timestep, gravity, wind, density, viscosity, integrator (Euler, RK4), solver (Newton, PGS), iterations, ls_iterations, tolerance, cone="pyramidal", jacobian, impratio="1" |
-//! | `default` | class; of joint, geom, motor, site |
-//! | `body` | name, pos, orientation, childclass |
-//! | `inertial` | pos, orientation, mass, diaginertia, fullinertia |
-//! | `joint`, `freejoint` | name, class, type (free, slide, hinge), pos, axis, range, limited, ref, springref, stiffness, damping, armature, margin, solreflimit, solimplimit |
-//! | `geom` | name, class, type (plane, sphere, capsule, cylinder), size, pos, orientation, fromto, density, mass, friction, condim (1, 3), contype, conaffinity, margin, gap, priority, solmix, solref, solimp, rgba, material |
-//! | `site`, `camera`, `light` | for pictures |
-//! | `actuator/motor` | name, class, joint, gear, ctrlrange, ctrllimited |
-//! | `tendon/fixed` | name; of joint, coef |
-//! | `contact/exclude` | body1, body2 |
-//! | `keyframe/key` | time, qpos, qvel, ctrl |
+//! | all | `include`; `default` classes and `childclass`; orientations by quat, axisangle, xyaxes, zaxis and euler |
+//! | `compiler` | angle, eulerseq, autolimits, inertiafromgeom, inertiagrouprange, balanceinertia, boundmass, boundinertia, settotalmass, strippath, coordinate="local" |
+//! | `option` | timestep, gravity, wind, magnetic, density, viscosity, cone, impratio, solver, iterations, ls_iterations, tolerance, integrator (Euler, RK4), `flag` |
+//! | bodies | `body` (mocap, gravcomp), `frame`, `replicate`, `inertial`; all joints with springs, dampers, dry friction, limits; sites, cameras, lights |
+//! | `geom` | plane, sphere, capsule, ellipsoid, cylinder, box; fluidshape; all figures of contacts |
+//! | `contact` | pair, exclude |
+//! | `equality` | connect, weld, joint, tendon |
+//! | `tendon` | fixed, spatial (sites, pulleys, spheres and cylinders with side sites) |
+//! | `actuator` | general, motor, position, velocity, intvelocity, damper, cylinder, muscle; on joints, tendons and sites |
+//! | `sensor` | those of joints, tendons, actuators, sites, frames, subtrees, and the clock; touch, rangefinder, magnetometer |
+//! | `keyframe` | key |
 //!
-//! An orientation is one of quat, axisangle, euler. `asset` gives colours of materials, `statistic`
-//! and `size` the figures that MuJoCo takes from them; `visual`, `custom`, `user` and `group` are
-//! read and ignored.
+//! `asset` gives colours of materials, `statistic` and `size` the figures that MuJoCo takes from
+//! them; `visual`, `custom`, `user`, `group`, textures and skins are read and ignored. Refused are
+//! meshes, height fields as geoms, composites, flexes, plugins, implicit integrators and noslip
+//! iterations.
 
 mod bodies;
 mod compile;

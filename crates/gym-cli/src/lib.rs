@@ -118,10 +118,19 @@ fn start(package: &str, book: Option<&Book>) -> ExitCode {
     log::set_logger(&Stderr)
         .map(|()| log::set_max_level(log::LevelFilter::Warn))
         .ok();
+    // without a handler Ctrl+C would leave the files that are being written, under temporary names
+    let interrupted = || {
+        gym::render::file::remove_unfinished();
+        std::process::exit(130); // as shells say of it
+    };
+    ctrlc::set_handler(interrupted).ok();
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => return ExitCode::from(output::refuse(&error)),
+    };
     let workspace = Workspace::of(Path::new(package));
-    match command(Arguments::parse().command, &workspace, book) {
+    match command(arguments.command, &workspace, book) {
         Ok(code) => code,
-        Err(error) if output::reader_left(&error) => ExitCode::SUCCESS,
         Err(error) => {
             tell!("error: {error}");
             ExitCode::FAILURE

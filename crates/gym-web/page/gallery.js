@@ -2,6 +2,8 @@
 import { h } from "./dom.js";
 import { paint } from "./engine.js";
 
+const BOOK = "https://github.com/gym-rust/gym/blob/main/docs/README.md";
+
 // Tiles are smaller than pictures: drawings are vectors, and a small one costs less.
 const TILE = 300;
 
@@ -114,7 +116,8 @@ export function gallery(main, engine, environments) {
     h("section", { class: "hero" },
       h("div", {},
         h("h1", {}, "Gymnasium's environments, live"),
-        h("p", {}, "Watch a good policy, take over with the keyboard, see what the agent sees, and train one of your own. Nothing to install.")),
+        h("p", {}, h("a", { href: "https://gymnasium.farama.org" }, "Gymnasium"), " is the usual interface between agents that learn and the tasks that they learn: an agent sees an observation, chooses an action and gets a reward. These are its tasks, written in Rust and compiled for the browser, as ", h("a", { href: BOOK }, "the book"), " explains."),
+        h("p", {}, "Watch a good policy, take over yourself, see what the agent sees, and ", h("a", { href: "#/learn" }, "train an agent"), ". Nothing to install.")),
       search),
     ...sections.map(({ element }) => element),
     none);

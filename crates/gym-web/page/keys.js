@@ -1,8 +1,8 @@
 // Which keys are down, and the action that they are.
 
-// The name of a key as the registry has it: `Left`, `Space`, `A`, `Key1`.
+// The name of a key as the registry has it: `Left`, `Space`, `A`, `1`.
 export function keyName({ code }) {
-  return code.replace(/^Arrow/, "").replace(/^Key(?=[A-Z]$)/, "").replace(/^Digit|^Numpad(?=\d$)/, "Key").replace(/^NumpadEnter$/, "Enter");
+  return code.replace(/^Arrow/, "").replace(/^Key(?=[A-Z]$)/, "").replace(/^Digit|^Numpad(?=\d$)/, "").replace(/^NumpadEnter$/, "Enter");
 }
 
 export const SYMBOLS = { Left: "←", Right: "→", Up: "↑", Down: "↓" };

@@ -17,6 +17,9 @@ SPACES = {
     "dict": spaces.Dict({"b": spaces.Discrete(2), "a": spaces.Box(0.0, 1.0, (1,), np.float32)}),
     "sequence": spaces.Sequence(spaces.Discrete(4)),
     "graph": spaces.Graph(spaces.Box(0.0, 1.0, (2,), np.float32), spaces.Discrete(3)),
+    "graph_of_dicts": spaces.Graph(
+        spaces.Dict({"b": spaces.Discrete(2), "a": spaces.Text(5)}), spaces.Tuple((spaces.Box(0.0, 1.0, (2,), np.float64), spaces.Text(3)))
+    ),
     "one_of": spaces.OneOf((spaces.Discrete(2), spaces.Box(0.0, 1.0, (2,), np.float32))),
 }
 

@@ -3,7 +3,10 @@
 
 use std::ops::Range;
 
-use super::{CompiledModel, GeomType, Integrator, JointType};
+use super::laws::Laws;
+use super::mix::Mixed;
+use super::paths::Paths;
+use super::{CompiledModel, Cone, Disable, GeomType, Integrator, JointType, Options, Stage};
 use crate::{Error, Result};
 
 /// Friction below this counts as this: MuJoCo's `mjMINMU`.
@@ -41,12 +44,38 @@ pub(crate) struct Plan {
     pub(crate) reaches: Vec<Reach>,
     /// Joints with limits.
     pub(crate) limits: Vec<Limit>,
+    /// Constraints of equality, friction and tendons.
+    pub(crate) laws: Laws,
+    /// Whether all rows push only, so that no row needs to say what it is.
+    pub(crate) plain: bool,
+    /// The tendons.
+    pub(crate) paths: Paths,
+    /// Whether all actuators are motors of slides and hinges, without anything else.
+    pub(crate) motors: bool,
+    /// Whether lengths and velocities of actuators are needed.
+    pub(crate) transmits: bool,
+    /// The periods of setpoints that are angles about any axis; 0 for others.
+    pub(crate) periods: Vec<f64>,
+    /// Whether the forces of actuators on a tendon are limited.
+    pub(crate) tendon_forces: bool,
+    /// Whether weights are lifted.
+    pub(crate) gravcomp: bool,
+    /// Whether there are sensors or energies.
+    pub(crate) measures: bool,
+    /// Whether forces between bodies are needed.
+    pub(crate) internal: bool,
+    /// Whether there are passive forces at all.
+    pub(crate) passive: bool,
+    /// The damping of each degree of freedom, unless it is switched off.
+    pub(crate) damping: Vec<f64>,
+    /// Gravity, unless it is switched off.
+    pub(crate) gravity: [f64; 3],
     /// Whether Euler's integrator has damping to treat implicitly.
     pub(crate) implicit: bool,
     /// Joints with springs.
     pub(crate) springs: Vec<usize>,
     /// In a medium, the bodies with mass, and the edges of the box of equal inertia.
-    pub(crate) boxes: Vec<(usize, [f64; 3])>,
+    pub(crate) boxes: Vec<(usize, Option<[f64; 3]>)>,
     /// How each body is placed in its parent's frame, its principal axes of inertia in its own, and
     /// each site in its body's.
     pub(crate) bodies: Vec<Placed>,
@@ -94,6 +123,9 @@ pub(crate) struct Bounds {
 /// A limited joint.
 #[derive(Clone, Debug)]
 pub(crate) struct Limit {
+    pub(crate) joint: usize,
+    /// Whether it bounds the angle of a ball.
+    pub(crate) ball: bool,
     pub(crate) qpos: usize,
     pub(crate) dof: usize,
     pub(crate) tree: usize,
@@ -116,11 +148,15 @@ pub(crate) struct Pair {
     /// Nothing can touch where centres are further apart; from a plane, where the centre is higher.
     pub(crate) reach: f64,
     pub(crate) dim: u8,
+    /// The rows of a contact.
+    pub(crate) rows: usize,
     pub(crate) friction: [f64; 5],
     pub(crate) solref: [f64; 2],
     pub(crate) solimp: [f64; 5],
     pub(crate) softness: Softness,
-    /// Sum of the bodies' inverse weights.
+    /// Damping of sliding in elliptic cones.
+    pub(crate) friction_damping: f64,
+    /// The sum of the bodies' inverse weights of translation.
     pub(crate) diag: f64,
     /// The degrees of freedom that move one of the bodies and not the other, ascending, with the
     /// sign of the motion of the second body against the first.
@@ -129,6 +165,22 @@ pub(crate) struct Pair {
     pub(crate) groups: usize,
     /// The trees of the bodies, if they can move.
     pub(crate) trees: [Option<usize>; 2],
+}
+
+impl Pair {
+    /// Whether no closed form gives the contacts.
+    pub(crate) fn is_convex(&self) -> bool {
+        matches!(
+            self.kind,
+            (
+                GeomType::Sphere | GeomType::Capsule | GeomType::Ellipsoid,
+                GeomType::Ellipsoid
+            ) | (
+                GeomType::Capsule | GeomType::Ellipsoid | GeomType::Cylinder,
+                GeomType::Cylinder
+            ) | (GeomType::Ellipsoid | GeomType::Cylinder, GeomType::Box)
+        )
+    }
 }
 
 /// How near two geoms must be before they can touch. It is apart from the [`Pair`], which few pairs
@@ -179,14 +231,27 @@ pub(crate) struct Softness {
 }
 
 impl Softness {
-    fn new(solref: [f64; 2], solimp: [f64; 5], timestep: f64) -> Self {
+    /// MuJoCo's `getsolparam` and the stiffness and damping of `mj_makeImpedance`.
+    pub(crate) fn new(solref: [f64; 2], solimp: [f64; 5], opt: &Options) -> Self {
+        const LEAST: f64 = 1e-15;
         let [dmin, dmax, width, midpoint, power] = solimp;
         let [dmin, dmax, midpoint] =
             [dmin, dmax, midpoint].map(|x| x.clamp(IMPEDANCE[0], IMPEDANCE[1]));
-        let (time, ratio) = (solref[0].max(2.0 * timestep), solref[1]);
+        let [mut time, ratio] = solref;
+        if time > 0.0 && !opt.disables(Disable::RefSafe) {
+            time = time.max(2.0 * opt.timestep);
+        }
         Self {
-            stiffness: 1.0 / f64::max(1e-15, dmax * dmax * time * time * ratio * ratio),
-            damping: 2.0 / f64::max(1e-15, dmax * time),
+            stiffness: if time > 0.0 {
+                1.0 / f64::max(LEAST, dmax * dmax * time * time * ratio * ratio)
+            } else {
+                -time / f64::max(LEAST, dmax * dmax)
+            },
+            damping: if ratio > 0.0 {
+                2.0 / f64::max(LEAST, dmax * time)
+            } else {
+                -ratio / f64::max(LEAST, dmax)
+            },
             dmin,
             dmax,
             width: width.max(0.0),
@@ -235,7 +300,10 @@ impl Plan {
                     .map(|first| first + number - 1),
             });
         }
+        let off = |part: Disable| m.opt.disables(part);
         let implicit = m.opt.integrator == Integrator::Euler
+            && !off(Disable::EulerDamp)
+            && !off(Disable::Damper)
             && m.dof_damping.iter().any(|&damping| damping > 0.0);
         let geoms = (0..m.ngeom()).map(|g| {
             let (b, pos, quat) = (m.geom_bodyid[g], &m.geom_pos[g], &m.geom_quat[g]);
@@ -267,9 +335,38 @@ impl Plan {
             pairs: Vec::new(),
             reaches: Vec::new(),
             limits: Vec::new(),
+            plain: {
+                let elliptic = m.opt.cone == Cone::Elliptic;
+                !elliptic && !Laws::new(m).pull()
+            },
+            laws: Laws::new(m),
+            paths: Paths::default(),
+            motors: super::drives::motors(m),
+            transmits: super::drives::transmits(m),
+            periods: super::drives::periods(m),
+            tendon_forces: m.tendon_actfrclimited.contains(&true),
+            gravcomp: !off(Disable::Gravity)
+                && m.opt.gravity != [0.0; 3]
+                && m.body_gravcomp.iter().any(|part| *part != 0.0),
+            measures: m.nsensor() > 0 || m.opt.enableflags != 0,
+            internal: m
+                .sensor_type
+                .iter()
+                .any(|kind| kind.stage() == Stage::Acceleration),
+            passive: !off(Disable::Spring) || !off(Disable::Damper),
+            damping: if off(Disable::Damper) {
+                vec![0.0; m.nv()]
+            } else {
+                m.dof_damping.clone()
+            },
+            gravity: if off(Disable::Gravity) {
+                [0.0; 3]
+            } else {
+                m.opt.gravity
+            },
             implicit,
             springs: (0..m.njnt())
-                .filter(|&j| m.jnt_stiffness[j] != 0.0)
+                .filter(|&j| m.jnt_stiffness[j] != 0.0 && !off(Disable::Spring))
                 .collect(),
             boxes: boxes(m),
             bodies: Placed::all(&m.body_pos, &m.body_quat),
@@ -278,10 +375,14 @@ impl Plan {
             geoms: geoms.collect(),
             anchored: m.jnt_pos.iter().map(|pos| *pos != [0.0; 3]).collect(),
         };
-        plan.pairs = plan.find_pairs(m)?;
+        plan.paths = Paths::new(m, |body| plan.chain(body));
+        let constraints = !off(Disable::Constraint);
+        if constraints && !off(Disable::Contact) {
+            plan.pairs = plan.find_pairs(m)?;
+        }
         plan.reaches = plan.pairs.iter().map(Reach::new).collect();
         plan.limits = (0..m.njnt())
-            .filter(|&j| m.jnt_limited[j] && m.jnt_type[j] != JointType::Free)
+            .filter(|&j| constraints && !off(Disable::Limit) && m.jnt_limited[j])
             .map(|j| limit(m, j))
             .collect();
         Ok(plan)
@@ -291,22 +392,17 @@ impl Plan {
     pub(crate) fn bounds(&self) -> Bounds {
         // both sides of each limit
         let limits = 2 * self.limits.len();
+        let (blocks, rows) = self.laws.most();
         let mut bounds = Bounds {
             contacts: 0,
-            blocks: limits,
-            rows: limits,
+            blocks: limits + blocks,
+            rows: limits + rows,
         };
         for pair in &self.pairs {
-            let contacts = match pair.kind {
-                (GeomType::Plane, GeomType::Capsule) | (GeomType::Capsule, GeomType::Capsule) => 2,
-                (GeomType::Plane, GeomType::Cylinder) => 4,
-                (GeomType::Capsule, GeomType::Cylinder) => 5,
-                _ => 1,
-            };
-            let rows = if pair.dim == 1 { 1 } else { 4 };
+            let contacts = most_contacts(pair.kind);
             bounds.contacts += contacts;
             bounds.blocks += contacts;
-            bounds.rows += contacts * rows;
+            bounds.rows += contacts * pair.rows;
         }
         // of so many rows hardly any state has all: buffers grow as they are needed
         const MOST_ROWS: usize = 4000;
@@ -354,10 +450,35 @@ impl Plan {
         const MOST_COLUMNS: usize = 4_000_000;
         let mut excluded = m.exclude_signature.clone();
         excluded.sort_unstable();
+        let mut stated: Vec<_> = (0..m.pair_dim.len()).collect();
+        stated.sort_by_key(|&i| stated_bodies(m, i));
         let (mut pairs, mut columns) = (Vec::new(), 0);
+        let mut next = 0;
         for b1 in 0..m.nbody() {
-            for b2 in b1 + 1..m.nbody() {
-                if !bodies_collide(m, &excluded, b1, b2) {
+            for b2 in b1..m.nbody() {
+                let mut push = |pairs: &mut Vec<Pair>, pair: Option<Pair>| {
+                    columns += pair.as_ref().map_or(0, |pair| pair.columns.len());
+                    if columns > MOST_COLUMNS {
+                        return Err(Error::Model(format!(
+                            "too many pairs of geoms can touch, moved by too many degrees of freedom: of all \
+                             pairs together more than {MOST_COLUMNS} are not supported"
+                        )));
+                    }
+                    pairs.extend(pair);
+                    Ok(())
+                };
+                // pairs that the model states come first, and replace others of these geoms
+                let of_bodies = stated[next..].iter();
+                let count = of_bodies
+                    .take_while(|&&i| stated_bodies(m, i) == [b1, b2])
+                    .count();
+                let of_bodies = &stated[next..next + count];
+                next += count;
+                for &i in of_bodies {
+                    let geoms = [m.pair_geom1[i], m.pair_geom2[i]];
+                    push(&mut pairs, self.pair(m, geoms, Figures::stated(m, i))?)?;
+                }
+                if b1 == b2 || !bodies_collide(m, &excluded, b1, b2) {
                     continue;
                 }
                 let first = pairs.len();
@@ -365,16 +486,15 @@ impl Plan {
                     for g2 in geoms(m, b2) {
                         let meet = m.geom_contype[g1] & m.geom_conaffinity[g2]
                             | m.geom_contype[g2] & m.geom_conaffinity[g1];
-                        if meet != 0 {
-                            let pair = self.pair(m, g1, g2)?;
-                            columns += pair.as_ref().map_or(0, |pair| pair.columns.len());
-                            if columns > MOST_COLUMNS {
-                                return Err(Error::Model(format!(
-                                    "too many pairs of geoms can touch, moved by too many degrees of freedom: of all \
-                                     pairs together more than {MOST_COLUMNS} are not supported"
-                                )));
-                            }
-                            pairs.extend(pair);
+                        let known = of_bodies.iter().any(|&i| {
+                            let geoms = [m.pair_geom1[i], m.pair_geom2[i]];
+                            geoms == [g1, g2] || geoms == [g2, g1]
+                        });
+                        if meet != 0 && !known {
+                            push(
+                                &mut pairs,
+                                self.pair(m, [g1, g2], Figures::mixed(m, g1, g2))?,
+                            )?;
                         }
                     }
                 }
@@ -388,50 +508,39 @@ impl Plan {
     ///
     /// # Errors
     /// For shapes whose contacts are not supported.
-    fn pair(&self, m: &CompiledModel, g1: usize, g2: usize) -> Result<Option<Pair>> {
+    fn pair(
+        &self,
+        m: &CompiledModel,
+        [g1, g2]: [usize; 2],
+        figures: Figures,
+    ) -> Result<Option<Pair>> {
         let [g1, g2] = if m.geom_type[g1] > m.geom_type[g2] {
             [g2, g1]
         } else {
             [g1, g2]
         };
         let kind = (m.geom_type[g1], m.geom_type[g2]);
-        match kind {
-            (GeomType::Plane, GeomType::Plane) => return Ok(None),
-            (GeomType::Sphere | GeomType::Cylinder, GeomType::Cylinder) => {
-                return Err(Error::Pair {
-                    first: g1,
-                    second: g2,
-                    kinds: format!("{:?} and {:?}", kind.0, kind.1),
-                });
-            }
-            _ => {}
+        if kind == (GeomType::Plane, GeomType::Plane) {
+            return Ok(None);
         }
         let (b1, b2) = (m.geom_bodyid[g1], m.geom_bodyid[g2]);
-        let includemargin = m.geom_margin[g1] + m.geom_margin[g2];
-        let margin = includemargin + (m.geom_gap[g1] + m.geom_gap[g2]);
-
-        let (priority1, priority2) = (m.geom_priority[g1], m.geom_priority[g2]);
-        let (dim, friction, solref, solimp) = if priority1 == priority2 {
-            let weight = mix(m.geom_solmix[g1], m.geom_solmix[g2]);
-            let blend = |a: f64, b: f64| weight * a + (1.0 - weight) * b;
-            (
-                m.geom_condim[g1].max(m.geom_condim[g2]),
-                std::array::from_fn(|k| m.geom_friction[g1][k].max(m.geom_friction[g2][k])),
-                std::array::from_fn(|k| blend(m.geom_solref[g1][k], m.geom_solref[g2][k])),
-                std::array::from_fn(|k| blend(m.geom_solimp[g1][k], m.geom_solimp[g2][k])),
-            )
-        } else {
-            let g = if priority1 > priority2 { g1 } else { g2 };
-            (
-                m.geom_condim[g],
-                m.geom_friction[g],
-                m.geom_solref[g],
-                m.geom_solimp[g],
-            )
-        };
-        let [slide, spin, roll]: [f64; 3] = friction.map(|f| f.max(MIN_FRICTION));
+        let Figures {
+            dim,
+            solref,
+            solref_friction,
+            solimp,
+            includemargin,
+            ..
+        } = figures;
+        let margin = includemargin + figures.gap;
         let tree = |b: usize| usize::try_from(m.body_treeid[b]).ok();
         let columns = self.columns(m, b1, b2);
+        let softness = Softness::new(solref, solimp, &m.opt);
+        let friction_damping = if solref_friction == [0.0; 2] {
+            softness.damping
+        } else {
+            Softness::new(solref_friction, solimp, &m.opt).damping
+        };
         Ok(Some(Pair {
             geom: [g1, g2],
             kind,
@@ -439,10 +548,16 @@ impl Plan {
             includemargin,
             reach: m.geom_rbound[g1] + m.geom_rbound[g2] + margin,
             dim,
-            friction: [slide, slide, spin, roll, roll],
+            rows: match (dim, m.opt.cone) {
+                (1, _) => 1,
+                (dim, Cone::Pyramidal) => 2 * (usize::from(dim) - 1),
+                (dim, Cone::Elliptic) => dim.into(),
+            },
+            friction: figures.friction.map(|f| f.max(MIN_FRICTION)),
             solref,
             solimp,
-            softness: Softness::new(solref, solimp, m.opt.timestep),
+            friction_damping,
+            softness,
             diag: m.body_invweight0[b1][0] + m.body_invweight0[b2][0],
             groups: columns.last().map_or(0, |column| column.dof / 4 + 1),
             columns,
@@ -469,34 +584,94 @@ impl Plan {
     }
 }
 
-/// The boxes on which a medium acts: MuJoCo's `mj_inertiaBoxFluidModel`.
-fn boxes(m: &CompiledModel) -> Vec<(usize, [f64; 3])> {
+/// The figures of the contacts of two geoms.
+struct Figures {
+    dim: u8,
+    friction: [f64; 5],
+    solref: [f64; 2],
+    /// That of sliding in elliptic cones; zeros for the same.
+    solref_friction: [f64; 2],
+    solimp: [f64; 5],
+    includemargin: f64,
+    gap: f64,
+}
+
+impl Figures {
+    /// Those of a pair that the model states.
+    fn stated(m: &CompiledModel, i: usize) -> Self {
+        Self {
+            dim: m.pair_dim[i],
+            friction: m.pair_friction[i],
+            solref: m.pair_solref[i],
+            solref_friction: m.pair_solreffriction[i],
+            solimp: m.pair_solimp[i],
+            includemargin: m.pair_margin[i],
+            gap: m.pair_gap[i],
+        }
+    }
+
+    /// Those that follow from the geoms.
+    fn mixed(m: &CompiledModel, g1: usize, g2: usize) -> Self {
+        let Mixed {
+            dim,
+            friction: [slide, spin, roll],
+            solref,
+            solimp,
+        } = m.mixed(g1, g2);
+        Self {
+            dim,
+            friction: [slide, slide, spin, roll, roll],
+            solref,
+            solref_friction: [0.0; 2],
+            solimp,
+            includemargin: m.geom_margin[g1] + m.geom_margin[g2],
+            gap: m.geom_gap[g1] + m.geom_gap[g2],
+        }
+    }
+}
+
+/// The bodies of a pair that the model states, the lower first.
+fn stated_bodies(m: &CompiledModel, i: usize) -> [usize; 2] {
+    let [b1, b2] = [m.pair_geom1[i], m.pair_geom2[i]].map(|g| m.geom_bodyid[g]);
+    [b1.min(b2), b1.max(b2)]
+}
+
+/// The most contacts of two shapes.
+fn most_contacts(kind: (GeomType, GeomType)) -> usize {
+    match kind {
+        (GeomType::Plane, GeomType::Capsule) | (GeomType::Capsule, GeomType::Capsule) => 2,
+        (GeomType::Capsule, GeomType::Box) => 2,
+        (GeomType::Plane, GeomType::Cylinder | GeomType::Box) => 4,
+        (GeomType::Box, GeomType::Box) => 8,
+        (GeomType::Capsule | GeomType::Cylinder, GeomType::Cylinder | GeomType::Box) => 5,
+        _ => 1,
+    }
+}
+
+/// The boxes on which a medium acts, by their edges; none where it acts on the geoms of the body.
+fn boxes(m: &CompiledModel) -> Vec<(usize, Option<[f64; 3]>)> {
     const LEAST: f64 = 1e-15;
     let medium = m.opt.density > 0.0 || m.opt.viscosity > 0.0;
     let heavy = (1..m.nbody()).filter(|&b| medium && m.body_mass[b] >= LEAST);
     let of = |b: usize| {
+        if geoms(m, b).any(|g| m.geom_fluid[g].0[0] > 0.0) {
+            return (b, None);
+        }
         let ([i, j, k], mass) = (m.body_inertia[b], m.body_mass[b]);
         let edge = |a: f64, b: f64, c: f64| (f64::max(LEAST, a + b - c) / mass * 6.0).sqrt();
-        (b, [edge(j, k, i), edge(i, k, j), edge(i, j, k)])
+        (b, Some([edge(j, k, i), edge(i, k, j), edge(i, j, k)]))
     };
     heavy.map(of).collect()
-}
-
-/// The weight of the first of two geoms: MuJoCo's `mix` of `solmix`.
-fn mix(s1: f64, s2: f64) -> f64 {
-    const LEAST: f64 = 1e-15;
-    match (s1 >= LEAST, s2 >= LEAST) {
-        (true, true) => s1 / (s1 + s2),
-        (false, false) => 0.5,
-        (first, _) => f64::from(u8::from(first)),
-    }
 }
 
 /// `excluded` is sorted.
 fn bodies_collide(m: &CompiledModel, excluded: &[u32], b1: usize, b2: usize) -> bool {
     let (w1, w2) = (m.body_weldid[b1], m.body_weldid[b2]);
     let parent = |w: usize| m.body_weldid[m.body_parentid[w]];
-    let related = w1 != 0 && w2 != 0 && (w1 == parent(w2) || w2 == parent(w1));
+    let related = !m.opt.disables(Disable::FilterParent)
+        && w1 != 0
+        && w2 != 0
+        && (w1 == parent(w2) || w2 == parent(w1));
     w1 != w2
         && !related
         && excluded
@@ -511,12 +686,14 @@ fn geoms(m: &CompiledModel, body: usize) -> Range<usize> {
 fn limit(m: &CompiledModel, joint: usize) -> Limit {
     let dof = m.jnt_dofadr[joint];
     Limit {
+        joint,
+        ball: m.jnt_type[joint] == JointType::Ball,
         qpos: m.jnt_qposadr[joint],
         dof,
         tree: m.dof_treeid[dof],
         range: m.jnt_range[joint],
         margin: m.jnt_margin[joint],
         diag: m.dof_invweight0[dof],
-        softness: Softness::new(m.jnt_solref[joint], m.jnt_solimp[joint], m.opt.timestep),
+        softness: Softness::new(m.jnt_solref[joint], m.jnt_solimp[joint], &m.opt),
     }
 }

@@ -1,6 +1,8 @@
 //! Constraint forces, and the accelerations with them.
 
 mod cholesky;
+mod conjugate;
+mod law;
 mod line_search;
 pub(crate) mod newton;
 pub(crate) mod pgs;
@@ -26,8 +28,8 @@ pub fn fwd_constraint(m: &Model, d: &mut Data) {
     d.efc.b = b;
     islands(m, d);
     match m.opt.solver {
-        Solver::Newton => newton::solve(m, d),
         Solver::PGS => pgs::solve(m, d),
+        _ => newton::solve(m, d),
     }
 }
 

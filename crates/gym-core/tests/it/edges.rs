@@ -512,3 +512,48 @@ fn values_are_read_from_their_stored_form() {
         assert!(serde_json::from_str::<Value>(text).is_err(), "{text}");
     }
 }
+
+/// A batch has the form of its space in every part: kind, type, shape, number of rows, and keys.
+#[test]
+fn a_batch_of_another_form_is_none() {
+    let line = || Space::boxed([0.0], [1.0]);
+    let dict = |second: &str| -> Space {
+        DictSpace::new([("a", line()), (second, Space::discrete(3))])
+            .unwrap()
+            .into()
+    };
+    let space = dict("b");
+    let batch = space.empty_batch(2).unwrap();
+    assert!(space.is_batch(&batch, 2));
+    space.check_batch(&batch, 2).unwrap();
+    let tuple = |members: Vec<Space>| Space::from(TupleSpace::new(members));
+    for (other, n) in [
+        (dict("c"), 2),
+        (space.clone(), 3),
+        (DictSpace::new([("a", line())]).unwrap().into(), 2),
+        (tuple(vec![line(), Space::discrete(3)]), 2),
+        (
+            DictSpace::new([
+                ("a", Space::boxed([0.0; 2], [1.0; 2])),
+                ("b", Space::discrete(3)),
+            ])
+            .unwrap()
+            .into(),
+            2,
+        ),
+    ] {
+        let other = other.empty_batch(n).unwrap();
+        assert!(!space.is_batch(&other, 2), "{other}");
+        assert!(space.check_batch(&other, 2).is_err(), "{other}");
+        let element = space.zero().unwrap();
+        assert!(
+            space.write_row(&mut other.clone(), 2, &element).is_err(),
+            "{other}"
+        );
+    }
+    let members = tuple(vec![line(), Space::discrete(3)]);
+    let fewer = tuple(vec![line()]).empty_batch(2).unwrap();
+    assert!(!members.is_batch(&fewer, 2));
+    let floats = Value::from([0.0_f64; 2]);
+    assert!(!Space::discrete(3).is_batch(&floats, 2));
+}

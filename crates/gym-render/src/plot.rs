@@ -766,7 +766,7 @@ pop
             let path = folder.path().join(name);
             plot.write_png(&path).unwrap();
             let decoder =
-                png::Decoder::new(std::io::BufReader::new(std::fs::File::open(path).unwrap()));
+                ::png::Decoder::new(std::io::BufReader::new(std::fs::File::open(path).unwrap()));
             let mut reader = decoder.read_info().unwrap();
             let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
             reader.next_frame(&mut pixels).unwrap();

@@ -107,22 +107,17 @@ const MAX_LEVELS: usize = 112;
 impl Space {
     /// Whether the stored form has at most `levels` of lists and objects within each other.
     fn fits_levels(&self, levels: usize) -> bool {
-        let within = |own: usize, spaces: &mut dyn Iterator<Item = &Self>| {
-            levels
-                .checked_sub(own)
-                .is_some_and(|left| spaces.all(|space| space.fits_levels(left)))
+        let (own, members): (usize, Vec<&Self>) = match self {
+            Self::Tuple(space) => (2, space.spaces().iter().collect()),
+            Self::OneOf(space) => (2, space.spaces().iter().collect()),
+            Self::Dict(space) => (3, space.spaces().iter().map(|(_, space)| space).collect()),
+            Self::Sequence(space) => (1, vec![space.feature_space()]),
+            // a graph holds no spaces that hold others
+            _ => return levels >= 4 + self.shape().map_or(0, <[usize]>::len),
         };
-        match self {
-            Self::Tuple(space) => within(2, &mut space.spaces().iter()),
-            Self::OneOf(space) => within(2, &mut space.spaces().iter()),
-            Self::Dict(space) => within(3, &mut space.spaces().iter().map(|(_, space)| space)),
-            Self::Sequence(space) => within(1, &mut std::iter::once(space.feature_space())),
-            Self::Graph(space) => {
-                let nodes = std::iter::once(space.node_space());
-                within(1, &mut nodes.chain(space.edge_space()))
-            }
-            _ => levels >= 2 + self.shape().map_or(0, <[usize]>::len),
-        }
+        levels
+            .checked_sub(own)
+            .is_some_and(|left| members.into_iter().all(|space| space.fits_levels(left)))
     }
 }
 

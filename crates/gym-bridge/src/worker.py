@@ -478,6 +478,13 @@ class Server:
         self.kind = kind_of(self.observation_space)
         return [describe(self.observation_space), describe(self.action_space)]
 
+    def look_again(self):
+        """The spaces after a step may be other objects, but no other spaces: agents read them once in an episode."""
+        before = self.observation_space, self.action_space
+        if not alike(self.look(), self.spaces):
+            after = f"{self.observation_space} and {self.action_space}"
+            raise Refused(f"the spaces changed in a step: they are {after}, and were {before[0]} and {before[1]}. Change them in `reset`.")
+
     def make(self, out, config):
         if config["module"] is not None:
             load_module(config["module"])
@@ -542,6 +549,9 @@ class Server:
             shown = shortened(repr, result)
             raise Refused(f"`step` returned {shown}: it must return observation, reward, terminated, truncated and info")
         observation, reward, terminated, truncated, info = result
+        env = self.env
+        if env.action_space is not self.action_space or env.observation_space is not self.observation_space:
+            self.look_again()
         out += F64.pack(number_of("reward", reward))
         out += bytes(flag_of(name, flag) for name, flag in (("terminated", terminated), ("truncated", truncated)))
         self.observed(out, observation)

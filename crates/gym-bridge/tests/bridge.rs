@@ -717,6 +717,31 @@ fn spaces_that_change_at_a_reset_are_those_of_python() {
     );
 }
 
+/// Agents read the spaces once in an episode: a step that changes them is an error. Equal spaces in
+/// other objects are no change.
+#[test]
+fn spaces_that_change_in_a_step_are_an_error() {
+    if !has(&["gymnasium"]) {
+        return;
+    }
+    let action = Value::from([0.5_f32, 0.5]);
+    let late = |what: &str| {
+        let mut env = widens(0).build().unwrap();
+        env.reset(Reset::default().option("late", what)).unwrap();
+        env.step(&action).unwrap();
+        env.step(&action).map(drop)
+    };
+    late("equal").unwrap();
+    late("never").unwrap();
+    for (what, words) in [("actions", "0.5"), ("observations", "2.0")] {
+        let error = late(what).unwrap_err().to_string();
+        assert!(
+            error.contains("the spaces changed in a step") && error.contains(words),
+            "{error}"
+        );
+    }
+}
+
 #[test]
 fn vectors_run_in_parallel() {
     if !has(&["gymnasium"]) {

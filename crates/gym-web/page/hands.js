@@ -53,7 +53,8 @@ export function makeHands(game, actionNames) {
     if (byHand && asked.paused && game.env.keys?.idle !== "wait") game.pause(false);
   }
   function show() {
-    const { action_space: space, keys: { actions: list = [] } = {} } = { ...game.env, keys: game.env.keys ?? {} };
+    const { action_space: space } = game.env;
+    const list = game.env.keys?.actions ?? [];
     keys?.end();
     keys = new Keys(list, { changed: hold, pressed: press });
     const meaning = (action) => name(action) ?? (typeof action !== "number" ? JSON.stringify(action) : list.length ? "" : `action ${action}`);

@@ -1,9 +1,9 @@
-// Lessons: an agent learns in a worker of its own while its policy plays, and what it knows is drawn over the picture.
+// Lessons: an agent learns in its own worker while its policy plays, and the page draws the learned values.
 import { h, number } from "./dom.js";
 import { Engine, paint } from "./engine.js";
 import { plot, smooth } from "./plot.js";
 
-// A grid in a picture: its borders as parts of the picture, and which way each action goes.
+// Describes a grid: its borders as shares of the picture, and the direction of each action.
 const grid = (rows, columns, moves, { left = 0, top = 0, right = 1, bottom = 1 } = {}) => ({ rows, columns, moves, left, top, right, bottom });
 
 export const LESSONS = [
@@ -14,7 +14,7 @@ export const LESSONS = [
     state: (row, column) => row * 4 + column,
     text: "The agent starts knowing nothing. The only reward is at the goal, so the first success comes by luck; from then on values spread back from the goal, one step for each visit. On slippery ice the best action is often to walk against the wall.",
     defaults: { step_size: 0.2, epsilon_decay: 0.995 },
-    // at the pace of a person the first success takes many seconds
+    // at the usual pace the first success takes many seconds
     pace: 100,
   },
   {
@@ -27,7 +27,7 @@ export const LESSONS = [
   },
   {
     id: "Taxi-v4", title: "Taxi", method: "tabular", kwargs: {}, options: [],
-    // streets with grass around them
+    // grass surrounds the grid
     map: grid(5, 5, ["down", "up", "right", "left", "pick up", "drop off"], { left: 28 / 536, top: 28 / 456, right: 508 / 536, bottom: 428 / 456 }),
     state: (row, column, now) => (row * 5 + column) * 20 + (now % 20),
     text: "500 states: 25 places, times 5 of the passenger, times 4 destinations. The drawing shows the values for the passenger and the destination of the episode that is played now.",
@@ -64,12 +64,12 @@ const PACE = 20;
 
 const parametersOf = (lesson) => (lesson.method === "tabular" ? TABULAR : CROSS_ENTROPY);
 
-// The parameters that a lesson begins with.
+// Returns the first parameters of a lesson.
 export function firstValues(lesson) {
   return Object.fromEntries(parametersOf(lesson).map(({ name, value }) => [name, lesson.defaults[name] ?? value]));
 }
 
-// The lesson of an id, or the first one that this gallery has.
+// Returns the lesson of an id, or without an id the first lesson of this gallery.
 function find(id, environments) {
   const there = LESSONS.filter((lesson) => environments.some((environment) => environment.id === lesson.id));
   if (!there.length) throw new Error("This gallery has none of the environments that the lessons are about.");
@@ -117,7 +117,7 @@ export async function lessons(main, id, environments) {
   };
   const forget = h("button", { type: "button", onclick: () => open() }, "Forget everything");
 
-  // Learns in slices, in step with the clock.
+  // Trains in slices, at the chosen pace.
   async function run() {
     running = true;
     showRunning();
@@ -245,7 +245,7 @@ function control({ name, label, low, high, step, values: choices, text, fresh },
 
 const TURNS = { up: [0, -1], down: [0, 1], left: [-1, 0], right: [1, 0] };
 
-// Triangles of action values and the arrow of the best one, place by place.
+// Draws the action values of each place as triangles, and the best action as an arrow.
 function drawValues(canvas, lesson, learned, actions, now) {
   const ratio = devicePixelRatio || 1;
   const [width, height] = [canvas.clientWidth, canvas.clientHeight];
@@ -262,7 +262,7 @@ function drawValues(canvas, lesson, learned, actions, now) {
       cells.push({ row, column, values: learned.subarray(state * actions, (state + 1) * actions) });
     }
   }
-  // the colours lie between the worst and the best place; worse actions, such as a fall, have none
+  // the colours range from the worst to the best place; worse actions, such as a fall, have no colour
   const worth = cells.filter(({ values }) => values.some((value) => value !== values[0])).map(({ values }) => Math.max(...values));
   const [least, most] = [Math.min(...worth), Math.max(...worth)];
   const share = (value) => (least === most ? Number(value >= most) : Math.max(0, Math.min(1, (value - least) / (most - least))));
@@ -312,7 +312,7 @@ function arrow(pen, x, y, [dx, dy], length) {
   pen.stroke();
 }
 
-// The weights of the second action less those of the first.
+// Draws the differences between the weights of the second action and those of the first.
 function drawWeights(element, lesson, learned, { inputs }) {
   const row = inputs + 1;
   const difference = Array.from({ length: row }, (_, i) => learned[row + i] - learned[i]);

@@ -56,9 +56,9 @@ pub(crate) struct CrossEntropy {
 /// The meaning of a policy's outputs.
 #[derive(Debug)]
 enum Outputs {
-    /// One for each action; the greatest is chosen.
+    /// One output for each action: the action with the greatest output is taken.
     Choice { first: i64, count: usize },
-    /// Numbers, clipped to these bounds.
+    /// The numbers of the action, clipped to these bounds.
     Numbers(Vec<(f64, f64)>),
 }
 
@@ -130,12 +130,12 @@ impl CrossEntropy {
         self.generation
     }
 
-    /// The mean standard deviation of the weights.
+    /// Returns the mean standard deviation of the weights.
     pub(crate) fn spread(&self) -> f64 {
         self.deviation.iter().sum::<f64>() / self.deviation.len().max(1) as f64
     }
 
-    /// The mean weights: for each output, those of the inputs, then the bias.
+    /// Returns the mean weights: for each output, those of the inputs, then the bias.
     pub(crate) fn weights(&self) -> &[f64] {
         &self.mean
     }
@@ -242,7 +242,7 @@ impl CrossEntropy {
         Ok(ended)
     }
 
-    /// Mean and variance of the best policies are those of the next generation, with noise.
+    /// Sets the mean to that of the best policies, and the variance to theirs with noise added.
     fn next_generation(&mut self) {
         self.tried.sort_by(|(a, _), (b, _)| b.total_cmp(a));
         let Parameters { elite, noise, .. } = self.parameters;

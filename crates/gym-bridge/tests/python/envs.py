@@ -190,10 +190,17 @@ class Widens(gymnasium.Env):
             self.observation_space = spaces.Box(0.0, 9.0, (1,), np.float32)
         if options and "actions" in options:
             self.action_space = spaces.Discrete(3)
+        self.late = (options or {}).get("late")
         return self.told()
 
     def step(self, action):
         self.steps += 1
+        if self.late == "equal":
+            self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
+        if self.late == "actions" and self.steps == self.start + 2:
+            self.action_space = spaces.Box(-1.0, 0.5, (2,), np.float32)
+        if self.late == "observations" and self.steps == self.start + 2:
+            self.observation_space = spaces.Box(0.0, 2.0, (1,), np.float32)
         observation, info = self.told()
         return observation, 0.0, False, False, info
 

@@ -63,6 +63,12 @@ impl Rules {
         }
     }
 
+    /// A square grid, with a limit of so many steps for each cell.
+    pub fn square(size: u32, steps: u32, mission: &str) -> Self {
+        let steps = size.saturating_mul(size).saturating_mul(steps);
+        Self::new(size, size, steps, mission)
+    }
+
     /// Missions with words in the blanks `{}`.
     ///
     /// # Errors

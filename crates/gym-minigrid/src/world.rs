@@ -222,10 +222,10 @@ impl World {
             && self.targets.iter().all(|cell| cell.is_valid(things))
             && self.places.iter().all(|pos| self.grid.contains(*pos))
             && self.instr.as_ref().is_none_or(|instr| instr.is_valid(self))
-            && self
-                .things
-                .iter()
-                .all(|thing| thing.content.is_valid(things))
+            && self.things.iter().all(|thing| {
+                let is_place = |pos: Pos| pos == NOWHERE || self.grid.contains(pos);
+                thing.content.is_valid(things) && is_place(thing.start) && is_place(thing.pos)
+            })
             && self.max_steps > 0
     }
 }

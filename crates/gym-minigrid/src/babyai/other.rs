@@ -13,6 +13,7 @@
 
 use super::{Desc, Instr, Maze, Plan, babyai};
 use crate::rooms::KINDS;
+use crate::tasks::key_corridor::add_corridor;
 use crate::tasks::{ids, square};
 use crate::{Color, Kind};
 
@@ -72,16 +73,7 @@ babyai! {
         Plan::from(Maze::new(level.room_size, level.num_rows, 3)).max_steps(square(level.room_size).saturating_mul(30))
     };
     make |level, rooms| {
-        for j in 1..rooms.rows {
-            rooms.remove_wall(1, j, 3)?;
-        }
-        let row = rooms.draft.int(0, rooms.rows)?;
-        let (door, _) = rooms.add_door(2, row, Some(2), None, Some(true))?;
-        let object = rooms.add_object(2, row, Some(level.obj_type), None)?;
-        let row = rooms.draft.int(0, rooms.rows)?;
-        rooms.add_object(0, row, Some(Kind::Key), Some(door.color()))?;
-        rooms.place_agent(Some((1, rooms.rows / 2)))?;
-        rooms.connect_all(&Color::SORTED)?;
+        let object = add_corridor(rooms, level.obj_type)?;
         Ok(Instr::pickup(Desc::kind(object), false))
     };
 }

@@ -14,6 +14,7 @@
 use super::go_to::{add_locked_room, place_agent_outside};
 use super::{Desc, Instr, Maze, Plan, babyai, check_reachable};
 use crate::tasks::ids;
+use crate::tasks::unlock_pickup::add_locked_box;
 use crate::{Color, Kind};
 
 babyai! {
@@ -88,13 +89,7 @@ babyai! {
     }
     plan |_| Maze::new(6, 1, 2).into();
     make |level, rooms| {
-        let target = rooms.add_object(1, 0, Some(Kind::Box), None)?;
-        let (door, _) = rooms.add_door(0, 0, Some(0), None, Some(true))?;
-        rooms.add_object(0, 0, Some(Kind::Key), Some(door.color()))?;
-        if level.distractors {
-            rooms.add_distractors(None, 4, true)?;
-        }
-        rooms.place_agent(Some((0, 0)))?;
+        let target = add_locked_box(rooms, false, if level.distractors { 4 } else { 0 })?;
         Ok(Instr::pickup(Desc::of(target), false))
     };
 }
@@ -104,12 +99,7 @@ babyai! {
     BlockedUnlockPickup {}
     plan |_| Plan::from(Maze::new(6, 1, 2)).max_steps(576);
     make |_, rooms| {
-        let target = rooms.add_object(1, 0, Some(Kind::Box), None)?;
-        let (door, pos) = rooms.add_door(0, 0, Some(0), None, Some(true))?;
-        let color = rooms.draft.color()?;
-        rooms.block(pos, 0, color);
-        rooms.add_object(0, 0, Some(Kind::Key), Some(door.color()))?;
-        rooms.place_agent(Some((0, 0)))?;
+        let target = add_locked_box(rooms, true, 0)?;
         Ok(Instr::pickup(Desc::kind(target), false))
     };
 }

@@ -13,13 +13,11 @@
 
 use gym_core::{Generator, Outcome};
 
+use super::unlock_pickup::{ROOM_SIZE, add_locked_box};
 use super::{describe, ids, names, pick_up, square};
 use crate::level::{Level, Rules, level};
 use crate::rooms::{Rooms, grid_size};
 use crate::{Action, Color, Draft, Kind, Making, World};
-
-/// Columns and rows of a room, walls included.
-const ROOM_SIZE: u32 = 6;
 
 level! {
     /// Arguments.
@@ -38,12 +36,7 @@ impl Level for BlockedUnlockPickup {
 
     fn generate(&self, draft: &mut Draft<'_>) -> Making {
         let mut rooms = Rooms::new(draft, ROOM_SIZE, 2, 1)?;
-        let target = rooms.add_object(1, 0, Some(Kind::Box), None)?;
-        let (door, pos) = rooms.add_door(0, 0, Some(0), None, Some(true))?;
-        let color = rooms.draft.color()?;
-        rooms.block(pos, 0, color);
-        rooms.add_object(0, 0, Some(Kind::Key), Some(door.color()))?;
-        rooms.place_agent(Some((0, 0)))?;
+        let target = add_locked_box(&mut rooms, true, 0)?;
         draft.mission(format!("pick up the {}", describe(target)));
         draft.world.targets.push(target);
         Ok(())

@@ -14,7 +14,7 @@
 use gym_core::ArgumentType;
 use serde::{Deserialize, Serialize};
 
-use super::{ids, square};
+use super::ids;
 use crate::level::{Level, Rules, level};
 use crate::{Cell, Draft, Making, Pos};
 
@@ -67,13 +67,7 @@ impl Level for Crossing {
         if self.size.is_multiple_of(2) {
             return Err(format!("size is {}: it is an odd number", self.size));
         }
-        let steps = square(self.size).saturating_mul(4);
-        Ok(Rules::new(
-            self.size,
-            self.size,
-            steps,
-            self.obstacle_type.mission(),
-        ))
+        Ok(Rules::square(self.size, 4, self.obstacle_type.mission()))
     }
 
     fn generate(&self, draft: &mut Draft<'_>) -> Making {

@@ -11,7 +11,7 @@
 //!
 //! Source: minigrid 3.2.0, `envs/doorkey.py`.
 
-use super::{ids, square};
+use super::ids;
 use crate::draft::Area;
 use crate::level::{Level, Rules, level};
 use crate::{Cell, Color, Draft, Kind, Making, Pos, State};
@@ -26,9 +26,8 @@ level! {
 
 impl Level for DoorKey {
     fn rules(&self) -> Result<Rules, String> {
-        let steps = square(self.size).saturating_mul(10);
         let mission = "use the key to open the door and then get to the goal";
-        Ok(Rules::new(self.size, self.size, steps, mission))
+        Ok(Rules::square(self.size, 10, mission))
     }
 
     fn generate(&self, draft: &mut Draft<'_>) -> Making {

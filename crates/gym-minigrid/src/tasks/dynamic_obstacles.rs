@@ -13,7 +13,7 @@
 
 use gym_core::{Generator, Outcome};
 
-use super::{direction, ids, square};
+use super::{direction, ids};
 use crate::draft::Area;
 use crate::level::{Level, Rules, level};
 use crate::{Action, Cell, Color, Draft, Kind, Making, Pos, World};
@@ -38,8 +38,7 @@ level! {
 impl Level for DynamicObstacles {
     fn rules(&self) -> Result<Rules, String> {
         direction(self.agent_start_dir)?;
-        let steps = square(self.size).saturating_mul(4);
-        let rules = Rules::new(self.size, self.size, steps, "get to the green goal square");
+        let rules = Rules::square(self.size, 4, "get to the green goal square");
         Ok(Rules {
             actions: 3,
             ..rules.see_through()

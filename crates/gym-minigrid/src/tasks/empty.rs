@@ -11,7 +11,7 @@
 //!
 //! Source: minigrid 3.2.0, `envs/empty.py`.
 
-use super::{direction, ids, square};
+use super::{direction, ids};
 use crate::level::{Level, Rules, level};
 use crate::{Cell, Draft, Making, Pos};
 
@@ -30,8 +30,7 @@ level! {
 impl Level for Empty {
     fn rules(&self) -> Result<Rules, String> {
         direction(self.agent_start_dir)?;
-        let steps = square(self.size).saturating_mul(4);
-        Ok(Rules::new(self.size, self.size, steps, "get to the green goal square").see_through())
+        Ok(Rules::square(self.size, 4, "get to the green goal square").see_through())
     }
 
     fn generate(&self, draft: &mut Draft<'_>) -> Making {

@@ -15,7 +15,7 @@
 
 use gym_core::{Generator, Outcome};
 
-use super::{describe, ids, is_alike, names, square};
+use super::{describe, ids, is_alike, names};
 use crate::level::{Level, Rules, level};
 use crate::{Action, Color, Draft, Kind, Making, World};
 
@@ -40,13 +40,7 @@ level! {
 
 impl Level for Fetch {
     fn rules(&self) -> Result<Rules, String> {
-        let rules = Rules::new(
-            self.size,
-            self.size,
-            square(self.size).saturating_mul(5),
-            "",
-        )
-        .see_through();
+        let rules = Rules::square(self.size, 5, "").see_through();
         rules.missions(
             "{} {} {}",
             [PHRASES.to_vec(), Color::names(), names(&KINDS)],

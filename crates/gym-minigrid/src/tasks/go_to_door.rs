@@ -13,7 +13,7 @@
 
 use gym_core::{Generator, Outcome};
 
-use super::{ids, square};
+use super::ids;
 use crate::draft::Area;
 use crate::level::{Level, Rules, level};
 use crate::{Action, Cell, Color, Draft, Making, Pos, State, World};
@@ -31,13 +31,7 @@ impl Level for GoToDoor {
         if self.size < 5 {
             return Err(format!("size is {}: it is at least 5", self.size));
         }
-        let rules = Rules::new(
-            self.size,
-            self.size,
-            square(self.size).saturating_mul(4),
-            "",
-        )
-        .see_through();
+        let rules = Rules::square(self.size, 4, "").see_through();
         rules.missions("go to the {} door", [Color::names()])
     }
 

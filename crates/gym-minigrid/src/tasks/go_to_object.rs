@@ -15,7 +15,7 @@
 
 use gym_core::{Generator, Outcome};
 
-use super::{describe, distinct_objects, ids, names, square};
+use super::{describe, distinct_objects, ids, names};
 use crate::level::{Level, Rules, level};
 use crate::rooms::KINDS;
 use crate::{Action, Color, Draft, Making, World};
@@ -32,13 +32,7 @@ level! {
 
 impl Level for GoToObject {
     fn rules(&self) -> Result<Rules, String> {
-        let rules = Rules::new(
-            self.size,
-            self.size,
-            square(self.size).saturating_mul(5),
-            "",
-        )
-        .see_through();
+        let rules = Rules::square(self.size, 5, "").see_through();
         rules.missions("go to the {} {}", [Color::names(), names(&KINDS)])
     }
 

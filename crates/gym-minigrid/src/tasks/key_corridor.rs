@@ -16,9 +16,25 @@ use gym_core::{Generator, Outcome};
 use super::{describe, ids, pick_up, square};
 use crate::level::{Level, Rules, level};
 use crate::rooms::{KINDS, Rooms, grid_size};
-use crate::{Action, Color, Draft, Kind, Making, World};
+use crate::{Action, Cell, Color, Draft, Kind, Making, World};
 
 const COLUMNS: u32 = 3;
+
+/// Makes a corridor of the middle rooms, with the agent; on its right an object in a locked room,
+/// on its left the key. Returns the object.
+pub(crate) fn add_corridor(rooms: &mut Rooms<'_, '_>, kind: Kind) -> Making<Cell> {
+    for j in 1..rooms.rows {
+        rooms.remove_wall(1, j, 3)?;
+    }
+    let row = rooms.draft.int(0, rooms.rows)?;
+    let (door, _) = rooms.add_door(2, row, Some(2), None, Some(true))?;
+    let target = rooms.add_object(2, row, Some(kind), None)?;
+    let row = rooms.draft.int(0, rooms.rows)?;
+    rooms.add_object(0, row, Some(Kind::Key), Some(door.color()))?;
+    rooms.place_agent(Some((1, rooms.rows / 2)))?;
+    rooms.connect_all(&Color::SORTED)?;
+    Ok(target)
+}
 
 level! {
     /// Arguments.
@@ -47,16 +63,7 @@ impl Level for KeyCorridor {
 
     fn generate(&self, draft: &mut Draft<'_>) -> Making {
         let mut rooms = Rooms::new(draft, self.room_size, COLUMNS, self.num_rows)?;
-        for j in 1..rooms.rows {
-            rooms.remove_wall(1, j, 3)?;
-        }
-        let row = rooms.draft.int(0, rooms.rows)?;
-        let (door, _) = rooms.add_door(2, row, Some(2), None, Some(true))?;
-        let target = rooms.add_object(2, row, Some(self.obj_type), None)?;
-        let row = rooms.draft.int(0, rooms.rows)?;
-        rooms.add_object(0, row, Some(Kind::Key), Some(door.color()))?;
-        rooms.place_agent(Some((1, rooms.rows / 2)))?;
-        rooms.connect_all(&Color::SORTED)?;
+        let target = add_corridor(&mut rooms, self.obj_type)?;
         draft.mission(format!("pick up the {}", describe(target)));
         draft.world.targets.push(target);
         Ok(())

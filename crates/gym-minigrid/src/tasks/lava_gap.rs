@@ -12,7 +12,7 @@
 //! Source: minigrid 3.2.0, `envs/lavagap.py`.
 
 use super::crossing::Obstacle;
-use super::{ids, square};
+use super::ids;
 use crate::level::{Level, Rules, level};
 use crate::{Cell, Draft, Making, Pos};
 
@@ -31,13 +31,7 @@ impl Level for LavaGap {
         if self.size < 5 {
             return Err(format!("size is {}: it is at least 5", self.size));
         }
-        let steps = square(self.size).saturating_mul(4);
-        Ok(Rules::new(
-            self.size,
-            self.size,
-            steps,
-            self.obstacle_type.mission(),
-        ))
+        Ok(Rules::square(self.size, 4, self.obstacle_type.mission()))
     }
 
     fn generate(&self, draft: &mut Draft<'_>) -> Making {

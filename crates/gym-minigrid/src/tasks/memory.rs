@@ -13,7 +13,7 @@
 
 use gym_core::{Generator, Outcome};
 
-use super::{ids, square};
+use super::ids;
 use crate::level::{Level, Rules, level};
 use crate::{Action, Cell, Color, Draft, Kind, Making, Pos, World};
 
@@ -36,12 +36,7 @@ impl Level for Memory {
             ));
         }
         let mission = "go to the matching object at the end of the hallway";
-        Ok(Rules::new(
-            self.size,
-            self.size,
-            square(self.size).saturating_mul(5),
-            mission,
-        ))
+        Ok(Rules::square(self.size, 5, mission))
     }
 
     fn generate(&self, draft: &mut Draft<'_>) -> Making {

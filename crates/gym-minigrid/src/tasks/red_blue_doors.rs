@@ -13,7 +13,7 @@
 
 use gym_core::{Generator, Outcome};
 
-use super::{ids, square};
+use super::ids;
 use crate::draft::Area;
 use crate::level::{Level, Rules, level};
 use crate::{Action, Cell, Color, Draft, Making, Pos, State, World};
@@ -28,14 +28,11 @@ level! {
 
 impl Level for RedBlueDoors {
     fn rules(&self) -> Result<Rules, String> {
-        let steps = square(self.size).saturating_mul(20);
-        let width = self.size.saturating_mul(2);
-        Ok(Rules::new(
-            width,
-            self.size,
-            steps,
-            "open the red door then the blue door",
-        ))
+        let rules = Rules::square(self.size, 20, "open the red door then the blue door");
+        Ok(Rules {
+            width: self.size.saturating_mul(2),
+            ..rules
+        })
     }
 
     fn generate(&self, draft: &mut Draft<'_>) -> Making {

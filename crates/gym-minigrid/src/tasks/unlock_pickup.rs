@@ -16,10 +16,29 @@ use gym_core::{Generator, Outcome};
 use super::{describe, ids, pick_up, square};
 use crate::level::{Level, Rules, level};
 use crate::rooms::{Rooms, grid_size};
-use crate::{Action, Color, Draft, Kind, Making, World};
+use crate::{Action, Cell, Color, Draft, Kind, Making, World};
 
 /// Columns and rows of a room, walls included.
-const ROOM_SIZE: u32 = 6;
+pub(super) const ROOM_SIZE: u32 = 6;
+
+/// Places a box in the right of two rooms, behind a locked door, perhaps with a ball before it; in
+/// the left one its key and the agent; and other objects in both. Returns the box.
+pub(crate) fn add_locked_box(
+    rooms: &mut Rooms<'_, '_>,
+    blocked: bool,
+    distractors: u32,
+) -> Making<Cell> {
+    let target = rooms.add_object(1, 0, Some(Kind::Box), None)?;
+    let (door, pos) = rooms.add_door(0, 0, Some(0), None, Some(true))?;
+    if blocked {
+        let color = rooms.draft.color()?;
+        rooms.block(pos, 0, color);
+    }
+    rooms.add_object(0, 0, Some(Kind::Key), Some(door.color()))?;
+    rooms.add_distractors(None, distractors, true)?;
+    rooms.place_agent(Some((0, 0)))?;
+    Ok(target)
+}
 
 level! {
     /// Arguments.
@@ -35,10 +54,7 @@ impl Level for UnlockPickup {
 
     fn generate(&self, draft: &mut Draft<'_>) -> Making {
         let mut rooms = Rooms::new(draft, ROOM_SIZE, 2, 1)?;
-        let target = rooms.add_object(1, 0, Some(Kind::Box), None)?;
-        let (door, _) = rooms.add_door(0, 0, Some(0), None, Some(true))?;
-        rooms.add_object(0, 0, Some(Kind::Key), Some(door.color()))?;
-        rooms.place_agent(Some((0, 0)))?;
+        let target = add_locked_box(&mut rooms, false, 0)?;
         draft.mission(format!("pick up the {}", describe(target)));
         draft.world.targets.push(target);
         Ok(())

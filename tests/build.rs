@@ -1,4 +1,4 @@
-//! Turns the cells of `docs/notebook.ipynb` into one program, which a test runs.
+//! Converts the cells of `docs/notebook.ipynb` to one program, which a test runs.
 
 use std::path::Path;
 
@@ -20,8 +20,8 @@ fn main() {
     .expect("room on the disk");
 }
 
-/// A cell's statements. What the kernel would show, a last line that ends neither statement nor
-/// block, is dropped; the kernel's commands, such as `:dep`, are left out.
+/// Returns a cell's statements. A final expression, which the kernel would show, and the kernel's
+/// commands, such as `:dep`, are dropped.
 fn program(cell: &serde_json::Value) -> String {
     let lines = cell["source"].as_array().expect("lines");
     let text: String = lines

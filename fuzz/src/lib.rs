@@ -1,7 +1,7 @@
-//! Fuzz targets: any text from outside works or gives an `Err`, and never panics.
+//! Fuzz targets: any input from outside works or gives an `Err`, and never panics.
 //!
 //! The same functions run under libFuzzer, guided by coverage (`cargo +nightly fuzz run --features
-//! libfuzzer TARGET`), and under this crate's own runner, which needs a stable toolchain only
+//! libfuzzer TARGET`), and under this crate's own runner, which needs only a stable toolchain
 //! (`cargo run --package gym-fuzz -- TARGET`).
 
 mod mutate;
@@ -10,14 +10,14 @@ pub mod targets;
 
 pub use mutate::Mutator;
 
-/// A function that takes any input and must not panic, and inputs to start from.
+/// A function that accepts any input and must not panic, and seed inputs.
 #[derive(Clone, Copy, Debug)]
 pub struct Target {
-    /// Its name, as in `cargo fuzz run NAME`.
+    /// The name, as in `cargo fuzz run NAME`.
     pub name: &'static str,
     /// Tries an input.
     pub run: fn(&[u8]),
-    /// Inputs that reach far.
+    /// Returns seed inputs that reach deep into the code.
     pub seeds: fn() -> Vec<Vec<u8>>,
 }
 

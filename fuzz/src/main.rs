@@ -15,18 +15,18 @@ use gym_fuzz::{Mutator, TARGETS, Target};
     about = "Feeds mutated inputs to the fuzz targets; a target that panics leaves its input in fuzz/artifacts"
 )]
 struct Arguments {
-    /// The targets; all of them if none is named.
+    /// The targets; default: all.
     targets: Vec<String>,
-    /// How long each target runs.
+    /// The seconds that each target runs.
     #[arg(long, default_value_t = 10)]
     seconds: u64,
-    /// Seeds the mutations.
+    /// The seed of the mutations.
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// Tries these files instead of mutations.
     #[arg(long)]
     input: Vec<PathBuf>,
-    /// Writes the inputs to start from to fuzz/corpus, for `cargo fuzz`, and ends.
+    /// Writes the seed inputs to fuzz/corpus, for `cargo fuzz`, and exits.
     #[arg(long)]
     write_corpus: bool,
 }
@@ -62,7 +62,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// The number of different crashes.
+/// Runs a target; returns the number of distinct crashes.
 fn run(target: &Target, arguments: &Arguments) -> std::io::Result<usize> {
     const SLOW: Duration = Duration::from_secs(5);
     let folder = Path::new(env!("CARGO_MANIFEST_DIR"));

@@ -1,11 +1,11 @@
-//! Inputs made of other inputs.
+//! Mutations of inputs.
 
 use std::ops::Range;
 
 use gym::Generator;
 use serde_json::{Value as Json, json};
 
-/// Numbers that formulas and checks may have overlooked.
+/// Numbers that formulas and checks often overlook.
 const NUMBERS: [&str; 20] = [
     "0",
     "-0",
@@ -29,26 +29,26 @@ const NUMBERS: [&str; 20] = [
     "nan",
 ];
 
-/// Changes inputs at random, most of the time as JSON or XML, so that they get past the parser.
+/// Mutates inputs at random, mostly as JSON or XML, so that they pass the parser.
 #[derive(Debug)]
 pub struct Mutator {
     rng: Generator,
 }
 
 impl Mutator {
-    /// The same seed makes the same changes.
+    /// Makes a mutator; equal seeds make equal mutations.
     pub fn new(seed: u64) -> Self {
         Self {
             rng: Generator::from(seed),
         }
     }
 
-    /// A number below `n`, which is at least 1.
+    /// Returns a number below `n`, which must be at least 1.
     pub fn below(&mut self, n: usize) -> usize {
         self.rng.integers(0, n.max(1) as i64) as usize
     }
 
-    /// `input` with one to four changes; parts may come from `other`.
+    /// Returns `input` with one to four mutations, which may copy parts of `other`.
     pub fn mutate(&mut self, input: &[u8], other: &[u8]) -> Vec<u8> {
         const OF_BYTES: usize = 6; // one in six inputs
         let changes = 1 + self.below(4);
@@ -79,7 +79,7 @@ impl Mutator {
         bytes
     }
 
-    /// Changes one node, each as likely as the other.
+    /// Changes one node, each with the same probability.
     fn change(&mut self, json: &mut Json, other: &Json) {
         let target = self.below(count(json));
         let part = self.below(count(other));
@@ -90,7 +90,7 @@ impl Mutator {
             0 => {
                 *node = node_mut(&mut other.clone(), &mut { part })
                     .cloned()
-                    .unwrap_or(Json::Null)
+                    .unwrap_or(Json::Null);
             }
             1 => self.restructure(node),
             _ => self.replace(node),
@@ -162,7 +162,7 @@ impl Mutator {
         }
     }
 
-    /// Changes an attribute, or lines, which nearly always hold whole elements.
+    /// Changes an attribute, or moves lines, which nearly always contain whole elements.
     fn change_xml(&mut self, text: &mut String, other: &str) {
         let (own, others) = (attributes(text), attributes(other));
         let choice = self.below(9);
@@ -229,7 +229,7 @@ impl Mutator {
     }
 }
 
-/// Where the attributes of an XML text are: names, and values without their quotes.
+/// Finds the attributes of an XML text: names, and values without quotes.
 fn attributes(text: &str) -> Vec<[Range<usize>; 2]> {
     let mut found = Vec::new();
     let mut start = 0;
@@ -241,7 +241,7 @@ fn attributes(text: &str) -> Vec<[Range<usize>; 2]> {
         let before = text[..equals]
             .rfind(|c: char| !c.is_ascii_alphanumeric())
             .map_or(0, |i| i + 1);
-        // the character before a name may take several bytes
+        // the character before a name may have several bytes
         if text.is_char_boundary(before) {
             found.push([before..equals, value..end]);
         }
@@ -250,7 +250,7 @@ fn attributes(text: &str) -> Vec<[Range<usize>; 2]> {
     found
 }
 
-/// How many nodes a document has.
+/// Returns the number of nodes in a document.
 fn count(json: &Json) -> usize {
     1 + match json {
         Json::Array(items) => items.iter().map(count).sum(),
@@ -259,7 +259,7 @@ fn count(json: &Json) -> usize {
     }
 }
 
-/// The node of an index in the order of reading.
+/// Returns the node with the given index, in the order of reading.
 fn node_mut<'a>(json: &'a mut Json, index: &mut usize) -> Option<&'a mut Json> {
     if *index == 0 {
         return Some(json);

@@ -1,10 +1,10 @@
-//! Seed inputs, written by the library itself.
+//! Seed inputs, generated with the library.
 
 use gym::trace::{Event, Trace};
 use gym::{Env, EnvExt, Reset, Space, registry};
 use serde_json::{Value as Json, json};
 
-/// The registered ids, and some that are none.
+/// Returns the registered ids, and invalid ones.
 pub fn ids() -> Vec<Vec<u8>> {
     let known = registry::self_contained()
         .into_iter()
@@ -23,7 +23,7 @@ pub fn ids() -> Vec<Vec<u8>> {
         .collect()
 }
 
-/// Elements of spaces of every kind, as a worker of the bridge sends them.
+/// Returns elements of spaces of every kind, encoded like the frames of a bridge worker.
 #[cfg(unix)]
 pub fn frames() -> Vec<Vec<u8>> {
     let elements = spaces().into_iter().filter_map(|request| {
@@ -34,7 +34,7 @@ pub fn frames() -> Vec<Vec<u8>> {
     elements.collect()
 }
 
-/// Programs that write all registers, of each size of cartridge.
+/// Returns programs that write all registers, for each size of cartridge.
 pub fn roms() -> Vec<Vec<u8>> {
     let program = |choice: u8| {
         let size = [2048, 4096, 8192, 8192, 16384, 16384, 8192, 8192][usize::from(choice) % 8];
@@ -47,7 +47,7 @@ pub fn roms() -> Vec<Vec<u8>> {
     (0..16).map(program).collect()
 }
 
-/// Every id with its default arguments spelt out.
+/// Returns every id with its default arguments written out.
 pub fn arguments() -> Vec<Vec<u8>> {
     let requests = registry::self_contained().into_iter().map(|registration| {
         let table = registration.arguments().unwrap_or_default().into_iter();
@@ -59,7 +59,7 @@ pub fn arguments() -> Vec<Vec<u8>> {
         .collect()
 }
 
-/// The models of the MuJoCo tasks, and small ones of what these lack.
+/// Returns the models of the MuJoCo tasks, and small models with features that these lack.
 pub fn mjcf() -> Vec<Vec<u8>> {
     const SMALL: &str = r#"<mujoco><option density="2" viscosity="1" wind="1 0 0" solver="PGS"/><worldbody>
         <geom type="plane" size="0 0 1"/>
@@ -74,7 +74,7 @@ pub fn mjcf() -> Vec<Vec<u8>> {
         .collect()
 }
 
-/// A snapshot of every environment, some steps into an episode.
+/// Returns a snapshot of every environment, several steps into an episode.
 pub fn snapshots() -> Vec<Vec<u8>> {
     let mut seeds = Vec::new();
     for registration in registry::self_contained() {
@@ -98,7 +98,7 @@ pub fn snapshots() -> Vec<Vec<u8>> {
     seeds
 }
 
-/// A trace of every environment.
+/// Returns a trace of every environment.
 pub fn traces() -> Vec<Vec<u8>> {
     let traces = registry::self_contained()
         .into_iter()
@@ -129,7 +129,7 @@ pub fn traces() -> Vec<Vec<u8>> {
     traces.collect()
 }
 
-/// Spaces of every kind, with an element.
+/// Returns spaces of every kind, each with an element.
 pub fn spaces() -> Vec<Vec<u8>> {
     let of_envs = registry::self_contained()
         .into_iter()
@@ -137,7 +137,7 @@ pub fn spaces() -> Vec<Vec<u8>> {
     let mut all: Vec<Json> = of_envs
         .flat_map(|env| [json!(env.observation_space()), json!(env.action_space())])
         .collect();
-    // pictures say nothing that a smaller one does not
+    // a small image space covers the same code as a large one
     all.retain(|space| {
         space["shape"]
             .as_array()
@@ -160,7 +160,7 @@ pub fn spaces() -> Vec<Vec<u8>> {
     ]);
     let mut seeds = Vec::new();
     for description in all {
-        // in any stored form
+        // in every stored form
         let space = serde_json::from_value::<Space>(description.clone());
         let value = space
             .as_ref()
@@ -175,7 +175,7 @@ pub fn spaces() -> Vec<Vec<u8>> {
     seeds
 }
 
-/// The spec of every environment, in wrappers.
+/// Returns the spec of every environment, with wrappers.
 pub fn specs() -> Vec<Vec<u8>> {
     let stacks = [
         json!([]),

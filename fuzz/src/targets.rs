@@ -1,4 +1,4 @@
-//! The use of an input. A failing assertion is a defect, as is a panic.
+//! The targets. A failing assertion is a defect, like a panic.
 
 use std::cell::RefCell;
 use std::collections::BTreeMap;
@@ -9,15 +9,15 @@ use gym::trace::Trace;
 use gym::{BoxEnv, Env, EnvExt, EnvSpec, Error, Kwargs, Reset, Snapshot, Space, Value};
 use serde_json::Value as Json;
 
-/// Steps of an environment that came into being.
+/// The steps that an environment takes if it was made.
 const STEPS: usize = 12;
 
-/// Larger requests that would fill the memory or take too long are not tried; those beyond any
-/// memory are, because they must be refused.
+/// Requests above this size would fill the memory or take too long, so they are skipped. Requests
+/// beyond any memory are tried, because they must be refused.
 const REASONABLE: f64 = 300.0;
 const BEYOND_ANY_MEMORY: f64 = 1e15;
 
-/// An id as text.
+/// Tries an id.
 pub fn ids(input: &[u8]) {
     let Ok(text) = std::str::from_utf8(input) else {
         return;
@@ -38,7 +38,7 @@ pub fn ids(input: &[u8]) {
     }
 }
 
-/// Bytes that a worker of the bridge may send for a value.
+/// Tries the frame of a bridge worker.
 #[cfg(unix)]
 pub fn frames(input: &[u8]) {
     use gym::bridge::wire::{decoded, encoded};
@@ -49,8 +49,8 @@ pub fn frames(input: &[u8]) {
     );
 }
 
-/// A program for the Atari 2600 after a byte that chooses its cartridge: a few frames of it, seen
-/// and unseen, end and come to the same.
+/// Tries a program for the Atari 2600, after a byte that selects its cartridge: several frames,
+/// drawn and undrawn, must end and give the same state.
 pub fn roms(input: &[u8]) {
     use gym::atari::Display;
     use gym::atari::cartridge::{Cartridge, Scheme};
@@ -88,7 +88,7 @@ pub fn roms(input: &[u8]) {
     );
 }
 
-/// `{"id": ..., "kwargs": {...}, "options": {...}}`
+/// Tries `{"id": ..., "kwargs": {...}, "options": {...}}`.
 pub fn arguments(input: &[u8]) {
     let Some(request) = object(input) else { return };
     let Some(id) = request.get("id").and_then(Json::as_str) else {
@@ -114,9 +114,10 @@ pub fn arguments(input: &[u8]) {
     }
 }
 
-/// A model in MJCF.
+/// Tries a model in MJCF.
 pub fn mjcf(input: &[u8]) {
-    /// Bodies and geoms of a model that is also stepped; larger ones are honest requests for time.
+    /// The most bodies and geoms of a model that is also stepped; larger models legitimately take
+    /// long.
     const SMALL: usize = 60;
     const ITERATIONS: usize = 1000;
     let Ok(text) = std::str::from_utf8(input) else {
@@ -155,7 +156,7 @@ pub fn mjcf(input: &[u8]) {
     }
 }
 
-/// `{"id": ..., "snapshot": ...}`
+/// Tries `{"id": ..., "snapshot": ...}`.
 pub fn snapshots(input: &[u8]) {
     thread_local! {
         static ENVS: RefCell<BTreeMap<String, BoxEnv>> = const { RefCell::new(BTreeMap::new()) };
@@ -196,7 +197,7 @@ pub fn snapshots(input: &[u8]) {
     }
 }
 
-/// A trace as JSON.
+/// Tries a trace as JSON.
 pub fn traces(input: &[u8]) {
     let Ok(mut trace) = serde_json::from_slice::<Trace>(input) else {
         return;
@@ -209,9 +210,9 @@ pub fn traces(input: &[u8]) {
         return;
     }
     trace.events.truncate(STEPS);
-    match trace.replay(|_| None) {
+    match trace.replay() {
         Ok(answers) => {
-            let again = trace.replay(|_| None).expect("what works once works twice");
+            let again = trace.replay().expect("what works once works twice");
             // an unseeded reset may differ
             let seeded = trace
                 .events
@@ -226,7 +227,7 @@ pub fn traces(input: &[u8]) {
     }
 }
 
-/// `{"space": ..., "value": ...}`
+/// Tries `{"space": ..., "value": ...}`.
 pub fn spaces(input: &[u8]) {
     let Some(request) = object(input) else { return };
     let Some(description) = request.get("space") else {
@@ -273,7 +274,7 @@ pub fn spaces(input: &[u8]) {
     }
 }
 
-/// A spec as JSON.
+/// Tries a spec as JSON.
 pub fn specs(input: &[u8]) {
     let Ok(spec) = serde_json::from_slice::<EnvSpec>(input) else {
         return;
@@ -307,7 +308,7 @@ pub fn specs(input: &[u8]) {
     }
 }
 
-/// The calls of a user of an environment.
+/// Makes the calls of an environment's user.
 fn play(env: &mut BoxEnv) {
     look(env);
     steps(env);
@@ -345,7 +346,7 @@ fn look(env: &BoxEnv) {
     env.draw(&mut Blank);
 }
 
-/// An error says something.
+/// Asserts that an error has an explanation.
 fn explains(error: &Error) {
     assert!(
         error.to_string().len() > 10,
@@ -357,7 +358,7 @@ fn object(input: &[u8]) -> Option<serde_json::Map<String, Json>> {
     serde_json::from_slice(input).ok()
 }
 
-/// Whether the sizes within are small, or so large that they must be refused.
+/// Whether all sizes in `json` are small, or so large that they must be refused.
 fn is_reasonable(json: &Json) -> bool {
     let size = |x: f64| x.abs() <= REASONABLE || x.abs() >= BEYOND_ANY_MEMORY;
     match json {

@@ -1,4 +1,4 @@
-//! Every target on its inputs to start from and on some mutations of them.
+//! Runs every target on its seed inputs and on some mutations of them.
 
 use gym_fuzz::{Mutator, TARGETS};
 

@@ -52,7 +52,7 @@ def best(round_, steps, seconds):
 
 def ours(env_id, kind, num_envs, seconds):
     with tempfile.NamedTemporaryFile(suffix=".json") as out:
-        command = ["cargo", "run", "--quiet", "--release", "--package", "xtask", "--", "bench", env_id, "--kind", kind]
+        command = ["cargo", "xtask", "bench", env_id, "--kind", kind]
         command += ["--num-envs", str(num_envs), "--seconds", str(seconds), "--json", out.name]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
         rows = json.load(open(out.name))["rows"]
@@ -86,7 +86,7 @@ def gymnasium_vector(env_id, num_envs, seconds):
 def our_gif():
     """Seconds and bytes of a GIF."""
     with tempfile.NamedTemporaryFile(suffix=".json") as out:
-        command = ["cargo", "run", "--quiet", "--release", "--package", "xtask", "--", "bench", "CartPole-v1"]
+        command = ["cargo", "xtask", "bench", "CartPole-v1"]
         command += ["--kind", "frames", "--gif", "--seconds", "0.1", "--json", out.name]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
         gif = json.load(open(out.name))["gif"]

@@ -1,26 +1,26 @@
-//! The references that Gymnasium's answers were recorded in, for the tests of this package.
+//! The recorded results of Gymnasium, for the tests of this package.
 
 use std::path::{Path, PathBuf};
 
 /// A reference file, parsed.
 #[derive(Debug)]
 pub struct Reference {
-    /// Its name without `.json`.
+    /// The file's name without `.json`.
     pub name: String,
-    /// Its text.
+    /// The file's text.
     pub text: String,
-    /// Its content.
+    /// The parsed text.
     pub json: serde_json::Value,
 }
 
 impl Reference {
-    /// Whether it holds resets and steps.
+    /// Whether the reference is a trace: resets and steps.
     pub fn is_trace(&self) -> bool {
         self.json.get("events").is_some()
     }
 }
 
-/// Every reference in the folder that the variable `GYM_REFERENCE` names, or in `tests/reference`.
+/// Returns every reference in the folder named by `GYM_REFERENCE`, or in `tests/reference`.
 ///
 /// # Panics
 /// If the folder is empty or a file in it is not JSON.
@@ -53,7 +53,7 @@ fn read(path: &Path) -> Reference {
     Reference { name, text, json }
 }
 
-/// The snippets of the documents, compiled and run as doc tests.
+/// Compiles and runs the documents' snippets as doc tests.
 #[cfg(doctest)]
 mod documents {
     macro_rules! documents {
@@ -63,12 +63,13 @@ mod documents {
         )*};
     }
 
-    // `tests/book.rs` checks that none is missing
+    // `tests/book.rs` checks that this list is complete
     documents! {
         Atari: "docs/atari.md",
         Bridge: "docs/bridge.md",
         ComingFromGymnasium: "docs/coming-from-gymnasium.md",
         Faq: "docs/faq.md",
+        ChangingATask: "docs/python/live.md",
         FirstSteps: "docs/first-steps.md",
         Introduction: "docs/README.md",
         MujocoVersions: "docs/mujoco-versions.md",

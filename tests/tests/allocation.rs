@@ -1,4 +1,4 @@
-//! A step allocates nothing: typed, through `make`, or in a vector.
+//! A step allocates nothing: with concrete types, through `make`, and in a vector.
 
 use gym::vector::{Autoreset, VectorKind};
 use gym::{
@@ -6,21 +6,21 @@ use gym::{
     make_vec, registry,
 };
 
-/// The number of allocations of `steps` steps into one buffer, with resets where episodes end left
-/// out of the count.
+/// Returns the number of allocations in `steps` steps with one observation buffer. Resets at the
+/// ends of episodes are not counted.
 fn allocations<E: Env>(env: &mut E, steps: usize) -> u64 {
     let mut actions = env.action_sampler(0).unwrap();
     let actions: Vec<E::Action> = (0..steps).map(|_| actions.sample()).collect();
     let mut observation = E::Observation::empty();
     env.reset_into(&0.into(), &mut observation).unwrap();
-    // what is allocated once, such as by the passive checker, is not counted
+    // one-time allocations, as of the passive checker, are not counted
     env.step_into(&actions[0], &mut observation).unwrap();
     env.reset_into(&0.into(), &mut observation).unwrap();
     let mut total = 0;
     for action in &actions {
         let mut outcome = Outcome::default();
         let count = allocation_counter::measure(|| {
-            outcome = env.step_into(action, &mut observation).unwrap()
+            outcome = env.step_into(action, &mut observation).unwrap();
         });
         total += count.count_total;
         if outcome.done() {
@@ -52,12 +52,12 @@ fn erased_steps_do_not_allocate() {
     }
 }
 
-/// The allocations of 500 steps, automatic resets included.
+/// Returns the number of allocations in 500 steps, including automatic resets.
 fn vector_allocations<V: VectorEnv>(mut envs: V) -> u64 {
     let mut sampler = envs.action_sampler(0).unwrap();
     let actions: Vec<Value> = (0..500).map(|_| sampler.sample()).collect();
     let mut columns = envs.reset(0).unwrap();
-    // what is allocated once is not counted
+    // one-time allocations are not counted
     for action in &actions[..250] {
         envs.step_into(action, &mut columns).unwrap();
     }
@@ -103,7 +103,7 @@ fn steps_of_sync_vectors_do_not_allocate() {
         ),
         0
     );
-    // only where an episode ends: a reset builds a new world, which no step does
+    // allocates only at an episode's end, where a reset builds a new world
     let lander = gym::builder("LunarLander-v3")
         .max_episode_steps(None)
         .vector(1)
@@ -118,7 +118,7 @@ fn steps_of_sync_vectors_do_not_allocate() {
     }
 }
 
-/// Those that solve their worlds together, up to the first end of an episode.
+/// Vectors that solve their worlds together, up to the first end of an episode.
 #[test]
 fn steps_of_native_vectors_of_box2d_do_not_allocate() {
     for id in [
@@ -147,7 +147,7 @@ fn steps_of_native_vectors_of_box2d_do_not_allocate() {
 
 #[test]
 fn frames_of_pygame_do_not_allocate() {
-    // the others have art of their own, which `tiny-skia` draws
+    // the other environments have art of our own, which `tiny-skia` draws
     let is_pygame = |registration: &&Registration| {
         !["gym-mujoco", "gym-toytext"].contains(&registration.source.package)
     };
@@ -157,7 +157,7 @@ fn frames_of_pygame_do_not_allocate() {
         let mut painter = gym::render::painter().unwrap();
         let size = env.metadata().render_size;
         let mut frame = gym::render::Frame::new(size.0, size.1).unwrap();
-        // the buffers grow in the first pass; the second shows the same pictures
+        // the buffers grow in the first pass; the second draws the same frames
         for pass in 0..2 {
             let mut actions = env.action_sampler(0).unwrap();
             env.reset(0).unwrap();
@@ -180,7 +180,7 @@ fn frames_of_pygame_do_not_allocate() {
 
 #[test]
 fn rendering_into_a_picture_does_not_allocate() {
-    // LunarLander's exhaust makes bodies in a world of its own
+    // LunarLander is missing: its exhaust creates bodies
     for id in ["CartPole-v1", "BipedalWalker-v3", "Pendulum-v1"] {
         let mut env = gym::builder(id)
             .render_mode(gym::render::RenderMode::RgbArray)
@@ -194,7 +194,7 @@ fn rendering_into_a_picture_does_not_allocate() {
             env.reset(0).unwrap();
             for _ in 0..10 {
                 env.step(&actions.sample()).unwrap();
-                // what moves on with each picture shows the same in a clone
+                // state that changes per frame gives the same frame in a clone
                 let expected = env.clone().render().unwrap();
                 let count = allocation_counter::measure(|| env.render_into(&mut rendered).unwrap());
                 total += if pass == 0 { 0 } else { count.count_total };
@@ -216,8 +216,8 @@ fn typed_steps_do_not_allocate() {
     assert_eq!(allocations(&mut taxi, 1000), 0);
 }
 
-/// A batched space has bounds as large as the observations: it is made for those who ask, and not
-/// before.
+/// The bounds of a batched space are as large as the observations, so the space is computed on
+/// request.
 #[test]
 fn a_vector_holds_its_environments_and_two_observations_of_each() {
     const N: usize = 16;
@@ -228,8 +228,7 @@ fn a_vector_holds_its_environments_and_two_observations_of_each() {
     let vector = allocation_counter::measure(|| {
         held.1 = Some(make_vec("CarRacing-v3", N, VectorKind::Sync).unwrap());
     });
-    // and the space of one observation: two bounds, and for each of its numbers whether it is
-    // bounded
+    // plus the space of one observation: two bounds, and a boundedness flag for each number
     let most = alone.bytes_current + (N * (2 * PICTURE + 4096) + 4 * PICTURE) as i64;
     assert!(
         vector.bytes_current < most,

@@ -4,7 +4,7 @@ use gym::classic::{CartPole, Pendulum};
 use gym::toytext::FrozenLake;
 use gym::{Env, EnvExt, EnvSpec, Error, Registration, Reset, VectorEnvExt, make, registry};
 
-// A second crate that claims a taken id, and one with broken arguments.
+// A second crate that claims a taken id, and a registration with broken arguments.
 gym::inventory::submit! { Registration::new::<CartPole>("twice/CartPole-v0").source("first-crate", "", "") }
 gym::inventory::submit! { Registration::new::<Pendulum>("twice/CartPole-v0").source("second-crate", "", "") }
 gym::register!(Registration::new::<CartPole>("broken/Arguments-v0").kwargs("[1"));
@@ -143,14 +143,10 @@ fn arguments_reach_the_environment() {
         .unwrap();
     assert_eq!(env.observation_space().to_string(), "Discrete(64)");
     assert_eq!(
-        env.unwrapped::<FrozenLake>()
-            .unwrap()
-            .dynamics()
-            .p()
-            .states(),
+        env.layer::<FrozenLake>().unwrap().dynamics().p().states(),
         64
     );
-    assert!(env.unwrapped::<CartPole>().is_none());
+    assert!(env.layer::<CartPole>().is_none());
     assert_eq!(
         registry::find("FrozenLake8x8-v1")
             .unwrap()
@@ -161,7 +157,7 @@ fn arguments_reach_the_environment() {
     );
 }
 
-/// Gymnasium's `make(id, **kwargs)` takes these beside the constructor's arguments.
+/// Gymnasium's `make(id, **kwargs)` accepts these in addition to the constructor's arguments.
 #[test]
 fn arguments_of_make_may_stand_among_the_others() {
     let spec = |json: &str| {
@@ -202,7 +198,7 @@ fn arguments_of_make_may_stand_among_the_others() {
     assert_eq!(drawn.kwargs.len(), 1);
 }
 
-/// A misspelt reset option is an error wherever the options are known, and changes nothing.
+/// A misspelt reset option is an error if the options are known, and changes nothing.
 #[test]
 fn reset_options_that_are_not_known_are_refused() {
     let reset = || Reset::seed(1).option("lo", -0.01);
@@ -233,7 +229,7 @@ fn reset_options_that_are_not_known_are_refused() {
         error.contains("unknown option `zzz` (known are `x_init`, `y_init`)"),
         "{error}"
     );
-    // as in Gymnasium, where a task knows none
+    // as in Gymnasium, for a task without options
     make("Taxi-v4").unwrap().reset(reset()).unwrap();
 }
 
@@ -252,8 +248,7 @@ fn an_id_without_its_namespace_is_suggested_with_it() {
     }
 }
 
-/// Nothing is suggested that is not alike: what shares less than 60 % of its letters is no slip of
-/// the pen.
+/// Only similar names are suggested: they share at least 60 % of their letters.
 #[test]
 fn only_what_is_alike_is_suggested() {
     for (asked, is_alike) in [

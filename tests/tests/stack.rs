@@ -1,14 +1,13 @@
-//! Environments fit small stacks. A thread that Rust starts has 2 MiB, and whoever depends on these
-//! crates compiles them without optimisation, where each move of a value takes its size of the
-//! stack: `.ci/run` runs this test so.
+//! Environments fit on small stacks. A Rust thread has 2 MiB, and a user's build without
+//! optimization moves values through the stack: `.ci/run` runs this test without optimization.
 
 use gym::render::RenderMode;
 use gym::{Env, EnvExt, Reset, Result, registry};
 
-/// A quarter of what a thread has.
+/// A quarter of a thread's default stack.
 const STACK: usize = 512 << 10;
 
-/// What a program does with an environment.
+/// Uses an environment as a program would.
 fn use_all(id: &str) -> Result<()> {
     let mut env = gym::builder(id)
         .render_mode(RenderMode::RgbArray)
@@ -27,7 +26,7 @@ fn use_all(id: &str) -> Result<()> {
     gym::make(id)?.reset(Reset::default()).map(drop)
 }
 
-/// The end of a stack aborts the process: so this is run as another one, by the test below.
+/// A stack overflow aborts the process, so the next test runs this one in a process of its own.
 #[test]
 #[ignore = "run by every_environment_fits_a_small_stack"]
 fn in_a_small_stack() {

@@ -1,1 +1,2 @@
-//! Tests of live windows; apart, because nothing else needs what looks at a window from outside.
+//! Tests of live windows; a crate of its own, because only they need a program that inspects
+//! windows.

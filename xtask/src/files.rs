@@ -8,10 +8,6 @@ pub(crate) fn read(path: &Path) -> Result<Vec<u8>, String> {
     fs::read(path).map_err(at(path))
 }
 
-pub(crate) fn text(path: &Path) -> Result<String, String> {
-    fs::read_to_string(path).map_err(at(path))
-}
-
 pub(crate) fn write(path: &Path, bytes: &[u8]) -> Result<(), String> {
     fs::write(path, bytes).map_err(at(path))
 }
@@ -30,21 +26,6 @@ pub(crate) fn list(folder: &Path) -> Result<Vec<PathBuf>, String> {
         .map_err(at(folder))?;
     paths.sort();
     Ok(paths)
-}
-
-/// Copies a file, or a folder without the caches of Python's interpreter.
-pub(crate) fn copy(from: &Path, to: &Path) -> Result<(), String> {
-    if !from.is_dir() {
-        return fs::copy(from, to).map(|_| ()).map_err(at(from));
-    }
-    create(to)?;
-    for path in list(from)? {
-        let Some(name) = path.file_name().filter(|name| *name != "__pycache__") else {
-            continue;
-        };
-        copy(&path, &to.join(name))?;
-    }
-    Ok(())
 }
 
 fn at(path: &Path) -> impl Fn(io::Error) -> String {

@@ -14,7 +14,6 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 use serde_json::{Map, Value as Json, json};
 
-use crate::plugin::Plugin;
 use crate::{cargo, files, root, say, target_dir};
 
 const TARGET: &str = "wasm32-unknown-unknown";
@@ -31,7 +30,7 @@ Options:
       --test          Tests the page in a Chromium without display, and the one file of --single
       --traces FOLDER Replays the recorded traces in that folder too, for --test
       --small         Classic control and toy text alone: quick to build, for work on the page
-      --plugin PATH   A gallery of the environments of the crate in that folder
+      --plugin PATH   A gallery of the environments of the crate in that folder, which links them and gym-web
   -h, --help          Print help";
 
 #[derive(Debug, Default, PartialEq)]
@@ -43,6 +42,7 @@ struct Options {
     small: bool,
     test: bool,
     traces: Option<PathBuf>,
+    plugin: Option<PathBuf>,
     help: bool,
 }
 
@@ -57,7 +57,6 @@ impl Options {
                     .ok_or(format!("`{}` needs a value", argument.display()))
             };
             match argument.to_str() {
-                Some("web") => {}
                 Some("--single") => options.single = true,
                 Some("--serve") => options.serve = true,
                 Some("--small") => options.small = true,
@@ -65,6 +64,7 @@ impl Options {
                 Some("--traces") => options.traces = Some(value()?.into()),
                 Some("-h" | "--help") => options.help = true,
                 Some("--out") => options.out = Some(value()?.into()),
+                Some("--plugin") => options.plugin = Some(value()?.into()),
                 Some("--port") => {
                     let port = value()?;
                     let number = port.to_str().and_then(|port| port.parse().ok());
@@ -84,15 +84,15 @@ impl Options {
 }
 
 /// Runs the command.
-pub(crate) fn web(plugin: Option<&Path>, arguments: &[OsString]) -> Result<(), String> {
+pub(crate) fn web(arguments: &[OsString]) -> Result<(), String> {
     let options = Options::parse(arguments)?;
     if options.help {
         return say(format_args!("{USAGE}"));
     }
     check_target()?;
-    let module = build(plugin, options.small)?;
+    let module = build(options.plugin.as_deref(), options.small)?;
     let out = options.out.unwrap_or_else(|| target_dir().join("web"));
-    let page = Page::read(&module, plugin.is_none())?;
+    let page = Page::read(&module, options.plugin.is_none())?;
     page.write(&out)?;
     say(format_args!(
         "{}: {} files, {} kB",
@@ -148,8 +148,11 @@ fn check_target() -> Result<(), String> {
 /// Builds the module; gives its path.
 fn build(plugin: Option<&Path>, small: bool) -> Result<PathBuf, String> {
     let mut cargo = Command::new(cargo());
-    // not a crate type of the manifest: Cargo optimises at link time only what is nothing else
-    // beside
+    cargo
+        .arg("--config")
+        .arg(root().join("crates/gym-web/profile.toml"));
+    // `cdylib` is given here, not in the manifest: a second crate type disables link-time
+    // optimisation
     cargo.args([
         "rustc",
         "--profile",
@@ -172,13 +175,9 @@ fn build(plugin: Option<&Path>, small: bool) -> Result<PathBuf, String> {
             "gym_web.wasm".to_owned()
         }
         Some(folder) => {
-            let plugin = Plugin::read(folder)?;
-            let program = target_dir()
-                .join("plugins")
-                .join(format!("{}-gallery", plugin.name));
-            plugin.write_gallery(&program)?;
-            cargo.arg("--manifest-path").arg(program.join("Cargo.toml"));
-            format!("gallery_of_{}.wasm", plugin.name.replace('-', "_"))
+            let manifest = folder.join("Cargo.toml");
+            cargo.arg("--manifest-path").arg(&manifest);
+            format!("{}.wasm", library(&manifest)?)
         }
     };
     // Exported, the constructors that register the environments run once, when the page calls them.
@@ -191,6 +190,37 @@ fn build(plugin: Option<&Path>, small: bool) -> Result<PathBuf, String> {
         return Err("the module could not be built".into());
     }
     Ok(target_dir().join(TARGET).join("gallery").join(file))
+}
+
+/// The name of the library of the package with this manifest.
+fn library(manifest: &Path) -> Result<String, String> {
+    let at = |error: String| format!("{}: {error}", manifest.display());
+    let output = Command::new(cargo())
+        .args(["metadata", "--no-deps", "--format-version", "1"])
+        .arg("--manifest-path")
+        .arg(manifest)
+        .output()
+        .map_err(|error| at(format!("cargo cannot be run: {error}")))?;
+    if !output.status.success() {
+        return Err(at(String::from_utf8_lossy(&output.stderr).into_owned()));
+    }
+    let metadata: Json =
+        serde_json::from_slice(&output.stdout).map_err(|error| at(error.to_string()))?;
+    let path = manifest
+        .canonicalize()
+        .map_err(|error| at(error.to_string()))?;
+    let elements = |json: &Json| json.as_array().cloned().unwrap_or_default();
+    let packages = elements(&metadata["packages"]);
+    let package = packages
+        .iter()
+        .find(|package| package["manifest_path"].as_str().map(Path::new) == Some(&path));
+    let targets = package.map_or_else(Vec::new, |package| elements(&package["targets"]));
+    let library = targets
+        .iter()
+        .find(|target| elements(&target["kind"]).iter().any(|kind| kind == "lib"));
+    library
+        .and_then(|library| Some(library["name"].as_str()?.replace('-', "_")))
+        .ok_or_else(|| at("it has no library: add src/lib.rs".into()))
 }
 
 /// The files of the page, by name.
@@ -337,14 +367,24 @@ mod tests {
             single: true,
             ..Options::default()
         };
-        assert_eq!(parse("web --serve --port 9000 --single").unwrap(), expected);
-        assert!(parse("web --port many").unwrap_err().contains("not a port"));
-        assert!(parse("web --out").unwrap_err().contains("needs a value"));
+        assert_eq!(parse("--serve --port 9000 --single").unwrap(), expected);
+        assert!(parse("--port many").unwrap_err().contains("not a port"));
+        assert!(parse("--out").unwrap_err().contains("needs a value"));
         assert!(
-            parse("web --fast")
+            parse("--fast")
                 .unwrap_err()
                 .contains("unexpected argument `--fast`")
         );
+    }
+
+    #[test]
+    fn the_library_of_a_package_has_a_name() {
+        let manifest = |path: &str| root().join(path).join("Cargo.toml");
+        assert_eq!(library(&manifest("crates/gym-web")).unwrap(), "gym_web");
+        let error = library(&manifest("xtask")).unwrap_err();
+        assert!(error.contains("it has no library"), "{error}");
+        let error = library(Path::new("/nonexistent/Cargo.toml")).unwrap_err();
+        assert!(error.starts_with("/nonexistent/Cargo.toml"), "{error}");
     }
 
     #[test]

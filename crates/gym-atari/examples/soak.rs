@@ -1,5 +1,5 @@
-//! Random bytes as programs, and a console that is stored and restored over and over: `soak
-//! [SECONDS] [RESTORES]`.
+//! Runs random bytes as programs, and stores and restores a console repeatedly: `soak [SECONDS]
+//! [RESTORES]`.
 
 use std::time::{Duration, Instant};
 

@@ -1,5 +1,6 @@
-//! How fast games are: `speed frames|steps [NUMBER] [GAME...]`. Frames are played one by one, each
-//! with its picture; steps as the field plays them: four frames each, 84x84 in gray, four stacked.
+//! Measures the speed of games: `speed frames|steps [NUMBER] [GAME...]`. `frames` plays and draws
+//! frame by frame; `steps` plays the usual preprocessing: four frames per step, 84x84 in gray, a
+//! stack of four.
 
 use std::time::Instant;
 
@@ -48,7 +49,7 @@ fn main() -> Result<()> {
     Ok(())
 }
 
-/// The seconds that frames with these actions take.
+/// Returns the seconds that one frame per action takes.
 fn play_frames(game: &'static Game, rom: &Rom, actions: &[usize]) -> Result<f64> {
     let mut ale = Ale::new(game, rom.bytes(), 0);
     let start = Instant::now();
@@ -61,7 +62,7 @@ fn play_frames(game: &'static Game, rom: &Rom, actions: &[usize]) -> Result<f64>
     Ok(start.elapsed().as_secs_f64())
 }
 
-/// The seconds that steps with these actions take.
+/// Returns the seconds that one step per action takes.
 fn play_steps(_game: &'static Game, rom: &Rom, actions: &[usize]) -> Result<f64> {
     let config = Config {
         frameskip: Frameskip::Fixed(1),

@@ -43,17 +43,17 @@ pub enum Action {
     DownLeftFire,
 }
 
-/// The input of a frame: an action, and the speed of a paddle.
+/// The input of a frame: an action, and the speed at which a paddle turns.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Command {
     /// The action.
     pub action: Action,
-    /// The share of a paddle's full speed, ale-py's `paddle_strength`; joysticks ignore it.
+    /// The fraction of a paddle's full speed, ale-py's `paddle_strength`. Joysticks ignore it.
     pub paddle_strength: f32,
 }
 
 impl From<Action> for Command {
-    /// The action, with a paddle turned at full speed.
+    /// Makes a command of `action`, at full paddle speed.
     fn from(action: Action) -> Self {
         Self {
             action,
@@ -85,12 +85,12 @@ impl Action {
         Self::DownLeftFire,
     ];
 
-    /// ale-py's name, `RIGHTFIRE` for instance.
+    /// Returns ale-py's name of the action, such as `RIGHTFIRE`.
     pub fn name(self) -> String {
         format!("{self:?}").to_uppercase()
     }
 
-    /// The same action without the button.
+    /// Returns the action without the button.
     fn direction(self) -> Self {
         match self as usize {
             1 => Self::Noop,
@@ -104,7 +104,7 @@ impl Action {
         self == Self::Fire || self as usize >= 10
     }
 
-    /// Whether the stick points right, `1`, or left, `-1`.
+    /// Returns 1 if the stick points right, -1 if it points left, otherwise 0.
     pub fn horizontal(self) -> i32 {
         match self.direction() {
             Self::Right | Self::UpRight | Self::DownRight => 1,
@@ -113,7 +113,7 @@ impl Action {
         }
     }
 
-    /// Whether the stick points up, `1`, or down, `-1`.
+    /// Returns 1 if the stick points up, -1 if it points down, otherwise 0.
     pub fn vertical(self) -> i32 {
         match self.direction() {
             Self::Up | Self::UpRight | Self::UpLeft => 1,
@@ -122,7 +122,8 @@ impl Action {
         }
     }
 
-    /// The left stick's four bits of `SWCHA`, the others set.
+    /// Returns `SWCHA` with the left stick's direction: its four bits are active low, the other
+    /// bits are set.
     pub(crate) fn port_a(self) -> u8 {
         let mut port = 0xff;
         match self.vertical() {

@@ -1,4 +1,4 @@
-//! A game for an agent: its start, the effect of an action on a frame, and the reward.
+//! A game for an agent: how it starts, what an action does in a frame, and the reward.
 //!
 //! The rules are those observed from outside in ale-py 0.12.1; see `NOTICE.md`.
 
@@ -11,26 +11,26 @@ use crate::games::{Controller, Game, Menu, Ram};
 use crate::mt19937::Mt19937;
 use crate::paddle::Paddle;
 
-/// RAM when the ROM is loaded, the same each time. Later it stays as it is while the power is off.
+/// RAM after loading a ROM: the same bytes each time. Later power cycles keep RAM.
 const POWER_ON_RAM: &[u8; 128] = include_bytes!("power_on/ram.bin");
-/// The timer's value when the ROM is loaded, before the game is started for the first time.
+/// The timer's value when the ROM is loaded.
 const LOADING_TIMER: u8 = 0x33;
-/// The timer's values, for each time that the power is switched on.
+/// The timer's value at each later power-on.
 const POWER_ON_TIMER: &[u8; 6000] = include_bytes!("power_on/timer.bin");
-/// The frames between power-on and RESET.
+/// Frames between power-on and RESET.
 const IDLE_FRAMES: u8 = 60;
-/// The frames that are run when the ROM is loaded, before the game is started for the first time.
+/// Frames that run when the ROM is loaded, before the first power-on.
 const LOADING_FRAMES: u8 = 60;
-/// The same for PAL sets, where 30 frames of their length are enough. A program that does not clear
-/// its RAM shows them: of the games Space War, whose first frame is shorter.
+/// Frames that run when the ROM of a PAL game is loaded: 30 of their longer frames are enough. The
+/// number matters only for programs that do not clear their RAM, such as Space War, whose first
+/// frame is shorter.
 const PAL_LOADING_FRAMES: u8 = 31;
-/// The frames that RESET is pressed for after a mode was chosen, in games that have several, and
-/// once more.
+/// Frames for which RESET is pressed after a mode was selected.
 const RESET_FRAMES: u8 = 4;
-/// The most presses of SELECT; ale-py continues forever.
+/// The largest number of presses of SELECT. ale-py has no limit.
 const MOST_PRESSES: u32 = 256;
 
-/// The pictures, drawn in turn.
+/// The console draws two pictures in turn.
 const PICTURES: u32 = 2;
 
 /// A game that is being played.
@@ -43,7 +43,7 @@ pub struct Ale {
     progress: Progress,
 }
 
-/// The state after loading the ROM, which starts the game once.
+/// The state after loading the ROM.
 #[derive(Clone, Debug)]
 struct Loaded {
     ram: [u8; 128],
@@ -59,16 +59,16 @@ pub struct Settings {
     pub difficulty: Option<u8>,
     /// The number of frames after which an episode ends; `None` for never.
     pub max_frames: Option<u32>,
-    /// The probability with which a frame repeats the action of the one before: actions are sticky.
+    /// The probability of a sticky action: a frame repeats the previous frame's action.
     pub repeat_action_probability: f64,
 }
 
-/// The state of a game, beside the console.
+/// The state of a game, apart from the console.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Progress {
-    /// The number of times the power was switched on.
+    /// How many times the power was switched on.
     power_ons: usize,
-    /// Draws whether an action sticks.
+    /// The generator that decides whether an action sticks.
     generator: Mt19937,
     /// The action of the previous frame.
     previous: Command,
@@ -78,13 +78,13 @@ struct Progress {
     reward: i32,
     lives: i32,
     over: bool,
-    /// The number of frames for which RAM has said that the game is over.
+    /// Consecutive frames in which RAM shows that the game is over.
     over_for: u8,
     frame_number: u32,
     episode_frame_number: u32,
 }
 
-/// The stored form of a game: all except ROM and picture.
+/// The stored form of a game: everything except the ROM and the pictures.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct State {
     console: ConsoleState,
@@ -99,20 +99,20 @@ pub(crate) struct Moment {
 }
 
 impl State {
-    /// The frames since the game was made.
+    /// Returns the number of frames since the game was made.
     pub fn frame_number(&self) -> u32 {
         self.progress.frame_number
     }
 
-    /// The frames of the episode.
+    /// Returns the number of frames in this episode.
     pub fn episode_frame_number(&self) -> u32 {
         self.progress.episode_frame_number
     }
 }
 
 impl Ale {
-    /// A game from its ROM, with the generator of sticky actions seeded, at the start of an
-    /// episode.
+    /// Makes a game from its ROM, at the start of an episode. `seed` seeds the generator of sticky
+    /// actions.
     pub fn new(game: &'static Game, rom: &[u8], seed: u32) -> Self {
         Self::with_cartridge(game, Cartridge::new(rom, game.scheme), seed, 0.0)
     }
@@ -162,9 +162,8 @@ impl Ale {
         ale
     }
 
-    /// Loads the ROM again, with the generator of sticky actions reseeded: an episode of the
-    /// default mode and difficulty stands at its start. The settings count from the next
-    /// [`reset`](Self::reset) on.
+    /// Loads the ROM again and starts an episode in the default mode and difficulty. `seed` seeds
+    /// the generator of sticky actions. The settings apply from the next [`reset`](Self::reset) on.
     pub fn load(&mut self, seed: u32) {
         let settings = self.settings;
         *self = self.fresh(seed);
@@ -181,17 +180,16 @@ impl Ale {
         )
     }
 
-    /// As [`load`](Self::load) and [`reset`](Self::reset): starts the first episode after loading
-    /// the ROM. It does not play the frames of loading again where they are the same for every
-    /// seed.
+    /// Has the effect of [`load`](Self::load) and [`reset`](Self::reset). If the frames of loading
+    /// are the same for every seed, it does not run them again.
     pub fn reload(&mut self, seed: u32) {
-        self.progress.power_ons = 1; // loading took the first
+        self.progress.power_ons = 1; // loading was the first power-on
         self.progress.generator = Mt19937::new(seed);
         for _ in 0..self.game.idle {
             self.progress.generator.random();
         }
         if self.game.menu.is_some() {
-            // sticky actions in the menu, and their traces in RAM, depend on the seed
+            // sticky actions in the menu, and so RAM, depend on the seed
             let fresh = self.fresh(seed);
             self.loaded = fresh.loaded;
             self.progress.generator = fresh.progress.generator;
@@ -201,9 +199,9 @@ impl Ale {
         self.reset();
     }
 
-    /// Starts an episode: power-on, an idle second, RESET, and the game's own first actions.
+    /// Starts an episode: power-on, 60 idle frames, RESET, and the game's start actions.
     pub fn reset(&mut self) {
-        let ram = *self.console.ram(); // outlasts it
+        let ram = *self.console.ram(); // RAM outlasts a power cycle
         let cartridge = self.console.cartridge().clone();
         let timer = POWER_ON_TIMER[self.progress.power_ons % POWER_ON_TIMER.len()];
         self.console = Console::new(cartridge, self.game.display, ram, timer);
@@ -235,20 +233,21 @@ impl Ale {
         self.observe();
     }
 
-    /// Presses RESET; no action from before it sticks.
+    /// Presses RESET. The next frame cannot repeat an action from before.
     fn press_reset(&mut self) {
         self.hold(switch::IDLE & !switch::RESET, RESET_FRAMES);
         self.progress.previous = Action::Noop.into();
     }
 
-    /// Leaves the console's switches so for some frames, while the player does nothing.
+    /// Runs `frames` frames with the console's switches in the position `switches`, without an
+    /// action.
     fn hold(&mut self, switches: u8, frames: u8) {
         for _ in 0..frames {
             self.frame(Action::Noop.into(), switches, true);
         }
     }
 
-    /// Presses SELECT until RAM shows the mode; ale-py counts a frame for each press.
+    /// Presses SELECT until RAM shows the mode. ale-py counts one frame per press.
     fn choose_mode(&mut self, index: usize) {
         let game = self.game;
         let chosen = game
@@ -277,8 +276,8 @@ impl Ale {
         }
     }
 
-    /// Goes down the menu's lines, and right at each option that the mode changes, until RAM shows
-    /// both. The actions may stick.
+    /// Selects a mode in a menu: moves down to each option's line, and right until RAM shows the
+    /// option's value. These actions may stick.
     fn choose_in_menu(&mut self, menu: &Menu) {
         let mode = self.settings.mode.unwrap_or(self.game.modes[0].0);
         self.hold(switch::IDLE & !switch::SELECT, 1);
@@ -302,7 +301,7 @@ impl Ale {
         }
     }
 
-    /// An action for a frame, and nothing for another.
+    /// Plays `action` for one frame, then no action for one frame.
     fn tap(&mut self, action: Action) {
         for action in [action, Action::Noop] {
             let executed = self.stick(action.into());
@@ -326,7 +325,8 @@ impl Ale {
         self.play(command, true)
     }
 
-    /// The executed command: this one if its action is legal, or with a probability the one before.
+    /// Returns the command to execute: the previous command with the sticky probability, otherwise
+    /// `command`, without its action if that is not legal.
     pub(crate) fn stick(&mut self, command: Command) -> Command {
         if self.progress.generator.random() < self.settings.repeat_action_probability {
             self.progress.previous
@@ -340,7 +340,8 @@ impl Ale {
         }
     }
 
-    /// Plays a frame with exactly this command. An unseen frame does not change the picture.
+    /// Plays a frame with `command`, which does not stick. If `seen` is false, the frame is not
+    /// drawn.
     pub(crate) fn play(&mut self, command: Command, seen: bool) -> i32 {
         self.progress.previous = command;
         if self.has_ended() {
@@ -357,12 +358,12 @@ impl Ale {
         self.progress.reward
     }
 
-    /// Plays frames with one command and returns the sum of their rewards. Only the last two are
-    /// drawn.
+    /// Plays `frames` frames with `command` and returns the sum of their rewards. Draws only the
+    /// last two.
     ///
-    /// There are two pictures, drawn in turn, and a frame that ends early keeps the rest of an
-    /// older one. So both pictures are always what they would be with every frame drawn: where two
-    /// whole ones do not come out, the frames are played again, and all of them are drawn.
+    /// The console draws two pictures in turn, and a frame that ends early keeps the older rest of
+    /// its picture. To leave both pictures as if every frame had been drawn, the function replays
+    /// and draws all frames if one of the last two was not complete.
     pub(crate) fn frames(&mut self, command: Command, frames: u32) -> i32 {
         let unseen = frames.saturating_sub(PICTURES);
         if unseen == 0 {
@@ -385,7 +386,7 @@ impl Ale {
         reward
     }
 
-    /// All that frames change, but the pictures.
+    /// Returns everything that frames change, except the pictures' contents.
     pub(crate) fn moment(&self) -> Moment {
         Moment {
             state: self.state(),
@@ -393,7 +394,7 @@ impl Ale {
         }
     }
 
-    /// Goes back to a moment of this game.
+    /// Returns to a moment of this game.
     pub(crate) fn set_moment(&mut self, moment: &Moment) {
         self.set_state(&moment.state);
         self.console.set_current_picture(moment.picture);
@@ -431,7 +432,7 @@ impl Ale {
             .settings
             .difficulty
             .unwrap_or(self.game.difficulties[0]);
-        // bit 0 is the left switch, bit 1 the right one
+        // bit 0 of `difficulty` is the left switch, bit 1 the right switch
         let port_b = switches | difficulty << switch::LEFT_DIFFICULTY.trailing_zeros();
         let input = match self.game.controller {
             Controller::Joystick => Input {
@@ -478,32 +479,32 @@ impl Ale {
         }
     }
 
-    /// The game.
+    /// Returns the game.
     pub fn game(&self) -> &'static Game {
         self.game
     }
 
-    /// The RAM.
+    /// Returns the RAM.
     pub fn ram(&self) -> Ram<'_> {
         Ram(self.console.ram())
     }
 
-    /// The RAM, to be changed. Score and lives are read from it with the next frame.
+    /// Returns the RAM for changes. The next frame reads score and lives from it.
     pub fn ram_mut(&mut self) -> &mut [u8; 128] {
         self.console.ram_mut()
     }
 
-    /// The picture: a colour index for each pixel.
+    /// Returns the picture: a colour index for each pixel.
     pub fn picture(&self) -> &[Row] {
         self.console.picture()
     }
 
-    /// The console.
+    /// Returns the console.
     pub fn console(&self) -> &Console {
         &self.console
     }
 
-    /// The remaining lives; 0 if a game has none.
+    /// Returns the remaining lives; 0 in a game without lives.
     pub fn lives(&self) -> i32 {
         self.progress.lives
     }
@@ -513,40 +514,41 @@ impl Ale {
         self.progress.over
     }
 
-    /// Whether no frame follows: the game is over, or the episode has as many frames as it may.
+    /// Whether no frame can follow: the game is over, or the episode is truncated.
     fn has_ended(&self) -> bool {
         self.progress.over || self.is_truncated()
     }
 
-    /// Whether the episode has as many frames as it may.
+    /// Whether the episode has reached its frame limit.
     pub fn is_truncated(&self) -> bool {
         self.settings
             .max_frames
             .is_some_and(|most| self.progress.episode_frame_number >= most)
     }
 
-    /// The frames since the game was made.
+    /// Returns the number of frames since the game was made.
     pub fn frame_number(&self) -> u32 {
         self.progress.frame_number
     }
 
-    /// The frames of this episode.
+    /// Returns the number of frames in this episode.
     pub fn episode_frame_number(&self) -> u32 {
         self.progress.episode_frame_number
     }
 
-    /// Sets how later frames and episodes are played; mode and difficulty must be among the game's.
+    /// Sets the settings of later frames and episodes. `mode` and `difficulty` must be among the
+    /// game's.
     pub fn configure(&mut self, settings: Settings) {
         self.settings = settings;
     }
 
-    /// The settings of the episodes that follow.
+    /// Returns the settings of the next episodes.
     pub fn settings(&self) -> Settings {
         self.settings
     }
 
-    /// Continues from a state, and shows the pictures of it; `false` and no change if they are not
-    /// of this game.
+    /// Restores a state and its pictures. Returns false and changes nothing if they do not belong
+    /// to this game.
     pub fn restore(&mut self, state: &State, pictures: &Pictures) -> bool {
         let mut restored = self.clone();
         let fits = restored.set_state(state) && restored.console.set_pictures(pictures);
@@ -556,7 +558,7 @@ impl Ale {
         fits
     }
 
-    /// All but ROM and picture.
+    /// Returns everything except the ROM and the pictures.
     pub fn state(&self) -> State {
         State {
             console: self.console.state(),
@@ -564,7 +566,7 @@ impl Ale {
         }
     }
 
-    /// Continues from a state; `false` and no change if it is not one of this game.
+    /// Restores a state. Returns false and changes nothing if it does not belong to this game.
     pub fn set_state(&mut self, state: &State) -> bool {
         let fits = self.console.set_state(&state.console);
         if fits {
@@ -573,9 +575,9 @@ impl Ale {
         fits
     }
 
-    /// As [`set_state`](Self::set_state), in the way of ale-py's `restoreState`: the action that
-    /// may stick is the last that was done, the numbers that decide it go on, unless they are to be
-    /// those of the state, and an unfinished frame goes on.
+    /// Restores a state as ale-py's `restoreState` does. Unlike [`set_state`](Self::set_state),
+    /// this keeps the current action that may stick, continues an unfinished frame, and keeps the
+    /// generator of sticky actions unless `include_rng` is true.
     pub fn set_state_like_ale(&mut self, state: &State, include_rng: bool) -> bool {
         let fits = self.console.set_state_within_frame(&state.console);
         if fits {

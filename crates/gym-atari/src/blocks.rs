@@ -1,14 +1,14 @@
-//! Instructions decoded once: each becomes a function with an operand, and calls the next
-//! instruction's function.
+//! Threaded code: each instruction is decoded once, into a function with an operand that calls the
+//! next instruction's function.
 //!
-//! A block is a straight piece of a program in ROM, up to a branch or jump. Its functions do the
+//! A block is straight-line code in ROM that ends with a branch or jump. Its functions do the
 //! interpreter's work: they are [`Core::execute`], compiled for one opcode and for the known part
-//! of its address. Code in RAM, next to where banks are selected, and opcodes that games do not use
-//! are left to the interpreter.
+//! of its address. The interpreter executes code in RAM, code next to addresses that select banks,
+//! and opcodes that games do not use.
 //!
-//! Within a block the processor's `cycle`, `pc` and byte on the bus keep their values from the
-//! block's start: each instruction stores its distance from there. Longer operations, such as
-//! `WSYNC`, move the start.
+//! Within a block, the processor's `cycle`, `pc` and `bus` keep the values from the block's start;
+//! each instruction stores its offset from them. Longer operations, such as `WSYNC`, advance the
+//! start.
 
 use std::fmt;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
@@ -20,29 +20,29 @@ use crate::cpu::run::Core;
 use crate::riot::Riot;
 use crate::wires::{Chips, Wires, case};
 
-/// The largest number of instructions of a block. Without tail calls, the stack holds a frame for
-/// each.
+/// The largest number of instructions in a block. Calls of the next function may not be tail calls;
+/// then each uses a stack frame.
 const LONGEST: usize = 32;
 
 /// The state passed from one instruction to the next.
 pub(crate) struct Thread {
     cpu: Cpu,
-    /// The number of instructions that may follow the block.
+    /// The number of instructions that may be executed after the block.
     left: u32,
 }
 
 impl Thread {
-    /// Goes through the rounds of a loop of two instructions that only waits, which has just
-    /// branched to its start: all but the last.
+    /// Skips the iterations of a two-instruction waiting loop that has just branched to its start,
+    /// except the last iteration.
     #[inline(never)]
     fn wait(&mut self, riot: &Riot, cartridge: &Cartridge) {
         let Self { cpu, left } = self;
         let Some([first, low, high, last]) = cartridge.four_bytes(cpu.pc) else {
             return;
         };
-        // DEX or DEY, or LDA of a register
+        // a loop of DEX or DEY (3 bytes), or LDA of a register (5 bytes)
         let length = if first == 0xad { 5 } else { 3 };
-        // a branch into another page takes longer
+        // a branch to another page takes an extra cycle
         if cpu.pc & 0xff00 != cpu.pc.wrapping_add(length) & 0xff00 {
             return;
         }
@@ -54,7 +54,7 @@ impl Thread {
                 } else {
                     &mut cpu.y
                 };
-                // BNE, which has found that it is not 0, or BPL
+                // BNE, whose counter is known not to be 0; or BPL
                 let rounds = if low == 0xd0 {
                     counter.wrapping_sub(1)
                 } else {
@@ -65,7 +65,7 @@ impl Thread {
                 (rounds, 5, *counter)
             }
             (0xad, _, _, 0xd0) => {
-                // the branch took three cycles since the register was read
+                // the register was read three cycles before the end of the branch
                 let read = cpu.cycle - 3;
                 let Some(zero) = riot.zero_from(u16::from_le_bytes([low, high])) else {
                     return;
@@ -89,21 +89,21 @@ type Run = fn(&mut Thread, &mut Chips, &mut Cartridge, &[Op]);
 /// A decoded instruction.
 pub(crate) struct Op {
     run: Run,
-    /// The lower 13 bits of its address.
+    /// The lower 13 bits of the instruction's address.
     pc: u16,
-    /// The cycles from the start of its block to its own.
+    /// The cycles from the block's start to the instruction's start.
     at: u16,
-    /// The bytes behind its opcode.
+    /// The bytes after the opcode.
     low: u8,
     high: u8,
 }
 
-/// The decoded instructions of a ROM, which all consoles of the ROM share.
+/// The decoded instructions of a ROM, shared by all consoles that play it.
 pub(crate) struct Blocks {
     scheme: Scheme,
     rom: Arc<[u8; ROM]>,
-    /// The block that starts at a byte: see [`Kind::entry`]. It is decoded when it is first
-    /// executed, and follows from the ROM alone.
+    /// The block that starts at each byte: see [`Kind::entry`]. A block is decoded when it is first
+    /// executed. It depends only on the ROM.
     entries: Box<[OnceLock<Box<[Op]>>]>,
 }
 
@@ -119,7 +119,7 @@ impl fmt::Debug for Blocks {
 static KNOWN: Mutex<Vec<Weak<Blocks>>> = Mutex::new(Vec::new());
 
 impl Blocks {
-    /// The blocks of a cartridge's ROM, shared by all consoles that play it.
+    /// Returns the blocks of a cartridge's ROM.
     pub(crate) fn of(cartridge: &Cartridge) -> Arc<Self> {
         let (scheme, rom) = (cartridge.scheme(), Arc::clone(&cartridge.rom));
         let mut known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
@@ -133,7 +133,7 @@ impl Blocks {
             Scheme::F8 => 0x2000,
             Scheme::F6 => 0x4000,
             Scheme::E0 => 0x8000,
-            // others are not decoded
+            // other schemes are not decoded
             Scheme::F8SC | Scheme::F6SC | Scheme::FE | Scheme::Dpc => 0,
         };
         let blocks = Arc::new(Self {
@@ -146,7 +146,7 @@ impl Blocks {
     }
 }
 
-/// Executes instructions until a frame ends or the processor halts, at most this number.
+/// Executes at most `most` instructions; stops early when a frame ends or the processor halts.
 pub(crate) fn run(
     cpu: &mut Cpu,
     chips: &mut Chips,
@@ -164,7 +164,8 @@ pub(crate) fn run(
     }
 }
 
-/// Executes instructions one by one; returns whether it stopped before this number.
+/// Interprets at most `most` instructions; returns whether a frame's end or a halt stopped it
+/// early.
 #[inline(never)]
 fn interpret(cpu: &mut Cpu, chips: &mut Chips, cartridge: &mut Cartridge, most: u32) -> bool {
     cpu.run(Wires::<Any, { case::ANY }>::new(chips, cartridge), most)
@@ -192,8 +193,8 @@ fn run_blocks<K: Kind>(
             block.get_or_init(|| decode::<K>(cartridge, pc))
         });
         match block {
-            // the last instruction of all is the interpreter's, which leaves the byte on the bus as
-            // it is
+            // the interpreter executes the very last instruction, because it leaves the byte on the
+            // bus correctly
             [first, ..] if block.len() < thread.left as usize => {
                 thread.left -= block.len() as u32;
                 (first.run)(&mut thread, chips, cartridge, block);
@@ -212,7 +213,8 @@ fn run_blocks<K: Kind>(
     *cpu = thread.cpu;
 }
 
-/// The block that starts at an address of the cartridge; empty if the interpreter must continue.
+/// Decodes the block that starts at the address `start`; an empty block if the interpreter must
+/// continue.
 #[cold]
 #[inline(never)]
 fn decode<K: Kind>(cartridge: &Cartridge, start: u16) -> Box<[Op]> {
@@ -223,14 +225,14 @@ fn decode<K: Kind>(cartridge: &Cartridge, start: u16) -> Box<[Op]> {
         let opcode = byte(0);
         let instruction = INSTRUCTIONS[usize::from(opcode)];
         let length = u16::from(LENGTHS[usize::from(opcode)]);
-        // the byte behind a short instruction is read as well
+        // the processor reads the byte after a one-byte instruction too
         let end = low12 + length.max(2);
         let window_end = (start & 0x0fff & !(K::WINDOW - 1)) + K::WINDOW;
         if end > window_end.min(K::PLAIN) {
             break;
         }
         let (low, high) = (byte(1), if length == 3 { byte(2) } else { 0 });
-        // `LDA INTIM`, `BNE` back to it
+        // `LDA INTIM` followed by `BNE` back to it
         let waits = low == 0xfb && matches!(byte(length.wrapping_sub(5)), 0x2c | 0xac..=0xae);
         let case = case_of::<K>(instruction, low12 + length, low, high, waits);
         let Some(run) = function::<K>(opcode, case) else {
@@ -252,9 +254,9 @@ fn decode<K: Kind>(cartridge: &Cartridge, start: u16) -> Box<[Op]> {
     block.into()
 }
 
-/// The known parts of the addresses of an instruction. Behind it, `next` is the lower 12 bits of
-/// the address; if it is a branch, `waits` says whether it may end a loop that waits for a
-/// register.
+/// Returns the known part of an instruction's address. `next` is the lower 12 bits of the address
+/// of the next instruction. `waits` tells whether the instruction is a branch that may end a
+/// waiting loop.
 fn case_of<K: Kind>(
     Instruction { operation, mode }: Instruction,
     next: u16,
@@ -280,16 +282,16 @@ fn case_of<K: Kind>(
             case::MEMORY
         }
         (Mode::ZeroPageX | Mode::ZeroPageY, _) if low >= 0x80 => case::MEMORY,
-        // with both bytes of the pointer in RAM
+        // both bytes of the pointer are in RAM
         (Mode::IndirectY, _) if (0x80..0xff).contains(&low) => case::MEMORY,
         (Mode::Indirect, _) => case::MEMORY,
-        // a taken branch reads from the page of the next instruction
+        // a taken branch reads from the next instruction's page
         (Mode::Relative, _) if next | 0xff < K::PLAIN && !waits => case::ROM,
         _ => case::ANY,
     }
 }
 
-/// Whether an operation leaves the straight piece.
+/// Whether an operation ends a block.
 const fn ends_block(operation: Operation) -> bool {
     use Operation::*;
     matches!(
@@ -298,7 +300,7 @@ const fn ends_block(operation: Operation) -> bool {
     )
 }
 
-/// The cycles of an instruction where it crosses no page and nothing halts the processor.
+/// Returns the cycles of an instruction that crosses no page and is not delayed by `RDY`.
 const fn cycles(opcode: u8) -> u16 {
     let Instruction { operation, mode } = INSTRUCTIONS[opcode as usize];
     let length = LENGTHS[opcode as usize] as u16;
@@ -324,7 +326,7 @@ const fn cycles(opcode: u8) -> u16 {
         }
 }
 
-/// Whether an instruction may select a bank.
+/// Whether an instruction can select a bank.
 const fn may_switch(opcode: u8, case: u8) -> bool {
     use Mode::*;
     let named = matches!(
@@ -334,11 +336,11 @@ const fn may_switch(opcode: u8, case: u8) -> bool {
     named && case == case::ANY
 }
 
-/// Executes the first instruction, and then those that follow. It is compiled for a case, and if it
-/// turns out that the case does not cover the instruction, it is executed as in the case `AGAIN`.
+/// Executes the first instruction of `ops`, then the others. The function is compiled for a `CASE`;
+/// if the case does not cover the instruction, it executes the instruction with the case `AGAIN`.
 ///
-/// All that is rare is left to that function, which is called last: a call before would cost each
-/// instruction the registers that it saves.
+/// Rare work is done in the function for `AGAIN`, which is called last: any earlier call would make
+/// each instruction save registers.
 #[inline(never)]
 fn step<K: Kind, const OPCODE: u8, const CASE: u8, const AGAIN: u8>(
     thread: &mut Thread,
@@ -414,7 +416,7 @@ fn step<K: Kind, const OPCODE: u8, const CASE: u8, const AGAIN: u8>(
     };
 }
 
-/// A function for each of some opcodes, in a case.
+/// Matches `$opcode` with the functions of the listed opcodes, compiled for a case.
 macro_rules! functions {
     ($kind:ident, $opcode:ident, $case:expr, $again:expr, $($code:literal)*) => {
         match $opcode {
@@ -424,7 +426,7 @@ macro_rules! functions {
     };
 }
 
-/// The function of an opcode in a case.
+/// Returns the function of `opcode`, compiled for `case`.
 #[rustfmt::skip]
 fn function<K: Kind>(opcode: u8, case: u8) -> Option<Run> {
     let function: Option<Run> = match case {
@@ -446,7 +448,7 @@ fn function<K: Kind>(opcode: u8, case: u8) -> Option<Run> {
         case::TIA.. => store::<K>(opcode, case & 0x3f),
         _ => None,
     };
-    // the documented ones but BRK and RTI
+    // the documented opcodes except BRK and RTI
     function.or(functions!(K, opcode, case::ANY, case::ANY,
         0x01 0x05 0x06 0x08 0x09 0x0a 0x0d 0x0e 0x10 0x11 0x15 0x16 0x18 0x19 0x1d 0x1e
         0x20 0x21 0x24 0x25 0x26 0x28 0x29 0x2a 0x2c 0x2d 0x2e 0x30 0x31 0x35 0x36 0x38 0x39 0x3d 0x3e
@@ -459,7 +461,7 @@ fn function<K: Kind>(opcode: u8, case: u8) -> Option<Run> {
         0xe0 0xe1 0xe4 0xe5 0xe6 0xe8 0xe9 0xea 0xec 0xed 0xee 0xf0 0xf1 0xf5 0xf6 0xf8 0xf9 0xfd 0xfe))
 }
 
-/// `STA`, `STX` and `STY` to a register of the TIA.
+/// Returns the function for `STA`, `STX` or `STY` to a register of the TIA.
 #[rustfmt::skip]
 fn store<K: Kind>(opcode: u8, register: u8) -> Option<Run> {
     macro_rules! registers {
@@ -470,7 +472,7 @@ fn store<K: Kind>(opcode: u8, register: u8) -> Option<Run> {
             }
         };
     }
-    // most writes to these show
+    // registers whose writes usually change pixels
     let shown: Option<Run> = registers!(case::TIA,
         0x00 0x01 0x06 0x07 0x08 0x09 0x0d 0x0e 0x0f 0x10 0x11 0x12 0x13 0x14 0x1b 0x1c 0x2a 0x2c);
     shown.or(registers!(case::TIA_UNSEEN,
@@ -497,8 +499,8 @@ mod tests {
             self.below(256) as u8
         }
 
-        /// An address of RAM, TIA, RIOT, ROM, or where banks are selected, in any of the places
-        /// where they appear.
+        /// Returns an address in RAM, TIA, RIOT or ROM, or one that selects a bank, in a random
+        /// mirror.
         fn address(&mut self) -> [u8; 2] {
             let address = match self.below(6) {
                 0 => 0x80 + self.below(0x80),
@@ -510,7 +512,7 @@ mod tests {
             (address as u16 | (self.below(8) as u16) << 13).to_le_bytes()
         }
 
-        /// Instructions of every kind, and some bytes of no meaning.
+        /// Returns instructions of every kind and meaningless bytes.
         fn rom(&mut self) -> Vec<u8> {
             let mut rom = vec![];
             while rom.len() < ROM {
@@ -555,7 +557,7 @@ mod tests {
         }
     }
 
-    /// The state of the whole console, as text.
+    /// Returns the state of the whole console, as text.
     fn state(cpu: &Cpu, chips: &Chips, cartridge: &Cartridge) -> String {
         let tia = serde_json::to_string(&chips.tia).unwrap();
         let picture = crc32fast::hash(chips.screen.picture().as_flattened());
@@ -598,7 +600,7 @@ mod tests {
                 );
                 chips.frame_ended = false;
                 other_chips.frame_ended = false;
-                // a jump to somewhere else, as many programs run in small circles
+                // jump elsewhere: many programs loop over few instructions
                 if random.below(3) == 0 {
                     cpu.pc = random.below(0x10000) as u16;
                     cpu.s = random.byte();

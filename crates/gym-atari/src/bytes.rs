@@ -1,4 +1,4 @@
-//! Serde for arrays of bytes of any length, as hexadecimal digits.
+//! Serde for byte arrays, as hexadecimal digits.
 
 use std::fmt::Write;
 

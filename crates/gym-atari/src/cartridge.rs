@@ -1,4 +1,4 @@
-//! Cartridges: the program, and the switching of banks that do not fit into the 4096 addresses.
+//! Cartridges: the ROM, and the bank switching of ROMs larger than the 4096 addresses.
 //!
 //! The schemes are those of Kevin Horton's "Cart Information" (1997), under his names.
 
@@ -8,29 +8,29 @@ use serde::{Deserialize, Serialize};
 
 use crate::dpc::{self, Dpc};
 
-/// The way in which a cartridge maps its ROM onto the processor's addresses `$1000` to `$1FFF`.
+/// How a cartridge maps its ROM to the processor's addresses `$1000` to `$1FFF`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Scheme {
-    /// 2K, twice.
+    /// 2K, mirrored once.
     Rom2K,
     /// 4K.
     Rom4K,
-    /// Two banks of 4K: an access to `$1FF8` or `$1FF9` selects.
+    /// Two banks of 4K; an access to `$1FF8` or `$1FF9` selects the bank.
     F8,
-    /// `F8` and 128 bytes of RAM: write at `$1000`, read at `$1080`.
+    /// `F8` with 128 bytes of RAM: its write port is at `$1000`, its read port at `$1080`.
     F8SC,
-    /// Four banks of 4K: `$1FF6` to `$1FF9`.
+    /// Four banks of 4K; an access to `$1FF6` to `$1FF9` selects the bank.
     F6,
-    /// `F6` and RAM as `F8SC`.
+    /// `F6` with RAM as in `F8SC`.
     F6SC,
-    /// Parker Brothers: four windows of 1K, of which three choose among eight slices by `$1FE0` to
-    /// `$1FF7`.
+    /// Parker Brothers: four windows of 1K. An access to `$1FE0` to `$1FF7` selects one of eight 1K
+    /// slices for one of the first three windows.
     E0,
-    /// Activision: two banks of 4K, the first at addresses with bit 13 and the second at those
-    /// without.
+    /// Activision: two banks of 4K. Addresses with bit 13 set are in the first bank, the others in
+    /// the second.
     FE,
-    /// Pitfall II: `F8`, and a chip at `$1000` to `$107F` that fetches data from 2K of its own.
+    /// Pitfall II: `F8` with a chip at `$1000` to `$107F` that fetches data from its own 2K.
     Dpc,
 }
 
@@ -48,24 +48,24 @@ impl Scheme {
         Self::Dpc,
     ];
 
-    /// The scheme of an unknown ROM, by its size: `None` where no scheme has that size.
+    /// Returns the likely scheme of an unknown ROM of this size, if any.
     pub fn of_size(bytes: usize) -> Option<Self> {
         match bytes {
             0 => None,
             1..=2048 => Some(Self::Rom2K),
             2049..=4096 => Some(Self::Rom4K),
             8192 => Some(Self::F8),
-            // with 255 random numbers behind the data, or without
+            // the data, optionally followed by 255 random bytes
             10240..=10495 => Some(Self::Dpc),
             16384 => Some(Self::F6),
             _ => None,
         }
     }
 
-    /// The bytes of ROM.
+    /// Returns the size of the ROM in bytes.
     fn size(self) -> usize {
         match self {
-            // 2K repeat
+            // 2K are mirrored
             Self::Rom2K | Self::Rom4K => 4096,
             Self::F8 | Self::F8SC | Self::E0 | Self::FE => 8192,
             Self::Dpc => 8192 + dpc::DATA,
@@ -81,24 +81,24 @@ impl Scheme {
 /// The bytes of the largest ROM.
 pub(crate) const ROM: usize = 0x4000;
 
-/// From here on an address may select a bank.
+/// The first address (of the lower 12 bits) that may select a bank.
 const FIRST_HOTSPOT: u16 = 0x0fe0;
 
-/// A ROM and which parts of it the processor sees.
+/// A ROM and the banks that the processor sees.
 #[derive(Clone, Debug)]
 pub struct Cartridge {
-    /// The bytes; zeros behind a smaller ROM.
+    /// The ROM, padded with zeros to the largest size.
     pub(crate) rom: Arc<[u8; ROM]>,
     banks: Banks,
     /// Whether an access may have selected a bank since [`take_switched`](Self::take_switched).
     switched: bool,
 }
 
-/// The state of a cartridge beside its ROM.
+/// The state of a cartridge, apart from its ROM.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Banks {
     scheme: Scheme,
-    /// The place in the ROM at which each window of 1K starts.
+    /// The offset in the ROM at which each window of 1K starts.
     windows: [u16; 4],
     #[serde(with = "crate::bytes")]
     ram: [u8; 128],
@@ -106,8 +106,8 @@ pub struct Banks {
 }
 
 impl Cartridge {
-    /// The cartridge at power-on. A ROM that is too short for its scheme is repeated to fill it,
-    /// one that is too long is cut off, and an empty one reads as zeros.
+    /// Makes a cartridge at power-on. A ROM that is too short for its scheme is repeated, one that
+    /// is too long is truncated, an empty one reads as zeros.
     pub fn new(rom: &[u8], scheme: Scheme) -> Self {
         let mut whole = [0; ROM];
         for (byte, &value) in whole[..scheme.size()].iter_mut().zip(rom.iter().cycle()) {
@@ -128,25 +128,24 @@ impl Cartridge {
         cartridge
     }
 
-    /// Back to the banks that are selected at power-on; the RAM is cleared, and the chip of `Dpc`
-    /// stays as it is.
+    /// Selects the power-on banks and clears the RAM. The chip of `Dpc` keeps its state.
     pub fn reset(&mut self) {
         self.banks.ram = [0; 128];
         match self.banks.scheme {
             Scheme::Rom2K | Scheme::Rom4K | Scheme::F6 | Scheme::F6SC | Scheme::FE => {
-                self.banks.select(0)
+                self.banks.select(0);
             }
             Scheme::F8 | Scheme::F8SC | Scheme::Dpc => self.banks.select(1),
             Scheme::E0 => self.banks.windows = [4 << 10, 5 << 10, 6 << 10, 7 << 10],
         }
     }
 
-    /// The selected banks and the cartridge's RAM.
+    /// Returns the selected banks and the cartridge's RAM.
     pub fn banks(&self) -> &Banks {
         &self.banks
     }
 
-    /// Selects banks and sets RAM as they were; `false` and no change if they are another scheme's.
+    /// Restores banks and RAM. Returns false and changes nothing if `banks` has another scheme.
     pub fn set_banks(&mut self, banks: &Banks) -> bool {
         let last = (self.banks.scheme.size() - 0x400) as u16;
         let fits = banks.scheme == self.banks.scheme
@@ -161,8 +160,8 @@ impl Cartridge {
         fits
     }
 
-    /// Reads a byte, of which only the lower 12 bits of the address count, and bit 13 in `FE`. The
-    /// byte last seen on the bus is read at addresses without a chip.
+    /// Reads a byte. Only the lower 12 bits of `address` matter, and bit 13 in `FE`. An address
+    /// without a chip reads as `bus`, the last byte on the bus.
     #[inline(always)]
     pub fn read(&mut self, address: u16, bus: u8) -> u8 {
         let low = address & 0x0fff;
@@ -171,7 +170,7 @@ impl Cartridge {
         } else if low < 0x0100 && self.banks.scheme.has_ram() {
             let cell = usize::from(low & 0x7f);
             if low < 0x80 {
-                // a read of the write port stores the byte on the bus
+                // a read of the write port writes the byte on the bus to RAM
                 self.banks.ram[cell] = bus;
                 return bus;
             }
@@ -184,13 +183,13 @@ impl Cartridge {
         self.peek(address)
     }
 
-    /// The byte of the ROM at an address, in the banks that are selected.
+    /// Returns the ROM's byte at `address` in the selected banks.
     #[inline(always)]
     fn peek(&self, address: u16) -> u8 {
         self.rom[self.place(address)]
     }
 
-    /// The place of an address in the ROM.
+    /// Returns the offset of `address` in the ROM.
     #[inline(always)]
     fn place(&self, address: u16) -> usize {
         let start = self.banks.windows[usize::from(address >> 10 & 0x03)];
@@ -210,13 +209,13 @@ impl Cartridge {
         }
     }
 
-    /// The way in which the cartridge maps its ROM.
+    /// Returns the cartridge's scheme.
     pub(crate) fn scheme(&self) -> Scheme {
         self.banks.scheme
     }
 
-    /// The four bytes of the ROM from an address on, if reading them does nothing else:
-    /// instructions within one window.
+    /// Returns the four ROM bytes from `address` on, if reading them has no side effect: addresses
+    /// within one window.
     pub(crate) fn four_bytes(&self, address: u16) -> Option<[u8; 4]> {
         let low = address & 0x0fff;
         let first = match self.banks.scheme {
@@ -248,23 +247,25 @@ impl Cartridge {
     }
 }
 
-/// The behaviour of a kind of cartridge, so that the processor's code is compiled for each kind.
+/// A kind of cartridge. The processor's code is compiled for each kind.
 pub(crate) trait Kind: 'static {
-    /// The addresses of a bank that do nothing but read, from the first one on.
+    /// The number of addresses, from the first on, that only read: no access to them has a side
+    /// effect.
     const PLAIN: u16;
-    /// The bytes of a window: a bank, or a part of it that is selected apart from others.
+    /// The size of a window in bytes: the unit that is switched, a bank or a part of it.
     const WINDOW: u16;
 
-    /// Reads a byte, while another is on the bus.
+    /// Reads a byte; `bus` is the last byte on the bus.
     fn read(cartridge: &mut Cartridge, address: u16, bus: u8) -> u8;
 
     /// Writes a byte.
     fn write(cartridge: &mut Cartridge, address: u16, value: u8);
 
-    /// The byte of the ROM at an address of which a read does nothing else.
+    /// Returns the ROM's byte at an address whose reads have no side effect.
     fn peek(cartridge: &Cartridge, address: u16) -> u8;
 
-    /// A number for the byte of the ROM at an address, and for the window that shows it there.
+    /// Returns the index of a block: it identifies the ROM's byte at `address` and the window that
+    /// shows it.
     fn entry(cartridge: &Cartridge, address: u16) -> usize;
 }
 

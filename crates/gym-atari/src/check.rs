@@ -1,7 +1,7 @@
-//! Comparison of games with ale-py 0.12.1, by checksums.
+//! Compares games with ale-py 0.12.1 by checksums.
 //!
-//! `examples/recorded.py` plays the same with ale-py and writes `recorded.txt`; `cargo xtask atari
-//! check` compares.
+//! `examples/recorded.py` plays the same frames with ale-py and writes `recorded.txt`; `cargo xtask
+//! atari check` compares.
 
 use crc32fast::Hasher;
 
@@ -9,32 +9,32 @@ use crate::action::Action;
 use crate::ale::{Ale, Settings};
 use crate::rom::Rom;
 
-/// A line for each game: its name and its three checksums.
+/// One line per game: its name and its three checksums.
 const RECORDED: &str = include_str!("recorded.txt");
-/// The frames of each of the two long runs.
+/// The frames of each long run.
 const FRAMES: u32 = 1000;
-/// The frames of each of the two episodes in a mode.
+/// The frames of each episode in a mode.
 const MODE_FRAMES: u32 = 60;
 
 /// Checksums of RAM, picture, reward, lives, end and frame numbers after every frame and reset.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sums {
-    /// Of 1,000 frames of the minimal actions.
+    /// The checksum of 1,000 frames with the minimal actions.
     pub minimal: u32,
-    /// Of 1,000 frames of all actions, of which a quarter repeat the one before.
+    /// The checksum of 1,000 frames with all actions and a sticky probability of 1/4.
     pub sticky: u32,
-    /// Of two episodes of 60 frames in each mode with each difficulty.
+    /// The checksum of two episodes of 60 frames in each mode with each difficulty.
     pub modes: u32,
 }
 
 impl Sums {
-    /// The checksum of ale-py 0.12.1; `None` for a game that was not recorded.
+    /// Returns the checksums of ale-py 0.12.1; `None` for a game that was not recorded.
     pub fn recorded(game: &str) -> Option<Self> {
         Self::read(RECORDED, game)
     }
 
-    /// The sums of a game in a text with a line for each: its name and its three sums in
-    /// hexadecimal. `None` if there is no such line.
+    /// Returns the checksums of `game` in `text`, which has one line per game: its name and three
+    /// hexadecimal checksums. `None` if there is no such line.
     pub fn read(text: &str, game: &str) -> Option<Self> {
         let line = text
             .lines()
@@ -51,7 +51,7 @@ impl Sums {
         })
     }
 
-    /// The runs whose sums differ from others, in words.
+    /// Returns the names of the runs whose checksums differ from `others`.
     pub fn differences(&self, others: &Self) -> Vec<&'static str> {
         let runs = [
             ("the minimal actions", self.minimal == others.minimal),
@@ -67,7 +67,7 @@ impl Sums {
             .collect()
     }
 
-    /// This crate's results.
+    /// Returns the checksums of this crate.
     pub fn of(rom: &Rom) -> Self {
         let game = rom.game();
         let run = |seed, actions: &[Action], repeat_action_probability| {
@@ -102,7 +102,7 @@ impl Sums {
     }
 }
 
-/// A game played at random, and the checksum of its results.
+/// A game that is played at random, and the checksum of its results.
 struct Run {
     ale: Ale,
     sum: Hasher,
@@ -117,13 +117,13 @@ impl Run {
             random: seed,
         };
         run.ale.configure(settings);
-        // with these settings
+        // restart with these settings
         run.ale.reload(seed);
         run.add(0);
         run
     }
 
-    /// A number below `n`, from the upper half of a linear congruential generator's state.
+    /// Returns a number below `n`, from the upper half of a linear congruential generator's state.
     fn below(&mut self, n: u32) -> u32 {
         self.random = self
             .random
@@ -137,8 +137,8 @@ impl Run {
         self.add(0);
     }
 
-    /// Plays frames, holding each action for up to 16; a game that is over gets one more and starts
-    /// again.
+    /// Plays frames, holding each action for at most 16 of them. One frame after the end of a game,
+    /// starts again.
     fn play(&mut self, frames: u32, actions: &[Action]) {
         let (mut action, mut held) = (Action::Noop, 0);
         for _ in 0..frames {
@@ -173,7 +173,7 @@ mod tests {
     use super::*;
     use crate::games;
 
-    /// A program of our own that counts frames, and how long a button is pressed.
+    /// A program of our own: it counts frames, and the frames in which the button is pressed.
     const PROGRAM: &[u8] = &[
         0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00, 0xe6,
         0x90, 0xa5, 0x0c, 0x30, 0x02, 0xe6, 0x91, 0xa2, 0xe0, 0x86, 0x09, 0x85, 0x02, 0xca, 0xd0,
@@ -222,7 +222,7 @@ mod tests {
             ["the modes"]
         );
         assert_eq!(Sums::read(&line(sums), "pong"), None);
-        // another program has other sums
+        // another program has other checksums
         bytes[1] = 0x03;
         bytes[0x0f] = 0x92;
         let other = Sums::of(&Rom::homebrew(rom.game(), &bytes));

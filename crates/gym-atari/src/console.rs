@@ -26,24 +26,24 @@ use crate::screen::Screen;
 use crate::tia::{Display, Tia};
 use crate::wires::Chips;
 
-/// After this many instructions a call returns, even if no frame has ended.
+/// A call returns after this number of instructions even if the frame has not ended.
 const MOST_INSTRUCTIONS: u32 = 25_000;
 
-/// A row of the picture: a colour index, which is even, for each of 160 pixels.
+/// A row of the picture: an even colour index for each of 160 pixels.
 pub type Row = crate::screen::Row;
 
 /// The positions of controllers and switches during a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Input {
-    /// Port A of the RIOT, `SWCHA`: joystick directions, the left stick in the upper four bits, 0
-    /// where pressed.
+    /// Port A of the RIOT, `SWCHA`: the joysticks' directions, active low. The left stick is in the
+    /// upper four bits.
     pub port_a: u8,
     /// Port B, `SWCHB`: the console's switches; see [`switch`].
     pub port_b: u8,
     /// The fire buttons, read at `INPT4` and `INPT5`.
     pub fire: [bool; 2],
-    /// Paddles, read at `INPT0` to `INPT3`: the charge time in colour clocks, or `None` where there
-    /// is no paddle.
+    /// The paddles, read at `INPT0` to `INPT3`: the time in colour clocks to charge the capacitor,
+    /// or `None` without a paddle.
     pub charge: [Option<u32>; 4],
 }
 
@@ -81,7 +81,7 @@ pub struct Console {
     blocks: Arc<Blocks>,
 }
 
-/// Everything about a console that changes but the picture: a few hundred bytes.
+/// The state of a console without the pictures: a few hundred bytes.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct State {
     cpu: Cpu,
@@ -92,8 +92,8 @@ pub struct State {
 }
 
 impl Console {
-    /// Switches on: with this content of RAM, and the timer running as if `TIM64T` had been written
-    /// with `timer`.
+    /// Switches a console on, with the contents `ram` and a timer that runs as if `timer` had been
+    /// written to `TIM64T`.
     pub fn new(cartridge: Cartridge, display: Display, ram: [u8; 128], timer: u8) -> Self {
         let mut cartridge = cartridge;
         cartridge.reset();
@@ -113,12 +113,12 @@ impl Console {
         }
     }
 
-    /// Runs a frame: until the program ends it, or for 25,000 instructions.
+    /// Runs a frame, until the program ends it or for 25,000 instructions.
     pub fn frame(&mut self, input: &Input) {
         self.run(input, true);
     }
 
-    /// As [`frame`](Self::frame), but leaves the picture as it is; all else comes out the same.
+    /// Like [`frame`](Self::frame) without drawing. Everything except the picture is the same.
     pub fn frame_unseen(&mut self, input: &Input) {
         self.run(input, false);
     }
@@ -145,28 +145,28 @@ impl Console {
         blocks::run(cpu, chips, cartridge, blocks, MOST_INSTRUCTIONS);
     }
 
-    /// The 128 bytes of RAM.
+    /// Returns the 128 bytes of RAM.
     pub fn ram(&self) -> &[u8; 128] {
         &self.chips.riot.ram
     }
 
-    /// The same, to change.
+    /// Returns the 128 bytes of RAM for changes.
     pub fn ram_mut(&mut self) -> &mut [u8; 128] {
         &mut self.chips.riot.ram
     }
 
-    /// The picture, row by row from the top.
+    /// Returns the picture, row by row from the top.
     pub fn picture(&self) -> &[Row] {
         &self.chips.screen.picture()[..self.chips.tia.display().rows]
     }
 
-    /// Whether the last call did not draw a whole picture: the frame ended before, or is not over,
-    /// or had begun in the call before. The rest of the picture is then as two frames ago.
+    /// Whether the last call did not draw a complete picture: the frame ended early, has not ended,
+    /// or began in an earlier call. The rest of the picture is then two frames old.
     pub fn is_short(&self) -> bool {
         self.chips.continued || !self.chips.frame_ended || self.chips.tia.is_short()
     }
 
-    /// Everything that changes but the picture.
+    /// Returns the state without the pictures.
     pub fn state(&self) -> State {
         let Chips {
             riot,
@@ -186,8 +186,8 @@ impl Console {
         }
     }
 
-    /// Continues from a state; the picture stays. `false` and no change if it is not a state of a
-    /// console with this cartridge.
+    /// Restores a state; keeps the pictures. Returns false and changes nothing if the state does
+    /// not fit the cartridge.
     pub fn set_state(&mut self, state: &State) -> bool {
         let State {
             cpu,
@@ -210,8 +210,8 @@ impl Console {
         true
     }
 
-    /// As [`set_state`](Self::set_state), but the next call starts a frame, or continues one, as it
-    /// would have without it.
+    /// Like [`set_state`](Self::set_state), but the next call starts or continues a frame as if no
+    /// state had been restored.
     pub(crate) fn set_state_within_frame(&mut self, state: &State) -> bool {
         let starts = self.chips.frame_ended;
         let fits = self.set_state(state);
@@ -229,12 +229,12 @@ impl Console {
         fits
     }
 
-    /// The pictures, to be stored.
+    /// Returns the pictures in a form that can be stored.
     pub fn pictures(&self) -> Pictures {
         Pictures::of(&self.chips.screen)
     }
 
-    /// Shows stored pictures; `false` and no change if they were damaged.
+    /// Restores stored pictures. Returns false and changes nothing if they are damaged.
     pub fn set_pictures(&mut self, pictures: &Pictures) -> bool {
         let screen = pictures.screen();
         let fits = screen.is_some();
@@ -244,17 +244,17 @@ impl Console {
         fits
     }
 
-    /// The index of the picture that is being drawn.
+    /// Returns the index of the picture that is being drawn.
     pub(crate) fn current_picture(&self) -> usize {
         self.chips.screen.current
     }
 
-    /// Draws on this of the two pictures.
+    /// Selects the picture to draw: 0 or 1.
     pub(crate) fn set_current_picture(&mut self, picture: usize) {
         self.chips.screen.current = picture;
     }
 
-    /// The cartridge.
+    /// Returns the cartridge.
     pub fn cartridge(&self) -> &Cartridge {
         &self.cartridge
     }

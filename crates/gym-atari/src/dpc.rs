@@ -1,14 +1,14 @@
-//! The chip in the cartridge of Pitfall II: eight data fetchers, a generator of random numbers, and
+//! The chip in the cartridge of Pitfall II: eight data fetchers, a random number generator, and
 //! music.
 //!
-//! Sources: David Crane, US patent 4,644,495 (1987); what each address answers was measured, see
+//! Sources: David Crane, US patent 4,644,495 (1987). The result of each address was measured, see
 //! `NOTICE.md`.
 
 use serde::{Deserialize, Serialize};
 
-/// The bytes that the fetchers read.
+/// The size of the fetchers' data in bytes.
 pub(crate) const DATA: usize = 2048;
-/// Addresses of the cartridge below this are the chip's: half of them to read, half to write.
+/// Cartridge addresses below this belong to the chip: the lower half reads, the upper half writes.
 pub(crate) const REGISTERS: u16 = 0x80;
 
 /// The chip.
@@ -18,19 +18,21 @@ pub(crate) struct Dpc {
     random: u8,
 }
 
-/// Gives bytes of the data in turn, and says whether its counter is between top and bottom.
+/// A data fetcher: returns one byte of the data after another, and tells whether its counter is
+/// between `top` and `bottom`.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 struct Fetcher {
     top: u8,
     bottom: u8,
-    /// 11 bits, counted down.
+    /// An 11-bit counter that counts down.
     counter: u16,
     within: bool,
-    /// Whether a clock counts, and not the reads. It stands still here, as there is no sound.
+    /// Whether a clock drives the counter instead of reads. There is no sound here, so the clock
+    /// does not run.
     music: bool,
 }
 
-/// The loudness of the three voices together.
+/// The total amplitude for each combination of the three voices.
 const AMPLITUDES: [u8; 8] = [0x0, 0x4, 0x5, 0x9, 0x6, 0xa, 0xb, 0xf];
 
 impl Dpc {
@@ -41,14 +43,14 @@ impl Dpc {
         }
     }
 
-    /// Whether this can be a chip: one that was stored may have been damaged.
+    /// Whether a deserialized chip is consistent.
     pub(crate) fn is_valid(&self) -> bool {
         self.fetchers
             .iter()
             .all(|fetcher| usize::from(fetcher.counter) < DATA)
     }
 
-    /// Reads a register, of the lower half.
+    /// Reads a register of the lower half.
     pub(crate) fn read(&mut self, register: u16, data: &[u8]) -> u8 {
         self.next_random();
         let (i, function) = (usize::from(register & 0x07), register >> 3 & 0x07);
@@ -78,7 +80,7 @@ impl Dpc {
         }
     }
 
-    /// Writes a register, of the upper half.
+    /// Writes a register of the upper half.
     pub(crate) fn write(&mut self, register: u16, value: u8) {
         self.next_random();
         let (i, function) = (usize::from(register & 0x07), register >> 3 & 0x07);
@@ -105,7 +107,7 @@ impl Dpc {
         }
     }
 
-    /// A shift register, of which each access to the chip takes a step.
+    /// Steps the shift register that generates random numbers. Each access to the chip does this.
     fn next_random(&mut self) {
         let taps = self.random & 0b1011_1000;
         self.random = self.random << 1 | u8::from(taps.count_ones().is_multiple_of(2));

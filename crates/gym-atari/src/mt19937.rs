@@ -1,5 +1,5 @@
-//! The generator of sticky actions: MT19937, as C++'s `std::mt19937` and numpy's legacy
-//! `RandomState` have it.
+//! The generator of sticky actions: MT19937, like C++'s `std::mt19937` and numpy's legacy
+//! `RandomState`.
 //!
 //! Source: Matsumoto and Nishimura, "Mersenne Twister", ACM TOMACS 8 (1998).
 
@@ -15,7 +15,7 @@ const M: usize = 397;
 pub(crate) struct Mt19937 {
     #[serde(with = "crate::words")]
     state: [u32; N],
-    /// The next word to give; `N` where the state must be renewed first.
+    /// The index of the next word; `N` if the state must be updated first.
     next: usize,
 }
 
@@ -52,12 +52,12 @@ impl Mt19937 {
         word ^ word >> 18
     }
 
-    /// The lowest byte of a word.
+    /// Returns the lowest byte of the next word.
     pub(crate) fn byte(&mut self) -> u8 {
         self.next_u32() as u8
     }
 
-    /// A number in `[0, 1)` of 53 bits.
+    /// Returns a number in `[0, 1)` with 53 bits.
     pub(crate) fn random(&mut self) -> f64 {
         let (a, b) = (self.next_u32() >> 5, self.next_u32() >> 6);
         (f64::from(a) * 67_108_864.0 + f64::from(b)) / 9_007_199_254_740_992.0
@@ -76,7 +76,7 @@ impl fmt::Debug for Mt19937 {
 mod tests {
     use super::*;
 
-    /// The C++ standard: the 10,000th word of `std::mt19937` of the default seed.
+    /// The 10,000th word of `std::mt19937` with the default seed, from the C++ standard.
     #[test]
     fn gives_the_words_of_the_standard() {
         let mut generator = Mt19937::new(5489);

@@ -1,8 +1,8 @@
-//! A paddle: a resistor that charges a capacitor, which the program times.
+//! A paddle: a variable resistor that charges a capacitor. Programs measure the time.
 //!
-//! The law is that of a resistor and a capacitor; its numbers were fitted to recordings of Breakout
-//! and Pong, which come out exactly. The left ends of other games were measured by turning a paddle
-//! through its whole range in small steps.
+//! The law is that of a resistor and a capacitor. Its constants were fitted to recordings of
+//! Breakout and Pong, which are reproduced exactly. The left ends of other games were measured by
+//! turning a paddle through its whole range in small steps.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,28 +10,29 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Paddle(u32);
 
-/// The resistance at the right end. That at the left end depends on the game.
+/// The resistance at the right end, in ohms. The resistance at the left end depends on the game.
 const LEAST: u32 = 27_450;
-/// The change by an action in a frame.
+/// The change of resistance per frame of an action, in ohms.
 const STEP: f64 = 23_000.0;
-/// The processor's cycles in a second.
+/// The processor's cycles per second.
 const CYCLES_PER_SECOND: f64 = 1.19e6;
 /// The capacitor, in farads.
 const CAPACITY: f64 = 0.01e-6;
 
 impl Paddle {
-    /// In the middle between the right end and this resistance at the left end.
+    /// Returns the position halfway between the right end and the left end `end`.
     pub(crate) fn middle(end: u32) -> Self {
         Self((LEAST + end) / 2)
     }
 
-    /// Turns it for a frame, `1` to the right, `-1` to the left, at a share of its full speed.
+    /// Turns the paddle for a frame at the fraction `strength` of its full speed: `direction` 1 is
+    /// right, -1 is left.
     pub(crate) fn turn(&mut self, direction: i32, strength: f32, end: u32) {
         let change = i64::from(direction) * i64::from((STEP * f64::from(strength)) as i32);
         self.0 = (i64::from(self.0) - change).clamp(LEAST.into(), end.into()) as u32;
     }
 
-    /// The colour clocks until the capacitor is charged.
+    /// Returns the colour clocks until the capacitor is charged.
     pub(crate) fn charge(self) -> u32 {
         let cycles = 1.6 * f64::from(self.0) * CAPACITY * CYCLES_PER_SECOND;
         3 * (cycles as u32 + 1)
@@ -62,7 +63,7 @@ mod tests {
                 "{direction} {strength}"
             );
         }
-        // the left end is the game's
+        // the left end depends on the game
         for most in [MOST, 795_000] {
             for (direction, end) in [(1, LEAST), (-1, most)] {
                 for strength in [1e9, f32::INFINITY] {

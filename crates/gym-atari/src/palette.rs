@@ -1,7 +1,7 @@
-//! The colours of the picture's indices.
+//! The colours of the colour indices.
 
-/// Red, green and blue of the indices 0, 2, 4 ... 254, as an NTSC set shows them. Eight shades of
-/// each hue.
+/// Red, green and blue of the indices 0, 2, 4 ... 254 on an NTSC television: eight shades of each
+/// hue.
 #[rustfmt::skip]
 const NTSC: [u32; 128] = [
     0x000000, 0x4a4a4a, 0x6f6f6f, 0x8e8e8e, 0xaaaaaa, 0xc0c0c0, 0xd6d6d6, 0xececec,
@@ -22,7 +22,7 @@ const NTSC: [u32; 128] = [
     0x482c00, 0x694d14, 0x866a26, 0xa28638, 0xbb9f47, 0xd2b656, 0xe8cc63, 0xfce070,
 ];
 
-/// The same, as a PAL set shows them.
+/// Red, green and blue of the indices 0, 2, 4 ... 254 on a PAL television.
 #[rustfmt::skip]
 const PAL: [u32; 128] = [
     0x000000, 0x2b2b2b, 0x525252, 0x767676, 0x979797, 0xb6b6b6, 0xd2d2d2, 0xececec,
@@ -43,7 +43,7 @@ const PAL: [u32; 128] = [
     0x000000, 0x2b2b2b, 0x525252, 0x767676, 0x979797, 0xb6b6b6, 0xd2d2d2, 0xececec,
 ];
 
-/// Red, green and blue of a colour index on an NTSC set; bit 0 is of no account.
+/// Red, green and blue of each colour index on an NTSC television; bit 0 is ignored.
 pub static RGB: [[u8; 3]; 256] = {
     let mut table = [[0; 3]; 256];
     let mut index = 0;
@@ -54,7 +54,7 @@ pub static RGB: [[u8; 3]; 256] = {
     table
 };
 
-/// The shade of gray of a colour index on an NTSC set.
+/// The shade of gray of each colour index on an NTSC television.
 pub static GRAY: [u8; 256] = {
     let mut table = [0; 256];
     let mut index = 0;
@@ -65,8 +65,8 @@ pub static GRAY: [u8; 256] = {
     table
 };
 
-/// Red, green and blue of a colour index on a PAL set. With bit 0 it is the gray of a frame without
-/// colours.
+/// Red, green and blue of each colour index on a PAL television. An index with bit 0 is the gray of
+/// a frame without colours.
 pub static PAL_RGB: [[u8; 3]; 256] = {
     let mut table = [[0; 3]; 256];
     let mut index = 0;
@@ -82,8 +82,8 @@ pub static PAL_RGB: [[u8; 3]; 256] = {
     table
 };
 
-/// The shade of gray of a colour index on a PAL set. With bit 0 it is the blue of the next colour,
-/// which ale-py gives there.
+/// The shade of gray of each colour index on a PAL television. An index with bit 0 has the blue of
+/// the next colour, as in ale-py.
 pub static PAL_GRAY: [u8; 256] = {
     let mut table = [0; 256];
     let mut index = 0;
@@ -104,7 +104,7 @@ const fn rgb(color: u32) -> [u8; 3] {
     [red, green, blue]
 }
 
-/// The shade of gray of a colour: 0.2989 red + 0.587 green + 0.114 blue, rounded.
+/// Returns the shade of gray of a colour: 0.2989 red + 0.587 green + 0.114 blue, rounded.
 const fn gray([red, green, blue]: [u8; 3]) -> u8 {
     let ten_thousandths = 2989 * red as u32 + 5870 * green as u32 + 1140 * blue as u32;
     ((ten_thousandths + 5000) / 10_000) as u8
@@ -114,7 +114,7 @@ const fn gray([red, green, blue]: [u8; 3]) -> u8 {
 mod tests {
     use super::*;
 
-    /// Checksums of ale-py's pictures of a program that paints each index.
+    /// Checksums of ale-py's pictures of a program that draws each index.
     #[test]
     fn a_pal_set_has_the_colors_of_ale_py() {
         assert_eq!(crc32fast::hash(PAL_RGB.as_flattened()), 0xac0c_80bc);

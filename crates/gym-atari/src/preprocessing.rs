@@ -18,19 +18,19 @@ gym_core::arguments! {
     /// The arguments of the preprocessing.
     #[derive(Copy, Eq)]
     pub struct Preprocessing {
-        /// The largest number of no-op steps at the start of an episode, which are at least one; 0
-        /// for none.
+        /// The largest number of no-ops at the start of an episode. The number is random, at least
+        /// 1; 0 disables no-ops.
         pub noop_max: u32 = 30,
-        /// The number of frames for each action.
+        /// The number of frames per action.
         pub frame_skip: u32 = 4,
         /// Height and width of the observation.
         pub screen_size: [usize; 2] = [84, 84],
-        /// Whether losing a life terminates.
+        /// Whether the loss of a life terminates the episode.
         pub terminal_on_life_loss: bool = false,
     }
 }
 
-/// Observes the game small and in gray: the brighter of the last two frames of each step, shrunk.
+/// Observes small gray images: the maximum of the last two frames of each step, scaled down.
 ///
 /// Skipped frames are emulated but not drawn. In a spec the wrapper is named `AtariPreprocessing`,
 /// with the arguments of [`Preprocessing`], around the environment of `make`.
@@ -51,16 +51,17 @@ gym_core::arguments! {
 #[derive(Clone, Debug)]
 pub struct AtariPreprocessing<E: Env = AtariEnv> {
     env: E,
-    /// Receives the observations of `env`, which are of no use.
+    /// The buffer for observations of `env`, which are not used.
     unused: E::Observation,
     settings: Preprocessing,
     shrink: Shrink,
-    /// The last frame, or the brighter of two, and the one before, as indices of colours.
+    /// Colour indices of the last frame (or, after the maximum, of the brighter of two) and of the
+    /// frame before it.
     frames: [Vec<u8>; 2],
     lives: i32,
 }
 
-/// The state beside the environment's.
+/// The state, apart from the environment's.
 #[derive(Serialize, Deserialize)]
 struct Stored {
     env: Snapshot,
@@ -69,7 +70,7 @@ struct Stored {
     lives: i32,
 }
 
-/// The wrappers that `make` puts around an environment. They check, and change nothing.
+/// The wrappers of `make` that change nothing: they only check.
 const OF_MAKE: [&str; 2] = ["OrderEnforcing", "PassiveEnvChecker"];
 
 gym_core::register_wrapper!(
@@ -78,13 +79,13 @@ gym_core::register_wrapper!(
 );
 
 impl<E: Env> AtariPreprocessing<E> {
-    /// Preprocesses an [`AtariEnv`] with `frameskip` 1, directly or from `make`. It plays frames in
-    /// the `AtariEnv` itself, so no other wrapper may be between.
+    /// Preprocesses an [`AtariEnv`] with `frameskip` 1, made directly or by `make`. It plays frames
+    /// in the `AtariEnv` itself, so no other wrapper may be in between.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for an environment that is not an [`AtariEnv`], another wrapper
-    /// around it, another `frameskip`, a `frame_skip` of 0, or a size that is not smaller than the
-    /// picture.
+    /// around it, another `frameskip`, a `frame_skip` of 0, or a `screen_size` that is not smaller
+    /// than the picture.
     pub fn new(env: E, settings: Preprocessing) -> Result<Self> {
         let refuse = |reason: String| Err(Preprocessing::refuse(reason));
         let Some(atari) = within(&env) else {
@@ -134,23 +135,24 @@ impl<E: Env> AtariPreprocessing<E> {
         })
     }
 
-    /// Its arguments.
+    /// Returns the arguments.
     pub fn settings(&self) -> &Preprocessing {
         &self.settings
     }
 
-    /// The inner environment.
+    /// Returns the inner environment.
     pub fn get_ref(&self) -> &E {
         &self.env
     }
 
-    /// The inner environment, without the wrapper.
+    /// Returns the inner environment and drops the wrapper.
     pub fn into_inner(self) -> E {
         self.env
     }
 
-    /// Plays a step's frames, and draws those from `first_seen` on. Returns the sum of rewards, the
-    /// end, and the two last frames; and whether a picture may show remains of an undrawn frame.
+    /// Plays a step's frames, of which it draws those from number `first_seen` on, and copies the
+    /// last two. Returns the sum of rewards with the end, and whether an undrawn frame may have
+    /// left an incomplete picture.
     fn play(&mut self, command: Command, first_seen: u32) -> (Outcome, bool) {
         let Self {
             env,
@@ -194,12 +196,13 @@ impl<E: Env> AtariPreprocessing<E> {
     }
 }
 
-/// Copies the picture.
+/// Copies the picture of `env` to `out`.
 fn look(env: &AtariEnv, out: &mut [u8]) {
     out.copy_from_slice(env.ale().picture().as_flattened());
 }
 
-/// Replaces the colours of a picture by another picture's where these are brighter.
+/// Computes the maximum of two pictures: replaces each index of `picture` by that of `other` if it
+/// is brighter.
 fn brighter(picture: &mut [u8], other: &[u8], grays: &[u8; 256]) {
     let cells = picture
         .as_chunks_mut::<32>()
@@ -215,14 +218,14 @@ fn brighter(picture: &mut [u8], other: &[u8], grays: &[u8; 256]) {
     }
 }
 
-/// The game's environment, which may be in the wrappers of `make`.
+/// Returns the game's environment, which may be inside the wrappers of `make`.
 fn within<E: Env>(env: &E) -> Option<&AtariEnv> {
-    env.layer(TypeId::of::<AtariEnv>())?.downcast_ref()
+    env.any_layer(TypeId::of::<AtariEnv>())?.downcast_ref()
 }
 
 fn within_mut<E: Env>(env: &mut E) -> &mut AtariEnv {
     let layer = env
-        .layer_mut(TypeId::of::<AtariEnv>())
+        .any_layer_mut(TypeId::of::<AtariEnv>())
         .and_then(|layer| layer.downcast_mut());
     layer.expect("the constructor found it")
 }

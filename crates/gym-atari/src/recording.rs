@@ -1,5 +1,5 @@
-//! Recordings of a game in ale-py, frame by frame, without ROM or picture, for comparison with this
-//! crate.
+//! Recordings of a game in ale-py, frame by frame, to compare with this crate. They contain neither
+//! ROM nor pictures.
 
 use gym_core::{Error, Result};
 use serde::{Deserialize, Serialize};
@@ -8,11 +8,10 @@ use crate::action::Action;
 use crate::ale::{Ale, Settings};
 use crate::rom::Rom;
 
-/// A recorded game: operations and answers, in one list of each kind with an entry for each
-/// operation.
+/// A recorded game. Each list has one entry per operation.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Recording {
-    /// `raw`.
+    /// Always `raw`.
     pub kind: String,
     /// The game, under ale-py's name.
     pub rom: String,
@@ -24,23 +23,23 @@ pub struct Recording {
     pub difficulty: Option<u8>,
     /// The state at the start.
     pub start: Start,
-    /// 0 to 17 play a frame with an action, -1 starts an episode.
+    /// The operations: 0 to 17 plays a frame with an action, -1 starts an episode.
     pub ops: Vec<i8>,
-    /// The bytes of RAM that changed: two digits of index and two of value each.
+    /// The RAM bytes that changed: two hexadecimal digits of index and two of value each.
     pub ram: Vec<String>,
     /// Checksums of the picture's colour indices.
     pub screen: Vec<String>,
-    /// Checksums of the picture in gray, where recorded.
+    /// Checksums of the gray picture, if recorded.
     pub gray: Vec<String>,
-    /// Checksums of the picture in colours, where recorded.
+    /// Checksums of the colour picture, if recorded.
     pub rgb: Vec<String>,
     /// The rewards.
     pub reward: Vec<i32>,
     /// The lives.
     pub lives: Vec<i32>,
-    /// Whether the game was over: 0 or 1.
+    /// Whether the game is over: 0 or 1.
     pub over: Vec<u8>,
-    /// The frame's number in its episode.
+    /// The number of the frame in its episode.
     pub frame: Vec<u32>,
 }
 
@@ -56,10 +55,10 @@ pub struct Start {
 }
 
 impl Recording {
-    /// Plays the same operations and records the answers.
+    /// Plays the same operations and returns their recording.
     ///
     /// # Errors
-    /// [`Error::Custom`] if the ROM is of another game, or an operation is none.
+    /// [`Error::Custom`] if the ROM is of another game, or an operation is invalid.
     pub fn replay(&self, rom: &Rom) -> Result<Self> {
         if rom.game().md5 != self.md5 {
             return Err(Error::custom(format!(
@@ -136,8 +135,8 @@ impl Recording {
         Ok(answers)
     }
 
-    /// The first operation whose answers differ in another recording of the same operations, and
-    /// the differing part.
+    /// Compares with another recording of the same operations; returns the first operation and list
+    /// that differ.
     pub fn first_difference(&self, other: &Self) -> Option<String> {
         if self.start != other.start {
             return Some("the start".to_owned());

@@ -1,7 +1,7 @@
 //! The 6532 RIOT: 128 bytes of RAM, two ports, and the interval timer.
 //!
 //! Addresses and registers are those of the Stella Programmer's Guide (1979), section "The PIA".
-//! The timer's values after its end were measured: see `NOTICE.md`.
+//! The timer's values after the end of its interval were measured: see `NOTICE.md`.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,9 +11,9 @@ pub struct Riot {
     /// The machine's RAM, `$80` to `$FF` of the processor.
     #[serde(with = "crate::bytes")]
     pub ram: [u8; 128],
-    /// The controllers' bits on port A, read at `SWCHA`.
+    /// Port A's bits from the controllers, read at `SWCHA`.
     pub port_a: u8,
-    /// The console switches' bits on port B, read at `SWCHB`.
+    /// Port B's bits from the console's switches, read at `SWCHB`.
     pub port_b: u8,
     swcha: u8,
     swacnt: u8,
@@ -23,7 +23,7 @@ pub struct Riot {
 }
 
 impl Riot {
-    /// At power-on: the timer runs as if `TIM64T` had been written with `timer`.
+    /// Makes a RIOT at power-on: the timer runs as if `timer` had been written to `TIM64T`.
     pub fn new(ram: [u8; 128], timer: u8) -> Self {
         Self {
             ram,
@@ -42,8 +42,7 @@ impl Riot {
         }
     }
 
-    /// Whether this can be the RIOT of a console at `cycle`: one that was stored may have been
-    /// damaged.
+    /// Whether a deserialized RIOT is consistent at `cycle`.
     pub(crate) fn is_valid(&self, cycle: u64) -> bool {
         let Timer {
             value: _,
@@ -56,7 +55,7 @@ impl Riot {
             && read_after_end.is_none_or(|below| below.unsigned_abs() < 1 << 61)
     }
 
-    /// Reads a register at a cycle.
+    /// Reads a register at `cycle`.
     pub fn read(&mut self, address: u16, cycle: u64) -> u8 {
         match address & 0x07 {
             0 => self.port_a & (self.swcha | !self.swacnt), // SWCHA
@@ -68,8 +67,8 @@ impl Riot {
         }
     }
 
-    /// The value of `INTIM` at `cycle`, and the cycle until which it stays if nothing else happens;
-    /// `None` for other registers.
+    /// Returns the value of `INTIM` at `cycle`, and the cycle up to which it stays the same without
+    /// other accesses; `None` for other registers.
     pub(crate) fn steady(&self, address: u16, cycle: u64) -> Option<(u8, u64)> {
         match address & 0x07 {
             4 | 6 => self.timer.steady(cycle), // INTIM
@@ -77,7 +76,8 @@ impl Riot {
         }
     }
 
-    /// The first cycle at which a register reads as 0, if it is `INTIM` and counts down to it.
+    /// Returns the first cycle at which `INTIM` reads as 0, if `address` is `INTIM` and it has not
+    /// yet counted down.
     pub(crate) fn zero_from(&self, address: u16) -> Option<u64> {
         let Timer {
             value,
@@ -89,12 +89,12 @@ impl Riot {
         (is_intim && value > 0).then(|| written + 1 + (u64::from(value - 1) << shift))
     }
 
-    /// The value of `INTIM` at a cycle before its interval ends.
+    /// Returns the value of `INTIM` at a cycle before the end of the interval.
     pub(crate) fn count(&self, cycle: u64) -> u8 {
         self.timer.count(cycle).1 as u8
     }
 
-    /// Writes a register at a cycle.
+    /// Writes a register at `cycle`.
     #[inline(never)]
     pub fn write(&mut self, address: u16, value: u8, cycle: u64) {
         match (address & 0x14, address & 0x03) {
@@ -108,7 +108,7 @@ impl Riot {
                     read_after_end: None,
                 };
             }
-            (0x04, _) => {} // PA7 edge detection: not wired to anything
+            (0x04, _) => {} // PA7 edge detection: not connected
             (_, 0) => self.swcha = value,
             (_, 1) => self.swacnt = value,
             (_, 2) => self.swchb = value,
@@ -117,19 +117,19 @@ impl Riot {
     }
 }
 
-/// The interval timer: counts down once each interval, and below zero once each cycle.
+/// The interval timer counts down once per interval, and below zero once per cycle.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 struct Timer {
     value: u8,
     /// The interval is `1 << shift` cycles.
     shift: u8,
     written: u64,
-    /// The value of the first read after the end, which restores the interval.
+    /// The value of the first read after the end, which switches back to counting intervals.
     read_after_end: Option<i64>,
 }
 
 impl Timer {
-    /// The cycles since the write, and the count where it is not below zero.
+    /// Returns the cycles since the write, and the count, which is negative after the end.
     fn count(&self, cycle: u64) -> (i64, i64) {
         let elapsed = cycle as i64 - self.written as i64 - 1;
         (elapsed, i64::from(self.value) - (elapsed >> self.shift) - 1)
@@ -150,8 +150,8 @@ impl Timer {
         }
     }
 
-    /// The value of `INTIM` at `cycle`, and the cycle up to which it stays; after the end of the
-    /// interval a read changes the timer.
+    /// Returns the value of `INTIM` at `cycle`, and the cycle up to which it stays the same; `None`
+    /// after the end, when a read changes the timer.
     fn steady(&self, cycle: u64) -> Option<(u8, u64)> {
         let (elapsed, count) = self.count(cycle);
         if count < 0 || elapsed < 0 {

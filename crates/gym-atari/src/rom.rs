@@ -1,4 +1,4 @@
-//! ROMs, which the user provides; this crate contains none.
+//! ROMs. The user provides them; this crate contains none.
 
 use std::env;
 use std::fs::{self, File};
@@ -10,13 +10,13 @@ use gym_core::{Error, Result};
 
 use crate::games::{self, Game};
 
-/// The variable that names a folder of ROMs, as ale-py has it.
+/// The environment variable that names a folder of ROMs, as in ale-py.
 pub const VARIABLE: &str = "ALE_ROMS_DIR";
 
-/// The largest file that is read. The longest cartridges of the Atari 2600 have half of it.
+/// The largest size of a ROM file: twice the longest cartridge of the Atari 2600.
 const MAX_LEN: usize = 1 << 20;
 
-/// A ROM of a game that is known, checked by its MD5.
+/// A ROM of a known game, checked by its MD5.
 #[derive(Clone, Debug)]
 pub struct Rom {
     game: &'static Game,
@@ -25,10 +25,10 @@ pub struct Rom {
 }
 
 impl Rom {
-    /// A ROM from its bytes, if they are a known game's.
+    /// Makes a ROM from its bytes, if its MD5 belongs to a known game.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] if no game has a ROM of this MD5.
+    /// [`Error::InvalidArgument`] if no game has a ROM with this MD5.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self> {
         let md5 = format!("{:x}", md5::compute(bytes));
         match games::by_md5(&md5) {
@@ -47,7 +47,8 @@ impl Rom {
         }
     }
 
-    /// Your own program, played with the settings of a game; its MD5 is not checked.
+    /// Makes a ROM from your own program; it is played with the settings of `game`, and its MD5 is
+    /// not checked.
     pub fn homebrew(game: &'static Game, bytes: &[u8]) -> Self {
         Self {
             game,
@@ -56,33 +57,34 @@ impl Rom {
         }
     }
 
-    /// The MD5 of the bytes.
+    /// Returns the MD5 of the bytes.
     pub fn md5(&self) -> &str {
         &self.md5
     }
 
-    /// The game.
+    /// Returns the game.
     pub fn game(&self) -> &'static Game {
         self.game
     }
 
-    /// The bytes.
+    /// Returns the bytes.
     pub fn bytes(&self) -> &[u8] {
         &self.bytes
     }
 }
 
-/// The ROMs that were [provided](provide).
+/// The [provided](provide) ROMs.
 static PROVIDED: Mutex<Vec<Rom>> = Mutex::new(Vec::new());
 
-/// Provides a ROM from memory, for platforms without files: [`load`] uses it if no folder is named.
+/// Provides a ROM from memory, for platforms without files. [`load`] uses it if the user names no
+/// folder.
 pub fn provide(rom: Rom) {
     let mut provided = PROVIDED.lock().unwrap_or_else(PoisonError::into_inner);
     provided.retain(|other| other.game.name != rom.game.name);
     provided.push(rom);
 }
 
-/// The ROM of a game, if it was provided.
+/// Returns the game's provided ROM, if any.
 fn provided(game: &Game) -> Option<Rom> {
     let provided = PROVIDED.lock().unwrap_or_else(PoisonError::into_inner);
     provided
@@ -91,19 +93,19 @@ fn provided(game: &Game) -> Option<Rom> {
         .cloned()
 }
 
-/// A folder with ROMs under ale-py's names: `breakout.bin`.
+/// A folder of ROMs with ale-py's file names, such as `breakout.bin`.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct RomDir(PathBuf);
 
 impl RomDir {
-    /// This folder.
+    /// Makes a `RomDir` for `path`.
     pub fn new(path: impl Into<PathBuf>) -> Self {
         Self(path.into())
     }
 
-    /// The folder that `ALE_ROMS_DIR` names; otherwise that of ale-py, if it is installed where
-    /// Python looks first: in the active virtual environment or the one named `.venv` here, or
-    /// beside a `python3` of the `PATH`.
+    /// Finds a folder: the one in `ALE_ROMS_DIR`; otherwise the folder of an installed ale-py, in
+    /// the active virtual environment, in `.venv` in the current folder, or next to a `python3` in
+    /// the `PATH`.
     pub fn find() -> Option<Self> {
         if let Some(path) = env::var_os(VARIABLE).filter(|path| !path.is_empty()) {
             return Some(Self(path.into()));
@@ -124,21 +126,21 @@ impl RomDir {
             .map(Self)
     }
 
-    /// The folder.
+    /// Returns the path of the folder.
     pub fn path(&self) -> &Path {
         &self.0
     }
 
-    /// The file of a game's ROM, whether there is one or not.
+    /// Returns the path of a game's ROM, which may not exist.
     pub fn file(&self, game: &Game) -> PathBuf {
         self.0.join(format!("{}.bin", game.name))
     }
 
-    /// The ROM of a game.
+    /// Reads the ROM of a game.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] if there is none, if it is not a regular file, or if it is not
-    /// the one that the game was checked with.
+    /// [`Error::InvalidArgument`] if the file does not exist, is not a regular file, or has another
+    /// MD5 than the game's ROM.
     pub fn rom(&self, game: &'static Game) -> Result<Rom> {
         let path = self.file(game);
         let unreadable = |error: io::Error| {
@@ -151,7 +153,7 @@ impl RomDir {
                 ),
             )
         };
-        // opening a pipe waits for a writer, so this comes first
+        // check first, because opening a pipe waits for a writer
         if !fs::metadata(&path).map_err(unreadable)?.is_file() {
             return Err(Error::argument(
                 game.title,
@@ -163,7 +165,7 @@ impl RomDir {
             ));
         }
         let mut bytes = Vec::new();
-        // one byte more than a ROM may have
+        // one byte more than the largest size, to detect larger files
         let read = File::open(&path)
             .and_then(|file| file.take(MAX_LEN as u64 + 1).read_to_end(&mut bytes));
         read.map_err(unreadable)?;
@@ -195,11 +197,11 @@ impl RomDir {
     }
 }
 
-/// The ROM of a game: from `folder`; without one, the ROM that was [provided](provide), or a file
-/// where [`RomDir::find`] looks.
+/// Loads the ROM of a game: from `folder`; without `folder`, the [provided](provide) ROM or a file
+/// in [`RomDir::find`].
 ///
 /// # Errors
-/// The errors of [`RomDir::rom`]; without any folder, an error with the remedy.
+/// The errors of [`RomDir::rom`]; without any folder, an error that says how to get ROMs.
 pub fn load(game: &'static Game, folder: Option<&Path>) -> Result<Rom> {
     if folder.is_none()
         && let Some(rom) = provided(game)
@@ -215,7 +217,7 @@ pub fn load(game: &'static Game, folder: Option<&Path>) -> Result<Rom> {
     }
 }
 
-/// Whether a ROM was [provided](provide), or there are some where [`RomDir::find`] looks.
+/// Whether a ROM was [provided](provide), or [`RomDir::find`] has ROMs.
 pub fn available() -> bool {
     if !PROVIDED
         .lock()
@@ -237,7 +239,7 @@ fn advice() -> String {
     )
 }
 
-/// ale-py's folder of ROMs under a prefix of Python, such as a virtual environment.
+/// Returns ale-py's folder of ROMs in a Python installation or virtual environment.
 fn roms_of_ale_py(prefix: &Path) -> Option<PathBuf> {
     let site_packages = ["lib", "lib64"].iter().flat_map(|lib| {
         let mut pythons: Vec<_> = fs::read_dir(prefix.join(lib))

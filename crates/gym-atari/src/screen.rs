@@ -1,4 +1,4 @@
-//! The picture that is being drawn and the one before.
+//! The picture that is being drawn, and the previous picture.
 
 use std::ops::Range;
 
@@ -7,20 +7,20 @@ use serde::{Deserialize, Serialize};
 /// The visible pixels of a line.
 pub(crate) const WIDTH: usize = 160;
 
-/// The rows of a picture at most.
+/// The largest number of rows.
 pub(crate) const HEIGHT: usize = 250;
 
-/// A row of a picture: a colour index, which is even, for each pixel.
+/// A row of a picture: an even colour index for each pixel.
 pub(crate) type Row = [u8; WIDTH];
 
 /// Two pictures, drawn in turn. A frame that ends early leaves the rest of its picture as it was
 /// two frames ago.
 #[derive(Clone, Debug)]
 pub(crate) struct Screen {
-    /// The rows of the first picture, and then those of the second.
+    /// The rows of the first picture, then of the second.
     rows: Box<[Row]>,
     pub(crate) current: usize,
-    /// Whether colours are left out.
+    /// Whether drawing is disabled.
     pub(crate) unseen: bool,
 }
 
@@ -41,14 +41,14 @@ impl Screen {
         &self.rows[self.current * HEIGHT..][..HEIGHT]
     }
 
-    /// Makes pixels of a row black.
+    /// Makes `pixels` of a row black.
     pub(crate) fn blacken(&mut self, row: usize, pixels: Range<usize>) {
         if !self.unseen {
             self.row(row)[pixels].fill(0);
         }
     }
 
-    /// Gives a row the colours of the one above it.
+    /// Copies the previous row to a row.
     pub(crate) fn repeat_row(&mut self, row: usize) {
         if !self.unseen {
             let at = self.current * HEIGHT + row;
@@ -61,11 +61,11 @@ impl Screen {
     }
 }
 
-/// The pictures of a console in a form that can be stored: runs of equal pixels.
+/// The pictures in stored form: run-length encoded.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Pictures {
     current: usize,
-    /// Length and colour of each run, of both pictures.
+    /// Length and colour of each run in both pictures.
     runs: Vec<(u32, u8)>,
 }
 
@@ -82,7 +82,7 @@ impl Pictures {
         }
     }
 
-    /// The pictures, unless they were damaged.
+    /// Decodes the pictures; `None` if they are damaged.
     pub(crate) fn screen(&self) -> Option<Screen> {
         let mut screen = Screen {
             current: (self.current < 2).then_some(self.current)?,

@@ -1,23 +1,26 @@
-//! Shrinking a picture in gray as OpenCV's `resize` with `INTER_AREA`, to the bit.
+//! Scales gray pictures down like OpenCV's `resize` with `INTER_AREA`, bit for bit.
 //!
-//! Each number is the mean of the pixels that it covers: first of the columns of each row, then of
-//! the rows, in `f32` and in that order. Most of a picture is as in the one before, so all sums are
-//! kept, and only those are added up anew that cover something else.
+//! Each output pixel is the weighted mean of the source pixels that it covers: first along the
+//! columns of each row, then along the rows, in `f32` and in that order. Most of a picture equals
+//! the previous picture, so all sums are kept, and only sums over changed pixels are computed
+//! again.
 
 use std::ops::Range;
 
 use crate::screen::{Row, WIDTH};
 
-/// The columns that a number can cover at most, and the rows likewise.
+/// The most source columns, or rows, that an output pixel can cover.
 const TAPS: usize = 16;
-/// As many are added up without counting: shares beyond the last are 0.
+/// If no output pixel covers more columns than this, sums have this fixed length; the weights
+/// beyond are 0.
 const FEW: usize = 4;
-/// The columns of the picture that are compared at a time.
+/// The number of source columns that are compared at a time.
 const CELL: usize = 8;
-/// The index of black.
+/// The colour index of black.
 const BLACK: u8 = 0;
 
-/// The source pixels of one number along one axis: the first, and the share of each from there on.
+/// The source pixels of one output pixel along one axis: the first, and the weight of each from
+/// there on.
 #[derive(Clone, Copy, Debug)]
 struct Cover {
     first: usize,
@@ -25,34 +28,34 @@ struct Cover {
     count: usize,
 }
 
-/// From pictures to smaller ones of one size.
+/// Scales pictures to one smaller size.
 #[derive(Clone, Debug)]
 pub(crate) struct Shrink {
     rows: Vec<Cover>,
     columns: Vec<Cover>,
-    /// The numbers that cover some of each cell of a row.
+    /// For each cell of source columns: the output columns that cover a part of it.
     cells: Vec<Range<usize>>,
-    /// Whether no number covers more than a few columns.
+    /// Whether no output pixel covers more than [`FEW`] columns.
     few_columns: bool,
     /// The shade of each byte of a picture.
     pub(crate) shades: &'static [u8; 256],
-    /// The picture that was shrunk last; a black one at first.
+    /// The previous picture; at first a black one.
     picture: Vec<Row>,
-    /// Its sums over columns, row by row.
+    /// Its sums along columns, row by row.
     across: Vec<f32>,
-    /// The result.
+    /// The output.
     small: Vec<u8>,
-    /// The rows of which the sums were added up anew.
+    /// Whether the sums of each row were computed again.
     changed: Vec<bool>,
-    /// A row's shades, and zeros behind them.
+    /// The shades of a row, followed by zeros.
     row: [f32; WIDTH + TAPS],
-    /// The sums over rows, of a row of the target.
+    /// The sums along rows, for one output row.
     down: Vec<f32>,
 }
 
 impl Shrink {
-    /// From pictures with this number of rows to `(height, width)`, no larger and at most 14 times
-    /// smaller; otherwise `None`.
+    /// Makes a `Shrink` from pictures with `height` rows to the size `target`, `(height, width)`.
+    /// `None` if `target` is larger, or more than 14 times smaller.
     pub(crate) fn new(
         height: usize,
         target: (usize, usize),
@@ -85,7 +88,7 @@ impl Shrink {
         Some(shrink)
     }
 
-    /// Fills `out` from a picture, both row by row.
+    /// Scales `picture` to `out`, both row by row.
     pub(crate) fn shrink(&mut self, picture: &[u8], out: &mut [u8]) {
         for (y, row) in picture.as_chunks().0.iter().enumerate() {
             self.changed[y] = self.picture[y] != *row;
@@ -97,10 +100,10 @@ impl Shrink {
         out.copy_from_slice(&self.small);
     }
 
-    /// Gives the picture another row.
+    /// Replaces a row of the stored picture and updates its sums.
     fn replace_row(&mut self, y: usize, row: &Row) {
         let before = std::mem::replace(&mut self.picture[y], *row);
-        // the numbers that cover something else than before
+        // the output columns that cover a changed cell
         let mut changed = 0..0;
         let cells = row
             .as_chunks::<CELL>()
@@ -121,7 +124,7 @@ impl Shrink {
         self.add_across(y, changed);
     }
 
-    /// Adds up the columns that some numbers of a row cover.
+    /// Computes the sums of row `y` for the output columns `numbers`.
     fn add_across(&mut self, y: usize, numbers: Range<usize>) {
         let width = self.columns.len();
         let columns = &self.columns[numbers.clone()];
@@ -141,7 +144,7 @@ impl Shrink {
         }
     }
 
-    /// Adds up the rows that numbers cover, where some of them have changed.
+    /// Computes the output rows that cover a changed row.
     fn add_down(&mut self) {
         let columns = self.columns.len();
         for (out, cover) in self.small.chunks_exact_mut(columns).zip(&self.rows) {
@@ -164,7 +167,7 @@ impl Shrink {
 }
 
 impl Cover {
-    /// The mean of `N` columns, at least as many as it covers.
+    /// Returns the weighted sum of `N` columns; `N` is at least the number of covered columns.
     #[inline(always)]
     fn sum<const N: usize>(&self, row: &[f32]) -> f32 {
         let covered: &[f32; N] = row[self.first..]
@@ -177,14 +180,13 @@ impl Cover {
     }
 }
 
-/// The nearest whole number, of two the even one: adding 2^23 leaves no place for digits behind the
-/// point.
+/// Rounds half to even: adding 2^23 leaves no mantissa bits for a fraction.
 #[inline(always)]
 fn round(shade: f32) -> u8 {
     (shade + 8_388_608.0).to_bits() as u8
 }
 
-/// The source pixels of each number, without shares below a thousandth.
+/// Returns the cover of each output pixel, without weights below 0.001.
 fn covers(source: usize, target: usize) -> Option<Vec<Cover>> {
     const LEAST: f64 = 1e-3;
     if target == 0 || target > source || source > 14 * target {
@@ -244,7 +246,7 @@ mod tests {
         ((100, 33), 0xe93511e4),
     ];
 
-    /// Each byte as its own shade.
+    /// Maps each byte to itself.
     static SAME: [u8; 256] = {
         let mut shades = [0; 256];
         let mut shade = 0;
@@ -255,7 +257,7 @@ mod tests {
         shades
     };
 
-    /// Data kept from earlier pictures does not affect the result.
+    /// Sums kept from earlier pictures do not change the result.
     #[test]
     fn changes_come_out_as_new_pictures_do() {
         for target in [(84, 84), (64, 80), (100, 33), (15, 12), (210, 160)] {

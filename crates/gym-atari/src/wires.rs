@@ -1,4 +1,4 @@
-//! The console's bus: the chip of each address.
+//! The console's bus: which chip answers each address.
 
 use std::marker::PhantomData;
 
@@ -8,31 +8,30 @@ use crate::riot::Riot;
 use crate::screen::Screen;
 use crate::tia::Tia;
 
-/// The processor's bus while a frame runs. `CASE` is the known part of the address that an
-/// instruction names: see [`case`].
+/// The processor's bus while a frame runs. `CASE` is the known part of the instruction's address:
+/// see [`case`].
 pub(crate) struct Wires<'a, K, const CASE: u8> {
     chips: &'a mut Chips,
     cartridge: &'a mut Cartridge,
-    /// Whether the instruction did something that its case does not cover; it then had no effect.
+    /// Whether the instruction is not covered by `CASE`; it then has no effect.
     pub(crate) missed: bool,
     kind: PhantomData<K>,
 }
 
-/// The known part of the address that an instruction names, and of the addresses that it reads
-/// before.
+/// The known part of an instruction's address, and of the addresses that it reads before.
 pub(crate) mod case {
-    /// Nothing.
+    /// Nothing is known.
     pub(crate) const ANY: u8 = 0;
-    /// It is one of RAM.
+    /// The address is in RAM.
     pub(crate) const RAM: u8 = 1;
-    /// It is one of the ROM where reads do nothing else.
+    /// The address is in ROM, where reads have no side effect.
     pub(crate) const ROM: u8 = 2;
-    /// A pointer is in RAM, and all others are of RAM or of the ROM where reads do nothing else; if
-    /// not, the instruction misses.
+    /// The pointer is in RAM. If another address is neither in RAM nor in the ROM without side
+    /// effects, the instruction misses.
     pub(crate) const MEMORY: u8 = 3;
-    /// It is this register of the TIA, or one of the 63 that follow.
+    /// The address is a register of the TIA: this value plus the register's number, below 64.
     pub(crate) const TIA: u8 = 0x40;
-    /// The same; if the write shows, the instruction misses.
+    /// Like `TIA`; if the write may change pixels, the instruction misses.
     pub(crate) const TIA_UNSEEN: u8 = 0x80;
 }
 
@@ -55,29 +54,29 @@ pub(crate) struct Chips {
     pub(crate) tia: Tia,
     pub(crate) screen: Screen,
     pub(crate) frame_ended: bool,
-    /// Whether the frame had begun in the call before.
+    /// Whether the frame began in an earlier call.
     pub(crate) continued: bool,
 }
 
-/// Whether the cartridge answers an address.
+/// Whether the cartridge answers `address`.
 #[inline(always)]
 fn is_cartridge(address: u16) -> bool {
     address & 0x1000 != 0
 }
 
-/// Whether the RAM of the RIOT answers an address.
+/// Whether the RIOT's RAM answers `address`.
 #[inline(always)]
 fn is_ram(address: u16) -> bool {
     address & 0x1280 == 0x0080
 }
 
-/// Whether the RIOT answers an address, of those that neither the cartridge nor the RAM does.
+/// Whether the RIOT answers `address`, which neither the cartridge nor the RAM does.
 fn is_riot(address: u16) -> bool {
     address & 0x0280 == 0x0280
 }
 
 impl Chips {
-    /// Reads from anything but the cartridge; `bus` is the last byte on the bus.
+    /// Reads from any chip except the cartridge; `bus` is the last byte on the bus.
     #[inline(never)]
     fn read(&mut self, address: u16, cycle: u64, bus: u8) -> u8 {
         if is_ram(address) {
@@ -156,7 +155,7 @@ impl<K: Kind, const CASE: u8> Bus for Wires<'_, K, CASE> {
         Ready::Now
     }
 
-    /// Does nothing: the branch is known not to end a waiting loop.
+    /// Returns `None` for `case::ROM`: that branch cannot end a waiting loop.
     #[inline(always)]
     fn program(&self, address: u16) -> Option<[u8; 4]> {
         if CASE == case::ROM {

@@ -1,4 +1,4 @@
-//! Serde for the words of a generator, as hexadecimal digits.
+//! Serde for a generator's words, as hexadecimal digits.
 
 use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serializer};

@@ -40,8 +40,8 @@ use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::vector::lockstep::Lockstep;
 use gym_core::{
-    Configure, Continuous, Env, Error, Generator, Keys, Outcome, Policy, Precision, Registration,
-    Reset, Result, Snapshot, Space, pygame,
+    Configure, Continuous, Env, Error, Generator, Inspect, Keys, Outcome, Policy, Precision,
+    Registration, Reset, Result, Snapshot, Space, pygame,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::{Value as Json, json};
@@ -64,16 +64,16 @@ const SPEED_HIP: f32 = 4.0; // rad/s
 const SPEED_KNEE: f32 = 6.0;
 const LIDAR_RANGE: f64 = 160.0 / SCALE;
 const LIDAR_RAYS: usize = 10;
-/// How far each ray reaches, to the right and down.
+/// The vector of each lidar ray: to the right and down, in m.
 static BEAMS: LazyLock<[Point; LIDAR_RAYS]> = LazyLock::new(|| {
     std::array::from_fn(|i| {
         let angle = 1.5 * i as f64 / 10.0;
         [sin(angle) * LIDAR_RANGE, cos(angle) * LIDAR_RANGE]
     })
 });
-/// Frames from one sweep of the beam to the next.
+/// Frames from one sweep of the drawn lidar beam to the next.
 const LIDAR_CYCLE: usize = 100;
-const INITIAL_RANDOM: f64 = 5.0; // N, the push at the start
+const INITIAL_RANDOM: f64 = 5.0; // N, the largest push at the start
 const HULL_POLY: [[f64; 2]; 5] = [
     [-30.0, 9.0],
     [6.0, 9.0],
@@ -87,12 +87,12 @@ const LEG_H: f64 = 34.0 / SCALE;
 const TERRAIN_STEP: f64 = 14.0 / SCALE;
 const TERRAIN_LENGTH: usize = 200; // steps
 const TERRAIN_HEIGHT: f64 = VIEWPORT_H / SCALE / 4.0;
-const TERRAIN_GRASS: usize = 10; // steps of even ground, and of the goal
-const TERRAIN_STARTPAD: usize = 20; // steps
+const TERRAIN_GRASS: usize = 10; // terrain steps of even ground at either end
+const TERRAIN_STARTPAD: usize = 20; // terrain steps of even ground at the start
 const FRICTION: f32 = 2.5;
-/// The category of the ground, which lidar sees and the walker touches.
+/// The category of the ground, which lidar rays and the walker collide with.
 const GROUND: u16 = 0x0001;
-/// The category of the walker, which does not touch itself.
+/// The walker collides with the ground, not with itself.
 const WALKER: Filter = Filter {
     category: 0x0020,
     mask: GROUND,
@@ -122,24 +122,24 @@ struct Episode {
     rng: Generator,
     world: World,
     hull: BodyId,
-    /// Upper and lower leg of one side, then of the other.
+    /// Upper and lower leg of the first side, then of the second.
     legs: [BodyId; 4],
-    /// Hip and knee of one side, then of the other.
+    /// Hip and knee of the first side, then of the second.
     joints: [JointId; 4],
-    /// Shapes of the legs and the hull, to draw.
+    /// The fixtures of the legs and the hull, to draw.
     fixtures: [FixtureId; 5],
-    /// Heights of the ground, every [`TERRAIN_STEP`].
+    /// Heights of the ground, one per [`TERRAIN_STEP`].
     terrain_y: Vec<f64>,
-    /// Stumps, stairs and the walls of pits, to draw.
+    /// Fixtures of stumps, stairs and the walls of pits, to draw.
     obstacles: Vec<FixtureId>,
     clouds: [[Point; 5]; TERRAIN_LENGTH / 20],
     /// Whether the hull has touched the ground.
     game_over: bool,
-    /// Of the two lower legs.
+    /// Whether each lower leg touches the ground.
     ground_contact: [bool; 2],
     prev_shaping: Option<f64>,
     lidar: [f32; LIDAR_RAYS],
-    /// Frames rendered, up to 99: the beam of the lidar sweeps with them.
+    /// Frames drawn, modulo [`LIDAR_CYCLE`]: the drawn lidar beam moves per frame.
     pictures: usize,
     /// The action of the step that has begun.
     #[serde(skip)]
@@ -147,7 +147,7 @@ struct Episode {
 }
 
 impl BipedalWalker {
-    /// The environment with these arguments.
+    /// Makes the environment with the arguments `config`.
     pub fn new(config: Config) -> Self {
         Self {
             config,
@@ -161,18 +161,7 @@ impl BipedalWalker {
         &self.config
     }
 
-    /// Sets one argument to a value in JSON, as setting Gymnasium's attribute does: from the next
-    /// reset on.
-    ///
-    /// # Errors
-    /// [`Error::InvalidArgument`] for a value that does not fit, and for `physics`, which cannot be
-    /// changed.
-    pub fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
-        self.config = common::assigned(&self.config, name, value, "BipedalWalker")?;
-        Ok(())
-    }
-
-    /// Starts an episode with the first part of its first step, in which no motor drives.
+    /// Resets the environment and begins its first step, in which no motor drives.
     fn begin_episode(&mut self, reset: &Reset, worlds: Option<&mut Worlds>) -> Result<Place> {
         let rng = reset.generator(self.episode.as_ref().map(|episode| &episode.rng))?;
         let episode = self.episode.insert(Episode::new(self.config, rng));
@@ -186,7 +175,8 @@ impl BipedalWalker {
             .map_or(0, |episode| episode.world.bytes())
     }
 
-    /// The heights of the ground, every 14/30 m from the left, in m; `None` before the first reset.
+    /// The heights of the ground, one per 14/30 m from the left, in m; `None` before the first
+    /// reset.
     pub fn terrain(&self) -> Option<&[f64]> {
         self.episode.as_ref().map(|episode| &*episode.terrain_y)
     }
@@ -205,7 +195,7 @@ fn cloud(rng: &mut Generator) -> [Point; 5] {
 }
 
 impl Episode {
-    /// Ground, clouds, hull and legs, in Gymnasium's order of draws and creation.
+    /// Makes ground, clouds, hull and legs, in Gymnasium's order of random draws and creation.
     fn new(config: Config, mut rng: Generator) -> Self {
         let mut world = World::with(config.physics, vec2(0.0, -10.0));
         let Ground {
@@ -234,7 +224,7 @@ impl Episode {
         let (mut legs, mut joints, mut fixtures) = (Vec::new(), Vec::new(), Vec::new());
         for side in [-1.0, 1.0] {
             let (mut above, mut anchor) = (hull, vec2(0.0, LEG_DOWN));
-            // upper leg and hip, lower leg and knee
+
             for (halves, width, limits, motor_speed) in [
                 (1.0, LEG_W, (-0.8, 1.1), side),
                 (3.0, 0.8 * LEG_W, (-1.6, -0.1), 1.0),
@@ -291,15 +281,15 @@ impl Episode {
         }
     }
 
-    /// Drives the motors, and steps the world: fully, or only the first part if several worlds step
-    /// together.
+    /// Drives the motors and steps the world: completely, or (with `worlds`) only until its
+    /// velocities are to be solved together with other worlds.
     fn begin(&mut self, action: &Continuous<4>, worlds: Option<&mut Worlds>) -> Place {
         for (i, (joint, a)) in self.joints.into_iter().zip(action.numbers).enumerate() {
             let speed = if i % 2 == 0 { SPEED_HIP } else { SPEED_KNEE };
             let direction = if a == 0.0 { 0.0 } else { a.signum() as f32 };
             self.world.set_motor_speed(joint, speed * direction);
-            // exact but for this rounding, which is numpy's for an action of `float32` and Box2D's
-            // for others
+            // exact but for this rounding: numpy's rounding for an action of `float32`, Box2D's for
+            // other actions
             let torque = f64::from(MOTORS_TORQUE) * a.abs().clamp(0.0, 1.0);
             self.world.set_max_motor_torque(joint, torque as f32);
         }
@@ -307,7 +297,7 @@ impl Episode {
         common::step(&mut self.world, FPS, worlds)
     }
 
-    /// Observation, reward and end of the episode, from the world after its step.
+    /// Computes observation, reward and end of the episode from the stepped world.
     fn finish(&mut self) -> ([f32; 24], Outcome) {
         for event in self.world.contact_events() {
             self.game_over |= event.begin && event.bodies.contains(&self.hull);
@@ -329,8 +319,8 @@ impl Episode {
         let state = self.observe();
         let mut shaping = 130.0 * x / SCALE; // moving forward
         shaping -= 5.0 * f64::from(self.world.angle(self.hull)).abs(); // keeping the head straight
-        // numpy's scalars: for an action of `float32` the reward is of 32 bits from the first motor
-        // on
+        // as numpy's scalars promote: for an action of `float32` the reward has 32 bits once the
+        // first motor's cost is subtracted
         let single = self.action.precision == Precision::Single;
         let rounded = |x: f64| if single { f64::from(x as f32) } else { x };
         let mut reward = rounded(self.prev_shaping.map_or(0.0, |before| shaping - before));
@@ -358,7 +348,7 @@ impl Episode {
         )
     }
 
-    /// The end of a lidar ray without an obstacle.
+    /// Returns the end of lidar ray `i` when it hits nothing.
     fn ray_end(&self, i: usize) -> Point {
         let pos = self.world.position(self.hull);
         let [right, down] = BEAMS[i];
@@ -388,7 +378,7 @@ impl Episode {
     }
 
     fn is_valid(&self) -> bool {
-        /// Far beyond the potential at the end of the ground.
+        /// Far above the largest potential of an episode.
         const MAX_SHAPING: f64 = 1e6;
         let world = &self.world;
         world.is_valid()
@@ -425,7 +415,7 @@ impl Episode {
         }
     }
 
-    /// The beam sweeps down and up, and then waits.
+    /// Draws a lidar ray: the drawn ray sweeps down and up, then pauses for the rest of the cycle.
     fn draw_lidar(&self, canvas: &mut dyn Canvas) {
         let i = (self.pictures + 1) % LIDAR_CYCLE;
         if i >= 2 * LIDAR_RAYS {
@@ -442,7 +432,7 @@ impl Episode {
             self.lidar[i],
         );
         let p2 = if fraction < 1.0 {
-            // the engine's point of contact of the ray
+            // the point at which the engine's ray meets the ground
             let end = vec2(end[0], end[1]);
             [
                 (1.0 - fraction) * p1.x + fraction * end.x,
@@ -463,10 +453,10 @@ impl Episode {
         );
     }
 
-    /// The edges of the ground and the obstacles on it, last first.
+    /// Draws the edges of the ground and the obstacles on it, last first.
     fn draw_terrain(&self, canvas: &mut dyn Canvas) {
         for i in (0..TERRAIN_LENGTH - 1).rev() {
-            // as the world has them: in `f32`
+            // rounded to `f32`, as in the world
             let point = |i: usize| {
                 let at = vec2(i as f64 * TERRAIN_STEP, self.terrain_y[i]);
                 [at.x, at.y].map(|x| f64::from(x * SCALE as f32))
@@ -498,7 +488,7 @@ impl Episode {
             },
             outline,
         );
-        // the first point again: it gets the whole colour
+        // repeat the first corner: pygame then draws its pixel in full colour
         corners[count] = corners[0];
         canvas.pygame(Primitive::AaPolygon(&corners[..=count]), outline);
     }
@@ -524,12 +514,24 @@ impl Episode {
     }
 }
 
+/// The next reset applies it. `physics` is fixed.
+impl Inspect for BipedalWalker {
+    fn arguments(&self) -> Json {
+        serde_json::to_value(self.config).unwrap_or_default()
+    }
+
+    fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
+        self.config = common::assigned(&self.config, name, value, "BipedalWalker")?;
+        Ok(())
+    }
+}
+
 impl Env for BipedalWalker {
     type Observation = [f32; 24];
     type Action = Continuous<4>;
 
     fn observation_space(&self) -> Space {
-        // five times the rated speeds, for impacts
+        // five times the rated speeds, because impacts exceed them
         let mut high = [1.0; 24];
         high[..14].copy_from_slice(&[
             PI, 5.0, 5.0, 5.0, PI, 5.0, PI, 5.0, 5.0, PI, 5.0, PI, 5.0, 5.0,
@@ -602,11 +604,12 @@ impl Env for BipedalWalker {
         let Some(episode) = &self.episode else { return };
         let scroll = episode.scroll();
         canvas.clear(Color::BLACK);
-        // Gymnasium draws a wider image, from the start of the ground, and shows its right end
+        // Gymnasium draws a wider image, from the start of the ground, and crops it to its right
+        // end
         let left = (VIEWPORT_W + scroll.max(0.0) * SCALE).trunc() - VIEWPORT_W;
         canvas.push(Transform::translate(-left, 0.0));
         canvas.push(pygame::flipped(VIEWPORT_H));
-        // whole pixels, as in pygame: at other sizes too the sky begins at the edge
+        // truncate to whole pixels as pygame does, so that the sky begins at the edge at any size
         let sky_left = (scroll * SCALE).trunc();
         let sky = pygame::corners([sky_left, 0.0], [sky_left + VIEWPORT_W, VIEWPORT_H]);
         let [a, b, c, d] = sky;
@@ -617,7 +620,7 @@ impl Env for BipedalWalker {
                 .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), [x, _]| {
                     (low.min(*x), high.max(*x))
                 });
-            // clouds are far away
+            // clouds scroll at half speed
             if right >= scroll / 2.0 && left <= scroll / 2.0 + VIEWPORT_W / SCALE {
                 let cloud = cloud.map(|[x, y]| [x * SCALE + scroll * SCALE / 2.0, y * SCALE]);
                 common::draw_polygon(canvas, &cloud, Color::WHITE);
@@ -648,10 +651,18 @@ impl Env for BipedalWalker {
         canvas.pop();
     }
 
-    fn picture_taken(&mut self) {
-        if let Some(episode) = &mut self.episode {
+    fn frames_drawn(&mut self, count: u64) {
+        if let (1.., Some(episode)) = (count, &mut self.episode) {
             episode.pictures = (episode.pictures + 1) % LIDAR_CYCLE;
         }
+    }
+
+    fn inspect(&self) -> Option<&dyn Inspect> {
+        Some(self)
+    }
+
+    fn inspect_mut(&mut self) -> Option<&mut dyn Inspect> {
+        Some(self)
     }
 
     fn close(&mut self) {
@@ -665,7 +676,7 @@ impl Lockstep for BipedalWalker {
     fn touch(&self) -> u32 {
         self.episode
             .as_ref()
-            .map_or(0, |episode| episode.world.touch())
+            .map_or(0, |episode| episode.world.prefetch())
     }
 
     fn begin_reset(&mut self, reset: &Reset, worlds: &mut Worlds) {
@@ -701,12 +712,12 @@ impl Configure for BipedalWalker {
     }
 }
 
-/// Observations contain velocities divided by rated speeds, which a hand-made world exceeds.
+/// The observation contains velocities divided by rated speeds, which a hand-made snapshot exceeds.
 const WORLD: (&str, &str) = (
     "snapshot-legal",
     "which forces and velocities of the bodies an episode reaches cannot be told from a snapshot, only that they are finite",
 );
-/// The registration that all ids share.
+/// The registration shared by all ids.
 const fn walker(id: &'static str) -> Registration {
     Registration::new::<BipedalWalker>(id)
         .description("Walk on two legs over slightly uneven ground.")

@@ -1,4 +1,4 @@
-//! Parts that the three environments share.
+//! Code that the three environments share.
 
 use fearless_simd::Level;
 use gym_core::canvas::{Canvas, Color, Point, Primitive};
@@ -8,8 +8,8 @@ use serde_json::Value as Json;
 
 use crate::physics::{FixtureId, LANES, Lanes, Place, Vec2, World};
 
-/// The arguments with one set to a value in JSON. Arguments that decide spaces and engine cannot be
-/// set.
+/// Returns `config` with the argument `name` set to `value`. Arguments that decide the spaces or
+/// the engine cannot be set.
 pub(crate) fn assigned<C: Arguments>(
     config: &C,
     name: &str,
@@ -30,7 +30,7 @@ pub(crate) fn assigned<C: Arguments>(
     )
 }
 
-/// Worlds whose velocities are solved together.
+/// Working memory for worlds that solve their velocities together.
 #[derive(Clone, Debug)]
 pub struct Worlds(Lanes);
 
@@ -52,7 +52,7 @@ impl Together for Worlds {
     }
 }
 
-/// A reset or step that was begun ahead of its call.
+/// A reset or step that has begun before its call arrives.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ahead {
     pub(crate) call: Call,
@@ -65,7 +65,8 @@ pub(crate) enum Call {
     Step,
 }
 
-/// Steps the world: fully, or only the first part if several worlds step together.
+/// Steps `world`: completely, or (with `worlds`) only until its velocities are to be solved
+/// together with other worlds.
 pub(crate) fn step(world: &mut World, fps: f64, worlds: Option<&mut Worlds>) -> Place {
     let dt = (1.0 / fps) as f32;
     match worlds {
@@ -78,18 +79,19 @@ pub(crate) fn step(world: &mut World, fps: f64, worlds: Option<&mut Worlds>) -> 
 }
 
 impl Worlds {
-    /// The rest of a step that has begun.
+    /// Finishes the step of `world` that began at `place`.
     pub(crate) fn finish(&mut self, world: &mut World, place: Place) {
         world.finish(&mut self.0, place);
     }
 }
 
-/// Sweeps over the velocities in a step: 6 * 30 in all of Gymnasium's three.
+/// Iterations of the velocity solver per step: 6 * 30 in all of Gymnasium's three environments.
 pub(crate) const VELOCITY_ITERATIONS: u32 = 180;
-/// Sweeps over the positions in a step: 2 * 30.
+/// Iterations of the position solver per step: 2 * 30.
 pub(crate) const POSITION_ITERATIONS: u32 = 60;
 
-/// An id of the namespace `rapier/`, which stays registered where the engine is left out.
+/// Adapts the registration of an id `rapier/...`: without the feature `rapier` the id stays
+/// registered, and says what it needs.
 pub(crate) const fn on_rapier(registration: Registration) -> Registration {
     if cfg!(feature = "rapier") {
         registration
@@ -98,14 +100,14 @@ pub(crate) const fn on_rapier(registration: Registration) -> Registration {
     }
 }
 
-/// An exception to the checks of gym-conform.
+/// An exemption from gym-conform's check `no-allocation`.
 pub(crate) const RAPIER_ALLOCATES: (&str, &str) =
     ("no-allocation", "rapier2d allocates in its own step");
 
-/// The rules of a version of `env`: later versions use those of version 3.
+/// Returns the version whose rules apply: versions above 3 use the rules of version 3.
 ///
 /// # Errors
-/// [`Error::InvalidArgument`] for a version that never was.
+/// [`Error::InvalidArgument`] for a version that never existed.
 pub(crate) fn version(env: &str, version: u32) -> Result<u32> {
     match version {
         0 | 1 => {
@@ -118,25 +120,25 @@ pub(crate) fn version(env: &str, version: u32) -> Result<u32> {
     }
 }
 
-/// A vector of the world from numbers of the environment, rounded as they pass.
+/// Makes a vector of the world from coordinates in `f64`, rounded to `f32`.
 pub(crate) fn vec2(x: f64, y: f64) -> Vec2 {
     Vec2::new(x as f32, y as f32)
 }
 
-/// Points of the world from numbers of the environment, each changed by `f`.
+/// Makes vectors of the world from `points`, with `f` applied to each coordinate.
 pub(crate) fn points(points: &[[f64; 2]], f: impl Fn(f64) -> f64) -> Vec<Vec2> {
     points.iter().map(|[x, y]| vec2(f(*x), f(*y))).collect()
 }
 
-/// numpy's `sign`: 0 for 0.
+/// numpy's `sign`, which returns 0 for 0.
 pub(crate) fn sign(x: f64) -> f64 {
     if x == 0.0 { 0.0 } else { x.signum() }
 }
 
-/// As many corners as a polygon has, and one for the first again.
+/// The most corners of a polygon, plus one for the repeated first corner.
 const MOST_CORNERS: usize = 9;
 
-/// The corners of a polygon where its body is now.
+/// Returns the corners of a polygon in world coordinates, and their number.
 pub(crate) fn corners(world: &World, fixture: FixtureId) -> ([Point; MOST_CORNERS], usize) {
     let pose = world.pose(world.body_of(fixture));
     let vertices = world.vertices(fixture);
@@ -148,7 +150,8 @@ pub(crate) fn corners(world: &World, fixture: FixtureId) -> ([Point; MOST_CORNER
     (corners, vertices.len())
 }
 
-/// The corners of a polygon in pixels, so many of them per m. Gymnasium scales in `f32`.
+/// Returns the corners of a polygon in pixels, with `scale` pixels per m. Gymnasium scales in
+/// `f32`.
 pub(crate) fn pixel_corners(
     world: &World,
     fixture: FixtureId,
@@ -161,7 +164,7 @@ pub(crate) fn pixel_corners(
     )
 }
 
-/// `draw.polygon` and `gfxdraw.aapolygon`, which Gymnasium calls together.
+/// Draws a polygon with `draw.polygon` and `gfxdraw.aapolygon`, as Gymnasium does.
 pub(crate) fn draw_polygon(canvas: &mut dyn Canvas, points: &[Point], color: Color) {
     canvas.pygame(Primitive::Polygon(points), color);
     canvas.pygame(Primitive::AaPolygon(points), color);
@@ -175,9 +178,9 @@ mod tests {
     use gym_core::vector::lockstep::Lockstep;
     use gym_core::{Element, Env, Outcome, Reset};
 
-    /// The results of environments under `policy`, which gets their numbers and last observations.
-    /// They play episode after episode, side by side if there are `worlds`. Every seventh is not
-    /// asked in every step, so that groups are mixed.
+    /// Returns the results of `n` environments under `policy`, which receives an environment's
+    /// number and last observation. The environments play one episode after another, in lockstep if
+    /// `worlds` is given. Each seventh environment skips some steps, so that groups vary.
     fn run<E, const N: usize>(
         make: impl Fn(usize) -> E,
         n: usize,
@@ -230,7 +233,7 @@ mod tests {
         bits
     }
 
-    /// A share of -1 to 1, other ones each time.
+    /// A pseudorandom number from -1 to 1.
     fn noise(state: &mut u64) -> f32 {
         *state = state
             .wrapping_mul(6364136223846793005)
@@ -255,7 +258,7 @@ mod tests {
         };
         let run = |worlds| {
             let mut state = 3;
-            // some try to land, and lie still in the end; others tumble
+            // some landers try to land and come to rest; others tumble
             let policy = |i: usize, observation: &[f32; 8]| match i % 3 {
                 0 => [noise(&mut state), noise(&mut state)].into(),
                 _ => heuristic(observation, true),
@@ -292,8 +295,8 @@ mod tests {
         }
     }
 
-    /// The bytes of the world after the first step and the most after any of some hundred, in some
-    /// episodes that go on after their end.
+    /// Returns the memory of the world after the first step, and the most after any later step. The
+    /// run continues past the ends of several episodes.
     fn world_bytes<E, const N: usize>(
         mut env: E,
         bytes: impl Fn(&E) -> usize,

@@ -11,12 +11,12 @@
 //! `rapier/BipedalWalkerHardcore-v3` and `rapier/CarRacing-v3` are the same environments moved by
 //! rapier2d: alike, not identical.
 //!
-//! They stand on a [physics engine](physics) of their own, which can be used by itself.
+//! They use a [physics engine](physics) of this crate, which also works on its own.
 //!
-//! Linking this crate registers them; name it (`use gym_box2d as _;`) if nothing else of it is
-//! used.
+//! Linking this crate registers them. If your code uses nothing else of this crate, name it once:
+//! `use gym_box2d as _;`.
 #![warn(clippy::disallowed_methods)]
-// Unit tests register no environment, so that the compiler leaves out all that they do not call.
+// Unit tests register no environment, so that unused code is not compiled into them.
 #![cfg_attr(test, allow(dead_code, unused_imports))]
 
 pub mod bipedal_walker;
@@ -30,7 +30,7 @@ pub use bipedal_walker::BipedalWalker;
 pub use car_racing::{CarRacing, ScoreGlyphs};
 pub use lunar_lander::LunarLander;
 
-/// The example of the README, compiled and run.
+/// Compiles and runs the example of the README.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

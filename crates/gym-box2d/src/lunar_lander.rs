@@ -35,8 +35,8 @@ use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::vector::lockstep::Lockstep;
 use gym_core::{
-    Configure, Continuous, Element, Env, Error, Generator, Keys, Outcome, Policy, Registration,
-    Reset, Result, Snapshot, Space, Value, pygame,
+    Configure, Continuous, Element, Env, Error, Generator, Inspect, Keys, Outcome, Policy,
+    Registration, Reset, Result, Snapshot, Space, Value, pygame,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::{Value as Json, json};
@@ -56,7 +56,7 @@ const W: f64 = VIEWPORT_W / SCALE; // m
 const H: f64 = VIEWPORT_H / SCALE;
 const MAIN_ENGINE_POWER: f64 = 13.0;
 const SIDE_ENGINE_POWER: f64 = 0.6;
-const INITIAL_RANDOM: f64 = 1000.0; // N, the push at the start
+const INITIAL_RANDOM: f64 = 1000.0; // N, the largest push at the start
 const LANDER_POLY: [[f64; 2]; 6] = [
     [-14.0, 17.0],
     [-17.0, 0.0],
@@ -100,7 +100,7 @@ gym_core::arguments! {
 }
 
 impl Config {
-    /// Whether an action is of the kind that is asked for.
+    /// Whether `action` is of the kind that `continuous` selects.
     fn takes(&self, action: &Action) -> bool {
         match action {
             Action::Fire(_) => !self.continuous,
@@ -182,9 +182,9 @@ struct Episode {
     world: World,
     lander: BodyId,
     legs: [BodyId; 2],
-    /// The shapes of lander and legs, to draw.
+    /// The fixtures of lander and legs, to draw.
     fixtures: [FixtureId; 3],
-    /// Heights of the ground, every 2 m.
+    /// Heights of the ground, one per 2 m.
     smooth_y: [f64; CHUNKS],
     wind_idx: i64,
     torque_idx: i64,
@@ -192,19 +192,18 @@ struct Episode {
     game_over: bool,
     ground_contact: [bool; 2],
     prev_shaping: Option<f64>,
-    /// The exhaust of the engines, kept only while frames are rendered.
+    /// The particles of the engines' exhaust, which exist only while frames are rendered.
     exhaust: Option<Exhaust>,
-    /// Main and side throttle in the step that has begun.
+    /// Main and side throttle of the current step.
     #[serde(skip)]
     throttles: [f64; 2],
 }
 
-/// Far above the 20 that Gymnasium recommends as the strongest wind, and far below an overflow of
-/// `float32`.
+/// Far above 20, Gymnasium's recommended maximum, and far below the overflow of `float32`.
 const MAX_POWER: f64 = 1e6;
 
 impl LunarLander {
-    /// The environment with these arguments.
+    /// Makes the environment with the arguments `config`.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for a gravity out of range, or a power that is not finite.
@@ -212,7 +211,7 @@ impl LunarLander {
         Self::with_version(config, 3)
     }
 
-    /// As [`new`](Self::new), by the rules of version 2 or 3.
+    /// Like [`new`](Self::new), with the rules of version 2 or 3.
     ///
     /// # Errors
     /// The errors of `new`; [`Error::InvalidArgument`] for a version below 2.
@@ -254,20 +253,7 @@ impl LunarLander {
         &self.config
     }
 
-    /// Sets one argument to a value in JSON, as setting Gymnasium's attribute does: the wind
-    /// changes at once, gravity with the next reset.
-    ///
-    /// # Errors
-    /// The errors of [`new`](Self::new), and [`Error::InvalidArgument`] for `continuous` and
-    /// `physics`, which cannot be changed.
-    pub fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
-        let config = common::assigned(&self.config, name, value, "LunarLander")?;
-        Self::check(&config)?;
-        self.config = config;
-        Ok(())
-    }
-
-    /// Starts an episode with the first part of its first step, in which no engine fires.
+    /// Resets the environment and begins its first step, in which no engine fires.
     fn begin_episode(&mut self, reset: &Reset, worlds: Option<&mut Worlds>) -> Result<Place> {
         let rng = reset.generator(self.episode.as_ref().map(|episode| &episode.rng))?;
         let episode = self
@@ -289,21 +275,22 @@ impl LunarLander {
             .map_or(0, |episode| episode.world.bytes())
     }
 
-    /// The heights of the ground, every 2 m from the left, in m; `None` before the first reset.
+    /// The heights of the ground, one per 2 m from the left, in m; `None` before the first reset.
     pub fn terrain(&self) -> Option<&[f64; CHUNKS]> {
         self.episode.as_ref().map(|episode| &episode.smooth_y)
     }
 }
 
 impl Episode {
-    /// Ground, lander and legs, in Gymnasium's order of draws and creation.
+    /// Makes ground, lander and legs, in Gymnasium's order of random draws and creation.
     fn new(config: &Config, version: u32, mut rng: Generator) -> Self {
         let mut world = World::with(config.physics, vec2(0.0, config.gravity));
 
         let mut height = [0.0; CHUNKS + 1];
         height.fill_with(|| rng.uniform(0.0, H / 2.0));
         height[CHUNKS / 2 - 2..=CHUNKS / 2 + 2].fill(HELIPAD_Y);
-        // (the first point's neighbour to the left is the last of the twelve)
+        // (as in Gymnasium, the left neighbour of the first point is the last of the twelve
+        // heights)
         let smooth_y: [f64; CHUNKS] = std::array::from_fn(|i| {
             0.33 * (height[(i + CHUNKS) % (CHUNKS + 1)] + height[i] + height[i + 1])
         });
@@ -319,7 +306,7 @@ impl Episode {
                 filter: Filter {
                     category: 0x0010,
                     mask: 0x001,
-                }, // touches the ground only
+                }, // collides with the ground only
                 ..FixtureDef::new(Shape::Polygon(points(&LANDER_POLY, |x| x / SCALE)))
             },
         );
@@ -355,7 +342,7 @@ impl Episode {
                     ..FixtureDef::new(shape)
                 },
             );
-            // the legs have freedom to travel within these
+            // the legs move between these angles
             let (lower, upper) = if side < 0.0 {
                 (0.9 - 0.5, 0.9)
             } else {
@@ -393,7 +380,7 @@ impl Episode {
         }
     }
 
-    /// The craft drifts in a gust that never repeats: tanh(sin(2 k x) + sin(π k x)), k = 0.01.
+    /// Applies the wind: tanh(sin(2 k x) + sin(π k x)) with k = 0.01, which never repeats.
     fn blow(&mut self, config: &Config) {
         let gust = |index: i64| {
             let index = index as f64;
@@ -408,7 +395,7 @@ impl Episode {
         self.world.apply_torque(self.lander, torque_mag as f32);
     }
 
-    /// Fires an engine at a point of the craft: an impulse on the craft, and the opposite one on an
+    /// Fires an engine: applies an impulse to the lander at `at`, and the opposite impulse to an
     /// exhaust particle.
     fn fire(&mut self, [ox, oy]: Point, at: Point, engine_power: f64, power: f64, density: f64) {
         let position = self.world.position(self.lander);
@@ -425,14 +412,14 @@ impl Episode {
         }
     }
 
-    /// Applies wind and engines, and steps the world: fully, or only the first part if several
-    /// worlds step together.
+    /// Applies wind and engines and steps the world: completely, or (with `worlds`) only until its
+    /// velocities are to be solved together with other worlds.
     fn begin(&mut self, config: &Config, action: &Action, worlds: Option<&mut Worlds>) -> Place {
         if config.enable_wind && !self.ground_contact.contains(&true) {
             self.blow(config);
         }
 
-        // throttles, and the direction of the side engine
+        // the throttles, and the direction of the side engine
         let (m_power, s_power, direction) = match *action {
             Action::Fire(Engine::Off) => (0.0, 0.0, 0.0),
             Action::Fire(Engine::Main) => (1.0, 0.0, 0.0),
@@ -455,7 +442,7 @@ impl Episode {
         let dispersion = [(); 2].map(|()| self.rng.uniform(-1.0, 1.0) / SCALE);
 
         if m_power > 0.0 {
-            // 4 is a bit downwards, twice the dispersion for randomness
+            // 4: a bit below the lander; twice the dispersion, for randomness
             let away = MAIN_ENGINE_Y_LOCATION / SCALE + 2.0 * dispersion[0];
             let ox = tip[0] * away + side[0] * dispersion[1];
             let oy = -tip[1] * away - side[1] * dispersion[1];
@@ -465,7 +452,7 @@ impl Episode {
             let away = 3.0 * dispersion[1] + direction * SIDE_ENGINE_AWAY / SCALE;
             let ox = tip[0] * dispersion[0] + side[0] * away;
             let oy = -tip[1] * dispersion[0] - side[1] * away;
-            // (17, where the height is 14: Gymnasium's)
+            // (17 where the height is 14, as in Gymnasium)
             let at = [
                 -(tip[0] * 17.0 / SCALE),
                 tip[1] * SIDE_ENGINE_HEIGHT / SCALE,
@@ -477,7 +464,7 @@ impl Episode {
         common::step(&mut self.world, FPS, worlds)
     }
 
-    /// Observation, reward and end of the episode, from the world after its step.
+    /// Computes observation, reward and end of the episode from the stepped world.
     fn finish(&mut self) -> ([f32; 8], Outcome) {
         let [m_power, s_power] = self.throttles;
         if let Some(exhaust) = &mut self.exhaust {
@@ -500,7 +487,7 @@ impl Episode {
             + 10.0 * state[7];
         let mut reward = self.prev_shaping.map_or(0.0, |before| shaping - before);
         self.prev_shaping = Some(shaping);
-        reward -= m_power * 0.30; // less fuel spent is better
+        reward -= m_power * 0.30; // spent fuel costs reward
         reward -= s_power * 0.03;
 
         let mut terminated = false;
@@ -538,7 +525,7 @@ impl Episode {
     }
 
     fn is_valid(&self) -> bool {
-        /// Far beyond the potential of any position and speed.
+        /// Far above the potential of any position and speed.
         const MAX_SHAPING: f64 = 1e6;
         let [a, b] = self.legs;
         self.world.is_valid()
@@ -555,7 +542,7 @@ impl Episode {
             && self.exhaust.as_ref().is_none_or(Exhaust::is_valid)
     }
 
-    /// Keeps the exhaust from now on, or not.
+    /// Starts or stops the simulation of the exhaust.
     fn render(&mut self, config: &Config, renders: bool) {
         if !renders {
             self.exhaust = None;
@@ -564,7 +551,7 @@ impl Episode {
         }
     }
 
-    /// Both flags, which Gymnasium draws again after each body.
+    /// Draws both flags; Gymnasium draws them again after each body.
     fn draw_flags(canvas: &mut dyn Canvas) {
         for x in [chunk_x(CHUNKS / 2 - 1), chunk_x(CHUNKS / 2 + 1)] {
             let [x, y] = [x * SCALE, HELIPAD_Y * SCALE];
@@ -581,9 +568,23 @@ impl Episode {
     }
 }
 
-/// The position of a point of the ground.
+/// Returns the x coordinate of ground point `i`.
 fn chunk_x(i: usize) -> f64 {
     W / (CHUNKS - 1) as f64 * i as f64
+}
+
+/// Wind changes at once, gravity at the next reset. `continuous` and `physics` are fixed.
+impl Inspect for LunarLander {
+    fn arguments(&self) -> Json {
+        serde_json::to_value(self.config).unwrap_or_default()
+    }
+
+    fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
+        let config = common::assigned(&self.config, name, value, "LunarLander")?;
+        Self::check(&config)?;
+        self.config = config;
+        Ok(())
+    }
 }
 
 impl Env for LunarLander {
@@ -713,21 +714,27 @@ impl Env for LunarLander {
         canvas.pop();
     }
 
-    fn start_rendering(&mut self) {
-        self.renders = true;
-        if let Some(episode) = &mut self.episode {
-            episode.render(&self.config, true);
-        }
-    }
-
-    fn picture_taken(&mut self) {
-        if let Some(exhaust) = self
+    fn frames_drawn(&mut self, count: u64) {
+        if count == 0 {
+            self.renders = true;
+            if let Some(episode) = &mut self.episode {
+                episode.render(&self.config, true);
+            }
+        } else if let Some(exhaust) = self
             .episode
             .as_mut()
             .and_then(|episode| episode.exhaust.as_mut())
         {
             exhaust.fade();
         }
+    }
+
+    fn inspect(&self) -> Option<&dyn Inspect> {
+        Some(self)
+    }
+
+    fn inspect_mut(&mut self) -> Option<&mut dyn Inspect> {
+        Some(self)
     }
 
     fn close(&mut self) {
@@ -741,7 +748,7 @@ impl Lockstep for LunarLander {
     fn touch(&self) -> u32 {
         self.episode
             .as_ref()
-            .map_or(0, |episode| episode.world.touch())
+            .map_or(0, |episode| episode.world.prefetch())
     }
 
     fn begin_reset(&mut self, reset: &Reset, worlds: &mut Worlds) {
@@ -776,15 +783,16 @@ impl Configure for LunarLander {
     }
 }
 
-/// Gymnasium's hand-written pilot, from an observation, for [`Config::continuous`] or not.
+/// Gymnasium's hand-written pilot: returns its action for the observation `s`, continuous or
+/// discrete.
 pub fn heuristic(s: &[f32; 8], continuous: bool) -> Action {
-    // the angle should point towards the centre, by no more than 0.4 rad
+    // tilt towards the centre, by at most 0.4 rad
     let angle_targ = (s[0] * 0.5 + s[2] * 1.0).clamp(-0.4, 0.4);
-    let hover_targ = 0.55 * s[0].abs(); // height in proportion to the distance
+    let hover_targ = 0.55 * s[0].abs(); // the target height grows with the distance
     let mut angle_todo = (angle_targ - s[4]) * 0.5 - s[5] * 1.0;
     let mut hover_todo = (hover_targ - s[1]) * 0.5 - s[3] * 0.5;
     if s[6] != 0.0 || s[7] != 0.0 {
-        // after contact, only the fall counts
+        // on the ground, only damp the fall
         angle_todo = 0.0;
         hover_todo = -s[3] * 0.5;
     }
@@ -813,7 +821,7 @@ const SPINS: (&str, &str) = (
     "a craft that spins beyond a full turn leaves the bounds, in Gymnasium too",
 );
 
-/// The registration that all ids share.
+/// The registration shared by all ids.
 const fn lander(id: &'static str) -> Registration {
     Registration::new::<LunarLander>(id)
         .description("Land a craft softly between two flags.")

@@ -1,5 +1,5 @@
-//! The contract of every environment: the same bits from the same seed, from a copy and from a
-//! snapshot in mid-flight; errors instead of panics.
+//! The contract of every environment: a seed, a clone and a snapshot in mid-flight give the same
+//! bits; errors instead of panics.
 
 use gym_box2d as _;
 use gym_core::{BoxEnv, Env, EnvExt, Value, builder, make};
@@ -15,7 +15,8 @@ const IDS: [&str; 8] = [
     "CarRacing-v3",
 ];
 
-/// Observations and rewards of some random steps, over the ends of episodes.
+/// Returns the observations and rewards of random steps; the run continues past the ends of
+/// episodes.
 fn run(env: &mut BoxEnv, seed: u64, steps: usize) -> Vec<(Value, f64)> {
     let mut actions = env.action_sampler(seed).unwrap();
     (0..steps)
@@ -73,7 +74,7 @@ fn impossible_actions_are_errors() {
     );
 }
 
-/// A fixture whose box is missing would be looked for in the next step.
+/// A step would look up the missing box of the fixture.
 #[test]
 fn snapshots_without_a_box_are_refused() {
     fn drop_a_box(json: &mut serde_json::Value) {
@@ -82,7 +83,7 @@ fn snapshots_without_a_box_are_refused() {
                 for (key, value) in entries {
                     match value {
                         serde_json::Value::Array(proxies) if key == "proxies" => {
-                            drop(proxies.pop())
+                            drop(proxies.pop());
                         }
                         value => drop_a_box(value),
                     }
@@ -107,7 +108,8 @@ fn snapshots_without_a_box_are_refused() {
     }
 }
 
-/// Straight ahead from the start of this track the car leaves the field, where Gymnasium's does.
+/// A car that drives straight ahead from the start of this track leaves the playfield, as in
+/// Gymnasium.
 #[test]
 fn a_car_off_the_field_ends_the_episode() {
     let mut env = builder("CarRacing-v3")
@@ -135,7 +137,7 @@ fn a_car_off_the_field_ends_the_episode() {
     );
 }
 
-/// With so little to cover the lap is complete at the start already, as in Gymnasium.
+/// With so small a share the lap is complete at the start, as in Gymnasium.
 #[test]
 fn a_complete_lap_ends_the_episode_and_says_so() {
     for (percent, ends) in [(0.0, true), (0.003, true), (0.01, false)] {

@@ -1,4 +1,4 @@
-//! The promises of a world, with each engine.
+//! The documented behaviour of a world, with each engine.
 
 use gym_box2d::physics::{
     BodyDef, BodyId, Filter, FixtureDef, JointId, Physics, RevoluteJointDef, Shape, Vec2, World,
@@ -25,7 +25,7 @@ fn block(half_width: f32, half_height: f32) -> FixtureDef {
     }
 }
 
-/// An empty world over a ground at height 0.
+/// Makes an empty world with a ground at height 0.
 fn over_ground(physics: Physics) -> World {
     let mut world = World::with(physics, v(0.0, -10.0));
     let ground = world.create_body(&BodyDef::fixed(v(0.0, 0.0), 0.0));
@@ -36,7 +36,7 @@ fn over_ground(physics: Physics) -> World {
     world
 }
 
-/// Two blocks, hinged: a knee that a motor turns against its upper limit.
+/// Makes two blocks joined by a knee, which a motor turns against its upper limit.
 fn knee(physics: Physics) -> (World, [BodyId; 2], JointId) {
     let mut world = over_ground(physics);
     let filter = Filter {
@@ -126,7 +126,7 @@ fn a_free_fall_is_semi_implicit_euler() {
         for _ in 0..50 {
             step(&mut world);
         }
-        // h g (1 + 2 + ... + 50) h
+        // the sum of h g (1 + 2 + ... + 50) h
         assert!(
             (world.position(body).y + 10.0 * 0.02 * 0.02 * 1275.0).abs() < 1e-4,
             "{physics:?}"
@@ -153,7 +153,7 @@ fn a_motor_turns_a_knee_to_its_limit() {
             world.joint_angle(joint)
         );
         assert!((1.0..2.5).contains(&fastest), "{physics:?}: {fastest}");
-        // the hinge holds
+        // the joint holds
         let end = |body: BodyId, y: f32| world.pose(body) * nalgebra::Point2::new(0.0, y);
         assert!(
             (end(thigh, -0.5) - end(shin, 0.5)).norm() < 0.02,
@@ -260,8 +260,9 @@ fn what_is_destroyed_is_gone() {
     }
 }
 
-/// A motor lets go, turns round and pushes on within one step. rapier bounds what it adds to a
-/// motor on both sides alike: started from its last impulse it would hold on to it.
+/// A motor releases, reverses and pushes within one step. rapier limits the change of a motor's
+/// impulse to the same range in both directions, so a motor that started from its last impulse
+/// could not release in one step.
 #[test]
 fn a_motor_lets_go_at_once() {
     let run = |physics| {
@@ -292,7 +293,7 @@ fn a_motor_lets_go_at_once() {
         });
         let mut speeds = Vec::new();
         for i in 0..20 {
-            // at full torque for two steps, then near the wanted speed
+            // at full torque for two steps, then near the target speed
             let (speed, torque) = [(8.0, 0.5), (8.0, 0.5), (3.0, 1.5), (-2.0, 3.0)][i % 4];
             world.set_motor_speed(axle, speed);
             world.set_max_motor_torque(axle, torque);
@@ -313,7 +314,7 @@ fn a_motor_lets_go_at_once() {
     }
 }
 
-/// A contact lies halfway between the skins: a leg that tips over stands on that point.
+/// A contact lies halfway between the skins; a leg that tips over pivots about that point.
 #[test]
 fn a_post_tips_over_its_corner() {
     let run = |physics| {
@@ -370,7 +371,7 @@ fn a_block_keeps_its_place_on_a_slope() {
         }
         let start = world.position(body);
         for i in 0..100 {
-            // awake, so that it must be held
+            // keep the body awake, so that the joint must hold it
             world.apply_torque(body, if i % 2 == 0 { 0.3 } else { -0.3 });
             step(&mut world);
         }

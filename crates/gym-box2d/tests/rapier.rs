@@ -1,4 +1,4 @@
-//! Episodes on rapier2d beside those on Box2D: not equal, but of the same kind.
+//! Episodes on rapier2d compared with episodes on Box2D: not equal, but statistically alike.
 
 #![cfg(feature = "rapier")]
 
@@ -6,7 +6,7 @@ use gym_box2d::physics::Physics;
 use gym_box2d::{BipedalWalker, LunarLander, bipedal_walker, lunar_lander};
 use gym_core::{Env, Outcome, Reset};
 
-/// Return, length, and how an episode ended.
+/// The return, the length and the end of an episode.
 struct Episode {
     total: f64,
     length: u32,
@@ -65,7 +65,7 @@ fn land(physics: Physics, enable_wind: bool, seed: u64) -> Episode {
     })
 }
 
-/// Greatest distance of two empirical distributions (Kolmogorov and Smirnov).
+/// Returns the largest distance of two empirical distributions (Kolmogorov and Smirnov).
 fn distance(a: &[Episode], b: &[Episode], of: impl Fn(&Episode) -> f64) -> f64 {
     let below = |sample: &[Episode], x: f64| {
         sample.iter().filter(|e| of(e) <= x).count() as f64 / sample.len() as f64
@@ -77,7 +77,7 @@ fn distance(a: &[Episode], b: &[Episode], of: impl Fn(&Episode) -> f64) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// Distances of returns and lengths, each below the 95 % critical value.
+/// Asserts that the distances of returns and of lengths are below the 95 % critical value.
 fn assert_alike(a: &[Episode], b: &[Episode]) {
     let critical = 1.358 * (2.0 / a.len() as f64).sqrt();
     let returns = distance(a, b, |e| e.total);
@@ -126,7 +126,7 @@ fn landings_are_alike() {
     }
 }
 
-/// The same actions move a walker in the same way, steps and stumbles of its first second included.
+/// Equal actions move a walker alike, including the steps and stumbles of its first second.
 #[test]
 fn the_same_actions_walk_the_same_way() {
     for seed in 0..5 {

@@ -1,12 +1,12 @@
-//! The rules of the tasks where no recorded episode shows them: throttles, bounds, ends on every
-//! side, laps, versions.
+//! Rules of the tasks that no recorded episode covers: throttles, bounds, ends on every side, laps,
+//! versions.
 
 use gym_box2d::car_racing::{self, CarRacing};
 use gym_box2d::lunar_lander::{self, LunarLander};
-use gym_core::{BoxEnv, EnvExt, Outcome, Reset, Value, builder, make};
+use gym_core::{BoxEnv, EnvExt, Inspect, Outcome, Reset, Value, builder, make};
 use serde_json::json;
 
-/// The results of a few steps of one action, with the rewards.
+/// Returns the results and rewards of `steps` steps with the action `action`.
 fn after(env: &mut BoxEnv, action: &Value, steps: usize) -> Vec<(Value, f64)> {
     env.reset(5).unwrap();
     (0..steps)
@@ -17,7 +17,8 @@ fn after(env: &mut BoxEnv, action: &Value, steps: usize) -> Vec<(Value, f64)> {
         .collect()
 }
 
-/// The main engine runs above 0, the others beyond 0.5 on either side, and none harder than at 1.
+/// The main engine runs above 0, the side engines beyond 0.5 in either direction; none exceeds its
+/// power at 1.
 #[test]
 fn throttles_have_a_dead_zone_and_an_end() {
     let mut env = builder("LunarLanderContinuous-v3")
@@ -38,7 +39,7 @@ fn throttles_have_a_dead_zone_and_an_end() {
         assert_ne!(after(main, side), idle, "{main}, {side}");
     }
     assert_eq!(after(9.0, -3.0), after(1.0, -1.0));
-    // from half of the power on
+    // the main engine starts at half power
     let [least, half, full] = [f32::MIN_POSITIVE, 0.5, 1.0].map(|main| {
         let (_, reward) = after(main, 0.0)[1];
         let (_, free) = idle[1];
@@ -47,7 +48,7 @@ fn throttles_have_a_dead_zone_and_an_end() {
     assert!(least < half && half < full, "{least}, {half}, {full}");
 }
 
-/// A craft that leaves by either side has crashed.
+/// A lander that leaves at either side has crashed.
 #[test]
 fn a_lander_may_leave_on_neither_side() {
     for side in [1.0, -1.0] {
@@ -64,7 +65,7 @@ fn a_lander_may_leave_on_neither_side() {
             .unwrap();
         let last = loop {
             assert!(seen[0].abs() < 1.0, "it goes on at {}", seen[0]);
-            // leans to its side, and keeps its height
+            // leans to its side and keeps its height
             let turn = (-0.3 * side - seen[4]) * 0.5 - seen[5];
             let engine = match () {
                 () if seen[3] < 0.0 => 2,
@@ -94,8 +95,8 @@ fn a_lander_may_leave_on_neither_side() {
     }
 }
 
-/// Version 2 draws the wind aside: where it has no strength, the episode is that without wind.
-/// Since version 3 the engines draw after it.
+/// Version 2 draws the wind from a separate generator: at wind power 0 the episode equals one
+/// without wind. Since version 3 the engines draw after the wind, from the same generator.
 #[test]
 fn wind_draws_from_the_episode_since_version_3() {
     for (id, is_aside) in [("LunarLander-v2", true), ("LunarLander-v3", false)] {
@@ -145,7 +146,7 @@ fn arguments_that_are_set_are_checked_as_those_of_a_new_environment() {
     assert_eq!(car.config().lap_complete_percent, 0.5);
 }
 
-/// Motors give all they have at 1, and cost no more beyond it.
+/// Motors reach their full power and cost at 1.
 #[test]
 fn a_walkers_motors_end_at_one() {
     let mut env = builder("BipedalWalker-v3")
@@ -163,7 +164,7 @@ fn a_walkers_motors_end_at_one() {
     );
 }
 
-/// The gas is clipped to 0 and 1, as Gymnasium clips it alone of the pedals.
+/// The gas is clipped to 0 and 1. Gymnasium clips only this pedal.
 #[test]
 fn a_cars_gas_ends_at_one() {
     let after = |gas: f32| {
@@ -179,7 +180,7 @@ fn a_cars_gas_ends_at_one() {
     assert_ne!(after(0.5), after(1.0));
 }
 
-/// Drives a car without pictures, by its state, until the episode ends or the driver gives up.
+/// Drives a car without images, by its state, until the episode ends or `driver` returns `None`.
 fn drive(
     car: &mut CarRacing,
     most: usize,
@@ -190,7 +191,7 @@ fn drive(
         .find(Outcome::done)
 }
 
-/// The field ends on all four sides.
+/// The playfield ends on all four sides.
 #[test]
 fn a_car_may_leave_the_field_on_no_side() {
     const FIELD: f64 = 2000.0 / 6.0; // m, from the middle to each side
@@ -203,7 +204,7 @@ fn a_car_may_leave_the_field_on_no_side() {
             let [x, y, ..] = car.state().unwrap().hull;
             inside &= x.abs() <= FIELD && y.abs() <= FIELD;
             assert!(inside, "turn {turn}: it goes on at {x}, {y}");
-            // a slow turn of its own, then straight on
+            // a slow turn that depends on the run, then straight on
             if step < 25 * turn {
                 [0.6, 0.05, 0.0]
             } else {
@@ -234,8 +235,8 @@ fn a_car_may_leave_the_field_on_no_side() {
     );
 }
 
-/// A share of the tiles must be exceeded; version 2 truncates where version 3 terminates, and tells
-/// nothing.
+/// The share of tiles must be exceeded. Version 2 truncates where version 3 terminates, and has no
+/// info.
 #[test]
 fn a_lap_needs_more_than_its_share() {
     let ends = |id: &str, percent: f64| {
@@ -259,7 +260,7 @@ fn a_lap_needs_more_than_its_share() {
             car.state().unwrap().tiles_visited,
         )
     };
-    // the car starts on some tiles, and the first of the track is one of them
+    // the car starts on several tiles, one of which is the first of the track
     let share = |count: usize| count as f64 / tiles as f64;
     let goes_on = (false, false, None);
     let count = (0..)
@@ -275,7 +276,7 @@ fn a_lap_needs_more_than_its_share() {
     assert_eq!(ends("CarRacing-v2", share(count)), goes_on);
 }
 
-/// Where the share can never be reached, the lap ends with its last tile.
+/// If the share cannot be reached, the lap ends with its last tile.
 #[test]
 fn a_lap_is_over_when_every_tile_was_visited() {
     let config = car_racing::Config {
@@ -315,13 +316,13 @@ fn a_lap_is_over_when_every_tile_was_visited() {
     });
     let last = last.expect("the lap ends");
     assert_eq!((last.terminated, last.truncated), (true, false));
-    // 1000 for all tiles together, of which the start paid for some before the first step, and 0.1
-    // for each step
+    // 1000 for all tiles together, of which the start paid a part before the first step, less 0.1
+    // per step
     let missing = 1000.0 - 0.1 * f64::from(steps) - total;
     assert!(missing.abs() < 1e-6, "{total} in {steps} steps");
 }
 
-/// Colours that are not asked for are drawn aside: the track is that of the plain environment.
+/// Colours of `domain_randomize: false` are drawn from a separate generator: the track is the same.
 #[test]
 fn colours_of_the_start_change_no_track() {
     let track = |domain_randomize: bool, reset: Reset| {
@@ -346,7 +347,7 @@ fn colours_of_the_start_change_no_track() {
     assert!(track(false, Reset::from(4).option("randomize", true)) == plain);
 }
 
-/// Every id of version 2 plays as that of version 3 until a rule differs.
+/// Every id of version 2 plays like the id of version 3 until a rule differs.
 #[test]
 fn versions_of_a_lander_fall_alike() {
     let fall = |id: &str| after(&mut make(id).unwrap(), &Value::Int(0), 30);

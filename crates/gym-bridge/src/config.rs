@@ -26,7 +26,7 @@ gym_core::arguments! {
 }
 
 impl Config {
-    /// The id, where all arguments are in range.
+    /// Returns the id if all arguments are valid.
     pub(crate) fn check(&self) -> Result<&str> {
         /// A year.
         const LONGEST: f64 = 3.2e7; // seconds
@@ -54,8 +54,7 @@ impl Config {
         Duration::from_secs_f64(self.timeout)
     }
 
-    /// The interpreter of the arguments, of the virtual environment, or of the system, in this
-    /// order.
+    /// Returns the interpreter: the argument, else the virtual environment's, else the system's.
     pub(crate) fn python(&self) -> PathBuf {
         let of_venv = |venv| {
             let folder = if cfg!(windows) {

@@ -11,7 +11,7 @@ use crate::Config;
 use crate::spaces;
 use crate::worker::{Reply, Request, Worker, value};
 
-/// An environment that runs in Python.
+/// An environment that runs in a Python process.
 #[derive(Debug)]
 pub struct PythonEnv {
     config: Config,
@@ -25,21 +25,21 @@ pub struct PythonEnv {
     worker: State,
 }
 
-/// Whether there is a worker to ask.
+/// Whether the environment has a worker.
 #[derive(Debug)]
 enum State {
-    /// Asked by clones and snapshots too, which only borrow it.
+    /// Clones and snapshots, which only borrow the environment, send requests too.
     Alive(Mutex<Worker>),
-    /// A clone that could not be made, and why.
+    /// The clone could not be made, for this reason.
     Broken(String),
     Closed,
 }
 
-/// The content of a snapshot.
+/// The contents of a snapshot.
 #[derive(Serialize, Deserialize)]
 struct Stored {
     config: Config,
-    /// The environment, pickled.
+    /// The environment as `pickle` stores it.
     pickle: Value,
     /// The last `info`.
     info: Value,
@@ -69,7 +69,7 @@ impl PythonEnv {
         Self::described(config, render_mode, worker, &about)
     }
 
-    /// With the worker's description of its environment.
+    /// Makes the environment from the worker's description.
     fn described(
         config: Config,
         render_mode: Option<RenderMode>,
@@ -119,7 +119,7 @@ impl PythonEnv {
         }
     }
 
-    /// The environment as `pickle` writes it.
+    /// Returns the environment as `pickle` stores it.
     fn dump(&self) -> Result<Value> {
         let worker = match &self.worker {
             State::Alive(worker) => worker,
@@ -130,7 +130,7 @@ impl PythonEnv {
         worker.ask(Request::Dump, &[], value)
     }
 
-    /// Another worker with this environment.
+    /// Starts another worker with the environment `pickle`.
     fn load(config: Config, render_mode: Option<RenderMode>, pickle: &Value) -> Result<Self> {
         let name = config.check()?.to_owned();
         let mut worker = Worker::start(&config, &name)?;
@@ -139,13 +139,14 @@ impl PythonEnv {
         Self::described(config, render_mode, worker, &about)
     }
 
-    /// Whether an action is sent to Python: it has the form of the space, and is finite.
+    /// Refuses an action that Python cannot receive: one of another form than the space's, or not
+    /// finite.
     fn check_action(&self, action: &Value) -> Result<()> {
         let space = &self.spaces.1;
         let fits = match (space, action) {
-            // numbers beyond the bounds are Python's to clip or to refuse
+            // Python clips or refuses numbers beyond the bounds
             (Space::Box(space), Value::Array(array)) => {
-                // real numbers go in the precision in which they came
+                // floats are sent in the precision in which they arrive
                 let fits = array.dtype() == space.dtype() || space.dtype().is_float();
                 fits && array.shape() == space.shape() && array.is_finite()
             }
@@ -165,7 +166,7 @@ impl PythonEnv {
     }
 }
 
-/// The modes among these, as metadata holds them.
+/// Returns the render modes in `modes`, in the form of metadata.
 fn among(modes: impl Iterator<Item = RenderMode>) -> &'static [RenderMode] {
     use RenderMode::{Ansi, Human, RgbArray};
     let (mut human, mut ansi, mut rgb_array) = (false, false, false);
@@ -199,7 +200,8 @@ impl Configure for PythonEnv {
     }
 }
 
-/// Another worker reads the environment; if that fails, the clone's calls return the error.
+/// Starts another worker that loads the environment; if that fails, the clone's calls return the
+/// error.
 impl Clone for PythonEnv {
     fn clone(&self) -> Self {
         let (config, mode) = (self.config.clone(), self.render_mode);
@@ -350,6 +352,10 @@ impl Env for PythonEnv {
         self.metadata.clone()
     }
 
+    fn render_mode(&self) -> Option<RenderMode> {
+        self.render_mode
+    }
+
     fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
         if self.render_mode.is_none() {
             return Err(Error::UnsupportedMode {
@@ -392,7 +398,7 @@ fn refused(name: &str) -> Error {
     ))
 }
 
-/// An image of shape (height, width, 3), of bytes.
+/// Converts an image of bytes with the shape (height, width, 3).
 fn frame(array: &gym_core::Array) -> Option<Frame> {
     let ([height, width, 3], Some(pixels)) = (array.shape(), array.as_slice::<u8>()) else {
         return None;

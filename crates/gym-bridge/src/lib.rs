@@ -11,9 +11,9 @@
 //! # }
 //! ```
 //!
-//! The environment runs in a separate Python process, the *worker*. Nothing of Python is linked,
-//! environments run in parallel, and a crash or a hang of the worker is an `Err`. The worker ends
-//! with its environment, and with this process, even after a crash.
+//! The environment runs in a separate Python process, the *worker*. No Python is linked,
+//! environments run in parallel, and a crash or hang of the worker is an `Err`. The worker ends
+//! with its environment and with this process, even after a crash.
 //!
 //! | argument | default | meaning |
 //! |---|---|---|
@@ -32,8 +32,12 @@
 //! - `info` contains numbers, texts, arrays, lists and dicts; other objects are left out.
 //! - The generator lives in Python, so wrappers that draw from
 //!   [`Env::generator`](gym_core::Env::generator) refuse.
-//! - A clone is another worker, which reads the environment by `pickle` (or `cloudpickle`); if that
+//! - A clone is another worker, which loads the environment by `pickle` (or `cloudpickle`); if that
 //!   fails, the clone's calls return the error.
+//!
+//! The worker speaks length-prefixed frames over a socket pair, and exits when the other end of its
+//! socket closes. A large array is never copied into a frame: its numbers are written from Python's
+//! memory and read into the caller's array.
 
 mod config;
 mod env;

@@ -1,4 +1,4 @@
-//! Python's spaces, as the worker describes them.
+//! Converts the worker's description of Python's spaces.
 
 use gym_core::spaces::{
     BoxSpace, DictSpace, Discrete, GraphSpace, MultiBinary, MultiDiscrete, OneOfSpace,
@@ -6,7 +6,7 @@ use gym_core::spaces::{
 };
 use gym_core::{Array, DType, Error, Result, Space, Value};
 
-/// The observation space and the action space.
+/// Returns the observation space and the action space.
 pub(crate) fn pair(described: &Value) -> Result<(Space, Space)> {
     match described.as_tuple() {
         Some([observation, action]) => Ok((space(observation)?, space(action)?)),
@@ -81,7 +81,7 @@ fn space(described: &Value) -> Result<Space> {
     })
 }
 
-/// Bounds in the shape of their box; one number may stand for all elements.
+/// Returns bounds in the shape of their box; a single number is repeated for all elements.
 fn bounds(described: &Array, shape: &[usize]) -> Result<Array> {
     let mut bounds = Array::zeros(described.dtype(), shape)?;
     let bytes = described.to_bytes();
@@ -100,7 +100,7 @@ fn text(min_length: usize, max_length: usize, charset: &str) -> Result<Space> {
         .into())
 }
 
-/// A space of texts without a charset, such as minigrid's missions: any printable ASCII.
+/// A text space without a charset, such as minigrid's missions: any printable ASCII text.
 fn any_text() -> Result<Space> {
     const LONGEST: usize = 10_000;
     text(0, LONGEST, &(' '..='~').collect::<String>())

@@ -16,14 +16,14 @@ const DICT: u8 = 8;
 const GRAPH: u8 = 9;
 const ONE_OF: u8 = 10;
 
-/// A value as the bytes of a frame.
+/// Encodes a value as the bytes of a frame.
 pub fn encoded(value: &Value) -> Vec<u8> {
     let mut bytes = Vec::new();
     write(value, &mut bytes);
     bytes
 }
 
-/// The value of a frame's bytes; `None` if they are invalid, or more than a value.
+/// Decodes the bytes of a frame; `None` if they are invalid or longer than one value.
 pub fn decoded(mut bytes: &[u8]) -> Option<Value> {
     let length = bytes.len() as u64;
     let mut reader = Reader::new(&mut bytes, length);
@@ -79,7 +79,7 @@ pub(crate) fn write(value: &Value, out: &mut Vec<u8>) {
     }
 }
 
-/// Lengths fit: nothing that is larger fits into the memory of a frame.
+/// Writes a length. Any length that fits into memory as a frame fits into `u32`.
 fn write_length(length: usize, out: &mut Vec<u8>) {
     out.extend(u32::try_from(length).unwrap_or(u32::MAX).to_le_bytes());
 }
@@ -102,17 +102,17 @@ fn write_array(array: &Array, out: &mut Vec<u8>) {
     out.extend(array.to_bytes());
 }
 
-/// Reads values, one after the other, as they come; `None` for invalid bytes, and where the stream
-/// fails.
+/// Reads values from a stream as they arrive. Methods return `None` for invalid bytes and if the
+/// stream fails.
 pub(crate) struct Reader<'a, R> {
     stream: &'a mut R,
-    /// The bytes of the frame that are not read yet.
+    /// The bytes of the frame that were not read yet.
     left: u64,
     failure: Option<io::Error>,
 }
 
 impl<'a, R: BufRead> Reader<'a, R> {
-    /// Reads a frame of a given length in bytes.
+    /// Starts reading a frame of `length` bytes.
     pub(crate) fn new(stream: &'a mut R, length: u64) -> Self {
         Self {
             stream,
@@ -121,17 +121,17 @@ impl<'a, R: BufRead> Reader<'a, R> {
         }
     }
 
-    /// The error of reading a frame: the stream's failure, or `None` if the bytes are invalid.
+    /// Returns why reading failed: the stream's error, or `None` for invalid bytes.
     pub(crate) fn into_failure(self) -> Option<io::Error> {
         self.failure
     }
 
-    /// Whether the frame is read to its end.
+    /// Whether the whole frame was read.
     pub(crate) fn is_done(&self) -> bool {
         self.left == 0
     }
 
-    /// Takes bytes from those that are left.
+    /// Takes `count` bytes from the rest of the frame; `None` if it has fewer.
     fn reserve(&mut self, count: usize) -> Option<()> {
         self.left = self.left.checked_sub(count.try_into().ok()?)?;
         Some(())
@@ -163,7 +163,7 @@ impl<'a, R: BufRead> Reader<'a, R> {
 
     fn text(&mut self) -> Option<String> {
         let length = self.length()?;
-        // no more memory than there are bytes
+        // allocate no more memory than there are bytes
         self.reserve(length)?;
         let mut text = vec![0; length];
         let read = self.stream.read_exact(&mut text);
@@ -177,9 +177,9 @@ impl<'a, R: BufRead> Reader<'a, R> {
         Some(value)
     }
 
-    /// Reads into an earlier value: arrays of the same type and shape keep their storage.
+    /// Reads into `value`: an array of the same dtype and shape keeps its memory.
     pub(crate) fn value_into(&mut self, value: &mut Value) -> Option<()> {
-        /// Deeper than any space or info of a sound environment.
+        /// More levels than the space or info of any real environment.
         const DEPTH: usize = 64;
         self.nested(value, DEPTH)
     }
@@ -210,7 +210,7 @@ impl<'a, R: BufRead> Reader<'a, R> {
                 }
             }
             (TUPLE, value) => {
-                // no more memory than the bytes that are there
+                // allocate no more memory than there are bytes
                 let items = (0..self.length()?).map(|_| inner(self));
                 *value = Value::Tuple(items.collect::<Option<_>>()?);
             }
@@ -302,7 +302,7 @@ mod tests {
         ]
     }
 
-    /// A stream that counts the bytes that are taken from it, and how often.
+    /// A stream that records the size of each read.
     struct Counted<'a> {
         bytes: &'a [u8],
         taken: Vec<usize>,
@@ -325,7 +325,7 @@ mod tests {
             bytes: &bytes,
             taken: Vec::new(),
         };
-        // numbers are cut in two by the buffer's end
+        // the buffer's end splits a number
         let mut stream = io::BufReader::with_capacity(1 << 16, stream);
         let mut value = Value::Array(Array::zeros(DType::F32, [LENGTH]).unwrap());
         let place = value
@@ -375,7 +375,7 @@ mod tests {
                 for byte in [0, 1, 6, 7, 8, 255] {
                     let mut damaged = bytes.clone();
                     damaged[i] = byte;
-                    // any input ends, and needs no more memory than its bytes
+                    // every input ends, and needs no more memory than its bytes
                     let _ = decoded(&damaged);
                 }
             }

@@ -1,4 +1,4 @@
-//! The Python process of an environment, and its requests.
+//! The Python process of an environment, and the requests to it.
 
 use std::io::{self, BufReader, ErrorKind, Read, Write};
 use std::os::fd::OwnedFd;
@@ -12,14 +12,14 @@ use gym_core::{Error, Result, Value};
 use crate::Config;
 use crate::wire::{Reader, write};
 
-/// The program of the worker.
+/// The program that the worker runs.
 const SCRIPT: &str = include_str!("worker.py");
-/// The longest frame, of a request or a reply, as in `worker.py`.
+/// The largest frame of a request or reply, as in `worker.py`.
 const LONGEST: u32 = 1 << 30; // bytes
-/// The number of bytes read at once: large, because an array is read in parts of this size.
+/// The bytes per read: many, because an array is read in parts of this size.
 const BUFFER: usize = 1 << 18; // bytes
 
-/// The requests to a worker, with the numbers in `worker.py`.
+/// The requests to a worker, with their numbers in `worker.py`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Request {
     Make,
@@ -32,7 +32,7 @@ pub(crate) enum Request {
 }
 
 impl Request {
-    /// The name in error messages.
+    /// Returns the name for error messages.
     fn name(self) -> &'static str {
         match self {
             Self::Make => "make",
@@ -46,31 +46,31 @@ impl Request {
     }
 }
 
-/// A reply, in reading.
+/// A reply that is being read.
 pub(crate) type Reply<'a> = Reader<'a, BufReader<UnixStream>>;
 
-/// A reply of one value.
+/// Reads a reply of one value.
 pub(crate) fn value(reply: &mut Reply<'_>) -> Option<Value> {
     reply.value()
 }
 
-/// A Python process that serves one environment. It ends when this is dropped, or when this process
-/// ends.
+/// A Python process that serves one environment. It ends when the `Worker` is dropped, or when this
+/// process ends.
 #[derive(Debug)]
 pub(crate) struct Worker {
     child: Child,
     pipe: BufReader<UnixStream>,
-    /// The environment, for messages.
+    /// The name of the environment in error messages.
     name: String,
     /// The bytes of the last request.
     request: Vec<u8>,
     timeout: Duration,
-    /// The exit status, once it has ended.
+    /// The exit status of a process that has ended.
     ended: Option<String>,
 }
 
 impl Worker {
-    /// Starts a process, in which no environment is made yet.
+    /// Starts a process without an environment.
     pub(crate) fn start(config: &Config, name: &str) -> Result<Self> {
         let python = config.python();
         let cannot = |error: &io::Error| {
@@ -105,7 +105,7 @@ impl Worker {
         })
     }
 
-    /// Asks, and reads the reply while it comes.
+    /// Sends a request, and reads the reply as it arrives.
     ///
     /// # Errors
     /// Python's exception, the worker's exit status, or a timeout.
@@ -120,7 +120,7 @@ impl Worker {
         }
         self.write(request, values)?;
         let sent = self.pipe.get_mut().write_all(&self.request);
-        // memory for large arrays is given back
+        // free the memory of large arrays
         self.request.shrink_to(BUFFER);
         let length = sent.and_then(|()| self.length());
         let length = length.map_err(|error| self.end(request, &error))?;
@@ -142,7 +142,7 @@ impl Worker {
         }
     }
 
-    /// Writes a frame with a request.
+    /// Writes the frame of a request.
     fn write(&mut self, request: Request, values: &[&Value]) -> Result<()> {
         self.request.clear();
         self.request.extend([0; 4]);
@@ -178,7 +178,7 @@ impl Worker {
         Ok(length)
     }
 
-    /// Ends the worker after a failure of the pipe, and returns the cause.
+    /// Ends the worker after a failure of the pipe; returns the cause.
     fn end(&mut self, request: Request, error: &io::Error) -> Error {
         let (name, asked) = (self.name.clone(), request.name());
         let how = match error.kind() {
@@ -211,7 +211,7 @@ impl Worker {
         Error::custom(how)
     }
 
-    /// Waits for the process to end by itself.
+    /// Waits until the process ends, for at most `at_most`.
     fn wait(&mut self, at_most: Duration) -> Option<std::process::ExitStatus> {
         let start = Instant::now();
         loop {
@@ -224,7 +224,7 @@ impl Worker {
     }
 
     fn kill(&mut self) {
-        // Both fail only if the process has already ended.
+        // both fail only if the process has already ended
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -235,7 +235,7 @@ impl Drop for Worker {
         if self.ended.is_some() {
             return;
         }
-        // Give the worker time to finish videos, but do not wait for one that hangs.
+        // give the worker time to finish videos, but do not wait for a hanging one
         let goodbye = Duration::from_secs(2);
         self.timeout = goodbye.min(self.timeout);
         let asked = match self.pipe.get_ref().set_read_timeout(Some(self.timeout)) {
@@ -243,7 +243,7 @@ impl Drop for Worker {
             Err(error) => Err(Error::custom(error.to_string())),
         };
         if let Err(error) = &asked {
-            // a drop returns nothing
+            // `drop` cannot return the error
             eprintln!("{error}");
         }
         if self.ended.is_none() && (asked.is_err() || self.wait(goodbye).is_none()) {
@@ -252,7 +252,7 @@ impl Drop for Worker {
     }
 }
 
-/// The error that Python raised.
+/// Converts an exception that Python raised.
 fn exception(name: &str, request: Request, told: &Value) -> Error {
     let text = |key: &str| told.get(key)?.as_text();
     let message = text("message").filter(|message| !message.is_empty());

@@ -1,5 +1,5 @@
-//! Environments of a real Python, where there is one with gymnasium: that of `GYM_BRIDGE_PYTHON`,
-//! else `python3`.
+//! Environments of a real Python with gymnasium: `GYM_BRIDGE_PYTHON`, else `python3`. Without it
+//! the tests say so and pass.
 
 use std::path::Path;
 use std::process::Command;
@@ -16,7 +16,7 @@ fn python() -> String {
     std::env::var("GYM_BRIDGE_PYTHON").unwrap_or_else(|_| "python3".into())
 }
 
-/// Whether Python can import all of these; where not, a test says so and ends.
+/// Whether Python can import all modules; prints which are missing otherwise.
 fn has(modules: &[&str]) -> bool {
     let import = format!("import {}", modules.join(", "));
     let there = Command::new(python())
@@ -57,7 +57,7 @@ fn is_running(pid: i64) -> bool {
         .any(|line| line.starts_with("State:") && !line.contains('Z'))
 }
 
-/// The process of an environment of the kind `Bad`.
+/// Returns the process id of an environment of the kind `Bad`.
 fn pid(env: &BoxEnv) -> i64 {
     env.info_map()["pid"].as_int().expect("a number")
 }
@@ -126,7 +126,7 @@ fn elements_of_every_space_go_there_and_come_back() {
         let mut env = echo(kind)
             .build()
             .unwrap_or_else(|error| panic!("{kind}: {error}"));
-        // the same sampler gives the same first element there and here
+        // the same sampler gives the same first element in Rust and in Python
         let first = env
             .reset(42)
             .unwrap_or_else(|error| panic!("{kind}: {error}"));
@@ -187,6 +187,9 @@ fn python_draws() {
         .build()
         .unwrap();
     assert_eq!(env.metadata().render_fps, 7);
+    // recorders ask for it
+    assert_eq!(env.render_mode(), Some(RenderMode::RgbArray));
+    assert_eq!(env.clone().render_mode(), Some(RenderMode::RgbArray));
     env.reset(0).unwrap();
     let Rendered::Frame(frame) = env.render().unwrap() else {
         panic!("a frame")
@@ -329,7 +332,7 @@ fn odd_results_are_named_and_the_worker_lives() {
         "an entry without a name is left out"
     );
     assert!(env.info_map().is_empty());
-    // the space drew for the environment alone: this is the second number of its seed
+    // only the environment used the space's generator: this is the second number of its seed
     let step = env.step(&Value::Int(14)).unwrap();
     assert_eq!(
         (step.reward, step.terminated, step.truncated),
@@ -382,7 +385,7 @@ fn observations_beyond_their_space_are_named() {
     }
 }
 
-/// An error in a drop is printed on standard error, read here from another process of this test.
+/// An error in `drop` is printed to standard error, which the test reads from a child process.
 #[test]
 fn what_goes_wrong_at_the_end_is_told() {
     const HANGS: &str = "GYM_BRIDGE_TEST_HANGS";
@@ -416,7 +419,8 @@ fn what_goes_wrong_at_the_end_is_told() {
     }
 }
 
-/// A picture goes from its array to the pipe, and the bounds of one are told by one number.
+/// An image is written from its array to the pipe without a copy; uniform bounds are sent as one
+/// number.
 #[test]
 fn large_arrays_are_not_copied_in_the_worker() {
     if !has(&["gymnasium"]) {
@@ -597,8 +601,7 @@ fn clones_and_snapshots_continue() {
     );
 }
 
-/// An environment that counts its steps in its info, as Python has it: without what `make` puts
-/// around it.
+/// An environment that counts its steps in its info, without the wrappers of Python's `make`.
 fn widens(start: i64) -> EnvBuilder {
     let env = bridge("bridge/Widens-v0")
         .arg("module", MODULE)
@@ -683,7 +686,7 @@ fn actions_that_do_not_fit_never_reach_python() {
     );
 }
 
-/// Bounds may change at a reset, forms may not.
+/// Bounds may change at a reset; shapes and dtypes may not.
 #[test]
 fn spaces_that_change_at_a_reset_are_those_of_python() {
     if !has(&["gymnasium"]) {
@@ -733,7 +736,7 @@ fn vectors_run_in_parallel() {
     }
 }
 
-/// Episodes of gym 0.26, minigrid, highway-env and ale-py, as they were recorded in Python.
+/// Episodes of gym 0.26, minigrid, highway-env and ale-py, recorded in Python.
 #[test]
 fn recorded_episodes_come_out_equal() {
     if !has(&["numpy"]) {
@@ -817,7 +820,7 @@ fn recorded_episodes_come_out_equal() {
     println!("{compared} recorded environments compared");
 }
 
-/// Whether a value is what was recorded of it: numbers, or for large arrays their checksum.
+/// Whether `value` equals its recorded form: the numbers, or a checksum for large arrays.
 fn is_recorded(recorded: &serde_json::Value, value: &Value) -> bool {
     use serde_json::Value as Json;
     match (recorded, value) {

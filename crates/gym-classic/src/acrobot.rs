@@ -86,10 +86,10 @@ gym_core::arguments! {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Equation {
-    /// That of Sutton and Barto's book.
+    /// The equation of Sutton and Barto's book.
     #[default]
     Book,
-    /// That of Sutton's paper at NIPS, without the centrifugal force of the upper link.
+    /// The equation of Sutton's paper at NIPS, without the centrifugal force of the upper link.
     Nips,
 }
 
@@ -104,14 +104,14 @@ gym_core::discrete! {
     pub enum Action {
         /// -1 N m.
         Negative,
-        /// None.
+        /// 0 N m.
         Zero,
         /// 1 N m.
         Positive,
     }
 }
 
-/// The two links.
+/// The state of both links.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Angle of the first link from hanging down, in rad.
@@ -122,8 +122,8 @@ pub struct State {
     pub dtheta1: f64,
     /// Angular velocity of the second link, in rad/s.
     pub dtheta2: f64,
-    /// Whether the episode has just begun: the numbers are then `float32`, and so are the observed
-    /// sines and cosines.
+    /// Whether the episode has just begun: the state and the observed sines and cosines are then
+    /// `float32`.
     pub fresh: bool,
 }
 
@@ -131,7 +131,7 @@ pub struct State {
 #[derive(Clone, Copy, Debug)]
 pub struct AcrobotDynamics {
     config: Config,
-    /// The arguments of the constructor, which the spaces follow.
+    /// The arguments of the constructor, from which the spaces follow.
     built: Config,
     is_usual: bool,
     constants: [f64; 19],
@@ -259,7 +259,7 @@ impl Task for AcrobotDynamics {
             },
             Color::BLACK,
         );
-        // the first state has 32 bits, and so have numpy's results from it
+        // the first state is `float32`, and so are numpy's results computed from it
         let number = |x: f64| if state.fresh { f64::from(x as f32) } else { x };
         let (sin, cos) = if state.fresh {
             let (sin, cos) = numpy_sin_cos_f32(state.theta1 as f32);
@@ -290,8 +290,8 @@ impl Task for AcrobotDynamics {
     }
 }
 
-/// The constants of the equations, with the squares of `LINK_LENGTH_1`, `LINK_COM_POS_1` and
-/// `LINK_COM_POS_2`.
+/// Returns the constants of the equations. The last argument is the squares of `LINK_LENGTH_1`,
+/// `LINK_COM_POS_1` and `LINK_COM_POS_2`.
 const fn constants_of(config: &Config, [l1_2, lc1_2, lc2_2]: [f64; 3]) -> [f64; 19] {
     let Config {
         dt,
@@ -308,7 +308,7 @@ const fn constants_of(config: &Config, [l1_2, lc1_2, lc2_2]: [f64; 3]) -> [f64; 
         torque_noise_max,
         book_or_nips: _,
     } = *config;
-    // the products of constants that Python computes first, in its order
+    // products of constants that Python computes first, in its order
     [
         m1 * lc1_2,
         m2,
@@ -337,7 +337,7 @@ impl Equations for AcrobotDynamics {
     type Input = [f64; 1];
     type Constants = [f64; 19];
 
-    // the squares are exact
+    // these squares are exact
     const USUAL: Option<[f64; 19]> = Some(constants_of(&Config::DEFAULT, [1.0, 0.25, 0.25]));
     const IS_NOISY: bool = true;
 
@@ -367,11 +367,11 @@ impl Equations for AcrobotDynamics {
         }
     }
 
-    /// The torque.
+    /// Returns the torque of an action.
     #[inline(always)]
     fn input(&self, action: Action) -> [f64; 1] {
         let [negative, zero, positive] = self.config.AVAIL_TORQUE;
-        // not by index, which would prevent vectorisation
+        // not by index, which would prevent vectorization
         [if action == Action::Negative {
             negative
         } else if action == Action::Zero {
@@ -388,7 +388,7 @@ impl Equations for AcrobotDynamics {
         }
     }
 
-    /// One step in time.
+    /// Advances the state by one step.
     #[inline(always)]
     fn advance<R: Real>(
         &self,
@@ -427,7 +427,8 @@ impl Equations for AcrobotDynamics {
         state.fresh
     }
 
-    /// The first state of an episode is `float32`, and so are numpy's results from it.
+    /// Observes the first state of an episode, which is `float32`, and so are numpy's results from
+    /// it.
     fn see_otherwise(&self, state: &State) -> Option<[f32; 6]> {
         let State {
             theta1,
@@ -442,14 +443,14 @@ impl Equations for AcrobotDynamics {
     }
 }
 
-/// Between `-limit` and `limit`.
+/// Limits `x` to ±`limit`.
 #[inline(always)]
 fn bound<R: Real>(x: R, limit: R) -> R {
     let x = R::select(x.lt(-limit), -limit, x);
     R::select(x.gt(limit), limit, x)
 }
 
-/// The derivatives of both angles and both velocities.
+/// Returns the derivatives of both angles and both velocities.
 #[inline(always)]
 fn dsdt<R: Real>(
     constants: [R; 19],
@@ -493,7 +494,7 @@ fn dsdt<R: Real>(
     [dtheta1, dtheta2, ddtheta1, ddtheta2]
 }
 
-/// `y + k * factor`.
+/// Returns `y + k * factor`.
 #[inline(always)]
 fn add<R: Real>([y1, y2, y3, y4]: [R; 4], [k1, k2, k3, k4]: [R; 4], factor: R) -> [R; 4] {
     [
@@ -504,14 +505,14 @@ fn add<R: Real>([y1, y2, y3, y4]: [R; 4], [k1, k2, k3, k4]: [R; 4], factor: R) -
     ]
 }
 
-/// One step of the classical Runge-Kutta method.
+/// Takes one step of the classical Runge-Kutta method.
 #[inline(always)]
 fn rk4<R: Real>(constants: [R; 19], is_nips: bool, y0: [R; 4], torque: R) -> [R; 4] {
     let [.., dt, half, sixth, _, _, _] = constants;
     let (one, two) = (dt.same(1.0), dt.same(2.0));
     let mut k = dsdt(constants, is_nips, y0, torque);
     let mut sum = k;
-    // a loop, because a compiled copy of the derivatives for each of its rounds would be no faster
+    // a loop, because unrolled copies of the derivatives are no faster
     for (step, weight) in [(half, two), (half, two), (dt, one)] {
         k = dsdt(constants, is_nips, add(y0, k, step), torque);
         sum = add(sum, k, weight);
@@ -519,8 +520,8 @@ fn rk4<R: Real>(constants: [R; 19], is_nips: bool, y0: [R; 4], torque: R) -> [R;
     add(y0, sum, sixth)
 }
 
-/// An angle between ±π, reduced turn by turn as in Gymnasium for the same rounding, unless this
-/// would take too long.
+/// Wraps an angle to ±π: turn by turn as in Gymnasium, for the same rounding, unless the angle is
+/// huge.
 #[inline(always)]
 fn wrap<R: Real>(x: R) -> R {
     const MANY: f64 = 1e4;
@@ -546,7 +547,7 @@ fn wrap<R: Real>(x: R) -> R {
     x
 }
 
-/// The same where some angles are huge.
+/// Wraps angles of which some are huge; `few` marks the others.
 #[cold]
 fn wrap_many<R: Real>(x: R, few: R::Mask) -> R {
     let at_once = (x + PI).modulo(TAU) - PI;

@@ -81,14 +81,14 @@ gym_core::arguments! {
     }
 }
 
-/// The integration of positions and velocities.
+/// How a step integrates positions and velocities.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Integrator {
-    /// Positions move with the old velocities.
+    /// Positions change by the old velocities.
     #[default]
     #[serde(rename = "euler")]
     Euler,
-    /// Positions move with the new velocities. In Gymnasium, any name except `euler` selects this.
+    /// Positions change by the new velocities. In Gymnasium, any name except `euler` selects this.
     #[serde(rename = "semi-implicit euler")]
     SemiImplicitEuler,
 }
@@ -109,7 +109,7 @@ gym_core::discrete! {
     }
 }
 
-/// Cart and pole.
+/// The state of cart and pole.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Position of the cart, in m.
@@ -122,7 +122,7 @@ pub struct State {
     pub theta_dot: f64,
     /// Whether the episode has already terminated: further steps have reward 0.
     pub fallen: bool,
-    /// Whether no step was taken yet. Reset options may start anywhere.
+    /// Whether no step was taken since the reset. Reset options allow any start.
     #[serde(default)]
     pub fresh: bool,
 }
@@ -131,20 +131,20 @@ pub struct State {
 #[derive(Clone, Copy, Debug)]
 pub struct CartPoleDynamics {
     config: Config,
-    /// The arguments of the constructor, which the spaces follow.
+    /// The arguments of the constructor, from which the spaces follow.
     built: Config,
     is_usual: bool,
     constants: [f64; 9],
 }
 
 impl CartPoleDynamics {
-    /// Whether an episode continues with this cart and pole.
+    /// Whether the episode continues with the cart at `x` and the pole at `theta`.
     fn is_within(&self, x: f64, theta: f64) -> bool {
         x.abs() <= self.config.x_threshold && theta.abs() <= self.config.theta_threshold_radians
     }
 }
 
-/// The constants of the equations.
+/// Returns the constants of the equations.
 const fn constants_of(config: &Config) -> [f64; 9] {
     let Config {
         gravity,
@@ -203,7 +203,8 @@ impl Equations for CartPoleDynamics {
         [state.x, state.x_dot, state.theta, state.theta_dot]
     }
 
-    /// A state beyond the thresholds ended its episode, and is not stepped again in a vector.
+    /// Restores a state. A state beyond the thresholds has ended its episode; a vector does not
+    /// step it again.
     #[inline(always)]
     fn state(&self, [x, x_dot, theta, theta_dot]: [f64; 4], fresh: bool) -> State {
         State {
@@ -216,14 +217,14 @@ impl Equations for CartPoleDynamics {
         }
     }
 
-    /// The direction to push in, without a branch: the CPU would mispredict half of all random
-    /// actions.
+    /// Returns the direction of the push, without a branch: with random actions, the CPU would
+    /// mispredict half of them.
     #[inline(always)]
     fn input(&self, action: Action) -> [f64; 1] {
         [f64::from(2 * action as i8 - 1)]
     }
 
-    /// The equations of motion, for a pole that has not fallen.
+    /// The equations of motion of a pole that has not fallen.
     #[inline(always)]
     fn advance<R: Real>(
         &self,
@@ -277,11 +278,11 @@ impl Equations for CartPoleDynamics {
         state
     }
 
-    /// After the pole has fallen, the reward is 0.
+    /// Once the pole has fallen, the reward is 0.
     #[inline(always)]
     fn finish(&self, before: &State, _action: Action, transition: &mut Transition<State>) {
         if before.fallen && transition.terminated && !self.config.sutton_barto_reward {
-            transition.reward = 0.0; // the end of the episode was paid before
+            transition.reward = 0.0; // the end of the episode was rewarded before
         }
         transition.state.fallen = before.fallen | transition.terminated;
     }
@@ -356,7 +357,7 @@ impl Task for CartPoleDynamics {
     }
 
     fn observation_space(&self) -> Space {
-        // twice the thresholds, so that the last observation of an episode is still inside
+        // twice the thresholds, so that an episode's last observation is inside
         let [x, theta] =
             [self.built.x_threshold, self.built.theta_threshold_radians].map(|x| (x * 2.0) as f32);
         let high = [x, f32::INFINITY, theta, f32::INFINITY];
@@ -380,8 +381,8 @@ impl Task for CartPoleDynamics {
         })
     }
 
-    /// With the default constants: during an episode cart and pole are within the thresholds, as
-    /// one step before, so no velocity exceeds the distance of the thresholds per step.
+    /// With the default constants: during an episode, cart and pole are within the thresholds
+    /// before and after a step, so no velocity exceeds the thresholds' distance per step.
     fn is_valid(&self, state: &State) -> bool {
         const PUSH: f64 = 1.0; // more than one step adds to a velocity
         let State {
@@ -448,7 +449,7 @@ impl Task for CartPoleDynamics {
     }
 }
 
-/// The registration that both versions share.
+/// The registration shared by both versions.
 const fn cartpole(id: &'static str) -> Registration {
     Registration::new::<CartPole>(id)
         .description("Balance a pole on a cart.")

@@ -1,9 +1,9 @@
-//! The check of constants that are arguments.
+//! Checks of constants that are arguments.
 
 use gym_core::{Error, Result};
 
-/// The largest magnitude of a constant: far beyond any planet, and far below an overflow in one
-/// step.
+/// The largest magnitude of a constant: far beyond physical values, and far below an overflow in
+/// one step.
 const LIMIT: f64 = 1e6;
 
 /// Refuses constants that are not finite or too large.

@@ -8,11 +8,11 @@
 //! | `Pendulum-v1` | swing a pendulum up and hold it |
 //! | `Acrobot-v1` | swing a two-link arm above a line |
 //!
-//! All have [native vectors](gym_native), with the same bits: the equations are written once,
-//! for one environment or as many as a SIMD register holds.
+//! All have [native vectors](gym_native) with the same bits: each equation is written once, for one
+//! number and for a SIMD register of numbers.
 //!
-//! Linking this crate registers them; name it (`use gym_classic as _;`) if nothing else of it is
-//! used.
+//! Linking this crate registers them. If your code uses nothing else of this crate, name it once:
+//! `use gym_classic as _;`.
 #![warn(clippy::disallowed_methods)]
 
 pub mod acrobot;
@@ -30,7 +30,7 @@ pub use mountain_car::MountainCar;
 pub use mountain_car_continuous::MountainCarContinuous;
 pub use pendulum::Pendulum;
 
-/// The example of the README, compiled and run.
+/// Compiles and runs the example of the README.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

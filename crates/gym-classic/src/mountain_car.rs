@@ -55,14 +55,14 @@ gym_core::discrete! {
     pub enum Action {
         /// To the left.
         Left,
-        /// Not at all.
+        /// No acceleration.
         Coast,
         /// To the right.
         Right,
     }
 }
 
-/// The car.
+/// The state of the car.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Position along the valley.
@@ -75,12 +75,12 @@ pub struct State {
 #[derive(Clone, Copy, Debug)]
 pub struct MountainCarDynamics {
     config: Config,
-    /// The arguments of the constructor, which the spaces follow.
+    /// The arguments of the constructor, from which the spaces follow.
     built: Config,
     is_usual: bool,
 }
 
-/// The constants of the equations.
+/// Returns the constants of the equations.
 const fn constants_of(config: &Config) -> [f64; 7] {
     let Config {
         goal_velocity,
@@ -129,7 +129,7 @@ impl Equations for MountainCarDynamics {
         State { position, velocity }
     }
 
-    /// The direction to accelerate in.
+    /// Returns the direction of the acceleration.
     #[inline(always)]
     fn input(&self, action: Action) -> [f64; 1] {
         [f64::from(action as i8 - 1)]
@@ -270,7 +270,7 @@ impl Task for MountainCarDynamics {
     }
 }
 
-/// The observation of both mountain cars.
+/// Returns the observation space of both mountain cars.
 pub(crate) fn valley(min_position: f64, max_position: f64, max_speed: f64) -> Space {
     Space::boxed(
         [min_position as f32, -max_speed as f32],
@@ -278,7 +278,7 @@ pub(crate) fn valley(min_position: f64, max_position: f64, max_speed: f64) -> Sp
     )
 }
 
-/// Arguments of both mountain cars.
+/// Checks the arguments that both mountain cars share.
 pub(crate) fn check_valley(env: &str, goal_velocity: f64, [low, high]: [f64; 2]) -> Result<()> {
     constants::finite(env, [("min_position", low), ("max_position", high)])?;
     if goal_velocity.is_nan() {
@@ -295,21 +295,21 @@ pub(crate) fn check_valley(env: &str, goal_velocity: f64, [low, high]: [f64; 2])
     Ok(())
 }
 
-/// `np.clip`.
+/// Limits `x` as `np.clip` does.
 #[inline(always)]
 pub(crate) fn clip<R: Real>(x: R, low: R, high: R) -> R {
     let x = R::select(x.lt(low), low, x);
     R::select(x.gt(high), high, x)
 }
 
-/// Python's `==`.
+/// Compares as Python's `==` does.
 #[inline(always)]
 pub(crate) fn equal<R: Real>(x: R, y: R) -> R::Mask {
     x.le(y) & y.le(x)
 }
 
-/// The valley, the car and the flag, of both mountain cars. With a position of 32 bits, numpy
-/// computes the car's place in 32 bits.
+/// Draws the valley, the car and the flag of both mountain cars. If `is_single`, the position is
+/// `float32`, and numpy computes the car's place in `float32`.
 pub(crate) fn draw(
     position: f64,
     is_single: bool,
@@ -324,7 +324,7 @@ pub(crate) fn draw(
     let scale = 600.0 / (max_position - min_position); // pixels per unit
     let height = |x: f64| sin(3.0 * x) * 0.45 + 0.55;
     let pixel = |x: f64| [(x - min_position) * scale, height(x) * scale];
-    // the same of the car
+    // converts a number of the car to its precision
     let number = |x: f64| if is_single { f64::from(x as f32) } else { x };
     let angle = number(3.0 * position);
     let sin = if is_single {
@@ -338,7 +338,7 @@ pub(crate) fn draw(
 
     canvas.clear(Color::WHITE);
     canvas.push(pygame::flipped(400.0));
-    // numpy's linspace
+    // as numpy's linspace
     let step = (max_position - min_position) / (POINTS - 1) as f64;
     let hill: [Point; POINTS] = std::array::from_fn(|i| {
         pixel(if i == POINTS - 1 {
@@ -355,7 +355,7 @@ pub(crate) fn draw(
         Color::BLACK,
     );
 
-    // Gymnasium turns the car by the slope's cosine, which is close enough to its angle
+    // Gymnasium rotates the car by the cosine of `angle`, which is close to the slope's angle
     let turn = cos(angle);
     let place = |point: Point| {
         let ([x, y], [left, bottom]) = (pygame::rotate_rad(point, turn), car_pixel);

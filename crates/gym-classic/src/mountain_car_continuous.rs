@@ -56,14 +56,14 @@ gym_core::arguments! {
     }
 }
 
-/// The car.
+/// The state of the car.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Position along the valley.
     pub position: f64,
     /// Velocity per step.
     pub velocity: f64,
-    /// Whether the episode has just begun, and the numbers are not yet `float32`.
+    /// Whether the episode has just begun: the numbers are then `float64`, later `float32`.
     pub fresh: bool,
 }
 
@@ -71,12 +71,12 @@ pub struct State {
 #[derive(Clone, Copy, Debug)]
 pub struct MountainCarContinuousDynamics {
     config: Config,
-    /// The arguments of the constructor, which the spaces follow.
+    /// The arguments of the constructor, from which the spaces follow.
     built: Config,
     is_usual: bool,
 }
 
-/// The constants of the equations.
+/// Returns the constants of the equations.
 const fn constants_of(config: &Config) -> [f64; 8] {
     let Config {
         goal_velocity,
@@ -104,8 +104,8 @@ const fn constants_of(config: &Config) -> [f64; 8] {
     ]
 }
 
-/// One step. With `USUAL`, all actions came as `float32` within their bounds, and no state is the
-/// first of its episode: every result is then rounded to `float32`.
+/// Takes one step. With `USUAL`, all actions are `float32` and within bounds, and no state is the
+/// first of its episode, so every result is rounded to `float32`.
 #[inline(always)]
 fn advance<R: Real, const USUAL: bool>(
     constants: [R; 8],
@@ -125,7 +125,7 @@ fn advance<R: Real, const USUAL: bool>(
     ] = constants;
     let (single, zero) = (precision.lt(precision.same(1.0)), position.same(0.0));
     let double = R::but_not(precision.lt(precision.same(2.0)), single);
-    // Each operation on `float32` numbers is exact in `float64` up to this rounding.
+    // each operation on `float32` numbers is exact in `float64` up to this rounding
     let rounded = |wide: R::Mask, x: R| {
         if USUAL {
             x.single()
@@ -133,12 +133,12 @@ fn advance<R: Real, const USUAL: bool>(
             R::select(wide, x, x.single())
         }
     };
-    // for numbers that the usual case has already rounded
+    // for numbers that the usual case has rounded already
     let narrowed = |wide: R::Mask, x: R| if USUAL { x } else { rounded(wide, x) };
 
     let pull = rounded(fresh, position * 3.0).cos() * 0.0025;
     let within = ((action * power.single()).single() - pull.single()).single();
-    // a clipped force is one of the bounds, a number of Python's: the sum is then `float64`
+    // a clipped force is one of the bounds, which are Python floats: the sum is then `float64`
     let below = action.lt(R::select(single, min_action.single(), min_action));
     let above = action.gt(R::select(single, max_action.single(), max_action));
     let clipped = below | above;
@@ -149,8 +149,7 @@ fn advance<R: Real, const USUAL: bool>(
         R::select(R::but_not(single, clipped), within, force * power - pull)
     };
 
-    // numbers of Python's take the precision of the state; those of `float64` widen what they are
-    // added to
+    // Python floats take the precision of the state; `float64` numbers widen what they are added to
     let wide = fresh | R::but_not(double, clipped);
     let most = rounded(wide, max_speed);
     let moved = rounded(wide, velocity + narrowed(wide, change));
@@ -224,7 +223,7 @@ impl Equations for MountainCarContinuousDynamics {
         [force, f64::from(precision as u8)]
     }
 
-    /// The equations of motion, for a force of any size.
+    /// The equations of motion, for a force of any magnitude.
     #[inline(always)]
     fn advance<R: Real>(
         &self,

@@ -59,14 +59,14 @@ gym_core::arguments! {
     }
 }
 
-/// The pendulum.
+/// The state of the pendulum.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Angle from upright, in rad, not wrapped.
     pub theta: f64,
     /// Angular velocity, in rad/s.
     pub theta_dot: f64,
-    /// The last torque after clipping, for drawing.
+    /// The last clipped torque, for drawing.
     pub last_torque: Option<f32>,
 }
 
@@ -74,7 +74,7 @@ pub struct State {
 #[derive(Clone, Copy, Debug)]
 pub struct PendulumDynamics {
     config: Config,
-    /// The arguments of the constructor, which the spaces follow.
+    /// The arguments of the constructor, from which the spaces follow.
     built: Config,
     is_usual: bool,
     constants: [f64; 5],
@@ -89,7 +89,7 @@ struct Start {
     y_init: Option<f64>,
 }
 
-/// The constants of the equations, with the square of the length.
+/// Returns the constants of the equations; `l_2` is the square of the length.
 const fn constants_of(config: &Config, l_2: f64) -> [f64; 5] {
     let Config {
         g,
@@ -108,7 +108,8 @@ const fn constants_of(config: &Config, l_2: f64) -> [f64; 5] {
     ]
 }
 
-/// The cost of a torque, and its acceleration, computed by numpy in `float32` or not.
+/// Returns the cost of a torque, and its angular acceleration. If `SINGLE`, numpy computes them in
+/// `float32`.
 #[inline(always)]
 fn effects<R: Real, const SINGLE: bool>(torque: R, per_torque: R, max_torque: R) -> [R; 2] {
     let rounded = |x: R| if SINGLE { x.single() } else { x };
@@ -145,7 +146,8 @@ impl Equations for PendulumDynamics {
         [state.theta, state.theta_dot, 0.0]
     }
 
-    /// The third number is the sine of the angle, kept from the observation for the next step.
+    /// The third number is the sine of the angle: the observation computes it, and the next step
+    /// uses it.
     #[inline(always)]
     fn complete<R: Real>([theta, theta_dot, _]: [R; 3]) -> [R; 3] {
         [theta, theta_dot, theta.sin()]
@@ -160,8 +162,8 @@ impl Equations for PendulumDynamics {
         }
     }
 
-    /// The torque, and whether its products are `float64`: those of numpy's arrays of `float32` are
-    /// not.
+    /// Returns the torque, and 1 if its products are `float64`: those of numpy's `float32` arrays
+    /// are not.
     #[inline(always)]
     fn input(
         &self,
@@ -325,25 +327,25 @@ impl Task for PendulumDynamics {
     }
 }
 
-/// Where the axle is, both ways.
+/// The coordinate of the axle, horizontally and vertically.
 const MIDDLE: f64 = 250.0;
 
-/// An arrow around the axle, with the torque's size and direction. Gymnasium loads an image; this
-/// is drawn, with the same size and place.
+/// Draws an arrow around the axle with the torque's magnitude and direction. Gymnasium loads an
+/// image; this arrow has the image's size and place.
 fn draw_torque(torque: f64, scale: f64, canvas: &mut dyn Canvas) {
-    // for a radius of 1; Gymnasium's arrow is not quite circular and off the axle, so this one is
-    // too
+    // for a radius of 1. Gymnasium's arrow is not quite circular and not centred on the axle, so
+    // neither is this one.
     const WIDTH: f64 = 0.065; // of the line
     const WIDE: f64 = 0.973;
     const HIGH: f64 = 1.034;
     const SHIFT: f64 = 0.064;
     const HEAD: [Point; 4] = [[0.77, -0.1], [0.91, -0.02], [1.05, -0.1], [0.91, 0.3]];
     const POINTS: usize = 33;
-    let size = 0.94 * scale * torque.abs() / 4.0; // in Gymnasium the whole picture is twice as wide
+    let size = 0.94 * scale * torque.abs() / 4.0; // in Gymnasium the whole image is twice as wide
     if size < 1.0 {
         return;
     }
-    // drawn counterclockwise; a negative torque turns the other way
+    // drawn counterclockwise; a negative torque mirrors it
     let place = |[x, y]: Point| [x * size * torque.signum() + MIDDLE, y * size + MIDDLE];
     let edge =
         |radius| arc([0.0; 2], radius, -1.5 * PI, 0.0).map(|[x, y]| [WIDE * x - SHIFT, HIGH * y]);
@@ -369,7 +371,7 @@ gym_core::register!(
         .vector_entry_point(gym_native::entry_point::<PendulumDynamics>)
         .light_step()
         .keys(|_| {
-            // a positive torque turns to the left
+            // a positive torque is counterclockwise
             Keys::new(json!({"Left": [2], "Right": [-2]})).idle(json!([0]))
         })
         .policy(Policy::rules(

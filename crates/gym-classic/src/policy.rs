@@ -1,4 +1,4 @@
-//! Rules that play each task well.
+//! Hand-written rules that play each task well.
 
 use gym_core::math::atan2;
 
@@ -7,8 +7,8 @@ pub(crate) fn cartpole([x, x_dot, theta, theta_dot]: &[f32; 4]) -> i64 {
     i64::from(x + 1.6 * x_dot + 18.0 * theta + 3.0 * theta_dot > 0.0)
 }
 
-/// Drives right while the velocity lies between two curves over the position (Zhiqing Xiao,
-/// *Reinforcement Learning: Theory and Python Implementation*, 2024), else left.
+/// Drives right while the velocity is between two curves over the position, otherwise left (Zhiqing
+/// Xiao, *Reinforcement Learning: Theory and Python Implementation*, 2024).
 pub(crate) fn mountain_car([position, velocity]: &[f32; 2]) -> i64 {
     let x = *position;
     let low = (-0.09 * (x + 0.25).powi(2) + 0.03).min(0.3 * (x + 0.9).powi(4) - 0.008);
@@ -29,7 +29,7 @@ pub(crate) fn mountain_car_continuous([_, velocity]: &[f32; 2]) -> [f32; 1] {
 /// Adds energy until the pole is near the top, then holds it there.
 pub(crate) fn pendulum([cos, sin, theta_dot]: &[f32; 3]) -> [f32; 1] {
     let theta = atan2(f64::from(*sin), f64::from(*cos)) as f32;
-    // per unit of inertia: that at the top is 15
+    // per moment of inertia; the energy at the top is 15
     let energy = 0.5 * theta_dot * theta_dot + 15.0 * cos;
     let torque = if theta.abs() < 0.5 {
         -10.0 * theta - 2.0 * theta_dot

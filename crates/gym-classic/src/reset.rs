@@ -3,17 +3,17 @@
 use gym_core::{Error, Reset, Result};
 use serde::{Deserialize, Deserializer};
 
-/// The largest magnitude accepted for a number of a state: far beyond any episode, and
-/// small enough that no equation overflows in one step.
+/// The largest magnitude of a number of a state: far beyond any episode, and small enough that no
+/// equation overflows in one step.
 const LIMIT: f64 = 1e6;
 
-/// Whether a state from outside may be one of a task with the default constants; with others, such
-/// as no mass, numbers may be infinite or NaN.
+/// Whether a deserialized state is possible in a task with the default constants. With others, such
+/// as no mass, a state may be infinite or NaN.
 pub(crate) fn plausible(state: &[f64]) -> bool {
     state.iter().all(|x| x.abs() <= LIMIT)
 }
 
-/// Refuses a number given for a reset option if no episode could start from it.
+/// Checks the value of a reset option: refuses a number from which no episode could start.
 pub(crate) fn check(env: &str, name: &str, value: f64) -> Result<f64> {
     if value.abs() <= LIMIT {
         return Ok(value);
@@ -30,12 +30,12 @@ struct Bounds {
     high: Option<f64>,
 }
 
-/// An option that may be absent but not null.
+/// Reads an option that may be missing but not null.
 pub(crate) fn number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<f64>, D::Error> {
     f64::deserialize(deserializer).map(Some)
 }
 
-/// The reset options `low` and `high`: the range that the initial state is drawn from.
+/// Reads the reset options `low` and `high`: the bounds of the initial state.
 pub(crate) fn bounds(
     reset: &Reset,
     env: &str,

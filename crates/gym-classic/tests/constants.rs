@@ -4,10 +4,10 @@
 use gym_classic as _;
 use gym_core::prelude::*;
 use gym_core::vector::VectorKind;
-use gym_core::{BoxEnv, Generator, Kwargs, Value, builder};
+use gym_core::{BoxEnv, Generator, Inspect, Kwargs, Value, builder};
 use serde::Deserialize;
 
-/// An episode of Gymnasium's, made by `constants.py`.
+/// An episode of Gymnasium, recorded by `constants.py`.
 #[derive(Deserialize)]
 struct Recorded {
     id: String,
@@ -23,12 +23,12 @@ fn recordings() -> Vec<Recorded> {
     serde_json::from_str(include_str!("constants.json")).unwrap()
 }
 
-/// The actions of a recording: random ones, and most of the time those with the motion.
+/// The actions of a recording: random ones, but most of the time in the direction of the motion.
 struct Actions {
     rng: Generator,
-    /// How many there are; none where an action is a number.
+    /// The number of actions; `None` if an action is a number.
     n: Option<i64>,
-    /// Which number of an observation is the velocity to go with.
+    /// The index of the velocity in an observation, for actions in its direction.
     pump: Option<usize>,
 }
 
@@ -71,7 +71,7 @@ impl Actions {
     }
 }
 
-/// FNV-1a of what an environment gives.
+/// FNV-1a of an environment's results.
 struct Sum(u64);
 
 impl Sum {
@@ -263,8 +263,8 @@ fn constants_that_cannot_be_are_refused() {
     );
 }
 
-/// As an attribute of Gymnasium's environments does: numbers computed from others stay, and so do
-/// the spaces.
+/// Setting an argument works like setting Gymnasium's attribute: numbers that the constructor
+/// computed from it do not change, nor do the spaces.
 #[test]
 fn constants_set_later_take_effect() {
     for Recorded {
@@ -280,7 +280,7 @@ fn constants_set_later_take_effect() {
         let mut env = builder(&id).max_episode_steps(None).build().unwrap();
         let space = env.observation_space();
         env.reset(0).unwrap();
-        let own = env.unwrapped_mut::<CartPole>().unwrap();
+        let own = env.layer_mut::<CartPole>().unwrap();
         let derived = ["total_mass", "polemass_length"];
         let given = |name: &str| {
             !derived.contains(&name) || !matches!(arguments[name].as_f64(), Some(1.1 | 0.05))
@@ -290,7 +290,7 @@ fn constants_set_later_take_effect() {
         }
         assert_eq!(env.observation_space(), space);
         assert_eq!(sum_of(&mut env, &id, seed), sum, "{arguments:?}");
-        let own = env.unwrapped_mut::<CartPole>().unwrap();
+        let own = env.layer_mut::<CartPole>().unwrap();
         let error = own
             .set_argument("gravity", "much".into())
             .unwrap_err()
@@ -301,8 +301,8 @@ fn constants_set_later_take_effect() {
     }
 }
 
-/// A vector with other constants in each environment gives what single environments with those
-/// give.
+/// A vector whose environments have different constants gives the results of single environments
+/// with these constants.
 #[test]
 fn each_environment_of_a_vector_has_constants_of_its_own() {
     const N: usize = 70;
@@ -340,8 +340,8 @@ fn each_environment_of_a_vector_has_constants_of_its_own() {
     );
 }
 
-/// A value from a range is drawn by the environment's generator before each start, and holds for
-/// the episode.
+/// The environment's generator draws the constants of a range at each reset; they hold for the
+/// episode.
 #[test]
 fn ranges_draw_constants_anew_at_each_reset() {
     use gym_classic::cartpole::{CartPoleDynamics, Config};
@@ -358,7 +358,7 @@ fn ranges_draw_constants_anew_at_each_reset() {
     let mut envs = make();
     let mut columns = envs.columns().unwrap();
     envs.reset_into(&5.into(), &mut columns).unwrap();
-    // the same by hand
+    // the expected values, computed by hand
     let start = |rng: &mut Generator| {
         let [gravity, length] = RANGES.map(|(_, low, high)| rng.uniform(low, high));
         let own = CartPoleDynamics::new(Config {
@@ -406,7 +406,7 @@ fn ranges_draw_constants_anew_at_each_reset() {
         }
     }
     assert!(ends > 100);
-    let native = envs.wrapper::<NativeVectorEnv<CartPoleDynamics>>().unwrap();
+    let native = envs.layer::<NativeVectorEnv<CartPoleDynamics>>().unwrap();
     let drawn: Vec<_> = (0..N).map(|i| native.arguments(i)).collect();
     for (i, (dynamics, _)) in own.iter().enumerate() {
         let Config {
@@ -420,7 +420,7 @@ fn ranges_draw_constants_anew_at_each_reset() {
             ]
         );
     }
-    // a snapshot holds what was drawn
+    // a snapshot contains the drawn constants
     let (snapshot, mut actions) = middle.unwrap();
     let mut again = make();
     let mut replayed = again.columns().unwrap();
@@ -446,6 +446,13 @@ fn what_cannot_differ_is_refused() {
     assert!(error("gravity", [1.0].into()).contains("there are 1 values for 2 environments"));
     assert!(error("gravity", (3.0..1.0).into()).contains("the lower one first"));
     assert!(error("gravity", [1.0, 1e9].into()).contains("gravity is 1000000000.0"));
+    // either end of a range
+    assert!(error("gravity", (1.0..1e9).into()).contains("gravity is 1000000000.0"));
+    assert!(error("gravity", (-1e9..1.0).into()).contains("gravity is -1000000000.0"));
+    assert!(
+        error("x_threshold", (2.4..3.0).into())
+            .contains("must give all environments the same spaces")
+    );
     assert!(error("mass", [1.0, 2.0].into()).contains("no argument of this name"));
     assert!(
         error("x_threshold", [1.0, 2.0].into())
@@ -466,7 +473,7 @@ fn what_cannot_differ_is_refused() {
             .to_string()
             .contains("ranges need a native vector")
     );
-    // a sync vector supports what a native one does not
+    // a sync vector supports arguments that a native vector does not
     let envs = builder("CartPole-v1")
         .vector(2)
         .arg_each("kinematics_integrator", ["euler", "semi-implicit euler"]);
@@ -474,4 +481,59 @@ fn what_cannot_differ_is_refused() {
         envs.build().unwrap().spec().unwrap().vectorization_mode,
         VectorKind::Sync
     );
+}
+
+/// Numbers that were drawn from wider ranges, from either side, are refused, and so are those of
+/// another number of environments or arguments. What is refused changes nothing.
+#[test]
+fn numbers_drawn_outside_of_the_ranges_are_refused() {
+    let make = |n: usize, ranges: &[(&str, f64, f64)]| {
+        let vector = builder("CartPole-v1").vector(n).kind(VectorKind::Native);
+        let vector = ranges.iter().fold(vector, |vector, (name, low, high)| {
+            vector.arg_each(name, *low..*high)
+        });
+        vector.build().unwrap()
+    };
+    let stored = |n: usize, ranges: &[(&str, f64, f64)]| {
+        let mut envs = make(n, ranges);
+        envs.reset(7).unwrap();
+        envs.snapshot().unwrap()
+    };
+    const N: usize = 40;
+    let own = [("length", 0.5, 0.6)];
+    let mut envs = make(N, &own);
+    envs.reset(1).unwrap();
+    let before = envs.snapshot().unwrap();
+    for (n, ranges) in [
+        (N, &[("length", 0.3, 0.8)][..]),
+        (N, &[("length", 0.3, 0.45)]),
+        (N, &[("length", 0.65, 0.8)]),
+        (N, &[("length", 0.5, 0.6), ("gravity", 9.0, 10.0)]),
+        (N, &[]),
+        (N + 1, &own),
+        (2 * N, &own),
+    ] {
+        let error = envs.restore(&stored(n, ranges)).unwrap_err().to_string();
+        assert!(error.contains("cannot restore"), "{n}, {ranges:?}: {error}");
+        assert_eq!(envs.snapshot().unwrap(), before, "{n}, {ranges:?}");
+    }
+    // narrower ranges lie inside
+    envs.restore(&stored(N, &[("length", 0.52, 0.58)])).unwrap();
+    // and so do numbers that equal the ends
+    let native = envs
+        .layer::<gym_native::NativeVectorEnv<gym_classic::cartpole::CartPoleDynamics>>()
+        .unwrap();
+    let drawn: Vec<f64> = (0..N).map(|i| native.arguments(i)[0].1).collect();
+    let [low, high] = [f64::min, f64::max].map(|end| drawn.iter().copied().reduce(end).unwrap());
+    let snapshot = envs.snapshot().unwrap();
+    make(N, &[("length", low, high)])
+        .restore(&snapshot)
+        .unwrap();
+    for (low, high) in [(low.next_up(), high), (low, high.next_down())] {
+        assert!(
+            make(N, &[("length", low, high)])
+                .restore(&snapshot)
+                .is_err()
+        );
+    }
 }

@@ -4,7 +4,7 @@ use gym_classic::cartpole::{Action, CartPole, Config};
 use gym_classic::{MountainCarContinuous, mountain_car, mountain_car_continuous};
 use gym_core::{Continuous, Dynamics, Env, EnvExt, Generator, Reset, Task};
 
-/// Pushes right until the pole falls, and once more.
+/// Returns the rewards until the pole falls, and of one step more.
 fn rewards(config: Config) -> Vec<f64> {
     let mut env = CartPole::new(config).unwrap();
     env.reset(0).unwrap();
@@ -60,7 +60,7 @@ fn what_starts_and_ends_beyond_the_thresholds_is_stored_and_restored() {
     }
 }
 
-/// Without mass the numbers are infinite after a step, and NaN after two.
+/// Without mass, the numbers are infinite after one step and NaN after two.
 #[test]
 fn a_state_that_is_not_finite_is_stored_and_restored() {
     let mut env = CartPole::new(Config {
@@ -93,7 +93,7 @@ fn the_last_step_counts_and_none_beyond() {
     );
 }
 
-/// The force is clipped; the reward is of the unclipped action.
+/// The force is clipped; the reward uses the unclipped action.
 #[test]
 fn the_cost_is_that_of_the_action_as_given() {
     let step = |force: f32| {
@@ -111,7 +111,7 @@ fn the_cost_is_that_of_the_action_as_given() {
     assert!((step(3.0).observation[0] - step(1.0).observation[0]).abs() < 1e-6);
 }
 
-/// At the right end of the valley, at the highest speed: both are clipped to just these numbers.
+/// At the right end of the valley at full speed: both are clipped to exactly the goal's numbers.
 #[test]
 fn the_goal_itself_counts() {
     let mut rng = Generator::from(0);
@@ -131,7 +131,7 @@ fn the_goal_itself_counts() {
     assert_eq!((after.state.position, after.state.velocity), (0.6, 0.07));
     assert!(after.terminated);
 
-    // its numbers are those of float32
+    // the constants as `float32`, like the state
     let [goal_position, goal_velocity] = [0.6f32, 0.07].map(f64::from);
     let config = mountain_car_continuous::Config {
         goal_position,
@@ -152,8 +152,8 @@ fn the_goal_itself_counts() {
     assert!(after.terminated);
 }
 
-/// A force of `float64` widens all sums of a step, which is rounded once, at its end. Before the
-/// first step, the state is of `float64` too.
+/// A `float64` force makes all sums of a step `float64`; they are rounded once, at the end. Before
+/// the first step, the state is `float64` too.
 #[test]
 fn a_precise_force_moves_a_continuous_mountain_car_precisely() {
     use mountain_car_continuous::{Config, MountainCarContinuousDynamics, State};
@@ -188,7 +188,7 @@ fn a_precise_force_moves_a_continuous_mountain_car_precisely() {
     }
 }
 
-/// Upright and at rest, a pendulum costs only the torque, in the torque's precision.
+/// Upright and at rest, only the torque has a cost, in the torque's precision.
 #[test]
 fn a_torque_costs_in_its_own_precision() {
     use gym_classic::pendulum::{Config, PendulumDynamics, State};

@@ -1,10 +1,9 @@
-//! The machine code of the equations: their steps consist of vector instructions with fused
-//! multiply-adds, in one function each.
+//! The machine code of the equations: each step is one function of vector instructions with FMA.
 //!
-//! A function on the way that is not inlined loses both in silence: results stay, and a step takes
-//! five times as long. Times say so only on a quiet machine; the machine code says it everywhere,
-//! whichever CPU runs the test. The same look shows that no function of the platform's mathematics
-//! is called.
+//! A function that is not inlined silently loses both: the results are the same, and a step takes
+//! five times as long. A measurement shows this only on a quiet machine; the machine code shows it
+//! everywhere, on any CPU. The test also checks that no mathematical function of the platform is
+//! called.
 #![cfg(all(target_arch = "x86_64", target_os = "linux"))]
 
 use std::process::Command;
@@ -20,18 +19,18 @@ const IDS: [&str; 5] = [
     "Pendulum-v1",
 ];
 
-/// How often a function multiplies and adds at once, in registers of 8, 4 and 1 numbers.
+/// The number of FMA instructions in a function, by register: 8, 4 or 1 numbers.
 #[derive(Clone, Debug, Default)]
 struct Function {
     name: String,
     by_8: usize,
     by_4: usize,
     by_1: usize,
-    /// Which of the platform's mathematical functions it calls, if any.
+    /// The mathematical function of the platform that is called, if any.
     platform: Option<&'static str>,
 }
 
-/// Instructions that results must not depend on.
+/// Functions of the platform that results must not depend on.
 const PLATFORM: [&str; 20] = [
     "atan2", "cos", "cosf", "exp", "exp2", "expm1", "fma", "fmaf", "log", "log10", "log1p",
     "log1pf", "log2", "pow", "powf", "sin", "sincos", "sinf", "tan", "tanh",
@@ -103,7 +102,7 @@ fn steps_are_vector_instructions_with_fused_multiply_adds() {
     let functions = functions(&String::from_utf8_lossy(&output.stdout));
     assert!(functions.len() > 1000, "{} functions", functions.len());
 
-    // the shortest kernel, MountainCar's, has some 30
+    // the shortest kernel, MountainCar's, has about 30
     let wide: Vec<_> = functions
         .iter()
         .filter(|function| function.by_8 >= 15)
@@ -129,7 +128,7 @@ fn steps_are_vector_instructions_with_fused_multiply_adds() {
             "one by one: {function:?}"
         );
     }
-    // a fused multiply-add outside of a function for CPUs that have it is a call, too
+    // an FMA outside of a function that is compiled for FMA is a call, too
     for Function { name, platform, .. } in &functions {
         assert!(
             platform.is_none(),

@@ -1,8 +1,9 @@
-//! Native vectors give the bits of scalar environments, step by step.
+//! Native vectors give the bits of single environments, step by step.
 
 use gym_classic as _;
-use gym_core::vector::{Autoreset, VectorKind};
-use gym_core::{VectorEnv, VectorEnvExt, builder};
+use gym_core::vector::{Autoreset, VectorKind, VectorReset};
+use gym_core::wrappers::RecordEpisodeStatistics;
+use gym_core::{Value, VectorEnv, VectorEnvExt, WrapperSpec, builder};
 
 const IDS: [&str; 6] = [
     "Acrobot-v1",
@@ -13,7 +14,7 @@ const IDS: [&str; 6] = [
     "Pendulum-v1",
 ];
 
-/// Compares all that both kinds of vectors give, for as many steps of one environment.
+/// Compares native and sync vectors for `steps` steps.
 fn compare(id: &str, num_envs: usize, steps: usize, seed: u64) {
     let [mut native, mut sync] = [VectorKind::Native, VectorKind::Sync].map(|kind| {
         builder(id)
@@ -39,7 +40,7 @@ fn compare(id: &str, num_envs: usize, steps: usize, seed: u64) {
     }
 }
 
-/// 100 is not a multiple of a register's numbers.
+/// 100 is not a multiple of a register's length.
 #[test]
 fn native_vectors_equal_scalar_environments() {
     for id in IDS {
@@ -48,7 +49,7 @@ fn native_vectors_equal_scalar_environments() {
     }
 }
 
-/// FNV-1a of the numbers of 100 environments in 300 steps.
+/// Returns FNV-1a of the results of 100 environments in 300 steps.
 fn fingerprint(id: &str) -> u64 {
     let mut envs = builder(id)
         .vector(100)
@@ -74,7 +75,8 @@ fn fingerprint(id: &str) -> u64 {
     hash
 }
 
-/// The same on every platform, and with the feature `emulate-fma` of gym-numerics.
+/// The fingerprints are equal on every platform, and with the feature `emulate-fma` of
+/// gym-numerics.
 #[test]
 fn results_depend_on_no_machine() {
     let fingerprints = IDS.map(fingerprint);
@@ -87,4 +89,65 @@ fn results_depend_on_no_machine() {
         10_315_836_550_077_561_870,
     ];
     assert_eq!(fingerprints, expected);
+}
+
+/// A reset by a mask has no info of those left out, and no `episode`, whether their episodes have
+/// ended or not: in each mode, and whether the vector is wrapped or each sub-environment is.
+#[test]
+fn a_masked_reset_tells_nothing_of_those_left_out() {
+    const N: usize = 40;
+    for mode in [
+        Autoreset::NextStep,
+        Autoreset::SameStep,
+        Autoreset::Disabled,
+    ] {
+        for (kind, within) in [
+            (VectorKind::Native, false),
+            (VectorKind::Sync, false),
+            (VectorKind::Sync, true),
+            (VectorKind::Async, true),
+        ] {
+            let mut env = builder("CartPole-v1").max_episode_steps(4);
+            if within {
+                env = env.wrap(WrapperSpec::new("RecordEpisodeStatistics"));
+            }
+            let envs = env.vector(N).kind(kind).autoreset(mode).build().unwrap();
+            let mut envs: Box<dyn VectorEnv> = if within {
+                envs
+            } else {
+                Box::new(RecordEpisodeStatistics::new(envs))
+            };
+            let what = format!("{mode:?}, {}", envs.describe());
+            let mut columns = envs.columns().unwrap();
+            let actions = Value::from([1_i64; N]);
+            envs.reset_into(&0.into(), &mut columns).unwrap();
+            // those of the last block begin two steps later
+            for step in 0..4 {
+                if step == 2 {
+                    let late: Vec<bool> = (0..N).map(|i| i >= 32).collect();
+                    envs.reset_into(&VectorReset::default().mask(late), &mut columns)
+                        .unwrap();
+                }
+                envs.step_into(&actions, &mut columns).unwrap();
+            }
+            let is_first = |i: usize| i < 32;
+            let over: Vec<bool> = (0..N).map(|i| columns.done(i)).collect();
+            assert_eq!(over, (0..N).map(is_first).collect::<Vec<_>>(), "{what}");
+            let place = match (mode, within) {
+                (Autoreset::SameStep, true) => "final_info",
+                _ => "episode",
+            };
+            assert!(envs.infos(&columns).contains_key(place), "{what}");
+            // of those that are over every second one, and of the others too
+            let mask: Vec<bool> = (0..N).map(|i| i % 2 == 1).collect();
+            envs.reset_into(&VectorReset::default().mask(mask), &mut columns)
+                .unwrap();
+            let infos = envs.infos(&columns);
+            assert!(infos.is_empty(), "{what}: {infos:?}");
+            for i in 0..N {
+                assert!(envs.info_map(i).is_empty(), "{what}: {i}");
+                assert!(!columns.done(i) && !columns.has_final[i], "{what}: {i}");
+            }
+        }
+    }
 }

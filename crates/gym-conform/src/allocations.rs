@@ -5,8 +5,8 @@ use crate::verdict::{Verdict, broken};
 use gym_core::{Element, Env, EnvExt, Result, Value};
 
 pub(crate) fn none(subject: &Subject<'_>) -> Verdict {
-    const STEPS: usize = 200;
     const WARM: u32 = 12;
+    let steps = subject.long()?;
     let mut env = subject.make()?;
     let mut actions = env.action_sampler(0)?;
     let mut observation = Value::empty();
@@ -14,7 +14,7 @@ pub(crate) fn none(subject: &Subject<'_>) -> Verdict {
     env.reset_into(&0.into(), &mut observation)?;
     env.step_into(&actions.sample(), &mut observation)?;
     env.reset_into(&0.into(), &mut observation)?;
-    for step in 0..STEPS {
+    for step in 0..steps {
         let action = actions.sample();
         let mut outcome = Ok(gym_core::Outcome::default());
         let count = || outcome = env.step_into(&action, &mut observation);

@@ -4,8 +4,8 @@ use crate::finding::Severity;
 use crate::subject::Subject;
 use crate::verdict::{Verdict, broken, skipped};
 use crate::{
-    actions, allocations, arguments, copies, drawing, episodes, info, looking, observations,
-    options, panics, pictures, registered, seeding, spaces, threads,
+    actions, allocations, arguments, clock, close, copies, drawing, episodes, info, looking,
+    observations, options, panics, pictures, registered, seeding, spaces, threads,
 };
 
 /// One rule.
@@ -432,6 +432,25 @@ pub const CHECKS: &[Check] = &[
         EPISODES,
         "a step takes nanoseconds, and an allocation as long again",
         "keep buffers in the environment, or give the reason in `.exceptions(&[(\"no-allocation\", \"...\")])`",
+    ),
+    error!(
+        "close-harmless",
+        close::harmless,
+        ["same-seed-same-episode", "reset-forgets", "clone-apart"],
+        "programs close environments twice, by hand and when they end, and others go on",
+        "free in `close` only what is the environment's own, and remember that it was freed",
+    ),
+    error!(
+        "clock-unread",
+        clock::unread,
+        [
+            "same-seed-same-episode",
+            "reset-forgets",
+            "clone-continues",
+            "close-harmless"
+        ],
+        "an episode must not depend on the speed of the machine, nor on the time of day",
+        "count steps in place of seconds",
     ),
     error!(
         "no-panic",

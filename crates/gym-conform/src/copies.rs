@@ -3,24 +3,35 @@
 use serde_json::{Value as Json, json};
 
 use crate::arguments;
-use crate::subject::{SEEDS, STEPS, Shown, Subject, carry_on, info, roll_out, same};
+use crate::calls::Calls;
+use crate::subject::{SEEDS, STEPS, Shown, Subject, alike, carry_on, info, roll_out, same};
 use crate::verdict::{Verdict, broken};
-use gym_core::{BoxEnv, Env, EnvExt, Error, Result, Snapshot};
+use gym_core::{BoxEnv, Env, EnvExt, Error, Result, Snapshot, Value};
 
 pub(crate) fn clone_apart(subject: &Subject<'_>) -> Verdict {
     for seed in SEEDS {
         let (mut env, mut other) = (subject.midway(seed)?, subject.midway(seed)?);
-        let mut clone = env.clone();
+        let (mut clone, mut idle) = (env.clone(), env.clone());
         // independently of the clone
         let _ = carry_on(&mut clone, seed + 1, 20);
-        let _ = clone.reset(seed + 1);
-        clone.close();
         let what = "an environment whose clone was used";
-        same(
-            &carry_on(&mut other, seed, STEPS)?,
-            &carry_on(&mut env, seed, STEPS)?,
-            what,
-        )?;
+        same_face(&other, &env, what)?;
+        let _ = clone.reset(seed + 1);
+        same_face(&other, &env, what)?;
+        clone.close();
+        clone.close();
+        same_face(&other, &env, what)?;
+        // a clone that differs from the start is the finding of another check
+        let copied = carry_on(&mut subject.midway(seed)?.clone(), seed, STEPS);
+        let untouched = carry_on(&mut other, seed, STEPS)?;
+        same(&untouched, &carry_on(&mut env, seed, STEPS)?, what)?;
+        if copied.is_ok_and(|copied| same(&untouched, &copied, what).is_ok()) {
+            let _ = env.reset(seed + 1);
+            env.close();
+            env.close();
+            let what = "a clone whose original was used and closed";
+            same(&untouched, &carry_on(&mut idle, seed, STEPS)?, what)?;
+        }
     }
     // state that clones share may show late
     let (seed, long) = (SEEDS[0], subject.long()?);
@@ -32,6 +43,26 @@ pub(crate) fn clone_apart(subject: &Subject<'_>) -> Verdict {
         &carry_on(&mut env, seed, long)?,
         what,
     )
+}
+
+/// Whether two environments show the same without a step.
+fn same_face(a: &BoxEnv, b: &BoxEnv, what: &str) -> Verdict {
+    let face = |env: &BoxEnv| {
+        let spaces = [env.observation_space(), env.action_space()];
+        [
+            ("info", format!("{:?}", info(env))),
+            ("text", format!("{:?}", env.ansi())),
+            ("drawing", Calls::of(env).text),
+            ("metadata", format!("{:?}", env.metadata())),
+            ("spaces", format!("{spaces:?}")),
+        ]
+    };
+    for ((part, a), (_, b)) in face(a).into_iter().zip(face(b)) {
+        if a != b {
+            return broken(format!("{what} has another {part} at once: {a} and {b}"));
+        }
+    }
+    Ok(())
 }
 
 pub(crate) fn clone_continues(subject: &Subject<'_>) -> Verdict {
@@ -60,7 +91,78 @@ pub(crate) fn snapshot_continues(subject: &Subject<'_>) -> Verdict {
     let what = "an environment restored from a snapshot of the end of an episode";
     continues_after_the_end(subject, what, |env| restored(env, subject.make()?))?;
     unused(subject)?;
+    in_every_state(subject)?;
     with_odd_arguments(subject)
+}
+
+/// Each state of some episodes has a snapshot, from which the next events are the same. Some states
+/// are rare.
+fn in_every_state(subject: &Subject<'_>) -> Verdict {
+    /// The events that are compared after each state.
+    const AFTER: usize = 4;
+    // large states take long to store
+    let (events, every) = if subject.few()? < 20 {
+        (60, 6)
+    } else {
+        (400, 1)
+    };
+    let seed = SEEDS[1];
+    let mut env = subject.make()?;
+    let mut actions = env.action_sampler(seed)?;
+    let (mut shown, mut taken, mut states) = (Vec::new(), Vec::new(), Vec::new());
+    env.reset(seed)?;
+    let mut is_over = false;
+    for event in 0..events {
+        let action = (!is_over).then(|| actions.sample());
+        let next = go_on(&mut env, action.as_ref())?;
+        is_over = matches!(&next, Shown::Step(step, _) if step.done());
+        taken.push(action);
+        shown.push(next);
+        if event % every == 0 || is_over {
+            match env.snapshot() {
+                Ok(snapshot) => states.push((event + 1, snapshot)),
+                Err(error) => {
+                    return broken(format!(
+                        "after {event} events of seed {seed} there is no snapshot: {error}"
+                    ));
+                }
+            }
+        }
+    }
+    let mut other = subject.midway(7)?;
+    for (i, (event, snapshot)) in states.into_iter().enumerate() {
+        // now and then into the middle of an episode, and never so late that it counts
+        if i % 16 == 0 {
+            other.reset(7)?;
+        }
+        let what = format!("an environment restored after {event} events of seed {seed}");
+        if let Err(error) = other.restore(&snapshot) {
+            return broken(format!("{what}: {error}"));
+        }
+        let until = (event + AFTER).min(events);
+        let again = taken[event..until]
+            .iter()
+            .map(|action| go_on(&mut other, action.as_ref()));
+        match again.collect::<Result<Vec<_>>>() {
+            Ok(again) => same(&shown[event..until], &again, &what)?,
+            Err(error) => return broken(format!("{what}: {error}")),
+        }
+    }
+    Ok(())
+}
+
+/// A step, or without an action a reset.
+fn go_on(env: &mut BoxEnv, action: Option<&Value>) -> Result<Shown> {
+    match action {
+        Some(action) => {
+            let step = env.step(action)?;
+            Ok(Shown::Step(step, info(env)))
+        }
+        None => {
+            let observation = env.reset(())?;
+            Ok(Shown::Reset(observation, info(env)))
+        }
+    }
 }
 
 /// `into` with the state of `env`, by way of a text.
@@ -194,12 +296,62 @@ pub(crate) fn snapshot_refused(subject: &Subject<'_>) -> Verdict {
         }
     }
     subject.damaged()?.changed()?;
+    of_other_arguments(subject)?;
     let what = "after refused snapshots an episode";
     same(
         &carry_on(&mut midway()?, seed, 50)?,
         &carry_on(&mut env, seed, 50)?,
         what,
     )
+}
+
+/// A snapshot of an environment with another argument is refused, or goes on as that environment
+/// does.
+fn of_other_arguments(subject: &Subject<'_>) -> Verdict {
+    const AFTER: usize = 20;
+    let Some((spec, kwargs)) = subject.arguments() else {
+        return Ok(());
+    };
+    let seed = SEEDS[0];
+    let mut own = subject.midway(seed)?;
+    for (name, value) in &kwargs {
+        for other in arguments::others(value) {
+            let mut with = spec.clone();
+            with.kwargs.insert(name.clone(), other.clone());
+            let midway = || -> Result<BoxEnv> {
+                let mut env = with.make()?;
+                roll_out(&mut env, seed, 5)?;
+                Ok(env)
+            };
+            // it may refuse the argument, or have no snapshots
+            let Ok(mut env) = midway() else { continue };
+            let Ok(snapshot) = env.snapshot() else {
+                continue;
+            };
+            if own.restore(&snapshot).is_err() {
+                continue;
+            }
+            let mut actions = own.action_sampler(seed)?;
+            for _ in 0..AFTER {
+                let action = actions.sample();
+                // which actions there are may depend on the argument
+                let (Ok(a), Ok(b)) = (env.step(&action), own.step(&action)) else {
+                    break;
+                };
+                let is_over = a.done();
+                let [a, b] = [Shown::Step(a, info(&env)), Shown::Step(b, info(&own))];
+                if !alike(&a, &b) {
+                    return broken(format!(
+                        "`restore` accepts the snapshot of an environment with {name}={other}, and goes on otherwise: {a:?} and {b:?}"
+                    ));
+                }
+                if is_over {
+                    break;
+                }
+            }
+        }
+    }
+    Ok(())
 }
 
 /// `restore` accepts only states that the environment can reach.

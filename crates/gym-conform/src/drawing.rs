@@ -2,7 +2,7 @@
 
 use crate::calls::Calls;
 use crate::subject::{SEEDS, STEPS, Subject, carry_on, same, tour};
-use crate::verdict::{Verdict, broken, skipped};
+use crate::verdict::{Trouble, Verdict, broken, skipped};
 use gym_core::render::{RenderMode, Rendered, painter};
 use gym_core::wrappers::Render;
 use gym_core::{BoxEnv, Env, EnvExt};
@@ -27,12 +27,20 @@ pub(crate) fn metadata_complete(subject: &Subject<'_>) -> Verdict {
     {
         return broken(format!("`render_modes` names {mode} again as number {i}"));
     }
+    let verdict = tour(&mut env, 0, STEPS, |env, step| match env.metadata() {
+        now if now == metadata => Ok(()),
+        now => broken(format!(
+            "the metadata is {metadata:?} at first and {now:?} after step {step}"
+        )),
+    });
+    match verdict {
+        // another check reports failing steps
+        Ok(()) | Err(Trouble::Error(_)) => (),
+        verdict => return verdict,
+    }
     env.reset(0)?;
-    if env.metadata() != metadata {
-        return broken(format!(
-            "the metadata is {metadata:?} at first and {:?} after reset",
-            env.metadata()
-        ));
+    if metadata.render_fps == 0 {
+        return broken("`render_fps` is 0: even without render modes it divides a second");
     }
     if modes.is_empty() {
         return match (Calls::of(&env).count, env.ansi()) {
@@ -43,9 +51,6 @@ pub(crate) fn metadata_complete(subject: &Subject<'_>) -> Verdict {
     }
     let (width, height) = metadata.render_size;
     let valid = 1..=MAX_SIDE;
-    if metadata.render_fps == 0 {
-        return broken("`render_fps` is 0");
-    }
     if !(valid.contains(&width) && valid.contains(&height)) {
         return broken(format!(
             "`render_size` is {width}x{height}: both must be between 1 and {MAX_SIDE}"
@@ -90,7 +95,7 @@ pub(crate) fn sound(subject: &Subject<'_>) -> Verdict {
 pub(crate) fn pure(subject: &Subject<'_>) -> Verdict {
     for seed in SEEDS {
         let (mut env, mut unseen) = (subject.reset(seed)?, subject.reset(seed)?);
-        env.start_rendering();
+        env.frames_drawn(0);
         for step in 0..30 {
             let (first, second) = (Calls::of(&env), Calls::of(&env));
             if first.text != second.text {
@@ -103,7 +108,7 @@ pub(crate) fn pure(subject: &Subject<'_>) -> Verdict {
                     "seed {seed}, step {step}: two calls of `ansi` for one state return different texts"
                 ));
             }
-            env.picture_taken();
+            env.frames_drawn(step + 1);
             let what = "an episode that was drawn";
             same(
                 &carry_on(&mut unseen, seed + step, 1)?,
@@ -136,10 +141,7 @@ pub(crate) fn render_modes(subject: &Subject<'_>) -> Verdict {
         let rendered = Render::new(env.clone(), mode).and_then(|mut render| render.render());
         match rendered {
             Ok(Rendered::Frame(frame))
-                if (frame.width(), frame.height()) == metadata.render_size =>
-            {
-                ()
-            }
+                if (frame.width(), frame.height()) == metadata.render_size => {}
             Ok(Rendered::Text(text)) if !text.is_empty() => (),
             Ok(other) => return broken(format!("the mode {mode} gives {other:?}")),
             Err(error) => return broken(format!("the mode {mode}: {error}")),

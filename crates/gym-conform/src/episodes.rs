@@ -1,9 +1,10 @@
 //! Checks of how episodes begin and end.
 
+use crate::inputs::corners;
 use crate::subject::{SEEDS, Subject};
 use crate::verdict::{Verdict, broken};
-use gym_core::wrappers::TimeLimit;
-use gym_core::{BoxEnv, EnvExt, Error};
+use gym_core::wrappers::StepCount;
+use gym_core::{BoxEnv, EnvExt, Error, Result, Value};
 
 pub(crate) fn reset_needed(subject: &Subject<'_>) -> Verdict {
     let mut env = subject.make()?;
@@ -17,44 +18,154 @@ pub(crate) fn reset_needed(subject: &Subject<'_>) -> Verdict {
     }
 }
 
-/// No episode is truncated at once, and none lasts beyond its limit.
+/// No episode is truncated at once, none lasts beyond its limit, and no step begins the next one.
 pub(crate) fn time_limit(subject: &Subject<'_>) -> Verdict {
-    /// Longer episodes are not played to their end.
-    const MAX_STEPS: u32 = 2000;
-    let spec = subject.spec.as_ref();
-    let mut env = subject.make()?;
-    // a stack around an environment without a registration has no spec, and perhaps a limit
-    let limit = match spec {
-        Some(spec) => spec.max_episode_steps,
-        None => env
-            .wrapper::<TimeLimit<BoxEnv>>()
-            .map(TimeLimit::max_episode_steps),
-    };
-    // a wrapper may truncate for reasons of its own
-    let is_bare = spec.is_some_and(|spec| spec.additional_wrappers.is_empty());
+    let mut limited = Limited::new(subject)?;
     for seed in SEEDS {
-        let mut actions = env.action_sampler(seed)?;
-        env.reset(seed)?;
-        for length in 1..=limit.unwrap_or(1).min(MAX_STEPS) {
-            let step = env.step(&actions.sample())?;
+        let mut actions = limited.env.action_sampler(seed)?;
+        let place = format!("seed {seed}");
+        limited.episode(Some(seed), &place, || actions.sample())?;
+        limited.episode(None, &format!("{place}, the second episode"), || {
+            actions.sample()
+        })?;
+    }
+    // one action held makes long episodes in some environments
+    for action in corners(&gym_core::Env::action_space(&limited.env)) {
+        let place = format!("{action} held");
+        limited.episode(Some(SEEDS[0]), &place, || action.clone())?;
+    }
+    limited.always_early()
+}
+
+/// An environment whose episodes are played to their end, and the ends so far.
+struct Limited {
+    env: BoxEnv,
+    limit: Option<u32>,
+    /// Whether no additional wrapper is around it, which may truncate for reasons of its own.
+    is_bare: bool,
+    /// The steps that are left to play.
+    budget: u32,
+    /// The lengths of episodes that something truncated before the limit.
+    early: Vec<u32>,
+    /// The length of the longest episode.
+    longest: u32,
+}
+
+impl Limited {
+    fn new(subject: &Subject<'_>) -> Result<Self> {
+        /// Longer episodes are not played to their end.
+        const MAX_STEPS: u32 = 2000;
+        let env = subject.make()?;
+        let spec = subject.spec.as_ref();
+        // a stack around an environment without a registration has no spec, and perhaps a limit
+        let limit = match spec {
+            Some(spec) => spec.max_episode_steps,
+            None => count(&env).map(|count| count.max_episode_steps),
+        };
+        Ok(Self {
+            env,
+            limit,
+            is_bare: spec.is_some_and(|spec| spec.additional_wrappers.is_empty()),
+            budget: 4 * limit.unwrap_or(10).clamp(10, MAX_STEPS),
+            early: Vec::new(),
+            longest: 0,
+        })
+    }
+
+    /// Plays an episode, as far as the budget goes.
+    fn episode(
+        &mut self,
+        seed: Option<u64>,
+        place: &str,
+        mut action: impl FnMut() -> Value,
+    ) -> Verdict {
+        let limit = self.limit;
+        self.env.reset(seed)?;
+        for length in 1.. {
+            if self.budget == 0 {
+                return Ok(());
+            }
+            self.budget -= 1;
+            let before = count(&self.env);
+            let step = self.env.step(&action())?;
+            self.longest = self.longest.max(length);
             if step.truncated && length == 1 && limit != Some(1) {
-                return broken(format!("seed {seed}: the first step truncates the episode"));
+                return broken(format!("{place}: the first step truncates the episode"));
             }
             if Some(length) == limit && !step.truncated {
                 return broken(format!(
-                    "seed {seed}: step {length} is the last allowed and does not truncate the episode"
+                    "{place}: step {length} is the last allowed and does not truncate the episode"
                 ));
             }
-            if let Some(limit) = limit.filter(|limit| step.truncated && is_bare && length < *limit)
+            if let Some(limit) =
+                limit.filter(|limit| step.truncated && self.is_bare && length < *limit)
             {
                 return broken(format!(
-                    "seed {seed}: step {length} truncates the episode, and {limit} steps are registered"
+                    "{place}: step {length} truncates the episode, and {limit} steps are registered"
                 ));
             }
+            if let (Some(before), Some(after)) = (before, count(&self.env)) {
+                self.counted(before, after, step.truncated, length, place)?;
+                if step.truncated
+                    && !step.terminated
+                    && after.elapsed_steps < after.max_episode_steps
+                {
+                    self.early.push(length);
+                }
+            }
             if step.done() {
-                break;
+                return Ok(());
             }
         }
+        Ok(())
     }
-    Ok(())
+
+    /// What the count of the time limit tells of a step, whichever wrappers are around it.
+    fn counted(
+        &self,
+        before: StepCount,
+        after: StepCount,
+        truncated: bool,
+        length: u32,
+        place: &str,
+    ) -> Verdict {
+        if after.elapsed_steps < before.elapsed_steps {
+            return broken(format!(
+                "{place}: step {length} resets the environment by itself: the count of its time limit goes from {} to {}",
+                before.elapsed_steps, after.elapsed_steps
+            ));
+        }
+        if after.elapsed_steps >= after.max_episode_steps && !truncated {
+            return broken(format!(
+                "{place}: step {length} reaches the limit of {} steps and does not truncate the episode",
+                after.max_episode_steps
+            ));
+        }
+        Ok(())
+    }
+
+    /// Episodes that are truncated after one number of steps, whatever happens in them, have
+    /// another limit than the one that is known.
+    fn always_early(&self) -> Verdict {
+        /// Fewer episodes may have one length by chance.
+        const MANY: usize = 4;
+        match self.early[..] {
+            [first, ref others @ ..]
+                if others.len() + 1 >= MANY
+                    && first == self.longest
+                    && others.iter().all(|length| *length == first) =>
+            {
+                broken(format!(
+                    "step {first} truncates {} episodes, and the time limit is not reached: change the limit",
+                    self.early.len()
+                ))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The count of the outermost time limit.
+fn count(env: &BoxEnv) -> Option<StepCount> {
+    env.layer::<StepCount>().copied()
 }

@@ -2,7 +2,7 @@
 
 use crate::subject::{SEEDS, Shown, Subject, alike, each_event, roll_out_into};
 use crate::verdict::{Verdict, broken};
-use gym_core::{Array, DType, Env, Space, Step, Value};
+use gym_core::{Array, DType, Data, Env, Space, Step, Value};
 
 pub(crate) fn in_space(subject: &Subject<'_>) -> Verdict {
     let space = subject.make()?.observation_space();
@@ -71,7 +71,15 @@ pub(crate) fn whole(subject: &Subject<'_>) -> Verdict {
         let fresh = roll_out_into(&mut env, seed, |_| Value::Null)?;
         for (what, dirty) in [
             ("kept", roll_out_into(&mut env, seed, |last| last)?),
-            ("full", roll_out_into(&mut env, seed, filled)?),
+            (
+                "full",
+                roll_out_into(&mut env, seed, |last| filled(last, OTHER))?,
+            ),
+            (
+                "full of numbers that are not finite",
+                roll_out_into(&mut env, seed, |last| filled(last, f64::NAN))?,
+            ),
+            ("of another form", roll_out_into(&mut env, seed, misfit)?),
         ] {
             if let Some(i) = fresh.iter().zip(&dirty).position(|(a, b)| !alike(a, b)) {
                 return broken(format!(
@@ -84,24 +92,49 @@ pub(crate) fn whole(subject: &Subject<'_>) -> Verdict {
     Ok(())
 }
 
-/// The same value with other numbers.
-fn filled(value: Value) -> Value {
-    const OTHER: i64 = 77;
+/// A number that few observations have.
+const OTHER: f64 = 77.0;
+
+/// The same value with other numbers. Where there are only whole numbers, NaN is 0.
+fn filled(value: Value, number: f64) -> Value {
     match value {
-        Value::Int(_) => Value::Int(OTHER),
-        Value::Float(_) => Value::Float(OTHER as f64),
+        Value::Int(_) => Value::Int(number as i64),
+        Value::Float(_) => Value::Float(number),
         Value::Text(_) => Value::Text("old".into()),
-        Value::Array(mut array) => {
-            array.fill_int(OTHER);
-            Value::Array(array)
+        Value::Array(array) => {
+            let data = Data::from_f64(array.dtype(), vec![number; array.len()]);
+            Value::Array(Array::new(array.shape(), data).unwrap_or(array))
         }
-        Value::Tuple(items) => Value::Tuple(items.into_iter().map(filled).collect()),
+        Value::Tuple(items) => {
+            Value::Tuple(items.into_iter().map(|item| filled(item, number)).collect())
+        }
         Value::Dict(entries) => Value::Dict(
             entries
                 .into_iter()
-                .map(|(key, value)| (key, filled(value)))
+                .map(|(key, value)| (key, filled(value, number)))
                 .collect(),
         ),
         other => other,
+    }
+}
+
+/// A buffer that was used for another space: of another length, type, or kind.
+fn misfit(value: Value) -> Value {
+    match value {
+        Value::Array(array) if array.len() % 2 == 1 => Value::Text("old".into()),
+        Value::Array(array) => {
+            let (dtype, shape) = (array.dtype(), [array.shape(), &[3]].concat());
+            Value::Array(Array::zeros(dtype, shape).unwrap_or(array))
+        }
+        Value::Tuple(mut items) => {
+            items.push(Value::Null);
+            Value::Tuple(items)
+        }
+        Value::Dict(mut entries) => {
+            entries.reverse();
+            entries.push(("old".into(), Value::Null));
+            Value::Dict(entries)
+        }
+        _ => Value::Array([0.5, 0.5].into()),
     }
 }

@@ -3,10 +3,10 @@
 use serde_json::{Value as Json, json};
 
 use crate::arguments::{others, surroundings};
-use crate::subject::{SEEDS, Shown, Subject, carry_on, info, same};
+use crate::subject::{SEEDS, STEPS, Shown, Subject, carry_on, info, roll_out, same};
 use crate::variation::{Effect, Search, Variant};
 use crate::verdict::{Verdict, broken, skipped};
-use gym_core::{BoxEnv, EnvExt, Reset, Result};
+use gym_core::{BoxEnv, Env, EnvExt, Generator, Reset, Result};
 
 /// Resets without a seed in which an option must change something.
 const UNSEEDED: usize = 20;
@@ -148,6 +148,13 @@ fn counts_again(subject: &Subject<'_>, name: &str, example: &Json, is_plain: boo
         &again,
         &format!("a used environment with the seed and the option {name}={example}"),
     )?;
+    let mut used = subject.midway(SEEDS[0])?;
+    let again = started(&mut used, Reset::seed(SEEDS[0]), option)?;
+    same(
+        &new,
+        &again,
+        &format!("after the same seed without it the option {name}={example}"),
+    )?;
     if is_plain {
         return Ok(());
     }
@@ -182,8 +189,63 @@ pub(crate) fn forgotten(subject: &Subject<'_>) -> Verdict {
         let after = started(&mut env, Reset::seed(SEEDS[0]), None)?;
         let what = format!("an environment that was reset with {name}={example} before");
         same(&with_option(subject, None)?, &after, &what)?;
+        forgotten_with_the_seed(subject, name, &example)?;
+        forgotten_without_a_seed(subject, name, &example)?;
     }
-    Ok(())
+    // nor is it kept outside of the environment
+    let first = subject.first_run()?;
+    let again = roll_out(&mut subject.make()?, SEEDS[0], STEPS)?;
+    same(
+        &first[..again.len().min(first.len())],
+        &again,
+        "a new environment after others were reset with options",
+    )
+}
+
+/// A seed gives the same after a reset with it and an option.
+fn forgotten_with_the_seed(subject: &Subject<'_>, name: &str, example: &Json) -> Verdict {
+    let option = Some((name, example));
+    let mut env = subject.make()?;
+    started(&mut env, Reset::seed(SEEDS[0]), option)?;
+    let what = format!("after a reset with {name}={example} the same seed without it");
+    let plain = with_option(subject, None)?;
+    same(
+        &plain,
+        &started(&mut env, Reset::seed(SEEDS[0]), None)?,
+        &what,
+    )
+}
+
+/// Without a seed the generator decides alone, so that one generator gives the same episodes after
+/// an option and without.
+fn forgotten_without_a_seed(subject: &Subject<'_>, name: &str, example: &Json) -> Verdict {
+    const EPISODES: u64 = 5;
+    let after = |first: Reset| -> Result<Option<Vec<Shown>>> {
+        let mut env = subject.make()?;
+        env.reset(first)?;
+        let mut shown = Vec::new();
+        for seed in 0..EPISODES {
+            let Some(generator) = env.generator() else {
+                return Ok(None);
+            };
+            *generator = Generator::from(seed);
+            shown.extend(started(&mut env, Reset::default(), None)?);
+        }
+        Ok(Some(shown))
+    };
+    let seeded = |i: usize| Reset::seed(SEEDS[i]);
+    let (Some(plain), Some(other)) = (after(seeded(0))?, after(seeded(1))?) else {
+        return Ok(());
+    };
+    // where more than the generator decides there is nothing to compare
+    if same(&plain, &other, "").is_err() {
+        return Ok(());
+    }
+    let Some(with) = after(seeded(0).option(name, example.clone()))? else {
+        return Ok(());
+    };
+    let what = format!("an episode without a seed, after one with {name}={example},");
+    same(&plain, &with, &what)
 }
 
 /// Resets that are refused for a value that no option has; whether all were refused.

@@ -22,6 +22,21 @@ pub(crate) fn none(subject: &Subject<'_>) -> Verdict {
         out_of_order(&mut env)?;
         env.reset(0).map(drop)
     })?;
+    for (what, reset) in [
+        ("with a seed", Reset::seed(0)),
+        ("without a seed", Reset::default()),
+    ] {
+        for times in 1..=2 {
+            let what = format!("when reset {what} after {times} calls of `close`");
+            attempt(&what, || {
+                let mut env = subject.midway(0)?;
+                (0..times).for_each(|_| env.close());
+                env.reset(reset.clone())?;
+                look(&env);
+                carry_on(&mut env, 0, 20).map(drop)
+            })?;
+        }
+    }
     attempt("when stepped beyond the end of an episode", || {
         beyond_the_end(&mut subject.reset(0)?)
     })?;

@@ -27,7 +27,7 @@ pub fn check(make: impl Fn() -> Result<BoxEnv>) -> Vec<Finding> {
         Some(spec) => {
             let make = || spec.make();
             run(&Subject::of_spec(&make, spec.clone()), |long| {
-                eprintln!("{}: {long}", spec.id)
+                eprintln!("{}: {long}", spec.id);
             })
             .0
         }
@@ -150,7 +150,9 @@ fn watched<R>(time: Duration, tell: impl FnOnce() + Send, work: impl FnOnce() ->
 /// check that takes long.
 fn run(subject: &Subject<'_>, tell: impl Fn(&Long) + Sync) -> (Vec<Finding>, Vec<Skipped>) {
     // the check of equal seeds sees the panic again, and reports it
-    let _ = catch_unwind(AssertUnwindSafe(|| subject.first_run().is_ok()));
+    let _ = catch_unwind(AssertUnwindSafe(|| {
+        subject.first_run().is_ok() && subject.paused().is_ok()
+    }));
     let started = Instant::now();
     let _ = catch_unwind(AssertUnwindSafe(|| subject.reset(0).is_ok()));
     let reset = started.elapsed();

@@ -149,12 +149,25 @@ fn seeds_count(subject: &Subject<'_>, env: &mut BoxEnv) -> Verdict {
         )
     };
     // the highest bits, the remainder of powers of 10, and two hashes
-    let bits = [31, 32, 48, 53, 63, 64, 100].map(|bit| (1u128 << bit, format!("2^{bit}")));
+    let bits = [16, 24, 31, 32, 48, 53, 63, 64, 100].map(|bit| (1u128 << bit, format!("2^{bit}")));
     let others = [10u128.pow(18), (1 << 31) - 1, (1 << 32) - 1].map(|by| (by, by.to_string()));
     for (by, name) in bits.into_iter().chain(others) {
         let what = format!("a seed and the one {name} above it always give the same episode");
         not_always(env, &what, seeded, |env, seed, steps| {
             other(env, by + u128::from(seed), steps)
+        })?;
+    }
+    // numbers of floating point cut the lowest bits of a large seed
+    for bit in [30, 60, 100] {
+        let what = format!("a seed above 2^{bit} and the next always give the same episode");
+        let large =
+            |env: &mut BoxEnv, seed: u64, steps| other(env, (1 << bit) + u128::from(seed), steps);
+        let next = |env: &mut BoxEnv, seed: u64, steps| {
+            other(env, (1 << bit) + u128::from(seed) + 1, steps)
+        };
+        not_always_true(env, &what, seeded, |env, seed| {
+            Ok(large(env, seed, SOON)? == next(env, seed, SOON)?
+                && large(env, seed, STEPS)? == next(env, seed, STEPS)?)
         })?;
     }
     let what = "an even seed and the next always give the same episode";

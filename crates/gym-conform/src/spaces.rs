@@ -1,6 +1,6 @@
 //! Checks of the observation and the action space.
 
-use crate::subject::{Subject, tour};
+use crate::subject::{STEPS, Subject, tour};
 use crate::verdict::{Trouble, Verdict, broken};
 use gym_core::{BoxEnv, Env, Space};
 
@@ -107,7 +107,7 @@ pub(crate) fn constant(subject: &Subject<'_>) -> Verdict {
     let spaces = |env: &BoxEnv| [env.observation_space(), env.action_space()];
     let mut env = subject.make()?;
     let first = spaces(&env);
-    let verdict = tour(&mut env, 0, 20, |env, step| {
+    let verdict = tour(&mut env, 0, STEPS, |env, step| {
         let parts = ["the observation space", "the action space"];
         for ((part, before), now) in parts.into_iter().zip(&first).zip(spaces(env)) {
             if *before != now {

@@ -2,6 +2,7 @@
 
 use std::cell::OnceCell;
 
+use crate::clock::Paused;
 use crate::damaged::Damaged;
 use crate::long::LongRuns;
 use crate::verdict::{Trouble, Verdict, broken, skipped};
@@ -19,6 +20,8 @@ pub(crate) struct Subject<'a> {
     make: &'a dyn Fn() -> Result<BoxEnv>,
     /// A long run, played before anything else is.
     first_run: OnceCell<Vec<Shown>>,
+    /// An episode that waits for its end.
+    paused: OnceCell<Paused>,
     /// An episode for each seed, played once for all checks that only look.
     events: OnceCell<Vec<(u64, Vec<Shown>)>>,
     /// The longer runs, also played once.
@@ -50,11 +53,12 @@ impl<'a> Subject<'a> {
         spec: Option<EnvSpec>,
         registration: Option<Registration>,
     ) -> Self {
-        let (first_run, events) = (OnceCell::new(), OnceCell::new());
+        let (first_run, paused, events) = (OnceCell::new(), OnceCell::new(), OnceCell::new());
         let (long_runs, damaged) = (OnceCell::new(), OnceCell::new());
         Self {
             make,
             first_run,
+            paused,
             events,
             long_runs,
             damaged,
@@ -145,6 +149,15 @@ impl<'a> Subject<'a> {
         }
         let run = roll_out(&mut self.make()?, SEEDS[0], self.longest()?)?;
         Ok(self.first_run.get_or_init(|| run))
+    }
+
+    /// An episode that was begun before the other checks.
+    pub(crate) fn paused(&self) -> Result<&Paused> {
+        if let Some(paused) = self.paused.get() {
+            return Ok(paused);
+        }
+        let paused = Paused::new(self)?;
+        Ok(self.paused.get_or_init(|| paused))
     }
 
     /// An episode of each seed.

@@ -1,34 +1,27 @@
 //! Reinforcement-learning environments in Rust.
+//!
+//! The crate has nine rooms. Each names only rooms that stand before it in the list of modules
+//! below; the test `rooms` checks this.
 #![cfg_attr(docsrs, feature(doc_cfg))]
 #![warn(clippy::disallowed_methods)]
 
-pub mod arguments;
-pub mod array;
-mod boxed;
-pub mod canvas;
-mod clock;
-mod continuous;
-mod data;
-mod env;
-mod env_ext;
-pub mod equations;
-mod error;
-mod functional;
-pub mod keys;
-mod number;
-mod numpy_fmt;
-pub mod policy;
-pub mod pygame;
-pub mod registry;
-pub mod render;
-mod reset;
-mod snapshot;
-pub mod spaces;
-mod stored;
 mod value;
+
+mod drawing;
+
+mod spec;
+
+pub mod spaces;
+
+mod env;
+
+mod play;
+
 pub mod vector;
-mod wrapper;
+
 pub mod wrappers;
+
+pub mod registry;
 
 /// The imports for using environments: `use gym::prelude::*`.
 pub mod prelude {
@@ -39,33 +32,25 @@ pub mod prelude {
     };
 }
 
-/// The entries of [`Env::info`] by name.
-pub type Info = std::collections::BTreeMap<String, Value>;
-
 #[doc(hidden)]
 pub use inventory;
 
-pub use arguments::{Argument, ArgumentType, Arguments};
-pub use array::{Array, DType, Data};
-pub use boxed::BoxEnv;
-pub use continuous::{Continuous, Precision};
-pub use env::{Env, Outcome, Step};
-pub use env_ext::EnvExt;
-pub use error::{Error, Result};
-pub use functional::{Dynamics, Stateful, Task, Transition};
 pub use gym_numerics::{Generator, Seed, math, rng};
-pub use keys::Keys;
-pub use policy::Policy;
-pub use registry::{
-    Configure, EnvSpec, NoArguments, Registration, WrapperSpec, builder, make, make_vec,
+
+pub use drawing::{canvas, pygame, render};
+pub use env::{
+    BoxEnv, Configure, Dynamics, Env, EnvExt, Inspect, NoArguments, Outcome, Stateful, Step, Task,
+    Transition, Wrapper, equations,
 };
-pub use reset::{Kwargs, Reset};
-pub use snapshot::Snapshot;
+pub use play::{Keys, Policy, keys, policy};
+pub use registry::{Registration, builder, make, make_vec};
 pub use spaces::{Sampler, Space};
-pub use value::{Element, GraphInstance, Value};
-pub use vector::wrapper::VectorWrapper;
-pub use vector::{BoxVector, VectorEnv, VectorEnvExt};
-pub use wrapper::Wrapper;
+pub use spec::{Argument, ArgumentType, Arguments, EnvSpec, Kwargs, Reset, WrapperSpec, arguments};
+pub use value::{
+    Array, Continuous, DType, Data, Element, Error, GraphInstance, Info, Precision, Result,
+    Snapshot, Value, array,
+};
+pub use vector::{BoxVector, VectorEnv, VectorEnvExt, wrapper::VectorWrapper};
 
 /// The example of the README, compiled and run.
 #[cfg(doctest)]

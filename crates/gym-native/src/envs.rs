@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 
 use fearless_simd::{Level, dispatch};
+use serde_json::Value as Json;
 
 use gym_core::math::{Kernel, Real, widest};
 use gym_core::registry::{Each, ResetOptions};
@@ -11,7 +12,7 @@ use gym_core::render::Metadata;
 use gym_core::rng::Stream;
 use gym_core::spaces::array_of;
 use gym_core::vector::{Autoreset, Columns, Progress, VectorEnv, VectorReset, VectorSpec, parts};
-use gym_core::{DType, Element, Error, Generator, Result, Snapshot, Space, Value};
+use gym_core::{DType, Element, Error, Generator, Inspect, Result, Snapshot, Space, Value};
 
 use crate::step::{Block, NO_LIMIT, Step};
 use crate::varied::Varied;
@@ -152,6 +153,26 @@ impl<D: Native> NativeVectorEnv<D> {
             .filter(|_| index < self.num_envs)?;
         (block.unset >> (index % LANES) & 1 == 0)
             .then(|| block.state(&self.dynamics, index % LANES))
+    }
+
+    /// Continues an environment's episode from another state.
+    ///
+    /// # Errors
+    /// [`Error::ResetNeeded`] before its first reset; [`Error::InvalidArgument`] for a state that
+    /// the task does not have.
+    pub fn set_state(&mut self, index: usize, state: &D::State) -> Result<()> {
+        if self.state(index).is_none() {
+            return Err(Error::ResetNeeded("set_state"));
+        }
+        if !self.dynamics.is_valid(state) {
+            let whose = format!("the state of {}", D::NAME);
+            return Err(Error::argument(whose, format!("{state:?} does not occur")));
+        }
+        let block = &mut self.blocks[index / LANES];
+        self.dynamics
+            .pack(state)
+            .set(&mut block.states, index % LANES);
+        Ok(())
     }
 
     pub(crate) fn check_open(&self, call: &'static str) -> Result<()> {
@@ -359,6 +380,14 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
         Ok(())
     }
 
+    fn inspect(&mut self, index: usize, visit: &mut dyn FnMut(&mut dyn Inspect)) -> Result<()> {
+        if index >= self.num_envs {
+            return Err(parts::no_such_env(index, self.num_envs));
+        }
+        visit(&mut OneEnv { envs: self, index });
+        Ok(())
+    }
+
     fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
         self.check_open("step")?;
         // numbers of the right type are not cast
@@ -506,4 +535,35 @@ impl<D: Native, const USUAL: bool> Kernel for Run<'_, D, USUAL> {
 
 fn mismatch<D: Native>(which: &str) -> Error {
     Error::Contract(format!("the {which} of {} do not fit their space", D::NAME))
+}
+
+/// One environment of a native vector. Its arguments are fixed: all environments share constants.
+struct OneEnv<'a, D: Native> {
+    envs: &'a mut NativeVectorEnv<D>,
+    index: usize,
+}
+
+impl<D: Native> Inspect for OneEnv<'_, D> {
+    fn state(&self) -> Option<Json> {
+        serde_json::to_value(self.envs.state(self.index)?).ok()
+    }
+
+    fn set_state(&mut self, state: Json) -> Result<()> {
+        let state = serde_json::from_value(state).map_err(|error| {
+            Error::argument(format!("the state of {}", D::NAME), error.to_string())
+        })?;
+        self.envs.set_state(self.index, &state)
+    }
+
+    fn arguments(&self) -> Json {
+        let mut arguments = serde_json::to_value(self.envs.dynamics.config()).unwrap_or_default();
+        for (name, value) in self.envs.arguments(self.index) {
+            arguments[name] = value.into();
+        }
+        arguments
+    }
+
+    fn table(&self) -> Option<Json> {
+        self.envs.dynamics.table()
+    }
 }

@@ -25,6 +25,14 @@
 //!
 //! The results of an environment depend only on its seed and actions: they have the same bits on
 //! every CPU, for any number of environments.
+//!
+//! A vector steps blocks of environments: states are columns of numbers, with a generator per
+//! environment next to them (32 bytes, if it draws only whole words). One driver handles time
+//! limit, autoreset and seeds; a task supplies the step and the packing of its state. Constants of
+//! the equations are columns too, one block for all environments unless their arguments differ; a
+//! second copy of the loop has the default constants compiled in. The loop is compiled for each
+//! SIMD level, which is chosen at run time. Draws are branch-free, because the CPU cannot predict
+//! them.
 
 #![warn(clippy::disallowed_methods)]
 

@@ -1,4 +1,4 @@
-//! The tables are what the program prints that makes them.
+//! The tables equal the output of the program that generates them.
 
 #[path = "../examples/tables.rs"]
 #[expect(dead_code, reason = "a program has a main function")]

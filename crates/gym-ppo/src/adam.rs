@@ -1,5 +1,5 @@
-//! Adam (Kingma and Ba, 2015), with a state that can be stored: candle's optimizer keeps its own to
-//! itself.
+//! The Adam optimizer (Kingma and Ba, 2015). Its state can be stored; the state of candle's
+//! optimizer is private.
 
 use candle_core::{Tensor, Var, backprop::GradStore};
 use serde::{Deserialize, Serialize};
@@ -10,7 +10,7 @@ type Result<T> = candle_core::Result<T>;
 
 const BETA_1: f64 = 0.9;
 const BETA_2: f64 = 0.999;
-/// As Baselines have it for PPO.
+/// Baselines' value for PPO.
 const EPSILON: f64 = 1e-5;
 
 /// Variables and the running moments of their gradients.
@@ -47,7 +47,7 @@ impl Adam {
         })
     }
 
-    /// Moves the variables against their gradients.
+    /// Moves the variables against `gradients`.
     pub(crate) fn step(&mut self, gradients: &GradStore, learning_rate: f64) -> Result<()> {
         self.steps += 1;
         let [scale_1, scale_2] = [BETA_1, BETA_2].map(|beta| 1.0 / (1.0 - beta.powi(self.steps)));
@@ -81,7 +81,7 @@ impl Adam {
         })
     }
 
-    /// Continues from the stored form of a similar agent.
+    /// Continues from `stored`, the state of an agent with the same networks.
     pub(crate) fn restore(&mut self, stored: &StoredAdam) -> anyhow::Result<()> {
         let tensors = |all: &[Numbers]| -> anyhow::Result<Vec<Tensor>> {
             let fits = all.len() == self.variables.len();

@@ -1,4 +1,4 @@
-//! The agent: its networks, the meaning of their outputs, and how they learn.
+//! The agent: its networks, the action distribution that their outputs describe, and the update.
 
 use std::f64::consts::{E, PI};
 use std::iter::zip;
@@ -20,38 +20,38 @@ use crate::settings::Settings;
 
 type Result<T> = candle_core::Result<T>;
 
-/// The value loss counts half, as in CleanRL.
+/// The coefficient of the value loss, as in CleanRL.
 const VALUE_COEFFICIENT: f64 = 0.5;
-/// Gradients are scaled down to this norm.
+/// The largest norm of the gradients; larger gradients are scaled down to it.
 const MAX_GRADIENT_NORM: f64 = 0.5;
 
-/// Networks, and the state of learning.
+/// The networks and the optimizer's state.
 pub(crate) struct Agent {
     network: Network,
     head: Head,
     optimizer: Adam,
-    /// Share the portions of a batch, where there are several.
+    /// These threads share the portions of a batch.
     threads: ThreadPool,
 }
 
-/// Actions for some observations, as a batch, and what the agent thought of them.
+/// A batch of actions, their log-probabilities, and the values of the observations.
 pub(crate) struct Sample {
     pub(crate) actions: Value,
     pub(crate) log_probabilities: Vec<f32>,
     pub(crate) values: Vec<f32>,
 }
 
-/// The meaning of the policy network's outputs.
+/// The distribution that the policy network's outputs describe.
 enum Head {
-    /// Preferences for each action.
+    /// The outputs are the logits of the actions.
     Discrete,
-    /// The mean of a normal distribution; the logarithms of its standard deviations do not depend
-    /// on the state.
+    /// The outputs are the mean of a normal distribution. The logarithm of its standard deviation,
+    /// `log_std`, does not depend on the state.
     Gaussian { log_std: Var },
 }
 
 impl Agent {
-    /// An agent for the observations and the actions of these spaces.
+    /// Returns an agent for environments with the spaces `observation` and `action`.
     pub(crate) fn new(
         observation: &Space,
         action: &Space,
@@ -74,7 +74,7 @@ impl Agent {
         if let Head::Gaussian { log_std } = &head {
             variables.push(log_std.clone());
         }
-        // one for each core; candle's own number is for a single product
+        // one thread for each core: candle's own thread count is for a single matrix product
         let cores = available_parallelism().map_or(1, NonZero::get);
         let threads = ThreadPoolBuilder::new().num_threads(if network.portion().is_some() {
             cores
@@ -93,23 +93,24 @@ impl Agent {
         self.optimizer.store()
     }
 
-    /// Continues from the stored form of an agent for the same spaces.
+    /// Continues from `stored`, the state of an agent for the same spaces.
     pub(crate) fn restore(&mut self, stored: &StoredAdam) -> anyhow::Result<()> {
         self.optimizer.restore(stored)
     }
 
-    /// How many of the variables decide the best actions; they come first.
+    /// Returns how many variables belong to the policy. They are the first variables of the
+    /// optimizer.
     pub(crate) fn policy_variables(&self) -> usize {
         self.network.policy_variables().count()
     }
 
-    /// Takes over the policy of an agent for the same spaces.
+    /// Replaces the policy by `network`, the policy of an agent for the same spaces.
     pub(crate) fn set_policy(&mut self, network: &[Numbers]) -> anyhow::Result<()> {
         self.network.set_policy(network)
     }
 
-    /// Draws an action for each observation, with its log-probability and the value of the
-    /// observation.
+    /// Draws an action for each observation. The sample has its log-probability and the
+    /// observation's value.
     pub(crate) fn sample(&self, observations: &Tensor, rng: &mut Generator) -> Result<Sample> {
         let (outputs, values) = self.network.forward(observations)?;
         let actions = match &self.head {
@@ -139,7 +140,7 @@ impl Agent {
         })
     }
 
-    /// The most likely action for each observation, as a batch.
+    /// Returns a batch with the most likely action for each observation.
     pub(crate) fn best(&self, observations: &Tensor) -> Result<Value> {
         let outputs = self.network.policy(observations)?;
         Ok(match &self.head {
@@ -154,8 +155,8 @@ impl Agent {
         })
     }
 
-    /// The log-probability of each action under the policy with these outputs, and the policy's
-    /// mean entropy.
+    /// Returns the log-probability of each action of `actions` and the mean entropy of the policy
+    /// with the outputs `outputs`.
     fn judge(&self, outputs: &Tensor, actions: &Tensor) -> Result<(Tensor, Tensor)> {
         match &self.head {
             Head::Discrete => {
@@ -177,13 +178,13 @@ impl Agent {
         }
     }
 
-    /// The value of each observation.
+    /// Returns the value of each observation.
     pub(crate) fn values(&self, observations: &Tensor) -> Result<Tensor> {
         self.network.values(observations)
     }
 
-    /// Learns from a batch, in several passes over shuffled minibatches; `progress` of the whole
-    /// training, from 0 to 1, sets the pace.
+    /// Learns from `batch`, in several epochs over shuffled minibatches. The learning rate falls
+    /// linearly with `progress`, the trained fraction of the whole training.
     pub(crate) fn learn(
         &mut self,
         batch: &Batch,
@@ -210,7 +211,7 @@ impl Agent {
         Ok(())
     }
 
-    /// The gradients of the loss, summed over portions of the batch, which the threads share.
+    /// Returns the gradients of the loss, summed over portions of `batch` that the threads share.
     /// Portions and the order of the sum do not depend on the number of threads.
     fn gradients(&self, batch: &Batch, settings: &Settings) -> Result<GradStore> {
         let len = batch.len();
@@ -249,8 +250,8 @@ impl Agent {
         Ok(sum)
     }
 
-    /// Schulman et al. (2017), equation 9, to be made small. The advantages of the batch are
-    /// normalized.
+    /// Returns the loss of PPO: the negative of equation 9 of Schulman et al. (2017), with the
+    /// advantages normalized over the batch.
     fn loss(
         &self,
         batch: &Batch,
@@ -288,7 +289,7 @@ impl Agent {
     }
 }
 
-/// The numbers of a value as a tensor of the same shape and type.
+/// Returns a tensor with the shape, dtype and numbers of `value`.
 pub(crate) fn tensor(value: &Value) -> Result<Tensor> {
     let refuse = || {
         candle_core::Error::Msg(format!(
@@ -311,7 +312,6 @@ pub(crate) fn tensor(value: &Value) -> Result<Tensor> {
 }
 
 fn matrix_value(numbers: Vec<f32>, shape: &[usize; 2]) -> Value {
-    // as many numbers as the shape has
     Value::Array(
         Array::from(numbers)
             .reshape(shape.as_slice())
@@ -319,7 +319,7 @@ fn matrix_value(numbers: Vec<f32>, shape: &[usize; 2]) -> Value {
     )
 }
 
-/// Draws an index by the logarithms of its probabilities.
+/// Draws an index from the distribution with these log-probabilities.
 fn choose(log_probabilities: &[f32], rng: &mut Generator) -> usize {
     let draw = rng.random() as f32;
     let mut sum = 0.0;
@@ -334,7 +334,7 @@ fn choose(log_probabilities: &[f32], rng: &mut Generator) -> usize {
         .min(log_probabilities.len() - 1)
 }
 
-/// Mean 0 and deviation 1.
+/// Returns `x`, shifted and scaled to mean 0 and standard deviation 1.
 fn normalized(x: &Tensor) -> Result<Tensor> {
     let x = x.broadcast_sub(&x.mean_all()?)?;
     let deviation = (x.sqr()?.mean_all()?.sqrt()? + 1e-8)?;

@@ -1,14 +1,14 @@
-//! The batch from which a policy learns at once.
+//! The batch of transitions that one update learns from.
 
 use candle_core::Tensor;
 
-/// Transitions in rows, shuffled or not.
+/// Transitions, one per row, in any order.
 pub(crate) struct Batch {
     pub(crate) observations: Tensor,
     pub(crate) actions: Tensor,
     pub(crate) log_probabilities: Tensor,
     pub(crate) advantages: Tensor,
-    /// Advantage and value: the target of the value network.
+    /// The sum of advantage and value: the target of the value network.
     pub(crate) returns: Tensor,
 }
 
@@ -21,7 +21,7 @@ impl Batch {
         self.map(|tensor| tensor.index_select(indices, 0))
     }
 
-    /// Some consecutive rows.
+    /// Returns the `len` rows from row `start` on.
     pub(crate) fn narrow(&self, start: usize, len: usize) -> candle_core::Result<Self> {
         self.map(|tensor| tensor.narrow(0, start, len))
     }

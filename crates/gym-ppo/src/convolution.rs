@@ -1,9 +1,9 @@
-//! Convolutions of pictures, whose kernels are twice as wide as their strides.
+//! Convolutions of images with kernels that are twice as wide as their stride.
 //!
-//! Such a kernel covers two by two blocks of the picture, each as wide as the stride. So the
-//! picture is cut into blocks, one matrix product gives what each block adds to the four outputs
-//! that see it, and [`Overlap`] sums these: no block is copied for each kernel that covers it.
-//! candle derives none of this: [`Gradients`] has what goes back.
+//! A kernel covers two by two blocks of the image, each as wide as the stride. So the image is cut
+//! into blocks, one matrix product computes the parts that each block contributes to the four
+//! outputs that overlap it, and [`Overlap`] sums these parts. This avoids a copy of each block per
+//! kernel. candle cannot differentiate these operations: [`Gradients`] holds their gradients.
 
 use std::iter::zip;
 
@@ -11,15 +11,15 @@ use candle_core::{CpuStorage, CustomOp1, CustomOp2, Device, Layout, Shape, Stora
 
 type Result<T> = candle_core::Result<T>;
 
-/// Cuts bytes, `[n, channels, height, width]`, into blocks, `[n, height / side, width / side,
-/// channels * side * side]`, of numbers from 0 to 1. What is left at the right and at the bottom is
-/// cut off.
+/// Cuts images of bytes, `[n, channels, height, width]`, into blocks of numbers from 0 to 1, `[n,
+/// height / side, width / side, channels * side * side]`. Remaining pixels at the right and at the
+/// bottom are dropped.
 pub(crate) fn blocks_of_bytes(pictures: &Tensor, side: usize) -> Result<Tensor> {
     pictures.apply_op1_no_bwd(&BlocksOfBytes { side })
 }
 
-/// Cuts numbers, `[n, height, width, channels]`, into blocks, `[n, height / side, width / side,
-/// side * side * channels]`.
+/// Cuts images of numbers, `[n, height, width, channels]`, into blocks, `[n, height / side, width /
+/// side, side * side * channels]`. Remaining pixels at the right and at the bottom are dropped.
 pub(crate) fn blocks(x: &Tensor, side: usize) -> Result<Tensor> {
     let (n, height, width, channels) = x.dims4()?;
     let (rows, columns) = (height / side, width / side);
@@ -33,8 +33,8 @@ pub(crate) fn blocks(x: &Tensor, side: usize) -> Result<Tensor> {
     x.reshape((n, rows, columns, side * side * channels))
 }
 
-/// Puts blocks together to a picture of a shape, which [`blocks`] cuts into them. What it cuts off
-/// is zero.
+/// The inverse of [`blocks`]: assembles blocks to images of `shape`. The pixels that [`blocks`]
+/// drops are zero.
 pub(crate) fn picture(blocks: &Tensor, side: usize, shape: &Shape) -> Result<Tensor> {
     let (n, height, width, channels) = shape.dims4()?;
     let (rows, columns) = (height / side, width / side);
@@ -46,11 +46,11 @@ pub(crate) fn picture(blocks: &Tensor, side: usize, shape: &Shape) -> Result<Ten
         .pad_with_zeros(2, 0, width - columns * side)
 }
 
-/// Convolves blocks, `[n, rows, columns, size]`, to `[n, rows - 1, columns - 1, channels]`, none of
-/// them negative.
+/// Convolves blocks, `[n, rows, columns, size]`, adds `bias` and applies ReLU. The result is `[n,
+/// rows - 1, columns - 1, channels]`.
 ///
-/// The weights are `[size, 4 * channels]`: for the block at the top left of each kernel, at the top
-/// right, at the bottom left and at the bottom right. The bias is `[channels]`.
+/// `weights` is `[size, 4 * channels]`: for the block at the top left of each kernel, then the top
+/// right, the bottom left and the bottom right. `bias` is `[channels]`.
 pub(crate) fn convolve(blocks: &Tensor, weights: &Tensor, bias: &Tensor) -> Result<Tensor> {
     let (n, rows, columns, size) = blocks.dims4()?;
     let parts = blocks
@@ -61,9 +61,9 @@ pub(crate) fn convolve(blocks: &Tensor, weights: &Tensor, bias: &Tensor) -> Resu
         .apply_op2_no_bwd(bias, &Overlap)
 }
 
-/// The gradients of what [`convolve`] was given, from the gradient of its result.
+/// The gradients of the arguments of [`convolve`], computed from the gradient of its result.
 pub(crate) struct Gradients {
-    /// Of what each block adds to the outputs, in rows.
+    /// The gradients of the blocks' parts, one row per block.
     parts: Tensor,
     pub(crate) weights: Tensor,
     pub(crate) bias: Tensor,
@@ -84,7 +84,7 @@ impl Gradients {
         })
     }
 
-    /// Those of the blocks.
+    /// Returns the gradients of the blocks.
     pub(crate) fn blocks(&self, weights: &Tensor) -> Result<Tensor> {
         self.parts.matmul(&weights.t()?)
     }
@@ -130,12 +130,11 @@ impl CustomOp1 for BlocksOfBytes {
     }
 }
 
-/// Sums what blocks, `[n, rows, columns, 4 * channels]`, add to the outputs that see them, and a
-/// bias, `[channels]`, and puts zero in the place of what is negative.
+/// For each output: sums the parts of its four overlapping blocks, adds the bias, applies ReLU. The
+/// parts are `[n, rows, columns, 4 * channels]`, the bias `[channels]`.
 struct Overlap;
 
-/// The rows and columns by which an output's block is beyond the output, for each quarter of the
-/// kernel.
+/// The row and column of each quarter of a kernel, relative to its block at the top left.
 const QUARTERS: [(usize, usize); 4] = [(0, 0), (0, 1), (1, 0), (1, 1)];
 
 impl CustomOp2 for Overlap {
@@ -171,8 +170,8 @@ impl CustomOp2 for Overlap {
     }
 }
 
-/// The opposite of [`Overlap`]: the gradients of its parts, in rows, and of its bias, from its
-/// result and the gradient of it.
+/// The backward pass of [`Overlap`]: returns the gradients of its parts (one row per block) and of
+/// its bias, from its result `sums` and the gradient of that.
 fn spread(
     rows: usize,
     columns: usize,
@@ -208,7 +207,7 @@ fn spread(
     Ok((of_parts, Tensor::new(of_bias, &Device::Cpu)?))
 }
 
-/// Where the outputs are of so many rows and columns of blocks.
+/// Iterates over the row and column of each output of an image with `rows` by `columns` blocks.
 fn outputs(rows: usize, columns: usize) -> impl Iterator<Item = (usize, usize)> {
     (0..rows - 1).flat_map(move |y| (0..columns - 1).map(move |x| (y, x)))
 }

@@ -1,10 +1,9 @@
-//! The evaluation of a policy: one environment, the best action each time, and the statistics of
-//! the training, which stay as they are.
+//! The evaluation of a policy: plays the best actions in one environment, with the training's
+//! observation statistics, which are not updated.
 
 use anyhow::Context;
 use gym::registry::EnvBuilder;
-use gym::render::RenderMode;
-use gym::rendering::RecordVideo;
+use gym::render::{RecordVideo, RecordVideoConfig, RenderMode};
 use gym::{BoxEnv, Env, EnvExt, Generator, Space, Wrap, wrappers};
 
 use crate::Evaluation;
@@ -40,11 +39,11 @@ pub(crate) fn evaluate(evaluation: &Evaluation) -> anyhow::Result<()> {
     }
     let mut env = env.build()?;
     if let Some(folder) = video {
-        let recorded = RecordVideo::new(env, folder)?.episode_trigger(|_| true);
-        env = BoxEnv::new(match frames {
-            Some(frames) => recorded.video_length(*frames),
-            None => recorded,
-        });
+        let config = RecordVideoConfig {
+            video_length: frames.unwrap_or(0),
+            ..folder.into()
+        };
+        env = BoxEnv::new(RecordVideo::new(env, config)?.episode_trigger(|_| true));
     }
     if matches!(env.action_space(), Space::Box(_)) {
         env = BoxEnv::new(env.clip_action()?);

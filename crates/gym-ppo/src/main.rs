@@ -8,9 +8,9 @@
 //! cargo run --release -p gym-ppo -- export runs/pendulum pendulum.json
 //! ```
 //!
-//! Trains until the mean return of the last 100 episodes reaches the environment's threshold, shows
-//! how it goes, and leaves a plot of all returns. The same seed gives the same agent, also where
-//! the training was killed and resumed from its checkpoint.
+//! Trains until the mean return of the last 100 episodes reaches the environment's threshold,
+//! reports progress, and plots all returns. The same seed gives the same agent, even if the
+//! training was killed and resumed from its checkpoint.
 
 mod adam;
 mod agent;
@@ -45,39 +45,39 @@ struct Arguments {
 
 #[derive(clap::Subcommand)]
 enum Command {
-    /// Plays a saved policy in one environment, and records videos where it is told to.
+    /// Plays a saved policy in one environment and, with `--video`, records videos.
     Evaluate(Evaluation),
-    /// Writes the policy of a checkpoint to a file of its own, which `evaluate` takes too.
+    /// Writes the policy of a checkpoint to a file that `evaluate` reads too.
     Export {
         /// The folder of the checkpoint.
         checkpoint: PathBuf,
-        /// The file, as JSON.
+        /// The JSON file to write.
         policy: PathBuf,
     },
 }
 
 #[derive(clap::Args)]
 struct Training {
-    /// An environment that observes a row of numbers or pictures, with a few discrete actions or a
-    /// row of numbers.
+    /// An environment with observations of numbers or images, and discrete actions or actions of
+    /// numbers.
     #[arg(default_value = "CartPole-v1")]
     id: String,
     /// Seeds the environments and the agent.
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Stops after this many steps of all environments together.
+    /// Stops after this number of steps, summed over all environments.
     #[arg(long, default_value_t = 2_000_000)]
     steps: u64,
-    /// Where the plot of returns goes, as SVG.
+    /// The SVG file for the plot of returns.
     #[arg(long, default_value = "target/ppo.svg")]
     plot: PathBuf,
-    /// A folder for the checkpoint: the training resumes from the one that is there.
+    /// The folder of the checkpoint. If it holds a checkpoint, the training resumes from it.
     #[arg(long)]
     checkpoint: Option<PathBuf>,
-    /// Rounds of learning between two checkpoints.
+    /// Updates between two checkpoints.
     #[arg(long, default_value_t = 10)]
     save_every: u64,
-    /// A setting in place of the task's own, such as `learning_rate=1e-3`; may be repeated.
+    /// Overrides one setting of the task, such as `learning_rate=1e-3`; may be repeated.
     #[arg(long, value_name = "NAME=NUMBER")]
     set: Vec<String>,
 }
@@ -86,20 +86,19 @@ struct Training {
 struct Evaluation {
     /// The folder of a checkpoint, or the file of a policy.
     policy: PathBuf,
-    /// How many episodes are played.
+    /// The number of episodes to play.
     #[arg(long, default_value_t = 10)]
     episodes: u64,
-    /// Seeds the first episode; the next ones have this plus 1, plus 2, ...
+    /// The seed of the first episode; the next episodes use seed + 1, seed + 2, ...
     #[arg(long, default_value_t = 1_000_000)]
     seed: u64,
-    /// A folder for videos, one of each episode.
+    /// The folder for videos, one per episode.
     #[arg(long)]
     video: Option<PathBuf>,
-    /// The width and height of the videos, such as `320x200`; the environment's own if it is
-    /// absent.
+    /// The width and height of the videos, such as `320x200`. Default: the environment's own size.
     #[arg(long, requires = "video")]
     size: Option<String>,
-    /// The length of each video; whole episodes if it is absent.
+    /// The frames of each video. Default: the whole episode.
     #[arg(long, requires = "video")]
     frames: Option<u64>,
 }

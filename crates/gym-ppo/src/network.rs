@@ -1,4 +1,4 @@
-//! Networks: an agent's computations from observations.
+//! The networks: from observations to the policy's outputs and to values.
 
 use std::iter::zip;
 
@@ -12,32 +12,32 @@ use crate::numbers::{self, Numbers};
 
 type Result<T> = candle_core::Result<T>;
 
-/// Units of each hidden layer for rows of numbers.
+/// Units of each hidden layer, for observations that are rows of numbers.
 const HIDDEN: usize = 64;
-/// The pictures whose gradients are computed at once: few enough for their layers to stay in the
-/// caches.
+/// Images per gradient computation: few enough that the activations fit the CPU's caches.
 const PICTURES: usize = 32;
 
-/// The outputs of the policy and the value of an observation. From rows of numbers two networks of
-/// equal shape compute them; from pictures two layers, from the same features.
+/// The policy and value networks. For rows of numbers they are two networks of equal shape; for
+/// images they are two linear layers on the features of one encoder.
 pub(crate) struct Network {
-    eyes: Option<Eyes>,
+    encoder: Option<Encoder>,
     policy: Layers,
     value: Layers,
 }
 
 impl Network {
-    /// A network for observations of a space, with this many outputs of the policy.
+    /// Returns a network for the space `observation`, whose policy has `outputs` outputs.
     pub(crate) fn new(
         observation: &Space,
         outputs: usize,
         rng: &mut Generator,
     ) -> anyhow::Result<Self> {
-        // a policy that begins without preferences explores
+        // a small gain makes the first policy near uniform, so that it explores
         let (policy_gain, value_gain) = (0.01, 1.0);
         match observation {
             Space::Box(space) if space.dtype() == gym::DType::U8 && space.shape().len() == 3 => {
-                let eyes = Eyes::new([space.shape()[0], space.shape()[1], space.shape()[2]], rng)?;
+                let encoder =
+                    Encoder::new([space.shape()[0], space.shape()[1], space.shape()[2]], rng)?;
                 let mut head = |outputs, gain| {
                     Ok::<_, candle_core::Error>(Layers(vec![Layer::orthogonal(
                         FEATURES, outputs, gain, rng,
@@ -46,7 +46,7 @@ impl Network {
                 Ok(Self {
                     policy: head(outputs, policy_gain)?,
                     value: head(1, value_gain)?,
-                    eyes: Some(eyes),
+                    encoder: Some(encoder),
                 })
             }
             Space::Box(space) if space.dtype() == gym::DType::F32 && space.shape().len() == 1 => {
@@ -54,7 +54,7 @@ impl Network {
                 let policy = Layers::new([width, HIDDEN, HIDDEN, outputs], policy_gain, rng)?;
                 let value = Layers::new([width, HIDDEN, HIDDEN, 1], value_gain, rng)?;
                 Ok(Self {
-                    eyes: None,
+                    encoder: None,
                     policy,
                     value,
                 })
@@ -66,17 +66,17 @@ impl Network {
         }
     }
 
-    /// The outputs of the policy, and the values.
+    /// Returns the policy's outputs, and the values.
     pub(crate) fn forward(&self, observations: &Tensor) -> Result<(Tensor, Tensor)> {
         self.judge(&self.features(observations)?)
     }
 
-    /// The outputs of the policy.
+    /// Returns the policy's outputs.
     pub(crate) fn policy(&self, observations: &Tensor) -> Result<Tensor> {
         self.policy.forward(&self.features(observations)?)
     }
 
-    /// The value of each observation.
+    /// Returns the value of each observation.
     pub(crate) fn values(&self, observations: &Tensor) -> Result<Tensor> {
         self.value
             .forward(&self.features(observations)?)?
@@ -84,8 +84,8 @@ impl Network {
     }
 
     fn features(&self, observations: &Tensor) -> Result<Tensor> {
-        match &self.eyes {
-            Some(eyes) => Ok(eyes.look(observations)?.features),
+        match &self.encoder {
+            Some(encoder) => Ok(encoder.encode(observations)?.features),
             None => Ok(observations.clone()),
         }
     }
@@ -97,7 +97,7 @@ impl Network {
         ))
     }
 
-    /// The gradients of a loss, which is a function of the policy's outputs and the values.
+    /// Returns the gradients of `loss`, a function of the policy's outputs and the values.
     pub(crate) fn gradients(
         &self,
         observations: &Tensor,
@@ -107,35 +107,37 @@ impl Network {
             let (outputs, values) = self.judge(features)?;
             loss(&outputs, &values)?.backward()
         };
-        let Some(eyes) = &self.eyes else {
+        let Some(encoder) = &self.encoder else {
             return gradients(observations);
         };
-        let seen = eyes.look(observations)?;
-        let features = Var::from_tensor(&seen.features)?;
+        let activations = encoder.encode(observations)?;
+        let features = Var::from_tensor(&activations.features)?;
         let mut gradients = gradients(&features)?;
         if let Some(of_features) = gradients.remove(&features) {
-            for (variable, gradient) in zip(eyes.variables(), eyes.gradients(&seen, &of_features)?)
-            {
+            for (variable, gradient) in zip(
+                encoder.variables(),
+                encoder.gradients(&activations, &of_features)?,
+            ) {
                 gradients.insert(variable, gradient);
             }
         }
         Ok(gradients)
     }
 
-    /// The variables that the policy needs.
+    /// Iterates over the policy's variables.
     pub(crate) fn policy_variables(&self) -> impl Iterator<Item = &Var> {
-        self.eyes
+        self.encoder
             .iter()
-            .flat_map(Eyes::variables)
+            .flat_map(Encoder::variables)
             .chain(self.policy.variables())
     }
 
-    /// All variables, those of the policy first.
+    /// Iterates over all variables, the policy's first.
     pub(crate) fn variables(&self) -> impl Iterator<Item = &Var> {
         self.policy_variables().chain(self.value.variables())
     }
 
-    /// Takes over the variables of the policy.
+    /// Replaces the policy's variables by `network`.
     pub(crate) fn set_policy(&self, network: &[Numbers]) -> anyhow::Result<()> {
         let (given, needed) = (network.len(), self.policy_variables().count());
         ensure!(
@@ -148,15 +150,16 @@ impl Network {
         Ok(())
     }
 
-    /// Of how many observations gradients are best computed at a time.
+    /// Returns the number of observations whose gradients are best computed at once; `None` for the
+    /// whole batch.
     pub(crate) fn portion(&self) -> Option<usize> {
-        self.eyes.is_some().then_some(PICTURES)
+        self.encoder.is_some().then_some(PICTURES)
     }
 }
 
 /// A linear layer.
 struct Layer {
-    /// Inputs by outputs.
+    /// `[inputs, outputs]`.
     weights: Var,
     bias: Var,
 }
@@ -171,7 +174,7 @@ impl Layer {
         })
     }
 
-    /// With normally distributed weights.
+    /// Returns a layer with normally distributed weights.
     fn normal(inputs: usize, outputs: usize, gain: f64, rng: &mut Generator) -> Result<Self> {
         let scale = gain / (inputs as f64).sqrt();
         Self::new(
@@ -183,7 +186,7 @@ impl Layer {
         )
     }
 
-    /// With orthogonal weights (Saxe et al., 2014).
+    /// Returns a layer with orthogonal weights (Saxe et al., 2014).
     fn orthogonal(inputs: usize, outputs: usize, gain: f64, rng: &mut Generator) -> Result<Self> {
         let columns = orthogonal(outputs, inputs, gain, rng);
         let weights = (0..inputs).flat_map(|input| columns.iter().map(move |column| column[input]));
@@ -227,21 +230,21 @@ impl Layers {
     }
 }
 
-/// The layers that read pictures.
+/// The outputs of the dense layer of [`Encoder`].
 const FEATURES: usize = 256;
-/// Stride, half the width of the kernel, and channels of each convolution.
+/// For each convolution: its stride, which is half the width of its kernel, and its channels.
 const CONVOLUTIONS: [(usize, usize); 2] = [(4, 16), (2, 32)];
 
 /// Two convolutions and a dense layer: the network of Mnih et al., "Playing Atari with Deep
 /// Reinforcement Learning" (2013).
-struct Eyes {
-    /// Their weights are as [`convolve`] has them.
+struct Encoder {
+    /// Their weights have the layout that [`convolve`] takes.
     convolutions: [Layer; 2],
     dense: Layer,
 }
 
-impl Eyes {
-    /// For images with these numbers of channels, rows and columns.
+impl Encoder {
+    /// Returns an encoder for images with `channels`, `height` and `width`.
     fn new([channels, height, width]: [usize; 3], rng: &mut Generator) -> anyhow::Result<Self> {
         let [(side, first), (second_side, second)] = CONVOLUTIONS;
         let size = |pixels: usize| {
@@ -254,7 +257,7 @@ impl Eyes {
         };
         let gain = 2f64.sqrt();
         let mut convolution = |size: usize, outputs: usize| {
-            // a kernel is a column of numbers, a quarter of it after the other
+            // a kernel is a column of weights: its four quarters, one after another
             let kernels = orthogonal(outputs, 4 * size, gain, rng);
             let weights = (0..size).flat_map(|i| {
                 let kernels = &kernels;
@@ -280,7 +283,7 @@ impl Eyes {
         })
     }
 
-    fn look(&self, pictures: &Tensor) -> Result<Seen> {
+    fn encode(&self, pictures: &Tensor) -> Result<Activations> {
         let [(side, _), (second_side, _)] = CONVOLUTIONS;
         let [
             (first, first_bias),
@@ -296,7 +299,7 @@ impl Eyes {
             .matmul(&dense)?
             .broadcast_add(&dense_bias)?
             .relu()?;
-        Ok(Seen {
+        Ok(Activations {
             first_blocks,
             first,
             second_blocks,
@@ -305,19 +308,33 @@ impl Eyes {
         })
     }
 
-    /// The gradients of the variables, from those of the features. candle could derive them, but
-    /// would add each to a zero, and derive those of the pictures too.
-    fn gradients(&self, seen: &Seen, of_features: &Tensor) -> Result<[Tensor; 6]> {
+    /// Returns the gradients of the variables, computed from the features' gradients. candle's own
+    /// backward pass would be slower: it adds each gradient to a tensor of zeros and differentiates
+    /// the images too.
+    fn gradients(&self, activations: &Activations, of_features: &Tensor) -> Result<[Tensor; 6]> {
         let [_, (second_side, _)] = CONVOLUTIONS;
         let [_, (second, _), (dense, _)] = self.tensors();
-        let of_features = (of_features * seen.features.gt(0f32)?.to_dtype(DType::F32)?)?;
-        let of_dense = seen.second.flatten_from(1)?.t()?.matmul(&of_features)?;
+        let of_features = (of_features * activations.features.gt(0f32)?.to_dtype(DType::F32)?)?;
+        let of_dense = activations
+            .second
+            .flatten_from(1)?
+            .t()?
+            .matmul(&of_features)?;
         let of_second = of_features
             .matmul(&dense.t()?)?
-            .reshape(seen.second.shape())?;
-        let of_second = convolution::Gradients::new(&seen.second_blocks, &seen.second, &of_second)?;
-        let of_first = picture(&of_second.blocks(&second)?, second_side, seen.first.shape())?;
-        let of_first = convolution::Gradients::new(&seen.first_blocks, &seen.first, &of_first)?;
+            .reshape(activations.second.shape())?;
+        let of_second = convolution::Gradients::new(
+            &activations.second_blocks,
+            &activations.second,
+            &of_second,
+        )?;
+        let of_first = picture(
+            &of_second.blocks(&second)?,
+            second_side,
+            activations.first.shape(),
+        )?;
+        let of_first =
+            convolution::Gradients::new(&activations.first_blocks, &activations.first, &of_first)?;
         let of_dense_bias = of_features.sum(0)?;
         Ok([
             of_first.weights,
@@ -329,7 +346,7 @@ impl Eyes {
         ])
     }
 
-    /// Weights and bias of each layer, of which candle derives nothing.
+    /// Returns weights and bias of each layer, detached: candle computes no gradients for them.
     fn tensors(&self) -> [(Tensor, Tensor); 3] {
         let [first, second] = &self.convolutions;
         [first, second, &self.dense].map(|layer| (layer.weights.detach(), layer.bias.detach()))
@@ -343,8 +360,8 @@ impl Eyes {
     }
 }
 
-/// The outputs of the layers for some pictures.
-struct Seen {
+/// The activations of the layers for a batch of images.
+struct Activations {
     first_blocks: Tensor,
     first: Tensor,
     second_blocks: Tensor,
@@ -352,8 +369,8 @@ struct Seen {
     features: Tensor,
 }
 
-/// So many vectors of a length, orthogonal where there are no more of them than numbers in each; if
-/// there are, their components are.
+/// Returns `count` vectors of `length` numbers. The vectors are orthogonal if `count <= length`;
+/// otherwise the columns are, which hold one component of every vector.
 fn orthogonal(count: usize, length: usize, gain: f64, rng: &mut Generator) -> Vec<Vec<f32>> {
     if count > length {
         let components = orthogonal(length, count, gain, rng);
@@ -386,7 +403,8 @@ mod tests {
     use super::*;
 
     fn pictures(rng: &mut Generator) -> Tensor {
-        // pixels are left over on both sides, and in one direction in the second convolution too
+        // sizes that leave a remainder of pixels in both directions, and in one direction in the
+        // second convolution
         let bytes: Vec<u8> = (0..3 * 2 * 34 * 37)
             .map(|_| rng.integers(0, 256) as u8)
             .collect();
@@ -398,16 +416,16 @@ mod tests {
         Network::new(&Space::Box(space), 3, rng).unwrap()
     }
 
-    /// The result of [`Eyes::look`], by candle's own convolution.
-    fn look(eyes: &Eyes, pictures: &Tensor) -> Result<Tensor> {
+    /// The result of [`Encoder::encode`], computed with candle's own convolution.
+    fn encode(encoder: &Encoder, pictures: &Tensor) -> Result<Tensor> {
         let mut x = (pictures.to_dtype(DType::F32)? / 255.0)?;
-        // where channel, row and column are in a block
+        // the positions of channel, row and column in a block's layout
         let orders = [[0, 1, 2], [2, 0, 1]];
         for ((layer, (side, outputs)), [channel, row, column]) in
-            eyes.convolutions.iter().zip(CONVOLUTIONS).zip(orders)
+            encoder.convolutions.iter().zip(CONVOLUTIONS).zip(orders)
         {
             let (_, channels, height, width) = x.dims4()?;
-            // candle refuses to go back where pixels are left over
+            // candle cannot differentiate a convolution that leaves a remainder of pixels
             let x_used = x
                 .narrow(2, 0, height / side * side)?
                 .narrow(3, 0, width / side * side)?;
@@ -425,7 +443,8 @@ mod tests {
                 .broadcast_add(&bias)?
                 .relu()?;
         }
-        eyes.dense
+        encoder
+            .dense
             .forward(&x.permute([0, 2, 3, 1])?.flatten_from(1)?)?
             .relu()
     }
@@ -456,7 +475,7 @@ mod tests {
         };
         let gradients = network.gradients(&pictures, loss).unwrap();
 
-        let features = look(network.eyes.as_ref().unwrap(), &pictures).unwrap();
+        let features = encode(network.encoder.as_ref().unwrap(), &pictures).unwrap();
         let (outputs, values) = network.judge(&features).unwrap();
         let (our_outputs, our_values) = network.forward(&pictures).unwrap();
         assert!(largest(&(&our_outputs - &outputs).unwrap()) < 1e-4 * largest(&outputs));

@@ -1,9 +1,9 @@
-//! The result of a training: a policy in a small file, which plays without this crate.
+//! The result of a training: a policy in a small file that can be played without this crate.
 
 use std::path::Path;
 
 use anyhow::{Context, Result};
-use gym::rendering::file;
+use gym::render::file;
 use gym::wrappers::{NormalizeObservation, RunningMeanStd};
 use gym::{BoxVector, EnvSpec, Generator};
 use serde::{Deserialize, Serialize};
@@ -15,21 +15,21 @@ use crate::store::Checkpoint;
 /// A trained policy, without the state for further training.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Policy {
-    /// The environment that it was trained on.
+    /// The environment of the training.
     pub(crate) env: EnvSpec,
-    /// Of its observations, where it was trained on normalized ones.
+    /// The statistics of the observations, if the training normalized them.
     pub(crate) normalization: Option<RunningMeanStd>,
-    /// Weights, inputs by outputs, and bias of each layer of the policy's network.
+    /// Weights, `[inputs, outputs]`, and bias of each layer of the policy network.
     pub(crate) network: Vec<Numbers>,
 }
 
 impl Policy {
-    /// The policy of a training.
+    /// Extracts the policy of `checkpoint`.
     pub(crate) fn of(checkpoint: &Checkpoint) -> Result<Self> {
         let mut vector = checkpoint.spec.make()?;
         vector.restore(&checkpoint.envs)?;
         let normalization = vector
-            .wrapper::<NormalizeObservation<BoxVector>>()
+            .layer::<NormalizeObservation<BoxVector>>()
             .map(|wrapper| wrapper.statistics().clone());
         let (observation, action) = (
             vector.single_observation_space(),
@@ -50,7 +50,7 @@ impl Policy {
         })
     }
 
-    /// The policy of a checkpoint's folder, or one in a file.
+    /// Reads the policy of the checkpoint in the folder `path`, or the policy file `path`.
     pub(crate) fn find(path: &Path) -> Result<Self> {
         if path.is_dir() || !path.exists() {
             let checkpoint = Checkpoint::find(path)?;
@@ -62,7 +62,7 @@ impl Policy {
         serde_json::from_str(&text).with_context(|| path.display().to_string())
     }
 
-    /// Writes the policy to a file, with a line for each layer.
+    /// Writes the policy to `path`, one line per layer.
     pub(crate) fn write(&self, path: &Path) -> Result<()> {
         let lines: Vec<String> = self
             .network

@@ -1,4 +1,4 @@
-//! Experience: some steps of every environment under one policy, and their advantages.
+//! Rollouts: several steps of every environment under one policy, and their advantages.
 
 use std::time::{Duration, Instant};
 
@@ -11,8 +11,8 @@ use crate::batch::Batch;
 use crate::numbers::Numbers;
 use crate::settings::Settings;
 
-/// The columns of consecutive steps, which the environments write directly: row 0 has the
-/// observations before the first actions, row `t + 1` the results of the actions `t`.
+/// The columns of consecutive steps. The environments write into them. Row 0 holds the observations
+/// before the first actions; row `t + 1` holds the results of the actions `t`.
 pub(crate) struct Rollout {
     columns: Vec<Columns>,
     actions: Vec<Value>,
@@ -23,7 +23,7 @@ pub(crate) struct Rollout {
 }
 
 impl Rollout {
-    /// Makes room for `steps` steps of the environments.
+    /// Allocates columns for `steps` steps of `envs`.
     pub(crate) fn new(envs: &dyn VectorEnv, steps: usize) -> gym::Result<Self> {
         Ok(Self {
             columns: (0..=steps)
@@ -41,13 +41,13 @@ impl Rollout {
         envs.reset_into(&seed.into(), self.last_columns())
     }
 
-    /// The columns that the next rollout begins with.
+    /// Returns the columns that the next rollout begins with.
     fn last_columns(&mut self) -> &mut Columns {
         let last = self.actions.len();
         &mut self.columns[last]
     }
 
-    /// The observations that the next actions answer.
+    /// Returns the observations that the next actions are computed from.
     pub(crate) fn observations(&mut self) -> Numbers {
         let numbers = self
             .last_columns()
@@ -57,7 +57,7 @@ impl Rollout {
         numbers.into_iter().flatten().map(|x| x as f32).collect()
     }
 
-    /// Goes on from observations of a checkpoint.
+    /// Replaces the current observations by the observations of a checkpoint.
     pub(crate) fn set_observations(&mut self, numbers: &[f32]) -> anyhow::Result<()> {
         let Value::Array(array) = &mut self.last_columns().observations else {
             anyhow::bail!("this example needs arrays for observations");
@@ -70,8 +70,8 @@ impl Rollout {
         Ok(())
     }
 
-    /// Steps the environments on, with actions drawn from the agent's policy, and shows `each` the
-    /// columns after each step.
+    /// Steps `envs` with actions that it samples from the agent's policy, and calls `each` with the
+    /// columns of each step.
     pub(crate) fn collect(
         &mut self,
         envs: &mut dyn VectorEnv,
@@ -80,7 +80,7 @@ impl Rollout {
         mut each: impl FnMut(&dyn VectorEnv),
     ) -> anyhow::Result<()> {
         let steps = self.actions.len();
-        // go on from where the last rollout ended
+        // the last row of the last rollout becomes row 0
         self.columns.swap(0, steps);
         for t in 0..steps {
             let Sample {
@@ -102,11 +102,11 @@ impl Rollout {
         Ok(())
     }
 
-    /// The transitions with their advantages: generalized advantage estimation, Schulman et al.
-    /// (2016), equation 16.
+    /// Returns the transitions with their advantages: generalized advantage estimation, equation 16
+    /// of Schulman et al. (2016).
     ///
-    /// A truncated episode continues in the estimate with the value of its last observation; a
-    /// terminated one does not.
+    /// The estimate bootstraps a truncated episode with the value of its last observation, and does
+    /// not bootstrap a terminated episode.
     pub(crate) fn batch(&self, agent: &Agent, settings: &Settings) -> anyhow::Result<Batch> {
         let (steps, n) = (self.actions.len(), self.values[0].len());
         let mut advantages = vec![vec![0f32; n]; steps];

@@ -1,4 +1,4 @@
-//! The settings of the algorithm.
+//! The hyperparameters.
 
 use anyhow::{Context, Result, ensure};
 use gym::atari::AtariEnv;
@@ -6,12 +6,12 @@ use gym::{BoxEnv, Env, EnvExt, Space};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
-/// The kind of task of an environment.
+/// The kind of an environment's task, which decides the default settings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Task {
-    /// Numbers to see and a few actions to choose from.
+    /// Observations of numbers, discrete actions.
     Discrete,
-    /// Numbers to see and numbers to choose.
+    /// Observations of numbers, continuous actions.
     Continuous,
     /// A game of the Atari 2600.
     Atari,
@@ -19,7 +19,7 @@ pub(crate) enum Task {
 
 impl Task {
     pub(crate) fn of(env: &BoxEnv) -> Self {
-        if env.unwrapped::<AtariEnv>().is_some() {
+        if env.layer::<AtariEnv>().is_some() {
             return Self::Atari;
         }
         match env.action_space() {
@@ -32,7 +32,7 @@ impl Task {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Settings {
     pub(crate) envs: usize,
-    /// Steps of each environment between two rounds of learning.
+    /// Steps of each environment between two updates.
     pub(crate) steps: usize,
     pub(crate) minibatch: usize,
     pub(crate) epochs: usize,
@@ -41,14 +41,14 @@ pub(crate) struct Settings {
     pub(crate) gae_lambda: f32,
     pub(crate) clip: f64,
     pub(crate) entropy_coefficient: f64,
-    /// Whether observations and rewards are normalized.
+    /// Whether to normalize observations and rewards.
     pub(crate) normalize: bool,
 }
 
 impl Settings {
-    /// Settings found good for a task. Those of CartPole, LunarLander and Pendulum follow RL
-    /// Baselines3 Zoo, those of other continuous actions CleanRL's `ppo_continuous_action.py`, and
-    /// those of Atari its `ppo_atari.py`.
+    /// Returns settings that are known to solve the task. Sources: RL Baselines3 Zoo for CartPole,
+    /// LunarLander and Pendulum; CleanRL's `ppo_continuous_action.py` for other continuous actions;
+    /// CleanRL's `ppo_atari.py` for Atari.
     pub(crate) fn of(id: &str, task: Task) -> Self {
         let lander = Self {
             envs: 16,
@@ -112,14 +112,14 @@ impl Settings {
             };
         }
         if id.starts_with("Hopper") {
-            // without a little entropy it learns to stand
+            // without an entropy bonus the agent learns to stand still
             return Self {
                 entropy_coefficient: 0.002,
                 ..continuous
             };
         }
         if id.starts_with("Swimmer") {
-            // a stroke pays much later
+            // a stroke is rewarded much later
             return Self {
                 discount: 0.9999,
                 ..continuous
@@ -128,7 +128,7 @@ impl Settings {
         continuous
     }
 
-    /// These settings, but for those that are given as `NAME=NUMBER`.
+    /// Returns these settings with the overrides `given`, each `NAME=NUMBER`.
     pub(crate) fn with(&self, given: &[String]) -> Result<Self> {
         let mut all = serde_json::to_value(self)?;
         for text in given {

@@ -1,4 +1,4 @@
-//! Checkpoints: everything that a training needs to continue exactly.
+//! Checkpoints: the complete state that a training needs to continue exactly.
 
 use std::path::{Path, PathBuf};
 
@@ -11,16 +11,16 @@ use crate::adam::StoredAdam;
 use crate::numbers::Numbers;
 use crate::settings::Settings;
 
-/// A training between two rounds of learning.
+/// The state of a training between two updates.
 #[derive(Serialize, Deserialize)]
 pub(crate) struct Checkpoint {
     pub(crate) seed: u64,
     pub(crate) settings: Settings,
-    /// How the vector is made, wrappers included.
+    /// The spec of the vector, wrappers included.
     pub(crate) spec: VectorSpec,
-    /// The state of the training.
+    /// The snapshot of the vector.
     pub(crate) envs: Snapshot,
-    /// The observations that the next actions answer, a row for each environment.
+    /// The observations that the next actions are computed from, one row per environment.
     pub(crate) observations: Numbers,
     pub(crate) agent: StoredAdam,
     pub(crate) rng: Generator,
@@ -34,7 +34,7 @@ impl Checkpoint {
         folder.join("checkpoint.json")
     }
 
-    /// The checkpoint in a folder, if there is one.
+    /// Reads the checkpoint in `folder`, if there is one.
     pub(crate) fn find(folder: &Path) -> Result<Option<Self>> {
         let path = Self::path(folder);
         if !path.exists() {
@@ -46,10 +46,10 @@ impl Checkpoint {
             .with_context(|| path.display().to_string())
     }
 
-    /// Replaces the checkpoint in a folder atomically.
+    /// Replaces the checkpoint in `folder` atomically.
     pub(crate) fn write(&self, folder: &Path) -> Result<()> {
         std::fs::create_dir_all(folder).with_context(|| folder.display().to_string())?;
-        gym::rendering::file::write(Self::path(folder), &serde_json::to_vec(self)?)?;
+        gym::render::file::write(Self::path(folder), &serde_json::to_vec(self)?)?;
         Ok(())
     }
 }

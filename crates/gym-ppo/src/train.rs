@@ -1,11 +1,11 @@
-//! The training: rollouts and rounds of learning, with a checkpoint now and then.
+//! The training: rollouts, updates and checkpoints.
 
 use std::fs;
 use std::path::Path;
 use std::time::Instant;
 
 use anyhow::{Context, ensure};
-use gym::rendering::Plot;
+use gym::render::Plot;
 use gym::vector::{Autoreset, VectorEnv, VectorKind, VectorSpec};
 use gym::wrappers::RecordEpisodeStatistics;
 use gym::{BoxVector, Generator, WrapperSpec, builder};
@@ -17,15 +17,15 @@ use crate::rollout::Rollout;
 use crate::settings::{Settings, Task};
 use crate::store::Checkpoint;
 
-/// Episodes whose mean return decides whether the task is solved.
+/// The number of episodes whose mean return decides whether the task is solved.
 const WINDOW: usize = 100;
-/// Pictures of a game that the agent sees at once: one does not show where things move.
+/// Frames per observation of a game: a single frame does not show motion.
 const FRAMES: usize = 4;
-/// Lines that a whole training writes on how it goes.
+/// Progress lines that a whole training prints.
 const LINES: u64 = 40;
 
-/// The vector of a task: its wrappers record the returns as they are, and change what the agent
-/// gets.
+/// The spec of the vector. `RecordEpisodeStatistics` comes first, so it records the returns before
+/// other wrappers change rewards.
 fn spec(id: &str, settings: &Settings, task: Task) -> gym::Result<VectorSpec> {
     let mut env = builder(id);
     if task == Task::Atari {
@@ -64,7 +64,7 @@ fn spec(id: &str, settings: &Settings, task: Task) -> gym::Result<VectorSpec> {
         .fold(vector.spec()?, VectorSpec::wrapped))
 }
 
-/// A training as it stands between two rounds of learning.
+/// The state of a training between two updates.
 struct Run {
     spec: VectorSpec,
     settings: Settings,
@@ -146,7 +146,8 @@ impl Run {
         })
     }
 
-    /// The mean return of the last episodes, and how many these are.
+    /// Returns the mean return of the last [`WINDOW`] episodes, and their number, which is less
+    /// than [`WINDOW`] at first.
     fn recent(&self) -> (f64, usize) {
         let recent = &self.returns[self.returns.len().saturating_sub(WINDOW)..];
         (
@@ -155,7 +156,7 @@ impl Run {
         )
     }
 
-    /// A rollout and the batch to learn from.
+    /// Collects one rollout and learns from it.
     fn round(&mut self, total: u64) -> anyhow::Result<()> {
         let Self {
             settings,
@@ -167,7 +168,7 @@ impl Run {
             ..
         } = self;
         rollout.collect(&mut **envs, agent, rng, |envs| {
-            if let Some(statistics) = envs.wrapper::<RecordEpisodeStatistics<BoxVector>>() {
+            if let Some(statistics) = envs.layer::<RecordEpisodeStatistics<BoxVector>>() {
                 let ended = (0..envs.num_envs()).filter_map(|index| statistics.ended(index));
                 returns.extend(ended.map(|episode| episode.episode_return));
             }
@@ -178,7 +179,7 @@ impl Run {
         Ok(())
     }
 
-    /// Draws all returns, in a folder that is made if it is missing.
+    /// Plots all returns; creates the plot's folder if it is missing.
     fn plot(&self, path: &Path) -> anyhow::Result<()> {
         let written = || -> anyhow::Result<()> {
             if let Some(folder) = path.parent() {
@@ -224,7 +225,7 @@ pub(crate) fn train(training: &Training) -> anyhow::Result<()> {
         }
         None => Run::start(id, *seed, set)?,
     };
-    // a plot that cannot be written is told before the training
+    // fail before the training if the plot cannot be written
     run.plot(plot)?;
     let threshold = run.spec.env.reward_threshold.unwrap_or(f64::INFINITY);
     let solved = |run: &Run| matches!(run.recent(), (mean, WINDOW) if mean >= threshold);
@@ -294,11 +295,11 @@ mod tests {
     const SIDE: usize = 28;
 
     gym::discrete! {
-        /// The content of a picture.
+        /// The direction of the bar in an image.
         enum Answer { Lying, Standing }
     }
 
-    /// A bar somewhere in a picture: does it lie or stand?
+    /// A one-step task: the action says whether the bar in an image is lying or standing.
     #[derive(Clone, Debug)]
     struct Bars;
 

@@ -1,4 +1,4 @@
-//! The policy in the book has the returns in the book, and a damaged one is refused.
+//! The book's policy has the returns that the book states, and a damaged policy file is refused.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

@@ -1,5 +1,5 @@
-//! Trainings: they learn, and one that is killed and resumed ends as one that was not, with the
-//! same weights, moments, statistics, generators and returns, bit for bit.
+//! Trainings learn. A training that is killed and resumed ends like one that is not: the same
+//! weights, moments, statistics, generators and returns, bit for bit.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -34,7 +34,7 @@ fn training(folder: &Path, id: &str, steps: u64, checkpoint: &str) -> Command {
     command
 }
 
-/// The content of a folder, without the wall-clock time of episodes.
+/// Returns the checkpoint in `folder` without the episodes' wall-clock times.
 fn checkpoint(folder: &Path) -> Option<Json> {
     fn without_clock(json: &mut Json) {
         match json {
@@ -47,7 +47,7 @@ fn checkpoint(folder: &Path) -> Option<Json> {
         }
     }
     let text = std::fs::read_to_string(folder.join("checkpoint.json")).ok()?;
-    // a file is replaced as a whole, so what can be read is complete
+    // files are replaced atomically, so a readable checkpoint is complete
     let mut json = serde_json::from_str(&text).expect("a checkpoint is never half written");
     without_clock(&mut json);
     Some(json)
@@ -75,7 +75,7 @@ fn killed_and_resumed(id: &str, total: u64) {
         let mut child = training(folder.path(), id, total, "killed")
             .spawn()
             .unwrap();
-        // twice it dies as soon as it has come further
+        // kill the child twice, each time after it has written a new checkpoint
         let killed = loop {
             if child.try_wait().unwrap().is_some() {
                 break false;

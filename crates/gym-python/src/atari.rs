@@ -234,7 +234,7 @@ impl Ale {
                         .for_each(|(gray, index)| *gray = display.gray()[usize::from(*index)]);
                 }),
                 _ => bytes(py, buffer, &[rows, width], |out| {
-                    out.copy_from_slice(pixels)
+                    out.copy_from_slice(pixels);
                 }),
             }
         })

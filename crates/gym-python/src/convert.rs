@@ -206,7 +206,7 @@ pub(crate) fn from_python(space: &Space, object: &Bound<'_, PyAny>) -> PyResult<
         Space::Box(space) => numbers(space.dtype(), space.shape()),
         Space::MultiDiscrete(space) => numbers(space.dtype(), space.shape()),
         Space::MultiBinary(space) => numbers(DType::I8, space.shape()),
-        Space::Text(_) => object.extract().map(Value::Text),
+        Space::Text(_) | Space::Mission(_) => object.extract().map(Value::Text),
         Space::Tuple(space) => {
             let items = members(object, space.spaces().len())?;
             let items = space
@@ -243,7 +243,7 @@ pub(crate) fn from_python(space: &Space, object: &Bound<'_, PyAny>) -> PyResult<
             Ok(Value::Graph(Box::new(GraphInstance {
                 nodes: nodes.ok_or_else(|| PyTypeError::new_err("a graph needs nodes"))?,
                 edges: part("edges", space.edge_space().and_then(Space::dtype))?,
-                edge_links: part("edge_links", Some(DType::I64))?,
+                edge_links: part("edge_links", Some(DType::I32))?,
             })))
         }
         Space::OneOf(space) => {

@@ -8,8 +8,8 @@ use gym::mujoco::simulated_mut;
 use gym::registry::find;
 use gym::render::{RenderMode, Rendered};
 use gym::{
-    BoxEnv, Env as _, EnvExt as _, EnvSpec, Error, Kwargs, Outcome, Reset, Result, Seed, Snapshot,
-    Space, Value,
+    BoxEnv, Env as _, EnvExt as _, EnvSpec, Error, Inspect, Kwargs, Outcome, Reset, Result, Seed,
+    Snapshot, Space, Value,
 };
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
@@ -164,7 +164,7 @@ impl Env {
         f: impl FnOnce(&mut AtariEnv) -> PyResult<T>,
     ) -> PyResult<T> {
         let mut core = self.lock(py)?;
-        match core.env.unwrapped_mut::<AtariEnv>() {
+        match core.env.layer_mut::<AtariEnv>() {
             Some(env) => guard(|| f(env)),
             None => Err(Error::custom(format!("{} is not an Atari game", self.id))).or_raise(),
         }
@@ -202,6 +202,26 @@ impl Env {
         } else {
             f(core)
         }
+    }
+
+    /// Changes what the environment lets be changed; `json` says how.
+    fn inspect<T: DeserializeOwned>(
+        &self,
+        py: Python<'_>,
+        what: &str,
+        json: &str,
+        change: impl FnOnce(&mut dyn Inspect, T) -> Result<()>,
+    ) -> PyResult<()> {
+        let value = from_json(&self.id, json)?;
+        let mut core = self.lock(py)?;
+        let Some(inspect) = core.env.inspect_mut() else {
+            return Err(Error::argument(
+                what,
+                format!("{} cannot be changed", self.id),
+            ))
+            .or_raise();
+        };
+        guard(|| change(inspect, value).or_raise())
     }
 
     fn action(&self, action: &Bound<'_, PyAny>) -> PyResult<Value> {
@@ -343,25 +363,39 @@ impl Env {
     /// The state as JSON, for environments whose dynamics are pure functions of one.
     fn state(&self, py: Python<'_>) -> PyResult<Option<String>> {
         let core = self.lock(py)?;
-        Ok(peek::state(&core.env).map(|state| state.to_string()))
+        let state = core.env.inspect().and_then(Inspect::state);
+        Ok(state.map(|state| state.to_string()))
+    }
+
+    /// Continues from another state, of the form of [`state`](Self::state).
+    fn set_state(&self, py: Python<'_>, state: &str) -> PyResult<()> {
+        self.inspect(py, "state", state, |inspect, state| {
+            inspect.set_state(state)
+        })
+    }
+
+    /// Replaces the table: a JSON object of `P`, lists of outcomes by state and action, and
+    /// `initial_state_distrib`.
+    fn set_table(&self, py: Python<'_>, table: &str) -> PyResult<()> {
+        self.inspect(py, "table", table, |inspect, table| {
+            inspect.set_table(table)
+        })
     }
 
     /// The arguments as they are, as JSON; those it was made with, where they cannot be set.
     fn arguments(&self, py: Python<'_>) -> PyResult<String> {
         let core = self.lock(py)?;
-        Ok(peek::arguments(&core.env)
-            .map_or_else(|| self.kwargs.clone(), |arguments| arguments.to_string()))
+        let arguments = core.env.inspect().map(Inspect::arguments);
+        Ok(arguments.map_or_else(|| self.kwargs.clone(), |arguments| arguments.to_string()))
     }
 
     /// Sets an argument: a JSON object of its name and value.
     fn set_argument(&self, py: Python<'_>, argument: &str) -> PyResult<()> {
-        let argument: Kwargs = serde_json::from_str(argument)
-            .map_err(|error| Error::argument(&self.id, error.to_string()))
-            .or_raise()?;
-        let mut core = self.lock(py)?;
-        let mut set =
-            |(name, value): (String, Json)| peek::set_argument(&mut core.env, &name, value);
-        guard(|| argument.into_iter().try_for_each(&mut set).or_raise())
+        self.inspect(py, "arguments", argument, |inspect, argument: Kwargs| {
+            argument
+                .into_iter()
+                .try_for_each(|(name, value)| inspect.set_argument(&name, value))
+        })
     }
 
     /// `P` and `initial_state_distrib`, for environments that have them.
@@ -373,12 +407,19 @@ impl Env {
     /// The rows of the map, for FrozenLake.
     fn map(&self, py: Python<'_>) -> PyResult<Option<Vec<String>>> {
         let core = self.lock(py)?;
-        Ok(peek::map(&core.env))
+        let table = core.env.inspect().and_then(Inspect::table);
+        Ok(table.and_then(|table| serde_json::from_value(table["desc"].clone()).ok()))
     }
 
     /// The state of a MuJoCo task, array by array.
     fn mujoco_data<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         mujoco::data(py, &self.lock(py)?.env)
+    }
+
+    /// The last call of the engine of a MuJoCo task: whether it was a step, where it started, where
+    /// it led.
+    fn mujoco_before<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyTuple>>> {
+        mujoco::before(py, &self.lock(py)?.env)
     }
 
     /// The parts of a MuJoCo task's model.
@@ -404,7 +445,7 @@ impl Env {
     /// Writes the score of CarRacing with these digits: the text of a file of `ScoreGlyphs`.
     fn set_score_glyphs(&self, py: Python<'_>, glyphs: &str) -> PyResult<()> {
         let glyphs = ScoreGlyphs::parse(glyphs).or_raise()?;
-        match self.lock(py)?.env.unwrapped_mut::<CarRacing>() {
+        match self.lock(py)?.env.layer_mut::<CarRacing>() {
             Some(env) => env.set_score_glyphs(glyphs),
             None => {
                 return Err(Error::custom(format!("{} does not draw a score", self.id))).or_raise();
@@ -413,12 +454,15 @@ impl Env {
         Ok(())
     }
 
-    /// Ends the use of the environment.
+    /// Closes the window, if there is one; everything else is as it was.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
+        if self.render_mode.as_deref() != Some("human") {
+            return Ok(());
+        }
         let mut core = self.lock(py)?;
-        core.is_running = false;
         guard(|| {
-            core.env.close();
+            // a copy has no window
+            core.env = core.env.clone();
             Ok(())
         })
     }

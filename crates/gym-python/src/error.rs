@@ -120,10 +120,14 @@ fn exception(py: Python<'_>, error: &Error) -> PyErr {
     }
 }
 
-/// The exception `gymnasium.error.NAME`.
+/// The exception `gymnasium.error.NAME`, or the package's own of that name.
 pub(crate) fn gymnasium(py: Python<'_>, name: &str, text: String) -> PyErr {
+    let module = match name {
+        "InvalidAction" | "ResetNeeded" => "rustgym._errors",
+        _ => "gymnasium.error",
+    };
     let raised = py
-        .import("gymnasium.error")
+        .import(module)
         .and_then(|module| module.getattr(name)?.call1((text,)));
     raised.map_or_else(|error| error, PyErr::from_value)
 }

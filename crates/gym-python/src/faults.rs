@@ -1,8 +1,8 @@
-//! An environment that panics on request, to test the handling of panics.
+//! Environments for tests: one panics on request, and one returns what it is given.
 
 use gym::{
-    Dynamics, Error, Generator, NoArguments, Registration, Reset, Result, Space, Stateful, Task,
-    Transition,
+    Configure, Dynamics, Env, Error, Generator, NoArguments, Outcome, Registration, Reset, Result,
+    Space, Stateful, Task, Transition, Value,
 };
 
 gym::discrete! {
@@ -85,4 +85,55 @@ gym::register!(
     Registration::new::<Stateful<Panics>>("faults/Panics-v0")
         .description("Panics when told to.")
         .reset_options(&[("panic", "true")])
+);
+
+gym::arguments! {
+    /// The arguments of [`Echo`].
+    pub(crate) struct EchoConfig {
+        /// The space of its actions and observations, as JSON.
+        pub space: String = r#"{"type": "Discrete", "n": 2, "start": 0, "dtype": "int64"}"#.into(),
+    }
+}
+
+/// Observes its last action, after a reset the element that is nearest to zero.
+#[derive(Clone, Debug)]
+pub(crate) struct Echo {
+    space: Space,
+}
+
+impl Configure for Echo {
+    type Config = EchoConfig;
+
+    fn configure(config: EchoConfig, _version: u32) -> Result<Self> {
+        let space = serde_json::from_str(&config.space);
+        let space = space.map_err(|error| Error::argument("space", error.to_string()))?;
+        Ok(Self { space })
+    }
+}
+
+impl Env for Echo {
+    type Observation = Value;
+    type Action = Value;
+
+    fn observation_space(&self) -> Space {
+        self.space.clone()
+    }
+
+    fn action_space(&self) -> Space {
+        self.space.clone()
+    }
+
+    fn reset_into(&mut self, _reset: &Reset, observation: &mut Value) -> Result<()> {
+        *observation = self.space.zero()?;
+        Ok(())
+    }
+
+    fn step_into(&mut self, action: &Value, observation: &mut Value) -> Result<Outcome> {
+        *observation = action.clone();
+        Ok(Outcome::default())
+    }
+}
+
+gym::register!(
+    Registration::new::<Echo>("faults/Echo-v0").description("Observes its last action.")
 );

@@ -4,6 +4,10 @@
 //! Gymnasium's interface is written in Python, in `python/rustgym`: the results of a reset, the
 //! exceptions, the registration of specs. This crate exchanges numpy arrays, numbers, and
 //! descriptions as JSON with it.
+//!
+//! Ids, arguments, spaces and metadata come from the registry as JSON, so a new family needs no
+//! line here. An environment is in a `Mutex`, because `BoxEnv` is only `Send`; a thread that waits
+//! for it releases the GIL.
 
 mod atari;
 mod convert;

@@ -1,11 +1,14 @@
 //! The MuJoCo tasks in Python: the arrays of `mjData`, and the parts of their model.
 
-use gym::BoxEnv;
-use gym::mujoco::tasks::{self, Simulation};
+use gym::mujoco::tasks::{self, Simulated, Simulation};
 use gym::mujoco::{Data, Revision, simulated};
+use gym::{BoxEnv, Error};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyTuple};
+use serde_json::Value as Json;
+
+use crate::error::OrRaise;
 
 /// The arrays of the state under MuJoCo's names, before the first reset of the initial one; `None`
 /// for other environments.
@@ -42,6 +45,41 @@ pub(crate) fn data<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound<
         cdof_dot cfrc_ext
     );
     Ok(Some(arrays))
+}
+
+/// Whether the last call of the engine was a step; the state from which it started; and where the
+/// step led. `None` before the first reset, and for other environments.
+pub(crate) fn before<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound<'py, PyTuple>>> {
+    let Some(data) = simulated(env).and_then(Simulated::data) else {
+        return Ok(None);
+    };
+    let stored = serde_json::to_value(data)
+        .map_err(|error| Error::Snapshot(error.to_string()))
+        .or_raise()?;
+    let start = match &stored["before"] {
+        Json::Null => &stored["state"],
+        before => before,
+    };
+    let state = PyDict::new(py);
+    for (name, value) in start.as_object().into_iter().flatten() {
+        match value {
+            Json::Array(numbers) => {
+                let numbers: Vec<f64> = numbers.iter().filter_map(Json::as_f64).collect();
+                state.set_item(name, PyArray1::from_vec(py, numbers))?;
+            }
+            value => state.set_item(name, value.as_f64())?,
+        }
+    }
+    let now = PyDict::new(py);
+    now.set_item("time", data.time)?;
+    now.set_item("qpos", PyArray1::from_slice(py, &data.qpos))?;
+    now.set_item("qvel", PyArray1::from_slice(py, &data.qvel))?;
+    now.set_item(
+        "qacc_warmstart",
+        PyArray1::from_slice(py, &data.qacc_warmstart),
+    )?;
+    let stepped = stored["last"].as_str() == Some("Step");
+    (stepped, state, now).into_pyobject(py).map(Some)
 }
 
 fn matrix<'py, const N: usize>(

@@ -2,14 +2,18 @@
 
 use std::collections::BTreeMap;
 use std::mem::ManuallyDrop;
-use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError, TryLockError};
 
 use gym::registry::{Each, EnvBuilder};
+use gym::render::RenderMode;
 use gym::vector::{
     AsyncVectorEnv, Autoreset, Columns, Seeds, VectorEnv, VectorEnvExt, VectorKind, VectorReset,
     VectorSpec,
 };
-use gym::{BoxEnv, Error, Info, Kwargs, Seed, Snapshot, Space, Value, WrapperSpec, builder};
+use gym::{
+    BoxEnv, Env as _, EnvExt as _, EnvSpec, Error, Info, Kwargs, Seed, Snapshot, Space, Value,
+    WrapperSpec, builder,
+};
 use numpy::{PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::sync::MutexExt;
@@ -20,7 +24,7 @@ use crate::convert::{action_from_python, new_array, numpy, refill, rendered, to_
 use crate::env::{Env, from_json};
 use crate::error::{OrRaise, guard, gymnasium};
 use crate::fork::Origin;
-use crate::peek;
+use crate::registry;
 
 /// A vector of environments. The lock of Python is released while it works.
 #[pyclass(frozen, module = "rustgym._native")]
@@ -32,6 +36,8 @@ pub(crate) struct Vector {
     /// The space of one action, and the batched space.
     action: Space,
     actions: Space,
+    /// See [`info_keys`].
+    info_keys: OnceLock<[Vec<String>; 2]>,
     origin: Origin,
 }
 
@@ -98,6 +104,10 @@ impl Vector {
         }
     }
 
+    fn info_keys(&self) -> &[Vec<String>; 2] {
+        self.info_keys.get_or_init(|| info_keys(&self.spec.env))
+    }
+
     /// Actions for `n` of the environments, whose space is `batch`.
     fn actions(&self, n: usize, batch: &Space, actions: &Bound<'_, PyAny>) -> PyResult<Value> {
         action_from_python(&self.action, Some((n, batch)), actions).map_err(|error| {
@@ -145,16 +155,97 @@ impl Core {
         Ok(arrays)
     }
 
-    /// Gymnasium's dict of columns.
-    fn infos<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+    /// Gymnasium's dict of columns: each key as soon as an environment gives it, and its mask.
+    fn infos<'py, 'a>(
+        &mut self,
+        py: Python<'py>,
+        order: impl FnOnce() -> &'a [String],
+    ) -> PyResult<Bound<'py, PyDict>> {
         let Self { envs, columns, .. } = self;
         let infos: Info = guard(|| Ok(envs.as_dyn().infos(columns)))?;
         let dict = PyDict::new(py);
-        for (key, column) in &infos {
-            dict.set_item(key, column_to_python(py, column)?)?;
+        if infos.is_empty() {
+            return Ok(dict);
         }
+        ordered(py, &infos, order(), &dict)?;
         Ok(dict)
     }
+}
+
+/// The keys of a vector with `SameStep` that come before those of the environments.
+const FINAL: [&str; 2] = ["final_obs", "final_info"];
+
+/// Adds the columns with the keys of `order`, then all others; each is followed by its mask.
+fn ordered<'py>(
+    py: Python<'py>,
+    infos: &Info,
+    order: &[String],
+    dict: &Bound<'py, PyDict>,
+) -> PyResult<()> {
+    let known = FINAL
+        .into_iter()
+        .chain(order.iter().map(String::as_str))
+        .filter(|key| infos.contains_key(*key));
+    let is_mask = |key: &str| {
+        key.strip_prefix('_')
+            .is_some_and(|key| infos.contains_key(key))
+    };
+    let others = infos.keys().map(String::as_str).filter(|key| {
+        !is_mask(key) && !FINAL.contains(key) && !order.iter().any(|known| known == key)
+    });
+    for key in known.chain(others) {
+        let column = match &infos[key] {
+            Value::Dict(entries) => {
+                let inner: Info = entries.clone().into_iter().collect();
+                let dict = PyDict::new(py);
+                ordered(py, &inner, order, &dict)?;
+                dict.into_any()
+            }
+            column => column_to_python(py, column)?,
+        };
+        dict.set_item(key, column)?;
+        let mask = format!("_{key}");
+        if let Some(column) = infos.get(&mask) {
+            dict.set_item(mask, column_to_python(py, column)?)?;
+        }
+    }
+    Ok(())
+}
+
+/// The keys of an environment's `info` in the order in which it gives them after a reset, and after
+/// a step. (None of an environment that cannot be made or stepped without further ado.)
+fn info_keys(spec: &EnvSpec) -> [Vec<String>; 2] {
+    let mut keys = [Vec::new(), Vec::new()];
+    let made = registry::bare(
+        &spec.id,
+        spec.kwargs.clone(),
+        None,
+        spec.additional_wrappers.clone(),
+    );
+    let Ok(mut env) = made else { return keys };
+    let Ok(action) = env.action_space().zero() else {
+        return keys;
+    };
+    let seen = |env: &BoxEnv, keys: &mut Vec<String>| {
+        env.info(&mut |key, _| keys.push(key.to_owned()));
+    };
+    if env.reset(0).is_ok() {
+        seen(&env, &mut keys[0]);
+        if env.step(&action).is_ok() {
+            seen(&env, &mut keys[1]);
+        }
+    }
+    let [reset, step] = &mut keys;
+    let missing = |of: &[String], from: &[String]| -> Vec<String> {
+        from.iter()
+            .filter(|key| !of.contains(key))
+            .cloned()
+            .collect()
+    };
+    let (more, less) = (missing(reset, step), missing(step, reset));
+    reset.extend(more);
+    step.extend(less);
+    keys
 }
 
 /// A column of infos: flags and numbers are arrays, anything else an array of objects, a dict one
@@ -199,7 +290,7 @@ fn copy_into<'py, T: numpy::Element + Copy>(
 impl Vector {
     /// `num_envs` environments `id`, each with these arguments and the stack of `make`.
     #[new]
-    #[pyo3(signature = (id, num_envs, kind, kwargs, render_mode, max_episode_steps, autoreset, threads, copy, wrappers = "[]", each = "{}"))]
+    #[pyo3(signature = (id, num_envs, kind, kwargs, render_mode, max_episode_steps, autoreset, threads, copy, wrappers = "[]", each = "{}", render_size = None))]
     #[expect(clippy::too_many_arguments, reason = "the Python side names them")]
     fn new(
         id: &str,
@@ -213,6 +304,7 @@ impl Vector {
         copy: bool,
         wrappers: &str,
         each: &str,
+        render_size: Option<(u32, u32)>,
     ) -> PyResult<Self> {
         guard(|| {
             let map: Kwargs = from_json(id, kwargs)?;
@@ -231,6 +323,9 @@ impl Vector {
             }
             if let Some(mode) = render_mode {
                 env = env.render_mode(mode.parse().or_raise()?);
+            }
+            if let Some((width, height)) = render_size {
+                env = env.render_size(width, height);
             }
             let env = wrappers.into_iter().fold(env, EnvBuilder::wrap);
             let mut vector = env.vector(num_envs).autoreset(autoreset);
@@ -285,7 +380,7 @@ impl Vector {
         let Core { envs, columns, .. } = &mut *core;
         py.detach(|| guard(|| envs.as_dyn().reset_into(&reset, columns).or_raise()))?;
         let [observations, ..] = core.arrays(py)?;
-        Ok((observations, core.infos(py)?))
+        Ok((observations, core.infos(py, || &self.info_keys()[0])?))
     }
 
     /// Takes a step in each: observations, rewards, terminated, truncated, infos.
@@ -304,7 +399,7 @@ impl Vector {
             rewards,
             terminated,
             truncated,
-            core.infos(py)?,
+            core.infos(py, || &self.info_keys()[1])?,
         )
             .into_pyobject(py)
     }
@@ -384,7 +479,19 @@ impl Vector {
     /// The states as a JSON list, for environments whose dynamics are pure functions of one.
     fn states(&self, py: Python<'_>) -> PyResult<Option<String>> {
         let mut core = self.lock(py)?;
-        guard(|| Ok(peek::states(core.envs.as_dyn()).map(|states| states.to_string())))
+        guard(|| {
+            let envs = core.envs.as_dyn();
+            let mut states = Vec::with_capacity(envs.num_envs());
+            for index in 0..envs.num_envs() {
+                let mut state = None;
+                let seen = envs.inspect(index, &mut |env| state = env.state());
+                let Some(state) = state.filter(|_| seen.is_ok()) else {
+                    return Ok(None);
+                };
+                states.push(state);
+            }
+            Ok(Some(Json::Array(states).to_string()))
+        })
     }
 
     /// Copies of the environments, wrappers included.
@@ -460,14 +567,27 @@ impl Vector {
         })
     }
 
-    /// Ends the use of all environments.
+    /// Ends the threads of an async vector, and with them its use; closes the windows of others,
+    /// which are otherwise as they were.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
         let mut core = self.lock(py)?;
         let envs = &mut core.envs;
+        let has_windows = self.spec.env.render_mode == Some(RenderMode::Human);
         py.detach(|| {
-            guard(|| {
-                envs.as_dyn().close();
-                Ok(())
+            guard(|| match envs {
+                Envs::Async(envs) => {
+                    envs.close();
+                    Ok(())
+                }
+                Envs::Here(envs) if has_windows => envs
+                    .call(|_, env: &mut BoxEnv| {
+                        // a copy has no window
+                        let copy = env.clone();
+                        env.replace_with(copy);
+                    })
+                    .map(|_| ())
+                    .or_raise(),
+                Envs::Here(_) => Ok(()),
             })
         })
     }
@@ -495,6 +615,7 @@ impl Vector {
             spec,
             action,
             actions,
+            info_keys: OnceLock::new(),
             origin: Origin::here(),
         })
     }

@@ -9,6 +9,7 @@ import sys
 from collections.abc import Callable
 from typing import Any
 
+import gymnasium
 import pytest
 from conftest import IDS, assert_same
 
@@ -77,3 +78,11 @@ def test_in_another_process() -> None:
     code = "import pickle, sys; e, a = pickle.load(sys.stdin.buffer); sys.stdout.buffer.write(pickle.dumps(e.step(a)))"
     result = subprocess.run([sys.executable, "-c", code], input=stored, capture_output=True, check=True, timeout=60)
     assert_same(pickle.loads(result.stdout), env.step(action))
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_a_copy_of_what_was_never_reset_is_not_running(way: str) -> None:
+    twin = WAYS[way](rustgym.Env("CartPole-v1"))
+    assert not twin._native.is_running()
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        twin.step(0)

@@ -114,11 +114,11 @@ def test_order() -> None:
     env = rustgym.Env("CartPole-v1")
     with pytest.raises(gymnasium.error.ResetNeeded, match="reset"):
         env.step(0)
-    env.reset()
+    env.reset(seed=1)
+    twin = copy.deepcopy(env)
     env.close()
     env.close()
-    with pytest.raises(gymnasium.error.Error):
-        env.step(0)
+    assert_same([env.step(0), env.reset(), env.state], [twin.step(0), twin.reset(), twin.state])
 
 
 @pytest.mark.parametrize("seed", [-1, 1.5, "1", [1]])
@@ -401,3 +401,20 @@ def test_what_is_no_id_or_state_is_named() -> None:
         rustgym.Env("CartPole-v1").set_state(3)  # type: ignore[arg-type]
     with pytest.raises(AttributeError, match="neither rustgym nor gymnasium has an attribute 'nothing'"):
         _ = rustgym.nothing
+
+
+def test_exceptions_are_those_that_gymnasium_raises() -> None:
+    for env_id, action, kind in [
+        ("CartPole-v1", 5, AssertionError),
+        ("FrozenLake-v1", 9, KeyError),
+        ("Taxi-v4", 9, KeyError),
+        ("Acrobot-v1", 7, IndexError),
+        ("CarRacing-v3", [0.0, 0.0], ValueError),
+    ]:
+        env = rustgym.make(env_id, disable_env_checker=True)
+        env.reset(seed=0)
+        for expected in (kind, gymnasium.error.InvalidAction):
+            with pytest.raises(expected, match="invalid action"):
+                env.step(action)
+    with pytest.raises(AssertionError, match="call `reset"):
+        rustgym.Env("CartPole-v1").step(0)

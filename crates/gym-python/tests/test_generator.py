@@ -80,3 +80,14 @@ def test_wrappers_draw_from_it() -> None:
     ours.reset(seed=5), theirs.reset(seed=5)
     for step in range(50):
         assert np.array_equal(ours.step(step % 3)[0], theirs.step(step % 3)[0])
+
+
+def test_a_generator_starts_no_episode() -> None:
+    env = rustgym.Env("CartPole-v1")
+    env.np_random = np.random.default_rng(5)
+    assert not env._native.is_running()
+    with pytest.raises(gymnasium.error.ResetNeeded):
+        env.step(0)
+    twin = rustgym.Env("CartPole-v1")
+    twin.np_random = np.random.default_rng(5)
+    assert np.array_equal(env.reset()[0], twin.reset()[0])

@@ -101,6 +101,43 @@ def test_mujocos_own_objects_follow(env_id, monkeypatch, tmp_path):
         assert np.array_equal(twin.data.qpos, env.data.qpos) and twin.data is not env.data
 
 
+def test_data_of_our_own_is_live(without_mujoco):
+    env, twin = made("Hopper-v5"), made("Hopper-v5")
+    for e in (env, twin):
+        e.reset(seed=1)
+        e.step(np.zeros(3, np.float32))
+    data = env.data
+    assert env.data is data
+    data.qpos[1] = 1.3
+    data.qvel = data.qvel * 2.0
+    twin.set_state(np.r_[twin.data.qpos[0], 1.3, twin.data.qpos[2:]], twin.data.qvel * 2.0)
+    for action in np.random.default_rng(0).uniform(-1, 1, (5, 3)).astype(np.float32):
+        env.step(action)
+    assert data.time == pytest.approx(6 * env.dt) and data.qpos[1] != 1.3
+    assert np.array_equal(data.qpos, env.state_vector()[:6])
+    with pytest.raises(ValueError, match="read-only"):
+        data.xpos[1] = 0.0
+    with pytest.raises(AttributeError, match="xpos is read-only"):
+        data.xpos = np.zeros((5, 3))
+    with pytest.raises(AttributeError, match="without the package mujoco it has"):
+        _ = data.xfrc_applied
+    env.reset(seed=1)
+    assert data.time == 0.0
+
+
+def test_what_needs_the_package_says_so(without_mujoco):
+    env = made("Hopper-v5")
+    env.reset(seed=1)
+    env.init_qpos[1] = 2.0
+    with pytest.raises(gymnasium.error.DependencyNotInstalled, match="init_qpos was changed"):
+        env.reset()
+    env = made("HalfCheetah-v5")
+    env._reset_noise_scale = 0.0
+    assert np.array_equal(env.reset(seed=1)[0], np.zeros(17)) and env._reset_noise_scale == 0.0
+    with pytest.raises(gymnasium.error.DependencyNotInstalled):
+        env.do_simulation(np.zeros(6), 5)
+
+
 @pytest.mark.parametrize("env_id", TASKS)
 def test_the_version_of_mujoco_is_an_argument(env_id):
     def rewards(**kwargs):

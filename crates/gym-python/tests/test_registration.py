@@ -28,7 +28,7 @@ def test_every_id_is_in_the_namespace() -> None:
 
 def test_an_id_imports_the_package() -> None:
     code = "import gymnasium; print(gymnasium.make('rustgym:rustgym/CartPole-v1'), gymnasium.make_vec('rustgym:rustgym/CartPole-v1', 3))"
-    assert "CartPole_v1" in run(code)
+    assert "CartPoleEnv<rustgym/CartPole-v1>" in run(code)
 
 
 def test_replacing() -> None:
@@ -98,8 +98,8 @@ print(gym.__version__)
 def test_ids_without_version() -> None:
     gymnasium.logger.min_level = gymnasium.logger.WARN
     try:
-        with pytest.warns(UserWarning, match="Using the latest versioned environment `rustgym/CartPole-v1`"):
-            assert rustgym.make("CartPole").spec.id == "rustgym/CartPole-v1"
+        with pytest.warns(UserWarning, match="Using the latest versioned environment `CartPole-v1`"):
+            assert rustgym.make("CartPole").spec.id == "CartPole-v1"
     finally:
         gymnasium.logger.min_level = gymnasium.logger.ERROR
 

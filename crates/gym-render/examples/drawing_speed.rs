@@ -1,4 +1,4 @@
-//! Measures drawing and GIF writing on a moving cart with a pole: `cargo run --release --example
+//! Measures drawing and GIF encoding of a moving cart with a pole: `cargo run --release --example
 //! drawing_speed [FILE.gif]`.
 
 use std::path::PathBuf;
@@ -6,13 +6,14 @@ use std::time::Instant;
 
 use gym_core::canvas::{Canvas, Color, Transform};
 use gym_core::render::{Frame, Painter};
-use gym_render::{GifWriter, Raster};
+use gym_render::{Raster, Video};
 
 const SIZE: (u32, u32) = (600, 400);
 const FRAMES: u32 = 500;
 const FPS: u32 = 50;
 
-/// The state of CartPole, balanced by a push towards the side where the pole falls.
+/// The state of CartPole under a simple controller, which pushes to the side to which the pole
+/// falls.
 struct CartPole {
     x: f64,
     x_dot: f64,
@@ -21,7 +22,7 @@ struct CartPole {
 }
 
 impl CartPole {
-    /// One step of Gymnasium's `cartpole.py`.
+    /// Takes one step, as in Gymnasium's `cartpole.py`.
     fn step(&mut self) {
         let side = 0.1 * self.x + 0.2 * self.x_dot + self.theta + 0.5 * self.theta_dot;
         let force = if side > 0.0 { 10.0 } else { -10.0 };
@@ -80,9 +81,9 @@ fn main() -> gym_core::Result<()> {
         })
         .collect();
     let start = Instant::now();
-    let mut writer = GifWriter::create(&path, FPS)?;
-    frames.iter().try_for_each(|frame| writer.write(frame))?;
-    writer.finish()?;
+    let mut video = Video::create(&path, FPS)?;
+    frames.iter().try_for_each(|frame| video.write(frame))?;
+    video.finish()?;
     let bytes = std::fs::metadata(&path).map_or(0, |file| file.len());
     println!(
         "{FRAMES} frames: {:.3} s, {bytes} bytes, {}",

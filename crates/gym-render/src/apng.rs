@@ -1,62 +1,43 @@
 //! Animated PNG, frame by frame, in bounded memory and with exact colours.
 //!
-//! Each image contains only the rectangle that changed. `png` compresses it; the chunks around it
-//! are written here, because the number of images is at the start of the file and known last.
-//! Chunks are those of the PNG specification, third edition, section 11.3.6 (acTL, fcTL, fdAT).
+//! Each image contains only the rectangle that changed. The crate `png` compresses it; this module
+//! writes the chunks around it, because the number of images stands at the start of the file and is
+//! known last. The chunks are those of the PNG specification, third edition, section 11.3.6 (acTL,
+//! fcTL, fdAT).
 
 use std::io::{self, Seek, SeekFrom, Write};
 
-use crate::file::AtomicFile;
 use gym_core::render::Frame;
 use png::{BitDepth, ColorType, Compression, Encoder, EncodingError, Filter};
 
 use crate::changes::changed;
-use crate::stream::Format;
 
 const SIGNATURE: [u8; 8] = *b"\x89PNG\r\n\x1a\n";
-/// Bytes of a chunk around its data: length, kind and checksum.
+/// Bytes of a chunk besides its data: length, kind and checksum.
 const CHUNK: u64 = 12;
-/// Bytes of an IHDR chunk's data.
+/// Bytes of data in an IHDR chunk.
 const HEADER: u64 = 13;
 
-/// An animation being written. The last frame is held back until its duration is known.
+/// An animation that is being written. The last frame is not written until its duration is known.
 #[derive(Debug)]
 pub(crate) struct Apng<W> {
     writer: W,
     fps: u32,
-    /// Pictures and animation chunks so far.
+    /// The numbers of images and of animation chunks so far.
     pictures: u32,
     sequence: u32,
-    /// The frame held back, and its number of repetitions.
+    /// The frame that is not written yet, and its number of repetitions.
     pending: Frame,
     repeats: u32,
-    /// The screen before it; `None` before the first image.
+    /// The frame before `pending`; `None` before the first image.
     shown: Option<Frame>,
-    /// Buffers for the rectangle being written: its pixels, and a PNG file of it.
+    /// Buffers for the rectangle that is being written: its pixels, and a PNG file of it.
     pixels: Vec<u8>,
     file: Vec<u8>,
 }
 
-impl Format for Apng<AtomicFile> {
-    const NAME: &'static str = "VideoWriter";
-    const MAX_SIDE: u32 = i32::MAX as u32;
-    const MAX_FPS: u32 = u16::MAX as u32;
-
-    fn start(file: AtomicFile, fps: u32, frame: &Frame) -> io::Result<Self> {
-        Self::start(file, fps, frame)
-    }
-
-    fn write(&mut self, frame: &Frame) -> io::Result<()> {
-        self.write(frame)
-    }
-
-    fn finish(self) -> io::Result<AtomicFile> {
-        self.finish()
-    }
-}
-
 impl<W: Write + Seek> Apng<W> {
-    fn start(writer: W, fps: u32, frame: &Frame) -> io::Result<Self> {
+    pub(crate) fn start(writer: W, fps: u32, frame: &Frame) -> io::Result<Self> {
         let mut apng = Self {
             writer,
             fps,
@@ -70,7 +51,7 @@ impl<W: Write + Seek> Apng<W> {
         };
         apng.writer.write_all(&SIGNATURE)?;
         let [width, height] = [frame.width(), frame.height()].map(u32::to_be_bytes);
-        // 8 bits of red, green and blue; the usual compression and filters; not interlaced
+        // 8 bits of red, green and blue; standard compression and filters; not interlaced
         chunk(
             &mut apng.writer,
             *b"IHDR",
@@ -80,8 +61,8 @@ impl<W: Write + Seek> Apng<W> {
         Ok(apng)
     }
 
-    fn write(&mut self, frame: &Frame) -> io::Result<()> {
-        // durations are counted in 16 bits
+    pub(crate) fn write(&mut self, frame: &Frame) -> io::Result<()> {
+        // durations are 16-bit numbers
         if *frame == self.pending && self.repeats < u32::from(u16::MAX) {
             self.repeats += 1;
             return Ok(());
@@ -96,7 +77,7 @@ impl<W: Write + Seek> Apng<W> {
         Ok(())
     }
 
-    fn finish(mut self) -> io::Result<W> {
+    pub(crate) fn finish(mut self) -> io::Result<W> {
         self.write_pending()?;
         chunk(&mut self.writer, *b"IEND", &[])?;
         self.writer
@@ -106,7 +87,7 @@ impl<W: Write + Seek> Apng<W> {
         Ok(self.writer)
     }
 
-    /// The chunk with the number of images, looping forever.
+    /// Writes the chunk with the number of images, which loop forever.
     fn write_count(&mut self) -> io::Result<()> {
         chunk(
             &mut self.writer,
@@ -130,7 +111,7 @@ impl<W: Write + Seek> Apng<W> {
 
         let place = [width, height, columns.start as u32, rows.start as u32].map(u32::to_be_bytes);
         let delay = [self.repeats as u16, self.fps as u16].map(u16::to_be_bytes);
-        // kept afterwards; replaces the old content
+        // disposal: keep the image; blending: overwrite the old content
         let parts: [&[u8]; 4] = [
             &self.sequence.to_be_bytes(),
             place.as_flattened(),
@@ -156,13 +137,13 @@ impl<W: Write + Seek> Apng<W> {
     }
 }
 
-/// A PNG file of one picture.
+/// Compresses an image to a PNG file.
 fn compress(file: &mut Vec<u8>, width: u32, height: u32, pixels: &[u8]) -> io::Result<()> {
     let mut encoder = Encoder::new(file, width, height);
     encoder.set_color(ColorType::Rgb);
     encoder.set_depth(BitDepth::Eight);
     encoder.set_compression(Compression::Balanced);
-    // drawings are plain areas: no filter predicts better than repetition
+    // drawings have large plain areas: repetition compresses better than any filter
     encoder.set_filter(Filter::NoFilter);
     let written = encoder.write_header().and_then(|mut writer| {
         writer.write_image_data(pixels)?;
@@ -174,7 +155,7 @@ fn compress(file: &mut Vec<u8>, width: u32, height: u32, pixels: &[u8]) -> io::R
     })
 }
 
-/// The contents of the IDAT chunks of a PNG file.
+/// Iterates over the contents of the IDAT chunks of a PNG file.
 fn image_data(file: &[u8]) -> impl Iterator<Item = &[u8]> {
     let mut rest = file.get(SIGNATURE.len()..).unwrap_or_default();
     let chunks = std::iter::from_fn(move || {
@@ -187,7 +168,7 @@ fn image_data(file: &[u8]) -> impl Iterator<Item = &[u8]> {
     chunks.filter_map(|(kind, data)| (kind == b"IDAT").then_some(data))
 }
 
-/// A chunk whose data come in parts.
+/// Writes a chunk whose data consists of `parts`.
 fn chunk(writer: &mut impl Write, kind: [u8; 4], parts: &[&[u8]]) -> io::Result<()> {
     let length: usize = parts.iter().map(|part| part.len()).sum();
     writer.write_all(&(length as u32).to_be_bytes())?;
@@ -220,7 +201,7 @@ mod tests {
         apng.finish().unwrap().into_inner()
     }
 
-    /// Duration, area (left, top, width, height) and pixels.
+    /// The duration, the area (left, top, width, height) and the pixels of an image.
     type Picture = ((u16, u16), [u32; 4], Vec<u8>);
 
     fn decode(bytes: &[u8]) -> Vec<Picture> {

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use gym_core::render::Frame;
 
-/// The smallest rectangle that contains every changed pixel; one pixel if none changed.
+/// Returns the smallest rectangle that contains every changed pixel; one pixel if none changed.
 pub(crate) fn changed(old: Option<&Frame>, new: &Frame) -> (Range<usize>, Range<usize>) {
     let Some(old) = old else {
         return (0..new.width() as usize, 0..new.height() as usize);

@@ -9,31 +9,31 @@ use std::sync::{Mutex, PoisonError};
 
 use gym_core::{Error, Result};
 
-/// A file being written under a temporary name in the folder where it belongs. Dropped without
-/// [`commit`](Self::commit), it is removed; that of a killed program is removed by the next one
-/// that writes to the folder.
+/// A file that is written under a temporary name in its final folder. Dropping it without
+/// [`commit`](Self::commit) removes it. If a program is killed, the next program that writes to the
+/// folder removes the temporary file.
 ///
-/// A link is followed: the file that it leads to is replaced, and the link stays. A replaced file
-/// passes its permissions on. Devices, named pipes and `/dev/stdout` are not replaced: `commit`
-/// writes the bytes to them.
+/// A symbolic link is followed: its target is replaced, and the link remains. The new file takes
+/// the permissions of the file that it replaces. Devices, named pipes and `/dev/stdout` are not
+/// replaced: `commit` writes the bytes to them.
 #[derive(Debug)]
 pub struct AtomicFile {
     path: PathBuf,
     destination: Destination,
     file: BufWriter<File>,
-    /// After `file`, which is closed first.
+    /// Declared after `file`, so that `file` is closed first.
     temporary: TemporaryPath,
 }
 
-/// The path of a temporary file, which is removed when this is dropped.
+/// The path of a temporary file. Dropping it removes the file.
 #[derive(Debug)]
 struct TemporaryPath(PathBuf);
 
 impl TemporaryPath {
-    /// Gives the file another name.
+    /// Renames the file.
     fn rename(mut self, to: PathBuf) -> io::Result<()> {
         fs::rename(&self.0, to)?;
-        // another program's file may have that name by now
+        // another program's file may have the old name by now
         self.0.clear();
         Ok(())
     }
@@ -45,17 +45,17 @@ impl Drop for TemporaryPath {
     }
 }
 
-/// The destination of a complete file.
+/// Where a complete file goes.
 #[derive(Debug, PartialEq)]
 enum Destination {
-    /// Replaces the file at this path.
+    /// The file replaces the one at this path.
     Replace(PathBuf),
-    /// Its bytes are written to the device or pipe at this path.
+    /// The bytes are written to the device or pipe at this path.
     Append(PathBuf),
 }
 
 impl AtomicFile {
-    /// Starts a file that will replace the one at `path`, if there is one.
+    /// Starts a file for `path`, which replaces an existing file.
     ///
     /// # Errors
     /// [`Error::Io`] if the folder does not exist or cannot be written to, or if `path` is a
@@ -79,15 +79,15 @@ impl AtomicFile {
         create().map_err(|error| Error::io(path, error))
     }
 
-    /// The temporary path, for another program that writes the file.
+    /// Returns the temporary path, for another program that writes the file.
     pub fn temporary_path(&self) -> &Path {
         &self.temporary.0
     }
 
-    /// Gives the file its name; one of that name is replaced.
+    /// Renames the file to its final path, where it replaces an existing file.
     ///
     /// # Errors
-    /// [`Error::Io`] if the rest cannot be written; then no file remains.
+    /// [`Error::Io`] if the remaining bytes cannot be written; the file is then removed.
     pub fn commit(self) -> Result<()> {
         let Self {
             path,
@@ -99,8 +99,8 @@ impl AtomicFile {
             let mut file = file.into_inner().map_err(io::IntoInnerError::into_error)?;
             match destination {
                 Destination::Replace(path) => {
-                    // the name must not reach the disk before the bytes: a power cut between them
-                    // would leave an empty file
+                    // sync before the rename: otherwise a power cut between the two could leave an
+                    // empty file
                     file.sync_all()?;
                     temporary.rename(path)
                 }
@@ -114,9 +114,9 @@ impl AtomicFile {
     }
 }
 
-/// The destination of a file of this name; links are followed.
+/// Returns the destination of a file at `path`; follows links.
 fn destination(path: &Path) -> io::Result<Destination> {
-    const MAX_LINKS: usize = 40; // as Linux
+    const MAX_LINKS: usize = 40; // as on Linux
     let mut path = path.to_owned();
     match fs::metadata(&path) {
         Ok(found) if found.is_dir() => return Err(io::ErrorKind::IsADirectory.into()),
@@ -127,7 +127,7 @@ fn destination(path: &Path) -> io::Result<Destination> {
         let Ok(target) = fs::read_link(&path) else {
             return Ok(Destination::Replace(path));
         };
-        // an open file of this program, such as `/dev/stdout`, which others write to as well
+        // an open file of this process, such as `/dev/stdout`, to which others may write too
         if folder(&path)
             .canonicalize()
             .is_ok_and(|folder| folder.starts_with("/proc"))
@@ -139,17 +139,17 @@ fn destination(path: &Path) -> io::Result<Destination> {
     Err(io::Error::other("its symbolic links form a loop"))
 }
 
-/// The folder of a path.
+/// Returns the folder of `path`.
 fn folder(path: &Path) -> &Path {
     path.parent()
         .filter(|folder| *folder != Path::new(""))
         .unwrap_or(Path::new("."))
 }
 
-/// The end of the names of temporary files.
+/// The suffix of temporary files.
 const SUFFIX: &str = ".gym-partial";
 
-/// A file of a name that no other has, in the folder of `path`, with the permissions of the file at
+/// Creates a file with a unique name in the folder of `path`, with the permissions of the file at
 /// `path`.
 fn temporary(path: &Path) -> io::Result<(File, TemporaryPath)> {
     static COUNT: AtomicU64 = AtomicU64::new(0);
@@ -175,12 +175,12 @@ fn temporary(path: &Path) -> io::Result<(File, TemporaryPath)> {
         };
         let temporary = TemporaryPath(hidden);
         lock(&file);
-        // another program may have taken it for a leftover before it was locked
+        // another program may have removed it as a leftover before it was locked
         if temporary.0.exists() {
             #[cfg(unix)]
             if let Ok(found) = fs::metadata(path) {
                 use std::os::unix::fs::{MetadataExt, fchown};
-                // only root can give a file away
+                // only root can change the owner
                 let _ = fchown(&file, Some(found.uid()), Some(found.gid()));
                 file.set_permissions(found.permissions())?;
             }
@@ -189,17 +189,17 @@ fn temporary(path: &Path) -> io::Result<(File, TemporaryPath)> {
     }
 }
 
-/// Marks a temporary file as being written, until it is closed. File systems without locks go
-/// without.
+/// Locks a temporary file to mark it as being written. If the file system has no locks, the file
+/// stays unlocked.
 fn lock(file: &File) {
-    // on Windows a lock would keep other programs, such as `ffmpeg`, from writing to the file
+    // on Windows a lock would prevent other programs, such as `ffmpeg`, from writing to the file
     if cfg!(unix) {
         let _ = file.lock();
     }
 }
 
-/// Removes the temporary files in a folder that no running program writes; once for each folder, as
-/// a recording of many files would read the folder for each.
+/// Removes temporary files in `folder` that no running program writes. It does so once per folder,
+/// because a recording of many files would otherwise read the folder for each file.
 fn remove_leftovers(folder: &Path) {
     static CLEANED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
     let Ok(folder) = folder.canonicalize() else {
@@ -223,7 +223,7 @@ fn remove_leftovers(folder: &Path) {
             && name.as_encoded_bytes().starts_with(b".")
             && name.as_encoded_bytes().ends_with(SUFFIX.as_bytes())
         {
-            // a lock may need write access; it is held until the file is removed
+            // a lock may require write access; it is held until the file is removed
             if let Ok(file) = OpenOptions::new().write(true).open(entry.path())
                 && file.try_lock().is_ok()
             {
@@ -249,10 +249,10 @@ impl Seek for AtomicFile {
     }
 }
 
-/// Writes a whole file at once.
+/// Writes a whole file atomically.
 ///
 /// # Errors
-/// [`Error::Io`] if it cannot be written; the old file is then unchanged.
+/// [`Error::Io`] if the file cannot be written; an existing file is then unchanged.
 pub fn write(path: impl AsRef<Path>, bytes: &[u8]) -> Result<()> {
     let path = path.as_ref();
     let mut file = AtomicFile::create(path)?;
@@ -269,7 +269,7 @@ mod tests {
 
     use super::*;
 
-    /// The names of the files in a folder, hidden ones too.
+    /// Returns the names of the files in a folder, including hidden files.
     fn names(folder: &TempDir) -> Vec<String> {
         let name =
             |entry: io::Result<fs::DirEntry>| entry.unwrap().file_name().into_string().unwrap();
@@ -314,7 +314,7 @@ mod tests {
         assert_eq!(names(&folder), ["a.txt"]);
     }
 
-    /// The file of a killed program is not locked; the file of a running one is.
+    /// A killed program's file is not locked; a running program's file is.
     #[cfg(unix)]
     #[test]
     fn what_a_killed_run_left_behind_is_removed_by_the_next() {
@@ -341,7 +341,7 @@ mod tests {
 
     const WRITER: &str = "GYM_RENDER_TESTS_WRITER";
 
-    /// The killed program: it writes a file again and again, each time of one letter.
+    /// The program that is killed: it repeatedly writes a file of one repeated letter.
     #[cfg(unix)]
     #[test]
     fn writer() {
@@ -353,8 +353,8 @@ mod tests {
         }
     }
 
-    /// Killed anywhere, as by a power cut, a program leaves a whole file, the old or the new one,
-    /// and at most one temporary file, which the next program removes.
+    /// A program that is killed at any moment, as by a power cut, leaves a complete file, old or
+    /// new, and at most one temporary file, which the next program removes.
     #[cfg(unix)]
     #[test]
     fn a_killed_program_leaves_a_whole_file() {
@@ -370,7 +370,7 @@ mod tests {
                 .stdout(Stdio::null())
                 .spawn()
                 .unwrap();
-            // until it writes, and then a moment that is another each time
+            // wait until the program writes, then for a varying moment
             while names(&folder).len() == 1 && fs::read(&path).unwrap()[0] == b'a' {
                 assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
                 std::thread::yield_now();
@@ -393,7 +393,7 @@ mod tests {
         }
     }
 
-    /// The first file of a folder is written while another program's cleaning of it is on.
+    /// A folder's first file is written while another program cleans the folder.
     #[cfg(unix)]
     #[test]
     fn a_file_that_is_being_written_is_no_leftover() {
@@ -426,7 +426,7 @@ mod tests {
                 "{name}"
             );
         }
-        // as many as Linux follows, and one more
+        // as many links as Linux follows, and one more
         symlink("there/target", path("link1")).unwrap();
         for i in 2..=41 {
             symlink(format!("link{}", i - 1), path(&format!("link{i}"))).unwrap();
@@ -461,13 +461,13 @@ mod tests {
         }
     }
 
-    /// A device is written to and stays a device: `rename` would replace its node.
+    /// A device is written to and remains a device: `rename` would replace its node.
     #[cfg(target_os = "linux")]
     #[test]
     fn devices_and_pipes_are_written_to() {
         use std::os::unix::fs::{FileTypeExt, symlink};
         let folder = TempDir::new().unwrap();
-        // without root rights no test can destroy the node itself
+        // without root rights, so that a failing test cannot destroy the device
         assert_eq!(
             destination(Path::new("/dev/full")).unwrap(),
             Destination::Append("/dev/full".into())
@@ -501,7 +501,7 @@ mod tests {
         assert_eq!(reader.join().unwrap(), b"through");
         assert!(fs::metadata(&pipe).unwrap().file_type().is_fifo());
 
-        // as `/dev/stdout` where it leads to a file that others write to as well
+        // like `/dev/stdout`, redirected to a file to which others write too
         let log = folder.path().join("log");
         let mut open = File::create(&log).unwrap();
         open.write_all(b"before ").unwrap();

@@ -1,31 +1,31 @@
-//! Our own stroke font, ASCII from space to tilde.
+//! A stroke font of our own, for ASCII from space to tilde.
 //!
 //! Each glyph is a few strokes on a grid, all drawn with the same pen. Coordinates are base-36
-//! digits, x then y, with y up: the baseline is at 8, lower-case letters reach m (22), capitals
-//! and digits s (28), and descenders 2. A space starts the next stroke. A point on its own is a
-//! dot; `~` and two points are a quarter of an ellipse from the point before to the second one,
+//! digits, x then y, with y upwards: the baseline is at 8, lower-case letters reach m (22),
+//! capitals and digits s (28), descenders 2. A space starts the next stroke. A single point is a
+//! dot; `~` with two points is a quarter of an ellipse from the previous point to the second one,
 //! bulging towards the first.
 
 use gym_core::canvas::{Align, Point, Segment};
 
 use crate::outline::quarter;
 
-/// Width of the pen as a part of the height of a capital letter.
+/// Width of the pen, relative to the height of a capital letter.
 pub(crate) const WEIGHT: f64 = 0.125;
 
 /// The baseline on the grid.
 const BASELINE: f64 = 8.0;
 /// Height of a capital letter on the grid.
 const CAPITAL: f64 = 20.0;
-/// From the rightmost pen position of a glyph to the leftmost of the next.
+/// Distance from the rightmost pen position of a glyph to the leftmost of the next.
 const GAP: f64 = 6.0;
-/// A dot is a stroke this long: just enough to have a direction.
+/// Length of the stroke that draws a dot: just enough to have a direction.
 const DOT: f64 = 0.1;
 
-/// The glyph of unknown characters: an empty box.
+/// The glyph of unsupported characters: an empty box.
 const MISSING: Glyph = Glyph(12, "080scsc808");
 
-/// Width between the outermost pen positions, and the strokes.
+/// A glyph: the distance of its outermost pen positions, and its strokes.
 #[derive(Clone, Copy)]
 struct Glyph(u8, &'static str);
 
@@ -139,7 +139,8 @@ fn glyph(character: char) -> Glyph {
         .unwrap_or(MISSING)
 }
 
-/// Width of a line of text whose capital letters are `size` high, in the same unit.
+/// Returns the width of a line of text whose capital letters are `size` high, in the unit of
+/// `size`.
 pub fn text_width(text: &str, size: f64) -> f64 {
     let count = text.chars().count();
     if count == 0 {
@@ -152,8 +153,8 @@ pub fn text_width(text: &str, size: f64) -> f64 {
     (glyphs + GAP * (count - 1) as f64) / CAPITAL * size + WEIGHT * size
 }
 
-/// Passes the strokes of a line of text to `emit`, to be drawn `size * WEIGHT` wide with round
-/// ends. `position` lies on the baseline, `size` is the height of a capital letter.
+/// Passes the strokes of a line of text to `emit`; the caller draws them `size * WEIGHT` wide with
+/// round ends. `position` is on the baseline, `size` is the height of a capital letter.
 pub(crate) fn outline(
     text: &str,
     position: Point,
@@ -181,7 +182,7 @@ pub(crate) fn outline(
     }
 }
 
-/// One stroke of a glyph; `place` maps the grid to the canvas.
+/// Passes one stroke of a glyph to `emit`; `place` maps the grid to the canvas.
 fn draw(stroke: &str, place: impl Fn(Point) -> Point, emit: &mut impl FnMut(Segment)) {
     let mut symbols = stroke.chars();
     let Some(start) = point(&mut symbols) else {

@@ -1,213 +1,55 @@
-//! Animations as GIF files, frame by frame, in bounded memory.
+//! Animations as GIF, frame by frame, in bounded memory.
 //!
-//! The file stays small and its colours exact as far as the format allows:
+//! The file is small, and its colours are exact as far as the format allows:
 //! - Each image contains only the rectangle that changed. Its unchanged pixels are transparent or
-//!   repeat their colours, whichever takes fewer bytes. An unchanged frame prolongs the one before.
-//! - All images share one table of 255 colours, which grows as colours appear. It is at the start
-//!   of the file and written last.
-//! - An image has its own colour table if its new colours do not fit in the shared one. Only an
-//!   image with more than 255 colours is reduced to similar ones.
+//!   repeat their colours, whichever takes fewer bytes. An unchanged frame extends the previous
+//!   one.
+//! - All images share one table of 255 colours, which grows as colours appear. It stands at the
+//!   start of the file and is written last.
+//! - An image has its own colour table if its new colours do not fit into the shared one. Only an
+//!   image with more than 255 colours is reduced to similar colours.
 
 use std::borrow::Cow;
 use std::io::{self, Seek, SeekFrom, Write};
 use std::ops::Range;
-use std::path::Path;
 
-use crate::file::AtomicFile;
 use gif::{Encoder, EncodingError, Repeat};
 use gym_core::render::Frame;
-use gym_core::{Error, Result};
 
 use crate::changes::changed;
 use crate::palette::{ENTRIES, Palette, Rgb, TRANSPARENT};
-use crate::stream::{Format, Stream};
 
-/// The offset of the shared colour table: behind signature and screen descriptor (GIF89a
+/// The offset of the shared colour table, after signature and screen descriptor (GIF89a
 /// specification, sections 17 and 18).
 const TABLE_OFFSET: u64 = 13;
-/// Time is counted in hundredths of a second (GIF89a specification, section 23).
+/// Delays are in hundredths of a second (GIF89a specification, section 23).
 const TICKS_PER_SECOND: u64 = 100;
-/// Browsers show an image with a shorter delay for 10 ticks.
+/// The shortest delay: browsers show an image with a shorter delay for 10 ticks.
 const SHORTEST_DELAY: u64 = 2;
 
-/// Writes an animation that loops for ever.
+/// An animation that is being written. It loops forever. Frames appear at their times, rounded to
+/// hundredths of a second; rounding errors do not accumulate.
 ///
-/// Frames appear at their times, rounded to hundredths of a second; rounding errors do not add up.
-/// Above 50 frames per second some frames are left out, because viewers show each image for at
-/// least two hundredths.
-///
-/// The file appears under its name when it is finished. Dropping the writer finishes it too if a
-/// frame was written, but cannot report errors.
-#[derive(Debug)]
-pub struct GifWriter(Stream<Animation<AtomicFile>>);
-
-impl GifWriter {
-    /// Starts a file of that many frames per second.
-    ///
-    /// # Errors
-    /// `Error::InvalidArgument` for 0 frames per second, `Error::Io` if the file cannot be created.
-    pub fn create(path: impl AsRef<Path>, fps: u32) -> Result<Self> {
-        Stream::create(path.as_ref(), fps).map(Self)
-    }
-
-    /// Appends a frame.
-    ///
-    /// # Errors
-    /// `Error::InvalidArgument` for a frame that is empty, larger than 65535 pixels a side, or of
-    /// another size than the first, which is left out. `Error::Io` if writing fails; the file is
-    /// then removed, and every later call fails.
-    pub fn write(&mut self, frame: &Frame) -> Result<()> {
-        self.0.write(frame)
-    }
-
-    /// Completes the file and gives it its name.
-    ///
-    /// # Errors
-    /// `Error::Io` if writing fails, now or before; `Error::InvalidArgument` if no frame was
-    /// written; the file is then removed.
-    pub fn finish(mut self) -> Result<()> {
-        self.0.finish()
-    }
-
-    /// Abandons and removes the file.
-    pub fn abandon(mut self) {
-        self.0.abandon();
-    }
-}
-
-/// Writes all frames to a GIF file; see [`GifWriter`].
-///
-/// # Errors
-/// The errors of [`GifWriter`]; the file is then removed.
-pub fn write_gif(path: impl AsRef<Path>, fps: u32, frames: &[Frame]) -> Result<()> {
-    let mut writer = GifWriter::create(path, fps)?;
-    if let Err(error) = frames.iter().try_for_each(|frame| writer.write(frame)) {
-        writer.abandon();
-        return Err(error);
-    }
-    writer.finish()
-}
-
-/// Encodes an animation in memory, frame by frame, as [`GifWriter`] does to a file.
-#[derive(Debug)]
-pub struct GifEncoder {
-    size: (u32, u32),
-    animation: Animation<io::Cursor<Vec<u8>>>,
-}
-
-impl GifEncoder {
-    /// Starts an animation of that many frames per second with its first frame.
-    ///
-    /// # Errors
-    /// `Error::InvalidArgument` for 0 frames per second, and for a frame that is empty or larger
-    /// than 65535 pixels a side.
-    pub fn new(fps: u32, first: &Frame) -> Result<Self> {
-        check(fps, first)?;
-        let animation = Animation::start(io::Cursor::default(), fps, first).map_err(failed)?;
-        Ok(Self {
-            size: (first.width(), first.height()),
-            animation,
-        })
-    }
-
-    /// Appends a frame.
-    ///
-    /// # Errors
-    /// `Error::InvalidArgument` for a frame of another size than the first; it is left out.
-    pub fn write(&mut self, frame: &Frame) -> Result<()> {
-        if (frame.width(), frame.height()) != self.size {
-            return Err(Error::argument(
-                "GifEncoder",
-                "all frames must have one size",
-            ));
-        }
-        self.animation.write(frame).map_err(failed)
-    }
-
-    /// The bytes of the GIF.
-    ///
-    /// # Errors
-    /// If the last frame cannot be encoded.
-    pub fn finish(self) -> Result<Vec<u8>> {
-        self.animation
-            .finish()
-            .map(io::Cursor::into_inner)
-            .map_err(failed)
-    }
-}
-
-/// Refuses sizes and rates that no GIF can have.
-fn check(fps: u32, first: &Frame) -> Result<()> {
-    let fits = |side: u32| (1..=u32::from(u16::MAX)).contains(&side);
-    if fps == 0 || !fits(first.width()) || !fits(first.height()) {
-        let reason = "give at least 1 frame per second, and frames of 1 to 65535 pixels a side";
-        return Err(Error::argument("GifWriter", reason));
-    }
-    Ok(())
-}
-
-#[expect(clippy::needless_pass_by_value, reason = "`map_err` passes a value")]
-fn failed(error: io::Error) -> Error {
-    Error::custom(format!("the GIF could not be written: {error}"))
-}
-
-/// Writes all frames as a GIF, to something else than a file.
-pub(crate) fn encode<W: Write + Seek>(writer: W, fps: u32, frames: &[Frame]) -> Result<W> {
-    let invalid = |reason: &str| Error::argument("GifWriter", reason);
-    let [first, rest @ ..] = frames else {
-        return Err(invalid("there is no frame: give at least one"));
-    };
-    let size = |frame: &Frame| (frame.width(), frame.height());
-    check(fps, first)?;
-    if rest.iter().any(|frame| size(frame) != size(first)) {
-        return Err(invalid("all frames must have one size"));
-    }
-    let write = || {
-        let mut animation = Animation::start(writer, fps, first)?;
-        rest.iter().try_for_each(|frame| animation.write(frame))?;
-        animation.finish()
-    };
-    write().map_err(failed)
-}
-
-/// An animation being written. The last frame is held back until its duration is known.
-struct Animation<W: Write + Seek> {
+/// The last frame is not written until its duration is known.
+pub(crate) struct Gif<W: Write + Seek> {
     encoder: Encoder<W>,
     palette: Palette,
     fps: u32,
-    /// Frames so far.
+    /// The number of frames so far.
     count: u64,
-    /// The frame held back, and the tick at which it appears.
+    /// The frame that is not written yet, and the tick at which it appears.
     pending: Frame,
     since: u64,
-    /// The screen before it; `None` before the first image.
+    /// The frame before `pending`; `None` before the first image.
     shown: Option<Frame>,
-    /// Buffers for the rectangle being written.
+    /// Buffers for the rectangle that is being written.
     pixels: Vec<Option<Rgb>>,
     entries: Vec<u8>,
     opaque: Vec<u8>,
 }
 
-impl Format for Animation<AtomicFile> {
-    const NAME: &'static str = "GifWriter";
-    const MAX_SIDE: u32 = u16::MAX as u32;
-    const MAX_FPS: u32 = u32::MAX;
-
-    fn start(file: AtomicFile, fps: u32, frame: &Frame) -> io::Result<Self> {
-        Self::start(file, fps, frame)
-    }
-
-    fn write(&mut self, frame: &Frame) -> io::Result<()> {
-        self.write(frame)
-    }
-
-    fn finish(self) -> io::Result<AtomicFile> {
-        self.finish()
-    }
-}
-
-impl<W: Write + Seek> Animation<W> {
-    fn start(writer: W, fps: u32, frame: &Frame) -> io::Result<Self> {
+impl<W: Write + Seek> Gif<W> {
+    pub(crate) fn start(writer: W, fps: u32, frame: &Frame) -> io::Result<Self> {
         let (width, height) = (frame.width() as u16, frame.height() as u16);
         let mut encoder =
             Encoder::new(writer, width, height, &[0; ENTRIES * 3]).map_err(io_error)?;
@@ -226,13 +68,13 @@ impl<W: Write + Seek> Animation<W> {
         })
     }
 
-    fn write(&mut self, frame: &Frame) -> io::Result<()> {
+    pub(crate) fn write(&mut self, frame: &Frame) -> io::Result<()> {
         let now = self.now();
         self.count += 1;
         if *frame == self.pending {
             return Ok(());
         }
-        // Otherwise the frame held back would be too short: this one replaces it.
+        // otherwise `pending` would be too short: the new frame replaces it
         if now - self.since >= SHORTEST_DELAY {
             self.write_pending(now)?;
             match &mut self.shown {
@@ -245,7 +87,7 @@ impl<W: Write + Seek> Animation<W> {
         Ok(())
     }
 
-    fn finish(mut self) -> io::Result<W> {
+    pub(crate) fn finish(mut self) -> io::Result<W> {
         self.write_pending(self.now().max(self.since + SHORTEST_DELAY))?;
         let mut writer = self.encoder.into_inner().map_err(io_error)?;
         writer.seek(SeekFrom::Start(TABLE_OFFSET))?;
@@ -254,13 +96,13 @@ impl<W: Write + Seek> Animation<W> {
         Ok(writer)
     }
 
-    /// The tick at which the next frame appears: the nearest to its true time.
+    /// Returns the tick at which the next frame appears: the nearest to its exact time.
     fn now(&self) -> u64 {
         let fps = u64::from(self.fps);
         (self.count * TICKS_PER_SECOND + fps / 2) / fps
     }
 
-    /// Writes the frame held back, to be shown until that tick.
+    /// Writes `pending`, which is shown until the tick `until`.
     fn write_pending(&mut self, until: u64) -> io::Result<()> {
         let (columns, rows) = changed(self.shown.as_ref(), &self.pending);
         self.pixels.clear();
@@ -298,13 +140,14 @@ impl<W: Write + Seek> Animation<W> {
             if ticks == 0 {
                 return Ok(());
             }
-            // Longer than a delay can be: a transparent pixel follows.
+            // the rest of a delay that exceeds the format's limit: another image of one transparent
+            // pixel
             picture = compressed(&[TRANSPARENT]);
             (picture.width, picture.height) = (1, 1);
         }
     }
 
-    /// Translates `pixels` into `entries`, and returns the table if it is not the shared one.
+    /// Translates `pixels` to `entries`; returns the colour table if it is not the shared one.
     fn table(&mut self) -> Option<Palette> {
         if self.palette.translate(&self.pixels, &mut self.entries) {
             return None;
@@ -317,16 +160,16 @@ impl<W: Write + Seek> Animation<W> {
     }
 }
 
-impl<W: Write + Seek> std::fmt::Debug for Animation<W> {
+impl<W: Write + Seek> std::fmt::Debug for Gif<W> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Animation")
+        f.debug_struct("Gif")
             .field("fps", &self.fps)
             .field("count", &self.count)
             .finish_non_exhaustive()
     }
 }
 
-/// An image of these entries, not yet placed.
+/// Returns an image of these entries, without a position.
 fn compressed(entries: &[u8]) -> gif::Frame<'_> {
     let buffer = Cow::Borrowed(entries);
     let mut picture = gif::Frame {
@@ -338,14 +181,14 @@ fn compressed(entries: &[u8]) -> gif::Frame<'_> {
     picture
 }
 
-/// The colours in a rectangle, row by row.
+/// Iterates over the colours in a rectangle, row by row.
 fn colors(frame: &Frame, columns: Range<usize>, rows: Range<usize>) -> impl Iterator<Item = &Rgb> {
     let pixels = frame.pixels().as_chunks().0;
     let width = frame.width() as usize;
     rows.flat_map(move |y| &pixels[y * width..][columns.clone()])
 }
 
-/// Appends the pixels of a rectangle, `None` for those that did not change.
+/// Appends the pixels of a rectangle to `pixels`; `None` for unchanged ones.
 fn gather(
     old: Option<&Frame>,
     new: &Frame,
@@ -373,23 +216,21 @@ fn io_error(error: EncodingError) -> io::Error {
 #[cfg(test)]
 mod tests {
     use std::collections::HashSet;
-    use std::fs;
     use std::io::Cursor;
 
     use gif::{ColorOutput, DecodeOptions, DisposalMethod};
 
     use super::*;
-    use tempfile::TempDir;
 
-    use crate::testing::{Full, names};
+    use crate::testing::Full;
 
-    /// An image of a file: its own part, and the whole screen after it.
+    /// A decoded image: its own properties, and the whole screen after it.
     struct Picture {
         delay: u16,
         /// Left, top, width, height.
         area: [u16; 4],
         own_table: bool,
-        /// Whether some pixels are unchanged.
+        /// Whether the image has transparent pixels.
         transparent: bool,
         screen: Vec<u8>,
     }
@@ -429,16 +270,18 @@ mod tests {
     }
 
     fn encode(fps: u32, frames: &[Frame]) -> Vec<u8> {
-        super::encode(Cursor::new(Vec::new()), fps, frames)
-            .unwrap()
-            .into_inner()
+        let mut gif = Gif::start(Cursor::new(Vec::new()), fps, &frames[0]).unwrap();
+        frames[1..]
+            .iter()
+            .for_each(|frame| gif.write(frame).unwrap());
+        gif.finish().unwrap().into_inner()
     }
 
     fn delays(pictures: &[Picture]) -> Vec<u16> {
         pictures.iter().map(|picture| picture.delay).collect()
     }
 
-    /// A frame of that size whose pixels are given by position.
+    /// Returns a frame of this size with `color` at each position.
     fn frame(width: u32, height: u32, color: impl Fn(u32, u32) -> Rgb) -> Frame {
         let mut frame = Frame::new(width, height).unwrap();
         let places = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
@@ -448,7 +291,7 @@ mod tests {
         frame
     }
 
-    /// A square that moves over a ground of several colours, with a new colour in each frame.
+    /// A square that moves over a background of several colours, with a new colour in each frame.
     fn moving(count: u32) -> Vec<Frame> {
         let color = |step: u32, x: u32, y: u32| match (x.wrapping_sub(step), y.wrapping_sub(3)) {
             (0..4, 0..4) => [255, step as u8, 0],
@@ -479,7 +322,7 @@ mod tests {
         );
     }
 
-    /// Viewers show a frame of less than two hundredths for a tenth of a second.
+    /// Viewers show a frame of less than two hundredths of a second for a tenth of a second.
     #[test]
     fn the_last_frame_is_not_too_short() {
         let frames: Vec<_> = (0..4)
@@ -495,8 +338,7 @@ mod tests {
                 delays.iter().all(|delay| *delay >= SHORTEST_DELAY),
                 "{fps}, {count}: {delays:?}"
             );
-            // as long as the frames take, to a hundredth, and no longer than the shortest delay
-            // asks for
+            // the duration of the frames, rounded to hundredths, plus at most the shortest delay
             let whole = (100 * count as u64).div_ceil(u64::from(fps));
             let sum: u64 = delays.iter().sum();
             assert!(
@@ -535,7 +377,7 @@ mod tests {
     fn unchanged_pixels_are_whatever_takes_fewer_bytes() {
         let noise = |x: u32, y: u32| (x * x + 3 * y * y + x * y).is_multiple_of(3);
         let plain = |shade| frame(40, 40, move |_, _| [shade; 3]);
-        // the last images have their own tables, because each has 251 colours
+        // the last images have their own colour tables, because each has 251 colours
         let ramp = |x: u32, y: u32, other: u8| {
             if y < 7 {
                 [(y * 40 + x).min(251) as u8, other, 0]
@@ -546,7 +388,7 @@ mod tests {
         let noisy = frame(40, 40, |x, y| [if noise(x, y) { 9 } else { 8 }; 3]);
         let frames = [
             noisy.clone(),
-            plain(9), // as a whole it is one run
+            plain(9), // compresses to a single run
             frame(40, 40, |x, y| if x == y { [8; 3] } else { [9; 3] }),
             frame(40, 40, |x, y| ramp(x, y, 1)),
             frame(
@@ -630,7 +472,7 @@ mod tests {
             a.clone(),
         ];
         assert_eq!(delays(&decode(&encode(20, &run))), [15, 10, 5]);
-        // A change that is undone before it could be seen.
+        // a change that is reverted before it is visible
         assert_eq!(
             delays(&decode(&encode(100, &[a.clone(), a.clone(), b, a]))),
             [2, 2]
@@ -647,83 +489,12 @@ mod tests {
     }
 
     #[test]
-    fn files_appear_when_finished_or_dropped() {
-        let folder = TempDir::new().unwrap();
-        let path = folder.path().join("a.gif");
-        let mut writer = GifWriter::create(&path, 50).unwrap();
-        moving(3)
-            .iter()
-            .for_each(|frame| writer.write(frame).unwrap());
-        assert!(!path.exists());
-        writer.finish().unwrap();
-        assert_eq!(fs::read(&path).unwrap(), encode(50, &moving(3)));
-
-        let mut dropped = GifWriter::create(folder.path().join("b.gif"), 50).unwrap();
-        moving(3)
-            .iter()
-            .for_each(|frame| dropped.write(frame).unwrap());
-        drop(dropped);
-        write_gif(folder.path().join("c.gif"), 50, &moving(3)).unwrap();
-        assert_eq!(names(&folder), ["a.gif", "b.gif", "c.gif"]);
-        assert_eq!(
-            fs::read(folder.path().join("b.gif")).unwrap(),
-            fs::read(folder.path().join("c.gif")).unwrap()
-        );
-    }
-
-    #[test]
-    fn an_animation_in_memory_equals_the_file() {
-        let frames = moving(12);
-        let mut encoder = GifEncoder::new(50, &frames[0]).unwrap();
-        frames[1..]
-            .iter()
-            .for_each(|frame| encoder.write(frame).unwrap());
-        assert!(encoder.write(&Frame::new(3, 3).unwrap()).is_err());
-        assert_eq!(encoder.finish().unwrap(), encode(50, &frames));
-        assert!(
-            GifEncoder::new(0, &frames[0]).is_err()
-                && GifEncoder::new(1, &Frame::new(0, 2).unwrap()).is_err()
-        );
-    }
-
-    #[test]
-    fn mistakes_are_errors_and_leave_no_file() {
-        let folder = TempDir::new().unwrap();
-        let path = folder.path().join("a.gif");
-        let refused = |result: Result<()>| matches!(result, Err(Error::InvalidArgument { .. }));
-        let mixed = [Frame::new(2, 2).unwrap(), Frame::new(3, 2).unwrap()];
-        assert!(refused(GifWriter::create(&path, 0).map(|_| ())));
-        assert!(refused(GifWriter::create(&path, 1).unwrap().finish()));
-        assert!(refused(write_gif(&path, 1, &[])));
-        assert!(refused(write_gif(&path, 1, &mixed)));
-        assert!(refused(write_gif(&path, 1, &[Frame::new(0, 2).unwrap()])));
-        assert!(refused(write_gif(
-            &path,
-            1,
-            &[Frame::new(65536, 1).unwrap()]
-        )));
-        assert!(matches!(
-            GifWriter::create(folder.path().join("no/a.gif"), 1),
-            Err(Error::Io { .. })
-        ));
-        drop(GifWriter::create(&path, 1).unwrap());
-        assert_eq!(names(&folder), [""; 0]);
-
-        let mut writer = GifWriter::create(&path, 1).unwrap();
-        assert!(refused(writer.write(&Frame::new(0, 0).unwrap())));
-        writer.write(&mixed[0]).unwrap();
-        assert!(refused(writer.write(&mixed[1])));
-        writer.finish().unwrap();
-        assert_eq!(decode(&fs::read(&path).unwrap()).len(), 1);
-    }
-
-    #[test]
     fn a_full_disk_is_an_error_wherever_it_strikes() {
         let frames = moving(20);
         let size = encode(50, &frames).len();
         let write = |room: usize| {
             let writer = Full::new(room);
-            let mut animation = Animation::start(writer, 50, &frames[0])?;
+            let mut animation = Gif::start(writer, 50, &frames[0])?;
             frames[1..]
                 .iter()
                 .try_for_each(|frame| animation.write(frame))?;
@@ -737,20 +508,5 @@ mod tests {
             );
         }
         write(size).unwrap();
-    }
-
-    #[test]
-    fn after_a_failure_there_is_no_file_and_every_call_fails() {
-        let folder = TempDir::new().unwrap();
-        let mut writer = GifWriter::create(folder.path().join("a.gif"), 50).unwrap();
-        writer.write(&Frame::new(2, 2).unwrap()).unwrap();
-        // The folder is gone when the file is to get its name.
-        fs::remove_dir_all(folder.path()).unwrap();
-        assert!(matches!(writer.0.finish(), Err(Error::Io { .. })));
-        assert!(matches!(
-            writer.write(&Frame::new(2, 2).unwrap()),
-            Err(Error::Io { .. })
-        ));
-        assert!(matches!(writer.finish(), Err(Error::Io { .. })));
     }
 }

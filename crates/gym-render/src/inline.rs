@@ -2,17 +2,15 @@
 //!
 //! The kernel calls `evcxr_display` on the value of a cell, if it has that method, and shows the
 //! text that it prints between two marks (evcxr's documentation, "Custom display of user types").
-//! In the first cell with a `?` it uses `{:?}` instead: let that cell only define something, as in
-//! `docs/notebook.ipynb`.
-
-use std::io::Cursor;
+//! If a notebook's first cell uses `?`, the kernel uses `{:?}` instead: let the first cell only
+//! define something, as in `docs/notebook.ipynb`.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use gym_core::Result;
 use gym_core::render::Frame;
 
-use crate::{Plot, gif, png};
+use crate::{Plot, Video, VideoFormat, png};
 
 /// An image that a notebook shows as the value of a cell.
 ///
@@ -27,12 +25,12 @@ use crate::{Plot, gif, png};
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Inline {
     mime: &'static str,
-    /// Text as it is, a PNG in base 64.
+    /// Plain text, or a PNG in base64.
     content: String,
 }
 
 impl Inline {
-    /// One frame, as PNG.
+    /// Makes an image of one frame, as PNG.
     ///
     /// # Errors
     /// The errors of [`write_png`](crate::write_png).
@@ -43,13 +41,15 @@ impl Inline {
         })
     }
 
-    /// An animation, as GIF.
+    /// Makes an animation, as GIF.
     ///
     /// # Errors
-    /// The errors of [`write_gif`](crate::write_gif).
+    /// The errors of [`Video`].
     pub fn gif(fps: u32, frames: &[Frame]) -> Result<Self> {
-        let bytes = gif::encode(Cursor::new(Vec::new()), fps, frames)?.into_inner();
-        // inside HTML, because nbconvert shows no content of type image/gif
+        let mut video = Video::in_memory(VideoFormat::Gif, fps)?;
+        frames.iter().try_for_each(|frame| video.write(frame))?;
+        let bytes = video.into_bytes()?;
+        // as HTML, because nbconvert does not show content of type image/gif
         let content = format!(
             r#"<img src="data:image/gif;base64,{}">"#,
             STANDARD.encode(bytes)
@@ -60,7 +60,7 @@ impl Inline {
         })
     }
 
-    /// A plot, as SVG.
+    /// Makes an image of a plot, as SVG.
     pub fn plot(plot: &Plot) -> Self {
         Self {
             mime: "image/svg+xml",
@@ -68,7 +68,7 @@ impl Inline {
         }
     }
 
-    /// Shows it; the notebook's kernel calls this.
+    /// Prints the image for the notebook's kernel, which calls this method.
     pub fn evcxr_display(&self) {
         println!("{}", self.marked());
     }
@@ -82,7 +82,7 @@ impl Inline {
 }
 
 impl Plot {
-    /// Shows the plot; a notebook's kernel calls this.
+    /// Prints the plot for the notebook's kernel, which calls this method.
     pub fn evcxr_display(&self) {
         Inline::plot(self).evcxr_display();
     }

@@ -8,15 +8,14 @@
 //! | to get | use |
 //! |---|---|
 //! | one frame of a drawing | [`frame`] |
-//! | episodes of an environment | [`Recorder`], [`RecordVideo`] |
-//! | episodes of a vector, as a grid | [`RecordVectorVideo`] |
-//! | an animation as GIF | [`GifWriter`], [`write_gif`]; in memory: [`GifEncoder`] |
-//! | an animation as GIF, PNG or MP4 | [`VideoWriter`], [`write_video`] |
-//! | pictures | [`write_png`], [`write_png_sequence`], [`contact_sheet`] |
-//! | a vector picture | [`svg`], [`write_svg`] |
+//! | frames as GIF, PNG or MP4, in a file or in memory | [`Video`], [`write_video`] |
+//! | an environment, frame by frame | [`Recorder`] |
+//! | episodes of an environment, or of a vector as a grid | [`RecordVideo`], [`RecordVectorVideo`] |
+//! | images | [`write_png`], [`write_png_sequence`], [`contact_sheet`] |
+//! | vector graphics | [`svg`], [`write_svg`] |
 //! | returns and lengths of training runs | [`Plot`] |
-//! | pictures in a notebook | [`Inline`], [`Plot`] |
-//! | a drawing as text, to compare in tests | [`Recording`] |
+//! | images in a notebook | [`Inline`], [`Plot`] |
+//! | the calls of a drawing as text, to compare in tests | [`DrawLog`] |
 //!
 //! Every file is written under a temporary name and renamed when it is complete.
 //!
@@ -34,10 +33,13 @@
 
 mod apng;
 mod changes;
+mod draw_log;
+mod episode_recorder;
 pub mod file;
 mod font;
 mod gif;
 mod inline;
+mod mode;
 mod mp4;
 mod number;
 mod outline;
@@ -47,15 +49,12 @@ mod plot;
 mod png;
 mod pygame;
 mod raster;
-mod record;
 mod record_vector_video;
 mod record_video;
 mod recorder;
 mod sheet;
 mod skia;
-mod stream;
 mod svg;
-mod tape;
 #[cfg(test)]
 mod testing;
 mod transforms;
@@ -63,24 +62,23 @@ mod video;
 #[cfg(feature = "human")]
 mod window;
 
+pub use draw_log::DrawLog;
+pub use episode_recorder::{Config as RecordVideoConfig, capped_cubic};
 pub use font::text_width;
-pub use gif::{GifEncoder, GifWriter, write_gif};
 pub use inline::Inline;
 pub use plot::Plot;
 pub use png::{contact_sheet, write_png, write_png_sequence};
 pub use raster::{Raster, frame};
-pub use record::Recording;
 pub use record_vector_video::RecordVectorVideo;
 pub use record_vector_video::arguments::Config as RecordVectorVideoConfig;
 pub use record_video::RecordVideo;
 pub use recorder::Recorder;
 pub use svg::{Svg, svg, write_svg};
-pub use tape::{Config as RecordVideoConfig, capped_cubic};
-pub use video::{VideoWriter, write_video};
+pub use video::{Video, VideoFormat, write_video};
 #[cfg(feature = "human")]
 pub use window::Window;
 
-/// The example of the README, compiled and run.
+/// Compiles and runs the example of the README.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

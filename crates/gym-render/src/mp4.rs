@@ -1,13 +1,10 @@
-//! MP4 through the program `ffmpeg`, which takes raw frames from a pipe.
+//! MP4, written by the program `ffmpeg`, which receives raw frames through a pipe.
 
 use std::io::{self, Read, Write};
 use std::process::{Child, Command, Stdio};
 
 use crate::file::AtomicFile;
 use gym_core::render::Frame;
-use gym_core::{Error, Result};
-
-use crate::stream::Format;
 
 const PROGRAM: &str = "ffmpeg";
 
@@ -18,42 +15,41 @@ pub(crate) struct Mp4 {
     file: AtomicFile,
 }
 
-/// The running program; dropped early, it is ended.
+/// The running program. Dropping it early kills the program.
 #[derive(Debug)]
 struct Ffmpeg(Child);
 
 impl Drop for Ffmpeg {
     fn drop(&mut self) {
-        // Both fail if it has ended already.
+        // both fail if the program has already ended
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
 }
 
-impl Format for Mp4 {
-    const NAME: &'static str = "VideoWriter";
-    const MAX_SIDE: u32 = 16_384; // of H.264 as `libx264` writes it
-    const MAX_FPS: u32 = 1000;
+/// H.264's limit of width and height in `libx264`.
+pub(crate) const MAX_SIDE: u32 = 16_384;
 
-    fn available() -> Result<()> {
-        let [stdin, stdout, stderr] = std::array::from_fn(|_| Stdio::null());
-        match Command::new(PROGRAM)
-            .arg("-version")
-            .stdin(stdin)
-            .stdout(stdout)
-            .stderr(stderr)
-            .status()
-        {
-            Ok(status) if status.success() => Ok(()),
-            _ => Err(Error::argument(
-                Self::NAME,
-                "MP4 is written by the program `ffmpeg`, which was not found: install it, or choose a name \
-                 that ends in .gif or .png",
-            )),
-        }
+/// Returns why MP4 cannot be written, if `ffmpeg` is missing.
+pub(crate) fn available() -> Result<(), &'static str> {
+    let [stdin, stdout, stderr] = std::array::from_fn(|_| Stdio::null());
+    match Command::new(PROGRAM)
+        .arg("-version")
+        .stdin(stdin)
+        .stdout(stdout)
+        .stderr(stderr)
+        .status()
+    {
+        Ok(status) if status.success() => Ok(()),
+        _ => Err(
+            "MP4 is written by the program `ffmpeg`, which was not found: install it, or choose a \
+             name that ends in .gif or .png",
+        ),
     }
+}
 
-    fn start(file: AtomicFile, fps: u32, frame: &Frame) -> io::Result<Self> {
+impl Mp4 {
+    pub(crate) fn start(file: AtomicFile, fps: u32, frame: &Frame) -> io::Result<Self> {
         let size = format!("{}x{}", frame.width(), frame.height());
         let ffmpeg = Command::new(PROGRAM)
             .args(["-loglevel", "error", "-xerror"])
@@ -69,7 +65,7 @@ impl Format for Mp4 {
                 "-i",
                 "-",
             ])
-            // players want colours at half resolution, and so even sizes
+            // players expect colours at half resolution, which requires even sizes
             .args([
                 "-vf",
                 "pad=ceil(iw/2)*2:ceil(ih/2)*2:color=white",
@@ -90,22 +86,20 @@ impl Format for Mp4 {
         Ok(mp4)
     }
 
-    fn write(&mut self, frame: &Frame) -> io::Result<()> {
+    pub(crate) fn write(&mut self, frame: &Frame) -> io::Result<()> {
         let Some(pipe) = &mut self.ffmpeg.0.stdin else {
             return Err(io::Error::other("the pipe to `ffmpeg` is closed"));
         };
-        // A broken pipe has no reason; `ffmpeg`'s output does.
+        // a broken pipe has no reason, but the output of `ffmpeg` does
         pipe.write_all(frame.pixels())
             .or_else(|error| self.wait().and(Err(error)))
     }
 
-    fn finish(mut self) -> io::Result<AtomicFile> {
+    pub(crate) fn finish(mut self) -> io::Result<AtomicFile> {
         self.wait()?;
         Ok(self.file)
     }
-}
 
-impl Mp4 {
     /// Closes the pipe and waits until the file is complete.
     fn wait(&mut self) -> io::Result<()> {
         self.ffmpeg.0.stdin = None;

@@ -2,18 +2,18 @@
 
 use gym_core::canvas::{Point, Segment, Shape};
 
-/// Length of the control arms of a cubic curve that stands for a quarter of a circle of radius 1:
-/// `4/3 (sqrt(2) - 1)`, whose middle lies on the circle.
+/// The length of the control arms of a cubic curve that approximates a quarter of a unit circle:
+/// `4/3 (sqrt(2) - 1)`, which puts the curve's middle on the circle.
 const QUARTER_ARM: f64 = 0.552_284_749_830_793_4;
 
-/// A quarter of an ellipse (or, with a slanted corner, its affine image) from `from` to `to`,
-/// whose ends point at `corner`.
+/// Returns a quarter of an ellipse from `from` to `to`, whose tangents at the ends meet in
+/// `corner`. If the sides are not perpendicular, the result is its affine image.
 pub(crate) fn quarter(from: Point, corner: Point, to: Point) -> Segment {
     let arm = |end: Point| [0, 1].map(|i| end[i] + QUARTER_ARM * (corner[i] - end[i]));
     Segment::Cubic(arm(from), arm(to), to)
 }
 
-/// Passes the outline of a shape to `emit`, piece by piece.
+/// Passes the outline of a shape to `emit`.
 pub(crate) fn outline(shape: Shape<'_>, emit: &mut impl FnMut(Segment)) {
     match shape {
         Shape::Polygon(points) => {
@@ -53,7 +53,7 @@ fn polyline(points: &[Point], emit: &mut impl FnMut(Segment)) {
     }
 }
 
-/// A rectangle whose corners are quarters of circles of that radius.
+/// Passes the outline of a rectangle with rounded corners to `emit`.
 fn rounded([x0, y0]: Point, [x1, y1]: Point, radius: f64, emit: &mut impl FnMut(Segment)) {
     emit(Segment::Move([x0 + radius, y0]));
     let corners = [

@@ -8,13 +8,13 @@ use color_quant::NeuQuant;
 /// Red, green, blue.
 pub(crate) type Rgb = [u8; 3];
 
-/// Entries of a full colour table.
+/// The entries of a full colour table.
 pub(crate) const ENTRIES: usize = 256;
-/// The entry that leaves a pixel as it was; it is never a colour.
+/// The entry of transparent pixels; it is never a colour.
 pub(crate) const TRANSPARENT: u8 = 0;
-/// The number of colours that a reduced colour table keeps unchanged.
+/// The number of most frequent colours that a reduced colour table contains unchanged.
 const COMMON: usize = 128;
-/// The approximate number of colours on which the rest is trained.
+/// The approximate number of colours that the quantizer for the other entries is trained with.
 const LESSONS: usize = 6000;
 
 /// Up to 255 colours in the order of their first use, numbered from 1.
@@ -32,22 +32,22 @@ impl Palette {
         }
     }
 
-    /// The bytes of the colour table: entry 0, then the colours.
+    /// Returns the bytes of the colour table: entry 0, then the colours.
     pub(crate) fn bytes(&self) -> &[u8] {
         self.table.as_flattened()
     }
 
-    /// The bytes that the colour table takes in a file, where its entries are a power of two.
+    /// Returns the size of the colour table in a file in bytes, where its length is a power of two.
     pub(crate) fn size(&self) -> usize {
         self.table.len().max(2).next_power_of_two() * 3
     }
 
-    /// Translates pixels into entries, `None` into [`TRANSPARENT`], and adds new colours. Returns
-    /// false, and adds none, if there is no room for all of them.
+    /// Translates `pixels` to `entries`, `None` to [`TRANSPARENT`], and adds new colours. If there
+    /// is no room for all of them, it adds none and returns false.
     pub(crate) fn translate(&mut self, pixels: &[Option<Rgb>], entries: &mut Vec<u8>) -> bool {
         let known = self.table.len();
         entries.clear();
-        // Most pixels equal the one before.
+        // most pixels equal the previous one
         let mut last = (None, TRANSPARENT);
         for &pixel in pixels {
             if pixel != last.0 {
@@ -62,9 +62,9 @@ impl Palette {
         true
     }
 
-    /// Replaces [`TRANSPARENT`] by the entries of the pixels' true colours, and adds missing ones.
-    /// Returns false, and adds none, if there is no room for all of them, a reduced palette has
-    /// only one that is near, or nothing is transparent.
+    /// Replaces [`TRANSPARENT`] by the entries of the true colours, and adds missing colours. It
+    /// returns false and adds none if there is no room for all of them, if a reduced palette only
+    /// has a similar colour, or if no pixel is transparent.
     pub(crate) fn fill<'a>(
         &mut self,
         entries: &[u8],
@@ -90,7 +90,7 @@ impl Palette {
         last.0.is_some()
     }
 
-    /// Removes the colours added last, so that this many entries stay.
+    /// Removes the colours with entries from `known` on.
     fn forget(&mut self, known: usize) {
         for color in self.table.drain(known..) {
             self.index.remove(&color);
@@ -107,9 +107,9 @@ impl Palette {
         Some(entry)
     }
 
-    /// A palette of 255 colours near the pixels' colours, and the pixels as its entries: the most
-    /// frequent colours unchanged, and colours near the others, where rare ones count as much as
-    /// common ones.
+    /// Returns a palette of 255 colours and translates `pixels` to its entries. The most frequent
+    /// colours are unchanged. The other colours are approximated; each counts once, however
+    /// frequent.
     pub(crate) fn reduce(pixels: &[Option<Rgb>], entries: &mut Vec<u8>) -> Self {
         let mut counts = HashMap::<Rgb, usize>::new();
         for color in pixels.iter().flatten() {
@@ -124,7 +124,7 @@ impl Palette {
         }
         let first = palette.table.len();
         let rgba = |[r, g, b]: Rgb| [r, g, b, 255];
-        // the network learns little from few colours unless they are repeated
+        // with few colours, the network needs repetitions to learn
         let lessons = rare.iter().cycle().take(rare.len().max(LESSONS));
         let sample: Vec<u8> = lessons.flat_map(|(color, _)| rgba(*color)).collect();
         let factor = (rare.len() / LESSONS).clamp(1, 30) as i32;
@@ -223,8 +223,8 @@ mod tests {
         assert!(!reduced.fill(&[TRANSPARENT], [*near].iter(), &mut filled));
     }
 
-    /// The pixels that a moving pole uncovers: a few of a sky whose rows each have a colour, and
-    /// many of the pole.
+    /// The pixels that a moving pole uncovers: a few pixels of sky, whose rows each have another
+    /// colour, and many pixels of the pole.
     #[test]
     fn rare_colours_are_near_and_common_ones_stay() {
         let sky = (0..150_u8).map(|y| [90 + y / 2, 140 + y / 2, 190 + y / 4]);

@@ -1,4 +1,4 @@
-//! Laying colour over rows of 8-bit red, green, blue.
+//! Blending colours into rows of 8-bit red, green, blue.
 
 use std::ops::Range;
 
@@ -7,19 +7,19 @@ use gym_core::render::Frame;
 
 /// Bytes of a pixel.
 pub(crate) const RGB: usize = 3;
-/// Edges of rectangles are rounded to quarters of a pixel, as those of other shapes in `tiny-skia`
-/// (its `SUPERSAMPLE_SHIFT` is 2). So shapes fit together, and the few shades along edges fit into
-/// a GIF's colour table.
+/// Edges of rectangles are rounded to quarters of a pixel, like those of other shapes in
+/// `tiny-skia` (its `SUPERSAMPLE_SHIFT` is 2). So adjacent shapes fit together, and the few shades
+/// along edges fit into a GIF's colour table.
 const SUBPIXELS: usize = 4;
 
-/// Covers the whole frame; translucent colours blend with it.
+/// Covers the whole frame with a colour; a translucent colour blends.
 pub(crate) fn clear(frame: &mut Frame, color: Color) {
     let pixels = frame.pixels_mut();
     blend_run(pixels, 0..pixels.len() / RGB, color, 255);
 }
 
-/// Blends a colour into the rectangle between two corners. A pixel partly inside gets its share, in
-/// sixteenths.
+/// Blends a colour into the rectangle between two corners. A partly covered pixel gets its covered
+/// part, in sixteenths.
 pub(crate) fn fill_box(frame: &mut Frame, min: Point, max: Point, color: Color) {
     let (width, height) = (frame.width() as usize, frame.height() as usize);
     let columns = shares(min[0], max[0], width);
@@ -38,16 +38,16 @@ pub(crate) fn fill_box(frame: &mut Frame, min: Point, max: Point, color: Color) 
     }
 }
 
-/// Cuts the pixels that an interval touches into three runs (the first pixel, the whole ones, the
-/// last one), each with the share of each of its pixels that lies inside. The ends move to the
-/// nearest [`SUBPIXELS`] part of a pixel.
+/// Splits the pixels that an interval touches into three runs (the first pixel, the complete ones,
+/// the last pixel), each with the covered part of its pixels. The interval's ends are rounded to 1
+/// / [`SUBPIXELS`] of a pixel.
 fn shares(min: f64, max: f64, count: usize) -> [(Range<usize>, f64); 3] {
     const PARTS: f64 = SUBPIXELS as f64;
     let snap = |at: f64| ((at * PARTS).round() / PARTS).clamp(0.0, count as f64);
     let (min, max) = (snap(min.min(max)), snap(min.max(max)));
     let (first, last) = (min as usize, max as usize);
     if first == last {
-        // A NaN ends here too, as 0..0.
+        // NaN ends here too, as 0..0
         return [
             (first..(first + 1).min(count), max - min),
             (0..0, 0.0),
@@ -61,7 +61,7 @@ fn shares(min: f64, max: f64, count: usize) -> [(Range<usize>, f64); 3] {
     ]
 }
 
-/// The bytes of a row of pixels.
+/// Returns the bytes of a row of pixels.
 pub(crate) fn row(frame: &mut Frame, y: usize) -> &mut [u8] {
     let bytes = frame.width() as usize * RGB;
     &mut frame.pixels_mut()[y * bytes..][..bytes]
@@ -78,13 +78,13 @@ pub(crate) fn blend_run(row: &mut [u8], pixels: Range<usize>, color: Color, cove
     }
 }
 
-/// Makes consecutive pixels of a row one colour, as if it were opaque.
+/// Sets consecutive pixels of a row to a colour; ignores its alpha.
 pub(crate) fn fill_run(row: &mut [u8], pixels: Range<usize>, Color { r, g, b, .. }: Color) {
     let run = &mut row[pixels.start * RGB..pixels.end * RGB];
     if r == g && g == b {
         return run.fill(r);
     }
-    // in words, so that the compiler does not write byte by byte
+    // in words, because the compiler would otherwise write single bytes
     let word = |i: usize| u64::from_ne_bytes(std::array::from_fn(|j| [r, g, b][(8 * i + j) % RGB]));
     let group = [word(0), word(1), word(2)];
     let mut groups = run.chunks_exact_mut(8 * RGB);
@@ -99,7 +99,7 @@ pub(crate) fn fill_run(row: &mut [u8], pixels: Range<usize>, Color { r, g, b, ..
         .for_each(|pixel| pixel.copy_from_slice(&[r, g, b]));
 }
 
-/// `color` over `pixel`, weighed by the coverage.
+/// Blends a colour into a pixel, with the given coverage.
 pub(crate) fn blend(pixel: &mut [u8], Color { r, g, b, a }: Color, coverage: u8) {
     let alpha = scale(a, coverage);
     for (old, new) in pixel.iter_mut().zip([r, g, b]) {
@@ -108,7 +108,7 @@ pub(crate) fn blend(pixel: &mut [u8], Color { r, g, b, a }: Color, coverage: u8)
     }
 }
 
-/// The product of two parts of 255, rounded.
+/// Returns the product of two fractions in 255ths, rounded.
 fn scale(a: u8, b: u8) -> u8 {
     ((u32::from(a) * u32::from(b) + 127) / 255) as u8
 }

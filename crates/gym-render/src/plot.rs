@@ -1,7 +1,7 @@
 //! Line plots of training runs, as SVG and PNG.
 //!
-//! They are drawn on the project's own [`Canvas`]: `plotters`, the usual library, writes text into
-//! pixels only with a font file, and here both formats come from one drawing.
+//! They are drawn on this project's [`Canvas`]: `plotters`, the usual library, needs a font file to
+//! draw text into pixels, and here one drawing gives both formats.
 
 use std::path::Path;
 
@@ -12,13 +12,13 @@ use gym_core::render::{Frame, Painter};
 use crate::number::Decimal;
 use crate::{Raster, font, write_png, write_svg};
 
-/// Width of a plot.
+/// The width of a plot.
 const WIDTH: u32 = 800;
-/// Height of the space between the axes.
+/// The height of the area between the axes.
 const AREA_HEIGHT: u32 = 310;
 /// Pixels of a PNG per unit of the drawing.
 const PNG_SCALE: u32 = 2;
-/// Margins around the axes, and the space for title and legend.
+/// Margins around the axes, and the heights of title and legend.
 const TOP: u32 = 20;
 const TITLE_HEIGHT: u32 = 34;
 const LEGEND_HEIGHT: u32 = 22;
@@ -29,23 +29,23 @@ const LEFT: f64 = 40.0;
 const TITLE_SIZE: f64 = 14.0;
 const LABEL_SIZE: f64 = 10.0;
 const TICK_SIZE: f64 = 8.5;
-/// Between a tick label and its axis.
+/// The distance between a tick's label and its axis.
 const TICK_GAP: f64 = 10.0;
-/// Length of a line in the legend, and the space beside it.
+/// The length of a line in the legend, and the gap beside it.
 const LEGEND_SAMPLE: f64 = 22.0;
 const LEGEND_GAP: f64 = 8.0;
 /// The approximate number of ticks along each axis.
 const TICKS: f64 = 6.0;
-/// The free parts of the ranges beside the first and last value, and above and below.
+/// The unused fractions of the axes: on the left and right, and above and below.
 const PADDING: [f64; 2] = [0.015, 0.05];
-/// Larger values are left out, like NaN.
+/// Larger values are skipped, like NaN.
 const LARGEST: f64 = 1e300;
 
 const INK: Color = Color::rgb(50, 50, 50);
 const AXIS: Color = Color::rgb(130, 130, 130);
 const GRID: Color = Color::rgb(232, 232, 232);
-/// The colours of Okabe and Ito, "Color Universal Design" (2008), which colour-blind people can
-/// distinguish.
+/// The colours of Okabe and Ito, "Color Universal Design" (2008), which are distinguishable with
+/// colour blindness.
 const COLORS: [Color; 6] = [
     Color::rgb(0, 114, 178),
     Color::rgb(213, 94, 0),
@@ -54,7 +54,7 @@ const COLORS: [Color; 6] = [
     Color::rgb(230, 159, 0),
     Color::rgb(86, 180, 233),
 ];
-/// Opacity of the values if their average is drawn too.
+/// The alpha of the values if their average is drawn too.
 const FAINT: u8 = 70;
 
 /// A line plot of one value per episode (such as its return or its length) for one or more runs.
@@ -79,12 +79,12 @@ pub struct Plot {
     y_label: String,
     series: Vec<(String, Vec<f64>)>,
     window: usize,
-    /// The plots below this one, which have none below themselves.
+    /// The plots below this one; their own `below` is empty.
     below: Vec<Plot>,
 }
 
 impl Plot {
-    /// A plot without series.
+    /// Makes a plot without series.
     pub fn new(title: impl Into<String>) -> Self {
         Self {
             title: title.into(),
@@ -96,8 +96,8 @@ impl Plot {
         }
     }
 
-    /// Returns and, below them, lengths of the episodes of one or more runs (name, returns,
-    /// lengths), with the means of the last `window` of each.
+    /// Makes a plot of returns and, below it, a plot of lengths for one or more runs (name,
+    /// returns, lengths), with moving averages over `window` episodes.
     pub fn episodes<'a>(
         title: impl Into<String>,
         window: usize,
@@ -111,14 +111,14 @@ impl Plot {
         let both = runs.into_iter().fold(
             (returns, lengths),
             |(above, below), (name, returns, lengths)| {
-                // one legend is enough
+                // only the upper plot has a legend
                 (above.series(name, returns), below.series("", lengths))
             },
         );
         both.0.below(both.1)
     }
 
-    /// The unit counted from 1 along the horizontal axis; the default is `episode`.
+    /// Sets the unit that is counted from 1 along the horizontal axis; the default is `episode`.
     #[must_use]
     pub fn x_label(self, label: impl Into<String>) -> Self {
         Self {
@@ -127,7 +127,7 @@ impl Plot {
         }
     }
 
-    /// The meaning of the values.
+    /// Sets the meaning of the values.
     #[must_use]
     pub fn y_label(self, label: impl Into<String>) -> Self {
         Self {
@@ -137,21 +137,21 @@ impl Plot {
     }
 
     /// Adds a run: its name for the legend (may be empty) and its values in order. Non-finite
-    /// values are left out.
+    /// values are skipped.
     #[must_use]
     pub fn series(mut self, name: impl Into<String>, values: &[f64]) -> Self {
         self.series.push((name.into(), values.to_vec()));
         self
     }
 
-    /// Draws the mean of the last `window` values above the values, which are faint; 1 (or 0) draws
-    /// only the values.
+    /// Also draws the mean of the last `window` values, with the values themselves faint; 1 or 0
+    /// draws only the values.
     #[must_use]
     pub fn moving_average(self, window: usize) -> Self {
         Self { window, ..self }
     }
 
-    /// Puts another plot below this one (and any already below), in the same image.
+    /// Puts another plot below this one and the plots already below it, in the same image.
     #[must_use]
     pub fn below(mut self, mut plot: Self) -> Self {
         let further = std::mem::take(&mut plot.below);
@@ -160,12 +160,12 @@ impl Plot {
         self
     }
 
-    /// This plot and those below it.
+    /// Iterates over this plot and the plots below it.
     fn all(&self) -> impl Iterator<Item = &Self> {
         std::iter::once(self).chain(&self.below)
     }
 
-    /// Width and height of the drawing.
+    /// Returns width and height of the drawing.
     pub fn size(&self) -> (u32, u32) {
         (
             WIDTH,
@@ -173,7 +173,7 @@ impl Plot {
         )
     }
 
-    /// Draws everything.
+    /// Draws all plots.
     pub fn draw(&self, canvas: &mut dyn Canvas) {
         canvas.clear(Color::WHITE);
         let mut top = 0.0;
@@ -201,7 +201,7 @@ impl Plot {
     pub fn write_png(&self, path: impl AsRef<Path>) -> Result<()> {
         let mut picture = Frame::new(WIDTH * PNG_SCALE, self.size().1.saturating_mul(PNG_SCALE))?;
         let mut rest = picture.pixels_mut();
-        // each on a frame of its own: a shape costs the more the larger the frame is
+        // one frame per plot, because a shape is the slower to draw the larger its frame
         for plot in self.all() {
             let mut frame = Frame::new(WIDTH * PNG_SCALE, plot.height() * PNG_SCALE)?;
             let mut draw = |canvas: &mut dyn Canvas| {
@@ -216,7 +216,7 @@ impl Plot {
         write_png(path, &picture)
     }
 
-    /// Height of this plot alone.
+    /// Returns the height of this plot alone.
     fn height(&self) -> u32 {
         self.area_top() + AREA_HEIGHT + BOTTOM
     }
@@ -237,7 +237,7 @@ impl Plot {
         let series = || self.series.iter().map(|(_, values)| values).zip(colors());
         if self.window > 1 {
             series().for_each(|(values, color)| {
-                area.draw_line(canvas, values, 1.0, color.alpha(FAINT))
+                area.draw_line(canvas, values, 1.0, color.alpha(FAINT));
             });
             for (values, color) in series() {
                 area.draw_line(canvas, &moving_average(values, self.window), 2.0, color);
@@ -261,7 +261,7 @@ impl Plot {
             Align::Center,
             INK,
         );
-        // A quarter turn: the text runs upwards.
+        // a quarter turn: the text runs upwards
         canvas.push(Transform {
             x: [0.0, -1.0],
             y: [1.0, 0.0],
@@ -279,7 +279,7 @@ impl Plot {
         }
     }
 
-    /// The ranges of both axes, and the space between them.
+    /// Returns the ranges of both axes, and the area between them.
     fn area(&self, top: f64) -> Area {
         let count = self
             .series
@@ -296,7 +296,7 @@ impl Plot {
             .ticks()
             .map(|tick| font::text_width(&y.label(tick), TICK_SIZE))
             .fold(0.0, f64::max);
-        // Whole numbers keep the grid lines sharp.
+        // integers keep the grid lines sharp
         let left = (LEFT + labels + TICK_GAP).ceil();
         Area {
             min: [left, top],
@@ -306,7 +306,7 @@ impl Plot {
         }
     }
 
-    /// The names and colours of the series, in rows that fit the width.
+    /// Returns the names and colours of the series, in rows that fit into the width.
     fn legend(&self) -> Vec<Vec<(&str, Color)>> {
         let mut rows: Vec<Vec<_>> = Vec::new();
         let mut free = 0.0;
@@ -333,12 +333,12 @@ fn colors() -> impl Iterator<Item = Color> {
     COLORS.into_iter().cycle()
 }
 
-/// Width of a name in the legend: the sample of the line, the name, and space around.
+/// Returns the width of a legend entry: line, name and gaps.
 fn legend_width(name: &str) -> f64 {
     LEGEND_SAMPLE + 3.0 * LEGEND_GAP + font::text_width(name, TICK_SIZE)
 }
 
-/// A row of the legend, centred.
+/// Draws a centred row of the legend.
 fn draw_legend_row(canvas: &mut dyn Canvas, row: &[(&str, Color)], middle: f64, top: f64) {
     let total: f64 = row.iter().map(|(name, _)| legend_width(name)).sum();
     let mut left = middle - total / 2.0 + LEGEND_GAP;
@@ -355,7 +355,7 @@ fn is_drawn(value: f64) -> bool {
     value.abs() <= LARGEST
 }
 
-/// The lowest and the highest finite value, and some space around them.
+/// Returns the range of the finite values with some padding.
 fn padded(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let (min, max) = values
         .filter(|&value| is_drawn(value))
@@ -366,7 +366,7 @@ fn padded(values: impl Iterator<Item = f64>) -> (f64, f64) {
         return (0.0, 1.0);
     }
     let size = min.abs().max(max.abs());
-    // Values that differ only by rounding errors are one value.
+    // values that differ only by rounding errors count as equal
     let flat = max - min <= 1e-9 * size;
     let space = if !flat {
         PADDING[1] * (max - min)
@@ -378,11 +378,11 @@ fn padded(values: impl Iterator<Item = f64>) -> (f64, f64) {
     (min - space, max + space)
 }
 
-/// The mean of the last `window` finite values up to each one; NaN if there is none.
+/// Returns for each value the mean of the last `window` finite values; NaN if there is none.
 ///
-/// Each mean is made of two sums, so a large window costs no more than a small one: the part of the
-/// window in the block in which it ends, and the part in the block before. Blocks are as long as
-/// the window.
+/// The values are divided into blocks of `window`. Each mean combines two partial sums, one in the
+/// block in which the window ends and one in the block before, so the cost does not depend on
+/// `window`.
 fn moving_average(values: &[f64], window: usize) -> Vec<f64> {
     let add = |(sum, count): (f64, f64), &value: &f64| {
         if is_drawn(value) {
@@ -418,7 +418,7 @@ struct Axis {
 }
 
 impl Axis {
-    /// Ticks are at least `smallest` apart: 1, 2 or 5 times a power of ten.
+    /// Makes an axis whose ticks are at least `smallest` apart: 1, 2 or 5 times a power of ten.
     fn new(min: f64, max: f64, smallest: f64) -> Self {
         let wanted = (max - min) / TICKS;
         let power = 10_f64.powf(wanted.log10().floor());
@@ -441,12 +441,12 @@ impl Axis {
         (first..=last).map(move |index| index as f64 * self.step)
     }
 
-    /// The position of a value between the ends, 0 to 1.
+    /// Returns the position of a value between the ends, from 0 to 1.
     fn part(self, value: f64) -> f64 {
         (value - self.min) / (self.max - self.min)
     }
 
-    /// A tick's value, with as many digits as the step needs.
+    /// Returns the label of a tick, with as many digits as the step requires.
     fn label(self, tick: f64) -> String {
         let (order, step_order) = (tick.abs().log10().floor(), self.step.log10().floor());
         if order >= 7.0 || (tick != 0.0 && step_order < -4.0) {
@@ -490,7 +490,7 @@ impl Area {
         canvas.stroke(Shape::Polyline(&[min, [min[0], max[1]], max]), 1.0, AXIS);
     }
 
-    /// Draws values in order, interrupted at non-finite ones.
+    /// Draws a line through `values`, interrupted at non-finite ones.
     fn draw_line(&self, canvas: &mut dyn Canvas, values: &[f64], width: f64, color: Color) {
         let points: Vec<Point> = (1_u32..)
             .zip(values)
@@ -510,7 +510,7 @@ impl Area {
         }
     }
 
-    /// If points are much denser than pixels, keeps the lowest and the highest of neighbours.
+    /// If points are much denser than pixels, keeps only the lowest and the highest of each group.
     fn thin(&self, points: &[Point]) -> Vec<Point> {
         let columns = ((self.max[0] - self.min[0]) * f64::from(PNG_SCALE)) as usize;
         let group = points.len() / columns;
@@ -536,7 +536,7 @@ impl Area {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Recording;
+    use crate::DrawLog;
 
     const AXES: &str = r#"clear #ffffff
 push x=1,0 y=0,1 origin=0,0
@@ -568,7 +568,7 @@ push x=1,0 y=0,1 origin=0,0
 pop
 "#;
 
-    /// A long line keeps its lowest and highest points, in their order.
+    /// A dense line keeps its lowest and highest points, in order.
     #[test]
     fn a_dense_line_keeps_its_extremes() {
         let area = Area {
@@ -651,7 +651,7 @@ pop
 
     #[test]
     fn the_average_is_the_mean_of_each_window() {
-        // whole numbers, whose sums are exact in each order
+        // integers, whose sums are exact in any order
         let values: Vec<f64> = (0..40)
             .map(|i| {
                 if i % 7 == 3 {
@@ -682,7 +682,8 @@ pop
         }
     }
 
-    /// A million returns with a window of half of them: minutes, if each mean were summed anew.
+    /// A million returns with a window of half of them take minutes if each mean is summed
+    /// separately.
     #[test]
     fn a_large_window_costs_no_more_than_a_small_one() {
         let means = moving_average(&vec![2.0; 1_000_000], 500_000);
@@ -711,8 +712,8 @@ pop
         let plot = Plot::new("t")
             .series("a", &[0.0, 10.0, 5.0])
             .series("", &[1.0, f64::NAN, 2.0, 3.0]);
-        let text = Recording::of(|canvas| plot.draw(canvas)).to_string();
-        // The space between the axes starts at 20 + 34 + 22 and is 310 high, from 10.5 to -0.5.
+        let text = DrawLog::of(|canvas| plot.draw(canvas)).to_string();
+        // the area between the axes starts at 20 + 34 + 22 and is 310 high, from 10.5 to -0.5
         let y = Decimal::<3>(76.0 + 310.0 * 0.5 / 11.0);
         assert!(text.contains(&format!(",{y} ")), "{text}");
         assert_eq!(text.matches("#0072b2").count(), 2, "line and legend");
@@ -729,14 +730,15 @@ pop
         );
     }
 
-    /// A plot call by call: after an intended change, look at one before keeping the new calls.
+    /// The drawing calls of a plot: after an intended change, look at a plot before you store the
+    /// new calls.
     #[test]
     fn axes_have_their_lines_and_labels() {
         let plot = Plot::new("title")
             .x_label("across")
             .y_label("up")
             .series("a", &[0.0, 1.0, 2.0]);
-        let text = Recording::of(|canvas| plot.draw(canvas)).to_string();
+        let text = DrawLog::of(|canvas| plot.draw(canvas)).to_string();
         assert_eq!(text, AXES);
     }
 
@@ -748,11 +750,11 @@ pop
             plot().below(plot()).below(plot()).size(),
             (width, 3 * height)
         );
-        let text = Recording::of(|canvas| plot().below(plot()).draw(canvas)).to_string();
+        let text = DrawLog::of(|canvas| plot().below(plot()).draw(canvas)).to_string();
         assert!(text.contains(&format!("origin=0,{height}")) && text.matches("clear").count() == 1);
     }
 
-    /// A picture of many plots shows them one below the other, and takes as long as they do.
+    /// An image of many plots shows them below each other, and takes as long as they do.
     #[test]
     fn a_picture_of_many_plots_is_one_of_each() {
         let folder = tempfile::TempDir::new().unwrap();
@@ -771,10 +773,10 @@ pop
         let three = plot(1).below(plot(2).below(plot(4)));
         let one_by_one = [1, 2, 4].map(|seed| pixels("one.png", &plot(seed)));
         assert_eq!(pixels("three.png", &three), one_by_one.concat());
-        // the whole drawing, as an SVG has it, on one frame
+        // the whole drawing on one frame, as in an SVG
         let whole = crate::frame(three.size(), |canvas| three.draw(canvas)).unwrap();
         assert_eq!(three.size().1 * WIDTH * 3, whole.pixels().len() as u32);
-        // a chain of them needs no stack
+        // many plots do not overflow the stack
         let many = (0..100_000).fold(Plot::new(""), |plot, _| plot.below(Plot::new("")));
         assert_eq!(many.size().1, 100_001 * Plot::new("").size().1);
     }
@@ -786,7 +788,7 @@ pop
             ("two", &[3.0, 4.0], &[30.0, 40.0]),
         ];
         let plot = Plot::episodes("t", 2, runs);
-        let text = Recording::of(|canvas| plot.draw(canvas)).to_string();
+        let text = DrawLog::of(|canvas| plot.draw(canvas)).to_string();
         let place = |what: &str| text.find(what).unwrap_or_else(|| panic!("{what}: {text}"));
         assert!(place("\"return\"") < place("\"length\""));
         assert_eq!(
@@ -796,7 +798,7 @@ pop
             ),
             (1, 1)
         );
-        // legend, faint line and average above; line and average below
+        // above: legend, faint line and average; below: line and average
         assert_eq!(text.matches("#0072b2").count(), 5);
     }
 
@@ -828,10 +830,10 @@ pop
         ] {
             let plot = Plot::new("").series("x", values).moving_average(0);
             assert!(
-                Recording::of(|canvas| plot.draw(canvas)).to_string().len() < 20_000,
+                DrawLog::of(|canvas| plot.draw(canvas)).to_string().len() < 20_000,
                 "{values:?}"
             );
         }
-        Recording::of(|canvas| Plot::new("").draw(canvas));
+        DrawLog::of(|canvas| Plot::new("").draw(canvas));
     }
 }

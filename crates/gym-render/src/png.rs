@@ -11,7 +11,7 @@ use png::{BitDepth, ColorType, Encoder, EncodingError};
 
 /// Pixels between and around the frames of a contact sheet.
 const GAP: u32 = 4;
-/// The shade of grey between the frames of a contact sheet.
+/// The gray level between the frames of a contact sheet.
 const BACKGROUND: u8 = 232;
 
 /// Writes a frame to a PNG file.
@@ -29,7 +29,7 @@ pub fn write_png(path: impl AsRef<Path>, frame: &Frame) -> Result<()> {
     file.commit()
 }
 
-/// The bytes of a PNG file of a frame.
+/// Encodes a frame as PNG.
 pub(crate) fn bytes(frame: &Frame) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
     encode(&mut bytes, frame).map_err(|error| refused(frame, &error))?;
@@ -52,8 +52,8 @@ fn refused(frame: &Frame, error: &EncodingError) -> Error {
     )
 }
 
-/// Writes frames to `frame-0000.png`, `frame-0001.png` and so on in a folder, which is made if it
-/// does not exist. Returns the paths.
+/// Writes frames to `frame-0000.png`, `frame-0001.png` and so on in a folder, which is created if
+/// it does not exist. Returns the paths.
 ///
 /// # Errors
 /// The errors of [`write_png`]; earlier frames remain.
@@ -70,23 +70,23 @@ pub fn write_png_sequence<'a>(
     frames.into_iter().enumerate().map(write).collect()
 }
 
-/// All frames in one picture, row by row, `columns` in each row (at least one). Frames smaller
-/// than the largest lie in the middle of their place.
+/// Puts frames into one image, row by row, with `columns` frames per row (at least one). A frame
+/// smaller than the largest is centred in its cell.
 ///
 /// # Errors
-/// [`Error::Custom`] where the picture does not fit in memory.
+/// [`Error::Custom`] if the image does not fit in memory.
 pub fn contact_sheet(frames: &[Frame], columns: usize) -> Result<Frame> {
     tile(frames, columns, GAP)
 }
 
-/// [`contact_sheet`] with a gap around each frame, in pixels.
+/// Like [`contact_sheet`], with a gap of `gap` pixels around each frame.
 pub(crate) fn tile(frames: &[Frame], columns: usize, gap: u32) -> Result<Frame> {
     let columns = columns.clamp(1, frames.len().max(1));
     let rows = frames.len().div_ceil(columns);
     let width = frames.iter().map(Frame::width).max().unwrap_or(0);
     let height = frames.iter().map(Frame::height).max().unwrap_or(0);
     let (cell_width, cell_height) = (gap + width, gap + height);
-    // a side that does not fit is refused as one of all pixels there can be
+    // a side that overflows is refused like the largest possible side
     let side = |cells: usize, cell| {
         u32::try_from(cells).map_or(u32::MAX, |n| n.saturating_mul(cell).saturating_add(gap))
     };

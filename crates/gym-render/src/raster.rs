@@ -17,10 +17,10 @@ inventory::submit! {
 
 /// Draws into [`Frame`]s of any size; the coordinates of the drawing are stretched to fill them.
 ///
-/// At the drawing's own size the calls of pygame give pygame's pixels, and drawing allocates
-/// nothing once the buffers have grown: use one painter for many frames. At any other size, and for
-/// all other shapes, `tiny-skia` draws smooth shapes. A shape that reaches further than 32768
-/// pixels from the frame's corner is left out, unless it is an upright rectangle.
+/// At the drawing's own size, pygame's calls give pygame's pixels, and drawing allocates nothing
+/// once the buffers have grown: use one painter for many frames. At any other size, and for all
+/// other shapes, `tiny-skia` draws antialiased shapes. A shape that extends beyond 32768 pixels
+/// from the frame's corner is not drawn, unless it is an axis-aligned rectangle.
 #[derive(Debug)]
 pub struct Raster {
     transforms: Transforms,
@@ -29,7 +29,7 @@ pub struct Raster {
 }
 
 impl Raster {
-    /// A painter without buffers yet.
+    /// Makes a painter without buffers.
     pub fn new() -> Self {
         Self {
             transforms: Transforms::new(),
@@ -71,10 +71,10 @@ impl Painter for Raster {
     }
 }
 
-/// One frame of a drawing, at its own size.
+/// Draws one frame at the drawing's own size.
 ///
 /// # Errors
-/// [`Error::Custom`](gym_core::Error::Custom) if the pixels do not fit in memory.
+/// [`Error::Custom`](gym_core::Error::Custom) if the frame does not fit in memory.
 pub fn frame(size: (u32, u32), draw: impl FnOnce(&mut dyn Canvas)) -> Result<Frame> {
     let mut frame = Frame::new(size.0, size.1)?;
     let mut draw = Some(draw);
@@ -87,28 +87,28 @@ pub fn frame(size: (u32, u32), draw: impl FnOnce(&mut dyn Canvas)) -> Result<Fra
     Ok(frame)
 }
 
-/// A frame being drawn.
+/// A frame that is being drawn.
 struct Surface<'a> {
     raster: &'a mut Raster,
     frame: &'a mut Frame,
     /// Whether a unit of the drawing is a pixel of the frame.
     is_own_size: bool,
-    /// Whether nothing is drawn yet, so that the frame still has its old content.
+    /// Whether nothing is drawn yet, so that the frame still has old content.
     is_blank: bool,
-    /// The depth of the transforms at which a surface to be shrunk began, while it is drawn.
+    /// While a surface to reduce is drawn: the depth of transforms at which it began.
     sheet: Option<usize>,
 }
 
 impl Surface<'_> {
-    /// Before anything is drawn: the frame is black.
+    /// Makes the frame black before the first drawing.
     fn start(&mut self) {
         if std::mem::take(&mut self.is_blank) {
             self.frame.pixels_mut().fill(0);
         }
     }
 
-    /// Called before a shape that is not pygame's. It shrinks the surface drawn so far; later
-    /// shapes are drawn smoothly.
+    /// Called before a shape that is not pygame's. It reduces the surface drawn so far; later
+    /// shapes are drawn by `tiny-skia`.
     fn start_smooth(&mut self) {
         self.start();
         if let Some(depth) = self.sheet.take() {
@@ -130,8 +130,8 @@ impl Surface<'_> {
         }
     }
 
-    /// Where pygame's calls fall on the pixels of a surface: how many columns are to the left of
-    /// the frame, and whether row 0 is the lowest. `None` if a unit is not a pixel.
+    /// Returns how pygame's calls map to the pixels of a surface: the number of columns left of the
+    /// frame, and whether row 0 is the lowest. `None` if a unit is not a pixel.
     fn placed(&self) -> Option<(i32, bool)> {
         let height = match self.sheet {
             Some(_) => self.raster.sheet.size().1 as f64,
@@ -238,7 +238,8 @@ impl Canvas for Surface<'_> {
                 }
             }
             _ => match primitive {
-                // the pixels on its edges belong to it at any size, so that neighbours leave no gap
+                // pixels on the polygon's edges belong to it at any size, so that neighbours leave
+                // no gap
                 Primitive::Polygon(points) => {
                     self.fill(Shape::Polygon(points), color);
                     let pixel = 1.0 / skia::scale(self.raster.transforms.current());
@@ -282,7 +283,7 @@ mod tests {
 
     const RED: Color = Color::rgb(200, 0, 0);
 
-    /// The red of each pixel of a row.
+    /// Returns the red of each pixel of a row.
     fn row(frame: &Frame, y: u32) -> Vec<u8> {
         let width = frame.width() as usize * 3;
         frame.pixels()[y as usize * width..][..width]
@@ -356,7 +357,7 @@ mod tests {
         let [outer, inner] = [square(0.0, 9.0), square(3.0, 6.0)];
         let both = [&outer[..], &inner[..]].concat();
         let image = frame((9, 9), |canvas| {
-            canvas.fill(Shape::Path(&both), Color::WHITE)
+            canvas.fill(Shape::Path(&both), Color::WHITE);
         });
         assert_eq!(row(&image, 4), [255; 9]);
     }
@@ -375,14 +376,14 @@ mod tests {
             [0, 255, 255, 0]
         );
         assert_eq!([3, 4].map(|x| pixel(&image, x, 15)[0]), [0, 255]);
-        // The outer corner of a round join is cut off, but not as far as a bevel's.
+        // a round join cuts off the outer corner, but less than a bevel
         assert!(pixel(&image, 13, 16)[0] < 128 && pixel(&image, 12, 16)[0] > 200);
     }
 
     #[test]
     fn thin_lines_fade_instead_of_breaking() {
         let image = frame((8, 3), |canvas| {
-            canvas.line([0.0, 1.5], [8.0, 1.5], 0.2, Color::WHITE)
+            canvas.line([0.0, 1.5], [8.0, 1.5], 0.2, Color::WHITE);
         });
         assert_eq!(row(&image, 1), [51; 8]);
         assert_eq!(row(&image, 0), [0; 8]);
@@ -408,7 +409,7 @@ mod tests {
             canvas.push(Transform::y_up(20.0));
             canvas.push(Transform::translate(10.0, 5.0));
             canvas.push(Transform::rotate(TURN / 4.0));
-            // Along x, which now points up in the picture.
+            // along x, which now points up in the image
             canvas.polygon(
                 &[[0.0, -1.0], [8.0, -1.0], [8.0, 1.0], [0.0, 1.0]],
                 Color::WHITE,
@@ -449,7 +450,7 @@ mod tests {
     fn translucent_shapes_mix_once() {
         let image = frame((10, 10), |canvas| {
             canvas.clear(Color::WHITE);
-            // The stroke crosses itself.
+            // the stroke crosses itself
             let zigzag = [[0.0, 5.0], [10.0, 5.0], [0.0, 5.0], [10.0, 5.0]];
             canvas.stroke(Shape::Polyline(&zigzag), 4.0, Color::BLACK.alpha(51));
         });
@@ -474,7 +475,7 @@ mod tests {
         }
     }
 
-    /// A checksum of an image with all kinds of shapes. It must not depend on the processor.
+    /// A checksum of an image with all kinds of shapes. It must be the same on every CPU.
     #[test]
     fn the_bytes_are_the_same_everywhere() {
         let image = frame((64, 48), |canvas| {

@@ -1,145 +1,145 @@
 //! A wrapper that records a vector.
 
 use std::fmt;
-use std::path::Path;
 
 use gym_core::registry::WrapperConfig;
 use gym_core::render::{Frame, Rendered};
 use gym_core::vector::{Autoreset, Columns, Progress, VectorReset};
 use gym_core::{Error, Result, Value, VectorEnv, WrapperSpec};
 
+use crate::episode_recorder::EpisodeRecorder;
+use crate::mode::{not_frames, require_frames};
 use crate::png::tile;
-use crate::recorder::{check_known_mode, not_frames};
-use crate::tape::{Config as Common, Tape, tape_options};
 use arguments::Config;
 
 /// Records all sub-environments of a vector side by side, in a grid: Gymnasium's
 /// `vector.RecordVideo`.
 ///
-/// The sub-environments must have the render mode `rgb_array`. The episodes are those of the first
-/// one; otherwise it is as [`RecordVideo`](crate::RecordVideo). With
+/// The sub-environments must have the render mode `rgb_array`. Episodes are those of the first
+/// sub-environment. Everything else is as in [`RecordVideo`](crate::RecordVideo). With
 /// [`Autoreset::SameStep`](gym_core::vector::Autoreset::SameStep) the video lacks the last state of
 /// an episode.
 ///
 /// ```no_run
 /// use gym_core::{Result, builder, render::RenderMode};
-/// use gym_render::RecordVectorVideo;
+/// use gym_render::{RecordVectorVideo, RecordVectorVideoConfig};
 ///
 /// # fn main() -> Result<()> {
 /// let envs = builder("CartPole-v1").render_mode(RenderMode::RgbArray).vector(9).build()?;
-/// let mut envs = RecordVectorVideo::new(envs, "videos")?.aspect_ratio(16.0 / 9.0);
+/// let config = RecordVectorVideoConfig { video_aspect_ratio: 16.0 / 9.0, ..From::from("videos") };
+/// let mut envs = RecordVectorVideo::new(envs, config)?;
 /// # Ok(())
 /// # }
 /// ```
 pub struct RecordVectorVideo<V = Box<dyn VectorEnv>> {
     envs: V,
-    tape: Tape,
+    recorder: EpisodeRecorder,
     aspect_ratio: f64,
     first_only: bool,
 }
 
 /// The arguments of [`RecordVectorVideo`].
 pub(crate) mod arguments {
+    use std::path::Path;
+
     use crate::RecordVectorVideo;
-    use crate::tape::Config as Common;
+    use crate::episode_recorder::Config as Common;
 
     gym_core::arguments! {
         /// The arguments of [`RecordVectorVideo`].
         pub struct Config {
-            /// The arguments of a single environment.
+            /// The arguments that a single environment has, too.
             #[flatten]
             pub common: Common,
             /// The ratio of the grid's width to its height, approximately.
             pub video_aspect_ratio: f64 = 1.0,
-            /// Whether only the first sub-environment is recorded.
+            /// Whether to record only the first sub-environment.
             pub record_first_only: bool = false,
         }
     }
 
+    impl<P: AsRef<Path>> From<P> for Config {
+        /// The default arguments, with this folder.
+        fn from(folder: P) -> Self {
+            Self {
+                common: folder.into(),
+                ..Self::default()
+            }
+        }
+    }
+
     gym_core::register_wrapper!(
-        "RecordVideo", "records all sub-environments in a grid", Config, vector: RecordVectorVideo::with_config
+        "RecordVideo", "records all sub-environments in a grid", Config, vector: RecordVectorVideo::new
     );
 }
 
 impl<V: VectorEnv> RecordVectorVideo<V> {
-    /// Records `envs` to a folder, which is made if it does not exist.
+    /// Records `envs`. `config` is the folder for the files, or a
+    /// [`RecordVectorVideoConfig`](crate::RecordVectorVideoConfig) with all arguments.
     ///
     /// # Errors
-    /// [`Error::Io`] if the folder cannot be made, [`Error::UnsupportedMode`] if the spec of the
+    /// [`Error::Io`] if the folder cannot be created, [`Error::UnsupportedMode`] if the spec of the
     /// sub-environments has no render mode, or one without frames.
-    pub fn new(envs: V, folder: impl AsRef<Path>) -> Result<Self> {
-        let common = Common {
-            video_folder: folder.as_ref().to_owned(),
-            ..Common::default()
-        };
-        Self::with_config(
-            envs,
-            Config {
-                common,
-                ..Config::default()
-            },
-        )
-    }
-
-    /// Records `envs` with all arguments at once.
-    ///
-    /// # Errors
-    /// The errors of [`new`](Self::new).
-    pub fn with_config(envs: V, config: Config) -> Result<Self> {
+    pub fn new(envs: V, config: impl Into<Config>) -> Result<Self> {
         if let Some(spec) = envs.spec() {
-            check_known_mode(envs.describe(), spec.env.render_mode)?;
+            require_frames(envs.describe(), spec.env.render_mode)?;
         }
         let Config {
             common,
             video_aspect_ratio: aspect_ratio,
             record_first_only: first_only,
-        } = config;
-        let tape = Tape::new(common, envs.metadata().render_fps)?;
+        } = config.into();
+        let recorder = EpisodeRecorder::new(common, envs.metadata().render_fps)?;
         Ok(Self {
             envs,
-            tape,
+            recorder,
             aspect_ratio,
             first_only,
         })
     }
 
-    tape_options!();
-
-    /// Sets the ratio of the grid's width to its height, approximately; the default is 1.
+    /// Records the episodes that `trigger` accepts, by their number.
     #[must_use]
-    pub fn aspect_ratio(self, aspect_ratio: f64) -> Self {
-        Self {
-            aspect_ratio,
-            ..self
-        }
+    pub fn episode_trigger(mut self, trigger: impl FnMut(u64) -> bool + Send + 'static) -> Self {
+        self.recorder.episode_trigger = Some(Box::new(trigger));
+        self
     }
 
-    /// Records only the first sub-environment.
+    /// Records from the steps that `trigger` accepts; records episodes only if there is also an
+    /// episode trigger.
     #[must_use]
-    pub fn first_only(self) -> Self {
-        Self {
-            first_only: true,
-            ..self
-        }
+    pub fn step_trigger(mut self, trigger: impl FnMut(u64) -> bool + Send + 'static) -> Self {
+        self.recorder.step_trigger = Some(Box::new(trigger));
+        self
     }
 
-    /// The inner vector.
+    /// Whether a recording is running.
+    pub fn is_recording(&self) -> bool {
+        self.recorder.is_recording()
+    }
+
+    /// Takes the error that ended the last recording, if any.
+    pub fn take_error(&mut self) -> Option<Error> {
+        self.recorder.take_error()
+    }
+
+    /// Returns the inner vector.
     pub fn get_ref(&self) -> &V {
         &self.envs
     }
 
-    /// The inner vector, mutable. The wrapper does not see resets and steps made through it.
+    /// Returns the inner vector for changes. The wrapper does not notice resets and steps of it.
     pub fn get_mut(&mut self) -> &mut V {
         &mut self.envs
     }
 
-    /// The inner vector; a running recording ends.
+    /// Ends a running recording and returns the inner vector.
     pub fn into_inner(mut self) -> V {
-        self.tape.stop();
+        self.recorder.stop();
         self.envs
     }
 
-    /// Records the newest frame of each.
+    /// Records the newest frame of each sub-environment.
     fn capture(&mut self) -> Result<()> {
         if !self.is_recording() {
             return Ok(());
@@ -147,21 +147,21 @@ impl<V: VectorEnv> RecordVectorVideo<V> {
         let mut rendered = self.envs.render()?;
         let frame = |rendered| match rendered {
             Rendered::Frame(frame) => Ok(frame),
-            other => Err(not_frames(&self.envs.describe(), &other)),
+            other => Err(not_frames(self.envs.describe(), &other)),
         };
         rendered.truncate(if self.first_only { 1 } else { usize::MAX });
         let frames = rendered
             .into_iter()
             .map(frame)
             .collect::<Result<Vec<Frame>>>()?;
-        self.tape
+        self.recorder
             .write(&tile(&frames, columns(&frames, self.aspect_ratio), 0)?);
         Ok(())
     }
 }
 
-/// The number of columns that gives a full grid the aspect ratio nearest to one: Gymnasium's
-/// `_get_concat_frame_shape`, which has no more rows than columns.
+/// Returns the number of columns of a full grid whose aspect ratio is nearest to `aspect_ratio`:
+/// Gymnasium's `_get_concat_frame_shape`, which has no more rows than columns.
 fn columns(frames: &[Frame], aspect_ratio: f64) -> usize {
     let n = frames.len();
     let Some(first) = frames.first() else {
@@ -197,7 +197,7 @@ impl<V: VectorEnv> gym_core::VectorWrapper for RecordVectorVideo<V> {
         let (video_aspect_ratio, record_first_only) = (self.aspect_ratio, self.first_only);
         Some(
             Config {
-                common: self.tape.stored()?,
+                common: self.recorder.stored()?,
                 video_aspect_ratio,
                 record_first_only,
             }
@@ -209,7 +209,7 @@ impl<V: VectorEnv> gym_core::VectorWrapper for RecordVectorVideo<V> {
         columns.begin();
         let result = self.envs.reset_into(reset, columns);
         if columns.progress.first() == Some(&Progress::Started) {
-            self.tape.episode();
+            self.recorder.episode();
         }
         if columns.any_progress() {
             result.and(self.capture())
@@ -228,18 +228,18 @@ impl<V: VectorEnv> gym_core::VectorWrapper for RecordVectorVideo<V> {
         let same_step = self.envs.autoreset() == Autoreset::SameStep;
         let began = columns.progress[0] == Progress::Started || done && same_step;
         if began {
-            self.tape.episode();
+            self.recorder.episode();
         }
-        self.tape.step();
+        self.recorder.step();
         let captured = self.capture();
         if done && !began {
-            self.tape.end_of_episode();
+            self.recorder.end_of_episode();
         }
         result.and(captured)
     }
 
     fn close(&mut self) {
-        self.tape.stop();
+        self.recorder.stop();
         self.envs.close();
     }
 }
@@ -248,8 +248,8 @@ impl<V: fmt::Debug> fmt::Debug for RecordVectorVideo<V> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("RecordVectorVideo")
             .field("envs", &self.envs)
-            .field("folder", &self.tape.config.video_folder)
-            .field("recording", &self.tape.recording)
+            .field("folder", &self.recorder.config.video_folder)
+            .field("recording", &self.recorder.is_recording())
             .finish_non_exhaustive()
     }
 }

@@ -1,38 +1,38 @@
 //! A wrapper that records an environment.
 
 use std::fmt;
-use std::path::Path;
 
 use gym_core::registry::WrapperConfig;
 use gym_core::render::{Frame, Rendered};
 use gym_core::{BoxEnv, Env, Error, Outcome, Reset, Result, Snapshot, WrapperSpec};
 
-use crate::recorder::{check_mode, not_frames};
-use crate::tape::{Config, Tape, tape_options};
+use crate::episode_recorder::{Config, EpisodeRecorder};
+use crate::mode::{not_frames, require_frames};
 
 gym_core::register_wrapper!(
-    "RecordVideo", "records some episodes to files", Config, env: RecordVideo::with_config
+    "RecordVideo", "records some episodes to files", Config, env: RecordVideo::new
 );
 
-/// Records some episodes, or stretches of steps, to files in a folder: Gymnasium's `RecordVideo`.
+/// Records some episodes, or sequences of steps, to files in a folder: Gymnasium's `RecordVideo`.
 ///
 /// The inner environment must have the render mode `rgb_array` or `rgb_array_list`. A recording
 /// starts at the reset of each episode that the episode trigger accepts, and at each step that the
 /// step trigger accepts; without a trigger, [`capped_cubic`](crate::capped_cubic) chooses the
 /// episodes. Episodes are counted from the first reset, steps over all episodes, both from 0. A
-/// recording ends with its episode, or after [`video_length`](Self::video_length) frames if set,
-/// over any number of episodes.
+/// recording ends with its episode or, with a
+/// [`video_length`](crate::RecordVideoConfig::video_length), after this number of frames, which may
+/// belong to several episodes.
 ///
-/// Files are called `rl-video-episode-8.gif` or `rl-video-step-1000.gif`; one that exists is
-/// replaced. Frames go to the file at once, and it appears under its name when it is complete: by
-/// the end of the recording, `close`, or a drop.
+/// Files are called `rl-video-episode-8.gif` or `rl-video-step-1000.gif`; an existing file is
+/// replaced. Frames are written immediately. A file appears under its name when it is complete: at
+/// the end of the recording, by `close`, or by a drop.
 ///
 /// A file that cannot be written does not stop the training: the recording ends with a warning
 /// through the `log` crate, and [`take_error`](Self::take_error) returns the error.
 ///
 /// Snapshots do not contain recordings: after `restore` a recording continues with the new state. A
-/// clone does not record. With your own trigger there is no spec, because functions cannot be
-/// stored.
+/// clone records nothing. With a trigger of your own, the environment has no spec, because a function
+/// cannot be stored.
 ///
 /// ```no_run
 /// use gym_core::{Env, Result, builder, render::RenderMode};
@@ -47,59 +47,69 @@ gym_core::register_wrapper!(
 #[derive(Clone)]
 pub struct RecordVideo<E: Env = BoxEnv> {
     env: E,
-    tape: Tape,
-    /// Frames taken from the environment's list, until `render` returns them.
+    recorder: EpisodeRecorder,
+    /// The frames that were taken from the environment's list and that `render` returns.
     list: Vec<Frame>,
-    /// The last frame, which the next one overwrites.
+    /// The last frame; the next frame reuses its memory.
     rendered: Rendered,
 }
 
 impl<E: Env> RecordVideo<E> {
-    /// Records `env` to a folder, which is made if it does not exist.
+    /// Records `env`. `config` is the folder for the files, or a
+    /// [`RecordVideoConfig`](crate::RecordVideoConfig) with all arguments.
     ///
     /// # Errors
-    /// [`Error::Io`] if the folder cannot be made, [`Error::UnsupportedMode`] if the environment
-    /// was made without a render mode, or with one without frames.
-    pub fn new(env: E, folder: impl AsRef<Path>) -> Result<Self> {
-        Self::with_config(
-            env,
-            Config {
-                video_folder: folder.as_ref().to_owned(),
-                ..Config::default()
-            },
-        )
-    }
-
-    /// Records `env` with all arguments at once.
-    ///
-    /// # Errors
-    /// The errors of [`new`](Self::new).
-    pub fn with_config(env: E, config: Config) -> Result<Self> {
-        check_mode(&env)?;
-        let tape = Tape::new(config, env.metadata().render_fps)?;
+    /// [`Error::Io`] if the folder cannot be created, [`Error::UnsupportedMode`] if the environment
+    /// has no render mode, or one without frames.
+    pub fn new(env: E, config: impl Into<Config>) -> Result<Self> {
+        require_frames(env.describe(), env.render_mode())?;
+        let recorder = EpisodeRecorder::new(config.into(), env.metadata().render_fps)?;
         Ok(Self {
             env,
-            tape,
+            recorder,
             list: Vec::new(),
             rendered: Rendered::Shown,
         })
     }
 
-    tape_options!();
+    /// Records the episodes that `trigger` accepts, by their number.
+    #[must_use]
+    pub fn episode_trigger(mut self, trigger: impl FnMut(u64) -> bool + Send + 'static) -> Self {
+        self.recorder.episode_trigger = Some(Box::new(trigger));
+        self
+    }
 
-    /// The inner environment.
+    /// Records from the steps that `trigger` accepts; records episodes only if there is also an
+    /// episode trigger.
+    #[must_use]
+    pub fn step_trigger(mut self, trigger: impl FnMut(u64) -> bool + Send + 'static) -> Self {
+        self.recorder.step_trigger = Some(Box::new(trigger));
+        self
+    }
+
+    /// Whether a recording is running.
+    pub fn is_recording(&self) -> bool {
+        self.recorder.is_recording()
+    }
+
+    /// Takes the error that ended the last recording, if any.
+    pub fn take_error(&mut self) -> Option<Error> {
+        self.recorder.take_error()
+    }
+
+    /// Returns the inner environment.
     pub fn get_ref(&self) -> &E {
         &self.env
     }
 
-    /// The environment within, to change it.
+    /// Returns the inner environment for changes.
     pub fn get_mut(&mut self) -> &mut E {
         &mut self.env
     }
 
-    /// The inner environment; a running recording ends.
+    /// Ends a running recording and returns the inner environment.
     pub fn into_inner(mut self) -> E {
-        self.tape.stop();
+        self.recorder.stop();
         self.env
     }
 
@@ -110,14 +120,14 @@ impl<E: Env> RecordVideo<E> {
         }
         self.env.render_into(&mut self.rendered)?;
         match &mut self.rendered {
-            Rendered::Frame(frame) => self.tape.write(frame),
+            Rendered::Frame(frame) => self.recorder.write(frame),
             Rendered::Frames(frames) => {
                 self.list.append(frames);
                 if let Some(frame) = self.list.last() {
-                    self.tape.write(frame);
+                    self.recorder.write(frame);
                 }
             }
-            other => return Err(not_frames(&self.env.describe(), other)),
+            other => return Err(not_frames(self.env.describe(), other)),
         }
         Ok(())
     }
@@ -139,7 +149,7 @@ impl<E: Env> gym_core::Wrapper for RecordVideo<E> {
     fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         self.env.reset_into(reset, observation)?;
         self.list.clear();
-        self.tape.episode();
+        self.recorder.episode();
         self.capture()
     }
 
@@ -149,10 +159,10 @@ impl<E: Env> gym_core::Wrapper for RecordVideo<E> {
         observation: &mut E::Observation,
     ) -> Result<Outcome> {
         let outcome = self.env.step_into(action, observation)?;
-        self.tape.step();
+        self.recorder.step();
         self.capture()?;
         if outcome.done() {
-            self.tape.end_of_episode();
+            self.recorder.end_of_episode();
         }
         Ok(outcome)
     }
@@ -173,11 +183,11 @@ impl<E: Env> gym_core::Wrapper for RecordVideo<E> {
     }
 
     fn wrapper_spec(&self) -> Option<WrapperSpec> {
-        self.tape.stored().map(|config| config.spec())
+        self.recorder.stored().map(|config| config.spec())
     }
 
     fn close(&mut self) {
-        self.tape.stop();
+        self.recorder.stop();
         self.env.close();
     }
 }
@@ -186,8 +196,8 @@ impl<E: Env + fmt::Debug> fmt::Debug for RecordVideo<E> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.debug_struct("RecordVideo")
             .field("env", &self.env)
-            .field("folder", &self.tape.config.video_folder)
-            .field("recording", &self.tape.recording)
+            .field("folder", &self.recorder.config.video_folder)
+            .field("recording", &self.recorder.is_recording())
             .finish_non_exhaustive()
     }
 }

@@ -1,18 +1,19 @@
-//! Recording an environment by hand.
+//! Recording an environment, frame by frame.
 
 use std::path::Path;
 
-use gym_core::render::{Frame, RenderMode, Rendered};
-use gym_core::{Env, Error, Result};
+use gym_core::render::{Frame, Rendered};
+use gym_core::{Env, Result};
 
-use crate::VideoWriter;
+use crate::Video;
+use crate::mode::{not_frames, require_frames};
 
-/// Records the frames of an environment, over one episode or many, to one file.
+/// Records the frames of an environment, of one or many episodes, to one file.
 ///
 /// With the render mode `rgb_array`, call [`capture`](Self::capture) after each reset and step;
 /// with `rgb_array_list`, before each further reset and at the end. The file's extension selects
-/// the format, as for [`VideoWriter`]. Each frame is written at once: a recording of any length
-/// takes the memory of a few frames.
+/// the format, as for [`Video`]. Each frame is written immediately: a recording of any length takes
+/// the memory of a few frames.
 ///
 /// Dropping the recorder finishes the file, but cannot report errors.
 ///
@@ -37,30 +38,30 @@ use crate::VideoWriter;
 /// ```
 #[derive(Debug)]
 pub struct Recorder {
-    video: VideoWriter,
-    /// The last frame, which the next one overwrites.
+    video: Video,
+    /// The last frame; the next frame reuses its memory.
     rendered: Rendered,
     frames: u64,
     max_frames: u64,
 }
 
 impl Recorder {
-    /// Starts a file that plays at the environment's own speed.
+    /// Starts a file with the frames per second of the environment's metadata.
     ///
     /// # Errors
-    /// [`Error::UnsupportedMode`] if the environment was made without a render mode, or with one
-    /// without frames, and as [`VideoWriter::create`].
+    /// [`Error::UnsupportedMode`](gym_core::Error::UnsupportedMode) if the environment has no render
+    /// mode, or one without frames, and the errors of [`Video::create`].
     pub fn new<E: Env>(path: impl AsRef<Path>, env: &E) -> Result<Self> {
-        check_mode(env)?;
+        require_frames(env.describe(), env.render_mode())?;
         Self::with_fps(path, env.metadata().render_fps)
     }
 
-    /// Starts a file that plays at another speed.
+    /// Starts a file with `fps` frames per second.
     ///
     /// # Errors
-    /// The errors of [`VideoWriter::create`].
+    /// The errors of [`Video::create`].
     pub fn with_fps(path: impl AsRef<Path>, fps: u32) -> Result<Self> {
-        let video = VideoWriter::create(path, fps)?;
+        let video = Video::create(path, fps)?;
         Ok(Self {
             video,
             rendered: Rendered::Shown,
@@ -69,23 +70,24 @@ impl Recorder {
         })
     }
 
-    /// Records that many frames and ignores the rest.
+    /// Records at most `max_frames` frames and ignores the rest.
     #[must_use]
     pub fn max_frames(self, max_frames: u64) -> Self {
         Self { max_frames, ..self }
     }
 
-    /// The frames recorded.
+    /// Returns the number of recorded frames.
     pub fn frames(&self) -> u64 {
         self.frames
     }
 
-    /// Records the current frame, or the list of frames collected by the environment. Once enough
-    /// frames are recorded, it renders nothing.
+    /// Records the current frame, or the list of frames that the environment collected. Once
+    /// [`max_frames`](Self::max_frames) are recorded, it renders nothing.
     ///
     /// # Errors
-    /// [`Error::UnsupportedMode`] if it has another render mode, the errors of
-    /// [`EnvExt::render`](gym_core::EnvExt::render), and as [`VideoWriter::write`].
+    /// [`Error::UnsupportedMode`](gym_core::Error::UnsupportedMode) if the environment renders no
+    /// frames, and the errors of [`EnvExt::render`](gym_core::EnvExt::render) and
+    /// [`Video::write`].
     pub fn capture<E: Env>(&mut self, env: &mut E) -> Result<()> {
         if self.frames >= self.max_frames {
             return Ok(());
@@ -101,52 +103,16 @@ impl Recorder {
         match &mut self.rendered {
             Rendered::Frame(frame) => write(frame),
             Rendered::Frames(frames) => std::mem::take(frames).iter().try_for_each(write),
-            other => Err(not_frames(&env.describe(), other)),
+            other => Err(not_frames(env.describe(), other)),
         }
     }
 
     /// Completes the file; returns its number of frames.
     ///
     /// # Errors
-    /// The errors of [`VideoWriter::finish`].
+    /// The errors of [`Video::finish`].
     pub fn finish(self) -> Result<u64> {
         self.video.finish()?;
         Ok(self.frames)
     }
-}
-
-/// The error for an environment that renders something else than frames.
-pub(crate) fn not_frames(target: &str, rendered: &Rendered) -> Error {
-    let mode = match rendered {
-        Rendered::Shown => "human",
-        Rendered::Text(_) => "ansi",
-        Rendered::Texts(_) => "ansi_list",
-        Rendered::Frame(_) | Rendered::Frames(_) => "rgb_array",
-    };
-    Error::UnsupportedMode {
-        target: target.to_owned(),
-        mode: "frames to record".into(),
-        reason: format!(
-            "its render mode is {mode}: make it with `.render_mode(RenderMode::RgbArray)`"
-        ),
-    }
-}
-
-/// Fails for an environment that will render no frames.
-pub(crate) fn check_mode<E: Env>(env: &E) -> Result<()> {
-    check_known_mode(env.describe(), env.render_mode())
-}
-
-/// Fails unless the render mode has frames.
-pub(crate) fn check_known_mode(target: String, mode: Option<RenderMode>) -> Result<()> {
-    let was = match mode {
-        Some(mode) if mode.single() == RenderMode::RgbArray => return Ok(()),
-        Some(mode) => format!("its render mode is {mode}"),
-        None => "it has no render mode".into(),
-    };
-    Err(Error::UnsupportedMode {
-        target,
-        mode: "frames to record".into(),
-        reason: format!("{was}: make it with `.render_mode(RenderMode::RgbArray)`"),
-    })
 }

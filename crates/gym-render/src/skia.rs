@@ -1,7 +1,7 @@
-//! Smooth shapes, by `tiny-skia`.
+//! Antialiased shapes, by `tiny-skia`.
 //!
-//! It computes the coverage of each pixel in a mask no larger than the shape; the colour is blended
-//! here, run by run. Frames repeat most of their shapes, so the runs of a shape are cached.
+//! It computes the coverage of each pixel in a mask no larger than the shape; this module blends
+//! the colour, run by run. Frames repeat most of their shapes, so the runs of a shape are cached.
 
 use std::collections::HashMap;
 use std::hash::{BuildHasherDefault, Hasher};
@@ -13,26 +13,26 @@ use tiny_skia::{FillRule, LineCap, LineJoin, Mask, Path, PathBuilder, Stroke};
 use crate::outline::outline;
 use crate::{font, pixels};
 
-/// Larger masks are made in pieces.
+/// The largest side of a mask; larger shapes are divided.
 const LARGEST: u32 = 4096;
 
-/// Shapes that reach further from the frame's corner, in pixels, are left out: `tiny-skia` does not
-/// support them.
+/// Shapes that extend beyond this distance from the frame's corner, in pixels, are not drawn:
+/// `tiny-skia` does not support them.
 const REACH: f32 = 32_768.0;
 
-/// Draws smooth shapes, with a cache of their runs.
+/// Draws antialiased shapes, with a cache of their runs.
 #[derive(Debug, Default)]
 pub(crate) struct Skia {
-    /// The runs of shapes, by all that decides them.
+    /// The runs of each shape; the key contains everything that decides them.
     known: HashMap<Box<[u64]>, Box<[Run]>, BuildHasherDefault<WordHasher>>,
-    /// The size of that, in words of 8 bytes.
+    /// The size of `known` in words of 8 bytes.
     words: usize,
-    /// The shape that is being drawn.
+    /// The key and the runs of the current shape.
     key: Vec<u64>,
     runs: Vec<Run>,
 }
 
-/// Neighbours in a row with equal coverage, in 255ths.
+/// Neighbouring pixels of a row with equal coverage, in 255ths.
 #[derive(Clone, Copy, Debug)]
 struct Run {
     x: u16,
@@ -42,7 +42,7 @@ struct Run {
 }
 
 impl Skia {
-    /// The cache is cleared at this size, 2 MB: without repetition it has no use.
+    /// The cache is cleared at this size, 2 MB: a drawing that fills it does not repeat its shapes.
     const MOST: usize = 1 << 18;
 
     /// Fills a shape.
@@ -64,7 +64,7 @@ impl Skia {
         });
     }
 
-    /// Draws a shape's outline.
+    /// Strokes a shape's outline.
     pub(crate) fn stroke(
         &mut self,
         frame: &mut Frame,
@@ -87,7 +87,7 @@ impl Skia {
         });
     }
 
-    /// Writes a line of text.
+    /// Draws a line of text.
     pub(crate) fn text(
         &mut self,
         frame: &mut Frame,
@@ -106,7 +106,7 @@ impl Skia {
         self.place(frame, transform);
         self.draw(frame, color, |frame, emit| {
             let strokes = path(|emit| {
-                font::outline(text, position, size, align, &mut |segment| emit(segment))
+                font::outline(text, position, size, align, &mut |segment| emit(segment));
             });
             if let Some(path) = strokes {
                 stroke_path(frame, &path, width, LineCap::Round, transform, emit);
@@ -114,7 +114,7 @@ impl Skia {
         });
     }
 
-    /// Adds to the key where a shape is drawn.
+    /// Adds frame and transform to the key.
     fn place(&mut self, frame: &Frame, Transform { x, y, origin }: Transform) {
         self.key
             .push(u64::from(frame.width()) << 32 | u64::from(frame.height()));
@@ -161,7 +161,8 @@ impl Skia {
         }
     }
 
-    /// Blends a colour into the shape of a key; `cover` computes its runs, if they are not cached.
+    /// Blends a colour into the shape of the current key; `cover` computes its runs if they are not
+    /// cached.
     fn draw(
         &mut self,
         frame: &mut Frame,
@@ -184,7 +185,7 @@ impl Skia {
     }
 }
 
-/// Lays colour over runs of pixels.
+/// Blends a colour into runs of pixels.
 fn lay(frame: &mut Frame, runs: &[Run], color: Color) {
     let bytes = frame.width() as usize * pixels::RGB;
     for &Run {
@@ -200,8 +201,7 @@ fn lay(frame: &mut Frame, runs: &[Run], color: Color) {
     }
 }
 
-/// Hashes words as they are: the keys come from drawings, which have no reason to choose them
-/// badly.
+/// Uses words as their own hash: keys come from drawings, which do not attack the hash map.
 #[derive(Default)]
 struct WordHasher(u64);
 
@@ -233,7 +233,7 @@ fn skia(Transform { x, y, origin }: Transform) -> tiny_skia::Transform {
     tiny_skia::Transform::from_row(sx, ky, kx, sy, tx, ty)
 }
 
-/// The path that `draw` emits; none if it is empty, or a number is not finite.
+/// Returns the path that `draw` emits; `None` if it is empty or has a non-finite number.
 fn path(draw: impl FnOnce(&mut dyn FnMut(Segment))) -> Option<Path> {
     let mut path = PathBuilder::new();
     let xy = |[x, y]: Point| (x as f32, y as f32);
@@ -242,26 +242,26 @@ fn path(draw: impl FnOnce(&mut dyn FnMut(Segment))) -> Option<Path> {
         Segment::Line(to) => path.line_to(xy(to).0, xy(to).1),
         Segment::Quad(a, to) => path.quad_to(xy(a).0, xy(a).1, xy(to).0, xy(to).1),
         Segment::Cubic(a, b, to) => {
-            path.cubic_to(xy(a).0, xy(a).1, xy(b).0, xy(b).1, xy(to).0, xy(to).1)
+            path.cubic_to(xy(a).0, xy(a).1, xy(b).0, xy(b).1, xy(to).0, xy(to).1);
         }
         Segment::Close => path.close(),
     });
     path.finish()
 }
 
-/// The number of pixels per unit of the drawing.
+/// Returns the number of pixels per unit of the drawing.
 pub(crate) fn scale(transform: Transform) -> f64 {
     (transform.x[0] * transform.y[1] - transform.x[1] * transform.y[0])
         .abs()
         .sqrt()
 }
 
-/// The width and colour of a line, if it is visible. A line thinner than a pixel is drawn a pixel
-/// wide and fainter, so that it does not fall between the samples.
+/// Returns width and colour of a line, if it is visible. A line thinner than a pixel is drawn one
+/// pixel wide and fainter, so that it does not fall between samples.
 fn visible(width: f64, transform: Transform, color: Color) -> Option<(f64, Color)> {
     let scale = scale(transform);
     let pixels = width * scale;
-    // not a number neither
+    // also excludes NaN
     if !(pixels > 0.0 && pixels <= f64::from(2.0 * REACH)) {
         return None;
     }
@@ -294,7 +294,7 @@ fn stroke_path(
     }
 }
 
-/// Emits the runs of pixels that a path covers.
+/// Passes the runs of pixels that a path covers to `emit`.
 fn fill_path(frame: &Frame, path: Option<Path>, emit: &mut dyn FnMut(Run)) {
     let Some(path) = path else { return };
     let bounds = path.bounds();
@@ -321,7 +321,7 @@ fn fill_path(frame: &Frame, path: Option<Path>, emit: &mut dyn FnMut(Run)) {
                 let mut x = left;
                 for run in row.chunk_by(|a, b| a == b) {
                     if run[0] != 0 {
-                        // nothing lies beyond `REACH`
+                        // nothing lies beyond [`REACH`]
                         emit(Run {
                             x: x as u16,
                             y: y as u16,

@@ -14,8 +14,8 @@ use crate::transforms::Transforms;
 
 /// Writes a drawing as a standalone SVG document.
 ///
-/// Numbers are rounded to 3 decimals (those of transforms to 6). Texts are paths: they look the
-/// same everywhere and need no font.
+/// Numbers are rounded to 3 decimals (in transforms to 6). Text is drawn as paths: it looks the
+/// same everywhere and needs no font.
 #[derive(Clone, Debug)]
 pub struct Svg {
     size: (u32, u32),
@@ -24,7 +24,7 @@ pub struct Svg {
 }
 
 impl Svg {
-    /// An empty document of that width and height.
+    /// Makes an empty document of this width and height.
     pub fn new(size: (u32, u32)) -> Self {
         Self {
             size,
@@ -33,7 +33,7 @@ impl Svg {
         }
     }
 
-    /// The document.
+    /// Returns the document.
     pub fn finish(self) -> String {
         let (width, height) = self.size;
         format!(
@@ -43,7 +43,7 @@ impl Svg {
         )
     }
 
-    /// Appends an element with a style and the current transform.
+    /// Appends an element with its style and the current transform.
     fn element(&mut self, element: &str, style: &str) {
         let transform = self.transforms.current();
         let _ = write!(self.body, "  <{element} {style}");
@@ -80,7 +80,7 @@ impl Canvas for Svg {
     fn text(&mut self, text: &str, position: Point, size: f64, align: Align, color: Color) {
         let mut segments = Vec::new();
         font::outline(text, position, size, align, &mut |segment| {
-            segments.push(segment)
+            segments.push(segment);
         });
         let style = stroke(size * font::WEIGHT, color) + " stroke-linecap=\"round\"";
         self.element(&path(&segments), &style);
@@ -95,7 +95,7 @@ impl Canvas for Svg {
     }
 }
 
-/// A drawing as an SVG document.
+/// Returns a drawing as an SVG document.
 ///
 /// ```
 /// use gym_core::canvas::{Canvas, Color};
@@ -124,7 +124,7 @@ pub fn write_svg(
     file::write(path, svg(size, draw).as_bytes())
 }
 
-/// Element name and geometry of a shape.
+/// Returns element name and geometry of a shape.
 fn geometry(shape: Shape<'_>) -> String {
     let list = |points: &[Point]| {
         points
@@ -153,7 +153,7 @@ fn geometry(shape: Shape<'_>) -> String {
     }
 }
 
-/// A path element.
+/// Returns a path element.
 fn path(segments: &[Segment]) -> String {
     let mut data = String::new();
     for segment in segments {
@@ -168,7 +168,7 @@ fn path(segments: &[Segment]) -> String {
     format!("path d=\"{data}\"")
 }
 
-/// The attributes of a colour for `fill` or `stroke`.
+/// Returns the attributes of a colour for `fill` or `stroke`.
 fn paint(what: &str, color: Color) -> String {
     let opacity = f64::from(color.a) / 255.0;
     match color.a {

@@ -1,10 +1,10 @@
-//! Helpers of several tests.
+//! Helpers for tests.
 
 use std::io::{self, Cursor, Seek, SeekFrom, Write};
 
 use tempfile::TempDir;
 
-/// The names of the files in a folder, hidden ones too.
+/// Returns the names of the files in a folder, including hidden files.
 pub(crate) fn names(folder: &TempDir) -> Vec<String> {
     let entries = std::fs::read_dir(folder.path()).unwrap();
     let mut names: Vec<String> = entries
@@ -14,7 +14,7 @@ pub(crate) fn names(folder: &TempDir) -> Vec<String> {
     names
 }
 
-/// Room for some bytes, then a full disk.
+/// A writer that has space for some bytes and then fails like a full disk.
 pub(crate) struct Full(Cursor<Vec<u8>>, usize);
 
 impl Full {

@@ -2,7 +2,7 @@
 
 use gym_core::canvas::Transform;
 
-/// Transforms pushed and not yet popped, composed.
+/// The transforms that were pushed and not yet popped, composed.
 #[derive(Clone, Debug)]
 pub(crate) struct Transforms {
     current: Transform,
@@ -10,7 +10,7 @@ pub(crate) struct Transforms {
 }
 
 impl Transforms {
-    /// An empty stack.
+    /// Makes an empty stack.
     pub(crate) const fn new() -> Self {
         Self {
             current: Transform::IDENTITY,
@@ -18,13 +18,13 @@ impl Transforms {
         }
     }
 
-    /// Empties the stack and starts from `base`.
+    /// Empties the stack and starts with `base`.
     pub(crate) fn restart(&mut self, base: Transform) {
         self.current = base;
         self.outer.clear();
     }
 
-    /// From the innermost coordinates to the outermost.
+    /// Returns the transform from the innermost coordinates to the outermost.
     pub(crate) fn current(&self) -> Transform {
         self.current
     }
@@ -34,25 +34,25 @@ impl Transforms {
         self.current = self.current.then(inner);
     }
 
-    /// Restarts with other coordinates, until the matching `pop`.
+    /// Replaces the current transform until the matching `pop`.
     pub(crate) fn push_anew(&mut self, transform: Transform) {
         self.outer.push(self.current);
         self.current = transform;
     }
 
-    /// The number of pushes without a pop so far.
+    /// Returns the number of pushes without a pop.
     pub(crate) fn depth(&self) -> usize {
         self.outer.len()
     }
 
-    /// Puts all coordinates from that depth on inside `outer`.
+    /// Applies `outer` to all transforms from `depth` on.
     pub(crate) fn rebase(&mut self, depth: usize, outer: Transform) {
         for transform in self.outer.iter_mut().skip(depth).chain([&mut self.current]) {
             *transform = outer.then(*transform);
         }
     }
 
-    /// Does nothing on an empty stack.
+    /// Undoes the last push; does nothing on an empty stack.
     pub(crate) fn pop(&mut self) {
         if let Some(outer) = self.outer.pop() {
             self.current = outer;

@@ -14,7 +14,7 @@ use gym_core::render::{Frame, Screen, ScreenProvider};
 use gym_core::{Error, Result};
 use minifb::{InputCallback, Key, ScaleMode, WindowOptions};
 
-/// The number of times per second that a window polls its user's input.
+/// How often per second a window polls for input.
 const UPDATES: usize = 60;
 
 inventory::submit! {
@@ -23,17 +23,17 @@ inventory::submit! {
 
 /// A window that shows frames and reads keys.
 ///
-/// It can be resized; frames are scaled to it with their aspect ratio. The thread that opened it
-/// must call [`show`](Self::show) or [`update`](Self::update) often enough.
+/// It can be resized; frames are scaled to it with their aspect ratio. The thread that opened the
+/// window must call [`show`](Self::show) or [`update`](Self::update) often enough.
 pub struct Window {
     window: minifb::Window,
-    /// The shown pixels: 0x00RRGGBB.
+    /// The pixels of the shown frame: 0x00RRGGBB.
     pixels: Vec<u32>,
     size: (usize, usize),
     pressed: Pressed,
 }
 
-/// The keys pressed since the last query: some are released before the next poll.
+/// The keys pressed since the last query, including those that were released before the next poll.
 #[derive(Clone, Default)]
 struct Pressed(Rc<RefCell<Vec<Key>>>);
 
@@ -49,7 +49,7 @@ impl InputCallback for Pressed {
 }
 
 impl Window {
-    /// Opens a window for frames of that size.
+    /// Opens a window for frames of this size.
     ///
     /// # Errors
     /// [`Error::UnsupportedMode`] if there is no display.
@@ -74,7 +74,7 @@ impl Window {
         })
     }
 
-    /// Shows a frame; one of another size than the window was opened for is left out.
+    /// Shows a frame; ignores a frame of another size.
     pub fn show(&mut self, frame: &Frame) {
         if (frame.width() as usize, frame.height() as usize) == self.size {
             let (pixels, _) = frame.pixels().as_chunks();
@@ -85,7 +85,7 @@ impl Window {
         self.update();
     }
 
-    /// Handles the user's input, and shows the last frame again. Waits for a sixtieth of a second
+    /// Handles input, and shows the last frame again. Waits until a sixtieth of a second has passed
     /// since the last call.
     pub fn update(&mut self) {
         if self
@@ -97,7 +97,7 @@ impl Window {
         }
     }
 
-    /// Whether the user has not closed it.
+    /// Whether the user has not closed the window.
     pub fn is_open(&self) -> bool {
         self.window.is_open()
     }
@@ -107,8 +107,8 @@ impl Window {
         self.window.set_title(title);
     }
 
-    /// The names of the keys that are down or were pressed since the last call, such as `Left`,
-    /// `Space`, `A` or `Key1`.
+    /// Returns the names of the keys that are down or were pressed since the last call, such as
+    /// `Left`, `Space`, `A` or `Key1`.
     pub fn keys(&mut self) -> Vec<String> {
         let mut keys = self.window.get_keys();
         keys.extend(self.pressed.0.take());
@@ -141,13 +141,13 @@ fn no_window(reason: &dyn fmt::Display) -> Error {
 struct Live {
     shared: Arc<Shared>,
     thread: Option<JoinHandle<()>>,
-    /// The time of the next frame, and the duration of each.
+    /// The time of the next frame, and the duration of a frame.
     due: Instant,
     period: Duration,
 }
 
 struct Shared {
-    /// The newest frame, until the window has taken it.
+    /// The newest frame, until the window's thread takes it.
     frame: Mutex<Option<Frame>>,
     open: AtomicBool,
 }
@@ -180,9 +180,9 @@ impl Live {
     }
 }
 
-/// Opens the window, reports it, and shows frames until either side closes it.
+/// Opens the window, reports the result to `answer`, and shows frames until either side closes it.
 fn serve(title: &str, size: (u32, u32), shared: &Shared, answer: &Sender<Result<()>>) {
-    // Sending fails only if the receiver is gone.
+    // sending fails only if the receiver was dropped
     match Window::open(title, size) {
         Err(error) => drop(answer.send(Err(error))),
         Ok(mut window) => {
@@ -205,7 +205,7 @@ fn serve(title: &str, size: (u32, u32), shared: &Shared, answer: &Sender<Result<
 
 impl Screen for Live {
     fn show(&mut self, frame: &Frame) -> bool {
-        // A thread that panicked does not report that the window is gone.
+        // a thread that panicked does not report that the window is closed
         let alive = self
             .thread
             .as_ref()
@@ -215,7 +215,7 @@ impl Screen for Live {
         }
         let now = Instant::now();
         thread::sleep(self.due.saturating_duration_since(now));
-        // After a pause the rhythm restarts.
+        // after a pause, restart the rhythm
         self.due = self.due.max(now) + self.period;
         *self
             .shared
@@ -230,7 +230,7 @@ impl Drop for Live {
     fn drop(&mut self) {
         self.shared.open.store(false, Ordering::Relaxed);
         if let Some(thread) = self.thread.take() {
-            // If it panicked, the window is gone all the same.
+            // if the thread panicked, the window is closed too
             let _ = thread.join();
         }
     }

@@ -1,4 +1,4 @@
-//! Recording of environments, typed and erased.
+//! Recording environments, with concrete types and with `BoxEnv`.
 
 use std::fs;
 use std::path::Path;
@@ -7,12 +7,19 @@ use std::time::{Duration, Instant};
 
 use gym_core::canvas::{Canvas, Color};
 use gym_core::render::{Frame, Metadata, RenderMode};
+use gym_core::vector::{Autoreset, SyncVectorEnv, VectorReset};
 use gym_core::wrappers::{Render, RenderCollection};
-use gym_core::{BoxEnv, Env, EnvExt, Error, Outcome, Reset, Result, Snapshot, Space};
-use gym_render::{RecordVideo, Recorder, VideoWriter, capped_cubic, write_video};
+use gym_core::{
+    BoxEnv, Env, EnvExt, Error, Outcome, Reset, Result, Snapshot, Space, Value, VectorEnv,
+    VectorEnvExt,
+};
+use gym_render::{
+    RecordVectorVideo, RecordVectorVideoConfig, RecordVideo, RecordVideoConfig, Recorder, Video,
+    capped_cubic, write_video,
+};
 use tempfile::TempDir;
 
-/// Counts to 3, and shows it.
+/// An environment that counts to 3 and shows the count as a bar.
 #[derive(Clone, Default, Debug)]
 struct Count(i64);
 
@@ -66,7 +73,7 @@ fn drawn() -> Render<Count> {
     Render::new(Count::default(), RenderMode::RgbArray).unwrap()
 }
 
-/// Plays whole episodes.
+/// Plays `episodes` whole episodes.
 fn play<E: Env>(env: &mut E, episodes: u32) {
     let mut actions = env.action_sampler(0).unwrap();
     for _ in 0..episodes {
@@ -75,7 +82,7 @@ fn play<E: Env>(env: &mut E, episodes: u32) {
     }
 }
 
-/// The names of the files in a folder, hidden ones too.
+/// Returns the names of the files in a folder, including hidden files.
 fn names(folder: &Path) -> Vec<String> {
     let name =
         |entry: std::io::Result<fs::DirEntry>| entry.unwrap().file_name().into_string().unwrap();
@@ -84,7 +91,7 @@ fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// How far the bar reaches in each picture of a GIF, in steps.
+/// Returns the length of the bar in each image of a GIF, in steps.
 fn counts(path: &Path) -> Vec<usize> {
     let mut options = gif::DecodeOptions::new();
     options.set_color_output(gif::ColorOutput::RGBA);
@@ -155,7 +162,7 @@ fn a_recorder_stops_at_its_maximum_and_refuses_other_modes() {
         recorder.finish(),
         Err(Error::InvalidArgument { .. })
     ));
-    // before the first frame already
+    // before the first frame, too
     let refused = Recorder::new(folder.path().join("c.gif"), &Count::default());
     assert!(matches!(refused, Err(Error::UnsupportedMode { .. })));
     assert_eq!(names(folder.path()), ["a.gif"]);
@@ -180,11 +187,14 @@ fn cubes_are_recorded() {
 #[test]
 fn triggers_length_and_prefix() {
     let folder = TempDir::new().unwrap();
-    let mut env = RecordVideo::new(BoxEnv::new(drawn()), folder.path())
+    let config = RecordVideoConfig {
+        video_length: 5,
+        name_prefix: "try".into(),
+        ..folder.path().into()
+    };
+    let mut env = RecordVideo::new(BoxEnv::new(drawn()), config)
         .unwrap()
-        .step_trigger(|step| step == 4)
-        .video_length(5)
-        .name_prefix("try");
+        .step_trigger(|step| step == 4);
     play(&mut env, 4);
     assert!(!env.is_recording());
     assert_eq!(names(folder.path()), ["try-step-4.gif"]);
@@ -193,11 +203,14 @@ fn triggers_length_and_prefix() {
         [2, 3, 0, 1, 2]
     );
 
-    let mut both = RecordVideo::new(drawn(), folder.path())
+    let config = RecordVideoConfig {
+        extension: "png".into(),
+        ..folder.path().into()
+    };
+    let mut both = RecordVideo::new(drawn(), config)
         .unwrap()
         .step_trigger(|step| step == 1)
-        .episode_trigger(|episode| episode == 0)
-        .extension("png");
+        .episode_trigger(|episode| episode == 0);
     play(&mut both, 2);
     let expected = [
         "rl-video-episode-0.png",
@@ -246,6 +259,135 @@ fn recording_is_no_part_of_clones_and_snapshots() {
         counts(&folder.path().join("rl-video-episode-0.gif")),
         [0, 1, 2]
     );
+}
+
+/// Two sub-environments whose first one is recorded.
+fn recorded(
+    config: RecordVideoConfig,
+    mode: Autoreset,
+) -> RecordVectorVideo<SyncVectorEnv<Render<Count>>> {
+    let envs = SyncVectorEnv::new([drawn(), drawn()]).unwrap();
+    let config = RecordVectorVideoConfig {
+        common: config,
+        record_first_only: true,
+        ..Default::default()
+    };
+    RecordVectorVideo::new(envs.with_autoreset(mode), config).unwrap()
+}
+
+/// Steps a vector, and resets by a mask what is over and does not reset by itself.
+fn step_all(envs: &mut impl VectorEnv, steps: usize) {
+    for _ in 0..steps {
+        let columns = envs.step(&Value::from([0_i64, 0])).unwrap();
+        if envs.autoreset() == Autoreset::Disabled && columns.done(0) {
+            let mask = VectorReset::default().mask([true, true]);
+            envs.reset(mask).unwrap();
+        }
+    }
+}
+
+/// In the mode SameStep the frame of the step that ends an episode is the first of the next.
+#[test]
+fn episodes_of_a_vector_are_recorded_in_every_mode() {
+    for (mode, steps, frames) in [
+        (Autoreset::NextStep, 4, &[0, 1, 2, 3][..]),
+        (Autoreset::SameStep, 3, &[0, 1, 2]),
+        (Autoreset::Disabled, 3, &[0, 1, 2, 3]),
+    ] {
+        let folder = TempDir::new().unwrap();
+        let video = |episode| {
+            let name = format!("rl-video-episode-{episode}.gif");
+            folder.path().join(name)
+        };
+        let mut envs = recorded(folder.path().into(), mode).episode_trigger(|episode| episode != 2);
+        envs.reset(0).unwrap();
+        step_all(&mut envs, steps);
+        // the second is running, from its first frame on
+        assert_eq!(counts(&video(0)), frames, "{mode:?}");
+        step_all(&mut envs, steps - 1);
+        assert!(
+            envs.is_recording() || mode == Autoreset::NextStep,
+            "{mode:?}"
+        );
+        step_all(&mut envs, 1);
+        assert_eq!(counts(&video(1)), frames, "{mode:?}");
+        // the third is not wanted
+        assert!(!envs.is_recording(), "{mode:?}");
+        step_all(&mut envs, steps + 1);
+        assert!(envs.is_recording(), "{mode:?}");
+        drop(envs);
+        let expected = [0, 1, 3].map(|episode| format!("rl-video-episode-{episode}.gif"));
+        assert_eq!(names(folder.path()), expected, "{mode:?}");
+        assert_eq!(counts(&video(3)), frames[..2], "{mode:?}");
+    }
+}
+
+/// A recording of a number of frames goes on over the ends of episodes.
+#[test]
+fn a_recording_of_a_length_goes_on_over_episodes_of_a_vector() {
+    for (mode, frames) in [
+        (Autoreset::NextStep, [0, 1, 2, 3, 0, 1]),
+        (Autoreset::SameStep, [0, 1, 2, 0, 1, 2]),
+        (Autoreset::Disabled, [0, 1, 2, 3, 0, 1]),
+    ] {
+        let folder = TempDir::new().unwrap();
+        let config = RecordVideoConfig {
+            video_length: 6,
+            ..folder.path().into()
+        };
+        let mut envs = recorded(config, mode).episode_trigger(|episode| episode == 0);
+        envs.reset(0).unwrap();
+        step_all(&mut envs, 9);
+        assert!(!envs.is_recording());
+        assert_eq!(
+            counts(&folder.path().join("rl-video-episode-0.gif")),
+            frames,
+            "{mode:?}"
+        );
+    }
+}
+
+/// The episodes are those of the first sub-environment: a reset that leaves it out begins none.
+#[test]
+fn a_reset_of_another_sub_environment_begins_no_video() {
+    for mode in [
+        Autoreset::NextStep,
+        Autoreset::SameStep,
+        Autoreset::Disabled,
+    ] {
+        let folder = TempDir::new().unwrap();
+        let mut envs = recorded(folder.path().into(), mode);
+        envs.reset(0).unwrap();
+        step_all(&mut envs, 1);
+        envs.reset(VectorReset::default().mask([false, true]))
+            .unwrap();
+        step_all(&mut envs, 1);
+        assert_eq!(names(folder.path()).len(), 1, "{mode:?}");
+        // its own reset ends the video
+        envs.reset(VectorReset::default().mask([true, false]))
+            .unwrap();
+        let video = folder.path().join("rl-video-episode-0.gif");
+        // the frame that stays as it was is shown for longer
+        assert_eq!(counts(&video), [0, 1, 2], "{mode:?}");
+        envs.close();
+        let second = folder.path().join("rl-video-episode-1.gif");
+        assert_eq!(counts(&second), [0], "{mode:?}");
+    }
+}
+
+/// By the number of the step, also of one that ends an episode.
+#[test]
+fn steps_start_recordings_of_a_vector() {
+    let folder = TempDir::new().unwrap();
+    let config = RecordVideoConfig {
+        name_prefix: "late".into(),
+        ..folder.path().into()
+    };
+    let mut envs = recorded(config, Autoreset::SameStep).step_trigger(|step| step == 2);
+    envs.reset(0).unwrap();
+    step_all(&mut envs, 7);
+    assert_eq!(names(folder.path()), ["late-step-2.gif"]);
+    assert_eq!(counts(&folder.path().join("late-step-2.gif")), [0, 1, 2]);
 }
 
 #[test]
@@ -304,11 +446,11 @@ fn formats_go_by_the_extension() {
         assert!(fs::read(path).unwrap().starts_with(signature), "{name}");
     }
     for name in ["a.webm", "a", ".gif"] {
-        let error = VideoWriter::create(folder.path().join(name), 10).unwrap_err();
+        let error = Video::create(folder.path().join(name), 10).unwrap_err();
         assert!(matches!(error, Error::InvalidArgument { .. }), "{error}");
     }
-    assert!(VideoWriter::create(folder.path().join("d.png"), 65536).is_err());
-    // nothing stays of what fails half-way: frames of different sizes
+    assert!(Video::create(folder.path().join("d.png"), 65536).is_err());
+    // a file that fails half-way is removed: frames of different sizes
     let mixed = [frames[0].clone(), Frame::new(1, 1).unwrap()];
     for name in ["e.gif", "e.png"] {
         assert!(
@@ -316,7 +458,7 @@ fn formats_go_by_the_extension() {
             "{name}"
         );
     }
-    // as do sizes that the format cannot hold
+    // so is a file whose frames the format cannot hold
     for (width, height) in [(65_536, 1), (1, 65_536), (0, 1), (1, 0)] {
         let frame = Frame::new(width, height).unwrap();
         let error = write_video(folder.path().join("f.gif"), 10, &[frame])
@@ -346,7 +488,7 @@ fn mp4_needs_ffmpeg_and_says_so() {
     if installed {
         written.unwrap();
         assert_eq!(&fs::read(path).unwrap()[4..8], b"ftyp");
-        let mut given_up = VideoWriter::create(folder.path().join("b.mp4"), 10).unwrap();
+        let mut given_up = Video::create(folder.path().join("b.mp4"), 10).unwrap();
         given_up.write(&frames[0]).unwrap();
         given_up.abandon();
         assert_eq!(names(folder.path()), ["a.mp4"]);
@@ -363,16 +505,19 @@ fn mp4_needs_ffmpeg_and_says_so() {
 
 const FOLDER: &str = "GYM_RENDER_TEST_FOLDER";
 
-/// Records until it is killed; does nothing unless the test below starts it.
+/// Records until it is killed; does nothing unless the next test starts it.
 #[test]
 fn endless_recording() {
     let Some(folder) = std::env::var_os(FOLDER) else {
         return;
     };
-    let env = RecordVideo::new(drawn(), folder).unwrap();
-    let mut env = env
-        .episode_trigger(|episode| episode == 0)
-        .video_length(u64::MAX);
+    let config = RecordVideoConfig {
+        video_length: u64::MAX,
+        ..folder.into()
+    };
+    let mut env = RecordVideo::new(drawn(), config)
+        .unwrap()
+        .episode_trigger(|episode| episode == 0);
     loop {
         play(&mut env, 1);
     }

@@ -4,11 +4,11 @@ use std::f64::consts::PI;
 
 use gym_core::canvas::{Canvas, Color, Point, Segment, Shape, Transform, arc};
 
-/// Lines, eyes, boots, poles.
+/// The colour of lines, eyes, boots and poles.
 pub(crate) const INK: Color = Color::rgb(46, 52, 68);
 const SKIN: Color = Color::rgb(244, 206, 172);
 
-/// Where a person looks.
+/// The direction in which a person looks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Facing {
     Left,
@@ -17,7 +17,7 @@ pub(crate) enum Facing {
     Up,
 }
 
-/// A person in a coat and a woollen hat of one colour, 50 tall, standing at `feet`.
+/// Draws a person in a coat and a woollen hat of one colour, 50 units tall, standing at `feet`.
 pub(crate) fn person(canvas: &mut dyn Canvas, feet: Point, facing: Facing, color: Color) {
     let profile = matches!(facing, Facing::Left | Facing::Right);
     let side = if facing == Facing::Left { -1.0 } else { 1.0 };
@@ -59,7 +59,7 @@ pub(crate) fn person(canvas: &mut dyn Canvas, feet: Point, facing: Facing, color
     canvas.pop();
 }
 
-/// A flag on a pole, 44 tall, standing at `foot`.
+/// Draws a flag on a pole, 44 units tall, standing at `foot`.
 pub(crate) fn flag(canvas: &mut dyn Canvas, foot: Point, color: Color) {
     canvas.push(Transform::translate(foot[0], foot[1]));
     let cloth = [

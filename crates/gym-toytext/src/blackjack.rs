@@ -56,19 +56,19 @@ gym_core::discrete! {
     }
 }
 
-/// Some cards by value, 1 (an ace) to 10: at least two, and all but the last sum to at most 21.
+/// Cards by value, 1 (an ace) to 10: at least two; all except the last sum to at most 21.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "Vec<u8>", into = "Vec<u8>")]
 pub struct Hand {
     cards: [u8; Self::MAX_LEN],
     len: u8,
-    /// With each ace as 1.
+    /// The sum of the cards with every ace as 1.
     hard_sum: u8,
     has_ace: bool,
 }
 
 impl Hand {
-    /// 21 aces and the card that goes over.
+    /// 21 aces, and the card that exceeds 21.
     const MAX_LEN: usize = 22;
     const EMPTY: Self = Self {
         cards: [0; Self::MAX_LEN],
@@ -99,17 +99,17 @@ impl Hand {
         }
     }
 
-    /// The cards, in the order drawn.
+    /// Returns the cards in the order drawn.
     pub fn cards(&self) -> &[u8] {
         &self.cards[..usize::from(self.len)]
     }
 
-    /// Whether there is an ace that counts 11.
+    /// Whether an ace counts 11.
     pub fn usable_ace(&self) -> bool {
         self.has_ace && self.hard_sum + 10 <= 21
     }
 
-    /// The sum, with a usable ace as 11.
+    /// Returns the sum; a usable ace counts 11.
     pub fn sum(&self) -> u8 {
         self.hard_sum + if self.usable_ace() { 10 } else { 0 }
     }
@@ -119,12 +119,12 @@ impl Hand {
         self.sum() > 21
     }
 
-    /// The sum, or 0 of a bust hand.
+    /// Returns the sum, or 0 if the hand is bust.
     fn score(&self) -> u8 {
         if self.is_bust() { 0 } else { self.sum() }
     }
 
-    /// Whether these are just an ace and a ten.
+    /// Whether the hand is an ace and a ten.
     pub fn is_natural(&self) -> bool {
         matches!(self.cards(), [1, 10] | [10, 1])
     }
@@ -180,9 +180,9 @@ pub enum Face {
 /// The cards on the table.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
-    /// The dealer's; the first is open.
+    /// The dealer's cards; the first is open.
     pub dealer: Hand,
-    /// The player's.
+    /// The player's cards.
     pub player: Hand,
     /// The suit of the dealer's open card.
     pub suit: Suit,
@@ -197,12 +197,12 @@ pub struct BlackjackDynamics {
 }
 
 impl BlackjackDynamics {
-    /// A step.
+    /// Takes a step.
     #[inline(always)]
     fn play(&self, state: &State, action: Action, rng: &mut Generator) -> Transition<State> {
         let mut state = *state;
         if action == Action::Hit {
-            // after the end of an episode there is no card to take
+            // a step after the end of an episode draws no card
             if !state.player.is_bust() {
                 state.player.draw_card(rng);
             }
@@ -261,7 +261,7 @@ impl Task for BlackjackDynamics {
     fn start(&self, _reset: &Reset, rng: &mut Generator) -> Result<State> {
         let dealer = Hand::draw(rng);
         let player = Hand::draw(rng);
-        // drawing the card consumes random numbers
+        // the suit and face use random numbers, as in Gymnasium
         let suit = SUITS[rng.choice(SUITS.len())];
         let face =
             (dealer.cards()[0] == 10).then(|| [Face::Jack, Face::Queen, Face::King][rng.choice(3)]);
@@ -312,7 +312,7 @@ impl Task for BlackjackDynamics {
         let hidden = player.cards().len() - 1;
         let shift = (92.0 / hidden as f64).min(23.0);
         for (i, value) in player.cards().iter().enumerate() {
-            // their suits are not drawn: any will do
+            // Gymnasium does not choose their suits, so any suit will do
             let suit = SUITS[(*suit as usize + 1 + i) % SUITS.len()];
             card(canvas, [32.0 + shift * i as f64, 222.0], *value, None, suit);
         }
@@ -359,7 +359,7 @@ const RED: Color = Color::rgb(204, 52, 56);
 const BLACK: Color = Color::rgb(38, 40, 52);
 const BACK: Color = Color::rgb(56, 84, 150);
 
-/// A card, open.
+/// Draws an open card.
 fn card(canvas: &mut dyn Canvas, corner: Point, value: u8, face: Option<Face>, suit: Suit) {
     let color = if matches!(suit, Suit::Hearts | Suit::Diamonds) {
         RED
@@ -386,7 +386,7 @@ fn card(canvas: &mut dyn Canvas, corner: Point, value: u8, face: Option<Face>, s
         let (outer, middle) = pips(value);
         for (x, column) in [(31.0, outer), (46.0, middle), (61.0, outer)] {
             for &y in column {
-                // those below the middle are upside down
+                // pips below the middle are upside down
                 let height = if y > 0.5 { -15.0 } else { 15.0 };
                 pip(canvas, suit, [x, 20.0 + 72.0 * y], height, color);
             }
@@ -395,8 +395,8 @@ fn card(canvas: &mut dyn Canvas, corner: Point, value: u8, face: Option<Face>, s
     canvas.pop();
 }
 
-/// The vertical positions, from 0 to 1, of the pips of a number card: in both outer columns, and in
-/// the middle.
+/// Returns the vertical positions, from 0 to 1, of a number card's pips: in both outer columns, and
+/// in the middle.
 fn pips(value: u8) -> (&'static [f64], &'static [f64]) {
     match value {
         2 => (&[], &[0.0, 1.0]),
@@ -412,7 +412,7 @@ fn pips(value: u8) -> (&'static [f64], &'static [f64]) {
     }
 }
 
-/// A suit's sign of a height; of a negative one, on its head.
+/// Draws a suit's symbol; with a negative `height` upside down.
 fn pip(canvas: &mut dyn Canvas, suit: Suit, center: Point, height: f64, color: Color) {
     let half = height / 2.0;
     canvas.push(Transform {
@@ -422,7 +422,7 @@ fn pip(canvas: &mut dyn Canvas, suit: Suit, center: Point, height: f64, color: C
     });
     match suit {
         Suit::Diamonds => {
-            canvas.polygon(&[[0.0, -1.0], [0.75, 0.0], [0.0, 1.0], [-0.75, 0.0]], color)
+            canvas.polygon(&[[0.0, -1.0], [0.75, 0.0], [0.0, 1.0], [-0.75, 0.0]], color);
         }
         Suit::Hearts => heart(canvas, color),
         Suit::Spades => {
@@ -469,7 +469,7 @@ fn stem(canvas: &mut dyn Canvas, color: Color) {
     canvas.fill(Shape::Path(&outline), color);
 }
 
-/// A card, face down.
+/// Draws a card, face down.
 fn back(canvas: &mut dyn Canvas, corner: Point) {
     blank(canvas, corner);
     let [x, y] = corner;
@@ -609,7 +609,7 @@ mod tests {
         }
     }
 
-    /// The reward of sticking with a hand, for a dealer who takes no more cards.
+    /// Returns the reward of sticking with a hand, against a dealer who draws no more cards.
     fn reward(config: Config, player: &[u8], dealer: &[u8]) -> f64 {
         let state = State {
             dealer: hand(dealer),

@@ -28,6 +28,7 @@ use gym_core::{
 };
 use gym_native::{Many, Native};
 use serde::{Deserialize, Serialize};
+use serde_json::Value as Json;
 
 use crate::art::{self, Facing};
 use crate::planning;
@@ -71,7 +72,7 @@ gym_core::discrete! {
     }
 }
 
-/// The agent's cell, and how it got there.
+/// The agent's cell, and the last transition.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// The cell, counted row by row from the top left.
@@ -103,7 +104,7 @@ impl CliffWalkingDynamics {
 }
 
 impl CliffWalkingDynamics {
-    /// The next state and outcome; `None` if the state does not exist.
+    /// Returns the next state and outcome; `None` if the state does not exist.
     #[inline(always)]
     fn advance(
         &self,
@@ -139,7 +140,7 @@ impl Task for CliffWalkingDynamics {
     const NAME: &'static str = "CliffWalking";
 
     fn new(config: Config) -> Result<Self> {
-        // the turn of each outcome from the action
+        // the turn of each outcome relative to the action
         let turns: &[usize] = if config.is_slippery { &[3, 0, 1] } else { &[0] };
         let probability = 1.0 / turns.len() as f64;
         let p = Table::build(CELLS, Action::ALL.len(), |cell, action, outcomes| {
@@ -178,6 +179,15 @@ impl Task for CliffWalkingDynamics {
         &self.config
     }
 
+    fn table(&self) -> Option<Json> {
+        Some(self.p.to_json(&self.initial))
+    }
+
+    fn set_table(&mut self, table: Json) -> Result<()> {
+        (self.p, self.initial) = self.p.replaced(&table)?;
+        Ok(())
+    }
+
     fn observation_space(&self) -> Space {
         Space::discrete(CELLS as i64)
     }
@@ -199,7 +209,7 @@ impl Task for CliffWalkingDynamics {
     }
 
     fn info(&self, state: &State, visit: &mut dyn FnMut(&str, Value)) {
-        // Gymnasium's reset returns an integer, as the batched infos of a vector show
+        // Gymnasium's reset returns an integer, as a vector's batched infos show
         let is_start = state.last_action.is_none();
         visit(
             "prob",
@@ -219,7 +229,7 @@ impl Task for CliffWalkingDynamics {
         }
     }
 
-    /// The grid: `x` is the agent, `T` the goal, `C` the cliff.
+    /// Draws the grid as text: `x` is the agent, `T` the goal, `C` the cliff.
     fn ansi(&self, state: &State) -> Option<String> {
         let mut text = String::new();
         for cell in 0..CELLS {
@@ -251,7 +261,7 @@ impl Task for CliffWalkingDynamics {
             let [x, y] = at(cell);
             let light = (cell / COLUMNS + cell % COLUMNS).is_multiple_of(2);
             if is_cliff(cell) {
-                // the meadow above hangs over
+                // the grass of the row above hangs over
                 rock(canvas, x, y, if light { GRASS } else { LIGHT_GRASS });
                 continue;
             }
@@ -308,14 +318,14 @@ const ABYSS: Color = Color::rgb(58, 46, 46);
 const RED: Color = Color::rgb(214, 62, 62);
 const COAT: Color = Color::rgb(58, 110, 186);
 
-/// Blades of grass.
+/// Draws blades of grass.
 fn tuft(canvas: &mut dyn Canvas, x: f64, y: f64) {
     for (dx, height) in [(0.0, 5.0), (4.0, 8.0), (8.0, 5.0)] {
         canvas.rect([x + dx, y - height], [2.0, height], DARK_GRASS);
     }
 }
 
-/// A cell of the cliff's face, darker with depth, under an edge of grass.
+/// Draws a cell of the cliff's face, darker with depth, under an edge of grass.
 fn rock(canvas: &mut dyn Canvas, x: f64, y: f64, grass: Color) {
     canvas.rect([x, y], [64.0, 34.0], ROCK);
     canvas.rect([x, y + 34.0], [64.0, 16.0], DARK_ROCK);
@@ -350,7 +360,7 @@ impl Native for CliffWalkingDynamics {
         }
     }
 
-    /// The restored state does not know the last action.
+    /// Restores a state; its last action is unknown.
     #[inline(always)]
     fn unpack(&self, cell: Cell, fresh: bool) -> State {
         let last_action = if fresh { None } else { Some(Action::Up) };
@@ -370,7 +380,7 @@ impl Native for CliffWalkingDynamics {
     }
 }
 
-/// The registration that all ids share.
+/// The registration shared by all ids.
 const fn cliff(id: &'static str) -> Registration {
     Registration::new::<CliffWalking>(id)
         .description("Walk along a cliff without falling off.")

@@ -30,6 +30,7 @@ use gym_core::{
 };
 use gym_native::{Many, Native};
 use serde::{Deserialize, Serialize};
+use serde_json::Value as Json;
 
 use crate::art::{self, Facing};
 use crate::planning;
@@ -58,7 +59,7 @@ gym_core::arguments! {
     }
 }
 
-/// Gymnasium's `MAPS`.
+/// The maps of Gymnasium's `MAPS`.
 const MAPS: [(&str, &[&str]); 2] = [
     ("4x4", &["SFFF", "FHFH", "FFFH", "HFFG"]),
     (
@@ -85,7 +86,7 @@ gym_core::discrete! {
     }
 }
 
-/// The agent's cell, and how it got there.
+/// The agent's cell, and the last transition.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// The cell, counted row by row from the top left.
@@ -106,7 +107,7 @@ pub struct FrozenLakeDynamics {
 }
 
 impl FrozenLakeDynamics {
-    /// The map: a string for each row.
+    /// Returns the map, one string per row.
     pub fn desc(&self) -> &[String] {
         &self.desc
     }
@@ -121,14 +122,14 @@ impl FrozenLakeDynamics {
         self.initial.probabilities()
     }
 
-    /// Rows and columns.
+    /// Returns the numbers of rows and columns.
     fn shape(&self) -> (usize, usize) {
         (self.desc.len(), self.desc[0].len())
     }
 }
 
 impl FrozenLakeDynamics {
-    /// The next state and outcome; `None` if the state does not exist.
+    /// Returns the next state and outcome; `None` if the state does not exist.
     #[inline(always)]
     fn advance(
         &self,
@@ -206,7 +207,7 @@ impl Task for FrozenLakeDynamics {
         }
         let [goal, hole, other] = reward_schedule;
         let fail_rate = (1.0 - success_rate) / 2.0;
-        // the turn of each outcome from the action, and how likely it is
+        // the turn of each outcome relative to the action, and its probability
         let turns: &[(usize, f64)] = if is_slippery {
             &[(3, fail_rate), (0, success_rate), (1, fail_rate)]
         } else {
@@ -261,6 +262,18 @@ impl Task for FrozenLakeDynamics {
         &self.config
     }
 
+    /// Besides `P`, it shows `desc`: the rows of the map, which do not follow a replaced table.
+    fn table(&self) -> Option<Json> {
+        let mut table = self.p.to_json(&self.initial);
+        table["desc"] = self.desc.to_vec().into();
+        Some(table)
+    }
+
+    fn set_table(&mut self, table: Json) -> Result<()> {
+        (self.p, self.initial) = self.p.replaced(&table)?;
+        Ok(())
+    }
+
     fn observation_space(&self) -> Space {
         Space::discrete(self.p.states() as i64)
     }
@@ -282,7 +295,7 @@ impl Task for FrozenLakeDynamics {
     }
 
     fn info(&self, state: &State, visit: &mut dyn FnMut(&str, Value)) {
-        // Gymnasium's reset returns an integer, as the batched infos of a vector show
+        // Gymnasium's reset returns an integer, as a vector's batched infos show
         let is_start = state.last_action.is_none();
         visit(
             "prob",
@@ -302,7 +315,7 @@ impl Task for FrozenLakeDynamics {
         )
     }
 
-    /// The last action, and the map with the agent's cell on red.
+    /// Writes the last action, and the map with the agent's cell in red.
     fn ansi(&self, state: &State) -> Option<String> {
         let mut text = state
             .last_action
@@ -339,7 +352,7 @@ impl Task for FrozenLakeDynamics {
                 [w - 2.0 * scale, h - 2.0 * scale],
                 ICE,
             );
-            // from here on the cell's centre is the origin, and its shorter side 64
+            // from here on, the cell's centre is the origin, and its shorter side is 64
             let center = Transform::translate(corner[0] + w / 2.0, corner[1] + h / 2.0);
             canvas.push(center.then(Transform::scale(scale, scale)));
             match letter {
@@ -381,7 +394,7 @@ const DEEP: Color = Color::rgb(30, 66, 114);
 const COAT: Color = Color::rgb(214, 62, 62);
 const FLAG: Color = Color::rgb(44, 150, 92);
 
-/// A drift, with some footprints.
+/// Draws a drift of snow with footprints.
 fn snow(canvas: &mut dyn Canvas) {
     canvas.round_rect([-29.0, -26.0], [58.0, 55.0], 14.0, SHADE);
     canvas.round_rect([-29.0, -29.0], [58.0, 55.0], 14.0, Color::WHITE);
@@ -390,7 +403,7 @@ fn snow(canvas: &mut dyn Canvas) {
     }
 }
 
-/// The marks of skates, on some of the cells.
+/// Draws the marks of skates, on some cells.
 fn scratches(canvas: &mut dyn Canvas, pattern: usize) {
     let lines: &[[Point; 2]] = match pattern % 7 {
         0 => &[[[-22.0, 10.0], [-8.0, -4.0]], [[-14.0, 12.0], [-4.0, 2.0]]],
@@ -403,14 +416,15 @@ fn scratches(canvas: &mut dyn Canvas, pattern: usize) {
     }
 }
 
-/// The far edge of the ice, the water, and its depth.
+/// Draws a hole: the far edge of the ice, the water, and its depth.
 fn hole(canvas: &mut dyn Canvas) {
     canvas.round_rect([-28.0, -28.0], [56.0, 56.0], 22.0, SHADE);
     canvas.round_rect([-28.0, -20.0], [56.0, 48.0], 22.0, WATER);
     canvas.round_rect([-22.0, -8.0], [44.0, 31.0], 15.0, DEEP);
 }
 
-/// Looking in the direction of the last move; beside the flag; in a hole, up to the neck in water.
+/// Draws the agent, which looks in the direction of the last move: next to the flag; in a hole, up
+/// to the neck in water.
 fn agent(canvas: &mut dyn Canvas, last_action: Option<Action>, letter: u8) {
     let facing = match last_action {
         Some(Action::Left) => Facing::Left,
@@ -476,16 +490,16 @@ fn check_map(desc: &[String]) -> Result<()> {
     Ok(())
 }
 
-/// The most cells that [`generate_random_map`] draws: less than a second's work.
+/// The most cells that [`generate_random_map`] draws, which takes less than a second.
 const MAX_DRAWS: usize = 100_000_000;
 
-/// A random square map with a path from the start, top left, to the goal, bottom right. Any other
-/// cell is frozen with probability `p`, else a hole. The same seed gives the same map as
-/// Gymnasium's function of this name; without a seed it takes one from the operating system.
+/// Returns a random square map with a path from the start, top left, to the goal, bottom right. Any
+/// other cell is frozen with probability `p`, otherwise a hole. A seed gives the same map as
+/// Gymnasium's function of this name; `None` uses a seed from the operating system.
 ///
 /// # Errors
-/// [`Error::InvalidArgument`] for a `size` below 2, a `p` that is not above 0 and at most 1, and if
-/// no map drawn has a path, because `p` is small or `size` large.
+/// [`Error::InvalidArgument`] for a `size` below 2, for a `p` that is not in `(0, 1]`, and if no
+/// drawn map has a path because `p` is small or `size` is large.
 pub fn generate_random_map(size: usize, p: f64, seed: Option<u64>) -> Result<Vec<String>> {
     let invalid = |reason: String| Error::argument("generate_random_map", reason);
     if size < 2 {
@@ -518,14 +532,13 @@ pub fn generate_random_map(size: usize, p: f64, seed: Option<u64>) -> Result<Vec
     )))
 }
 
-/// Whether a square board can be crossed from the top left to the bottom right, by depth-first
-/// search.
+/// Whether a square board has a path from the top left to the bottom right, by depth-first search.
 fn has_path(board: &[Vec<u8>]) -> bool {
     let size = board.len();
     let mut discovered = vec![false; size * size];
     let mut frontier = vec![(0, 0)];
     while let Some((row, col)) = frontier.pop() {
-        // stepping off the top or left wraps around and is out of range as well
+        // stepping off the top or left wraps around and is out of range, too
         let on_ice = row < size && col < size && board[row][col] != b'H';
         if !on_ice || std::mem::replace(&mut discovered[row * size + col], true) {
             continue;
@@ -573,7 +586,7 @@ impl Native for FrozenLakeDynamics {
         }
     }
 
-    /// The restored state does not know the last action.
+    /// Restores a state; its last action is unknown.
     #[inline(always)]
     fn unpack(&self, cell: Cell, fresh: bool) -> State {
         let last_action = if fresh { None } else { Some(Action::Left) };
@@ -593,7 +606,7 @@ impl Native for FrozenLakeDynamics {
     }
 }
 
-/// The registration that all ids share.
+/// The registration shared by all ids.
 const fn lake(id: &'static str) -> Registration {
     Registration::new::<FrozenLake>(id)
         .exceptions(&[WHOLE_AT_RESET])
@@ -647,7 +660,7 @@ mod tests {
         FrozenLakeDynamics::new(config).unwrap_err().to_string()
     }
 
-    /// A way may lead up and to the left as well.
+    /// A path may also go up and to the left.
     #[test]
     fn paths_lead_in_every_direction() {
         let board = |rows: &[&str]| {

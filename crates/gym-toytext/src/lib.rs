@@ -7,12 +7,12 @@
 //! | `FrozenLake-v1`, `FrozenLake8x8-v1` | cross a lake with holes in its slippery ice |
 //! | `Taxi-v3`, `Taxi-v4` | fetch a passenger and drive to the destination |
 //!
-//! All but Blackjack are tables, open to planning: see [`tabular`].
+//! All except Blackjack have a transition table, for planning: see [`tabular`].
 //!
-//! Linking this crate registers them; name it (`use gym_toytext as _;`) if nothing else of it is
-//! used.
+//! Linking this crate registers them. If your code uses nothing else of this crate, name it once:
+//! `use gym_toytext as _;`.
 #![warn(clippy::disallowed_methods)]
-// Unit tests register no environment, so that the compiler leaves out all that they do not call.
+// Unit tests register no environment, so that unused code is not compiled into them.
 #![cfg_attr(test, allow(dead_code, unused_imports))]
 
 mod art;
@@ -28,7 +28,7 @@ pub use cliff_walking::CliffWalking;
 pub use frozen_lake::FrozenLake;
 pub use taxi::Taxi;
 
-/// The example of the README, compiled and run.
+/// Compiles and runs the example of the README.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

@@ -1,4 +1,4 @@
-//! The best policy of a transition table.
+//! The optimal policy of a transition table.
 
 use gym_core::policy::{Controller, reflex};
 use gym_core::{BoxEnv, Dynamics, EnvExt, Stateful};
@@ -11,11 +11,11 @@ pub(crate) const DESCRIPTION: &str =
 
 /// A controller that plays the best action of the environment's table.
 pub(crate) fn controller<D: Dynamics>(env: &BoxEnv, table: fn(&D) -> &Table) -> Option<Controller> {
-    let best = value_iteration(table(env.unwrapped::<Stateful<D>>()?.dynamics()));
+    let best = value_iteration(table(env.layer::<Stateful<D>>()?.dynamics()));
     reflex(move |state: &usize| best.get(*state).copied().unwrap_or(0))
 }
 
-/// The best action in each state of a table (Sutton and Barto, section 4.4).
+/// Returns the best action in each state of a table (Sutton and Barto, section 4.4).
 fn value_iteration(table: &Table) -> Vec<i64> {
     const DISCOUNT: f64 = 0.999;
     const TOLERANCE: f64 = 1e-9;

@@ -27,38 +27,41 @@ use std::sync::Arc;
 use gym_core::rng::Stream;
 use gym_core::{Error, Generator, Result};
 use gym_native::{LANES, Packed};
+use serde_json::{Value as Json, json};
 
-/// Why a table's `info` may change its type.
+/// An exemption of tables from gym-conform's check `info-constant`.
 pub(crate) const WHOLE_AT_RESET: (&str, &str) = (
     "info-constant",
     "`prob` is the whole number 1 after a reset and a float after a step, as in Gymnasium",
 );
 
-/// One way in which an action can turn out: an entry of `P[state][action]`.
+/// One possible outcome of an action: an entry of `P[state][action]`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Outcome {
-    /// Its probability; those of one state and action sum to 1.
+    /// The probability; the probabilities of one state and action sum to 1.
     pub probability: f64,
-    /// The state that follows.
+    /// The next state.
     pub next: usize,
-    /// The reward of getting there.
+    /// The reward of the transition.
     pub reward: f64,
-    /// Whether the episode ends there.
+    /// Whether the transition ends the episode.
     pub terminated: bool,
 }
 
-/// Gymnasium's `P`: the outcomes of each action in each state. A clone shares the numbers.
+/// Gymnasium's `P`: the outcomes of each action in each state. A clone shares its data.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     actions: usize,
     outcomes: Arc<[Outcome]>,
-    /// The start in `outcomes` of each row (a state and an action), and the end of the last one.
+    /// For each row (a state and an action): the start of its outcomes; and the end of the last
+    /// row.
     rows: Arc<[usize]>,
     lottery: Arc<Lottery>,
 }
 
 impl Table {
-    /// A table whose rows `fill` appends, for each state each action in turn.
+    /// Builds a table. `fill` appends the outcomes of each row: for each state, each action in
+    /// turn.
     pub(crate) fn build(
         states: usize,
         actions: usize,
@@ -81,18 +84,101 @@ impl Table {
         }
     }
 
-    /// The number of states.
+    /// The table as [`Inspect::table`](gym_core::Inspect::table) shows it.
+    pub(crate) fn to_json(&self, initial: &Distribution) -> Json {
+        let row = |state, action| -> Vec<_> {
+            let outcomes = self.outcomes(state, action).iter();
+            outcomes
+                .map(|o| json!([o.probability, o.next, o.reward, o.terminated]))
+                .collect()
+        };
+        let actions = |state| -> Vec<_> { (0..self.actions).map(|a| row(state, a)).collect() };
+        let p: Vec<_> = (0..self.states()).map(actions).collect();
+        json!({"P": p, "initial_state_distrib": initial.probabilities()})
+    }
+
+    /// Reads a table of the same numbers of states and actions, and a distribution of its initial
+    /// state, from the form of [`to_json`](Self::to_json).
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] with the place that does not fit.
+    pub(crate) fn replaced(&self, table: &Json) -> Result<(Self, Distribution)> {
+        let refuse = |reason: String| Error::argument("table", reason);
+        type Row = Vec<(f64, usize, f64, bool)>;
+        let p: Vec<Vec<Row>> = serde_json::from_value(table["P"].clone()).map_err(|error| {
+            refuse(format!(
+                "`P` must be a list of states, each a list of actions, each a list of outcomes \
+                 [probability, next state, reward, terminated]: {error}"
+            ))
+        })?;
+        let states = self.states();
+        if p.len() != states {
+            return Err(refuse(format!(
+                "`P` has {} states, and the task {states}",
+                p.len()
+            )));
+        }
+        for (state, actions) in p.iter().enumerate() {
+            if actions.len() != self.actions {
+                return Err(refuse(format!(
+                    "P[{state}] has {} actions, and the task {}",
+                    actions.len(),
+                    self.actions
+                )));
+            }
+            for (action, row) in actions.iter().enumerate() {
+                let place = format!("P[{state}][{action}]");
+                if row.is_empty() {
+                    return Err(refuse(format!("{place} has no outcome")));
+                }
+                let bad = |(probability, next, reward, _): &&(f64, usize, f64, bool)| {
+                    !(0.0..=1.0).contains(probability) || *next >= states || !reward.is_finite()
+                };
+                if let Some(outcome) = row.iter().find(bad) {
+                    return Err(refuse(format!(
+                        "{place}: {outcome:?} needs a probability from 0 to 1, a next state below \
+                         {states} and a finite reward"
+                    )));
+                }
+            }
+        }
+        let initial: Vec<f64> = serde_json::from_value(table["initial_state_distrib"].clone())
+            .map_err(|error| {
+                refuse(format!(
+                    "`initial_state_distrib` must be a list of numbers: {error}"
+                ))
+            })?;
+        if initial.len() != states || !initial.iter().all(|p| (0.0..=1.0).contains(p)) {
+            return Err(refuse(format!(
+                "`initial_state_distrib` needs {states} probabilities from 0 to 1"
+            )));
+        }
+        let table = Self::build(states, self.actions, |state, action, row| {
+            let outcomes = p[state][action].iter();
+            row.extend(
+                outcomes.map(|&(probability, next, reward, terminated)| Outcome {
+                    probability,
+                    next,
+                    reward,
+                    terminated,
+                }),
+            );
+        });
+        Ok((table, Distribution::new(initial.into())))
+    }
+
+    /// Returns the number of states.
     pub fn states(&self) -> usize {
         (self.rows.len() - 1) / self.actions
     }
 
-    /// The number of actions.
+    /// Returns the number of actions.
     pub fn actions(&self) -> usize {
         self.actions
     }
 
-    /// The outcomes of an action in a state, `P[state][action]`; none if there is no such state or
-    /// action.
+    /// Returns the outcomes of an action in a state, `P[state][action]`; empty if the state or
+    /// action does not exist.
     #[inline]
     pub fn outcomes(&self, state: usize, action: usize) -> &[Outcome] {
         if action >= self.actions {
@@ -106,8 +192,8 @@ impl Table {
     }
 
     /// Draws an outcome by Gymnasium's `categorical_sample`: the first at which the sum of
-    /// probabilities exceeds `random()`, or the first of all if rounding leaves that sum short.
-    /// `None`, and no draw, if there is no such state.
+    /// probabilities exceeds `random()`, or the first outcome if rounding keeps all sums below.
+    /// `None`, without a draw, if the state does not exist.
     #[inline(always)]
     pub(crate) fn sample(
         &self,
@@ -115,7 +201,7 @@ impl Table {
         action: usize,
         rng: &mut impl Stream,
     ) -> Option<Outcome> {
-        // a state beyond all could otherwise wrap around to a row that there is
+        // a state beyond the limit could wrap around to an existing row
         if state >= MAX_STATES {
             return None;
         }
@@ -131,41 +217,68 @@ impl Table {
     }
 }
 
-/// A table in the form that steps read: a few bytes for each row, so that it stays in the first
-/// cache.
+/// A table in the form that steps read: a few bytes per row, so that it fits the first-level cache.
 #[derive(Debug, PartialEq)]
 struct Lottery {
     rows: Rows,
-    /// The parts of outcomes besides the next state.
+    /// The distinct outcomes, without their next states.
     kinds: Vec<Outcome>,
 }
 
 #[derive(Debug, PartialEq)]
 enum Rows {
-    /// Each row has a single outcome: the draw decides nothing.
+    /// Each row has a single outcome, so the draw decides nothing.
     Certain(Vec<Ticket>),
     Random(Vec<Row>),
+    /// The outcomes of each row as they are, for tables with more outcomes than [`Row`] or more
+    /// kinds than a [`Ticket`] can tell apart.
+    Listed(Vec<Vec<Outcome>>),
 }
 
-/// The outcomes of one action in one state, at most [`MAX_OUTCOMES`].
+/// The outcomes of one action in one state: at most [`MAX_OUTCOMES`].
 #[derive(Debug, PartialEq)]
 struct Row {
-    /// The sums of the leading probabilities; infinite after the last.
+    /// The partial sums of the probabilities; infinite after the last outcome.
     sums: [f64; MAX_OUTCOMES],
-    /// The outcomes; after the last one the first again, for draws above all sums.
+    /// The outcomes; after the last one the first again, for a draw above all sums.
     tickets: [Ticket; MAX_OUTCOMES + 1],
 }
 
 const MAX_OUTCOMES: usize = 3;
 
-/// An outcome: its kind in the lowest byte, above it the state that follows.
+/// An outcome: its index in `kinds` in the lowest byte, the next state above.
 type Ticket = u32;
 
-/// The most states that a table can have.
+/// The largest number of distinct outcomes, next states aside: an index of one byte.
+const MAX_KINDS: usize = 256;
+
+/// The largest number of states.
 pub(crate) const MAX_STATES: usize = 1 << 24;
 
 impl Lottery {
     fn new(outcomes: &[Outcome], rows: &[usize]) -> Self {
+        let row_of = |bounds: &[usize]| &outcomes[bounds[0]..bounds[1]];
+        let mut kinds = Vec::new();
+        let fits = rows
+            .windows(2)
+            .all(|bounds| row_of(bounds).len() <= MAX_OUTCOMES)
+            && outcomes.iter().all(|outcome| {
+                let kind = Outcome {
+                    next: 0,
+                    ..*outcome
+                };
+                if !kinds.contains(&kind) {
+                    kinds.push(kind);
+                }
+                kinds.len() <= MAX_KINDS
+            });
+        if !fits {
+            let rows = rows.windows(2).map(|bounds| row_of(bounds).to_vec());
+            return Self {
+                rows: Rows::Listed(rows.collect()),
+                kinds: Vec::new(),
+            };
+        }
         let mut kinds = Vec::new();
         let mut ticket = |outcome: &Outcome| {
             let kind = Outcome {
@@ -180,7 +293,7 @@ impl Lottery {
                     kinds.len() - 1
                 });
             debug_assert!(
-                outcome.next < MAX_STATES && index < 256,
+                outcome.next < MAX_STATES && index < MAX_KINDS,
                 "it does not fit a ticket"
             );
             (outcome.next << 8 | index) as Ticket
@@ -225,12 +338,22 @@ impl Lottery {
             Rows::Random(rows) => {
                 let row = rows.get(row)?;
                 let r = rng.random();
-                // without a branch, which no processor could predict
+                // without a branch, which the CPU could not predict
                 let passed = row
                     .sums
                     .iter()
                     .fold(0, |passed, sum| passed + usize::from(*sum <= r));
                 row.tickets[passed]
+            }
+            Rows::Listed(rows) => {
+                let row = rows.get(row)?;
+                let r = rng.random();
+                let mut sum = 0.0;
+                let drawn = row.iter().find(|outcome| {
+                    sum += outcome.probability;
+                    sum > r
+                });
+                return drawn.or(row.first()).copied();
             }
         };
         let kind = self.kinds.get((ticket & 0xff) as usize)?;
@@ -248,7 +371,7 @@ pub struct Cell {
     pub(crate) probability: f64,
 }
 
-/// The [`Cell`]s of the environments of a block.
+/// The [`Cell`]s of a block of environments.
 #[derive(Clone, Debug)]
 pub struct Cells {
     states: [u32; LANES],
@@ -297,29 +420,35 @@ impl Packed for Cell {
     }
 }
 
-/// Gymnasium's `initial_state_distrib`: the probability of each state at the start.
+/// Gymnasium's `initial_state_distrib`: the probability of each initial state.
 #[derive(Clone, Debug)]
 pub(crate) struct Distribution {
     probabilities: Arc<[f64]>,
-    /// The sums of the leading probabilities, as `np.cumsum` rounds them.
+    /// The partial sums of the probabilities, rounded like `np.cumsum`.
     cumulative: Arc<[f64]>,
-    /// The only possible state, if there is just one: no draw changes that.
+    /// The state, if only one is possible: the draw then decides nothing.
     only: Option<usize>,
 }
 
 impl Distribution {
-    /// The same probability for each state for which `possible` is true.
+    /// Returns a uniform distribution over the states for which `possible` is true.
     pub(crate) fn uniform(states: usize, possible: impl Fn(usize) -> bool) -> Self {
         let count = (0..states).filter(|state| possible(*state)).count();
-        let probabilities: Arc<[f64]> = (0..states)
-            .map(|state| {
-                if possible(state) {
-                    1.0 / count as f64
-                } else {
-                    0.0
-                }
-            })
-            .collect();
+        Self::new(
+            (0..states)
+                .map(|state| {
+                    if possible(state) {
+                        1.0 / count as f64
+                    } else {
+                        0.0
+                    }
+                })
+                .collect(),
+        )
+    }
+
+    /// Returns the distribution with the probability of each state.
+    pub(crate) fn new(probabilities: Arc<[f64]>) -> Self {
         let mut sum = 0.0;
         let cumulative = probabilities
             .iter()
@@ -328,10 +457,11 @@ impl Distribution {
                 sum
             })
             .collect();
-        let only = if count == 1 {
-            (0..states).find(|state| possible(*state))
-        } else {
-            None
+        let mut possible = (0..probabilities.len()).filter(|&state| probabilities[state] > 0.0);
+        let only = match (possible.next(), possible.next()) {
+            // rounding aside, the draw always gives this state
+            (Some(state), None) if probabilities[state] == 1.0 => Some(state),
+            _ => None,
         };
         Self {
             probabilities,
@@ -344,8 +474,8 @@ impl Distribution {
         &self.probabilities
     }
 
-    /// Draws a state by the rule of [`Table::sample`]. The sums never fall, so a binary search
-    /// finds the index that Gymnasium's scan finds.
+    /// Draws a state by the rule of [`Table::sample`]. The sums never decrease, so a binary search
+    /// finds the same index as Gymnasium's scan.
     #[inline]
     pub(crate) fn sample(&self, rng: &mut Generator) -> usize {
         let r = rng.random();
@@ -404,7 +534,7 @@ mod tests {
         );
     }
 
-    /// `random()` of seed 42 begins 0.774, 0.439.
+    /// with seed 42, `random()` first returns 0.774 and 0.439
     #[test]
     fn the_first_sum_above_the_draw_is_chosen() {
         let rng = &mut Generator::from(42);
@@ -412,7 +542,7 @@ mod tests {
             [(); 2].map(|()| coin(0.5).sample(0, 0, rng).unwrap().next),
             [1, 0]
         );
-        // both sums stay below the draw
+        // both sums are below the draw
         assert_eq!(
             coin(0.3)
                 .sample(0, 0, &mut Generator::from(42))

@@ -29,6 +29,7 @@ use gym_core::{
 };
 use gym_native::{Many, Native};
 use serde::{Deserialize, Serialize};
+use serde_json::Value as Json;
 
 use crate::art::{self, Facing, INK};
 use crate::planning;
@@ -56,7 +57,7 @@ gym_core::arguments! {
     }
 }
 
-/// Cells `(r, c)` are at `MAP[1 + r][1 + 2 * c]`; beside them a `|` is a wall, a `:` is none.
+/// Cell `(r, c)` is at `MAP[1 + r][1 + 2 * c]`; next to it, `|` is a wall and `:` is none.
 const MAP: [&str; 7] = [
     "+---------+",
     "|R: | : :G|",
@@ -69,7 +70,7 @@ const MAP: [&str; 7] = [
 const SIZE: usize = 5;
 /// Row and column of the stands: red, green, yellow, blue.
 const STANDS: [(usize, usize); 4] = [(0, 0), (0, 4), (4, 0), (4, 3)];
-/// The passenger's place when it is not a stand.
+/// The passenger's position in the taxi.
 const IN_TAXI: usize = 4;
 const STATES: usize = SIZE * SIZE * 5 * 4;
 
@@ -92,7 +93,7 @@ gym_core::discrete! {
     }
 }
 
-/// Taxi and passenger, and how they got there.
+/// Taxi and passenger, and the last transition.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Taxi, passenger and destination as one number; see [`decode`].
@@ -101,24 +102,24 @@ pub struct State {
     pub fickle_step: bool,
     /// The last action; `None` at the start.
     pub last_action: Option<Action>,
-    /// The last move, which the taxi's front points to; south at the start.
+    /// The direction of the last move, in which the taxi points; south at the start.
     pub heading: Action,
     /// The probability of the last transition; 1 at the start.
     pub probability: f64,
 }
 
-/// The number of a state: taxi's row and column (0 to 4), passenger (stand 0 to 3, or 4 in the
-/// taxi), destination (stand 0 to 3). The stands are red, green, yellow, blue.
+/// Encodes a state: the taxi's row and column (0 to 4), the passenger (stand 0 to 3, or 4 in the
+/// taxi), the destination (stand 0 to 3). The stands are red, green, yellow, blue.
 pub const fn encode(row: usize, col: usize, passenger: usize, destination: usize) -> usize {
     ((row * SIZE + col) * 5 + passenger) * 4 + destination
 }
 
-/// The row, column, passenger and destination of a state's number, below 500.
+/// Decodes a state below 500: row, column, passenger and destination.
 pub const fn decode(state: usize) -> (usize, usize, usize, usize) {
     (state / 100, state / 20 % 5, state / 4 % 5, state % 4)
 }
 
-/// 1 for each action that changes the state of this number, 0 for those that do not.
+/// Returns 1 for each action that changes the encoded state, 0 for the others.
 pub fn action_mask(state: usize) -> [i8; 6] {
     let (row, col, passenger, _) = decode(state);
     Action::ALL.map(|action| {
@@ -130,7 +131,7 @@ pub fn action_mask(state: usize) -> [i8; 6] {
     })
 }
 
-/// The neighbouring cell, or the same one behind a wall or the border.
+/// Returns the neighbouring cell, or the same cell if a wall or the border is in the way.
 fn drive(row: usize, col: usize, heading: Action) -> (usize, usize) {
     let open = |column: usize| {
         MAP.get(1 + row)
@@ -145,7 +146,7 @@ fn drive(row: usize, col: usize, heading: Action) -> (usize, usize) {
     }
 }
 
-/// The headings to the left and right of one.
+/// Returns the headings to the left and right of `heading`.
 const fn sides(heading: Action) -> [Action; 2] {
     match heading {
         Action::South => [Action::East, Action::West],
@@ -164,7 +165,8 @@ pub struct TaxiDynamics {
 }
 
 impl TaxiDynamics {
-    /// The transition table, Gymnasium's `P`. A fickle passenger's change of mind is not in it.
+    /// Returns the transition table, Gymnasium's `P`. It does not contain a fickle passenger's
+    /// changes of the destination.
     pub fn p(&self) -> &Table {
         &self.p
     }
@@ -176,7 +178,7 @@ impl TaxiDynamics {
 }
 
 impl TaxiDynamics {
-    /// The next state and outcome; `None` if the state does not exist.
+    /// Returns the next state and outcome; `None` if the state does not exist.
     #[inline(always)]
     fn advance(
         &self,
@@ -215,7 +217,7 @@ impl TaxiDynamics {
     }
 }
 
-/// The state with another destination than before, if the passenger was driven from one cell to the
+/// Returns the state with another destination, if the passenger was driven from one cell to the
 /// next.
 fn change_of_mind(before: usize, after: usize, rng: &mut impl Stream) -> Option<usize> {
     let (row, col, passenger, destination) = decode(before);
@@ -266,13 +268,13 @@ impl Task for TaxiDynamics {
             let stand = STANDS.iter().position(|stand| *stand == here);
             match (Action::ALL[action], stand) {
                 (Action::Pickup, Some(stand)) if stand == passenger => {
-                    push(1.0, here, IN_TAXI, -1.0, false)
+                    push(1.0, here, IN_TAXI, -1.0, false);
                 }
                 (Action::Dropoff, Some(stand)) if passenger == IN_TAXI && stand == destination => {
                     push(1.0, here, stand, 20.0, true);
                 }
                 (Action::Dropoff, Some(stand)) if passenger == IN_TAXI => {
-                    push(1.0, here, stand, -1.0, false)
+                    push(1.0, here, stand, -1.0, false);
                 }
                 (Action::Pickup | Action::Dropoff, _) => push(1.0, here, passenger, -10.0, false),
                 (heading, _) if config.is_rainy => {
@@ -299,6 +301,15 @@ impl Task for TaxiDynamics {
 
     fn config(&self) -> &Config {
         &self.config
+    }
+
+    fn table(&self) -> Option<Json> {
+        Some(self.p.to_json(&self.initial))
+    }
+
+    fn set_table(&mut self, table: Json) -> Result<()> {
+        (self.p, self.initial) = self.p.replaced(&table)?;
+        Ok(())
     }
 
     fn observation_space(&self) -> Space {
@@ -340,8 +351,8 @@ impl Task for TaxiDynamics {
         Metadata::drawn_and_text(4, (536, 456))
     }
 
-    /// The map and the last action. The taxi is on yellow, or green with the passenger aboard; a
-    /// waiting passenger is blue, the destination magenta.
+    /// Writes the map and the last action. The taxi is yellow, or green with the passenger aboard;
+    /// a waiting passenger is blue, the destination magenta.
     fn ansi(&self, state: &State) -> Option<String> {
         let (row, col, passenger, destination) = decode(state.encoded);
         let mut cells = MAP.map(|line| line.chars().map(String::from).collect::<Vec<_>>());
@@ -425,17 +436,17 @@ const WALL: Color = Color::rgb(150, 84, 66);
 const COAT: Color = Color::rgb(124, 86, 160);
 const YELLOW: Color = Color::rgb(248, 196, 50);
 const GREEN: Color = Color::rgb(84, 220, 110);
-/// Of the stands.
+/// The colours of the stands.
 const COLORS: [Color; 4] = [
     Color::rgb(214, 62, 62),
     Color::rgb(44, 150, 92),
     Color::rgb(226, 160, 40),
     Color::rgb(58, 110, 186),
 ];
-/// Around the cells, which are 96 by 80.
+/// The margin around the cells, which are 96 by 80.
 const MARGIN: f64 = 28.0;
 
-/// Where a cell is in the picture.
+/// Returns the position of a cell in the image.
 fn corner((row, col): (usize, usize)) -> Point {
     [MARGIN + 96.0 * col as f64, MARGIN + 80.0 * row as f64]
 }
@@ -461,7 +472,7 @@ fn streets(canvas: &mut dyn Canvas) {
     }
 }
 
-/// Coordinates whose x axis points ahead. (The car looks the same from both sides.)
+/// Returns the transform to coordinates whose x axis points ahead. (The car is symmetric.)
 fn ahead(heading: Action) -> Transform {
     let (x, y) = match heading {
         Action::South => ([0.0, 1.0], [1.0, 0.0]),
@@ -476,13 +487,13 @@ fn ahead(heading: Action) -> Transform {
     }
 }
 
-/// A taxi from above, its front to the right; the sign on its roof is green while it is taken.
+/// Draws a taxi from above, pointing right; the sign on its roof is green while it is taken.
 fn car(canvas: &mut dyn Canvas, taken: bool) {
     for [x, y] in [[-24.0, -21.0], [13.0, -21.0], [-24.0, 16.0], [13.0, 16.0]] {
         canvas.rect([x, y], [12.0, 5.0], INK);
     }
     canvas.round_rect([-36.0, -19.0], [72.0, 38.0], 10.0, YELLOW);
-    // windows all round, and the roof
+    // windows all around, and the roof
     canvas.round_rect([-26.0, -16.0], [45.0, 32.0], 8.0, INK);
     canvas.round_rect([-18.0, -13.0], [26.0, 26.0], 5.0, YELLOW);
     for y in [-14.0, 7.0] {
@@ -497,7 +508,7 @@ fn car(canvas: &mut dyn Canvas, taken: bool) {
     );
 }
 
-/// A chequered flag.
+/// Draws a chequered flag.
 fn finish(canvas: &mut dyn Canvas, foot: Point) {
     let [x, y] = foot;
     canvas.rect([x, y - 42.0], [24.0, 18.0], Color::WHITE);
@@ -558,7 +569,7 @@ impl Native for TaxiDynamics {
     }
 }
 
-/// The registration that all ids share.
+/// The registration shared by all ids.
 const fn taxi(id: &'static str) -> Registration {
     Registration::new::<Taxi>(id)
         .description("Pick up a passenger and drop them where they want to go.")
@@ -698,7 +709,7 @@ mod tests {
         assert_eq!(cells(0, 1, Action::East), [(0, 1); 3]);
     }
 
-    /// Picks up at the red stand, waits, drives on, and returns the destinations on the way.
+    /// Picks up at the red stand, waits, drives on; returns the destinations along the way.
     fn destinations(config: Config, seed: u64) -> [usize; 4] {
         let taxi = taxi(config);
         let mut rng = Generator::from(seed);

@@ -1,10 +1,10 @@
-//! What is made by id: older versions, and native vectors.
+//! Environments made by id: older versions, and native vectors.
 
 use gym_core::vector::{Autoreset, VectorKind};
 use gym_core::{EnvExt, VectorEnv, VectorEnvExt, builder};
 use gym_toytext::{CliffWalking, Taxi};
 
-/// Also after a snapshot. (100 is not a multiple of a block.)
+/// Compares them also after a snapshot. (100 is not a multiple of a block.)
 #[test]
 fn native_vectors_equal_scalar_environments() {
     for id in [
@@ -68,12 +68,12 @@ fn native_vectors_equal_scalar_environments() {
 fn older_versions_take_no_arguments() {
     let mut cliff = builder("CliffWalking-v0").build().unwrap();
     assert_eq!(cliff.reset(0).unwrap().as_int(), Some(36));
-    assert!(cliff.unwrapped::<CliffWalking>().is_some());
+    assert!(cliff.layer::<CliffWalking>().is_some());
     assert!(
         builder("Taxi-v3")
             .build()
             .unwrap()
-            .unwrapped::<Taxi>()
+            .layer::<Taxi>()
             .is_some()
     );
     for (older, newer, argument) in [

@@ -47,10 +47,10 @@ impl Learner {
     pub(crate) fn tune(&mut self, lesson: Lesson) -> Result<()> {
         match (self, lesson) {
             (Self::Tabular(learner), Lesson::Tabular(parameters)) => {
-                learner.parameters = parameters
+                learner.parameters = parameters;
             }
             (Self::CrossEntropy(learner), Lesson::CrossEntropy(parameters)) => {
-                learner.tune(parameters)
+                learner.tune(parameters);
             }
             _ => {
                 return Err(Error::custom(

@@ -10,6 +10,9 @@
 //!
 //! A panic traps and ends the instance: its text lies at [`panic_text`], and the page starts
 //! another instance.
+//!
+//! The page's JavaScript neither computes nor draws environments. One call with JSON in and out,
+//! and bytes beside it, is the whole interface: there are no generated bindings.
 
 mod describe;
 mod episode;
@@ -41,7 +44,7 @@ thread_local! {
 #[unsafe(no_mangle)]
 pub extern "C" fn start() {
     std::panic::set_hook(Box::new(|info| {
-        PANIC.with_borrow_mut(|text| *text = info.to_string())
+        PANIC.with_borrow_mut(|text| *text = info.to_string());
     }));
 }
 

@@ -4,8 +4,7 @@ use std::collections::VecDeque;
 
 use gym::keys::Idle;
 use gym::policy::Controller;
-use gym::render::{RenderMode, Rendered};
-use gym::rendering::GifEncoder;
+use gym::render::{RenderMode, Rendered, Video, VideoFormat};
 use gym::trace::{Event, Trace};
 use gym::{
     BoxEnv, Env, EnvExt, Error, Keys, Kwargs, Reset, Result, Sampler, Seed, Snapshot, Value,
@@ -335,7 +334,7 @@ impl Player {
             events,
             ..Trace::default()
         };
-        asked.replay(|_| None)
+        asked.replay()
     }
 
     /// The episode so far as a GIF of at most `frames` pictures, the first ones.
@@ -350,15 +349,16 @@ impl Player {
                 _ => Err(Error::custom("it cannot be drawn")),
             }
         };
-        let mut encoder = GifEncoder::new(fps, &picture(&mut player)?)?;
+        let mut video = Video::in_memory(VideoFormat::Gif, fps)?;
+        video.write(&picture(&mut player)?)?;
         for action in self.actions[..self.position]
             .iter()
             .take(frames.saturating_sub(1))
         {
             player.apply(action)?;
-            encoder.write(&picture(&mut player)?)?;
+            video.write(&picture(&mut player)?)?;
         }
-        encoder.finish()
+        video.into_bytes()
     }
 }
 

@@ -216,7 +216,7 @@ impl Session {
             Request::Replay => {
                 let trace: Trace = serde_json::from_slice(bytes)
                     .map_err(|error| Error::custom(format!("not a trace: {error}")))?;
-                let answers = trace.replay(state)?;
+                let answers = trace.replay()?;
                 json!({"events": trace.events.len(), "difference": trace.first_difference(&answers)})
             }
             Request::Rom => provide(bytes)?,
@@ -269,22 +269,4 @@ fn provide(bytes: &[u8]) -> Result<Json> {
 #[cfg(not(feature = "families"))]
 fn provide(_: &[u8]) -> Result<Json> {
     Err(Error::custom("this gallery has no Atari"))
-}
-
-/// Numbers that a trace may record beside the observation: positions and velocities of a MuJoCo
-/// task, the bodies of CarRacing.
-#[cfg(feature = "families")]
-fn state(env: &gym::BoxEnv) -> Option<Json> {
-    use gym::EnvExt;
-
-    if let Some(data) = gym::mujoco::simulated(env).and_then(|env| env.data()) {
-        return Some(json!({"qpos": data.qpos, "qvel": data.qvel}));
-    }
-    env.unwrapped::<gym::box2d::CarRacing>()
-        .and_then(|car| serde_json::to_value(car.state()).ok())
-}
-
-#[cfg(not(feature = "families"))]
-fn state(_: &gym::BoxEnv) -> Option<Json> {
-    None
 }

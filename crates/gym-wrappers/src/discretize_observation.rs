@@ -67,7 +67,7 @@ impl<T> DiscretizeObservation<T> {
         space.check(observation)?;
         let (mut lows, mut highs) = (vec![0.0; grid.len()], vec![0.0; grid.len()]);
         grid.split(observation, |i, bin| {
-            (lows[i], highs[i]) = grid.edges(i, bin)
+            (lows[i], highs[i]) = grid.edges(i, bin);
         });
         let array = |numbers: Vec<f64>| {
             Array::new([grid.len()], Data::from_f64(grid.inner().dtype(), numbers))

@@ -8,11 +8,11 @@ use gym_core::canvas::{Blank, Canvas};
 use gym_core::render::{Frame, Metadata, RenderMode, Rendered};
 use gym_core::spaces::{BoxSpace, DictSpace};
 use gym_core::{
-    Array, BoxEnv, DType, Env, EnvExt, EnvSpec, Generator, Outcome, Reset, Result, Snapshot, Space,
-    Value, WrapperSpec, registry,
+    Array, BoxEnv, DType, Env, EnvExt, EnvSpec, Generator, Inspect, Outcome, Reset, Result,
+    Snapshot, Space, Value, WrapperSpec, registry,
 };
 use gym_wrappers::*;
-use serde_json::json;
+use serde_json::{Value as Json, json};
 
 /// An environment that notes which of its methods are called.
 #[derive(Clone)]
@@ -38,6 +38,12 @@ impl Spy {
 
     fn observe(&self, observation: &mut Value) {
         *observation = self.observation_space.sampler(0).sample();
+    }
+}
+
+impl Inspect for Spy {
+    fn arguments(&self) -> Json {
+        "spy".into()
     }
 }
 
@@ -118,12 +124,19 @@ impl Env for Spy {
         .ok()
     }
 
-    fn start_rendering(&mut self) {
-        self.note("start_rendering");
+    fn frames_drawn(&mut self, count: u64) {
+        assert_eq!(count, 3);
+        self.note("frames_drawn");
     }
 
-    fn picture_taken(&mut self) {
-        self.note("picture_taken");
+    fn inspect(&self) -> Option<&dyn Inspect> {
+        self.note("inspect");
+        Some(self)
+    }
+
+    fn inspect_mut(&mut self) -> Option<&mut dyn Inspect> {
+        self.note("inspect_mut");
+        Some(self)
     }
 
     fn describe(&self) -> String {
@@ -131,13 +144,13 @@ impl Env for Spy {
         "Spy".into()
     }
 
-    fn layer(&self, _layer: TypeId) -> Option<&dyn Any> {
-        self.note("layer");
+    fn any_layer(&self, _layer: TypeId) -> Option<&dyn Any> {
+        self.note("any_layer");
         Some(self)
     }
 
-    fn layer_mut(&mut self, _layer: TypeId) -> Option<&mut dyn Any> {
-        self.note("layer_mut");
+    fn any_layer_mut(&mut self, _layer: TypeId) -> Option<&mut dyn Any> {
+        self.note("any_layer_mut");
         Some(self)
     }
 
@@ -164,23 +177,28 @@ const CALLS: &[Call] = &[
     }),
     ("snapshot", |env| drop(env.snapshot().unwrap())),
     ("restore", |env| {
-        env.restore(&env.snapshot().unwrap()).unwrap()
+        env.restore(&env.snapshot().unwrap()).unwrap();
     }),
     ("info", |env| {
-        assert_eq!(env.info_map()["spy"], Value::Int(7))
+        assert_eq!(env.info_map()["spy"], Value::Int(7));
     }),
     ("metadata", |env| assert!(env.metadata().render_fps > 0)),
     ("draw", |env| env.draw(&mut Blank)),
     ("ansi", |env| assert_eq!(env.ansi().as_deref(), Some("spy"))),
     ("render_mode", |env| assert!(env.render_mode().is_some())),
     ("render_into", |env| drop(env.render().unwrap())),
-    ("start_rendering", |env| env.start_rendering()),
-    ("picture_taken", |env| env.picture_taken()),
+    ("frames_drawn", |env| env.frames_drawn(3)),
+    ("inspect", |env| {
+        assert_eq!(env.inspect().map(Inspect::arguments), Some("spy".into()));
+    }),
+    ("inspect_mut", |env| {
+        assert!(env.inspect_mut().is_some());
+    }),
     ("spec", |env| drop(env.spec())),
     ("describe", |env| assert!(env.describe().contains("Spy"))),
-    ("layer", |env| assert!(env.unwrapped::<Spy>().is_some())),
-    ("layer_mut", |env| {
-        assert!(env.unwrapped_mut::<Spy>().is_some())
+    ("any_layer", |env| assert!(env.layer::<Spy>().is_some())),
+    ("any_layer_mut", |env| {
+        assert!(env.layer_mut::<Spy>().is_some());
     }),
     ("generator", |env| assert!(env.generator().is_some())),
     ("close", |env| env.close()),
@@ -188,7 +206,7 @@ const CALLS: &[Call] = &[
 
 /// The methods of the trait, as they stand in its source.
 fn methods() -> BTreeSet<&'static str> {
-    let source = include_str!("../../gym-core/src/env.rs");
+    let source = include_str!("../../gym-core/src/env/mod.rs");
     let (_, body) = source.split_once("pub trait Env:").unwrap();
     let (body, _) = body.split_once("\n}\n").unwrap();
     let functions = body.lines().filter_map(|line| line.strip_prefix("    fn "));
@@ -331,24 +349,24 @@ fn wrappers_are_reached_through_boxes() {
     let mut env = BoxEnv::new(TimeLimit::new(env, 3).unwrap());
     env.reset(0).unwrap();
     env.step(&Value::from([0.0_f32])).unwrap();
-    assert_eq!(env.wrapper::<TimeLimit>().unwrap().elapsed_steps(), 1);
-    let normalize = env.wrapper_mut::<NormalizeObservation>().unwrap();
+    assert_eq!(env.layer::<TimeLimit>().unwrap().elapsed_steps(), 1);
+    let normalize = env.layer_mut::<NormalizeObservation>().unwrap();
     let statistics = normalize.statistics().clone();
     assert_eq!((statistics.len(), statistics.count().round()), (2, 2.0));
     normalize.update_running_mean(false);
     env.step(&Value::from([0.0_f32])).unwrap();
     assert_eq!(
-        env.wrapper::<NormalizeObservation>().unwrap().statistics(),
+        env.layer::<NormalizeObservation>().unwrap().statistics(),
         &statistics
     );
-    assert!(env.wrapper::<Autoreset>().is_none());
+    assert!(env.layer::<Autoreset>().is_none());
     let limit = TimeLimit::new(Autoreset::new(env), 2).unwrap();
-    assert!(limit.get_ref().get_ref().wrapper::<TimeLimit>().is_some());
+    assert!(limit.get_ref().get_ref().layer::<TimeLimit>().is_some());
     assert_eq!(
         limit
             .into_inner()
             .into_inner()
-            .wrapper::<TimeLimit>()
+            .layer::<TimeLimit>()
             .unwrap()
             .max_episode_steps(),
         3

@@ -2,8 +2,7 @@
 //! every frame to a GIF. Run it with `cargo run --release --example notebook`.
 
 use gym::prelude::*;
-use gym::render::RenderMode;
-use gym::rendering::write_gif;
+use gym::render::{RenderMode, write_video};
 
 fn main() -> gym::Result<()> {
     let mut env = gym::builder("CartPole-v1")
@@ -24,7 +23,7 @@ fn main() -> gym::Result<()> {
         }
     }
     let frames = env.render()?.into_frames().unwrap_or_default();
-    write_gif("cartpole.gif", env.metadata().render_fps, &frames)?;
+    write_video("cartpole.gif", env.metadata().render_fps, &frames)?;
     println!(
         "return {episode_return}, {} frames in cartpole.gif",
         frames.len()

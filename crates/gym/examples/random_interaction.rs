@@ -3,15 +3,14 @@
 //! random_interaction`.
 
 use gym::prelude::*;
-use gym::render::{RenderMode, Rendered};
-use gym::rendering::{GifWriter, Plot};
+use gym::render::{Plot, RenderMode, Rendered, Video};
 
 /// Plays `episodes` episodes of random actions, gives each rendered frame to `recorder`, and
 /// returns return and length of each episode. It accepts typed environments and those from `make`.
 fn random_interaction<E: Env>(
     env: &mut E,
     episodes: u64,
-    recorder: &mut GifWriter,
+    recorder: &mut Video,
 ) -> Result<(Vec<f64>, Vec<f64>)> {
     let mut actions = env.action_sampler(0)?;
     (0..episodes)
@@ -41,7 +40,7 @@ fn main() -> Result<()> {
         "FrozenLake-v1",
     ] {
         let mut env = gym::builder(id).render_mode(RenderMode::RgbArray).build()?;
-        let mut recorder = GifWriter::create(format!("{id}.gif"), env.metadata().render_fps)?;
+        let mut recorder = Video::create(format!("{id}.gif"), env.metadata().render_fps)?;
         let (returns, lengths) = random_interaction(&mut env, 10, &mut recorder)?;
         recorder.finish()?;
         Plot::episodes(id, 3, [("random", &returns[..], &lengths[..])])

@@ -33,15 +33,13 @@ pub use gym_bridge as bridge;
 pub use gym_classic as classic;
 #[cfg(feature = "conform")]
 pub use gym_conform as conform;
-#[cfg(feature = "trace")]
-pub use gym_conform::trace;
 pub use gym_core::*;
 #[cfg(feature = "mujoco")]
 pub use gym_mujoco as mujoco;
-#[cfg(feature = "render")]
-pub use gym_render as rendering;
 #[cfg(feature = "toytext")]
 pub use gym_toytext as toytext;
+#[cfg(feature = "trace")]
+pub use gym_trace as trace;
 pub use gym_wrappers as wrappers;
 pub use gym_wrappers::{VectorWrap, Wrap};
 
@@ -49,6 +47,13 @@ pub use gym_wrappers::{VectorWrap, Wrap};
 pub mod vector {
     pub use gym_core::vector::*;
     pub use gym_native as native;
+}
+
+/// Render modes and frames and, with the feature `render`, drawing and recording of environments.
+pub mod render {
+    pub use gym_core::render::*;
+    #[cfg(feature = "render")]
+    pub use gym_render::*;
 }
 
 /// The imports for using environments: `use gym::prelude::*`.

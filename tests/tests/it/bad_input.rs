@@ -1,10 +1,10 @@
-//! Bad input gives an `Err` with the remedy.
+//! Bad input gives an `Err` that says what to do.
 
 use gym::render::RenderMode;
 use gym::{Array, Env, EnvExt, Error, Kwargs, Reset, Value};
 use serde_json::json;
 
-/// The message of an error, which must contain some words.
+/// Asserts that the error message contains `words`.
 fn says<T>(result: Result<T, Error>, words: &[&str]) {
     let message = result.err().expect("an error").to_string();
     for word in words {
@@ -124,7 +124,7 @@ fn unknown_and_bad_arguments() {
         gym::builder("CartPole-v1").max_episode_steps(0).build(),
         &["at least 1"],
     );
-    // numbers that would blow the state out of all numbers
+    // numbers with which the state would overflow
     says(
         make("Pendulum-v1", json!({"g": 1e308})),
         &["g is", "1000000"],
@@ -213,7 +213,7 @@ fn actions_outside_the_space() {
         for array in arrays {
             says(env.step(&Value::Array(array)), &["invalid action", "Box("]);
         }
-        // beyond the bounds Gymnasium clips, and so do we
+        // numbers beyond the bounds are clipped, as in Gymnasium
         env.step(&Value::Array([100.0f32].into())).unwrap();
     }
 }
@@ -248,13 +248,13 @@ fn reset_options() {
 
 #[test]
 fn files_that_cannot_be_written() {
-    use gym::rendering::{GifWriter, write_gif};
+    use gym::render::{Video, write_video};
     says(
-        GifWriter::create("/nonexistent/folder/x.gif", 30),
+        Video::create("/nonexistent/folder/x.gif", 30),
         &["/nonexistent/folder"],
     );
     says(
-        write_gif("/nonexistent/folder/x.gif", 30, &[]),
+        write_video("/nonexistent/folder/x.gif", 30, &[]),
         &["/nonexistent/folder"],
     );
 }
@@ -270,7 +270,7 @@ fn damaged_snapshots() {
             &["cannot restore"],
         );
     }
-    // a state that no lake of this size has
+    // a state that does not exist in a lake of this size
     let mut other = gym::builder("FrozenLake-v1")
         .arg("map_name", "8x8")
         .build()
@@ -307,7 +307,7 @@ fn snapshots_of_other_arguments() {
     }
 }
 
-/// Sizes that do not fit in memory are refused before allocating.
+/// Sizes that do not fit in memory are refused before anything is allocated.
 #[test]
 fn sizes_beyond_any_memory() {
     use gym::spaces::TextSpace;
@@ -409,7 +409,7 @@ fn sizes_beyond_any_memory() {
     );
 }
 
-/// A shape that no memory holds is an error, and not the end of the process.
+/// A shape that does not fit in memory is an error and does not abort the process.
 #[test]
 fn what_fits_no_memory_is_refused() {
     for shape in [

@@ -1,4 +1,4 @@
-//! Claims of the documents: their snippets run, and the names in them exist.
+//! Checks claims of the documents: snippets run, and names exist.
 
 use std::path::{Path, PathBuf};
 
@@ -11,7 +11,7 @@ fn read(path: impl AsRef<Path>) -> String {
     std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// The Markdown files of the book.
+/// Collects the Markdown files of the book.
 fn pages(folder: &Path, pages: &mut Vec<PathBuf>) {
     for entry in std::fs::read_dir(root().join(folder)).expect("a folder") {
         let entry = entry.expect("an entry");
@@ -45,7 +45,7 @@ fn every_page_with_snippets_is_a_doc_test() {
     }
 }
 
-/// The wrapper names of specs, as listed in the error of an unknown one.
+/// The wrapper names of specs, read from the error for an unknown name.
 #[test]
 fn every_wrapper_of_the_registry_is_in_the_table() {
     let page = read("docs/wrappers.md");
@@ -62,7 +62,7 @@ fn every_wrapper_of_the_registry_is_in_the_table() {
     }
 }
 
-/// The README and every page of the book, with its text.
+/// Returns the README and every page of the book with their texts.
 fn documents() -> Vec<(String, String)> {
     let mut all = vec![PathBuf::from("README.md")];
     pages(Path::new("docs"), &mut all);
@@ -71,13 +71,13 @@ fn documents() -> Vec<(String, String)> {
         .collect()
 }
 
-/// The longest words of the characters that `is_part` accepts.
+/// Iterates over the longest words of characters that `is_part` accepts.
 fn words(text: &str, is_part: impl Fn(char) -> bool) -> impl Iterator<Item = &str> {
     text.split(move |c| !is_part(c))
         .filter(|word| !word.is_empty())
 }
 
-/// `[namespace/]Name-vVersion`
+/// Iterates over the ids in a text: `[namespace/]Name-vVersion`.
 fn ids(text: &str) -> impl Iterator<Item = &str> {
     let words = words(text, |c| {
         c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '/')
@@ -93,12 +93,12 @@ fn ids(text: &str) -> impl Iterator<Item = &str> {
 fn every_id_in_the_documents_is_registered() {
     let mut seen = 0;
     for (page, text) in documents() {
-        // the book's placeholder for a game of Atari
+        // the book's placeholder for an Atari game
         for id in ids(&text.replace("<Game>", "Breakout")) {
-            // an example's own, or the Python package's name of one of ours
+            // an id of an example, or the Python package's form of one of our ids
             let id = match id.split_once('/') {
                 Some(("my_envs", _)) => continue,
-                // whose namespace is a prefix there
+                // in Python the namespace is a prefix
                 Some(("rustgym", name)) => &name
                     .replacen("ALE-", "ALE/", 1)
                     .replacen("rapier-", "rapier/", 1),
@@ -117,7 +117,7 @@ fn every_id_in_the_documents_is_registered() {
 fn the_readme_names_every_environment() {
     let readme = read("README.md");
     let names = gym::registry::self_contained();
-    // the second engine's tasks have the names of the first one's
+    // the second engine's ids have the names of the first engine's
     let names = names
         .iter()
         .map(gym::Registration::id)
@@ -175,7 +175,7 @@ fn columns_have_the_fields_that_the_book_names() {
     assert!(seen > 2, "{seen} fields");
 }
 
-/// The README's two ratios are the smallest and the largest of the tables.
+/// The README's two ratios are the smallest and the largest in the tables.
 #[test]
 fn the_readme_tells_the_measured_speed() {
     let tables = read("docs/benchmarks.md") + &read("docs/atari.md");
@@ -205,7 +205,7 @@ fn the_readme_tells_the_measured_speed() {
     );
 }
 
-/// Paths that exist, as the compiler sees.
+/// Lists paths; the compiler checks that they exist.
 macro_rules! paths {
     ($($path:path),* $(,)?) => {
         mod imports {
@@ -228,8 +228,8 @@ paths! {
     gym::policy::reflex,
     gym::register,
     gym::registry::pretty,
-    gym::rendering,
-    gym::rendering::RecordVectorVideo,
+    gym::render,
+    gym::render::RecordVectorVideo,
     gym::vector::native,
     gym::wrappers::map,
 }
@@ -243,13 +243,13 @@ fn paths_in_the_book_exist() {
             })
             .next();
             let path = path.unwrap_or_default().trim_end_matches(':');
-            // without the method of a type
+            // drop a method after its type
             let mut is_method = false;
             let parts = path.split("::").take_while(|part| {
                 !std::mem::replace(&mut is_method, part.starts_with(char::is_uppercase))
             });
             let path = parts.collect::<Vec<_>>().join("::");
-            // the environments' pages name their own modules, from the registrations
+            // the environments' pages name their own modules, which come from the registrations
             let is_listed = PATHS.contains(&&*path) || page.contains("environments");
             assert!(
                 is_listed || path == "gym",

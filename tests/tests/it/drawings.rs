@@ -1,18 +1,18 @@
-//! The drawing calls of each environment, compared with those in `tests/drawings`.
+//! Compares the drawing calls of each environment with `tests/drawings`.
 //!
-//! After an intended change, `GYM_UPDATE_DRAWINGS=1 cargo test --package gym-tests --test it
-//! drawings` keeps the new ones: look at the pictures (`cargo xtask gif ID`) before that.
+//! After an intended change, look at the images (`cargo xtask gif ID`), then store the new calls
+//! with `GYM_UPDATE_DRAWINGS=1 cargo test --package gym-tests --test it drawings`.
 
 use std::path::Path;
 
-use gym::rendering::Recording;
+use gym::render::DrawLog;
 use gym::{Env, EnvExt, Registration, registry};
 
 #[test]
 fn drawings_are_as_kept() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("drawings");
     let update = std::env::var_os("GYM_UPDATE_DRAWINGS").is_some();
-    // on another engine the drawing code is the same, and the picture is a little off
+    // another engine uses the same drawing code with slightly different numbers
     let is_other_engine = |id: &str| id.starts_with("rapier/");
     // versions of a MuJoCo task look alike
     let all = registry::self_contained();
@@ -28,22 +28,22 @@ fn drawings_are_as_kept() {
         let mut actions = env.action_sampler(0).unwrap();
         env.reset(0).unwrap();
         let mut drawn = String::new();
-        // all of CarRacing's field is in sight at first
+        // at first, CarRacing's whole field is visible
         let steps = if id.starts_with("CarRacing") { 1 } else { 3 };
         for step in 0..steps {
-            let recording = Recording::of(|canvas| env.draw(canvas));
-            drawn += &format!("# step {step}\n{recording}\n");
+            let log = DrawLog::of(|canvas| env.draw(canvas));
+            drawn += &format!("# step {step}\n{log}\n");
             if env.step(&actions.sample()).unwrap().done() {
                 env.reset(()).unwrap();
             }
         }
-        // the last picture of an episode, if it is a short one
+        // the last frame of an episode, if the episode is short
         if (0..200).any(|_| env.step(&actions.sample()).unwrap().done()) {
-            drawn += &format!("# the end\n{}\n", Recording::of(|canvas| env.draw(canvas)));
+            drawn += &format!("# the end\n{}\n", DrawLog::of(|canvas| env.draw(canvas)));
         }
         let path = folder.join(format!("{}.txt", id.replace('/', "_")));
         if update {
-            gym::rendering::file::write(&path, drawn.as_bytes()).unwrap();
+            gym::render::file::write(&path, drawn.as_bytes()).unwrap();
         }
         let kept = std::fs::read_to_string(&path).unwrap_or_default();
         for (line, (kept, drawn)) in kept.lines().zip(drawn.lines()).enumerate() {

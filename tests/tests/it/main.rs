@@ -1,8 +1,9 @@
-//! Tests across the crates: one program, which is linked once.
+//! Tests across crates, in one program that is linked once.
 
 mod bad_input;
 mod book;
 mod drawings;
+mod inspect;
 mod main_job;
 mod native;
 mod notebook;

@@ -1,4 +1,5 @@
-//! The notebook's job on every linked environment: make, reset, step until it ends, look at it.
+//! The notebook's task for every linked environment: make, reset, step until the episode ends,
+//! render.
 
 use gym::render::{RenderMode, Rendered};
 use gym::{Env, EnvExt, registry};
@@ -81,7 +82,7 @@ fn drawing_changes_nothing() {
             .unwrap();
         env.reset(0).unwrap();
         let before = env.snapshot().unwrap();
-        // some pictures move on with each one that is taken
+        // some state changes with each frame
         assert_eq!(
             env.clone().render().unwrap(),
             env.clone().render().unwrap(),

@@ -1,4 +1,4 @@
-//! Native vectors against scalar environments stepped by hand: equal, bit for bit.
+//! Native vectors equal single environments that are stepped by hand, bit for bit.
 
 use gym::classic::acrobot::AcrobotDynamics;
 use gym::classic::cartpole::CartPoleDynamics;
@@ -53,14 +53,14 @@ fn native(spec: &EnvSpec, n: usize, autoreset: Autoreset) -> Result<Box<dyn Vect
         .make()
 }
 
-/// Scalar environments, reset as a vector's.
+/// Single environments, reset as a vector resets them.
 struct ByHand {
     envs: Vec<BoxEnv>,
     due: Vec<bool>,
     autoreset: Autoreset,
 }
 
-/// What one of them gives, its infos at last.
+/// The result of one environment; its infos come last.
 #[derive(Debug, PartialEq)]
 struct Row {
     observation: Value,
@@ -150,7 +150,8 @@ fn rows(envs: &dyn VectorEnv, columns: &Columns) -> Vec<Row> {
         .collect()
 }
 
-/// Steps both with random actions; with `Autoreset::Disabled`, resets those that are done.
+/// Steps both with random actions; with `Autoreset::Disabled`, resets the environments that are
+/// done.
 fn compare(spec: &EnvSpec, n: usize, autoreset: Autoreset, steps: usize) {
     let name = format!("{} {:?}, {n}, {autoreset:?}", spec.id, spec.kwargs);
     let mut envs = native(spec, n, autoreset).unwrap();
@@ -162,7 +163,7 @@ fn compare(spec: &EnvSpec, n: usize, autoreset: Autoreset, steps: usize) {
         if step == 0 || autoreset == Autoreset::Disabled && by_hand.due.contains(&true) {
             if step > 0 {
                 reset = VectorReset::default().mask(by_hand.due.clone());
-                // a seed list now and then
+                // sometimes a list of seeds
                 if step % 3 == 0 {
                     let seeds = (0..n as u64)
                         .map(|i| (i % 2 == 0).then(|| Seed::from(i * 7 + step as u64)));
@@ -216,7 +217,7 @@ fn native_vectors_equal_scalar_environments() {
     }
 }
 
-/// Worlds that are solved together, in full groups and with lanes left over.
+/// Worlds that are solved together, in full groups and with unused lanes.
 #[test]
 fn native_vectors_of_box2d_equal_scalar_environments() {
     let wind = json!({"enable_wind": true, "gravity": -4.0, "wind_power": 19.0});
@@ -235,7 +236,7 @@ fn native_vectors_of_box2d_equal_scalar_environments() {
     }
 }
 
-/// Each thread solves the worlds it takes together.
+/// Each thread solves its worlds together.
 #[test]
 fn async_vectors_of_box2d_equal_native_ones() {
     for id in ["LunarLander-v3", "BipedalWalker-v3"] {
@@ -263,8 +264,8 @@ fn async_vectors_of_box2d_equal_native_ones() {
     }
 }
 
-/// A step that an environment refuses leaves the others as they are by hand, and nothing half done
-/// behind.
+/// If one environment refuses its action, the other environments step as by hand, and no step
+/// remains half done.
 #[test]
 fn a_refused_action_leaves_no_step_begun() {
     let spec = spec("LunarLanderContinuous-v3", json!({}));
@@ -353,11 +354,11 @@ fn infos_of_tables_equal_those_of_sync() {
                     "{id}, {mode:?}: step {step}"
                 );
                 for i in 0..5 {
-                    // the info of an episode's end is told once
+                    // the info of an episode's end is returned once
                     let [last, expected] = [&native, &sync].map(|envs| {
                         let mut last = gym::Info::new();
                         envs.final_info(i, &mut |key, value| {
-                            drop(last.insert(key.to_owned(), value))
+                            drop(last.insert(key.to_owned(), value));
                         });
                         last
                     });
@@ -395,7 +396,7 @@ fn arguments_of_tables_work() {
     }
 }
 
-/// The number of compared steps of each environment: 200,000, or `NATIVE_STEPS`.
+/// Returns the number of steps to compare per environment: 200,000, or `NATIVE_STEPS`.
 fn steps_to_compare() -> usize {
     std::env::var("NATIVE_STEPS")
         .ok()
@@ -403,8 +404,8 @@ fn steps_to_compare() -> usize {
         .unwrap_or(200_000)
 }
 
-/// Compares each of many steps with one of the scalar dynamics from the same state, by bits.
-/// `options` let episodes start anywhere; those that autoreset starts begin as usual.
+/// Compares each step, bit by bit, with a step of the scalar dynamics from the same state.
+/// `options` allow a start anywhere; episodes after an autoreset begin as usual.
 fn compare_steps<D, const K: usize, const O: usize>(config: D::Config, options: [(&str, f64); 2])
 where
     D: Native<Packed = [f64; K]> + Task<Observation = [f32; O]>,
@@ -487,7 +488,7 @@ fn steps_from_anywhere_equal_those_of_scalar_environments() {
     );
 }
 
-/// Angles and positions far from any episode: these too are equal.
+/// Steps from angles and positions far from any episode are equal, too.
 #[test]
 fn steps_from_extremes_equal_those_of_scalar_environments() {
     use gym::classic::{cartpole, mountain_car, mountain_car_continuous, pendulum};
@@ -549,7 +550,7 @@ fn starts_equal_those_of_scalar_environments() {
                     assert_eq!(shown[i], start, "{id}: {reset:?} of {i}");
                 }
             }
-            // what a mask leaves out is shown as it was
+            // environments outside of the mask keep their rows
             let left_out =
                 VectorReset::default().mask((0..40).map(|i| i == 39).collect::<Vec<_>>());
             let mut other = Columns::default();
@@ -565,7 +566,7 @@ fn starts_equal_those_of_scalar_environments() {
     }
 }
 
-/// The columns of some steps, as bits.
+/// Returns the columns of several steps, as bits.
 fn bits<D: Native>(
     envs: &mut NativeVectorEnv<D>,
     seed: u64,
@@ -722,7 +723,8 @@ fn what_only_scalar_environments_can_do_is_refused() {
     assert!(native(&endless, 1, Autoreset::NextStep).is_ok());
 }
 
-/// A step with these actions of a vector of three, after which nothing may have changed.
+/// Takes a step with `actions` in a vector of three; asserts that it is refused and changes
+/// nothing.
 fn refused(id: &str, actions: &Value) -> String {
     let mut envs = native(&spec(id, json!({})), 3, Autoreset::NextStep).unwrap();
     let mut columns = envs.columns().unwrap();
@@ -783,7 +785,7 @@ fn bad_actions_are_refused_before_anything_is_stepped() {
             );
         }
     }
-    // an environment whose step is a reset takes no action, in whichever block of numbers it is
+    // an environment whose step is a reset ignores its action, in any block
     let mut envs = native(&spec("FrozenLake-v1", json!({})), 70, Autoreset::NextStep).unwrap();
     let mut columns = envs.columns().unwrap();
     let mut actions = envs.action_space().unwrap().sampler(0);
@@ -808,7 +810,7 @@ fn bad_actions_are_refused_before_anything_is_stepped() {
         envs.step_into(&Value::Array(batch.into()), &mut columns)
             .unwrap();
     }
-    // beyond the bounds a torque is clipped, as in Gymnasium
+    // a torque beyond the bounds is clipped, as in Gymnasium
     let mut envs = native(&spec("Pendulum-v1", json!({})), 3, Autoreset::NextStep).unwrap();
     let mut columns = envs.columns().unwrap();
     envs.reset_into(&0.into(), &mut columns).unwrap();

@@ -1,18 +1,18 @@
-//! The same seed gives the same episode, sample and number as Gymnasium and numpy, to the last bit.
+//! The same seed gives the same episode, sample and number as in Gymnasium and numpy, to the last
+//! bit.
 
-use gym::box2d::CarRacing;
 use gym::spaces::{
     BoxSpace, DictSpace, Discrete, GraphSpace, MultiBinary, MultiDiscrete, OneOfSpace, Selection,
     SequenceSpace, TextSpace, TupleSpace,
 };
 use gym::trace::Trace;
 use gym::vector::VectorKind;
-use gym::{BoxEnv, DType, Env, EnvExt, Generator, Seed, Space, VectorEnv, VectorEnvExt};
+use gym::{DType, Env, Generator, Seed, Space, VectorEnv, VectorEnvExt};
 use gym_tests::{Reference, references};
 use serde::de::DeserializeOwned;
 use serde_json::{Value as Json, json};
 
-/// No file may be left out because nothing here knows what to do with it.
+/// No reference is skipped because no test handles its kind.
 #[test]
 fn every_reference_is_of_a_known_kind() {
     for Reference { name, json, .. } in references() {
@@ -26,12 +26,11 @@ fn every_reference_is_of_a_known_kind() {
     }
 }
 
-/// A file that is missing would be a test that checks nothing: who adds one or takes one away says
-/// so here.
+/// A missing reference is a test that checks nothing: update the list when you add or remove one.
 #[test]
 fn no_reference_is_missing() {
     if std::env::var_os("GYM_REFERENCE").is_some() {
-        return; // a folder of somebody's own
+        return; // a folder of the user's own
     }
     let references = references();
     let count = |is: &dyn Fn(&Reference) -> bool| {
@@ -69,7 +68,7 @@ fn traces() {
         let recorded: Trace =
             serde_json::from_str(text).unwrap_or_else(|error| panic!("{name}: {error}"));
         let answered = recorded
-            .replay(state)
+            .replay()
             .unwrap_or_else(|error| panic!("{name}: {error}"));
         if let Some(difference) = recorded.first_difference(&answered) {
             panic!("{name}: {difference}");
@@ -79,7 +78,7 @@ fn traces() {
     println!("{count} traces are equal");
 }
 
-/// The same vectors on a pool of threads.
+/// Replays the vectors' traces on a pool of threads.
 #[test]
 fn traces_of_vectors_on_threads() {
     let mut count = 0;
@@ -92,7 +91,7 @@ fn traces_of_vectors_on_threads() {
         };
         vector.kind = Some(VectorKind::Async);
         let answered = recorded
-            .replay(state)
+            .replay()
             .unwrap_or_else(|error| panic!("{name}: {error}"));
         if let Some(difference) = recorded.first_difference(&answered) {
             panic!("{name}: {difference}");
@@ -131,12 +130,7 @@ fn actions_of_vectors() {
     }
 }
 
-/// The bodies of a CarRacing, whose traces leave the picture out.
-fn state(env: &BoxEnv) -> Option<Json> {
-    env.unwrapped::<CarRacing>().map(|car| json!(car.state()))
-}
-
-/// What a spec says is part of a trace too.
+/// The spec and spaces in a trace are compared, too.
 #[test]
 fn specs_and_spaces_of_traces() {
     for Reference { name, json, text } in
@@ -199,7 +193,7 @@ fn random_numbers() {
     }
 }
 
-/// The seed of a file, which may have more digits than JSON's numbers hold.
+/// Parses the seed of a file, which may have more digits than a JSON number can represent.
 fn big_seed(text: &str) -> Seed {
     #[derive(serde::Deserialize)]
     struct File<'a> {
@@ -210,7 +204,7 @@ fn big_seed(text: &str) -> Seed {
     file.seed.get().parse().expect("a whole number")
 }
 
-/// The first `n` numbers of the primitive that a reference file calls `key`.
+/// Returns the first `n` numbers of the primitive that a reference file calls `key`.
 fn primitive(key: &str, mut rng: Generator, n: usize) -> Option<Json> {
     use rand::Rng;
     const CARDS: [i64; 13] = [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 10, 10, 10];
@@ -305,7 +299,7 @@ fn samples_of_spaces() {
     }
 }
 
-/// A list of entries, or a list of lists.
+/// Parses a list of entries, or a list of lists.
 fn selection<T: DeserializeOwned>(json: &Json) -> Selection<T> {
     let values: Result<Vec<T>, _> = serde_json::from_value(json.clone());
     values.map_or_else(
@@ -314,7 +308,7 @@ fn selection<T: DeserializeOwned>(json: &Json) -> Selection<T> {
     )
 }
 
-/// The space of a masked case.
+/// Returns the space of a masked case.
 fn masked_space(case: &str) -> Option<Space> {
     Some(match case {
         "discrete" => Space::discrete(5),
@@ -325,7 +319,7 @@ fn masked_space(case: &str) -> Option<Space> {
     })
 }
 
-/// The space that the reference files call by this name.
+/// Returns the space that the reference files call `case`.
 fn space(case: &str) -> Option<Space> {
     const INF: f64 = f64::INFINITY;
     let uniform = |low, high, n: usize, dtype| {

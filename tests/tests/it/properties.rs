@@ -1,4 +1,4 @@
-//! Rules for every space, id, spec and snapshot, checked on random ones.
+//! Properties of every space, id, spec and snapshot, checked on random ones.
 
 use gym::registry::EnvId;
 use gym::spaces::{
@@ -50,7 +50,7 @@ fn boxed() -> impl Strategy<Value = BoxSpace> {
         )
 }
 
-/// A space whose elements are numbers or arrays.
+/// Generates a space whose elements are numbers or arrays.
 fn leaf() -> impl Strategy<Value = Space> {
     let discrete = (1i64..9, -5i64..5)
         .prop_map(|(n, start)| Discrete::new(n).unwrap().with_start(start).unwrap());
@@ -63,7 +63,7 @@ fn leaf() -> impl Strategy<Value = Space> {
     ]
 }
 
-/// Any space.
+/// Generates any space.
 fn space() -> impl Strategy<Value = Space> {
     let text = (0usize..3, 0usize..5, "[a-zé]{1,6}").prop_map(|(min, more, charset)| {
         TextSpace::new(min, min + more)
@@ -124,7 +124,7 @@ proptest! {
     #[test]
     fn flattening_is_undone(space in space(), seed: u64) {
         let Ok(flat_space) = space.flatten_space() else {
-            // a choice among spaces, one of which has elements of many lengths
+            // a `OneOf` space with a subspace of variable length
             prop_assert!(!space.is_flattenable());
             return Ok(());
         };
@@ -171,14 +171,14 @@ proptest! {
 }
 
 proptest! {
-    // a track or a terrain takes its time
+    // making a track or a terrain takes time
     #![proptest_config(ProptestConfig { cases: 60, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn snapshots_survive_json(index: prop::sample::Index, seed: u64, steps in 0usize..30) {
         let all = registry::self_contained();
         let id = index.get(&all).id();
-        // bounds that are known to be too narrow are no matter here
+        // some bounds are known to be too narrow, which does not matter here
         let make = || gym::builder(id).disable_env_checker(true).build();
         let mut env = make().unwrap();
         let mut actions = env.action_sampler(seed).unwrap();

@@ -1,9 +1,9 @@
-//! Frames of other sizes than Gymnasium's are not drawn as by pygame, but look similar.
+//! Frames of other sizes than Gymnasium's are not drawn like pygame's, but look similar.
 
 use gym::render::{Frame, painter};
 use gym::{Env, EnvExt, registry};
 
-/// How far a picture and one of twice its size differ on average in these pixels, in 255ths.
+/// Returns the mean difference, in 255ths, between a frame and one of twice its size at `pixels`.
 fn difference(small: &Frame, large: &Frame, pixels: impl Iterator<Item = (usize, usize)>) -> f64 {
     let width = small.width() as usize;
     let (mut sum, mut count) = (0.0, 0);
@@ -20,8 +20,8 @@ fn difference(small: &Frame, large: &Frame, pixels: impl Iterator<Item = (usize,
     sum / f64::from(count)
 }
 
-/// At half the size a pixel at an edge shows a sixteenth of what is behind: its fill and its
-/// outline each leave a quarter.
+/// At half the size, an edge pixel shows a sixteenth of the background: fill and outline each leave
+/// a quarter.
 #[test]
 fn pictures_of_other_sizes_are_alike_up_to_their_edges() {
     for registration in registry::self_contained() {

@@ -1,4 +1,4 @@
-//! Vectors against their sub-environments stepped by hand, and failures.
+//! Vectors compared with sub-environments that are stepped by hand, and failures.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -19,12 +19,12 @@ const MODES: [Autoreset; 3] = [
     Autoreset::Disabled,
 ];
 
-/// An id with episodes short enough to end often.
+/// Builds a vector of an id with short episodes, which end often.
 fn short(id: &str, n: usize) -> VectorBuilder {
     builder(id).max_episode_steps(9).vector(n)
 }
 
-/// Every id but those of the second engine, which differ in nothing that a vector sees.
+/// Returns every id except those of the second engine, which look the same to a vector.
 fn ids() -> Vec<String> {
     let ids = registry::self_contained()
         .into_iter()
@@ -44,7 +44,7 @@ struct Row {
     final_info: Option<Info>,
 }
 
-/// The rows of a vector.
+/// Returns the rows of a vector.
 fn rows(envs: &dyn VectorEnv, columns: &Columns) -> Vec<Row> {
     let space = envs.single_observation_space();
     let row = |batch: &Value, i| {
@@ -55,7 +55,7 @@ fn rows(envs: &dyn VectorEnv, columns: &Columns) -> Vec<Row> {
     let row = |i: usize| {
         let mut final_info = Info::new();
         envs.final_info(i, &mut |key, value| {
-            drop(final_info.insert(key.to_owned(), value))
+            drop(final_info.insert(key.to_owned(), value));
         });
         assert!(columns.has_final[i] || final_info.is_empty());
         Row {
@@ -71,7 +71,7 @@ fn rows(envs: &dyn VectorEnv, columns: &Columns) -> Vec<Row> {
     (0..envs.num_envs()).map(row).collect()
 }
 
-/// One sub-environment stepped by hand.
+/// A sub-environment that is stepped by hand.
 struct ByHand {
     env: BoxEnv,
     done: bool,
@@ -224,12 +224,12 @@ fn async_is_sync_for_any_number_of_threads() {
     }
 }
 
-/// Counts its steps; action 1 is refused, 2 panics, 3 takes a while. An episode ends at the 10th
-/// step.
+/// An environment that counts its steps; it refuses action 1, panics at action 2 and takes long for
+/// action 3. An episode ends at the 10th step.
 #[derive(Clone, Debug, Default)]
 struct Fragile {
     steps: i64,
-    /// How often action 3 was taken, by clones as well.
+    /// The number of times that action 3 was taken, including by clones.
     slept: Arc<AtomicUsize>,
 }
 
@@ -367,7 +367,7 @@ fn a_panic_names_the_sub_environment_which_must_then_be_reset() {
     }
 }
 
-/// Gymnasium's `observation_mode="different"`.
+/// Tests Gymnasium's `observation_mode="different"`.
 #[test]
 fn observations_may_have_other_bounds() {
     let lakes = || {
@@ -409,7 +409,7 @@ fn observations_may_have_other_bounds() {
         }
         assert!(seen > 16, "the larger lake's own bounds were never needed");
     }
-    // other forms never go together
+    // spaces of different shapes are refused
     let mixed = ["Taxi-v3", "CartPole-v1"].map(|id| gym::make(id).unwrap());
     assert!(SyncVectorEnv::with_observation_mode(mixed, mode).is_err());
     let other_actions = ["FrozenLake-v1", "Taxi-v3"].map(|id| gym::make(id).unwrap());
@@ -436,7 +436,7 @@ fn the_first_ready_are_received_and_the_slow_come_later() {
         (&[0, 1, 3][..], &[1, 1, 1][..])
     );
     assert_eq!(columns.len(), 3);
-    // what is pending can neither be sent again nor stepped with the others
+    // a pending sub-environment can neither be sent to again nor stepped with the others
     let error = envs.send(&actions([0]), &[2]).unwrap_err().to_string();
     assert_eq!(
         error,
@@ -495,7 +495,7 @@ fn a_failed_step_is_received_alone() {
 #[test]
 fn drop_and_close_in_mid_flight_do_not_hang() {
     for close in [false, true] {
-        // clones count together
+        // clones share the counter
         let fragile = fragile(64);
         let slept = Arc::clone(&fragile[0].slept);
         let mut envs = AsyncVectorEnv::new(fragile)
@@ -772,7 +772,7 @@ fn columns_of_another_form_are_made_anew() {
     );
 }
 
-/// Its episodes end with the second step, and only the first can be begun.
+/// An environment whose episodes end with the second step; only its first reset succeeds.
 #[derive(Clone, Debug, Default)]
 struct Once {
     steps: i64,
@@ -822,7 +822,8 @@ impl Env for Once {
     }
 }
 
-/// Where the reset after the last step of an episode fails there is no reward, flag or info.
+/// If the reset after an episode's last step fails, the sub-environment returns no reward, flag or
+/// info.
 #[test]
 fn a_sub_environment_that_fails_to_reset_answers_nothing() {
     let envs = || vec![Once::default(); 2];

@@ -1,4 +1,5 @@
-//! Any order of calls gives the same on every kind of vector: nothing of an earlier call remains.
+//! Any order of calls gives the same results with every kind of vector: no call depends on
+//! leftovers of earlier calls.
 
 use gym::vector::{
     AsyncVectorEnv, Autoreset, Columns, Progress, Seeds, SyncVectorEnv, VectorEnv, VectorEnvExt,
@@ -13,7 +14,7 @@ const MODES: [Autoreset; 3] = [
     Autoreset::Disabled,
 ];
 
-/// Episodes are short, so that many end; by a limit as well.
+/// Returns specs with short episodes, which end often, also by a limit.
 fn specs() -> Vec<EnvSpec> {
     [
         "CartPole-v1",
@@ -33,7 +34,7 @@ fn specs() -> Vec<EnvSpec> {
     .collect()
 }
 
-/// All that a caller sees of one sub-environment.
+/// Everything that a caller sees of one sub-environment.
 #[derive(Debug, PartialEq)]
 struct Row {
     observation: Value,
@@ -80,14 +81,14 @@ fn rows(envs: &dyn VectorEnv, columns: &Columns) -> Vec<Row> {
     observations.enumerate().map(row).collect()
 }
 
-/// A call, the same for all kinds.
+/// A call; all kinds of vectors receive the same calls.
 #[derive(Clone, Debug)]
 enum Call {
     Reset(VectorReset),
     Step(u64),
-    /// Stores the state.
+    /// Takes a snapshot.
     Store,
-    /// Goes on from the stored state, in the used vector or in a new one.
+    /// Restores the snapshot, in the used vector or in a new one.
     Restore {
         new: bool,
     },
@@ -126,7 +127,7 @@ fn calls(n: usize, seed: u64) -> Vec<Call> {
     calls
 }
 
-/// What each call answers; a refused step is followed by a reset of what has ended.
+/// Returns the results of each call; after a refused step, ended sub-environments are reset.
 fn answers(spec: &VectorSpec, calls: &[Call]) -> Vec<std::result::Result<Vec<Row>, String>> {
     let mut envs = spec.make().unwrap();
     let mut columns = envs.columns().unwrap();
@@ -153,7 +154,7 @@ fn answers(spec: &VectorSpec, calls: &[Call]) -> Vec<std::result::Result<Vec<Row
                 let snapshot: Snapshot = serde_json::from_str(text).unwrap();
                 envs.restore(&snapshot).unwrap();
                 (columns, over) = (then.clone(), were_over.clone());
-                // final infos are of the last step, which is not taken again
+                // final infos belong to the last step, which is not repeated
                 columns.has_final.fill(false);
                 Ok(())
             }
@@ -205,7 +206,7 @@ fn every_kind_answers_the_same_whatever_was_called_before() {
     }
 }
 
-/// A snapshot from before the first reset takes the episodes of a used vector away.
+/// After restoring a snapshot from before the first reset, a used vector needs a reset.
 #[test]
 fn a_snapshot_of_a_new_vector_needs_a_reset() {
     for kind in [VectorKind::Native, VectorKind::Sync, VectorKind::Async] {
@@ -226,7 +227,7 @@ fn a_snapshot_of_a_new_vector_needs_a_reset() {
     }
 }
 
-/// What no native vector stores is refused, and changes nothing.
+/// A snapshot that no native vector can produce is refused and changes nothing.
 #[test]
 fn flags_and_counts_that_cannot_be_are_refused() {
     for (autoreset, field, value) in [
@@ -252,7 +253,7 @@ fn flags_and_counts_that_cannot_be_are_refused() {
     }
 }
 
-/// Sets the first number of a row, wherever it is.
+/// Replaces the first number of the row `field`, wherever it is.
 fn replace(json: &mut Json, field: &str, value: &Json) -> bool {
     match json {
         Json::Object(entries) => {
@@ -280,7 +281,7 @@ fn first_number(json: &mut Json) -> Option<&mut Json> {
     }
 }
 
-/// Steps are counted up to a number that no limit has, and no further.
+/// Steps are counted up to a number above every limit, and no further.
 #[test]
 fn an_episode_without_a_limit_goes_on_for_ever() {
     let spec = EnvSpec {
@@ -302,7 +303,7 @@ fn an_episode_without_a_limit_goes_on_for_ever() {
     envs.restore(&snapshot).unwrap();
 }
 
-/// Seeds count up from the first, however many there are.
+/// The seeds of sub-environments count up from the first, for any number of sub-environments.
 #[test]
 fn the_seeds_of_many_differ() {
     let reset = VectorReset::from(5);
@@ -327,7 +328,7 @@ fn a_closed_vector_stays_closed() {
         envs.reset(0).unwrap();
         let before = open.snapshot().unwrap();
         envs.close();
-        // what is done to one of its environments does not open it again
+        // changing one of its environments does not reopen it
         let _ = envs.visit_envs(&mut |_, env| {
             if let Some(env) = env.downcast_mut::<gym::BoxEnv>() {
                 let _ = gym::EnvExt::reset(env, 0);
@@ -341,7 +342,7 @@ fn a_closed_vector_stays_closed() {
             "{kind:?}"
         );
         assert!(envs.restore(&before).is_err());
-        // nor is its state one to go on from
+        // a snapshot of a closed vector cannot be restored either
         if let Ok(closed) = envs.snapshot() {
             assert!(open.restore(&closed).is_err(), "{kind:?}");
         }
@@ -349,7 +350,7 @@ fn a_closed_vector_stays_closed() {
     }
 }
 
-/// Tells an array of its own length.
+/// An environment whose info is an array of its own length.
 #[derive(Clone, Debug)]
 struct Lengths(usize);
 
@@ -380,7 +381,7 @@ impl Env for Lengths {
     }
 }
 
-/// A column of infos has rows of one shape; what has another is missing from it.
+/// A column of infos has rows of one shape; an info of another shape is missing from it.
 #[test]
 fn infos_of_another_shape_are_missing() {
     let mut envs = SyncVectorEnv::new([2, 3, 2, 1].map(Lengths)).unwrap();
@@ -393,8 +394,8 @@ fn infos_of_another_shape_are_missing() {
     assert_eq!(numbers, [7.0, 7.0, 0.0, 0.0, 7.0, 7.0, 0.0, 0.0]);
 }
 
-/// Who is away cannot be given to other threads, and nothing of no sub-environments can be
-/// received.
+/// A sub-environment with a pending step cannot move to other threads, and nothing can be received
+/// from an empty set.
 #[test]
 fn what_is_pending_is_received_first() {
     let mut envs = AsyncVectorEnv::new([2, 2].map(Lengths)).unwrap();

@@ -1,12 +1,11 @@
-//! A wrapper of a vector that keeps no state does what the same wrapper does around each
-//! sub-environment.
+//! A stateless wrapper of a vector has the effect of the same wrapper around each sub-environment.
 
 use gym::render::RenderMode;
 use gym::vector::{Autoreset, Columns, VectorKind};
 use gym::{EnvSpec, VectorEnv, VectorEnvExt, WrapperSpec, builder, registry};
 use serde_json::{Value as Json, json};
 
-/// Environments, and wrappers around them.
+/// Returns environments, and wrappers for them.
 fn cases() -> Vec<(EnvSpec, Json)> {
     let short = |id: &str| builder(id).max_episode_steps(7);
     let plain = |id: &str| short(id).spec().unwrap();

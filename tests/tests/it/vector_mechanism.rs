@@ -1,12 +1,13 @@
-//! Every wrapper of vectors forwards the methods that it does not change: each method of
-//! `VectorEnv` is called on every wrapper around a spy.
+//! Every vector wrapper forwards the methods that it does not change: the test calls each method of
+//! `VectorEnv` on every wrapper around a spy.
 
 use std::any::Any;
 use std::collections::BTreeSet;
 use std::sync::{Arc, Mutex};
 
-use gym::render::{Frame, Metadata, RenderMode, Rendered};
-use gym::rendering::RecordVectorVideo;
+use gym::render::{
+    Frame, Metadata, RecordVectorVideo, RecordVectorVideoConfig, RenderMode, Rendered,
+};
 use gym::spaces::BoxSpace;
 use gym::vector::{Autoreset, Columns, Progress, VectorKind, VectorReset, VectorSpec};
 use gym::wrappers::{
@@ -14,13 +15,13 @@ use gym::wrappers::{
     TransformObservation, TransformReward,
 };
 use gym::{
-    BoxEnv, DType, Env, Error, Result, Snapshot, Space, Value, VectorEnv, VectorEnvExt, VectorWrap,
-    WrapperSpec, registry,
+    BoxEnv, DType, Env, Error, Inspect, Result, Snapshot, Space, Value, VectorEnv, VectorEnvExt,
+    VectorWrap, WrapperSpec, registry,
 };
 
 const N: usize = 3;
 
-/// A vector that notes which of its methods are called, and whose answers are unlike any default.
+/// A vector that records its calls, and whose results differ from all defaults.
 struct Spy {
     calls: Arc<Mutex<BTreeSet<&'static str>>>,
     state: i64,
@@ -105,6 +106,12 @@ impl VectorEnv for Spy {
         Ok(())
     }
 
+    fn inspect(&mut self, index: usize, _visit: &mut dyn FnMut(&mut dyn Inspect)) -> Result<()> {
+        assert_eq!(index, 1);
+        self.note("inspect");
+        Ok(())
+    }
+
     fn render(&mut self) -> Result<Vec<Rendered>> {
         self.note("render");
         Ok((0..N)
@@ -147,7 +154,7 @@ impl VectorEnv for Spy {
     }
 }
 
-/// A wrapper of a third party that changes nothing.
+/// A third-party wrapper that changes nothing.
 struct Idle<V> {
     envs: V,
 }
@@ -175,13 +182,14 @@ fn drawn() -> BoxEnv {
         .unwrap()
 }
 
-/// Every wrapper, and whether it changes the spaces of observations and of actions.
+/// Returns every wrapper, and whether it changes the spaces of observations and actions.
 fn wrappers() -> Vec<(&'static str, [bool; 2], Wrap)> {
     fn video(envs: Box<dyn VectorEnv>) -> Box<dyn VectorEnv> {
+        let mut config = RecordVectorVideoConfig::from(videos());
+        config.common.video_length = 1;
         Box::new(
-            RecordVectorVideo::new(envs, videos())
+            RecordVectorVideo::new(envs, config)
                 .unwrap()
-                .video_length(1)
                 .step_trigger(|_| true),
         )
     }
@@ -236,7 +244,7 @@ fn wrappers() -> Vec<(&'static str, [bool; 2], Wrap)> {
     ]
 }
 
-/// The methods of the trait, read from its source, so that a new one cannot be forgotten here.
+/// Returns the methods of the trait, read from its source, so that the test covers new methods.
 fn methods() -> BTreeSet<String> {
     let source = include_str!("../../../crates/gym-core/src/vector/mod.rs");
     let (_, body) = source.split_once("pub trait VectorEnv").expect("the trait");
@@ -247,7 +255,7 @@ fn methods() -> BTreeSet<String> {
         .collect()
 }
 
-/// Every wrapper of vectors that is registered, so that a new one cannot be forgotten here.
+/// Every registered vector wrapper is tested here.
 #[test]
 fn every_wrapper_is_among_them() {
     let here: BTreeSet<&str> = wrappers().iter().map(|(name, ..)| *name).collect();
@@ -257,7 +265,7 @@ fn every_wrapper_is_among_them() {
         .map(|wrapper| wrapper.name)
         .collect();
     let lacking: Vec<_> = registered.difference(&here).collect();
-    // which need other observations than the spy's: `vector_maps.rs` has them
+    // these need other observations than the spy's: `vector_maps.rs` tests them
     assert_eq!(
         lacking,
         [
@@ -287,6 +295,7 @@ fn every_method_reaches_the_vector_within() {
             "{name}"
         );
         assert_eq!(envs.metadata().render_fps, 77, "{name}");
+        envs.inspect(1, &mut |_| ()).unwrap();
         let observation = envs.observation_space().unwrap();
         let expected = BoxSpace::uniform(-7.0, 7.0, [N, 2], DType::F32)
             .unwrap()
@@ -322,10 +331,10 @@ fn every_method_reaches_the_vector_within() {
         let snapshot = envs.snapshot().unwrap();
         envs.step_into(&actions, &mut columns).unwrap();
         envs.restore(&snapshot).unwrap();
-        assert_eq!(envs.wrapper::<Spy>().unwrap().state, 1, "{name}");
-        envs.wrapper_mut::<Spy>().unwrap().state = 9;
-        assert_eq!(envs.wrapper::<Spy>().unwrap().state, 9, "{name}");
-        assert!(envs.wrapper::<ClipReward<Spy>>().is_none());
+        assert_eq!(envs.layer::<Spy>().unwrap().state, 1, "{name}");
+        envs.layer_mut::<Spy>().unwrap().state = 9;
+        assert_eq!(envs.layer::<Spy>().unwrap().state, 9, "{name}");
+        assert!(envs.layer::<ClipReward<Spy>>().is_none());
         if let Some(spec) = envs.spec() {
             assert_eq!(spec.vector_wrappers.len(), 1, "{name}");
             assert_eq!(spec.vector_wrappers[0].name, name);
@@ -343,23 +352,23 @@ fn every_method_reaches_the_vector_within() {
             .iter()
             .map(ToString::to_string)
             .collect();
-        // the spaces that a wrapper replaces are its own
+        // a wrapper that replaces a space returns its own
         if observes {
             reached.extend(["observation_space", "single_observation_space"].map(str::to_owned));
         }
         if acts {
             reached.extend(["action_space", "single_action_space"].map(str::to_owned));
         }
-        // a wrapper without a spec of its own has no need to ask
+        // a wrapper without a spec does not ask for the inner one
         reached.insert("spec".into());
-        // how `wrapper` finds the vector within
+        // `layer` uses these to find the inner vector
         reached.extend(["within", "within_mut"].map(str::to_owned));
         assert_eq!(reached, methods(), "{name}");
     }
     std::fs::remove_dir_all(videos()).unwrap();
 }
 
-/// Steps the first sub-environment, and fails in the second.
+/// An environment that steps the first sub-environment and fails in the second.
 struct HalfWay {
     calls: u32,
 }
@@ -407,8 +416,7 @@ impl VectorEnv for HalfWay {
     }
 }
 
-/// What has happened to one sub-environment is not lost because another one fails, and what is
-/// refused altogether does not count twice.
+/// If one sub-environment fails, the steps of the others are kept; a refused step is not counted.
 #[test]
 fn an_error_of_one_does_not_hide_the_step_of_the_others() {
     let actions = Value::Array(gym::Array::from([0.0f32, 0.0]).reshape([2, 1]).unwrap());
@@ -470,8 +478,8 @@ fn an_error_of_one_does_not_hide_the_step_of_the_others() {
     );
 }
 
-/// A spec is not reachable by forgetting it: a wrapper of a third party has none until it says how
-/// it is made, and can then be rebuilt where it is registered.
+/// A third-party wrapper has no spec until it provides one; if it is registered, the spec rebuilds
+/// it.
 #[test]
 fn a_wrapper_that_leaves_out_its_spec_has_none() {
     let envs = gym::make_vec("CartPole-v1", 2, None).unwrap();

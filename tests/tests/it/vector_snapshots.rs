@@ -1,5 +1,5 @@
-//! A vector that is stored and restored continues identically: every kind, autoreset mode and
-//! wrapper, also in another process. A snapshot that is refused changes nothing.
+//! A vector that is stored and restored continues identically: with every kind, autoreset mode and
+//! wrapper, also in another process. A refused snapshot changes nothing.
 
 use std::process::Command;
 
@@ -21,7 +21,7 @@ const MODES: [Autoreset; 3] = [
 const KINDS: [VectorKind; 3] = [VectorKind::Sync, VectorKind::Async, VectorKind::Native];
 const N: usize = 5;
 
-/// A vector whose episodes end often.
+/// Returns the spec of a vector whose episodes end often.
 fn spec(id: &str, kind: VectorKind, autoreset: Autoreset, wrappers: &Json) -> VectorSpec {
     let vector = builder(id)
         .max_episode_steps(9)
@@ -34,13 +34,13 @@ fn spec(id: &str, kind: VectorKind, autoreset: Autoreset, wrappers: &Json) -> Ve
     })
 }
 
-/// What is seen after a call: columns, and infos without the clock.
+/// What a caller sees after a call: columns, and infos without wall-clock times.
 type Seen = (Columns, Info);
 
 fn seen(envs: &dyn VectorEnv, columns: &Columns) -> Seen {
     let mut infos = envs.infos(columns);
     let mut columns = columns.clone();
-    // the other rows may hold anything
+    // the contents of the other rows are unspecified
     let finals = envs
         .single_observation_space()
         .iterate(&columns.final_observations)
@@ -56,8 +56,8 @@ fn seen(envs: &dyn VectorEnv, columns: &Columns) -> Seen {
     (columns, infos)
 }
 
-/// Random steps, with resets by mask: of those whose episode is over, and in other modes now and
-/// then of one.
+/// Takes random steps. Resets by mask the environments whose episodes ended; in other autoreset
+/// modes, sometimes resets one.
 fn play(
     envs: &mut dyn VectorEnv,
     columns: &mut Columns,
@@ -70,7 +70,7 @@ fn play(
         history.push(seen(envs, columns));
         let mut mask: Vec<bool> = (0..N).map(|i| columns.done(i)).collect();
         if envs.autoreset() != Autoreset::Disabled {
-            // a due reset of its own is still due after a reset by mask that leaves it out
+            // a due autoreset stays due if a reset by mask excludes the environment
             mask = (0..N).map(|i| step % 7 == 3 && i == step % N).collect();
         }
         if mask.contains(&true) {
@@ -87,7 +87,7 @@ fn stored(envs: &dyn VectorEnv) -> Snapshot {
     serde_json::from_str(&text).unwrap()
 }
 
-/// A snapshot without the wall-clock time of episodes.
+/// Returns a snapshot without the wall-clock time of episodes.
 fn without_clock(snapshot: &Snapshot) -> Json {
     fn clean(json: &mut Json) {
         match json {
@@ -198,7 +198,7 @@ fn every_wrapper_continues() {
     }
 }
 
-/// Wrappers of the sub-environments keep statistics and queues of their own.
+/// Wrappers of the sub-environments have their own statistics and queues.
 #[test]
 fn wrapped_environments_continue() {
     let env = ["NormalizeObservation", "NormalizeReward"]
@@ -220,7 +220,7 @@ fn wrapped_environments_continue() {
     }
 }
 
-/// The snapshots of a sync vector fit an async one: the threads make no difference.
+/// Snapshots of sync vectors fit async vectors: threads make no difference.
 #[test]
 fn sync_and_async_are_interchangeable() {
     for mode in MODES {
@@ -243,7 +243,7 @@ fn sync_and_async_are_interchangeable() {
 
 const CHILD: &str = "GYM_TEST_SNAPSHOT_FOLDER";
 
-/// What the other process does: reads spec, snapshot and actions, and prints what it sees.
+/// The other process: reads spec, snapshot and actions, and prints the results.
 #[test]
 fn child() {
     let Some(folder) = std::env::var_os(CHILD).map(std::path::PathBuf::from) else {
@@ -308,8 +308,7 @@ fn another_process_continues() {
     assert_eq!(seen, expected);
 }
 
-/// Each string and each number in the data in turn is spoilt, and what remains is offered to the
-/// vector.
+/// Returns copies of `json`, in each of which one string or number is damaged.
 fn spoilt(json: &Json) -> Vec<Json> {
     let mut all = Vec::new();
     match json {
@@ -403,7 +402,7 @@ fn a_refused_snapshot_changes_nothing() {
                 refused += 1;
                 assert_eq!(envs.snapshot().unwrap(), now, "{spoilt}");
             } else {
-                // it is a state of such a vector, such as that before the first reset: go on, then
+                // the state is valid, such as the state before the first reset: continue, then go
                 // back
                 for _ in 0..3 {
                     let _ = envs.step_into(&actions.clone().sample(), &mut columns);
@@ -421,7 +420,7 @@ fn a_refused_snapshot_changes_nothing() {
     assert!(refused > 300, "{refused}");
 }
 
-/// What a vector and a wrapper hold of each sub-environment is as long as the vector.
+/// A vector and its wrappers store one entry per sub-environment.
 #[test]
 fn statistics_of_fewer_environments_are_refused() {
     for kind in KINDS {
@@ -449,8 +448,8 @@ fn statistics_of_fewer_environments_are_refused() {
     }
 }
 
-/// The reset that a sub-environment is due is the vector's, not the environment's: putting the
-/// environments' own snapshots back loses it, and the vector's keeps it.
+/// A due reset belongs to the vector: restoring the environments' own snapshots loses it, restoring
+/// the vector's snapshot keeps it.
 #[test]
 fn a_reset_that_is_due_is_part_of_the_state() {
     for kind in KINDS {
@@ -521,7 +520,8 @@ fn what_cannot_be_stored_says_so() {
     assert_eq!(pool.metadata().render_fps, 50, "while one is away");
 }
 
-/// A training stops, its statistics go to the evaluation of one environment, and stay as they are.
+/// The statistics of a training are moved to the evaluation of one environment, where they are
+/// frozen.
 #[test]
 fn statistics_are_reached_and_frozen() {
     let wrappers = json!([{"name": "NormalizeObservation"}, {"name": "RecordEpisodeStatistics"}]);
@@ -537,23 +537,23 @@ fn statistics_are_reached_and_frozen() {
     let mut columns = envs.reset(0).unwrap();
     play(&mut *envs, &mut columns, &mut actions, 50);
     assert!(
-        envs.wrapper::<RecordEpisodeStatistics<BoxVector>>()
+        envs.layer::<RecordEpisodeStatistics<BoxVector>>()
             .unwrap()
             .episode_count()
             > 10
     );
     let statistics = envs
-        .wrapper::<NormalizeObservation<BoxVector>>()
+        .layer::<NormalizeObservation<BoxVector>>()
         .unwrap()
         .statistics()
         .clone();
     assert!(statistics.count() > 200.0);
-    envs.wrapper_mut::<NormalizeObservation<BoxVector>>()
+    envs.layer_mut::<NormalizeObservation<BoxVector>>()
         .unwrap()
         .update_running_mean(false);
     play(&mut *envs, &mut columns, &mut actions, 5);
     assert_eq!(
-        envs.wrapper::<NormalizeObservation<BoxVector>>()
+        envs.layer::<NormalizeObservation<BoxVector>>()
             .unwrap()
             .statistics(),
         &statistics
@@ -571,9 +571,7 @@ fn statistics_are_reached_and_frozen() {
     one = WrapperSpec::new("NormalizeObservation")
         .wrap_vector(one)
         .unwrap();
-    let normalizer = one
-        .wrapper_mut::<NormalizeObservation<BoxVector>>()
-        .unwrap();
+    let normalizer = one.layer_mut::<NormalizeObservation<BoxVector>>().unwrap();
     normalizer.set_statistics(statistics).unwrap();
     normalizer.update_running_mean(false);
     assert_eq!(
@@ -582,16 +580,16 @@ fn statistics_are_reached_and_frozen() {
     );
     let other = gym::wrappers::RunningMeanStd::new(7);
     assert!(
-        one.wrapper_mut::<NormalizeObservation<BoxVector>>()
+        one.layer_mut::<NormalizeObservation<BoxVector>>()
             .unwrap()
             .set_statistics(other)
             .is_err()
     );
-    assert!(one.wrapper::<SyncVectorEnv<BoxEnv>>().is_some());
+    assert!(one.layer::<SyncVectorEnv<BoxEnv>>().is_some());
 }
 
-/// What the vector knows of a sub-environment, such as a reset that is due, is in no snapshot of
-/// the sub-environment alone.
+/// What the vector stores about a sub-environment, such as a due reset, is not part of the
+/// sub-environment's own snapshot.
 #[test]
 fn snapshots_put_back_one_by_one_are_an_error_until_a_reset() {
     for (kind, autoreset) in [
@@ -611,7 +609,7 @@ fn snapshots_put_back_one_by_one_are_an_error_until_a_reset() {
         for _ in 0..3 {
             envs.step_into(&actions, &mut columns).unwrap();
         }
-        // looking changes nothing
+        // reading changes nothing
         let taken = envs
             .call(|_, env: &mut BoxEnv| env.snapshot().unwrap())
             .unwrap();
@@ -629,7 +627,7 @@ fn snapshots_put_back_one_by_one_are_an_error_until_a_reset() {
             "{error}"
         );
 
-        // neither a reset of the other one nor a snapshot of the whole hides it
+        // neither a reset of the other one nor a snapshot of the vector hides the error
         envs.reset_into(&VectorReset::default().mask([true, false]), &mut columns)
             .unwrap();
         let stored = stored(&*envs);

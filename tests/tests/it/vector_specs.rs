@@ -1,5 +1,5 @@
-//! A vector's spec makes a vector that steps identically, or there is no spec. A vector of any
-//! requested size is made, or refused before memory runs out.
+//! A vector's spec makes a vector that steps identically, or the vector has no spec. A vector of
+//! any requested size is made, or refused before memory runs out.
 
 use gym::vector::{Autoreset, VectorKind, VectorReset, VectorSpec};
 use gym::wrappers::*;
@@ -16,7 +16,7 @@ const IDS: [&str; 6] = [
     "Taxi-v4",
 ];
 
-/// A wrapper of vectors, if it can go around this one.
+/// Wraps a vector in the wrapper number `which`, if that supports the vector.
 fn wrap(envs: Box<dyn VectorEnv>, which: u32, x: f64) -> Result<Box<dyn VectorEnv>> {
     Ok(match which {
         0 => Box::new(RecordEpisodeStatistics::with_config(
@@ -61,7 +61,7 @@ fn wrap(envs: Box<dyn VectorEnv>, which: u32, x: f64) -> Result<Box<dyn VectorEn
     })
 }
 
-/// A wrapper of environments; not all go around all.
+/// Returns the environment wrapper number `which`; not all support every environment.
 fn env_wrapper(which: u32, x: f64) -> WrapperSpec {
     let wrapper = |name: &str, kwargs: Json| {
         serde_json::from_value::<WrapperSpec>(json!({"name": name, "kwargs": kwargs})).unwrap()
@@ -80,7 +80,7 @@ fn env_wrapper(which: u32, x: f64) -> WrapperSpec {
 /// Observations, rewards, flags and infos of a step.
 type Seen = (Value, Vec<f64>, Vec<bool>, Vec<bool>, Info);
 
-/// The answers to some steps and resets by mask, without the clock.
+/// Returns the results of several steps and resets by mask, without wall-clock times.
 fn play(envs: &mut dyn VectorEnv, steps: usize) -> Vec<Seen> {
     let mut columns = envs.columns().unwrap();
     let mut actions = envs.action_space().unwrap().sampler(5);
@@ -151,7 +151,7 @@ proptest! {
         let mut envs = vector.build().unwrap();
         let (mut count, mut functions) = (0, false);
         for (which, x) in around {
-            // a vector is used up by a wrapper that refuses it
+            // a wrapper that refuses a vector consumes it
             let again = |envs: &dyn VectorEnv| envs.spec().map(|spec| spec.make().unwrap());
             if functions { break }
             let other = again(&*envs).unwrap();
@@ -178,7 +178,7 @@ proptest! {
     }
 }
 
-/// Gymnasium's dict of columns does not depend on which wrapper is outside.
+/// Gymnasium's dict of columns does not depend on the order of wrappers.
 #[test]
 fn infos_do_not_depend_on_the_order_of_wrappers() {
     for autoreset in [
@@ -230,7 +230,7 @@ fn infos_do_not_depend_on_the_order_of_wrappers() {
             assert!(seen >= 3, "{other}, {autoreset:?}: {seen}");
         }
     }
-    /// The keys and the types, whatever the numbers.
+    /// Returns the keys and types, without the numbers.
     fn form(value: &Value) -> String {
         match value {
             Value::Array(array) => format!("{} {:?}", array.dtype(), array.shape()),
@@ -249,7 +249,7 @@ fn infos_do_not_depend_on_the_order_of_wrappers() {
     }
 }
 
-/// A mask leaves rows as they were, under every wrapper.
+/// A reset by mask keeps the other rows, under every wrapper.
 #[test]
 fn a_reset_by_mask_leaves_the_other_rows() {
     for wrapper in [
@@ -274,7 +274,7 @@ fn a_reset_by_mask_leaves_the_other_rows() {
         };
         let before = rows(&columns);
         for _ in 0..2 {
-            // also into columns that did not hold the rows before
+            // also into columns that did not contain the rows before
             let mut columns = gym::vector::Columns::default();
             envs.reset_into(
                 &VectorReset::default().mask([true, false, false]),
@@ -286,7 +286,7 @@ fn a_reset_by_mask_leaves_the_other_rows() {
     }
 }
 
-/// The autoreset of a step is no step, also where a reset by mask has left out one that was due.
+/// An autoreset does not count as a step, even if a reset by mask excluded a due reset.
 #[test]
 fn a_due_reset_is_not_counted_as_a_step() {
     for kind in [VectorKind::Sync, VectorKind::Async, VectorKind::Native] {
@@ -317,7 +317,7 @@ fn a_due_reset_is_not_counted_as_a_step() {
     }
 }
 
-/// The kind that nobody asked for works.
+/// The default kind works.
 #[test]
 fn without_a_kind_the_vector_is_one_that_works() {
     let native = |envs: Result<Box<dyn VectorEnv>>| envs.unwrap().describe().starts_with("Native");
@@ -356,7 +356,7 @@ fn without_a_kind_the_vector_is_one_that_works() {
         envs.reset(0).unwrap();
         assert!(vector.kind(VectorKind::Native).build().is_err());
     }
-    // what no kind can do says why
+    // a request that no kind supports is refused with its reason
     let error = builder("CartPole-v1")
         .arg("colour", 1)
         .vector(2)
@@ -420,8 +420,8 @@ fn a_number_that_cannot_be_is_refused_at_once() {
     }
 }
 
-/// The same actions in other types of numbers: what a sync vector takes, a native one takes, and
-/// what one refuses the other refuses, in the same words.
+/// Sync and native vectors accept the same dtypes of actions, and refuse others with the same
+/// message.
 #[test]
 fn every_kind_takes_the_same_forms_of_actions() {
     let narrow = gym::Array::new([2], gym::Data::I32(vec![1, 0])).unwrap();
@@ -448,7 +448,7 @@ fn every_kind_takes_the_same_forms_of_actions() {
             let answers = [VectorKind::Sync, VectorKind::Native].map(|kind| {
                 let mut envs = make_vec(id, 2, kind).unwrap();
                 let mut columns = envs.reset(0).unwrap();
-                // twice: a cast has storage of its own
+                // twice: the cast has a buffer of its own
                 let first = envs.step_into(&actions, &mut columns);
                 first
                     .and_then(|()| envs.step_into(&actions, &mut columns))
@@ -475,7 +475,7 @@ fn a_smaller_buffer_keeps_the_last_episodes() {
         envs.step_into(&actions, &mut columns).unwrap();
     }
     assert_eq!((envs.episode_count(), envs.episodes().len()), (20, 20));
-    // (a snapshot holds no seconds)
+    // (a snapshot contains no seconds)
     let told = |episode: &EpisodeStatistics| (episode.episode_return, episode.length);
     let last: Vec<_> = envs.episodes().skip(15).map(told).collect();
     let config = record_episode_statistics::Config {

@@ -1,4 +1,4 @@
-//! Wrappers of vectors, beyond the traces of Gymnasium, which are in parity.rs.
+//! Vector wrappers, beyond the traces of Gymnasium in parity.rs.
 
 use gym::vector::{Autoreset, SyncVectorEnv, VectorKind, VectorReset};
 use gym::wrappers::NormalizeReward;
@@ -73,7 +73,7 @@ fn statistics_are_those_of_each_environment_alone() {
             for index in 0..3 {
                 let mut info = within.info_map(index);
                 within.final_info(index, &mut |key, value| {
-                    drop(info.insert(key.to_owned(), value))
+                    drop(info.insert(key.to_owned(), value));
                 });
                 let alone = info.get("episode").map(|episode| {
                     (
@@ -303,8 +303,8 @@ fn bounds_are_for_one_sub_environment() {
         .unwrap();
 }
 
-/// Where a step ends an episode and begins the next, the sum of rewards begins anew with it, if the
-/// episode was truncated as well.
+/// A step that ends an episode, by truncation too, and begins the next one restarts the discounted
+/// return.
 #[test]
 fn a_truncated_episode_ends_the_discounted_return() {
     let returns = |envs: &NormalizeReward<Box<dyn VectorEnv>>| -> Vec<f64> {

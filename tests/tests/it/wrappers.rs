@@ -1,4 +1,4 @@
-//! The common wrappers, on typed and erased environments.
+//! The common wrappers, with concrete types and with `BoxEnv`.
 
 use gym::classic::cartpole::{Action, Config};
 use gym::classic::{CartPole, Pendulum};
@@ -16,7 +16,7 @@ fn cartpole() -> CartPole {
     CartPole::new(Config::default()).unwrap()
 }
 
-/// Plays to the end of an episode; gives its length and the flags of the last step.
+/// Plays to the end of an episode; returns its length and the flags of the last step.
 fn play<E: Env>(env: &mut E) -> (u32, bool, bool) {
     let mut actions = env.action_sampler(0).unwrap();
     env.reset(0).unwrap();
@@ -160,7 +160,7 @@ fn a_stack_continues_from_a_snapshot() {
     );
 }
 
-/// Observes a number that its space does not hold.
+/// An environment whose observation is outside of its space.
 #[derive(Clone)]
 struct Liar;
 
@@ -277,7 +277,7 @@ fn frames_are_gathered_and_handed_over_once() {
     );
 }
 
-/// Wall-clock time is no part of a snapshot: equal episodes give equal bytes.
+/// Snapshots contain no wall-clock time: equal episodes give equal bytes.
 #[test]
 fn snapshots_of_statistics_do_not_tell_the_time() {
     let stored = |pause: u64| {

@@ -7,7 +7,7 @@ use gym::{
 use proptest::prelude::*;
 use serde_json::{Value as Json, json};
 
-/// An id, and the wrappers to put around it.
+/// Returns ids with wrappers for them.
 fn stacks() -> Vec<(&'static str, Json)> {
     vec![
         (
@@ -87,7 +87,7 @@ fn wrap(id: &str, wrappers: &Json) -> BoxEnv {
     })
 }
 
-/// What some steps answer, resets where episodes end among them.
+/// Returns the results of `n` steps, with resets where episodes end.
 fn steps(env: &mut BoxEnv, n: usize) -> Vec<(Value, Option<Outcome>)> {
     let mut actions = env.action_sampler(3).unwrap();
     let mut answers = Vec::new();
@@ -156,7 +156,7 @@ fn stacks_continue_from_snapshots_and_clones() {
         let answers = steps(&mut env, 60);
         assert_eq!(steps(&mut restored, 60), answers, "{env}");
         assert_eq!(steps(&mut clone, 60), answers, "{env}");
-        // whatever the other did before: its buffers may have been turned, its episode over
+        // whatever the other did before: its buffers may be rotated, its episode over
         for used in 0..14 {
             let mut restored = wrap(id, &wrappers);
             restored.reset(6).unwrap();
@@ -173,7 +173,7 @@ fn stacks_continue_from_snapshots_and_clones() {
     }
 }
 
-/// But for statistics, an episode with a seed depends on nothing before it.
+/// Except for statistics, an episode with a seed does not depend on earlier episodes.
 #[test]
 fn stacks_forget_earlier_episodes() {
     for (id, wrappers) in stacks() {
@@ -196,7 +196,7 @@ fn stacks_forget_earlier_episodes() {
     }
 }
 
-/// Each wrapper refuses the arguments that it cannot keep.
+/// Each wrapper refuses arguments that it cannot satisfy.
 #[test]
 fn arguments_out_of_range_are_refused() {
     for (id, name, kwargs) in [
@@ -254,7 +254,7 @@ fn arguments_out_of_range_are_refused() {
     }
 }
 
-/// The time goes on beyond the limit that it is measured by.
+/// The time continues beyond the limit that scales it.
 #[test]
 fn time_goes_on_beyond_its_limit() {
     let wrappers = json!([["TimeAwareObservation", {"flatten": false, "max_timesteps": 3}]]);
@@ -276,8 +276,8 @@ fn time_goes_on_beyond_its_limit() {
     assert_eq!(times, expected);
 }
 
-/// Both ends of a range of repeats occur, and none beyond: an action sticks for as many steps as
-/// drawn.
+/// Both ends of the range of durations occur and nothing beyond: an action sticks for the drawn
+/// number of steps.
 #[test]
 fn an_action_sticks_for_each_number_of_steps_of_its_range() {
     let wrappers = json!([["StickyAction", {"repeat_action_probability": 0.3, "repeat_action_duration": [2, 4]}]]);
@@ -320,7 +320,7 @@ fn steps_do_not_allocate() {
             let count = allocation_counter::measure(|| {
                 outcome = env.step_into(action, &mut observation).unwrap();
             });
-            // the kept buffers take their form in the first steps
+            // the wrapper's buffers get their shape in the first steps
             assert!(
                 i < 100 || count.count_total == 0,
                 "{env}: {} in step {i}",
@@ -495,7 +495,7 @@ fn a_refused_action_draws_nothing() {
         env.reset(Reset::seed(seed)).unwrap();
         env.step(&Value::Int(0)).unwrap();
         let before = env.snapshot().unwrap();
-        // where the last action is repeated, nobody looks at this one
+        // an action that is replaced by the last action is not checked
         if env.step(&Value::Int(7)).is_err() {
             assert_eq!(env.snapshot().unwrap(), before);
             refused += 1;
@@ -506,7 +506,7 @@ fn a_refused_action_draws_nothing() {
 
 #[test]
 fn a_recording_is_rebuilt() {
-    use gym::rendering::RecordVideo;
+    use gym::render::{RecordVideo, RecordVideoConfig};
     let folder = std::env::temp_dir().join(format!("gym-rebuilt-video-{}", std::process::id()));
     let make = || {
         gym::builder("CartPole-v1")
@@ -514,10 +514,12 @@ fn a_recording_is_rebuilt() {
             .build()
             .unwrap()
     };
-    let env = RecordVideo::new(make(), &folder)
-        .unwrap()
-        .name_prefix("try")
-        .fps(25);
+    let config = RecordVideoConfig {
+        name_prefix: "try".into(),
+        fps: Some(25),
+        ..(&folder).into()
+    };
+    let env = RecordVideo::new(make(), config).unwrap();
     let spec = BoxEnv::new(env).spec().unwrap();
     let json = serde_json::to_string(&spec).unwrap();
     let mut rebuilt = serde_json::from_str::<EnvSpec>(&json)
@@ -545,10 +547,10 @@ fn a_recording_is_rebuilt() {
     std::fs::remove_dir_all(folder).unwrap();
 }
 
-/// How `make` is asked, and what is put around by hand: numbers that choose.
+/// Random choices: the arguments of `make`, and the wrappers to add by hand.
 type Choices = ((u8, bool, bool, Option<u32>, u8), Vec<(u8, u8)>);
 
-/// A base of the registry, small pictures where it renders.
+/// Returns an environment of the registry, with small frames if it renders.
 fn base((id, order, check, limit, mode): (u8, bool, bool, Option<u32>, u8)) -> BoxEnv {
     if id % 6 == 5 {
         return gym::builder("FrozenLake-v1")
@@ -585,8 +587,8 @@ fn base((id, order, check, limit, mode): (u8, bool, bool, Option<u32>, u8)) -> B
     }
 }
 
-/// One more wrapper, or an error where the environment is none for it; and whether it has a stored
-/// form.
+/// Adds a wrapper, or returns an error if it does not support the environment. Also returns whether
+/// the wrapper has a stored form.
 fn around(env: BoxEnv, (kind, x): (u8, u8)) -> Result<(BoxEnv, bool)> {
     use gym::wrappers::*;
     let n = u32::from(x % 4) + 1;
@@ -689,7 +691,7 @@ fn around(env: BoxEnv, (kind, x): (u8, u8)) -> Result<(BoxEnv, bool)> {
     Ok((env, true))
 }
 
-/// All that an environment answers, errors too.
+/// Returns everything that an environment returns, including errors.
 fn answers(env: &mut BoxEnv) -> Vec<String> {
     let mut answers = Vec::new();
     let mut actions = env.action_sampler(3).unwrap();
@@ -714,8 +716,8 @@ fn answers(env: &mut BoxEnv) -> Vec<String> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
 
-    /// What a spec rebuilds answers as the stack that gave it, whatever is around what. Where there
-    /// is no spec, something in the stack has no stored form.
+    /// A stack that is rebuilt from its spec gives the same results, in any order of wrappers. A
+    /// stack without a spec contains a wrapper without a stored form.
     #[test]
     fn specs_tell_the_truth((of_make, wrappers) in any::<Choices>()) {
         let of_make = (of_make.0, of_make.1, of_make.2, of_make.3.map(|limit| limit % 20 + 1), of_make.4);
@@ -739,8 +741,8 @@ proptest! {
     }
 }
 
-/// Bounds of another type than the box's count in the type of the box, before they are stored and
-/// after.
+/// Bounds of another dtype than the box's are converted to the box's dtype, before and after
+/// storing.
 #[test]
 fn bounds_of_any_type_are_rebuilt_to_the_last_bit() {
     use gym::Array;
@@ -785,7 +787,7 @@ fn bounds_of_any_type_are_rebuilt_to_the_last_bit() {
     }
 }
 
-/// Repeats that do not add up are refused, and nothing is restored.
+/// Inconsistent repeats are refused, and nothing is restored.
 #[test]
 fn repeats_that_cannot_be_are_refused() {
     let wrappers =

@@ -1,4 +1,4 @@
-//! Wrappers of pictures.
+//! Wrappers of rendered frames.
 
 use gym::render::{Frame, RenderMode, Rendered};
 use gym::wrappers::{AddRenderObservation, AddWhiteNoise, ObstructView, add_render_observation};
@@ -7,7 +7,7 @@ use gym::{
     VectorEnv, VectorEnvExt, Wrap, spaces::BoxSpace,
 };
 
-/// Observes a picture, and renders another of one colour.
+/// An environment that observes a frame, and renders another of one colour.
 #[derive(Clone)]
 struct Picture(Option<Generator>);
 
@@ -58,7 +58,7 @@ impl Env for Picture {
     }
 }
 
-/// The rendered pixels that are not of the one colour, and the next number of the generator.
+/// Returns the pixels that differ from the one colour, and the next number of the generator.
 fn noise<E: Env>(mut env: E) -> (Vec<u8>, i64) {
     assert!(
         env.render().is_err(),
@@ -76,7 +76,7 @@ fn noise<E: Env>(mut env: E) -> (Vec<u8>, i64) {
     (noise, env.generator().unwrap().integers(0, 1000))
 }
 
-/// Recorded from Gymnasium 1.4.0 with the same seed and picture.
+/// Recorded from Gymnasium 1.4.0 with the same seed and frame.
 #[test]
 fn noise_is_gymnasiums() {
     let (pixels, next) = noise(AddWhiteNoise::new(Picture(None), 0.5).unwrap());
@@ -93,7 +93,7 @@ fn noise_is_gymnasiums() {
     assert_eq!((&pixels[21..], next), (&[205, 52, 140][..], 148));
 }
 
-/// A patch at the edge covers what of it lies on the picture.
+/// A patch at the edge covers its part inside of the frame.
 #[test]
 fn a_patch_lies_anywhere_on_the_picture() {
     let mut corners = 0;
@@ -114,7 +114,7 @@ fn a_patch_lies_anywhere_on_the_picture() {
     assert!(corners > 0, "none covers the corner");
 }
 
-/// What is observed is the picture after each reset and step.
+/// The observation is the frame after each reset and step.
 #[test]
 fn pictures_are_observed_as_they_are_rendered() {
     let made = gym::builder("CartPole-v1")
@@ -209,7 +209,7 @@ fn rendered_pictures_are_observed() {
 
 #[test]
 fn a_vector_is_recorded_as_a_grid() {
-    use gym::rendering::RecordVectorVideo;
+    use gym::render::RecordVectorVideo;
     use gym::vector::{Autoreset, VectorReset};
     let folder = std::env::temp_dir().join(format!("gym-vector-video-{}", std::process::id()));
     for (autoreset, expected) in [
@@ -258,7 +258,7 @@ fn a_vector_is_recorded_as_a_grid() {
 
 #[test]
 fn a_refused_step_is_not_filmed() {
-    use gym::rendering::RecordVectorVideo;
+    use gym::render::RecordVectorVideo;
     let folder = std::env::temp_dir().join(format!("gym-refused-video-{}", std::process::id()));
     let film = |refused: usize| {
         let vector = gym::builder("CartPole-v1")
@@ -288,7 +288,7 @@ fn a_refused_step_is_not_filmed() {
 #[test]
 fn a_picture_drawn_over_another_is_a_new_one() {
     use gym::wrappers::{Render, RenderCollection};
-    /// Draws a square, and no ground.
+    /// An environment that draws a square without a background.
     #[derive(Clone)]
     struct Square(Picture);
 

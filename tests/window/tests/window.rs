@@ -1,5 +1,5 @@
-//! The mode `human`, where there is a display to show it: `xvfb-run --auto-servernum cargo test
-//! --package window-tests` brings one.
+//! Tests of the mode `human`, which need a display, such as that of `xvfb-run --auto-servernum
+//! cargo test --package window-tests`.
 #![cfg(all(unix, not(target_os = "macos")))]
 
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -18,14 +18,14 @@ use x11rb::rust_connection::RustConnection;
 
 const FPS: u32 = 50;
 const COLOR: Color = Color::rgb(200, 100, 50);
-/// Nothing here takes longer, however slow the machine.
+/// More time than any wait needs, even on a slow machine.
 const PATIENCE: Duration = Duration::from_secs(10);
 
-/// Shows one colour, and never ends.
+/// An environment that shows one colour and never ends.
 #[derive(Clone)]
 struct Colored;
 
-/// How often it was drawn.
+/// The number of drawings.
 static DRAWN: AtomicUsize = AtomicUsize::new(0);
 
 impl Env for Colored {
@@ -94,7 +94,7 @@ impl Display {
         })
     }
 
-    /// The colour in the middle of a window.
+    /// Returns the colour in the middle of a window.
     fn middle(&self, window: Window) -> Option<[u8; 3]> {
         let size = self.0.get_geometry(window).unwrap().reply().ok()?;
         let (x, y) = (size.width as i16 / 2, size.height as i16 / 2);
@@ -117,7 +117,7 @@ impl Display {
             .unwrap();
     }
 
-    /// What a window manager does when its user closes a window.
+    /// Closes a window as a window manager does for its user.
     fn close(&self, window: Window) {
         let atom = |name: &[u8]| {
             self.0
@@ -137,7 +137,7 @@ impl Display {
     }
 }
 
-/// Calls `attempt` until it answers.
+/// Calls `attempt` until it returns `Some`.
 fn eventually<T>(what: &str, mut attempt: impl FnMut() -> Option<T>) -> T {
     let start = Instant::now();
     loop {
@@ -148,7 +148,7 @@ fn eventually<T>(what: &str, mut attempt: impl FnMut() -> Option<T>) -> T {
     }
 }
 
-/// One test, since all tests of a process share the display.
+/// One test, because all tests of a process share the display.
 #[test]
 fn a_window_shows_frames_survives_its_user_and_keeps_time() {
     let open = open_screen().unwrap();
@@ -160,11 +160,10 @@ fn a_window_shows_frames_survives_its_user_and_keeps_time() {
         return;
     }
 
-    // a server without any program that is connected starts anew, and refuses whoever comes
-    // meanwhile
+    // keep a connection: a server without connections restarts, and refuses clients meanwhile
     let display = Display::open();
 
-    // frames last as long as they should
+    // frames last their full duration
     let mut screen = open("gym-render test", (60, 40), 20).unwrap();
     let start = Instant::now();
     for shade in 0..11 {
@@ -174,11 +173,11 @@ fn a_window_shows_frames_survives_its_user_and_keeps_time() {
     }
     let elapsed = start.elapsed();
     assert!(elapsed >= Duration::from_millis(499), "{elapsed:?}");
-    // a frame of another size is left out
+    // a frame of another size is ignored
     assert!(screen.show(&Frame::new(1, 1).unwrap()));
     drop(screen);
 
-    // an environment is seen, before and after a change of size
+    // an environment is visible, before and after a resize
     let mut env = Render::new(Colored, RenderMode::Human).unwrap();
     env.reset(0).unwrap();
     let window = eventually("a window", || display.window("a colour"));
@@ -194,13 +193,13 @@ fn a_window_shows_frames_survives_its_user_and_keeps_time() {
     });
     eventually("its picture at another size", &mut is_seen);
 
-    // once its user closes it, the training goes on, and nothing is drawn or waited for
+    // after the user closes the window, the environment continues, and nothing is drawn or awaited
     display.close(window);
     eventually("the end of the window", || {
         env.step(&0).unwrap();
         display.window("a colour").is_none().then_some(())
     });
-    // the step that notices it draws once more
+    // the step that notices the closed window draws once more
     env.step(&0).unwrap();
     let drawn = DRAWN.load(Ordering::Relaxed);
     for _ in 0..FPS {

@@ -1,18 +1,18 @@
-//! Arithmetic in binary coded decimal, as in ale-py: numbers are converted to binary and back, and
-//! the flags come from the result. The chip's own flags differ, and so do its results for digits
-//! above 9.
+//! Arithmetic in binary-coded decimal, as in ale-py: numbers are converted to binary and back, and
+//! the flags come from the result. A real 6502 sets the flags differently and has other results for
+//! digits above 9.
 //!
-//! It is rare, and takes the registers by value: by reference it would keep them in memory for all
-//! other instructions.
+//! Decimal arithmetic is rare, so its functions take the registers by value: by reference, the
+//! compiler would keep them in memory for all other instructions.
 
 use super::Cpu;
 
-/// The number of two digits.
+/// Converts two BCD digits to a number.
 fn from_digits(byte: u8) -> i16 {
     10 * i16::from(byte >> 4) + i16::from(byte & 0x0f)
 }
 
-/// The two lowest digits of a number.
+/// Converts the two lowest decimal digits of `number` to BCD.
 fn to_digits(number: u8) -> u8 {
     ((number / 10 % 10) << 4) | (number % 10)
 }
@@ -36,7 +36,7 @@ impl Cpu {
             difference
         };
         self.carry = i16::from(self.a) >= i16::from(value) + borrow;
-        // only digits above 9 lead below -100
+        // a difference below -100 needs digits above 9
         let result = if difference < 0 {
             from_digits(difference as u8) as u8
         } else {
@@ -46,13 +46,14 @@ impl Cpu {
         self
     }
 
-    /// The result and its flags but the carry.
+    /// Sets the result and all flags except the carry.
     fn set_decimal(&mut self, result: u8, value: u8) {
         self.overflow = (self.a ^ result) & (value ^ result) & 0x80 != 0;
         self.a = self.flags(result);
     }
 
-    /// The adjustment of `ARR`, after the rotation of `masked` into the accumulator.
+    /// Applies the decimal correction of `ARR`, after the rotation of `masked` into the
+    /// accumulator.
     pub(super) fn arr_decimal(&mut self, masked: u8) {
         self.overflow = (self.a ^ masked) & 0x40 != 0;
         if (masked & 0x0f) + (masked & 0x01) > 5 {

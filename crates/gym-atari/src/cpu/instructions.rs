@@ -60,7 +60,7 @@ pub(crate) enum Mode {
     Relative,
 }
 
-/// An operation's access to the memory that its mode names; this decides its cycles.
+/// How an operation accesses the memory that its mode addresses; this decides its cycles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Access {
     /// One read.
@@ -72,7 +72,7 @@ pub(crate) enum Access {
 }
 
 impl Operation {
-    /// The operation on its operand.
+    /// Returns how the operation accesses its operand.
     pub(crate) const fn access(self) -> Access {
         use Operation::*;
         match self {
@@ -90,7 +90,7 @@ pub(crate) struct Instruction {
     pub(crate) mode: Mode,
 }
 
-/// The bytes that are read of each instruction before it does anything, by opcode. `JSR` reads its
+/// By opcode: the bytes of an instruction that are read before it does anything. `JSR` reads its
 /// third byte last.
 pub(crate) const LENGTHS: [u8; 256] = {
     let mut lengths = [2; 256];
@@ -101,7 +101,7 @@ pub(crate) const LENGTHS: [u8; 256] = {
             (Operation::Jsr, _) => {}
             (_, Mode::Implied) => lengths[opcode] = 1,
             (_, Mode::Absolute | Mode::AbsoluteX | Mode::AbsoluteY | Mode::Indirect) => {
-                lengths[opcode] = 3
+                lengths[opcode] = 3;
             }
             _ => {}
         }
@@ -110,7 +110,7 @@ pub(crate) const LENGTHS: [u8; 256] = {
     lengths
 };
 
-/// Mnemonic and mode in words of an assembler: `abx` is `$1234,X`, `izy` is `($12),Y`.
+/// Maps an assembler's abbreviations to modes: `abx` is `$1234,X`, `izy` is `($12),Y`.
 macro_rules! table {
     ($($operation:ident $mode:ident,)*) => {
         [$(Instruction { operation: Operation::$operation, mode: table!(@$mode) }),*]

@@ -1,7 +1,7 @@
 //! The processor: a 6507, which is a 6502 without interrupt lines and with 13 address lines.
 //!
-//! It does not depend on the machine. Each access of its [`Bus`] takes one cycle, in the order of
-//! the real chip, including useless reads: some of them switch the banks of a cartridge.
+//! The processor does not depend on the machine. Each access of its [`Bus`] takes one cycle, in the
+//! order of the real chip, including dummy reads: some of them switch a cartridge's banks.
 //!
 //! Source: MCS6500 Microcomputer Family Programming Manual (MOS Technology, 1976) for the
 //! documented instructions.
@@ -14,8 +14,8 @@ use serde::{Deserialize, Serialize};
 
 use instructions::Operation;
 
-/// The bus of the processor. Each access takes one cycle; `cycle` is the number of cycles since
-/// power-on at its end, and `bus` the byte of the access before.
+/// The bus of the processor. Each access takes one cycle. `cycle` is the number of cycles from
+/// power-on to the end of the access, `bus` the byte of the previous access.
 pub trait Bus {
     /// Reads a byte.
     fn read(&mut self, address: u16, cycle: u64, bus: u8) -> u8;
@@ -29,39 +29,39 @@ pub trait Bus {
     /// Writes a byte.
     fn write(&mut self, address: u16, value: u8, cycle: u64) -> Ready;
 
-    /// The four bytes from an address on, where reading them does nothing else and they never
-    /// change.
+    /// Returns the four bytes from `address` on, if they never change and reading them has no side
+    /// effect.
     #[inline(always)]
     fn program(&self, _address: u16) -> Option<[u8; 4]> {
         None
     }
 
-    /// The value of a read of this address at `cycle`, and the cycle up to which a read gives it
-    /// without side effects, if that is known.
+    /// Returns the value of a read of `address` at `cycle`, and the cycle up to which reads return
+    /// it without side effects; `None` if unknown.
     fn steady(&self, _address: u16, _cycle: u64) -> Option<(u8, u64)> {
         None
     }
 }
 
-/// The continuation of the processor after a write.
+/// When the processor continues after a write.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ready {
-    /// At once.
+    /// Immediately.
     Now,
-    /// After this number of cycles: the line `RDY` holds it.
+    /// After this number of cycles: the line `RDY` halts the processor.
     After(u32),
-    /// After this number of cycles, and [`Cpu::run`] then returns.
+    /// After this number of cycles; [`Cpu::run`] then returns.
     Return(u32),
 }
 
-/// Flags of the status register, by their bit.
+/// The bits of the status register's flags.
 mod flag {
     pub(super) const C: u8 = 1 << 0;
     pub(super) const Z: u8 = 1 << 1;
     pub(super) const I: u8 = 1 << 2;
     pub(super) const D: u8 = 1 << 3;
     pub(super) const B: u8 = 1 << 4;
-    /// Has no name; reads as 1.
+    /// Unused; reads as 1.
     pub(super) const UNUSED: u8 = 1 << 5;
     pub(super) const V: u8 = 1 << 6;
     pub(super) const N: u8 = 1 << 7;
@@ -88,12 +88,13 @@ pub struct Cpu {
     interrupt_disable: bool,
     decimal: bool,
     overflow: bool,
-    /// The last result, from which N and Z follow. `BIT` and `PLP` set N apart from Z: by bit 15.
+    /// The result that determines N and Z: Z from its lower 8 bits, N from bits 7 and 15. `BIT` and
+    /// `PLP` use bit 15 to set N independently of Z.
     result: u16,
 }
 
 impl Cpu {
-    /// A processor that starts at `pc`.
+    /// Makes a processor whose program counter is `pc`.
     pub fn new(pc: u16) -> Self {
         Self {
             cycle: 0,
@@ -111,7 +112,7 @@ impl Cpu {
         }
     }
 
-    /// The status register, as `PHP` pushes it.
+    /// Returns the status register, as `PHP` pushes it.
     #[inline(always)]
     pub fn status(&self) -> u8 {
         let bit = |set: bool, bit: u8| if set { bit } else { 0 };
@@ -134,26 +135,26 @@ impl Cpu {
         self.carry = p & flag::C != 0;
     }
 
-    /// Sets N and Z by `value`.
+    /// Sets N and Z from `value`; returns `value`.
     #[inline(always)]
     pub(crate) fn flags(&mut self, value: u8) -> u8 {
         self.result = u16::from(value);
         value
     }
 
-    /// The flag D.
+    /// Returns the flag D.
     #[inline(always)]
     pub(crate) fn is_decimal(&self) -> bool {
         self.decimal
     }
 
-    /// The flag N.
+    /// Returns the flag N.
     #[inline(always)]
     fn is_negative(&self) -> bool {
         self.result & 0x8080 != 0
     }
 
-    /// The flag Z.
+    /// Returns the flag Z.
     #[inline(always)]
     fn is_zero(&self) -> bool {
         self.result & 0x00ff == 0
@@ -218,7 +219,7 @@ impl Cpu {
         self.flags(value >> 1 | carry << 7)
     }
 
-    /// `ARR`: `AND`, then a rotation with flags of its own.
+    /// Executes `ARR`: `AND`, then a rotation with special flags.
     #[inline(never)]
     fn arr(mut self, value: u8) -> Self {
         let masked = self.a & value;
@@ -234,7 +235,7 @@ impl Cpu {
         self
     }
 
-    /// Operations that read a byte.
+    /// Executes an operation that reads a byte.
     #[inline(always)]
     fn with_value(&mut self, operation: Operation, value: u8) {
         match operation {
@@ -278,14 +279,14 @@ impl Cpu {
                 self.compare(both, value);
                 self.x = both.wrapping_sub(value);
             }
-            _ => {} // NOP reads as well
+            _ => {} // an undocumented NOP reads and ignores its operand
         }
     }
 
-    /// The byte that an operation writes.
+    /// Returns the byte that a store writes.
     #[inline(always)]
     fn stored(&mut self, operation: Operation, address: u16) -> u8 {
-        // the four unstable ones mix in the address's high byte, plus 1
+        // the four unstable stores AND it with the address's high byte plus 1
         let high = ((address >> 8) as u8).wrapping_add(1);
         match operation {
             Operation::Sta => self.a,
@@ -303,7 +304,7 @@ impl Cpu {
         }
     }
 
-    /// Operations that change a byte of memory, or the accumulator.
+    /// Executes an operation that modifies memory or the accumulator; returns the new byte.
     #[inline(always)]
     fn modified(&mut self, operation: Operation, value: u8) -> u8 {
         match operation {

@@ -1,29 +1,29 @@
-//! Executing instructions: fetching, addressing, and the accesses of each cycle.
+//! Executing instructions: fetching, addressing, and the bus access of each cycle.
 
 use super::instructions::{Access, INSTRUCTIONS, LENGTHS, Mode, Operation};
 use super::{Bus, Cpu, Ready, flag};
 
-/// A processor at work. Its registers are a copy, which the compiler can keep in registers of its
-/// own.
+/// A running processor. Its registers are a copy, so that the compiler can keep them in machine
+/// registers.
 pub(crate) struct Core<B> {
     pub(crate) cpu: Cpu,
     pub(crate) bus: B,
-    /// The number of instructions that may follow.
+    /// The number of instructions that may still be executed.
     pub(crate) left: u32,
-    /// Whether a write answered [`Ready::Return`], or the processor halted.
+    /// Whether a write returned [`Ready::Return`], or the processor halted.
     pub(crate) stopped: bool,
 }
 
 /// `LAX $12`.
 const LAX_ZERO_PAGE: u8 = 0xa7;
-/// The bytes of a loop that waits for a register, as `LDA INTIM`, `BNE` back to it; and the cycles
-/// of a round.
+/// The bytes of a loop that waits for a register, such as `LDA INTIM` and `BNE` back to it; and the
+/// cycles of one iteration.
 const LOOP_BYTES: i8 = 5;
 const LOOP_CYCLES: u64 = 7;
 
 impl Cpu {
-    /// Executes instructions until a write answers [`Ready::Return`] or the processor halts, and at
-    /// most so many. Returns whether one of both stopped it.
+    /// Executes at most `most` instructions; stops early when a write returns [`Ready::Return`] or
+    /// the processor halts. Returns whether it stopped early.
     #[inline(never)]
     pub fn run<B: Bus>(&mut self, bus: B, most: u32) -> bool {
         let mut core = Core {
@@ -41,8 +41,8 @@ impl Cpu {
     }
 }
 
-/// A match on the opcode with an arm for each. The opcode is constant in an arm, so that of all
-/// matches on operations and modes only one arm is left there.
+/// Matches the opcode, with one arm per opcode. The opcode is a constant in each arm, so the
+/// compiler removes all other branches on operation and mode.
 macro_rules! dispatch {
     ($core:ident, $opcode:ident, $low:ident, $high:ident: $($code:literal)*) => {
         match $opcode { $($code => $core.execute::<$code>($low, $high),)* }
@@ -84,7 +84,7 @@ impl<B: Bus> Core<B> {
         self.cpu.bus
     }
 
-    /// Reads a byte that the processor ignores.
+    /// Makes a dummy read.
     #[inline(always)]
     fn touch(&mut self, address: u16) {
         self.read(address);
@@ -110,8 +110,9 @@ impl<B: Bus> Core<B> {
         }
     }
 
-    /// Reads an instruction that is not simply in ROM: its bytes, or the one behind it where it has
-    /// but one. They are read at the cycles that [`execute`](Self::execute) counts.
+    /// Fetches an instruction whose bytes are not simply in ROM. If the instruction has one byte,
+    /// the processor reads the next byte too. The reads happen at the cycles that
+    /// [`execute`](Self::execute) counts.
     #[inline(always)]
     fn fetch(&mut self) -> [u8; 4] {
         let Cpu { pc, cycle, .. } = self.cpu;
@@ -160,7 +161,8 @@ impl<B: Bus> Core<B> {
         self.cpu.pc = u16::from_le_bytes([self.pull(), self.pull()]);
     }
 
-    /// The address that an instruction of this mode works on, with these bytes behind its opcode.
+    /// Returns the address of an instruction's operand; `low` and `high` are the bytes after the
+    /// opcode.
     #[inline(always)]
     fn address(&mut self, mode: Mode, access: Access, low: u8, high: u8) -> u16 {
         let word = u16::from_le_bytes([low, high]);
@@ -204,8 +206,8 @@ impl<B: Bus> Core<B> {
         self.cpu.bus
     }
 
-    /// Adds an index to an address. The processor first reads without the carry into the page:
-    /// where a page is crossed, and always ahead of a write.
+    /// Adds an index to an address. The processor first makes a dummy read without the carry into
+    /// the high byte, if a page is crossed, and always before a write.
     #[inline(always)]
     fn indexed(&mut self, base: u16, index: u8, access: Access) -> u16 {
         let at = base.wrapping_add(u16::from(index));
@@ -216,13 +218,13 @@ impl<B: Bus> Core<B> {
         at
     }
 
-    /// Executes the instruction of an opcode, behind which there are these bytes.
+    /// Executes the instruction of an opcode; `low` and `high` are the bytes after it.
     #[inline(always)]
     pub(crate) fn execute<const OPCODE: u8>(&mut self, low: u8, high: u8) {
         let operation = const { INSTRUCTIONS[OPCODE as usize].operation };
         let mode = const { INSTRUCTIONS[OPCODE as usize].mode };
         let length = const { LENGTHS[OPCODE as usize] };
-        // an instruction of one byte reads the next one as well
+        // a one-byte instruction reads the next byte too
         self.cpu.pc = self.cpu.pc.wrapping_add(u16::from(length));
         self.cpu.cycle += u64::from(length.max(2));
         self.cpu.bus = if length == 3 { high } else { low };
@@ -247,7 +249,7 @@ impl<B: Bus> Core<B> {
                     Access::Read => {
                         let value = self.read(at);
                         self.cpu.with_value(operation, value);
-                        // ale-py's takes a cycle more than the chip's
+                        // one cycle more in ale-py than on the chip
                         self.cpu.cycle += u64::from(OPCODE == LAX_ZERO_PAGE);
                     }
                     Access::Write => {
@@ -265,7 +267,7 @@ impl<B: Bus> Core<B> {
         }
     }
 
-    /// Takes the branch, or not.
+    /// Takes the branch if `taken`.
     #[inline(always)]
     fn branch(&mut self, taken: bool, offset: u8) {
         if taken {
@@ -284,8 +286,8 @@ impl<B: Bus> Core<B> {
         }
     }
 
-    /// The number of rounds of a waiting loop, which has just branched to its start, that will read
-    /// the same as the last one.
+    /// Returns the number of further iterations of a waiting loop, which has just branched to its
+    /// start, that will read the same value.
     #[inline(always)]
     fn rounds_without_change(&self, start: u16) -> u32 {
         let Cpu {
@@ -300,13 +302,13 @@ impl<B: Bus> Core<B> {
         else {
             return 0;
         };
-        // the branch took three cycles since the register was read
+        // the register was read three cycles before the end of the branch
         let last_read = self.cpu.cycle - 3;
         let Some((value, until)) = self.bus.steady(u16::from_le_bytes([low, high]), last_read)
         else {
             return 0;
         };
-        // a jump onto the branch may have left another state
+        // the state may come from a jump to the branch rather than from the loop
         let found = match opcode {
             0xad => a == value && result == u16::from(value), // LDA
             0xae => x == value && result == u16::from(value), // LDX
@@ -324,7 +326,7 @@ impl<B: Bus> Core<B> {
         }
     }
 
-    /// Operations on registers, flags and the stack, and jumps.
+    /// Executes operations on registers, flags and stack, and jumps.
     #[inline(always)]
     fn implied(&mut self, operation: Operation) {
         let cpu = &mut self.cpu;
@@ -378,12 +380,12 @@ impl<B: Bus> Core<B> {
                 self.cpu.pc = self.cpu.pc.wrapping_add(1);
             }
             Operation::Nop => {}
-            // for ever: the next call finds it again
+            // repeats forever: the next call executes it again
             Operation::Jam => {
                 self.cpu.pc = self.cpu.pc.wrapping_sub(1);
                 self.stop();
             }
-            // the accumulator as operand
+            // the operand is the accumulator
             _ => cpu.a = cpu.modified(operation, cpu.a),
         }
     }

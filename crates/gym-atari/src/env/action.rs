@@ -1,4 +1,4 @@
-//! The actions of an agent: one of a game's actions, or a stick and a button by degrees.
+//! The actions of an agent: an index into the game's actions, or a continuous stick and button.
 
 use std::f32::consts::PI;
 
@@ -9,7 +9,7 @@ use crate::action::Action;
 /// An action of the environments.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AtariAction {
-    /// An index into the actions of the environment: the game's minimal set, or all 18.
+    /// An index into the environment's actions: the game's minimal set, or all 18.
     Index(usize),
     /// With [`Config::continuous`](super::Config::continuous): radius and angle of the stick, and
     /// pressure of the button.
@@ -49,9 +49,9 @@ impl Element for AtariAction {
     }
 }
 
-/// The action of a stick and a button. An axis whose coordinate exceeds `threshold` counts as
-/// pushed, and so does the button. ale-py computes the coordinates with numpy's `float32`
-/// functions.
+/// Returns the game's action for a stick and a button. A direction counts if its coordinate exceeds
+/// `threshold`, the button if its pressure does. ale-py computes the coordinates with numpy's
+/// `float32` functions.
 pub(super) fn from_stick([radius, angle, pressure]: [f32; 3], threshold: f32) -> Action {
     let (sin, cos) = math::numpy_sin_cos_f32(angle);
     let (x, y) = (radius * cos, radius * sin);
@@ -82,7 +82,8 @@ pub(super) const MOST_ANGLE: f32 = PI;
 mod tests {
     use super::*;
 
-    /// ale-py 0.12.1 answers these sticks so; with glibc's `cosf` each would be the other action.
+    /// Recorded from ale-py 0.12.1. With glibc's `cosf`, each of these actions would be the other
+    /// one.
     #[test]
     fn sticks_at_the_threshold_are_decided_by_numpys_cosine() {
         for (radius, angle, expected) in [
@@ -92,8 +93,7 @@ mod tests {
             (0x3f26_e297, 0x3f32_57c9, Action::Right),
         ] {
             let (radius, angle) = (f32::from_bits(radius), f32::from_bits(angle));
-            // the sine exceeds the threshold or not as well: only the horizontal direction is
-            // compared
+            // the sine may exceed the threshold too, so only the horizontal direction is compared
             let action = from_stick([radius, angle, 0.0], 0.5);
             let is_right = matches!(action, Action::Right | Action::UpRight);
             assert_eq!(

@@ -27,7 +27,7 @@ gym_core::arguments! {
         pub full_action_space: bool,
         /// Actions are a stick's radius and angle and a button's pressure.
         pub continuous: bool,
-        /// The radius, and the pressure, above which a continuous action counts.
+        /// The radius and the pressure above which a continuous action counts.
         pub continuous_action_threshold: f64 = 0.5,
         /// The number of frames after which an episode is truncated; `None` for never.
         #[unit = "frames"]
@@ -73,7 +73,7 @@ pub enum Frameskip {
     Range([i64; 2]),
 }
 
-/// No step is longer, so that none takes forever.
+/// The largest number of frames in a step, so that no step takes forever.
 const MOST_FRAMES: i64 = 10_000;
 
 impl Config {

@@ -1,7 +1,7 @@
-//! The ids: for each game the ids of ale-py 0.12.1, and the two families that it has dropped.
+//! The ids of ale-py 0.12.1, and the two older families that ale-py has dropped.
 
-/// Registers a game: `ids!("breakout", "Breakout", 4)`, with the frames of a `Deterministic` step.
-/// Games that ale-py had before version 5 of its ids have the older ones as well.
+/// Registers a game: `ids!("breakout", "Breakout", 4)`, where 4 is the frame skip of its
+/// `Deterministic` ids. Games that ale-py had before version 5 have the older ids too.
 macro_rules! ids {
     ($name:expr, $title:literal, v5) => {
         ids!(@id $name, concat!("ALE/", $title, "-v5"), r#""frameskip": 4, "repeat_action_probability": 0.25"#);

@@ -1,4 +1,4 @@
-//! Arrow keys and the space bar, for the actions of a game.
+//! The keys of a game's actions: arrow keys and the space bar.
 
 use gym_core::{BoxEnv, EnvExt, Keys};
 use serde_json::json;
@@ -16,7 +16,7 @@ const KEYS: [(&str, Action); 5] = [
 
 pub(crate) fn keys(env: &BoxEnv) -> Keys {
     let env = env
-        .unwrapped::<AtariEnv>()
+        .layer::<AtariEnv>()
         .filter(|env| !env.config().continuous);
     let actions = env.map_or(&[][..], AtariEnv::actions);
     let number = |action| actions.iter().position(|other| *other == action);

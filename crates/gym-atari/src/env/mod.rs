@@ -11,10 +11,11 @@ use gym_core::canvas::{Canvas, Color};
 use gym_core::render::Metadata;
 use gym_core::spaces::BoxSpace;
 use gym_core::{
-    Array, Configure, DType, Env, Error, Generator, Outcome, Reset, Result, Seed, Snapshot, Space,
-    Value,
+    Array, Configure, DType, Env, Error, Generator, Inspect, Outcome, Reset, Result, Seed,
+    Snapshot, Space, Value,
 };
 use serde::{Deserialize, Serialize};
+use serde_json::{Value as Json, json};
 
 use crate::action::{Action, Command};
 use crate::ale::{Ale, Moment, Settings, State};
@@ -24,10 +25,10 @@ use crate::rom::{self, Rom};
 pub use action::AtariAction;
 pub use config::{Config, Frameskip, ObsType};
 
-/// The frames per second that ale-py states.
+/// Frames per second, as ale-py states.
 const FPS: u32 = 30;
 
-/// The names of the environment.
+/// The name of the environment's type in ale-py.
 const NAME: &str = "AtariEnv";
 
 /// A game of the Atari 2600 as a task.
@@ -43,11 +44,11 @@ pub struct AtariEnv {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Episode {
     rng: Generator,
-    /// The two words of the seed, from a reset with one to the next step.
+    /// The two words of the seed: set by a reset with a seed, cleared by the next step.
     seeds: Option<[u32; 2]>,
 }
 
-/// An environment that can be stored. The ROM is named, not contained.
+/// The stored form. It names the ROM but does not contain it.
 #[derive(Serialize, Deserialize)]
 struct Stored {
     md5: String,
@@ -57,19 +58,20 @@ struct Stored {
 }
 
 impl AtariEnv {
-    /// The environment with these arguments.
+    /// Makes the environment with the arguments `config`.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for an invalid argument, and for a missing ROM, with the remedy.
+    /// [`Error::InvalidArgument`] for an invalid argument, and for a missing ROM; the message says
+    /// how to get one.
     pub fn new(config: Config) -> Result<Self> {
         let rom = rom::load(config.check()?, config.rom_dir.as_deref())?;
         Self::with_rom(config, &rom)
     }
 
-    /// The environment on a ROM that was loaded before; [`Config::game`] is the ROM's.
+    /// Makes the environment with a loaded ROM; [`Config::game`] becomes the ROM's game.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for an argument that is not valid.
+    /// [`Error::InvalidArgument`] for an invalid argument.
     pub fn with_rom(config: Config, rom: &Rom) -> Result<Self> {
         let config = Config {
             game: rom.game().name.to_owned(),
@@ -98,22 +100,22 @@ impl AtariEnv {
         })
     }
 
-    /// The game that is being played.
+    /// Returns the game.
     pub fn ale(&self) -> &Ale {
         &self.ale
     }
 
-    /// The game, to play it directly; the environment continues from the game's new state.
+    /// Returns the game to play it directly; the environment continues from its new state.
     pub fn ale_mut(&mut self) -> &mut Ale {
         &mut self.ale
     }
 
-    /// The arguments.
+    /// Returns the arguments.
     pub fn config(&self) -> &Config {
         &self.config
     }
 
-    /// The actions by index.
+    /// Returns the actions by index.
     pub fn actions(&self) -> &'static [Action] {
         if self.config.full_action_space {
             self.game().legal
@@ -126,7 +128,7 @@ impl AtariEnv {
         self.ale.game()
     }
 
-    /// The game's action for one of the agent's actions.
+    /// Returns the game's command for an agent's action.
     fn resolve(&self, action: &AtariAction) -> Result<Command> {
         match *action {
             AtariAction::Index(index)
@@ -148,7 +150,7 @@ impl AtariEnv {
         }
     }
 
-    /// Starts an episode without looking at it.
+    /// Starts an episode without computing an observation.
     pub(crate) fn start(&mut self, reset: &Reset) -> Result<()> {
         let seed = match (&reset.seed, &self.episode) {
             (Some(seed), _) => Some(seed.words()),
@@ -172,7 +174,7 @@ impl AtariEnv {
         Ok(())
     }
 
-    /// Takes a step without an observation.
+    /// Takes a step without computing an observation.
     fn advance(&mut self, action: &AtariAction) -> Result<Outcome> {
         let command = self.resolve_for_step(action)?;
         let frames = match self.config.frameskip {
@@ -188,8 +190,8 @@ impl AtariEnv {
         Ok(self.outcome(reward))
     }
 
-    /// The game's action for the agent's action, at the start of a step that plays its frames
-    /// itself.
+    /// Begins a step whose frames the caller plays with [`play_frame`](Self::play_frame); returns
+    /// the game's command for the agent's action.
     pub(crate) fn resolve_for_step(&mut self, action: &AtariAction) -> Result<Command> {
         let command = self.resolve(action)?;
         let Some(episode) = &mut self.episode else {
@@ -206,12 +208,12 @@ impl AtariEnv {
         self.outcome(reward)
     }
 
-    /// All that frames change, but the pictures.
+    /// Returns everything that frames change, except the pictures' contents.
     pub(crate) fn moment(&self) -> Moment {
         self.ale.moment()
     }
 
-    /// Goes back to a moment of this environment.
+    /// Returns to a moment of this environment.
     pub(crate) fn set_moment(&mut self, moment: &Moment) {
         self.ale.set_moment(moment);
     }
@@ -253,7 +255,7 @@ impl AtariEnv {
     }
 }
 
-/// The bytes of an array of a shape, which is replaced if it has another shape.
+/// Returns the bytes of `array`, after it was replaced if its shape or dtype was different.
 pub(crate) fn buffer<'a>(array: &'a mut Array, shape: &[usize]) -> &'a mut [u8] {
     if array.shape() != shape || array.dtype() != DType::U8 {
         *array = Array::zeros(DType::U8, shape).unwrap_or_default();
@@ -261,9 +263,22 @@ pub(crate) fn buffer<'a>(array: &'a mut Array, shape: &[usize]) -> &'a mut [u8] 
     array.as_mut_slice::<u8>().unwrap_or_default()
 }
 
-/// The space of bytes in a shape.
+/// Returns the space of bytes with this shape.
 pub(crate) fn bytes(shape: &[usize]) -> Space {
     Space::Box(BoxSpace::uniform(0.0, 255.0, shape, DType::U8).expect("a box of bytes"))
+}
+
+/// The state is the console's RAM, 128 bytes, and the lives left. It is not set this way: a
+/// snapshot holds the whole console.
+impl Inspect for AtariEnv {
+    fn state(&self) -> Option<Json> {
+        self.episode.as_ref()?;
+        Some(json!({"ram": self.ale.ram().0.as_slice(), "lives": self.ale.lives()}))
+    }
+
+    fn arguments(&self) -> Json {
+        serde_json::to_value(&self.config).unwrap_or_default()
+    }
 }
 
 impl Env for AtariEnv {
@@ -369,6 +384,14 @@ impl Env for AtariEnv {
         self.episode.as_mut().map(|episode| &mut episode.rng)
     }
 
+    fn inspect(&self) -> Option<&dyn Inspect> {
+        Some(self)
+    }
+
+    fn inspect_mut(&mut self) -> Option<&mut dyn Inspect> {
+        Some(self)
+    }
+
     fn close(&mut self) {
         self.episode = None;
     }
@@ -382,8 +405,7 @@ impl Configure for AtariEnv {
     }
 }
 
-/// Draws a picture as rectangles of one colour: as wide as there are equal pixels, as high as there
-/// are equal rows.
+/// Draws a picture as rectangles of one colour: runs of equal pixels in runs of equal rows.
 fn draw(picture: &[Row], colors: &[[u8; 3]; 256], canvas: &mut dyn Canvas) {
     canvas.clear(Color::BLACK);
     let mut top = 0;

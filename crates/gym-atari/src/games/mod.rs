@@ -1,4 +1,4 @@
-//! The facts about each game: its ROM, its start, and the RAM addresses of score and lives.
+//! Facts about each game: its ROM, how it starts, and the RAM addresses of score and lives.
 //!
 //! Everything here was measured from outside; see `NOTICE.md`.
 
@@ -27,58 +27,58 @@ pub struct Game {
     pub display: Display,
     /// The player's controller.
     pub controller: Controller,
-    /// The resistance of a paddle that is turned to the left as far as it goes, in ohms.
+    /// The largest resistance of the game's paddle, at its left end, in ohms.
     pub paddle_end: u32,
-    /// The actions after RESET, a frame each.
+    /// The actions after RESET, one frame each.
     pub start: &'static [Action],
     /// The minimal action set.
     pub minimal: &'static [Action],
-    /// The full action set, without the button in games that do not use it.
+    /// The full action set; without the button in games that do not use it.
     pub legal: &'static [Action],
-    /// The frames of nothing behind the first RESET; ale-py counts them as frames of the episode.
+    /// The idle frames after the first RESET; ale-py counts them as frames of the episode.
     pub idle: u8,
     /// The number of frames for which RESET is pressed first.
     pub first_reset: u8,
-    /// The modes, by ale-py's numbers, and the RAM that marks each; the first is the default.
+    /// The modes by ale-py's numbers, each with the RAM byte that shows it. The first is the
+    /// default.
     pub modes: &'static [(u16, u8)],
-    /// The byte of RAM that shows the mode, by index: SELECT is pressed until it does. `None` where
+    /// The index of the RAM byte that shows the mode: SELECT is pressed until it does. `None` if
     /// SELECT is never pressed.
     pub mode_at: Option<usize>,
-    /// A further condition on RAM, for a mode.
+    /// A further condition on RAM that shows a mode.
     pub mode_also: fn(&Ram<'_>, u16) -> bool,
-    /// Bits that RAM may have in addition.
+    /// Bits of the mode's RAM byte that may also be set.
     pub mode_bits: u8,
     /// Whether SELECT is pressed at least once.
     pub press_first: bool,
-    /// The menu on the screen in which modes are chosen, if not by SELECT.
+    /// The on-screen menu that selects modes, if SELECT does not.
     pub menu: Option<Menu>,
-    /// The number of frames for which SELECT is held each time.
+    /// The number of frames for which SELECT is held.
     pub select_frames: u8,
-    /// Whether each press lasts for up to 255 more frames, drawn at random, and a frame of play
-    /// follows.
+    /// Whether each press of SELECT is prolonged by up to 255 random frames and followed by a frame
+    /// of play.
     pub select_random: bool,
-    /// The difficulties that there are.
+    /// The difficulties of the game.
     pub difficulties: &'static [u8],
-    /// The points, from RAM.
+    /// Reads the points from RAM.
     pub score: fn(&Ram<'_>) -> i32,
-    /// The rule by which points become rewards.
+    /// How points become rewards.
     pub rewards: Rewards,
-    /// Whether RAM shows a frame's own reward; otherwise the reward of the frame before is
-    /// repeated.
+    /// Whether RAM determines this frame's reward. If not, the previous frame's reward is repeated.
     pub rewards_count: fn(&Ram<'_>) -> bool,
-    /// The lives, from RAM.
+    /// Reads the lives from RAM.
     pub lives: fn(&Ram<'_>) -> i32,
-    /// The lives where the game is over.
+    /// The lives once the game is over.
     pub lives_at_end: i32,
-    /// Whether the lives in RAM count at the moment; where not, the number before stays.
+    /// Whether RAM shows the lives in this frame. If not, the previous number remains.
     pub lives_count: fn(&Ram<'_>) -> bool,
-    /// Whether the game is over, from RAM.
+    /// Whether RAM shows that the game is over.
     pub over: fn(&Ram<'_>) -> bool,
-    /// The number of frames in a row for which RAM must say so.
+    /// For how many consecutive frames RAM must show that.
     pub over_frames: u8,
 }
 
-/// The settings of most games.
+/// The values of most games.
 const DEFAULT: Game = Game {
     name: "",
     title: "",
@@ -111,37 +111,37 @@ const DEFAULT: Game = Game {
     over_frames: 1,
 };
 
-/// A menu of options, each a bit of the mode: SELECT shows it, and the stick goes through it.
+/// A menu of options, each a bit of the mode. SELECT opens it, and the stick moves through it.
 #[derive(Clone, Copy, Debug)]
 pub struct Menu {
-    /// The byte of RAM that shows the line, by index.
+    /// The index of the RAM byte that shows the current line.
     pub line: usize,
-    /// The byte that shows the options that are set.
+    /// The index of the RAM byte that shows the options that are on.
     pub set: usize,
-    /// For each bit of the mode, from the lowest on: the line of its option, and the bit that shows
-    /// it.
+    /// For each bit of the mode, from the lowest on: the line of its option, and the option's bit
+    /// in `set`.
     pub options: &'static [(u8, u8)],
 }
 
-/// The rule by which a game's points become rewards.
+/// How a game's points become rewards.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rewards {
-    /// The points that a frame brought.
+    /// The increase of the points.
     Difference,
-    /// The counter starts again at 0 after this many points.
+    /// The increase of the points; the counter wraps to 0 after this number of points.
     Wrap(i32),
-    /// A counter that falls gives 0.
+    /// The increase of the points; a decrease counts as 0.
     NeverNegative,
-    /// The score is [`GAME_WON`] for each game that is won, and points within the game. A frame
-    /// that ends a game gives the change in games, any other the change in points.
+    /// The score is [`GAME_WON`] per game won, plus the points within the game. The reward of a
+    /// frame that ends a game is the change in games, of any other frame the change in points.
     Games,
-    /// The score is a number below [`GAME_WON`], to which a won game adds that. A frame that
-    /// changes the number costs a point, and one in which the game is won brings 100.
+    /// The score is a number below [`GAME_WON`], plus [`GAME_WON`] for a won game. The reward is -1
+    /// for a frame that changes the number, and 100 for a frame in which the game is won.
     Changes,
 }
 
 impl Rewards {
-    /// The reward of a frame.
+    /// Returns the reward of a frame, from the score before and after it.
     pub(crate) fn of(self, before: i32, after: i32) -> i32 {
         match (self, after - before) {
             (Self::Wrap(limit), fall @ ..0) => fall + limit,
@@ -162,7 +162,7 @@ impl Rewards {
     }
 }
 
-/// The points of a won game in the score of [`Rewards::Games`]: more than twice the points of any.
+/// What a won game adds to the score in [`Rewards::Games`]: more than twice the points of any game.
 pub const GAME_WON: i32 = 1024;
 
 /// The player's controller.
@@ -173,45 +173,45 @@ pub enum Controller {
     Joystick,
     /// A joystick in the right port.
     RightJoystick,
-    /// Paddles in both ports; the agent turns this one, of the left port.
+    /// Paddles in both ports; the agent turns this paddle of the left port.
     Paddle(usize),
-    /// Paddles in the left port alone; the agent turns this one.
+    /// Paddles in the left port only; the agent turns this paddle.
     LeftPaddle(usize),
 }
 
-/// The console's 128 bytes of RAM, `$80` to `$FF`, and how games write numbers into them.
+/// The console's 128 bytes of RAM, `$80` to `$FF`, and the number formats that games use.
 #[derive(Clone, Copy, Debug)]
 pub struct Ram<'a>(pub &'a [u8; 128]);
 
 impl Ram<'_> {
-    /// A byte.
+    /// Returns a byte.
     pub fn at(&self, index: usize) -> i32 {
         i32::from(self.0[index & 0x7f])
     }
 
-    /// The lower four bits.
+    /// Returns the lower four bits of a byte.
     pub fn low(&self, index: usize) -> i32 {
         self.at(index) & 0x0f
     }
 
-    /// The upper four bits.
+    /// Returns the upper four bits of a byte.
     pub fn high(&self, index: usize) -> i32 {
         self.at(index) >> 4
     }
 
-    /// Two decimal digits.
+    /// Returns two BCD digits.
     pub fn bcd(&self, index: usize) -> i32 {
         10 * self.high(index) + self.low(index)
     }
 
-    /// Two decimal digits in each byte, the most significant byte first.
+    /// Returns two BCD digits per byte, most significant byte first.
     pub fn decimal(&self, indices: &[usize]) -> i32 {
         indices
             .iter()
             .fold(0, |number, &index| 100 * number + self.bcd(index))
     }
 
-    /// One decimal digit in the lower four bits of each byte, the most significant byte first;
+    /// Returns one digit per byte, from its lower four bits, most significant byte first. A digit
     /// above 9 is a blank.
     pub fn low_digits(&self, indices: &[usize]) -> i32 {
         indices
@@ -219,38 +219,38 @@ impl Ram<'_> {
             .fold(0, |number, &index| 10 * number + digit(self.low(index)))
     }
 
-    /// One decimal digit in the lower four bits of each byte, the most significant byte first; 10
-    /// is a blank.
+    /// Returns one digit per byte, from its lower four bits, most significant byte first. The digit
+    /// 10 is a blank.
     pub fn ten_digits(&self, indices: &[usize]) -> i32 {
         indices
             .iter()
             .fold(0, |number, &index| 10 * number + ten(self.low(index)))
     }
 
-    /// One decimal digit in the upper four bits of a byte; 10 is a blank.
+    /// Returns one digit, from the upper four bits of a byte; 10 is a blank.
     pub fn ten_high(&self, index: usize) -> i32 {
         ten(self.high(index))
     }
 
-    /// Two decimal digits in each byte, of which those above 9 are blank.
+    /// Returns two BCD digits per byte; a digit above 9 is a blank.
     pub fn blank_decimal(&self, indices: &[usize]) -> i32 {
         indices.iter().fold(0, |number, &index| {
             100 * number + 10 * digit(self.high(index)) + digit(self.low(index))
         })
     }
 
-    /// A byte that counts below zero.
+    /// Returns a signed byte.
     pub fn signed(&self, index: usize) -> i32 {
         i32::from(self.0[index & 0x7f] as i8)
     }
 
-    /// The number of bytes in a range that have a value.
+    /// Returns how many bytes in `range` equal `value`.
     pub fn count(&self, range: std::ops::Range<usize>, value: u8) -> i32 {
         self.0[range].iter().filter(|&&byte| byte == value).count() as i32
     }
 
-    /// One decimal digit in each byte, as the place of its picture, 8 bytes a digit; `blank` is a
-    /// picture of nothing.
+    /// Returns one digit per byte. A byte is the offset of the digit's image, of 8 bytes; `blank`
+    /// is the offset of an empty image.
     pub fn pictures(&self, indices: &[usize], blank: u8) -> i32 {
         indices.iter().fold(0, |number, &index| {
             let digit = if self.0[index] == blank {
@@ -263,22 +263,22 @@ impl Ram<'_> {
     }
 }
 
-/// A digit; 10 shows as a blank.
+/// Returns a digit; 10 is a blank.
 fn ten(value: i32) -> i32 {
     if value == 10 { 0 } else { value }
 }
 
-/// A digit; values above 9 are shown as blanks.
+/// Returns a digit; a value above 9 is a blank.
 fn digit(value: i32) -> i32 {
     if value > 9 { 0 } else { value }
 }
 
-/// The game of a name.
+/// Returns the game with this name.
 pub fn by_name(name: &str) -> Option<&'static Game> {
     GAMES.iter().find(|game| game.name == name)
 }
 
-/// The game of a ROM.
+/// Returns the game of a ROM.
 pub fn by_md5(md5: &str) -> Option<&'static Game> {
     GAMES.iter().find(|game| game.md5 == md5)
 }

@@ -3,7 +3,7 @@
 use super::Ram;
 
 impl Ram<'_> {
-    /// Blackjack: blank digits, if no points are left.
+    /// Blackjack: the digits are blank if no points are left.
     pub(super) fn blackjack(&self) -> i32 {
         if self.blackjack_is_blank() {
             0
@@ -12,7 +12,7 @@ impl Ram<'_> {
         }
     }
 
-    /// Blackjack: it ends with 1,000 points, or without any.
+    /// Blackjack: the game ends with 1,000 points, or without points.
     pub(super) fn blackjack_is_over(&self) -> bool {
         self.blackjack() >= 1000 || self.blackjack_is_blank()
     }
@@ -30,8 +30,7 @@ impl Ram<'_> {
         }
     }
 
-    /// Casino: the game is over without points, except in mode 3, where it continues until there
-    /// are some.
+    /// Casino: the game is over without points. In mode 3 it first waits until there are points.
     pub(super) fn casino_is_over(&self) -> bool {
         let (points, waits) = (
             self.at(0x0c) | self.at(0x15) != 0,
@@ -43,7 +42,7 @@ impl Ram<'_> {
         }
     }
 
-    /// Demon Attack: until the first game the bytes of the score hold the title.
+    /// Demon Attack: until the first game, the score's bytes hold the title.
     pub(super) fn demon_attack(&self) -> i32 {
         let title = [0x01, 0x03, 0x05].map(|index| self.at(index)) == [0xab, 0xcd, 0xea];
         if title {
@@ -53,14 +52,13 @@ impl Ram<'_> {
         }
     }
 
-    /// Double Dunk: the game is over when the program waits for another, after a team has 24
-    /// points.
+    /// Double Dunk: the game is over when a team has 24 points and the program waits for the next
+    /// game.
     pub(super) fn double_dunk_is_over(&self) -> bool {
         self.bcd(0x76).max(self.bcd(0x77)) >= 24 && self.at(0x7e) == 0xe7
     }
 
-    /// Enduro counts the cars that are left to pass, 200 on the first day and 300 on each one after
-    /// it.
+    /// Enduro: counts down the cars to pass, from 200 on the first day and from 300 on later days.
     pub(super) fn enduro(&self) -> i32 {
         let (day, left) = (self.at(0x2d), 100 * self.bcd(0x2c) + self.bcd(0x2b));
         match day {
@@ -70,7 +68,7 @@ impl Ram<'_> {
         }
     }
 
-    /// Superman: at the end the time left of 99:59.
+    /// Superman: the score at the end is the remaining time of 99:59.
     pub(super) fn superman(&self) -> i32 {
         if self.superman_is_over() {
             5999 - 60 * self.bcd(0x63) - self.bcd(0x62)
@@ -79,12 +77,12 @@ impl Ram<'_> {
         }
     }
 
-    /// Superman has ended in one place alone.
+    /// Superman: these bytes show the only place in which the game ends.
     pub(super) fn superman_is_over(&self) -> bool {
         self.at(0x00) == 0xac && self.at(0x01) == 0xf2 && self.at(0x1f) & 0x40 != 0
     }
 
-    /// Tic-Tac-Toe 3D: a point for a game that is won, one less for any other.
+    /// Tic-Tac-Toe 3D: 1 for a won game, -1 for any other finished game.
     pub(super) fn tic_tac_toe_3d(&self) -> i32 {
         match (self.tic_tac_toe_3d_is_over(), self.at(0x61)) {
             (false, _) => 0,
@@ -93,12 +91,12 @@ impl Ram<'_> {
         }
     }
 
-    /// Tic-Tac-Toe 3D: the return addresses on the stack show the end.
+    /// Tic-Tac-Toe 3D: the return addresses on the stack show that the game is over.
     pub(super) fn tic_tac_toe_3d_is_over(&self) -> bool {
         self.at(0x7e) == 0x10 && self.at(0x7f) == 0xf3
     }
 
-    /// Video Chess: one byte shows that the game is won, another by which side.
+    /// Video Chess: one byte shows that the game is over, another the side that won.
     pub(super) fn video_chess_is_over(&self) -> bool {
         self.at(0x61) == 0x82 && self.at(0x6e) <= 1
     }

@@ -1,4 +1,4 @@
-//! The games, one entry each, by name.
+//! The games, sorted by name.
 //!
 //! `r` is the RAM by index: `$80` of the processor is index `0x00`.
 
@@ -9,7 +9,7 @@ use crate::cartridge::Scheme::*;
 use crate::env::ids::ids;
 use crate::tia::Display;
 
-/// Casino's start: a second of nothing, and the button for two frames.
+/// Casino's start: 60 frames without action, then two with the button.
 const CASINO_START: [Action; 62] = {
     let mut start = [Noop; 62];
     start[60] = Fire;
@@ -17,11 +17,11 @@ const CASINO_START: [Action; 62] = {
     start
 };
 
-/// A game for each entry, and its ids: name, title, and the frames of a step of its `Deterministic`
-/// ids, or `v5` where ale-py has no older ids of it.
+/// Defines the games and their ids: name, title, and the frame skip of the `Deterministic` ids, or
+/// `v5` if ale-py has no older ids.
 macro_rules! games {
     ($($name:ident $title:literal $family:tt { $($field:ident: $value:expr,)* })*) => {
-        /// Each game that comes out exactly as in ale-py.
+        /// The games that are exactly as in ale-py.
         pub static GAMES: &[Game] = &[$(
             Game { name: stringify!($name), title: $title, $($field: $value,)* ..DEFAULT },
         )*];

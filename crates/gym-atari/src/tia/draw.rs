@@ -1,19 +1,18 @@
 //! From registers to lines, and from lines to the picture.
 //!
-//! A line is composed object by object: a change of an object changes its pixels from there on, and
-//! the rest of the line stays. So most lines are painted at once, at their end; only colours,
-//! `VBLANK` and reads of collisions need the pixels before them painted earlier.
+//! A line is composed object by object: a change of an object replaces its pixels from the change
+//! on. So most lines are painted once, at their end; only colours, `VBLANK` and reads of collisions
+//! require that earlier pixels are painted before.
 //!
-//! A line starts as a copy of the one above it, and only those pixels are painted that may differ
-//! from it.
+//! A line starts as a copy of the line above, and only pixels that may differ are painted.
 
 use super::paint::{Colors, Objects};
 use super::pixels::{Pixels, window};
+use super::registers::bit;
 use super::{BL, BLANK, CLOCKS_PER_LINE, M0, M1, OBJECTS, P0, P1, PF, Tia, objects};
 use crate::screen::{Screen, WIDTH};
 
-/// Pixels that may differ from those above them, on the line that is being drawn and on the one
-/// below it.
+/// The pixels of the current line that may differ from the line above, and those of the next line.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Differing {
     here: Pixels,
@@ -21,14 +20,14 @@ pub(super) struct Differing {
 }
 
 impl Differing {
-    /// Nothing is known of the line above.
+    /// All pixels: the line above is unknown.
     pub(super) const ALL: Self = Self {
         here: Pixels::ALL,
         below: Pixels::ALL,
     };
 
-    /// Pixels look otherwise than before, from `x` on: on this line those to the right, and on the
-    /// next those to the left.
+    /// Marks `pixels` as changed from `x` on: those right of `x` on the current line, those left of
+    /// `x` on the next line.
     #[inline(always)]
     fn add(&mut self, pixels: Pixels, x: usize) {
         let Self { here, below } = self;
@@ -43,8 +42,8 @@ impl Differing {
 }
 
 impl Tia {
-    /// Objects, one for each bit, are about to change at a clock of the beam's line, which may lie
-    /// beyond its end.
+    /// Announces that `objects` (one bit each) change at `clock` of the beam's line, which may lie
+    /// beyond the line's end.
     pub(super) fn change(&mut self, objects: u8, clock: u32, screen: &mut Screen) {
         let x = self.reach(clock, screen) as u8;
         if x > 0 {
@@ -54,7 +53,7 @@ impl Tia {
         self.searched = false;
     }
 
-    /// Keeps the objects unchanged up to a pixel.
+    /// Keeps the objects' current pixels left of `x`.
     fn keep_until(&mut self, x: u8, objects: u8) {
         for object in bits(objects) {
             if self.from[object] < x {
@@ -66,8 +65,7 @@ impl Tia {
         }
     }
 
-    /// The colours of some objects, one for each bit, are about to change at a clock of the beam's
-    /// line.
+    /// Announces that the colours of `objects` (one bit each) change at `clock` of the beam's line.
     #[inline(always)]
     pub(super) fn change_colors(&mut self, objects: u8, clock: u32, screen: &mut Screen) {
         let x = self.reach(clock, screen);
@@ -78,7 +76,7 @@ impl Tia {
         self.differing.add(pixels, x);
     }
 
-    /// The colours of the whole line are about to change at a clock of the beam's line.
+    /// Announces that the colours of all pixels change at `clock` of the beam's line.
     #[inline(never)]
     pub(super) fn change_all_colors(&mut self, clock: u32, screen: &mut Screen) {
         let x = self.reach(clock, screen);
@@ -86,13 +84,13 @@ impl Tia {
         self.differing.add(Pixels::ALL, x);
     }
 
-    /// Paints up to a clock of the beam's line.
+    /// Paints the pixels before `clock` of the beam's line.
     pub(super) fn paint_to(&mut self, clock: u32, screen: &mut Screen) {
         let x = self.reach(clock, screen);
         self.paint(x, screen);
     }
 
-    /// Completes the lines before a clock's line; returns the clock's pixel.
+    /// Paints the lines before the line of `clock`; returns the pixel of `clock`.
     #[inline]
     pub(super) fn reach(&mut self, clock: u32, screen: &mut Screen) -> usize {
         let (line, clock) = if clock < CLOCKS_PER_LINE {
@@ -118,12 +116,16 @@ impl Tia {
         }
     }
 
-    /// Goes on to the next line.
+    /// Starts the next line.
     fn start_line(&mut self, screen: &mut Screen) {
         let Differing { here, below } = &mut self.differing;
         *here = std::mem::take(below);
         let [first, second] = self.without_main;
-        if self.comb || first || second || self.reflected != (self.ctrlpf & 0x01 != 0) {
+        if self.comb
+            || first
+            || second
+            || self.reflected != (self.ctrlpf & bit::REFLECT_PLAYFIELD != 0)
+        {
             self.start_row(screen);
         }
         self.drawn_line += 1;
@@ -135,10 +137,10 @@ impl Tia {
         self.from = [0; OBJECTS];
     }
 
-    /// Applies changes that wait for a line to start, or for a visible line to end.
+    /// Applies changes that take effect at the start of a line, or at the end of a visible line.
     #[inline(never)]
     fn start_row(&mut self, screen: &mut Screen) {
-        // a comb ahead of the picture waits for its first row
+        // a comb above the picture waits for the picture's first row
         if self.comb
             && let Some(row) = self.row()
         {
@@ -146,9 +148,9 @@ impl Tia {
             self.comb = false;
             self.differing.here.0[0] |= 0xff;
         }
-        // pending changes wait for the end of a visible line
+        // pending changes take effect at the end of a visible line
         if self.row().is_some() {
-            let reflected = self.ctrlpf & 0x01 != 0;
+            let reflected = self.ctrlpf & bit::REFLECT_PLAYFIELD != 0;
             if self.reflected != reflected {
                 self.reflected = reflected;
                 self.stale |= 1 << PF;
@@ -164,13 +166,13 @@ impl Tia {
         }
     }
 
-    /// The row of the picture that is being drawn.
+    /// Returns the picture's row that is being drawn, if the line is visible.
     pub(super) fn row(&self) -> Option<usize> {
         let row = self.drawn_line.checked_sub(self.display.first_line)? as usize;
         (row < self.display.rows).then_some(row)
     }
 
-    /// Paints up to a pixel of the line.
+    /// Paints the pixels before `to`.
     fn paint(&mut self, to: usize, screen: &mut Screen) {
         let from = usize::from(self.painted);
         if from >= to {
@@ -178,7 +180,7 @@ impl Tia {
         }
         self.painted = to as u8;
         let Some(row) = self.row() else { return };
-        if self.vblank & 0x02 != 0 {
+        if self.vblank & bit::BLANK != 0 {
             screen.blacken(row, from..to);
             return;
         }
@@ -188,8 +190,11 @@ impl Tia {
         if screen.unseen {
             return;
         }
-        // the playfield's priority ends the score mode only where there is something to be before
-        let (score, first) = (self.ctrlpf & 0x02 != 0, self.ctrlpf & 0x04 != 0);
+        // the playfield's priority ends the score mode only where the line has other objects
+        let (score, first) = (
+            self.ctrlpf & bit::SCORE != 0,
+            self.ctrlpf & bit::PRIORITY != 0,
+        );
         if row == 0 || score && first {
             self.differing.here = Pixels::ALL;
         }
@@ -215,8 +220,8 @@ impl Tia {
         self.objects.paint(screen.row(row), pixels, &colors);
     }
 
-    /// Places what changed, and searches a part of the line for collisions. If the line is not
-    /// drawn, only objects that may still collide is placed.
+    /// Places changed objects and searches the pixels from `from` to `to` for collisions. With
+    /// `unseen`, places only objects that can have new collisions.
     fn search(&mut self, from: usize, to: usize, unseen: bool) {
         let needed = if unseen {
             Objects::with_collisions(self.possible_collisions())
@@ -233,7 +238,7 @@ impl Tia {
         self.searched = to - from == WIDTH;
     }
 
-    /// The collisions that there can be once all objects are placed, of those that were not yet.
+    /// Returns the collisions that were not found yet but are possible once all objects are placed.
     fn possible_collisions(&self) -> u16 {
         let shown = [
             self.graphics(P0) != 0,
@@ -244,27 +249,27 @@ impl Tia {
             self.pf != 0,
         ];
         let shown = (0..OBJECTS).fold(0, |set, object| set | u8::from(shown[object]) << object);
-        // objects changed within the line still show their old state
+        // objects that changed within the line still show their old state
         let present = self.objects.present() | shown & self.stale;
         Objects::collisions_of(present) & !self.collisions
     }
 
-    /// Places all that changed. A stored state is the same for lines that were seen and lines that
-    /// were not.
+    /// Places all changed objects, so that a stored state does not depend on whether lines were
+    /// drawn.
     pub(crate) fn place_all(&mut self) {
         for object in bits(self.stale) {
             self.place(object);
         }
     }
 
-    /// Whether there is anything but the playfield on the line, be it a player whose only copy is
-    /// left out.
+    /// Whether the line has any object except the playfield, including a player whose only copy is
+    /// suppressed.
     fn shows_others(&self) -> bool {
         let left_out = |i: usize| self.without_main[i] && self.graphics(i) != 0;
         !self.objects.only_playfield() || left_out(0) || left_out(1)
     }
 
-    /// The byte of a player that shows.
+    /// Returns the graphics byte that player `i` shows.
     fn graphics(&self, i: usize) -> u8 {
         if self.vdelp[i] {
             self.old_grp[i]
@@ -281,7 +286,7 @@ impl Tia {
         }
     }
 
-    /// Gives an object the pixels that it has from its last change on.
+    /// Sets an object's pixels from its last change on.
     #[inline(never)]
     fn place(&mut self, object: usize) {
         match object {
@@ -311,8 +316,8 @@ impl Tia {
         }
     }
 
-    /// It is a part of each arm that calls it: pixels that went through memory on their way would
-    /// take twice as long.
+    /// Stores an object's pixels. The function is inlined into each arm of the caller: passing the
+    /// pixels through memory would take twice as long.
     #[inline(always)]
     fn put(&mut self, object: usize, pixels: Pixels) {
         let bit = 1 << object;
@@ -329,7 +334,7 @@ impl Tia {
     }
 }
 
-/// The objects whose bits are set.
+/// Iterates over the objects whose bits are set.
 #[inline]
 pub(super) fn bits(mut set: u8) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {

@@ -1,24 +1,26 @@
-//! The Television Interface Adaptor: draws the picture, line by line, while the program runs.
+//! The Television Interface Adaptor: draws the picture line by line while the program runs.
 //!
 //! Registers have the names and addresses of the Stella Programmer's Guide (1979). The timing of
 //! writes, and the effect of moving objects while they are drawn, were measured: see `NOTICE.md`.
 //!
-//! Time is counted in the processor's cycles, of which a line has 76, or in colour clocks, three to
-//! a cycle. The first 68 clocks of a line are blank; pixel `x` is clock `68 + x`. `c` is the number
-//! of cycles of the line that have passed at the end of an access.
+//! Times are in processor cycles, of which a line has 76, or in colour clocks, three per cycle. The
+//! first 68 clocks of a line are blank; pixel `x` is at clock `68 + x`. `c` is the number of cycles
+//! of the line at the end of an access.
 //!
-//! Drawing is delayed until a register changes: a write first paints the pixels before it with the
-//! old values, and a write of the value already there does nothing.
+//! Drawing is delayed until a register changes: a write first paints earlier pixels with the old
+//! value. A write of an equal value does nothing.
 
 mod draw;
 mod objects;
 mod paint;
 mod pixels;
+mod registers;
 
 use serde::{Deserialize, Serialize};
 
 use draw::Differing;
 use paint::Objects;
+use registers::*;
 
 use crate::cpu::Ready;
 use crate::palette;
@@ -26,27 +28,27 @@ use crate::screen::{Screen, WIDTH};
 
 const CYCLES_PER_LINE: u32 = 76;
 const CLOCKS_PER_LINE: u32 = 228;
-/// The clocks of a line ahead of its first pixel.
+/// Clocks of a line before its first pixel.
 const BLANK: i32 = 68;
 
-/// Settings of the game, not of the machine.
+/// Properties of the game rather than of the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Display {
-    /// The line of the frame that is the first row of the picture.
+    /// The frame's line that is the first row of the picture.
     pub first_line: u32,
-    /// The rows of the picture, 250 at most.
+    /// The rows of the picture, at most 250.
     pub rows: usize,
-    /// Whether `HMOVE` blackens the first 8 pixels of its line.
+    /// Whether `HMOVE` blackens the first 8 pixels of its line (the "comb").
     pub comb: bool,
     /// A write in this line of the frame ends the frame, even without `VSYNC`.
     pub last_line: u32,
-    /// Whether it is a PAL set's: it has other colours, and none after a frame with an odd number
-    /// of lines.
+    /// Whether the game is for PAL televisions: other colours, and none after a frame with an odd
+    /// number of lines.
     pub pal: bool,
 }
 
 impl Display {
-    /// The settings of nearly all games.
+    /// The properties of nearly all games.
     pub const NTSC: Self = Self {
         first_line: 34,
         rows: 210,
@@ -54,7 +56,7 @@ impl Display {
         last_line: 291,
         pal: false,
     };
-    /// The settings of games for PAL sets.
+    /// The properties of PAL games.
     pub const PAL: Self = Self {
         rows: 250,
         last_line: 343,
@@ -62,7 +64,7 @@ impl Display {
         ..Self::NTSC
     };
 
-    /// Red, green and blue of each colour index.
+    /// Returns red, green and blue of each colour index.
     pub fn rgb(&self) -> &'static [[u8; 3]; 256] {
         if self.pal {
             &palette::PAL_RGB
@@ -71,7 +73,7 @@ impl Display {
         }
     }
 
-    /// The shade of gray of each colour index.
+    /// Returns the shade of gray of each colour index.
     pub fn gray(&self) -> &'static [u8; 256] {
         if self.pal {
             &palette::PAL_GRAY
@@ -87,19 +89,19 @@ impl Default for Display {
     }
 }
 
-/// The player or missile of a register, or the ball.
+/// Indices of the objects: players, missiles, ball.
 const P0: usize = 0;
 const P1: usize = 1;
 const M0: usize = 2;
 const M1: usize = 3;
 const BL: usize = 4;
 
-/// The playfield.
+/// Index of the playfield.
 const PF: usize = 5;
-/// The objects.
+/// The number of objects.
 const OBJECTS: usize = 6;
 
-/// A bit for each object that moves.
+/// The bits of the movable objects.
 const MOVABLE: u8 = 0x1f;
 
 /// The chip, without the picture.
@@ -116,18 +118,18 @@ pub(crate) struct Tia {
     colubk: u8,
     ctrlpf: u8,
     refp: [bool; 2],
-    /// The 20 bits of `PF0`, `PF1` and `PF2`, of which the lowest is leftmost on the line.
+    /// The 20 bits of `PF0`, `PF1` and `PF2`; the lowest bit is leftmost on the line.
     pf: u32,
-    /// Whether this line's right half mirrors the left.
+    /// Whether the right half of this line mirrors the left half.
     reflected: bool,
     grp: [u8; 2],
     enam: [bool; 2],
     enabl: bool,
-    /// The values shown by the vertical delay instead of `GRP0`, `GRP1` and `ENABL`.
+    /// The values that the vertical delay shows instead of `GRP0`, `GRP1` and `ENABL`.
     old_grp: [u8; 2],
     old_enabl: bool,
     hm: [u8; 5],
-    /// The objects, by bit, of which `hm` is not 0.
+    /// A bit for each object whose `hm` is not 0.
     in_motion: u8,
     vdelp: [bool; 2],
     vdelbl: bool,
@@ -135,46 +137,46 @@ pub(crate) struct Tia {
     collisions: u16,
     /// The pixel at which each object starts.
     x: [u8; 5],
-    /// Whether a player's first copy is left out: up to the end of a line of the picture, a write
-    /// to `NUSIZx`, or an `HMOVE`.
+    /// Whether each player's first copy is suppressed. It is until a visible line ends, `NUSIZx` is
+    /// written, or `HMOVE`.
     without_main: [bool; 2],
     // the beam
     line: u32,
     line_start: u64,
-    /// The number of lines of the last frame that ended.
+    /// The number of lines in the last complete frame.
     frame_lines: u32,
     vsync_since: u64,
     /// The cycle of the last `HMOVE`.
     moved: u64,
-    /// The line that is being drawn, at most one ahead of the beam's.
+    /// The line that is being drawn: the beam's line or the next one.
     drawn_line: u32,
     /// The number of its pixels that are painted.
     painted: u8,
     comb: bool,
-    /// 1 in a frame without colours: the lowest bit of each pixel.
+    /// The lowest bit of each pixel: 1 in a frame without colours.
     colorless: u8,
     /// Whether the last frame ended before its picture was complete.
     short: bool,
     // the objects on the line being drawn
     objects: Objects,
-    /// The objects, by bit, that changed since they were placed, and the pixel from which on they
-    /// did.
+    /// A bit for each object that changed since it was placed, and the pixel of each object's last
+    /// change.
     stale: u8,
     from: [u8; OBJECTS],
-    /// The objects, by bit, that changed within the line.
+    /// A bit for each object that changed within the line.
     mixed: u8,
-    /// The pixels to be painted.
+    /// The pixels that must be painted.
     #[serde(skip)]
     differing: Differing,
-    /// Whether a whole line was searched for collisions since something changed.
+    /// Whether a whole line was searched for collisions since the last change.
     #[serde(skip)]
     searched: bool,
     // inputs
     pub(crate) fire: [bool; 2],
     latched: [bool; 2],
-    /// The clocks that each paddle's capacitor takes to charge; `None` if nothing charges it.
+    /// The clocks to charge each paddle's capacitor; `None` without a paddle.
     pub(crate) charge: [Option<u32>; 4],
-    /// The clock at which the capacitors were last let go.
+    /// The clock at which the capacitors began to charge.
     released: u64,
 }
 
@@ -232,7 +234,7 @@ impl Tia {
         &self.display
     }
 
-    /// Painting from now on does not depend on earlier painting.
+    /// Starts a picture: painting no longer depends on earlier lines.
     pub(crate) fn start_picture(&mut self) {
         self.differing = Differing::ALL;
         self.searched = false;
@@ -242,10 +244,9 @@ impl Tia {
         self.display = display;
     }
 
-    /// Whether this can be the chip of a console at `cycle`: one that was stored may have been
-    /// damaged.
+    /// Whether a deserialized chip is consistent at `cycle`.
     pub(crate) fn is_valid(&self, cycle: u64) -> bool {
-        // small enough for the arithmetic of times not to overflow
+        // small enough that arithmetic on times does not overflow
         const LONG: u64 = 1 << 60;
         cycle < LONG
             && self.line_start <= cycle
@@ -265,19 +266,16 @@ impl Tia {
             && self.colorless <= 1
     }
 
-    /// Reads a register: bits 7 and 6. The others are not driven.
+    /// Reads a register. Only bits 7 and 6 are driven.
     pub(crate) fn read(&mut self, address: u16, cycle: u64, screen: &mut Screen) -> u8 {
-        match address & 0x0f {
-            // CXM0P, CXM1P, CXP0FB, CXP1FB, CXM0FB, CXM1FB, CXBLPF, CXPPMM
-            register @ 0..8 => {
+        match address & READ_ADDRESS {
+            register @ CXM0P..=CXPPMM => {
                 self.beam(cycle);
                 self.paint_to(self.clock(cycle), screen);
                 ((self.collisions >> (2 * register)) as u8) << 6
             }
-            // INPT0, INPT1, INPT2, INPT3
-            paddle @ 8..12 => self.paddle(usize::from(paddle) - 8, cycle),
-            // INPT4, INPT5
-            trigger @ 12..14 => self.trigger(usize::from(trigger) - 12),
+            paddle @ INPT0..=INPT3 => self.paddle(usize::from(paddle - INPT0), cycle),
+            trigger @ (INPT4 | INPT5) => self.trigger(usize::from(trigger - INPT4)),
             _ => 0,
         }
     }
@@ -285,23 +283,23 @@ impl Tia {
     fn paddle(&self, paddle: usize, cycle: u64) -> u8 {
         let charged = match self.charge[paddle] {
             Some(clocks) => {
-                self.vblank & 0x80 == 0 && 3 * cycle >= self.released + u64::from(clocks)
+                self.vblank & bit::DISCHARGE == 0 && 3 * cycle >= self.released + u64::from(clocks)
             }
             None => false,
         };
-        if charged { 0x80 } else { 0 }
+        if charged { bit::INPUT } else { 0 }
     }
 
     fn trigger(&mut self, trigger: usize) -> u8 {
         let mut pressed = self.fire[trigger];
-        if self.vblank & 0x40 != 0 {
+        if self.vblank & bit::LATCH != 0 {
             self.latched[trigger] |= pressed;
             pressed = self.latched[trigger];
         }
-        if pressed { 0 } else { 0x80 }
+        if pressed { 0 } else { bit::INPUT }
     }
 
-    /// Writes a register. Writes without effect are handled here, cheaply; all others in other
+    /// Writes a register. Writes without effect are handled inline, all others in separate
     /// functions.
     #[inline(always)]
     pub(crate) fn write(
@@ -318,12 +316,13 @@ impl Tia {
         self.register(address, value, c, screen)
     }
 
-    /// A write that ends the frame first; `WSYNC` ends it when its line is over.
+    /// Writes a register after the end of the frame's last line: ends the frame first. `WSYNC` ends
+    /// the frame at the end of its line.
     #[cold]
     #[inline(never)]
     fn write_late(&mut self, address: u16, value: u8, cycle: u64, screen: &mut Screen) -> Ready {
         let c = self.beam(cycle);
-        let wait = if address & 0x3f == 0x02 && c > 0 {
+        let wait = if address & WRITE_ADDRESS == WSYNC && c > 0 {
             CYCLES_PER_LINE - c
         } else {
             0
@@ -342,8 +341,8 @@ impl Tia {
         }
     }
 
-    /// Writes a register, if the write shows nowhere and only the next line or none has begun since
-    /// the last one; does nothing and returns `None` otherwise.
+    /// Writes a register if the write changes no pixel and at most one line has begun since the
+    /// last write; otherwise does nothing and returns `None`.
     #[inline(always)]
     pub(crate) fn write_unseen(&mut self, address: u16, value: u8, cycle: u64) -> Option<Ready> {
         let passed = (cycle - self.line_start) as u32;
@@ -363,124 +362,136 @@ impl Tia {
         Some(ready)
     }
 
-    /// Writes a register, if the write shows nowhere: it is of what is there already, or only shows
-    /// once an `HMOVE` or the processor's next cycle comes.
+    /// Handles writes that change no pixel yet: an equal value, or a value that takes effect at
+    /// `HMOVE` or in the next cycle. Returns `None` for other writes.
     #[inline(always)]
     fn set(&mut self, address: u16, value: u8, c: u32) -> Option<Ready> {
-        let unchanged = match address & 0x3f {
-            // WSYNC
-            0x02 => {
+        let unchanged = match address & WRITE_ADDRESS {
+            WSYNC => {
                 return Some(if c > 0 {
                     Ready::After(CYCLES_PER_LINE - c)
                 } else {
                     Ready::Now
                 });
             }
-            // NUSIZ0, NUSIZ1
-            register @ (0x04 | 0x05) => {
-                let i = usize::from(register) - 0x04;
+            register @ (NUSIZ0 | NUSIZ1) => {
+                let i = usize::from(register - NUSIZ0);
                 self.nusiz[i] == value && !self.without_main[i]
             }
-            // COLUP0, COLUP1
-            register @ (0x06 | 0x07) => self.colup[usize::from(register) - 0x06] == value & 0xfe,
-            // COLUPF
-            0x08 => self.colupf == value & 0xfe,
-            // COLUBK
-            0x09 => self.colubk == value & 0xfe,
-            // CTRLPF
-            0x0a => self.ctrlpf == value,
-            // REFP0, REFP1
-            register @ (0x0b | 0x0c) => {
-                self.refp[usize::from(register) - 0x0b] == (value & 0x08 != 0)
+            register @ (COLUP0 | COLUP1) => {
+                self.colup[usize::from(register - COLUP0)] == value & bit::COLOR
             }
-            // PF0, PF1, PF2
-            register @ 0x0d..=0x0f => self.with_playfield(register, value) == self.pf,
-            // GRP0, GRP1
-            0x1b => self.grp[0] == value && self.old_grp[1] == self.grp[1],
-            0x1c => {
+            COLUPF => self.colupf == value & bit::COLOR,
+            COLUBK => self.colubk == value & bit::COLOR,
+            CTRLPF => self.ctrlpf == value,
+            register @ (REFP0 | REFP1) => {
+                self.refp[usize::from(register - REFP0)] == (value & bit::REFLECT != 0)
+            }
+            register @ PF0..=PF2 => self.with_playfield(register, value) == self.pf,
+            GRP0 => self.grp[0] == value && self.old_grp[1] == self.grp[1],
+            GRP1 => {
                 self.grp[1] == value
                     && self.old_grp[0] == self.grp[0]
                     && self.old_enabl == self.enabl
             }
-            // ENAM0, ENAM1
-            register @ (0x1d | 0x1e) => {
-                self.enam[usize::from(register) - 0x1d] == (value & 0x02 != 0)
+            register @ (ENAM0 | ENAM1) => {
+                self.enam[usize::from(register - ENAM0)] == (value & bit::ENABLE != 0)
             }
-            // ENABL
-            0x1f => self.enabl == (value & 0x02 != 0),
-            // HMP0, HMP1, HMM0, HMM1, HMBL
-            register @ 0x20..=0x24 => {
-                let object = usize::from(register) - 0x20;
+            ENABL => self.enabl == (value & bit::ENABLE != 0),
+            register @ HMP0..=HMBL => {
+                let object = usize::from(register - HMP0);
                 self.hm[object] = value >> 4;
                 self.in_motion =
                     self.in_motion & !(1 << object) | u8::from(value >> 4 != 0) << object;
                 true
             }
-            // VDELP0, VDELP1
-            register @ (0x25 | 0x26) => {
-                self.vdelp[usize::from(register) - 0x25] == (value & 0x01 != 0)
+            register @ (VDELP0 | VDELP1) => {
+                self.vdelp[usize::from(register - VDELP0)] == (value & bit::DELAY != 0)
             }
-            // VDELBL
-            0x27 => self.vdelbl == (value & 0x01 != 0),
-            // RESMP0, RESMP1
-            register @ (0x28 | 0x29) => {
-                self.resmp[usize::from(register) - 0x28] == (value & 0x02 != 0)
+            VDELBL => self.vdelbl == (value & bit::DELAY != 0),
+            register @ (RESMP0 | RESMP1) => {
+                self.resmp[usize::from(register - RESMP0)] == (value & bit::LOCK != 0)
             }
-            // HMCLR
-            0x2b => {
+            HMCLR => {
                 self.hm = [0; 5];
                 self.in_motion = 0;
                 true
             }
-            // VSYNC, VBLANK, RESP0, RESP1, RESM0, RESM1, RESBL, HMOVE, CXCLR
-            0x00 | 0x01 | 0x10..=0x14 | 0x2a | 0x2c => false,
-            // RSYNC is not modelled; AUDC0, AUDC1, AUDF0, AUDF1, AUDV0, AUDV1: there is no sound
+            VSYNC | VBLANK | RESP0..=RESBL | HMOVE | CXCLR => false,
+            // `RSYNC` is not emulated, and there is no sound (`AUDCx`, `AUDFx`, `AUDVx`)
             _ => true,
         };
         unchanged.then_some(Ready::Now)
     }
 
-    /// Writes a register that shows, or may.
+    /// Handles writes that may change pixels.
     #[inline(always)]
     fn change_register(&mut self, address: u16, value: u8, c: u32, screen: &mut Screen) -> Ready {
-        match address & 0x3f {
-            0x00 => return self.write_vsync(value, c, screen),
-            0x01 => self.write_vblank(value, c, screen),
-            register @ (0x04 | 0x05) => {
-                self.write_nusiz(usize::from(register) - 0x04, value, c, screen)
+        match address & WRITE_ADDRESS {
+            VSYNC => return self.write_vsync(value, c, screen),
+            VBLANK => self.write_vblank(value, c, screen),
+            register @ (NUSIZ0 | NUSIZ1) => {
+                self.write_nusiz(usize::from(register - NUSIZ0), value, c, screen);
             }
-            register @ (0x06 | 0x07) => {
-                self.write_colup(usize::from(register) - 0x06, value & 0xfe, c, screen);
+            register @ (COLUP0 | COLUP1) => {
+                self.write_colup(
+                    usize::from(register - COLUP0),
+                    value & bit::COLOR,
+                    c,
+                    screen,
+                );
             }
-            0x08 => self.write_colupf(value & 0xfe, c, screen),
-            0x09 => self.write_colubk(value & 0xfe, c, screen),
-            0x0a => self.write_ctrlpf(value, c, screen),
-            register @ (0x0b | 0x0c) => {
-                self.write_refp(usize::from(register) - 0x0b, value & 0x08 != 0, c, screen);
+            COLUPF => self.write_colupf(value & bit::COLOR, c, screen),
+            COLUBK => self.write_colubk(value & bit::COLOR, c, screen),
+            CTRLPF => self.write_ctrlpf(value, c, screen),
+            register @ (REFP0 | REFP1) => {
+                self.write_refp(
+                    usize::from(register - REFP0),
+                    value & bit::REFLECT != 0,
+                    c,
+                    screen,
+                );
             }
-            register @ 0x0d..=0x0f => {
+            register @ PF0..=PF2 => {
                 self.change_playfield(self.with_playfield(register, value), c, screen);
             }
-            register @ (0x10 | 0x11) => self.reset_player(usize::from(register) - 0x10, c, screen),
-            register @ 0x12..=0x14 => {
-                self.reset_missile_or_ball(usize::from(register) - 0x10, c, screen)
+            register @ (RESP0 | RESP1) => {
+                self.reset_player(usize::from(register - RESP0), c, screen);
             }
-            register @ (0x1b | 0x1c) => {
-                self.write_grp(usize::from(register) - 0x1b, value, c, screen)
+            register @ RESM0..=RESBL => {
+                self.reset_missile_or_ball(usize::from(register - RESP0), c, screen);
             }
-            register @ (0x1d | 0x1e) => {
-                self.write_enam(usize::from(register) - 0x1d, value & 0x02 != 0, c, screen);
+            register @ (GRP0 | GRP1) => {
+                self.write_grp(usize::from(register - GRP0), value, c, screen);
             }
-            0x1f => self.write_enabl(value & 0x02 != 0, c, screen),
-            register @ (0x25 | 0x26) => {
-                self.write_vdelp(usize::from(register) - 0x25, value & 0x01 != 0, c, screen);
+            register @ (ENAM0 | ENAM1) => {
+                self.write_enam(
+                    usize::from(register - ENAM0),
+                    value & bit::ENABLE != 0,
+                    c,
+                    screen,
+                );
             }
-            0x27 => self.write_vdelbl(value & 0x01 != 0, c, screen),
-            register @ (0x28 | 0x29) => {
-                self.write_resmp(usize::from(register) - 0x28, value & 0x02 != 0, c, screen);
+            ENABL => self.write_enabl(value & bit::ENABLE != 0, c, screen),
+            register @ (VDELP0 | VDELP1) => {
+                self.write_vdelp(
+                    usize::from(register - VDELP0),
+                    value & bit::DELAY != 0,
+                    c,
+                    screen,
+                );
             }
-            0x2a => self.hmove(c, screen),
-            0x2c => self.clear_collisions(c, screen),
+            VDELBL => self.write_vdelbl(value & bit::DELAY != 0, c, screen),
+            register @ (RESMP0 | RESMP1) => {
+                self.write_resmp(
+                    usize::from(register - RESMP0),
+                    value & bit::LOCK != 0,
+                    c,
+                    screen,
+                );
+            }
+            HMOVE => self.hmove(c, screen),
+            CXCLR => self.clear_collisions(c, screen),
             _ => {}
         }
         Ready::Now
@@ -496,7 +507,7 @@ impl Tia {
     #[inline(never)]
     fn write_colup(&mut self, i: usize, color: u8, c: u32, screen: &mut Screen) {
         // in score mode the playfield has the players' colours
-        let playfield = u8::from(self.ctrlpf & 0x02 != 0) << PF;
+        let playfield = u8::from(self.ctrlpf & bit::SCORE != 0) << PF;
         self.change_colors(1 << (P0 + i) | 1 << (M0 + i) | playfield, 3 * c, screen);
         self.colup[i] = color;
     }
@@ -519,9 +530,10 @@ impl Tia {
         self.change_all_colors(clock, screen);
         self.change(1 << PF | 1 << BL, clock, screen);
         self.ctrlpf = value;
-        // the right half keeps what it began with: a write at pixel 76 is in time, one at 79 is not
+        // the right half keeps its reflection if it has begun: a write at pixel 76 is in time, one
+        // at 79 is not
         if (clock as i32) < BLANK + 79 {
-            self.reflected = value & 0x01 != 0;
+            self.reflected = value & bit::REFLECT_PLAYFIELD != 0;
         }
     }
 
@@ -531,8 +543,8 @@ impl Tia {
         self.refp[i] = reflected;
     }
 
-    /// `RESMx` and `RESBL`: the object starts anew just behind the beam. A missile stays what it
-    /// was for 8 more clocks.
+    /// Writes `RESMx` or `RESBL`: the object restarts just behind the beam. A missile keeps its old
+    /// pixels for 8 more clocks.
     #[inline(never)]
     fn reset_missile_or_ball(&mut self, object: usize, c: u32, screen: &mut Screen) {
         let clock = 3 * c;
@@ -541,10 +553,10 @@ impl Tia {
             if object == BL { clock } else { clock + 8 },
             screen,
         );
-        // objects wait for the end of the blank in the same place
+        // all positions in the blank give the same start
         let beam = (clock as i32 - BLANK).max(-2);
         self.x[object] = match (object, self.moved.checked_sub(self.line_start), c) {
-            // an `HMOVE` at the start of the line still moves some objects: measured for all
+            // an `HMOVE` at the start of the line still moves some objects; measured for all
             // objects and times
             (M1 | BL, Some(3), 6) => 3,
             (BL, Some(3), 9) => 5,
@@ -589,7 +601,7 @@ impl Tia {
     #[inline(never)]
     fn write_vsync(&mut self, value: u8, c: u32, screen: &mut Screen) -> Ready {
         let cycle = self.line_start + u64::from(c);
-        let (was, is) = (self.vsync & 0x02 != 0, value & 0x02 != 0);
+        let (was, is) = (self.vsync & bit::SYNC != 0, value & bit::SYNC != 0);
         self.vsync = value;
         if is {
             self.vsync_since = cycle;
@@ -602,24 +614,24 @@ impl Tia {
 
     #[inline(never)]
     fn write_vblank(&mut self, value: u8, c: u32, screen: &mut Screen) {
-        if (self.vblank ^ value) & 0x02 != 0 {
+        if (self.vblank ^ value) & bit::BLANK != 0 {
             self.change_all_colors(3 * c + 1, screen);
         }
-        if self.vblank & 0x80 != 0 && value & 0x80 == 0 {
+        if self.vblank & bit::DISCHARGE != 0 && value & bit::DISCHARGE == 0 {
             self.released = 3 * (self.line_start + u64::from(c));
         }
-        if value & 0x40 == 0 {
+        if value & bit::LATCH == 0 {
             self.latched = [false; 2];
         }
         self.vblank = value;
     }
 
-    /// The playfield after a write of `PF0`, `PF1` or `PF2`.
+    /// Returns the playfield after a write of `value` to `PF0`, `PF1` or `PF2`.
     #[inline(always)]
     fn with_playfield(&self, register: u16, value: u8) -> u32 {
         let (mask, bits) = match register {
-            0x0d => (0x0000f, u32::from(value >> 4)),
-            0x0e => (0x00ff0, u32::from(value.reverse_bits()) << 4),
+            PF0 => (0x0000f, u32::from(value >> 4)),
+            PF1 => (0x00ff0, u32::from(value.reverse_bits()) << 4),
             _ => (0xff000, u32::from(value) << 12),
         };
         self.pf & !mask | bits
@@ -631,8 +643,8 @@ impl Tia {
         self.pf = pf;
     }
 
-    /// `GRPx`. A write to one player lets the vertical delay show the other's last, and `GRP1` the
-    /// ball's.
+    /// Writes `GRPx`. A write to one player's register latches the other player's delayed graphics;
+    /// `GRP1` also latches the ball's.
     #[inline(never)]
     fn write_grp(&mut self, i: usize, value: u8, c: u32, screen: &mut Screen) {
         let other = 1 - i;
@@ -662,14 +674,14 @@ impl Tia {
         self.resmp[i] = locked;
     }
 
-    /// `RESPx`: the player starts anew just behind the beam. The rest of the line shows no first
-    /// copy of it, unless an old copy was about to start; one that is being drawn goes on for a
-    /// while. A write that ends with its line leaves the first copy of the next line out only where
-    /// an old copy is being drawn.
+    /// Writes `RESPx`: the player restarts just behind the beam. The rest of the line does not show
+    /// its first copy, unless an old copy was about to start. A copy that is being drawn continues
+    /// for 11 clocks. A write at the end of a line suppresses the next line's first copy only if an
+    /// old copy is being drawn.
     #[inline(never)]
     fn reset_player(&mut self, i: usize, c: u32, screen: &mut Screen) {
         let clock = 3 * c;
-        // objects wait for the end of the blank in the same place
+        // all positions in the blank give the same start
         let beam = (clock as i32 - BLANK).max(-2);
         let width = 8 * i32::from(objects::scale(self.nusiz[i]));
         let mut running = false;
@@ -693,8 +705,8 @@ impl Tia {
         };
     }
 
-    /// `HMOVE`: each object moves by the pulses that its `HM` register leaves it, of which an
-    /// `HMOVE` late in the line gives fewer.
+    /// Writes `HMOVE`: each object moves by the number of pulses that its `HM` register selects. An
+    /// `HMOVE` late in the line has fewer pulses.
     #[inline(never)]
     fn hmove(&mut self, c: u32, screen: &mut Screen) {
         let clock = 3 * c;
@@ -707,13 +719,13 @@ impl Tia {
             55..=74 => -(m - (222 - 3 * c) / 4).max(0),
             _ => 8 - m,
         };
-        // where all 8 pulses come, only those objects move whose `HM` register is not 0
+        // with all 8 pulses, only objects move whose `HM` register is not 0
         let candidates = match c {
             ..=12 | 75.. => self.in_motion,
             21..=54 => 0,
             _ => MOVABLE,
         };
-        // first copies that were left out come back
+        // suppressed first copies appear again
         let mut moved =
             u8::from(self.without_main[P0]) << P0 | u8::from(self.without_main[P1]) << P1;
         let mut x = self.x;
@@ -738,7 +750,7 @@ impl Tia {
         }
     }
 
-    /// Brings the beam to `cycle`; gives the cycles of its line that have passed.
+    /// Advances the beam to `cycle`; returns the cycles of its line that have passed.
     #[inline(always)]
     fn beam(&mut self, cycle: u64) -> u32 {
         let mut c = (cycle - self.line_start) as u32;
@@ -758,7 +770,7 @@ impl Tia {
         self.line += 1;
     }
 
-    /// As [`beam`](Self::beam), where `c` cycles have passed since the start of the line.
+    /// Like [`beam`](Self::beam), `c` cycles after the start of the line.
     #[cold]
     #[inline(never)]
     fn skip_lines(&mut self, c: u32) -> u32 {
@@ -768,17 +780,17 @@ impl Tia {
         c % CYCLES_PER_LINE
     }
 
-    /// The clock of the beam's line.
+    /// Returns the clock of the beam's line at `cycle`.
     fn clock(&self, cycle: u64) -> u32 {
         3 * (cycle - self.line_start) as u32
     }
 
-    /// Whether the picture lacks rows yet.
+    /// Whether the last frame ended before its picture was complete.
     pub(crate) fn is_short(&self) -> bool {
         self.short
     }
 
-    /// The beam's line becomes the first of a new frame.
+    /// Ends the frame: the beam's line becomes the first line of a new frame.
     #[cold]
     fn end_frame(&mut self, cycle: u64, screen: &mut Screen) {
         self.beam(cycle);
@@ -786,13 +798,13 @@ impl Tia {
         self.start_frame(cycle);
     }
 
-    /// As `end_frame`, but the rest of the frame stays unpainted.
+    /// Like `end_frame`, without painting the rest of the frame.
     pub(crate) fn start_frame(&mut self, cycle: u64) {
         self.beam(cycle);
         self.short = self.row().is_some() || self.drawn_line < self.display.first_line;
         self.drawn_line = self.drawn_line.saturating_sub(self.line);
         self.start_picture();
-        // a clear of VSYNC in the last line ends the frame a second time
+        // a clear of `VSYNC` in the last line ends the frame a second time
         if self.line > 0 {
             self.frame_lines = self.line;
             if self.display.pal {
@@ -802,7 +814,7 @@ impl Tia {
         self.line = 0;
     }
 
-    /// The last frame has not ended: the beam's line is one of it.
+    /// Continues the last frame: makes the beam's line a line of that frame.
     pub(crate) fn continue_frame(&mut self) {
         self.line += self.frame_lines;
         self.drawn_line += self.frame_lines;

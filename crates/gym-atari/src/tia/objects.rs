@@ -2,8 +2,8 @@
 
 use super::pixels::Pixels;
 
-/// The offsets of the copies of a player or missile, by the lower three bits of `NUSIZx`; and the
-/// width of a player's pixel.
+/// What the lower three bits of `NUSIZx` select: the offsets of the copies of a player or missile,
+/// and the width of a player's pixel.
 struct Copies {
     offsets: &'static [u8],
     scale: u8,
@@ -48,19 +48,19 @@ fn copies(nusiz: u8) -> &'static Copies {
     &COPIES[usize::from(nusiz & 0x07)]
 }
 
-/// The width of a player's pixel: 1, 2 or 4.
+/// Returns the width of a player's pixel: 1, 2 or 4.
 pub(super) fn scale(nusiz: u8) -> u8 {
     copies(nusiz).scale
 }
 
-/// `x < 160`, less than 160 positions further right or left, around the line's ends.
+/// Returns `x + shift`, wrapped around the line. `x` is below 160 and `shift` between -160 and 160.
 pub(super) fn around(x: u8, shift: i32) -> u8 {
     let x = i32::from(x) + shift;
     let x = if x < 0 { x + 160 } else { x };
     (if x >= 160 { x - 160 } else { x }) as u8
 }
 
-/// A byte of graphics as a pattern whose lowest bit is the leftmost pixel.
+/// Converts a graphics byte to a pattern whose lowest bit is the leftmost pixel.
 fn pattern(graphics: u8, reflected: bool, scale: u8) -> u32 {
     let bits = if reflected {
         graphics
@@ -70,7 +70,7 @@ fn pattern(graphics: u8, reflected: bool, scale: u8) -> u32 {
     WIDENED[usize::from(scale >> 1)][usize::from(bits)]
 }
 
-/// Bytes with their bits in the opposite order.
+/// Each byte with its bits reversed.
 static REVERSED: [u8; 256] = {
     let mut table = [0; 256];
     let mut bits = 0;
@@ -81,7 +81,7 @@ static REVERSED: [u8; 256] = {
     table
 };
 
-/// Bytes with each bit once, twice and four times.
+/// Each byte with its bits repeated once, twice and four times.
 static WIDENED: [[u32; 256]; 3] = {
     let mut table = [[0; 256]; 3];
     let mut bits = 0;
@@ -100,7 +100,7 @@ static WIDENED: [[u32; 256]; 3] = {
     table
 };
 
-/// A player: `without_main` leaves out the first copy, on the line of a `RESPx`.
+/// Returns the pixels of a player; without its first copy if `without_main` is true.
 #[inline(always)]
 pub(super) fn player(
     x: u8,
@@ -122,7 +122,7 @@ pub(super) fn player(
     pixels
 }
 
-/// The pixels at which a player's copies start.
+/// Iterates over the pixels at which a player's copies start.
 pub(super) fn starts(x: u8, nusiz: u8) -> impl Iterator<Item = u8> {
     copies(nusiz)
         .offsets
@@ -130,7 +130,7 @@ pub(super) fn starts(x: u8, nusiz: u8) -> impl Iterator<Item = u8> {
         .map(move |&offset| around(x, i32::from(offset)))
 }
 
-/// A missile; its width is in bits 4 and 5 of `NUSIZx`.
+/// Returns the pixels of a missile; bits 4 and 5 of `NUSIZx` are its width.
 #[inline(always)]
 pub(super) fn missile(x: u8, nusiz: u8) -> Pixels {
     let mut pixels = Pixels::default();
@@ -140,7 +140,7 @@ pub(super) fn missile(x: u8, nusiz: u8) -> Pixels {
     pixels
 }
 
-/// The ball; its width is in bits 4 and 5 of `CTRLPF`.
+/// Returns the pixels of the ball; bits 4 and 5 of `CTRLPF` are its width.
 #[inline(always)]
 pub(super) fn ball(x: u8, ctrlpf: u8) -> Pixels {
     let mut pixels = Pixels::default();
@@ -148,12 +148,13 @@ pub(super) fn ball(x: u8, ctrlpf: u8) -> Pixels {
     pixels
 }
 
-/// 1, 2, 4 or 8 pixels.
+/// Returns a pattern of 1, 2, 4 or 8 pixels.
 fn bar(register: u8) -> u32 {
     (1 << (1 << (register >> 4 & 0x03))) - 1
 }
 
-/// The playfield: 20 bits, each 4 pixels wide, repeated on the right half or reflected there.
+/// Returns the pixels of the playfield: 20 bits, each 4 pixels wide, repeated or reflected on the
+/// right half.
 #[inline(always)]
 pub(super) fn playfield(left: u32, reflected: bool) -> Pixels {
     let right = if reflected {

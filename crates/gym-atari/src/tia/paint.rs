@@ -1,4 +1,4 @@
-//! From the pixels of objects to colours and collisions.
+//! From the objects' pixels to colours and collisions.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,11 +10,11 @@ use crate::screen::WIDTH;
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Objects {
     pixels: [Pixels; OBJECTS],
-    /// Those that have any, by bit.
+    /// A bit for each object that has pixels.
     present: u8,
 }
 
-/// The state that decides colours.
+/// The registers that decide colours.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Colors {
     pub(super) p0: u8,
@@ -23,12 +23,11 @@ pub(super) struct Colors {
     pub(super) bk: u8,
     /// `CTRLPF` bit 2: the playfield is drawn over the players.
     pub(super) playfield_first: bool,
-    /// `CTRLPF` bit 1: the playfield's halves have the colours of the players.
+    /// `CTRLPF` bit 1: the halves of the playfield have the players' colours.
     pub(super) score: bool,
 }
 
-/// The two objects of each bit of the collision registers: bit 6 and bit 7 of each, in the order of
-/// their addresses.
+/// The two objects of each collision bit: bits 6 and 7 of each register, in the order of addresses.
 const PAIRS: [[usize; 2]; 16] = [
     [M0, P0], // CXM0P
     [M0, P1],
@@ -48,7 +47,7 @@ const PAIRS: [[usize; 2]; 16] = [
     [P0, P1],
 ];
 
-/// The collisions that there can be, by the bits of the objects that have pixels.
+/// The possible collisions for each set of objects that have pixels.
 static POSSIBLE: [u16; 1 << OBJECTS] = {
     let mut table = [0; 1 << OBJECTS];
     let mut present = 0;
@@ -66,7 +65,7 @@ static POSSIBLE: [u16; 1 << OBJECTS] = {
     table
 };
 
-/// The collisions that each object has a part in.
+/// The collisions that involve each object.
 static INVOLVING: [u16; OBJECTS] = {
     let mut table = [0; OBJECTS];
     let mut bit = 0;
@@ -94,34 +93,34 @@ impl Objects {
         self.present = self.present & !bit | if present { bit } else { 0 };
     }
 
-    /// Whether nothing but the playfield is on the line.
+    /// Whether the line has no object except the playfield.
     pub(super) fn only_playfield(&self) -> bool {
         self.present & !(1 << PF) == 0
     }
 
-    /// The objects, by bit, that have pixels.
+    /// Returns a bit for each object that has pixels.
     pub(super) fn present(&self) -> u8 {
         self.present
     }
 
-    /// The collisions that there can be on the line.
+    /// Returns the collisions that are possible on the line.
     pub(super) fn possible_collisions(&self) -> u16 {
         Self::collisions_of(self.present)
     }
 
-    /// The collisions that there can be between objects, by bit.
+    /// Returns the possible collisions of the objects whose bits are set in `present`.
     pub(super) fn collisions_of(present: u8) -> u16 {
         POSSIBLE[usize::from(present) % POSSIBLE.len()]
     }
 
-    /// The objects, by bit, that collisions are about.
+    /// Returns a bit for each object that `collisions` involve.
     pub(super) fn with_collisions(collisions: u16) -> u8 {
         (0..OBJECTS).fold(0, |set, object| {
             set | u8::from(collisions & INVOLVING[object] != 0) << object
         })
     }
 
-    /// The collisions, of the given ones, within a window.
+    /// Returns the collisions among `candidates` within `window`.
     pub(super) fn collisions(&self, candidates: u16, window: Pixels) -> u16 {
         let (mut found, mut left) = (0, candidates);
         while left != 0 {
@@ -137,7 +136,7 @@ impl Objects {
         found
     }
 
-    /// Paints pixels of a row: background and playfield, then the moving objects over them.
+    /// Paints `pixels` of a row: background and playfield, then the movable objects.
     pub(super) fn paint(&self, row: &mut [u8; WIDTH], pixels: Pixels, colors: &Colors) {
         let (cells, _) = row.as_chunks_mut::<8>();
         for (word, (cells, pixels)) in cells.chunks_mut(8).zip(pixels.0).enumerate() {
@@ -151,7 +150,7 @@ impl Objects {
             } else {
                 [colors.pf; 2]
             };
-            // the second word holds the line's middle
+            // the second word contains the middle of the line
             let playfield = match word {
                 0 => [left; 2],
                 1 => [left, right],
@@ -166,7 +165,7 @@ impl Objects {
             }
             if (p0 | m0 | p1 | m1 | bl) & pixels != 0 {
                 let ahead = if colors.playfield_first { pf | bl } else { 0 };
-                // in score mode the left half goes where player 0 does: before player 1
+                // in score mode the left half has player 0's priority, so it is drawn over player 1
                 let ahead_of_1 = if colors.score {
                     ahead | pf & LEFT_HALF[word]
                 } else {
@@ -180,19 +179,19 @@ impl Objects {
     }
 }
 
-/// The line's left half.
+/// The left half of the line.
 const LEFT_HALF: [u64; 3] = [u64::MAX, 0xffff, 0];
 
 /// Eight pixels.
 type Cell = [u8; 8];
 
-/// Eight pixels of one colour.
+/// Returns eight pixels of one colour.
 fn solid(color: u8) -> u64 {
     u64::from(color) * 0x0101_0101_0101_0101
 }
 
-/// Gives pixels the background's colour or, where a bit is set, the playfield's: one colour for the
-/// first two cells, another for those behind them.
+/// Sets pixels to the background colour, or to the playfield colour where its bit is set:
+/// `colors[0]` in the first two cells, `colors[1]` in the others.
 #[inline(always)]
 fn paint_playfield(
     cells: &mut [Cell],
@@ -213,7 +212,7 @@ fn paint_playfield(
     }
 }
 
-/// Gives pixels a colour.
+/// Sets the pixels whose bits are set to `color`.
 #[inline(always)]
 fn paint_over(cells: &mut [Cell], mut pixels: u64, color: u8) {
     let color = solid(color);
@@ -225,13 +224,13 @@ fn paint_over(cells: &mut [Cell], mut pixels: u64, color: u8) {
     }
 }
 
-/// Gives those bytes of a cell that a mask covers other values.
+/// Replaces the bytes of a cell that `mask` covers by those of `values`.
 #[inline(always)]
 fn merge(cell: &mut Cell, values: u64, mask: u64) {
     *cell = (u64::from_le_bytes(*cell) & !mask | values & mask).to_le_bytes();
 }
 
-/// Bits as bytes: `00` or `FF`.
+/// Each byte with its bits expanded to bytes: `00` or `FF`.
 static EXPANDED: [u64; 256] = {
     let mut table = [0; 256];
     let mut bits = 0;

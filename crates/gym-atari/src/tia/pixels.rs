@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// A set of a line's 160 pixels: bit `x % 64` of word `x / 64`.
+/// A set of a line's 160 pixels: pixel `x` is bit `x % 64` of word `x / 64`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Pixels(pub(crate) [u64; 3]);
 
@@ -26,21 +26,21 @@ impl Pixels {
         Self([0, 1, 2].map(|word| self.0[word] & other.0[word]))
     }
 
-    /// The pixels that are in one of both.
+    /// Returns the symmetric difference.
     #[inline(always)]
     pub(crate) fn difference(self, other: Self) -> Self {
         Self([0, 1, 2].map(|word| self.0[word] ^ other.0[word]))
     }
 
-    /// These pixels ahead of `x`, and others from there on.
+    /// Returns these pixels left of `x`, and the pixels of `others` from `x` on.
     #[inline(always)]
     pub(crate) fn until(self, x: u8, others: Self) -> Self {
         let Self(ahead) = window(0, usize::from(x));
         Self([0, 1, 2].map(|word| self.0[word] & ahead[word] | others.0[word] & !ahead[word]))
     }
 
-    /// Sets a pattern of up to 32 pixels, its lowest bit at `x < 160`; what leaves the line on the
-    /// right enters it again on the left.
+    /// Adds a pattern of up to 32 pixels, with its lowest bit at `x < 160`. Pixels beyond the right
+    /// end wrap to the left.
     #[inline(always)]
     pub(crate) fn stamp(&mut self, x: u8, pattern: u32) {
         let wide = u128::from(pattern) << (x & 63);
@@ -54,7 +54,7 @@ impl Pixels {
     }
 }
 
-/// The pixels `from..to`.
+/// Returns the pixels `from..to`.
 #[inline]
 pub(crate) fn window(from: usize, to: usize) -> Pixels {
     let below = |x: usize, word: usize| match x.checked_sub(64 * word) {

@@ -1,5 +1,5 @@
-//! Programs of our own that switch banks, beside the RAM that ale-py 0.12.1 had after each. It
-//! chose the scheme by itself: by the size, by an empty start of each bank for RAM, by accesses to
+//! Programs of our own that switch banks, compared with the RAM that ale-py 0.12.1 had after each.
+//! ale-py detected the scheme: by the size, by an empty start of each bank for RAM, by accesses to
 //! the windows' addresses for `E0`, and by a call of `$D000` for `FE`.
 
 use gym_atari::Display;
@@ -8,8 +8,9 @@ use gym_atari::console::{Console, Input};
 
 use crate::lcg::Lcg;
 
-/// Selects banks at random, by every kind of access, and stores bytes of them from `$80` on. Banks
-/// of 4K hold the same program each; that of `E0` is in the last slice, which stays.
+/// Returns a program that selects random banks by every kind of access, and stores bytes of them
+/// from `$80` on. Each 4K bank holds the same program; the program of `E0` is in the last slice,
+/// which is always mapped.
 fn program(scheme: Scheme, seed: u32) -> Vec<u8> {
     let (hotspot, hotspots, banks) = match scheme {
         Scheme::F8 | Scheme::F8SC => (0xfff8, 2, 2),
@@ -29,7 +30,7 @@ fn program(scheme: Scheme, seed: u32) -> Vec<u8> {
     ]; // clears RAM
     let absolute = |opcode: u8, address: u16| [opcode, address as u8, (address >> 8) as u8];
     if with_ram {
-        // its earlier content differs
+        // make the RAM's earlier content different
         for cell in 0..8 {
             code.extend([0xa9, 29 * cell, 0x8d, cell, 0xf0]); // lda #value; sta cell
         }
@@ -54,7 +55,8 @@ fn program(scheme: Scheme, seed: u32) -> Vec<u8> {
                     code.extend([0xa9, k as u8]); // lda #k
                     code.extend(absolute(0x8d, 0xf000 + cell)); // sta cell
                 }
-                1 => code.extend(absolute(0xee, 0xf080 + cell)), // inc cell, which writes where nothing is
+                // inc cell, which writes to an address without a chip
+                1 => code.extend(absolute(0xee, 0xf080 + cell)),
                 _ => {}
             }
         }
@@ -88,8 +90,8 @@ fn program(scheme: Scheme, seed: u32) -> Vec<u8> {
     (0..banks).flat_map(bank).collect()
 }
 
-/// Calls subroutines in both banks of `FE`, each of which reads a byte of its bank, and stores the
-/// bytes from `$80` on.
+/// Returns a program that calls subroutines in both banks of `FE`. Each reads a byte of its bank;
+/// the program stores the bytes from `$80` on.
 fn calls(seed: u32) -> Vec<u8> {
     let mut random = Lcg(seed);
     let mut code = vec![
@@ -100,7 +102,8 @@ fn calls(seed: u32) -> Vec<u8> {
     for result in 0x80..0xb8 {
         if random.below(4) == 0 {
             base ^= 0x2000;
-            code.extend(absolute(0x4c, base + code.len() as u16 + 3)); // jmp, to what follows in the other bank's addresses
+            // jmp to the next instruction, in the other bank's addresses
+            code.extend(absolute(0x4c, base + code.len() as u16 + 3));
         }
         let subroutines = if random.below(2) == 1 { 0xd600 } else { 0xf600 };
         code.extend(absolute(0x20, subroutines + 4 * random.below(8))); // jsr

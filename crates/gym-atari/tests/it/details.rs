@@ -1,10 +1,10 @@
-//! Details of the machine that no recorded game depends on, on programs of our own.
+//! Details of the machine that no recorded game depends on, in programs of our own.
 
 use gym_atari::{Action, Ale, games};
 
 use crate::rom::rom;
 
-/// Lines until the next frame, then back to an address.
+/// Returns code that waits for the next frame and then jumps to `back`.
 fn frame(back: u16) -> Vec<u8> {
     let [low, high] = back.to_le_bytes();
     vec![
@@ -20,11 +20,11 @@ fn played(rom: &[u8]) -> Ale {
     ale
 }
 
-/// `JMP ($F0FF)` reads its high byte from `$F000`, as the address does not leave its page.
+/// `JMP ($F0FF)` reads its high byte from `$F000`: the address stays within its page.
 #[test]
 fn an_indirect_jump_stays_within_its_page() {
     let mut code = vec![0xea; 0xa00];
-    // the first byte of the page is the high byte of the target: $78xx is $F8xx here
+    // the first byte of the page is the high byte of the target: $78xx is a mirror of $F8xx
     code[..8].copy_from_slice(&[0x78, 0xd8, 0xa2, 0xff, 0x9a, 0x6c, 0xff, 0xf0]);
     code[0xff..0x101].copy_from_slice(&[0x00, 0xf9]);
     for (at, mark) in [(0x800, 1), (0x900, 2)] {
@@ -34,8 +34,7 @@ fn an_indirect_jump_stays_within_its_page() {
     assert_eq!(played(&rom(&code)).ram().0[0x10], 1);
 }
 
-/// A read of any register of the TIA drives bits 7 and 6; the others are those of the last byte on
-/// the bus.
+/// A read of a TIA register drives bits 7 and 6; the other bits come from the last byte on the bus.
 #[test]
 fn reads_of_the_tia_drive_two_bits() {
     let mut code = vec![
@@ -47,8 +46,8 @@ fn reads_of_the_tia_drive_two_bits() {
     assert_eq!(played(&rom(&code)).ram().0[0x10..0x13], [0x18, 0x8c, 0x2e]);
 }
 
-/// Both triggers as a program reads them, frame by frame, while the first is pressed in the second
-/// and the fifth frame: with `VBLANK` as given at the start, and as given before each look.
+/// Returns both triggers as a program reads them in each frame, while the first is pressed in the
+/// second and the fifth frame. `VBLANK` is `start`, and `before` runs before each read.
 fn triggers(start: u8, before: &[u8]) -> [[bool; 6]; 2] {
     let mut code = vec![0x78, 0xd8, 0xa2, 0xff, 0x9a];
     code.extend([0xa9, 0x00, 0xa2, 0x7f, 0x95, 0x80, 0xca, 0x10, 0xfb]); // clears RAM, so that the game is not over
@@ -66,8 +65,8 @@ fn triggers(start: u8, before: &[u8]) -> [[bool; 6]; 2] {
     [0, 1].map(|trigger| seen.map(|pressed| pressed[trigger]))
 }
 
-/// While bit 6 of `VBLANK` is set, a trigger that was seen pressed stays so; clearing the bit
-/// forgets it (Stella Programmer's Guide, INPT4 and INPT5).
+/// While bit 6 of `VBLANK` is set, a trigger stays pressed once it was read as pressed; clearing
+/// the bit releases it (Stella Programmer's Guide, INPT4 and INPT5).
 #[test]
 fn a_latch_holds_a_trigger_until_it_is_cleared() {
     let (pressed, held, idle) = (
@@ -89,8 +88,7 @@ fn a_latch_holds_a_trigger_until_it_is_cleared() {
     assert_eq!(triggers(0x40, &[0x00, 0x40]), [pressed, idle]);
 }
 
-/// The bytes that some instructions leave at `$90` and `$91`, in the frame after they were
-/// executed.
+/// Returns the bytes at `$90` and `$91` in the frame after `code` was executed.
 fn left(code: &[u8]) -> [u8; 2] {
     let mut code = code.to_vec();
     code.extend(frame(0xf000));
@@ -98,8 +96,8 @@ fn left(code: &[u8]) -> [u8; 2] {
     [ale.ram().0[0x10], ale.ram().0[0x11]]
 }
 
-/// Bit 1 of its address counts for nothing where the timer is read; a pin that is an output shows
-/// what was written.
+/// Bit 1 of the address is ignored when the timer is read; an output pin reads as the bit that was
+/// written.
 #[test]
 fn registers_of_the_riot_are_where_they_are_said_to_be() {
     let timer = [
@@ -113,7 +111,7 @@ fn registers_of_the_riot_are_where_they_are_said_to_be() {
     assert_eq!(left(&output), [0x5f, 0xf0]);
 }
 
-/// Behind its end the timer counts each cycle, until it is read; from then on each interval again.
+/// After its end the timer counts each cycle until it is read; from then on each interval again.
 #[test]
 fn a_read_behind_its_end_puts_the_timers_interval_back() {
     let code = [
@@ -126,7 +124,7 @@ fn a_read_behind_its_end_puts_the_timers_interval_back() {
     assert!(first.wrapping_sub(second) <= 1, "{first} {second}");
 }
 
-/// A pulse of `VSYNC` within a line ends no frame; the frame ends with its last line instead.
+/// A pulse of `VSYNC` within a line does not end the frame; the frame's last line does.
 #[test]
 fn a_short_vsync_ends_no_frame() {
     let code = [
@@ -148,7 +146,7 @@ fn a_short_vsync_ends_no_frame() {
     );
 }
 
-/// `CXCLR` clears the collisions, and what still touches collides again in the same frame.
+/// `CXCLR` clears the collisions; objects that still overlap collide again in the same frame.
 #[test]
 fn collisions_come_back_after_they_were_cleared() {
     let mut code = vec![
@@ -169,8 +167,8 @@ fn collisions_come_back_after_they_were_cleared() {
     }
 }
 
-/// Bit 7 of `VBLANK` discharges the paddles' capacitors; from when it is cleared on they charge,
-/// the slower the farther a paddle is turned to the left.
+/// Bit 7 of `VBLANK` discharges the paddles' capacitors. They charge once it is cleared, the more
+/// slowly the further a paddle is turned left.
 #[test]
 fn paddles_charge_from_when_they_are_let_go() {
     let mut code = vec![

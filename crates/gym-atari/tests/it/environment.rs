@@ -1,4 +1,4 @@
-//! The environments, on a program of our own.
+//! Tests of the environments with a program of our own.
 
 use gym_atari::{
     AtariEnv, AtariPreprocessing, Config, Frameskip, ObsType, Preprocessing, Rom, RomDir, games,
@@ -9,7 +9,7 @@ use gym_core::{
     Value, WrapperSpec, builder,
 };
 
-/// Shows a colour that depends on the stick and on a counter of frames.
+/// A program whose colour depends on the stick and on a frame counter.
 fn homebrew() -> Rom {
     let code = [
         0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0x95, 0x00, 0xca, 0xd0, 0xfb, // clears all
@@ -24,8 +24,8 @@ fn homebrew() -> Rom {
     program(&code)
 }
 
-/// Shows a counter of frames as a colour; some frames of eight end early, and leave the rest of
-/// their pictures as they were.
+/// A program that shows a frame counter as a colour. Of each eight frames, the first `short` end
+/// early and leave the rest of their pictures unchanged.
 fn stutter(short: u8) -> Rom {
     let code = [
         0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0x95, 0x00, 0xca, 0xd0, 0xfb, // clears all
@@ -67,7 +67,7 @@ fn observations_have_the_shape_of_their_space() {
     }
 }
 
-/// So with frames that end early, and steps of random length.
+/// Both pictures are complete with frames that end early and with steps of random length.
 #[test]
 fn pictures_of_short_frames_are_whole() {
     let frames = |env: &AtariEnv| env.ale().frame_number();
@@ -106,7 +106,7 @@ fn pictures_of_short_frames_are_whole() {
     }
 }
 
-/// Skipping frames shows what playing them one by one shows, whichever were drawn.
+/// Skipping frames shows the same as playing them one by one, whichever are drawn.
 #[test]
 fn skipped_frames_show_the_same() {
     for skip in [2, 3, 4, 5] {
@@ -198,7 +198,7 @@ fn preprocessing_takes_the_brighter_of_two_frames() {
     assert_eq!(small.step(&3.into()).unwrap(), next);
 }
 
-/// A spec names the wrapper with its arguments, and what is made of that is the same wrapper.
+/// A spec names the wrapper with its arguments; `make` of the spec gives the same wrapper.
 #[test]
 fn preprocessing_is_made_from_its_spec() {
     let config = || Config {
@@ -247,7 +247,7 @@ fn preprocessing_is_made_from_its_spec() {
     assert!(refused(&plain, skipping).contains("it must be 1"));
 }
 
-/// A game that is registered, as those of the user's ROMs are.
+/// A registered game, like the games of the user's ROMs.
 #[derive(Clone)]
 struct Homebrew(AtariEnv);
 
@@ -459,7 +459,7 @@ fn missing_and_wrong_roms_are_named() {
     std::fs::remove_dir_all(&folder).unwrap();
 }
 
-/// A pipe without a writer would be waited for, and a device such as `/dev/zero` never ends.
+/// A pipe would wait for a writer, and a device such as `/dev/zero` never ends.
 #[cfg(unix)]
 #[test]
 fn roms_that_are_not_regular_files_are_refused() {
@@ -489,7 +489,7 @@ fn roms_that_are_not_regular_files_are_refused() {
             std::fs::remove_file(&path).unwrap();
             symlink(target, &path).unwrap();
         }
-        // on a thread, so that a wait is a failure
+        // on a thread, so that waiting is a failure
         let (sender, receiver) = mpsc::channel();
         let roms = RomDir::new(&folder);
         std::thread::spawn(move || sender.send(roms.rom(game).unwrap_err().to_string()));
@@ -503,8 +503,8 @@ fn roms_that_are_not_regular_files_are_refused() {
     std::fs::remove_dir_all(&folder).unwrap();
 }
 
-/// Pictures are large; a thread whose stack is a quarter of the usual one has room for an
-/// environment.
+/// Pictures are large, but an environment fits on a thread's stack of a quarter of the default
+/// size.
 #[test]
 fn an_environment_fits_on_a_small_stack() {
     let play = || {
@@ -522,7 +522,7 @@ fn an_environment_fits_on_a_small_stack() {
         .unwrap();
 }
 
-/// The ROM is no argument, so a snapshot names it.
+/// The ROM is not an argument, so a snapshot names it.
 #[test]
 fn a_snapshot_of_another_rom_is_refused() {
     let mut env = env(Config::default());
@@ -543,4 +543,38 @@ fn a_snapshot_of_another_rom_is_refused() {
         "{error}"
     );
     env.restore(&serde_json::from_str(&text).unwrap()).unwrap();
+}
+
+/// A stick that is not a number is refused in every part, and so is an action of the other kind.
+/// What is refused plays no frame; a stick beyond its bounds is played.
+#[test]
+fn sticks_that_are_no_numbers_are_refused() {
+    use gym_atari::AtariAction::{Index, Stick};
+    let mut continuous = env(Config {
+        continuous: true,
+        ..Config::default()
+    });
+    continuous.reset(0).unwrap();
+    let frames = continuous.ale().frame_number();
+    for part in 0..3 {
+        for number in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
+            let mut stick = [0.0; 3];
+            stick[part] = number;
+            let error = continuous.step(&Stick(stick)).unwrap_err();
+            assert!(
+                matches!(error, Error::InvalidAction { .. }),
+                "{stick:?}: {error}"
+            );
+        }
+    }
+    assert!(continuous.step(&Index(0)).is_err());
+    assert_eq!(continuous.ale().frame_number(), frames);
+    continuous.step(&Stick([7.0, -9.0, -1.0])).unwrap();
+
+    let mut discrete = env(Config::default());
+    discrete.reset(0).unwrap();
+    let n = discrete.actions().len();
+    assert!(discrete.step(&Index(n - 1)).is_ok());
+    assert!(discrete.step(&Index(n)).is_err());
+    assert!(discrete.step(&Stick([0.0; 3])).is_err());
 }

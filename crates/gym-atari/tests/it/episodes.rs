@@ -1,5 +1,4 @@
-//! The state that an episode takes over from the one before, and the effects of a step: on programs
-//! of our own.
+//! What an episode takes over from the previous one, and what a step does, in programs of our own.
 
 use gym_atari::ale::Settings;
 use gym_atari::{
@@ -11,8 +10,8 @@ use serde_json::Value as Json;
 
 use crate::rom::rom;
 
-/// Clears RAM, but for the lives of Breakout, and then in each frame: counts it at `$80`, and
-/// stores the stick at `$81` and the switches at `$82`. Each frame is of another colour.
+/// A program that clears RAM except the lives of Breakout. Each frame it counts at `$80`, stores
+/// the stick at `$81` and the switches at `$82`, and changes the colour.
 fn looks(game: &str) -> Rom {
     let lives = if game == "breakout" { 5 } else { 0 };
     let code = rom(&[
@@ -44,7 +43,7 @@ fn state(ale: &Ale) -> Json {
     serde_json::to_value(ale.state()).unwrap()
 }
 
-/// Games with a stick, paddles on either side, lives, an end that takes time, a mode and a menu.
+/// Games with a stick, paddles on either side, lives, a delayed end, a mode and a menu.
 const GAMES: [&str; 7] = [
     "seaquest",
     "breakout",
@@ -83,7 +82,7 @@ fn an_episode_with_a_seed_depends_on_nothing_before() {
     }
 }
 
-/// Without a seed the numbers go on, and the count of frames; what was done does not.
+/// Without a seed, the generator and the count of frames continue; earlier actions have no effect.
 #[test]
 fn an_episode_without_a_seed_does_not_depend_on_actions_before() {
     for game in GAMES {
@@ -140,7 +139,7 @@ fn the_limit_of_frames_is_that_of_each_episode() {
     }
 }
 
-/// As in ale-py, `info` names the seeds after a reset with a seed, up to the next step or reset.
+/// As in ale-py, `info` has the seeds after a reset with a seed, until the next step or reset.
 #[test]
 fn seeds_are_told_once() {
     let mut env = env("seaquest", one_by_one());
@@ -178,7 +177,7 @@ fn a_step_takes_each_number_of_frames_of_its_range() {
     }
 }
 
-/// A coordinate counts beyond the threshold, and so does the button; a paddle turns by the radius.
+/// A coordinate or pressure counts above the threshold; the radius is the speed of a paddle.
 #[test]
 fn sticks_count_beyond_their_threshold() {
     for threshold in [0.25, 0.75] {
@@ -215,13 +214,13 @@ fn sticks_count_beyond_their_threshold() {
     assert_eq!((none - half, none - whole), (11_500, 23_000));
 }
 
-/// A paddle stops at the ends of its own game.
+/// A paddle stops at its game's ends.
 #[test]
 fn a_paddle_stops_at_the_end_of_its_game() {
     let mut moved = 0;
     for game in ["blackjack", "casino", "breakout", "pong", "kaboom"] {
         let game = games::by_name(game).unwrap();
-        // RAM full of a number with which no game is over
+        // fill RAM with a number with which no game is over
         let program = rom(&[
             0xa9, 0x10, 0xa2, 0x7f, 0x95, 0x80, 0xca, 0x10, 0xfb, // fills RAM
             0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85, 0x00, 0x4c, 0x09,
@@ -262,8 +261,8 @@ fn a_difficulty_sets_the_switches() {
     }
 }
 
-/// Two frames are taken as one step, whichever are drawn: the lives, the rewards and the end are
-/// those of frames played one by one.
+/// A step of two frames has the lives, rewards and end of two single frames, whichever frames are
+/// drawn.
 #[test]
 fn lives_end_a_preprocessed_step_where_they_are_lost() {
     let settings = Preprocessing {
@@ -323,8 +322,8 @@ fn a_preprocessed_episode_depends_on_nothing_before() {
     }
 }
 
-/// Each number of no-ops up to the largest occurs. Where the game is over among them, the episode
-/// is begun again with the seed.
+/// Every number of no-ops up to the largest occurs. If the game ends during the no-ops, the episode
+/// restarts with the seed.
 #[test]
 fn an_episode_starts_after_some_no_ops() {
     let settings = |noop_max| Preprocessing {
@@ -397,8 +396,8 @@ fn a_snapshot_of_other_preprocessing_is_refused() {
     }
 }
 
-/// `restoreState` of ale-py leaves the action that may stick, and the numbers unless they are asked
-/// for.
+/// ale-py's `restoreState` keeps the action that may stick, and the generator unless asked to
+/// restore it.
 #[test]
 fn a_state_is_restored_as_by_ale_py() {
     let mut ale = Ale::new(
@@ -430,7 +429,7 @@ fn a_state_is_restored_as_by_ale_py() {
     }
 }
 
-/// A picture is part of the state of an environment: without its rows a snapshot is refused.
+/// Pictures are part of an environment's state: a snapshot with missing rows is refused.
 #[test]
 fn a_snapshot_without_its_pictures_is_refused() {
     let mut env = env(

@@ -1,16 +1,16 @@
-//! Rules of games that rarely apply, on RAM as it is then.
+//! Rarely used rules of games, with the RAM of such moments.
 
 use gym_atari::games::{self, Ram};
 
-/// RAM that is 0 but for some bytes.
+/// Returns RAM that is 0 except for `bytes`.
 fn ram(bytes: &[(usize, u8)]) -> [u8; 128] {
     let mut ram = [0; 128];
     bytes.iter().for_each(|&(index, byte)| ram[index] = byte);
     ram
 }
 
-/// Krull is over in one phase of its end alone: with the last life lost before, and with lives left
-/// in it, play goes on.
+/// Krull ends only in one phase of its end: play continues if the last life was lost before it, or
+/// if lives are left.
 #[test]
 fn krull_ends_where_ale_pys_does() {
     let krull = games::by_name("krull").unwrap();
@@ -39,7 +39,7 @@ fn krull_ends_where_ale_pys_does() {
     );
 }
 
-/// Blackjack is over with 1,000 points, and where none are left and nothing shows.
+/// Blackjack is over with 1,000 points, or with none left and blank digits.
 #[test]
 fn blackjack_ends_where_ale_pys_does() {
     let blackjack = games::by_name("blackjack").unwrap();
@@ -58,7 +58,7 @@ fn blackjack_ends_where_ale_pys_does() {
     }
 }
 
-/// Space War is over with ten points, or when its time is.
+/// Space War is over with ten points, or when its time is up.
 #[test]
 fn space_war_ends_where_ale_pys_does() {
     let space_war = games::by_name("space_war").unwrap();

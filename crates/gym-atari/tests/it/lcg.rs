@@ -1,6 +1,6 @@
 use std::ops::Rem;
 
-/// Numbers that choose what a program does.
+/// A generator of the numbers that choose a program's instructions.
 pub(crate) struct Lcg(pub(crate) u32);
 
 impl Lcg {

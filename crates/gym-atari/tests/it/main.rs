@@ -1,4 +1,4 @@
-//! Tests of the crate from outside: one program, which is linked once.
+//! The crate's public interface, tested in one program that is linked once.
 
 mod cartridges;
 mod details;

@@ -1,13 +1,13 @@
-//! Every opcode in a program of its own, and the RAM that ale-py 0.12.1 has after it: results,
-//! flags and cycles.
+//! A program for each opcode, compared with the RAM that ale-py 0.12.1 has after it: results, flags
+//! and cycles.
 
 use gym_atari::{Ale, games};
 
 use crate::lcg::Lcg;
 
-/// The modes by opcode: `i` none, `#` immediate, `z` zero page, with `x` and `y` added, `a`
-/// absolute, with `X` and `Y` added, `(` and `)` indirect, before and behind the index, `*`
-/// indirect, `r` relative; `P`, `Q` and `R` are `X`, `Y` and `)` that write.
+/// The modes by opcode: `i` implied, `#` immediate, `z` zero page, with `x` and `y` indexed, `a`
+/// absolute, with `X` and `Y` indexed, `(` and `)` indirect with pre- and post-indexing, `*`
+/// indirect, `r` relative. `P`, `Q` and `R` are `X`, `Y` and `)` that write.
 const MODES: &[u8; 256] = b"\
     i(i(zzzzi#i#aaaar)iRxxxxiYiQXXPP\
     a(i(zzzzi#i#aaaar)iRxxxxiYiQXXPP\
@@ -18,7 +18,7 @@ const MODES: &[u8; 256] = b"\
     #(#(zzzzi#i#aaaar)iRxxxxiYiQXXPP\
     #(#(zzzzi#i#aaaar)iRxxxxiYiQXXPP";
 
-/// Accumulator, X, Y, status and memory that an opcode meets.
+/// Accumulator, X, Y, status and memory before the opcode.
 const CASES: [[u8; 5]; 6] = [
     [0x00, 0x00, 0x00, 0x00, 0x00],
     [0x7f, 0x01, 0x02, 0x01, 0x80],
@@ -36,11 +36,11 @@ const JMP: u8 = 0x4c;
 const RTS: u8 = 0x60;
 const PLA: u8 = 0x68;
 const JMP_INDIRECT: u8 = 0x6c;
-/// `TXS`, `TAS` and `LAS` set the stack pointer, which has to stay in RAM.
+/// `TXS`, `TAS` and `LAS` set the stack pointer, which must stay in RAM.
 const STACK_POINTER: [u8; 3] = [0x9a, 0x9b, 0xbb];
 
-/// Executes an opcode in all cases, with what it leaves from `$C0` on: A, X, Y, status, stack
-/// pointer, memory and timer.
+/// Returns a program that executes an opcode in all cases and stores its results from `$C0` on: A,
+/// X, Y, status, stack pointer, memory and timer.
 fn program(opcode: u8) -> Vec<u8> {
     let mode = MODES[usize::from(opcode)];
     let mut code = vec![
@@ -51,7 +51,7 @@ fn program(opcode: u8) -> Vec<u8> {
         if STACK_POINTER.contains(&opcode) {
             (a, x, memory) = (a | 0xf0, x | 0xf0, memory | 0xf0);
         }
-        // the last two cross into the next page
+        // the last two cases cross into the next page
         let target: u16 = match mode {
             b'X' | b'Y' | b')' if x > 0x90 => 0xf702,
             b'P' | b'Q' | b'R' if x > 0x90 => 0x0184,
@@ -118,7 +118,7 @@ fn program(opcode: u8) -> Vec<u8> {
         code.extend([0x08, 0x85, result, 0xad, 0x84, 0x02, 0x85, result + 6]); // php; sta; lda INTIM; sta
         code.extend([0x86, result + 1, 0x84, result + 2, 0x68, 0x85, result + 3]); // stx; sty; pla; sta
         code.extend([0xba, 0x86, result + 4, 0xa5, cell, 0x85, result + 5, 0xd8]); // tsx; stx; lda cell; sta; cld
-        // they go where one address says
+        // these opcodes jump through a vector
         match opcode {
             BRK => interrupt = after,
             JMP_INDIRECT => indirect = after,
@@ -133,7 +133,7 @@ fn program(opcode: u8) -> Vec<u8> {
     rom
 }
 
-/// A ROM of code, and of frames of 255 lines behind it.
+/// Returns a ROM with `code`, followed by frames of 255 lines.
 fn frames_of_255_lines(mut code: Vec<u8>, interrupt: u16) -> Vec<u8> {
     let [low, high] = (0xf000 + code.len() as u16).to_le_bytes();
     code.extend([
@@ -161,7 +161,8 @@ fn opcodes_do_what_they_do_in_ale_py() {
     }
 }
 
-/// 56 sums or differences of any two bytes, with what they leave in the accumulator and the status.
+/// Returns a program with 56 sums or differences of random bytes; it stores the accumulator and the
+/// status of each.
 fn decimal_program(opcode: u8, seed: u32) -> Vec<u8> {
     let mut random = Lcg(seed);
     let mut below = |n: u16| random.below(n) as u8;
@@ -178,8 +179,8 @@ fn decimal_program(opcode: u8, seed: u32) -> Vec<u8> {
     frames_of_255_lines(code, 0)
 }
 
-/// The chip's own rules differ: numbers with digits above 9 have other results, and the flags come
-/// from elsewhere.
+/// The chip's own rules differ: digits above 9 have other results, and the flags are computed in
+/// another way.
 #[test]
 fn decimal_arithmetic_is_ale_pys() {
     for (opcode, expected) in [(0x69, DECIMAL_SUMS), (0xe9, DECIMAL_DIFFERENCES)] {

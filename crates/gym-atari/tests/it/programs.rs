@@ -1,4 +1,4 @@
-//! Programs of our own, assembled here, beside what ale-py 0.12.1 answered to them.
+//! Programs of our own, assembled here, compared with results of ale-py 0.12.1.
 
 use gym_atari::ale::Settings;
 use gym_atari::cartridge::{Cartridge, Scheme};
@@ -8,7 +8,7 @@ use gym_atari::{Action, Ale, Display, games};
 use crate::lcg::Lcg;
 use crate::rom::rom;
 
-/// As ale-py plays a file named `seaquest.bin`: loaded, and reset once.
+/// Plays a ROM as ale-py plays a file named `seaquest.bin`: loaded, and reset once.
 fn played(rom: &[u8]) -> Ale {
     let mut ale = Ale::new(games::by_name("seaquest").unwrap(), rom, 0);
     ale.reset();
@@ -19,7 +19,7 @@ fn checksum(ale: &Ale) -> u32 {
     crc32fast::hash(ale.picture().as_flattened())
 }
 
-/// Sets a colour of the playfield and its pattern, and counts frames.
+/// A playfield with a colour and a pattern, and a frame counter.
 #[test]
 fn a_playfield_and_a_counter() {
     let code: Vec<u8> = "78d8a2ff9aa9009500cad0fba90e8508a9848509a9a5850ea9028500850285028502a9008500e680a2ff8502cad0fb4c18f0"
@@ -35,8 +35,7 @@ fn a_playfield_and_a_counter() {
     assert_eq!(ale.ram().0[0], 68);
 }
 
-/// RAM keeps its bytes while the power is off; only loading the ROM restores those of its first
-/// start.
+/// RAM survives a power cycle; only loading the ROM restores its first content.
 #[test]
 fn memory_outlasts_a_reset() {
     let code = [
@@ -52,14 +51,14 @@ fn memory_outlasts_a_reset() {
         ale.reset();
         assert_eq!(starts(&ale), expected);
     }
-    // loads, and resets once
+    // load, and reset once
     ale.reload(0);
     assert_eq!(starts(&ale), 188);
 }
 
-/// The console's switches as a program finds them, frame by frame, from the 57th frame on: four
-/// idle ones, then RESET, SELECT until a byte of RAM shows the mode, and RESET again. The program
-/// raises that byte each time that SELECT goes down.
+/// The console's switches as a program reads them, from the 57th frame on: four idle frames, RESET,
+/// SELECT until a RAM byte shows the mode, RESET. The program increments that byte each time that
+/// SELECT is pressed.
 #[test]
 fn switches_are_pressed_as_by_ale_py() {
     let program = |shows: u8| {
@@ -116,8 +115,8 @@ fn switches_are_pressed_as_by_ale_py() {
     }
 }
 
-/// Double Dunk's modes are chosen in a menu, by actions that may stick. The program has a line in
-/// `$b0`, which DOWN raises, and options in `$80`, which RIGHT turns on and off.
+/// Double Dunk's menu selects its modes by actions that may stick. The program has the current line
+/// in `$b0`, which DOWN increments, and the options in `$80`, which RIGHT toggles.
 #[test]
 fn a_menu_is_gone_through_as_by_ale_py() {
     let mut code = vec![
@@ -182,8 +181,8 @@ fn a_menu_is_gone_through_as_by_ale_py() {
     }
 }
 
-/// Adventure holds SELECT for a time that is drawn at random, and plays a frame after each press.
-/// The program counts frames in `$ff` and presses of SELECT in `$dd`.
+/// Adventure holds SELECT for a random time, and plays a frame after each press. The program counts
+/// frames in `$ff` and presses in `$dd`.
 #[test]
 fn select_is_held_at_random_as_by_ale_py() {
     let program = rom(&[
@@ -235,10 +234,10 @@ fn illegal_actions_do_nothing() {
     }
 }
 
-/// ale-py's `restoreState` leaves alone whether a frame is unfinished. The program counts in `$91`,
-/// between two `WSYNC` and the end of `VSYNC`, and then waits for 30,000 instructions: of three
-/// calls the first does not end its frame, the second ends it at its first store, and only the
-/// third counts.
+/// ale-py's `restoreState` does not change whether a frame is unfinished. The program counts in
+/// `$91`, between two `WSYNC` and the end of `VSYNC`, and then waits for 30,000 instructions. Of
+/// three calls, the first does not end its frame, the second ends it at its first store, and only
+/// the third counts.
 #[test]
 fn an_unfinished_frame_goes_on_after_a_restore() {
     let program = rom(&[
@@ -262,10 +261,10 @@ fn an_unfinished_frame_goes_on_after_a_restore() {
     let mut second = first.clone();
     assert!(!counts(&mut second));
     for (place, state, expected) in [
-        // the call that counts: but its frame is that of before, and ends at once
+        // the call that counts: its restored frame ends at once instead
         (&first, &second, false),
         (&second, &second, true),
-        // the call that ends its frame: but it has begun anew, and goes on to the count
+        // the call that ends its frame: its frame has restarted, and continues to the count
         (&first, &first, false),
         (&second, &first, true),
     ] {
@@ -275,8 +274,8 @@ fn an_unfinished_frame_goes_on_after_a_restore() {
     }
 }
 
-/// Reward, lives and end of a frame after each of some changes of RAM, by a program that leaves it
-/// alone after its start.
+/// Returns reward, lives and end of the frame after each change of RAM, with a program that does
+/// not write to RAM after its start.
 fn answers(game: &str, changes: &[&[(usize, u8)]]) -> Vec<(i32, i32, bool)> {
     let program = rom(&[
         0xa9, 0x10, 0xa2, 0x7f, 0x95, 0x80, 0xca, 0x10, 0xfb, // fills RAM with 16
@@ -296,7 +295,7 @@ fn answers(game: &str, changes: &[&[(usize, u8)]]) -> Vec<(i32, i32, bool)> {
 
 #[test]
 fn rewards_that_depend_on_earlier_frames_are_ale_pys() {
-    // Casino: where a frame has no reward, it is that of the one before
+    // Casino: a frame without a reward repeats the previous frame's reward
     let start: &[_] = &[
         (0x0c, 0x10),
         (0x15, 0x00),
@@ -348,7 +347,7 @@ fn rewards_that_depend_on_earlier_frames_are_ale_pys() {
         ]
     );
 
-    // Adventure: a life is left at the end
+    // Adventure: one life is left at the end
     let start: &[_] = &[(0x39, 0x1c), (0x60, 0)];
     assert_eq!(
         answers("adventure", &[start, &[(0x39, 0x12)]])[1..],
@@ -356,7 +355,7 @@ fn rewards_that_depend_on_earlier_frames_are_ale_pys() {
     );
 }
 
-/// Where RAM says that the lives do not count at the moment, they are those of before.
+/// If RAM does not show the lives in a frame, the previous number remains.
 #[test]
 fn lives_that_do_not_count_are_those_of_before() {
     let changes: &[&[(usize, u8)]] = &[
@@ -371,7 +370,7 @@ fn lives_that_do_not_count_are_those_of_before() {
     assert_eq!(lives, [4, 4, 2]);
 }
 
-/// Othello is over once RAM has said so in 51 frames in a row.
+/// Othello is over once RAM has shown that for 51 consecutive frames.
 #[test]
 fn an_end_that_takes_time_is_ale_pys() {
     let frames = |bytes: &[(u8, usize)]| {
@@ -389,8 +388,8 @@ fn an_end_that_takes_time_is_ale_pys() {
     assert_eq!(frames(&[(1, 120)]), None);
 }
 
-/// As ale-py plays a program of frames with more than 290 lines: with a PAL set's picture, which
-/// has no colours after a frame with an odd number of lines.
+/// ale-py plays a program whose frames have more than 290 lines as PAL; a frame after one with an
+/// odd number of lines has no colours.
 #[test]
 fn long_frames_are_shown_as_by_a_pal_set() {
     let played = |code: &[u8]| {
@@ -398,7 +397,7 @@ fn long_frames_are_shown_as_by_a_pal_set() {
         ale.reset();
         ale
     };
-    // 312 and 313 lines in turn: a colour behind 100 black lines
+    // alternating frames of 312 and 313 lines: a colour after 100 black lines
     let mut ale = played(&[
         0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0x85, 0x80, // clears $80
         0xe6, 0x80, 0xa9, 0x02, 0x85, 0x00, 0x85, 0x02, 0x85, 0x02, 0x85, 0x02, 0xa9, 0x00, 0x85,
@@ -414,7 +413,7 @@ fn long_frames_are_shown_as_by_a_pal_set() {
         ale.act(Action::Noop);
         assert_eq!((ale.picture().len(), checksum(&ale)), (250, expected));
     }
-    // frames of 343 lines, and some of 344, which are cut; a colour a line
+    // frames of 343 lines, and of 344 lines, which are truncated; one colour per line
     for (lines, expected) in [
         (0x55, [(0x9a60_6451, 69), (0x9a60_6451, 70)]),
         (0x56, [(0x8247_8478, 35), (0xe6a9_4479, 35)]),
@@ -434,7 +433,7 @@ fn long_frames_are_shown_as_by_a_pal_set() {
     }
 }
 
-/// Where RAM never shows the mode, SELECT is not pressed for ever.
+/// If RAM never shows the mode, SELECT is not pressed forever.
 #[test]
 fn a_program_without_modes_starts_as_well() {
     let ale = Ale::new(
@@ -445,7 +444,7 @@ fn a_program_without_modes_starts_as_well() {
     assert_eq!(ale.ram().0[0x01], 0x55);
 }
 
-/// Each frame writes 330 random numbers to random registers, at random times.
+/// Returns a program whose frames write 330 random numbers to random registers at random times.
 fn random_writes(seed: u32, registers: &[u8]) -> Vec<u8> {
     let mut random = Lcg(seed);
     let lines = |n: u8| [0xa2, n, 0x85, 0x02, 0xca, 0xd0, 0xfb]; // ldx #n; loop: sta WSYNC; dex; bne loop
@@ -469,7 +468,7 @@ fn random_writes(seed: u32, registers: &[u8]) -> Vec<u8> {
     rom(&code)
 }
 
-/// Writes at any time of a line show where ale-py shows them.
+/// A write at any time of a line shows where ale-py shows it.
 #[test]
 fn writes_show_when_they_do_in_ale_py() {
     // colours, graphics, enabling, reflection, vertical delay
@@ -480,18 +479,17 @@ fn writes_show_when_they_do_in_ale_py() {
     let nusiz: &[u8] = &[2, 6, 7, 27, 28, 29, 30, 4, 5];
     // playfield, colours, reflection, priority and score
     let playfield: &[u8] = &[2, 6, 7, 8, 9, 10, 13, 14, 15];
-    // positions, at all times of a line: of missiles and the ball, and of missiles locked to
-    // players
+    // positions at all times of a line: of missiles and the ball, and of missiles locked to players
     let positions: &[u8] = &[
         2, 6, 7, 8, 18, 19, 20, 27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 43,
     ];
     let locked: &[u8] = &[2, 6, 7, 27, 28, 29, 30, 40, 41, 4, 5];
-    // positions of players, at all times of a line, the last and the first cycle and the blank
-    // before the picture included
+    // positions of players at all times of a line, including the first and the last cycle and the
+    // blank
     let players: &[u8] = &[2, 6, 7, 16, 17, 27, 28];
     let resized: &[u8] = &[2, 6, 7, 16, 17, 27, 28, 4, 5];
     let moved: &[u8] = &[2, 2, 6, 7, 16, 17, 27, 28, 32, 33, 42];
-    // the priorities
+    // priorities
     let priorities: &[u8] = &[2, 6, 7, 8, 9, 10, 13, 14, 15, 27, 28, 29, 30, 31];
     let everything: Vec<u8> = [2; 3].into_iter().chain(4..21).chain(27..45).collect();
     let cases = [
@@ -630,14 +628,14 @@ fn writes_show_when_they_do_in_ale_py() {
     }
 }
 
-/// Instructions that take so many cycles: none, or at least two.
+/// Returns instructions that take `cycles` cycles: 0, or at least 2.
 fn delay(cycles: usize) -> Vec<u8> {
     let bit: &[u8] = if cycles % 2 == 1 { &[0x24, 0x80] } else { &[] };
     [bit, &vec![0xea; (cycles - 3 * (cycles % 2)) / 2]].concat()
 }
 
-/// Objects that start anew while an `HMOVE` of the same line goes on, in the six cases where that
-/// moves them.
+/// Objects that restart during an `HMOVE` in the same line, in the six cases in which the `HMOVE`
+/// still moves them.
 #[test]
 fn a_move_still_moves_what_starts_anew() {
     let mut code = vec![
@@ -683,8 +681,8 @@ fn a_move_still_moves_what_starts_anew() {
     assert_eq!(checksum(&ale), 0xe63a_2174);
 }
 
-/// The 70th frame is so long that a write to `WSYNC` ends it, which waits all the same: the next
-/// one starts with the next line.
+/// The 70th frame is so long that a write to `WSYNC` ends it. The write still waits: the next frame
+/// starts with the next line.
 #[test]
 fn wsync_waits_where_it_ends_a_frame() {
     let mut code = vec![
@@ -700,7 +698,7 @@ fn wsync_waits_where_it_ends_a_frame() {
     code.extend([0xe6, 0x80, 0xa5, 0x80, 0xc9, 70, 0xf0, 0x0a]); // inc $80; lda $80; cmp #70; beq over the jmp
     code.extend([0xa2, 0xff, 0x85, 0x02, 0xca, 0xd0, 0xfb, 0x4c, 0x1c, 0xf0]); // 255 lines
     code.extend([0xa2, 0xfa, 0x85, 0x02, 0xca, 0xd0, 0xfb]); // 250 lines
-    code.extend([0xa2, 0x00, 0xca, 0xd0, 0xfd].repeat(3)); // 50 more without a write
+    code.extend([0xa2, 0x00, 0xca, 0xd0, 0xfd].repeat(3)); // 50 more lines without a write
     code.extend([0xea, 0xa9, 0x44, 0x85, 0x02]);
     code.extend(delay(20));
     code.extend([0x85, 0x10]); // RESP0
@@ -718,7 +716,7 @@ fn wsync_waits_where_it_ends_a_frame() {
     }
 }
 
-/// A frame that is not drawn changes all but the picture as a drawn one does.
+/// A frame that is not drawn changes everything except the picture like a drawn one.
 #[test]
 fn unseen_frames_play_the_same() {
     let rom = random_writes(
@@ -749,7 +747,7 @@ fn unseen_frames_play_the_same() {
     assert_eq!(seen.picture(), unseen.picture());
 }
 
-/// Each bank of a program holds its number where it is read from.
+/// The program's bytes tell from which bank each was read.
 #[test]
 fn banks_follow_accesses() {
     let numbered = |banks: usize, size: usize| {
@@ -791,13 +789,13 @@ fn banks_follow_accesses() {
     assert_eq!((small.read(0x1000, 0), small.read(0x1fff, 0)), (7, 7));
 }
 
-/// Reads of the chip in Pitfall II's cartridge, with its counters anywhere.
+/// Reads of the chip in Pitfall II's cartridge, with random counters.
 #[test]
 fn data_fetchers_give_what_ale_pys_do() {
     for (seed, expected) in (0..).zip([0xa1fd_ae91, 0x62bd_6e45, 0x9377_df05, 0xb5a0_a5f7]) {
         let mut random = Lcg(seed);
         let data: Vec<u8> = (0..2048).map(|_| random.below(256u16) as u8).collect();
-        // clears RAM; restarts the random numbers
+        // clear RAM; restart the random number generator
         let mut code = vec![
             0x78, 0xd8, 0xa2, 0xff, 0x9a, 0xa9, 0x00, 0xa2, 0x7f, 0x95, 0x80, 0xca, 0x10, 0xfb,
         ];
@@ -840,7 +838,7 @@ fn data_fetchers_give_what_ale_pys_do() {
     }
 }
 
-/// Bytes of no sense neither panic nor hang, and come out the same twice.
+/// Meaningless bytes neither panic nor hang, and give the same result twice.
 #[test]
 fn any_bytes_can_be_played() {
     let mut random = Lcg(7);

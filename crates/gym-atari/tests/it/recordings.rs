@@ -1,5 +1,5 @@
-//! Recordings of ale-py 0.12.1, where there are ROMs and recordings: `GYM_REFERENCE` names a folder
-//! of them.
+//! Recordings of ale-py 0.12.1. These tests need ROMs and a folder of recordings, named by
+//! `GYM_REFERENCE`; without them they pass.
 
 use gym_atari::cartridge::Cartridge;
 use gym_atari::check::Sums;
@@ -39,7 +39,7 @@ fn games_are_ale_pys() {
     println!("{compared} recordings of games were compared");
 }
 
-/// Frames that are not drawn, between drawn ones, leave a console as if all had been drawn.
+/// Undrawn frames between drawn ones leave a console as if all frames had been drawn.
 #[test]
 fn unseen_frames_of_games_play_the_same() {
     let Some(roms) = RomDir::find() else {
@@ -64,7 +64,7 @@ fn unseen_frames_of_games_play_the_same() {
             charge: [Some(23_000); 4],
             ..Input::default()
         };
-        // whether the last two frames were seen whole
+        // whether each of the last two frames was completely drawn
         let mut whole = [false; 2];
         for frame in 0..500 {
             if frame % 8 == 0 {
@@ -102,7 +102,7 @@ fn unseen_frames_of_games_play_the_same() {
     }
 }
 
-/// The RAM after the resets and steps of three episodes, the first with a seed, summed up.
+/// Returns a checksum of RAM after the resets and steps of three episodes, the first with a seed.
 fn summary(config: Config, steps: usize, action: impl Fn(usize, &AtariEnv) -> AtariAction) -> u32 {
     let mut env = AtariEnv::new(Config {
         obs_type: ObsType::Ram,
@@ -129,7 +129,8 @@ fn in_mode(game: &str, mode: u16, difficulty: u8) -> Config {
     }
 }
 
-/// Every game in every mode with every difficulty, over several resets, beside ale-py's sums.
+/// Compares every game, in every mode with every difficulty and over several resets, with ale-py's
+/// checksums.
 #[test]
 fn games_come_out_as_recorded() {
     let Some(roms) = RomDir::find() else {
@@ -146,7 +147,7 @@ fn games_come_out_as_recorded() {
     }
 }
 
-/// Modes over three episodes of an environment, and the noise that Ice Hockey keeps over a reset.
+/// Modes over three episodes of an environment, and Ice Hockey's noise, which survives a reset.
 #[test]
 fn modes_outlast_resets_as_in_ale_py() {
     if RomDir::find().is_none() {
@@ -175,7 +176,7 @@ fn modes_outlast_resets_as_in_ale_py() {
     }
 }
 
-/// A stick that is moved halfway turns a paddle at half its speed.
+/// A half-moved stick turns a paddle at half speed.
 #[test]
 fn paddles_turn_by_degrees_as_ale_pys() {
     if RomDir::find().is_none() {

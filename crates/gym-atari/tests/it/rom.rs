@@ -1,4 +1,4 @@
-/// A program of 4K that starts at `$F000`.
+/// Returns a 4K ROM whose program `code` starts at `$F000`.
 pub(crate) fn rom(code: &[u8]) -> Vec<u8> {
     let mut rom = vec![0xea; 4096];
     rom[..code.len()].copy_from_slice(code);

@@ -1,4 +1,4 @@
-//! The shortcuts of the console, beside consoles that take none.
+//! Compares the console's shortcuts with consoles that take none.
 
 use gym_atari::Display;
 use gym_atari::cartridge::{Cartridge, Scheme};
@@ -17,8 +17,8 @@ fn one_of<T: Copy>(random: &mut Lcg, choices: &[T]) -> T {
     choices[random.below(choices.len())]
 }
 
-/// Loops that count, and loops that wait for the timer, which is set to all intervals; now and then
-/// a jump into the middle of one, and a number left in RAM.
+/// Returns a program of counting loops and of loops that wait for the timer, with all intervals;
+/// occasionally it jumps into the middle of a loop, or writes to RAM.
 fn loops(seed: u32) -> Vec<u8> {
     let mut random = Lcg(seed);
     let mut code = vec![];
@@ -78,15 +78,15 @@ fn loops(seed: u32) -> Vec<u8> {
     rom(&code)
 }
 
-/// All that there is but the cartridge's own state.
+/// Returns the state of the console without the cartridge's.
 fn state(console: &Console) -> serde_json::Value {
     let mut state = serde_json::to_value(console.state()).unwrap();
     state.as_object_mut().unwrap().remove("banks");
     state
 }
 
-/// No loop is skipped in a cartridge of Activision's scheme, as each access may select a bank. A
-/// call returns after 25,000 instructions, which is in the middle of a loop more often than not.
+/// With Activision's scheme no loop is skipped, because each access may select a bank. A call
+/// returns after 25,000 instructions, usually in the middle of a loop.
 #[test]
 fn skipped_loops_leave_what_they_would() {
     for seed in 0..150 {

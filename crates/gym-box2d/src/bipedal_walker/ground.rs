@@ -1,4 +1,4 @@
-//! The ground, stretch by stretch: grass, and in the hardcore form stumps, stairs and pits.
+//! The ground, stretch by stretch: grass and, in the hardcore version, stumps, stairs and pits.
 
 use gym_core::Generator;
 use gym_core::canvas::Point;
@@ -9,7 +9,7 @@ use super::{
 use crate::common::{points, sign, vec2};
 use crate::physics::{BodyDef, FixtureDef, FixtureId, Shape, Vec2, World};
 
-/// A kind of stretch of the ground.
+/// A stretch of the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Stretch {
     Grass,
@@ -22,14 +22,14 @@ enum Stretch {
 pub(super) struct Ground<'a> {
     rng: &'a mut Generator,
     world: &'a mut World,
-    /// Heights, every [`TERRAIN_STEP`].
+    /// Heights, one per [`TERRAIN_STEP`].
     pub(super) terrain_y: Vec<f64>,
-    /// Stumps, stairs and the walls of pits.
+    /// Fixtures of stumps, stairs and the walls of pits.
     pub(super) obstacles: Vec<FixtureId>,
 }
 
 impl<'a> Ground<'a> {
-    /// Draws the ground and puts it into the world.
+    /// Draws a random ground and creates it in `world`.
     pub(super) fn new(rng: &'a mut Generator, world: &'a mut World, hardcore: bool) -> Self {
         let mut ground = Self {
             rng,
@@ -59,7 +59,7 @@ impl<'a> Ground<'a> {
         let mut velocity = 0.0;
         let mut y = TERRAIN_HEIGHT;
         let mut counter = TERRAIN_STARTPAD as i64;
-        let mut first = false; // whether a stretch begins here
+        let mut first = false; // whether this step begins a stretch
         let (mut stair_steps, mut stair_width, mut stair_height) = (0, 0, 0);
         let mut original_y = 0.0;
         for i in 0..TERRAIN_LENGTH {

@@ -1,4 +1,4 @@
-//! A controller without learning.
+//! A hand-written controller.
 
 /// Gymnasium's hand-written gait. It does not balance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,7 +15,7 @@ enum Gait {
     PushOff,
 }
 
-const SPEED: f64 = 0.29; // it would fall forward at a higher one
+const SPEED: f64 = 0.29; // the walker falls forward at higher speeds
 const SUPPORT_KNEE_ANGLE: f32 = 0.1;
 
 impl Default for Heuristic {
@@ -29,11 +29,11 @@ impl Default for Heuristic {
 }
 
 impl Heuristic {
-    /// The next action, from an observation.
+    /// Returns the action for the observation `s`.
     pub fn act(&mut self, s: &[f32; 24]) -> [f32; 4] {
         let (moving, supporting) = (self.moving_leg, 1 - self.moving_leg);
         let leg = |leg: usize| &s[4 + 5 * leg..];
-        // 0 where there is no target
+        // 0 means no target
         let (mut hip_targ, mut knee_targ) = ([0.0; 2], [0.0; 2]);
 
         if self.state == Gait::StayOnOneLeg {

@@ -8,15 +8,36 @@ use crate::physics::{
     BodyDef, BodyId, Filter, FixtureDef, FixtureId, JointId, RevoluteJointDef, Shape, Vec2, World,
 };
 
+// The constants and the order of arithmetic are those of `car_dynamics.py`.
+
 const SIZE: f64 = 0.02;
 const ENGINE_POWER: f64 = 100000000.0 * SIZE * SIZE;
 const WHEEL_MOMENT_OF_INERTIA: f64 = 4000.0 * SIZE * SIZE;
-/// Friction is about mass, which is about size².
+/// Friction is proportional to mass, and mass to size².
 const FRICTION_LIMIT: f64 = 1000000.0 * SIZE * SIZE;
-/// Force per slip speed.
+/// Force per m/s of slip.
 const GRIP: f64 = 205000.0 * SIZE * SIZE;
-/// How fast a brake slows a wheel, in rad/s per step.
+/// The deceleration of a wheel by its brake, in rad/s per step.
 const BRAKE_FORCE: f64 = 15.0;
+/// The brake at which a wheel locks.
+const LOCKING_BRAKE: f64 = 0.9;
+/// The largest increase of a wheel's throttle per step.
+const GAS_RISE: f64 = 0.1;
+/// Added to a wheel's angular velocity where the engine's power is divided by it, in rad/s.
+const MIN_OMEGA: f64 = 5.0;
+/// The friction limit on grass, relative to the road's.
+const GRASS_FRICTION: f64 = 0.6;
+/// The force, relative to the friction limit, above which a wheel leaves a skid mark.
+const SKID_FORCE: f64 = 2.0;
+/// The largest angle of a front wheel, in rad.
+const MAX_STEER: f32 = 0.4;
+/// The steering speed per rad of remaining turn, in rad/s.
+const STEER_GAIN: f64 = 50.0;
+/// The largest steering speed, in rad/s.
+const STEER_SPEED: f64 = 3.0;
+const STEER_TORQUE: f64 = 180.0 * 900.0 * SIZE * SIZE;
+/// The angle that the stripe on a wheel covers, in rad.
+const STRIPE_ANGLE: f64 = 1.2;
 const WHEEL_R: f64 = 27.0;
 const WHEEL_W: f64 = 14.0;
 const WHEEL_RAD: f64 = 1.0 * WHEEL_R * SIZE;
@@ -55,25 +76,25 @@ pub(super) struct Wheel {
     gas: f64,
     brake: f64,
     steer: f64,
-    /// How far it has rolled, in rad.
+    /// The angle that the wheel has rolled, in rad.
     pub(super) phase: f64,
-    /// How fast it rolls, in rad/s.
+    /// The angular velocity of rolling, in rad/s.
     pub(super) omega: f64,
-    /// Tiles of the road that it touches.
+    /// The number of road tiles that the wheel touches.
     pub(super) tiles: u32,
     skid: Skidding,
 }
 
-/// Whether a wheel leaves a mark.
+/// The state of a wheel's skid mark.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct Skidding {
-    /// Whether it slipped in the step before, without a mark.
+    /// Whether the wheel slipped in the previous step without drawing a mark.
     slips: bool,
-    /// Which mark it draws on.
+    /// The number of the mark that the wheel draws.
     mark: Option<u64>,
 }
 
-/// A line that a skidding wheel left.
+/// The mark of a skidding wheel: a line.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct SkidMark {
     pub(super) on_grass: bool,
@@ -81,11 +102,11 @@ pub(super) struct SkidMark {
     number: u64,
 }
 
-/// Marks that stay.
+/// The number of marks that are kept.
 const MARKS: usize = 30;
-/// Far more marks than an episode leaves.
+/// An upper bound for snapshots, far above the number of marks in an episode.
 const MAX_MARKS_MADE: u64 = 1 << 48;
-/// Points of a mark.
+/// The points of a mark.
 pub(super) const MARK_POINTS: usize = 30;
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -94,7 +115,7 @@ pub(super) struct Car {
     pub(super) hull_fixtures: [FixtureId; 4],
     /// Front left, front right, rear left, rear right.
     pub(super) wheels: [Wheel; 4],
-    /// Oldest first; those not yet made are empty.
+    /// Oldest first. Marks that no wheel has drawn yet are empty.
     pub(super) marks: Vec<SkidMark>,
     marks_made: u64,
 }
@@ -135,10 +156,10 @@ impl Car {
                 body_b: body,
                 local_anchor_a: vec2(wx * SIZE, wy * SIZE),
                 local_anchor_b: Vec2::zeros(),
-                limits: Some((-0.4, 0.4)),
+                limits: Some((-MAX_STEER, MAX_STEER)),
                 motor: true,
                 motor_speed: 0.0,
-                max_motor_torque: (180.0 * 900.0 * SIZE * SIZE) as f32,
+                max_motor_torque: STEER_TORQUE as f32,
                 collide_connected: false,
             });
             let (gas, brake, steer, phase, omega) = (0.0, 0.0, 0.0, 0.0, 0.0);
@@ -170,43 +191,43 @@ impl Car {
         }
     }
 
-    /// Rear wheel drive; the gas rises slowly and falls at once.
+    /// Sets the throttle of the rear wheels; it rises slowly and falls at once.
     pub(super) fn gas(&mut self, gas: f64) {
         let gas = gas.clamp(0.0, 1.0);
         for wheel in &mut self.wheels[2..] {
-            wheel.gas += (gas - wheel.gas).min(0.1);
+            wheel.gas += (gas - wheel.gas).min(GAS_RISE);
         }
     }
 
-    /// Brakes all wheels; from 0.9 on they block.
+    /// Sets the brake of all wheels; a wheel locks at [`LOCKING_BRAKE`] or more.
     pub(super) fn brake(&mut self, brake: f64) {
         for wheel in &mut self.wheels {
             wheel.brake = brake;
         }
     }
 
-    /// The angle that the front wheels turn to, in rad; it takes time.
+    /// Sets the target angle of the front wheels, in rad; they turn towards it over several steps.
     pub(super) fn steer(&mut self, steer: f64) {
         for wheel in &mut self.wheels[..2] {
             wheel.steer = steer;
         }
     }
 
-    /// Steers, drives and brakes each wheel and applies the friction of the ground.
+    /// Steers, drives and brakes each wheel, and applies the friction of its surface.
     pub(super) fn step(&mut self, world: &mut World, dt: f64) {
         for i in 0..self.wheels.len() {
             let wheel = &mut self.wheels[i];
             let turn = wheel.steer - f64::from(world.joint_angle(wheel.joint));
             world.set_motor_speed(
                 wheel.joint,
-                (sign(turn) * (50.0 * turn.abs()).min(3.0)) as f32,
+                (sign(turn) * (STEER_GAIN * turn.abs()).min(STEER_SPEED)) as f32,
             );
 
             let on_grass = wheel.tiles == 0;
             let friction_limit = if on_grass {
-                FRICTION_LIMIT * 0.6
+                FRICTION_LIMIT * GRASS_FRICTION
             } else {
-                FRICTION_LIMIT * 1.0
+                FRICTION_LIMIT
             };
 
             let rotation = world.pose(wheel.body).rotation;
@@ -218,9 +239,10 @@ impl Car {
             let vs = side[0] * v[0] + side[1] * v[1]; // side speed
 
             // power = moment of inertia * omega * domega/dt, kept finite at rest
-            wheel.omega +=
-                dt * ENGINE_POWER * wheel.gas / WHEEL_MOMENT_OF_INERTIA / (wheel.omega.abs() + 5.0);
-            if wheel.brake >= 0.9 {
+            wheel.omega += dt * ENGINE_POWER * wheel.gas
+                / WHEEL_MOMENT_OF_INERTIA
+                / (wheel.omega.abs() + MIN_OMEGA);
+            if wheel.brake >= LOCKING_BRAKE {
                 wheel.omega = 0.0;
             } else if wheel.brake > 0.0 {
                 let val = BRAKE_FORCE * wheel.brake;
@@ -233,11 +255,11 @@ impl Car {
             }
             wheel.phase += wheel.omega * dt;
 
-            let vr = wheel.omega * WHEEL_RAD; // speed of the rim
+            let vr = wheel.omega * WHEEL_RAD; // speed of the tyre's rim
             let mut f_force = (-vf + vr) * GRIP;
             let mut p_force = -vs * GRIP;
             let force = (f_force * f_force + p_force * p_force).sqrt();
-            let slips = force.abs() > 2.0 * friction_limit;
+            let slips = force.abs() > SKID_FORCE * friction_limit;
             if force.abs() > friction_limit {
                 f_force /= force;
                 p_force /= force;
@@ -260,7 +282,7 @@ impl Car {
         }
     }
 
-    /// Draws on the mark of a wheel while it slips; ends it when it does not.
+    /// Extends the mark of `wheel` by the position `slips`; `None` ends the mark.
     fn skid(&mut self, wheel: usize, slips: Option<[f64; 2]>, on_grass: bool) {
         let skid = &mut self.wheels[wheel].skid;
         let Some(position) = slips else {
@@ -279,13 +301,13 @@ impl Car {
             let number = self.marks_made;
             skid.mark = Some(number);
             self.marks_made += 1;
-            // the new mark reuses the memory of the oldest
+            // reuse the oldest mark's allocation
             self.marks.rotate_left(1);
             if let Some(mark) = self.marks.last_mut() {
                 (mark.on_grass, mark.number) = (on_grass, number);
                 mark.points.clear();
-                // (Gymnasium intends to begin at the wheel's old place, but its variable has
-                // already changed)
+                // (Gymnasium means to begin at the wheel's previous position, but has already
+                // overwritten it)
                 mark.points.extend([position, position]);
             }
         } else {
@@ -293,9 +315,10 @@ impl Car {
         }
     }
 
-    /// The white stripe of a wheel, in its coordinates, if visible at the wheel's turn.
+    /// Returns the white stripe on `wheel`, in the wheel's coordinates, if its phase makes it
+    /// visible.
     pub(super) fn stripe(wheel: &Wheel) -> Option<[[f64; 2]; 4]> {
-        let ends = [wheel.phase, wheel.phase + 1.2].map(gym_core::math::sin_cos);
+        let ends = [wheel.phase, wheel.phase + STRIPE_ANGLE].map(gym_core::math::sin_cos);
         if ends.iter().all(|(sin, _)| *sin > 0.0) {
             return None;
         }
@@ -310,7 +333,7 @@ impl Car {
     }
 
     pub(super) fn is_valid(&self, world: &World, tiles: usize) -> bool {
-        // a count that no episode reaches would end in an overflow
+        // a larger count would overflow
         self.marks.len() == MARKS
             && self.marks_made <= MAX_MARKS_MADE
             && world.has_body(self.hull)

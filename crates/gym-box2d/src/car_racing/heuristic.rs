@@ -1,4 +1,4 @@
-//! A controller without learning.
+//! A hand-written controller.
 
 use std::f64::consts::PI;
 
@@ -8,15 +8,15 @@ use gym_core::{BoxEnv, Element, Env, EnvExt, Space};
 
 use super::CarRacing;
 
-/// Steers towards the sixth track point ahead, at a moderate speed. It reads the track, not the
-/// image, and has no rules for the five discrete actions.
+/// Steers towards the sixth track point ahead, at a moderate speed. The controller reads the track,
+/// not the image; it does not support the five discrete actions.
 pub(super) fn follow_the_track(env: &BoxEnv) -> Option<Controller> {
     if let Space::Discrete(_) = env.action_space() {
         return None;
     }
     let mut passed = 0;
     Some(Box::new(move |env, _| {
-        let env = env.unwrapped::<CarRacing>()?;
+        let env = env.layer::<CarRacing>()?;
         let track = env.track()?;
         let [x, y, angle, vx, vy, _] = env.state()?.hull;
         let ahead = |n: usize| &track[(passed + n) % track.len()];

@@ -30,7 +30,7 @@ use gym_core::canvas::Canvas;
 use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::{
-    Array, Configure, Continuous, Element, Env, Error, Generator, Keys, Outcome, Policy,
+    Array, Configure, Continuous, Element, Env, Error, Generator, Inspect, Keys, Outcome, Policy,
     Registration, Reset, Result, Snapshot, Space, Value,
 };
 use serde::{Deserialize, Serialize};
@@ -45,9 +45,23 @@ use track::Tile;
 pub use track::TrackPoint;
 
 const FPS: f64 = 50.0;
-/// Of the track.
+/// The reward of all tiles together.
+const TRACK_REWARD: f64 = 1000.0;
+/// The cost of a step.
+const STEP_COST: f64 = 0.1;
+/// The reward of the step that leaves the playfield.
+const LEAVING_REWARD: f64 = -100.0;
+/// The controls of the discrete actions.
+const DISCRETE_STEER: f64 = 0.6;
+const DISCRETE_GAS: f64 = 0.2;
+const DISCRETE_BRAKE: f64 = 0.8;
+/// The largest component of a random colour, and the amount by which grass differs from its
+/// background in one component.
+const MAX_RANDOM_COLOR: f64 = 210.0;
+const GRASS_DIFFERENCE: f64 = 20.0;
+/// The scale of the track, from Gymnasium's `SCALE`.
 const SCALE: f64 = 6.0;
-/// Half the side of the field, in m; the game is over beyond.
+/// Half the side of the playfield, in m. A car outside of it ends the episode.
 const PLAYFIELD: f64 = 2000.0 / SCALE;
 const VIDEO_W: u32 = 600;
 const VIDEO_H: u32 = 400;
@@ -133,19 +147,19 @@ pub struct CarRacing {
     version: u32,
     episode: Option<Episode>,
     camera: Camera,
-    /// Pictures of the digits of the score.
+    /// Images of the score's digits; `None` for our own digits.
     glyphs: Option<Arc<ScoreGlyphs>>,
 }
 
-/// The car's position and motion, which determine an episode with the track.
+/// The position and motion of the car. With the track they determine the episode.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Position x, y in m, angle in rad, velocity x, y in m/s, angular velocity in rad/s.
     pub hull: [f64; 6],
-    /// Per wheel the angle it is steered to in rad, how fast it rolls in rad/s, and how far it has
-    /// rolled in rad: front left, front right, rear left, rear right.
+    /// Per wheel (front left, front right, rear left, rear right): the steering angle in rad, the
+    /// angular velocity of rolling in rad/s, and the angle rolled in rad.
     pub wheels: [[f64; 3]; 4],
-    /// Tiles that a wheel has touched.
+    /// Number of tiles that a wheel has touched.
     pub tiles_visited: usize,
 }
 
@@ -165,10 +179,10 @@ impl Colors {
     };
 
     fn random(rng: &mut Generator) -> Self {
-        let mut color = || [(); 3].map(|()| rng.uniform(0.0, 210.0));
+        let mut color = || [(); 3].map(|()| rng.uniform(0.0, MAX_RANDOM_COLOR));
         let (road, background) = (color(), color());
         let mut grass = background;
-        grass[rng.integers(0, 3) as usize] += 20.0;
+        grass[rng.integers(0, 3) as usize] += GRASS_DIFFERENCE;
         Self {
             road,
             background,
@@ -184,23 +198,24 @@ struct Episode {
     colors: Colors,
     track: Vec<TrackPoint>,
     tiles: Vec<Tile>,
-    /// Bodies of the tiles: `tile_bodies[i]` is that of tile `i`.
+    /// Bodies of the tiles: `tile_bodies[i]` is the body of `tiles[i]`.
     tile_bodies: Vec<BodyId>,
-    /// Tiles that a wheel has touched.
+    /// Whether a wheel has visited each tile.
     visited: Vec<bool>,
-    /// Tiles that the car has touched: these lose their shade.
+    /// Whether the car has touched each tile. A touched tile is drawn without shade.
     touched: Vec<bool>,
     tile_visited_count: usize,
-    /// The share of the tiles after which the lap counts, as it was at the reset.
+    /// The share of visited tiles above which the lap counts, read at the reset.
     lap_complete_percent: f64,
     car: Car,
     reward: f64,
     prev_reward: f64,
-    /// The score that the observation shows, without the cost of the step itself.
+    /// The score that the observation shows, which excludes the current step's cost.
     observed_reward: f64,
     t: f64,
     new_lap: bool,
-    /// Whether the last step finished the lap, or left the field.
+    /// After the last step of an episode: true if the lap is finished, false if the car left the
+    /// field.
     lap_finished: Option<bool>,
 }
 
@@ -218,18 +233,18 @@ impl Default for Options {
 }
 
 impl CarRacing {
-    /// The environment with these arguments.
+    /// Makes the environment with the arguments `config`.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for a share that is not a number.
+    /// [`Error::InvalidArgument`] for a `lap_complete_percent` that is not a number.
     pub fn new(config: Config) -> Result<Self> {
         Self::with_version(config, 3)
     }
 
-    /// As [`new`](Self::new), by the rules of version 2 or 3.
+    /// Like [`new`](Self::new), with the rules of version 2 or 3.
     ///
     /// # Errors
-    /// As `new`; [`Error::InvalidArgument`] for a version below 2.
+    /// The errors of `new`; [`Error::InvalidArgument`] for a version below 2.
     pub fn with_version(config: Config, version: u32) -> Result<Self> {
         let version = common::version("CarRacing", version)?;
         Self::check(&config)?;
@@ -257,20 +272,7 @@ impl CarRacing {
         &self.config
     }
 
-    /// Sets one argument to a value in JSON, as setting Gymnasium's attribute does: from the next
-    /// reset on.
-    ///
-    /// # Errors
-    /// As [`new`](Self::new), and [`Error::InvalidArgument`] for `continuous` and `physics`, which
-    /// cannot be changed.
-    pub fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
-        let config = common::assigned(&self.config, name, value, "CarRacing")?;
-        Self::check(&config)?;
-        self.config = config;
-        Ok(())
-    }
-
-    /// The car's position; `None` before the first reset.
+    /// The state of the car; `None` before the first reset.
     pub fn state(&self) -> Option<State> {
         self.episode.as_ref().map(Episode::state)
     }
@@ -280,24 +282,25 @@ impl CarRacing {
         self.episode.as_ref().map(|episode| &*episode.track)
     }
 
-    /// Writes the score with these digits from the next frame on, as Gymnasium does, instead of our
-    /// own. Snapshots and specs do not contain them.
+    /// Draws the score with `glyphs` from the next frame on, as Gymnasium does, instead of our own
+    /// digits. Snapshots and specs do not contain `glyphs`.
     pub fn set_score_glyphs(&mut self, glyphs: ScoreGlyphs) {
         self.glyphs = Some(Arc::new(glyphs));
     }
 
-    /// Starts an episode without drawing its first observation.
+    /// Resets the environment without drawing an observation.
     ///
     /// # Errors
-    /// As [`Env::reset_into`].
+    /// The errors of [`Env::reset_into`].
     pub fn reset_state(&mut self, reset: &Reset) -> Result<()> {
         let mut rng = reset.generator(self.episode.as_ref().map(|episode| &episode.rng))?;
         let Options { randomize } = reset.options("CarRacing")?;
         let colors = match &self.episode {
-            _ if !self.config.domain_randomize => Colors::DEFAULT,
-            _ if randomize => Colors::random(&mut rng),
+            _ if self.config.domain_randomize && randomize => Colors::random(&mut rng),
+            // those of the last episode, which may have been set
             Some(episode) => episode.colors,
-            // those of the constructor, drawn from its own generator
+            None if !self.config.domain_randomize => Colors::DEFAULT,
+            // the constructor's colours, drawn from the constructor's own generator
             None => Colors::random(&mut rng.clone()),
         };
         let mut episode = Episode::new(&self.config, rng, colors);
@@ -306,10 +309,10 @@ impl CarRacing {
         Ok(())
     }
 
-    /// Takes a step without drawing an observation.
+    /// Steps the environment without drawing an observation.
     ///
     /// # Errors
-    /// As [`Env::step_into`].
+    /// The errors of [`Env::step_into`].
     pub fn step_state(&mut self, action: &Action) -> Result<Outcome> {
         let Some(episode) = &mut self.episode else {
             return Err(Error::ResetNeeded("step"));
@@ -326,7 +329,7 @@ impl CarRacing {
 }
 
 impl Episode {
-    /// Track, tiles and car, in Gymnasium's order of draws and creation.
+    /// Makes track, tiles and car, in Gymnasium's order of random draws and creation.
     fn new(config: &Config, mut rng: Generator, colors: Colors) -> Self {
         let mut world = World::with(config.physics, Vec2::zeros());
         let track = track::generate(&mut rng);
@@ -368,7 +371,7 @@ impl Episode {
         }
     }
 
-    /// One step; the first, of the reset, is without an action.
+    /// Takes one step. `action` is `None` for the step that is part of a reset.
     fn advance(&mut self, version: u32, action: Option<&Action>) -> Outcome {
         if let Some(action) = action {
             let (steer, gas, brake) = match *action {
@@ -377,10 +380,10 @@ impl Episode {
                     (-steer, gas, brake)
                 }
                 Action::Drive(Drive::Idle) => (0.0, 0.0, 0.0),
-                Action::Drive(Drive::Right) => (-0.6, 0.0, 0.0),
-                Action::Drive(Drive::Left) => (0.6, 0.0, 0.0),
-                Action::Drive(Drive::Gas) => (0.0, 0.2, 0.0),
-                Action::Drive(Drive::Brake) => (0.0, 0.0, 0.8),
+                Action::Drive(Drive::Right) => (-DISCRETE_STEER, 0.0, 0.0),
+                Action::Drive(Drive::Left) => (DISCRETE_STEER, 0.0, 0.0),
+                Action::Drive(Drive::Gas) => (0.0, DISCRETE_GAS, 0.0),
+                Action::Drive(Drive::Brake) => (0.0, 0.0, DISCRETE_BRAKE),
             };
             self.car.steer(steer);
             self.car.gas(gas);
@@ -396,7 +399,7 @@ impl Episode {
         let mut outcome = Outcome::default();
         self.lap_finished = None;
         if action.is_some() {
-            self.reward -= 0.1;
+            self.reward -= STEP_COST;
             outcome.reward = self.reward - self.prev_reward;
             self.prev_reward = self.reward;
             if self.tile_visited_count == self.track.len() || self.new_lap {
@@ -408,13 +411,13 @@ impl Episode {
             if f64::from(position.x).abs() > PLAYFIELD || f64::from(position.y).abs() > PLAYFIELD {
                 outcome.terminated = true;
                 self.lap_finished = Some(false);
-                outcome.reward = -100.0;
+                outcome.reward = LEAVING_REWARD;
             }
         }
         outcome
     }
 
-    /// The wheels that entered and left tiles.
+    /// Counts the tiles that wheels have entered and left.
     fn touch_tiles(&mut self) {
         let tiles = self.track.len() as f64;
         for event in self.world.contact_events() {
@@ -445,9 +448,9 @@ impl Episode {
             wheel.tiles += 1;
             if !self.visited[tile] {
                 self.visited[tile] = true;
-                self.reward += 1000.0 / tiles;
+                self.reward += TRACK_REWARD / tiles;
                 self.tile_visited_count += 1;
-                // the lap counts as complete if enough of the track was covered
+                // the lap counts if more than this share of the tiles was visited
                 if tile == 0 && self.tile_visited_count as f64 / tiles > self.lap_complete_percent {
                     self.new_lap = true;
                 }
@@ -486,6 +489,24 @@ impl Episode {
             ] == [n; 4]
             && self.tile_visited_count == self.visited.iter().filter(|visited| **visited).count()
             && self.car.is_valid(&self.world, n)
+    }
+}
+
+/// The next reset applies it. `continuous` and `physics` are fixed.
+impl Inspect for CarRacing {
+    fn state(&self) -> Option<Json> {
+        serde_json::to_value(self.state()?).ok()
+    }
+
+    fn arguments(&self) -> Json {
+        serde_json::to_value(self.config).unwrap_or_default()
+    }
+
+    fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
+        let config = common::assigned(&self.config, name, value, "CarRacing")?;
+        Self::check(&config)?;
+        self.config = config;
+        Ok(())
     }
 }
 
@@ -562,6 +583,14 @@ impl Env for CarRacing {
         }
     }
 
+    fn inspect(&self) -> Option<&dyn Inspect> {
+        Some(self)
+    }
+
+    fn inspect_mut(&mut self) -> Option<&mut dyn Inspect> {
+        Some(self)
+    }
+
     fn close(&mut self) {
         self.episode = None;
     }
@@ -575,13 +604,13 @@ impl Configure for CarRacing {
     }
 }
 
-/// An argument that is there for Gymnasium's sake.
+/// This argument exists only because Gymnasium has it.
 const VERBOSE: (&str, &str) = (
     "arguments-matter.verbose",
     "it is accepted as Gymnasium does, and nothing is printed",
 );
 
-/// The common part of all ids.
+/// The registration shared by all ids.
 const fn racing(id: &'static str) -> Registration {
     Registration::new::<CarRacing>(id)
         .description("Drive around a track, from pictures.")

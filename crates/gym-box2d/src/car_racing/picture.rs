@@ -1,7 +1,8 @@
-//! The driver's view: the field from above, turned with the car, and a dashboard.
+//! Draws the observation and the frame: the playfield from above, rotated with the car, and a
+//! dashboard.
 //!
-//! All is drawn in the coordinates of Gymnasium's window of 1000x800 pixels, which pygame shrinks
-//! to the observation and to the frame.
+//! All shapes have the coordinates of Gymnasium's window of 1000x800 pixels, which pygame scales
+//! down to the size of the observation or the frame.
 
 use std::f64::consts::SQRT_2;
 
@@ -21,9 +22,56 @@ const STATE_W: usize = 96;
 const STATE_H: usize = 96;
 /// Camera zoom.
 const ZOOM: f64 = 2.7;
-/// Side of a grass patch, and half the distance of two.
+/// Camera zoom at the start of an episode.
+const START_ZOOM: f64 = 0.1;
+/// The side of a grass patch; patches are two sides apart.
 const GRASS_DIM: f64 = PLAYFIELD / 20.0;
-/// Longest diagonal of a shape, in pixels of the window: shapes so far outside are not drawn.
+/// The difference in shade between one tile and the next, of three shades.
+const TILE_SHADE: f64 = 0.01;
+/// The centre of the score, in pixels of the window.
+const SCORE_CENTER: Point = [60.0, WINDOW_H - WINDOW_H * 2.5 / 40.0];
+
+/// A bar of the dashboard: its column, in fortieths of the window's width, and its length per unit
+/// of the value that it shows, in fortieths of the window.
+struct Bar {
+    column: f64,
+    scale: f64,
+    color: Color,
+}
+
+const SPEED_BAR: Bar = Bar {
+    column: 5.0,
+    scale: 0.02,
+    color: Color::WHITE,
+};
+/// The bars of the first to the last wheel.
+const WHEEL_BARS: [Bar; 4] = [
+    wheel_bar(7.0, Color::rgb(0, 0, 255)),
+    wheel_bar(8.0, Color::rgb(0, 0, 255)),
+    wheel_bar(9.0, Color::rgb(51, 0, 255)),
+    wheel_bar(10.0, Color::rgb(51, 0, 255)),
+];
+const STEERING_BAR: Bar = Bar {
+    column: 20.0,
+    scale: -10.0,
+    color: Color::rgb(0, 255, 0),
+};
+const TURN_BAR: Bar = Bar {
+    column: 30.0,
+    scale: -0.8,
+    color: Color::rgb(255, 0, 0),
+};
+
+const fn wheel_bar(column: f64, color: Color) -> Bar {
+    Bar {
+        column,
+        scale: 0.01,
+        color,
+    }
+}
+
+/// The longest diagonal of a shape, in pixels of the window. Shapes further outside the window are
+/// not drawn.
 const MAX_SHAPE_DIM: f64 = GRASS_DIM * SQRT_2 * ZOOM * SCALE;
 
 /// The space of observations: any image.
@@ -35,7 +83,7 @@ pub(super) fn space() -> Space {
     )
 }
 
-/// Draws observations, and keeps the buffers.
+/// Draws observations; reuses its buffers.
 #[derive(Debug, Default)]
 pub(super) struct Camera {
     #[cfg(feature = "picture")]
@@ -51,7 +99,7 @@ impl Clone for Camera {
 }
 
 impl Camera {
-    /// Writes an image of the episode to `observation`.
+    /// Writes the observation of `episode` to `observation`.
     pub(super) fn take(
         &mut self,
         episode: &Episode,
@@ -87,17 +135,17 @@ fn color([r, g, b]: [f64; 3]) -> Color {
     Color::rgb(r as u8, g as u8, b as u8)
 }
 
-/// The kinds of pictures.
+/// What the image is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Scene {
     /// The observation.
     #[cfg_attr(not(feature = "picture"), expect(dead_code))]
     Observation,
-    /// The same at the end of the step, with skid marks.
+    /// A frame: the observation after the step, with skid marks.
     Frame,
 }
 
-/// From the field to the window.
+/// The transform from the playfield to the window.
 struct View {
     zoom: f64,
     rotation: Rotation,
@@ -109,7 +157,8 @@ impl View {
         let (world, hull) = (&episode.world, episode.car.hull);
         let rotation = Rotation::new(-f64::from(world.angle(hull)));
         // the camera zooms in during the first second
-        let zoom = 0.1 * SCALE * (1.0 - episode.t).max(0.0) + ZOOM * SCALE * episode.t.min(1.0);
+        let zoom =
+            START_ZOOM * SCALE * (1.0 - episode.t).max(0.0) + ZOOM * SCALE * episode.t.min(1.0);
         let position = world.position(hull);
         let scroll = [-f64::from(position.x) * zoom, -f64::from(position.y) * zoom];
         let [x, y] = rotation.apply(scroll);
@@ -128,7 +177,8 @@ impl View {
         ]
     }
 
-    /// Draws a shape of the field, if a corner of it is near enough to the window.
+    /// Draws the polygon `corners` of the playfield, if one of its corners is close enough to the
+    /// window.
     fn draw(&self, canvas: &mut dyn Canvas, corners: [Point; 4], color: Color) {
         let near = |x: f64, size: f64| (-MAX_SHAPE_DIM..=size + MAX_SHAPE_DIM).contains(&x);
         let corners = corners.map(|corner| self.apply(corner));
@@ -142,7 +192,7 @@ impl View {
 }
 
 impl Episode {
-    /// Draws a scene in an image of that size.
+    /// Draws `scene` on `canvas`, in an image of the given size.
     pub(super) fn draw(
         &self,
         canvas: &mut dyn Canvas,
@@ -169,17 +219,12 @@ impl Episode {
         };
         self.draw_indicators(canvas);
         let text = Label::new(format_args!("{score:04.0}"));
-        score::draw(
-            canvas,
-            &text,
-            [60.0, WINDOW_H - WINDOW_H * 2.5 / 40.0],
-            glyphs,
-        );
+        score::draw(canvas, &text, SCORE_CENTER, glyphs);
         canvas.pop();
         canvas.pop();
     }
 
-    /// The field in its colour, with patches.
+    /// Draws the background and the grass patches.
     fn draw_grass(&self, canvas: &mut dyn Canvas, view: &View) {
         const B: f64 = PLAYFIELD;
         let field = [[B, B], [B, -B], [-B, -B], [-B, B]].map(|corner| view.apply(corner));
@@ -197,13 +242,13 @@ impl Episode {
         }
     }
 
-    /// Each tile and its kerb. Tiles differ a little in shade until the car has been there.
+    /// Draws each tile and its kerb. Tiles vary slightly in shade until the car touches them.
     fn draw_road(&self, canvas: &mut dyn Canvas, view: &View) {
         for (i, tile) in self.tiles.iter().enumerate() {
             let shade = if self.touched[i] {
                 0.0
             } else {
-                0.01 * (i % 3) as f64 * 255.0
+                TILE_SHADE * (i % 3) as f64 * 255.0
             };
             view.draw(
                 canvas,
@@ -269,57 +314,46 @@ impl Episode {
         }
     }
 
-    /// Speed, wheels, steering, and turning.
+    /// Draws the bars of the dashboard: speed, wheel speeds, steering angle, angular velocity.
     fn draw_indicators(&self, canvas: &mut dyn Canvas) {
         const W: f64 = WINDOW_W;
         const H: f64 = WINDOW_H;
         const S: f64 = W / 40.0;
         const T: f64 = H / 40.0;
         let state = self.state();
-        let mut bar = |value: f64, corners: [Point; 4], color: Color| {
+        let mut draw = |value: f64, corners: [Point; 4], color: Color| {
+            // Gymnasium hides the bar of a smaller value
             if value.abs() > 1e-4 {
                 canvas.pygame(Primitive::Polygon(&corners), color);
             }
         };
-        bar(
+        draw(
             1.0,
             [[W, H], [W, H - 5.0 * T], [0.0, H - 5.0 * T], [0.0, H]],
             Color::BLACK,
         );
-        let vertical = |place: f64, value: f64| {
-            let top = H - (T + T * value);
-            [
-                [place * S, top],
-                [(place + 1.0) * S, top],
-                [(place + 1.0) * S, H - T],
-                [place * S, H - T],
-            ]
+        let vertical = |bar: &Bar, value: f64| {
+            let top = H - (T + T * (bar.scale * value));
+            let [left, right] = [bar.column * S, (bar.column + 1.0) * S];
+            [[left, top], [right, top], [right, H - T], [left, H - T]]
         };
-        let horizontal = |place: f64, value: f64| {
-            let (left, right) = (place * S, (place + value) * S);
-            [
-                [left, H - 4.0 * T],
-                [right, H - 4.0 * T],
-                [right, H - 2.0 * T],
-                [left, H - 2.0 * T],
-            ]
+        let horizontal = |bar: &Bar, value: f64| {
+            let [left, right] = [bar.column * S, (bar.column + bar.scale * value) * S];
+            let [top, bottom] = [H - 4.0 * T, H - 2.0 * T];
+            [[left, top], [right, top], [right, bottom], [left, bottom]]
         };
         let [_, _, _, vx, vy, w] = state.hull;
-        let true_speed = (vx * vx + vy * vy).sqrt();
-        bar(true_speed, vertical(5.0, 0.02 * true_speed), Color::WHITE);
-        let (front, rear) = (Color::rgb(0, 0, 255), Color::rgb(51, 0, 255));
-        for (place, (wheel, color)) in [7.0, 8.0, 9.0, 10.0]
-            .into_iter()
-            .zip(state.wheels.iter().zip([front, front, rear, rear]))
-        {
-            bar(wheel[1], vertical(place, 0.01 * wheel[1]), color);
+        let speed = (vx * vx + vy * vy).sqrt();
+        draw(speed, vertical(&SPEED_BAR, speed), SPEED_BAR.color);
+        for (bar, [_, omega, _]) in WHEEL_BARS.iter().zip(state.wheels) {
+            draw(omega, vertical(bar, omega), bar.color);
         }
-        let steering = state.wheels[0][0];
-        bar(
+        let [[steering, ..], ..] = state.wheels;
+        draw(
             steering,
-            horizontal(20.0, -10.0 * steering),
-            Color::rgb(0, 255, 0),
+            horizontal(&STEERING_BAR, steering),
+            STEERING_BAR.color,
         );
-        bar(w, horizontal(30.0, -0.8 * w), Color::rgb(255, 0, 0));
+        draw(w, horizontal(&TURN_BAR, w), TURN_BAR.color);
     }
 }

@@ -8,15 +8,16 @@ use gym_core::canvas::{Canvas, Color, Point, Primitive};
 use gym_core::{Error, Result};
 use serde::Deserialize;
 
-/// From one character to the next, in pixels of the window.
+/// The distance from one character to the next, in pixels of the window.
 const ADVANCE: f64 = 23.0;
-/// Of a digit.
+/// The width of a digit.
 const WIDTH: f64 = 15.0;
 const HEIGHT: f64 = 26.0;
-/// Of a stroke.
+/// The width of a stroke.
 const PEN: f64 = 3.0;
 
-/// The lit strokes of a digit: top, left and right above, middle, left and right below, bottom.
+/// The strokes of each digit, as bits: top, upper left, upper right, middle, lower left, lower
+/// right, bottom.
 const STROKES: [u8; 10] = [
     0b111_0111, 0b001_0010, 0b101_1101, 0b101_1011, 0b011_1010, 0b110_1011, 0b110_1111, 0b101_0010,
     0b111_1111, 0b111_1011,
@@ -44,29 +45,29 @@ pub struct ScoreGlyphs {
     glyphs: [(usize, Vec<u8>); 11],
 }
 
-/// Rows of a glyph.
+/// The rows of a glyph.
 const ROWS: usize = 32;
-/// The row of the window that glyphs begin in.
+/// The first row of the window that glyphs cover.
 const TOP: usize = 730;
-/// No glyph is wider.
+/// The largest width of a glyph.
 const WIDEST: usize = 64;
 
 impl ScoreGlyphs {
-    /// Reads the file that the program above writes.
+    /// Reads a file that the program above wrote.
     ///
     /// # Errors
-    /// [`Error::Io`] if it cannot be read, [`Error::InvalidArgument`] if it does not contain the
-    /// images.
+    /// [`Error::Io`] if the file cannot be read, [`Error::InvalidArgument`] if it does not contain
+    /// the glyphs.
     pub fn read(path: impl AsRef<Path>) -> Result<Self> {
         let path = path.as_ref();
         let text = std::fs::read_to_string(path).map_err(|error| Error::io(path, error))?;
         Self::parse(&text)
     }
 
-    /// Reads the text of such a file.
+    /// Parses the text of a file that the program above wrote.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] if it does not contain the images.
+    /// [`Error::InvalidArgument`] if it does not contain the glyphs.
     pub fn parse(text: &str) -> Result<Self> {
         let invalid =
             |reason: String| Error::argument("CarRacing", format!("score glyphs: {reason}"));
@@ -106,7 +107,7 @@ impl ScoreGlyphs {
         Ok(Self { glyphs })
     }
 
-    /// Writes a number around a column.
+    /// Draws `text`, centred on the column `middle`.
     fn draw(&self, canvas: &mut dyn Canvas, text: &str, middle: f64) {
         let index = |c: u8| {
             if c.is_ascii_digit() {
@@ -115,7 +116,7 @@ impl ScoreGlyphs {
                 0
             }
         };
-        // the start of each character, for a pen that moves in 64ths of a pixel
+        // the left end of each character; the pen moves in 64ths of a pixel
         let (mut pen, mut before, mut width) = (0, None, 0);
         let mut places = [(0, 0); MOST];
         for (place, c) in places.iter_mut().zip(text.bytes()) {
@@ -160,10 +161,10 @@ impl ScoreGlyphs {
     }
 }
 
-/// Characters that are written.
+/// The largest number of characters of a score.
 const MOST: usize = 8;
 
-/// The kerning of FreeSansBold between two digits, in thousandths of its size.
+/// The kerning of FreeSansBold between the digits `before` and `c`, in thousandths of its size.
 fn kern(before: u8, c: u8) -> f64 {
     const KERNS: [(&[u8; 2], i8); 49] = [
         (b"00", 58),
@@ -222,7 +223,7 @@ fn kern(before: u8, c: u8) -> f64 {
         .map_or(0.0, |(_, kern)| f64::from(*kern))
 }
 
-/// Writes a number in the middle of a place, in white.
+/// Draws `text` in white, centred.
 pub(super) fn draw(
     canvas: &mut dyn Canvas,
     text: &str,
@@ -233,7 +234,7 @@ pub(super) fn draw(
         return glyphs.draw(canvas, text, x);
     }
     let mut left = x - (ADVANCE * text.len() as f64 - (ADVANCE - WIDTH)) / 2.0;
-    // a font's digits are above the middle of their line
+    // a font's digits sit above the middle of their line
     let top = y - HEIGHT / 2.0 - 4.0;
     for character in text.bytes() {
         let strokes = match character {
@@ -273,7 +274,7 @@ fn draw_strokes(canvas: &mut dyn Canvas, strokes: u8, [left, top]: Point) {
 mod tests {
     use super::*;
 
-    /// Glyphs that are plain boxes, as wide as the font's.
+    /// Glyphs that are plain boxes with the font's widths.
     fn boxes() -> String {
         let glyph = |c: char| {
             let width = if c == '-' { 13 } else { 23 };

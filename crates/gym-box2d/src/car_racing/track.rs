@@ -1,4 +1,4 @@
-//! The track: a random closed curve, and the tiles it is paved with.
+//! The track: a random closed curve, and its tiles.
 
 use std::f64::consts::PI;
 
@@ -11,39 +11,50 @@ use super::{PLAYFIELD, SCALE};
 use crate::common::sign;
 
 const CHECKPOINTS: usize = 12;
-/// The track is a heavily morphed circle of this radius.
+/// The radius of the circle that checkpoints are scattered around.
 const TRACK_RAD: f64 = 900.0 / SCALE;
 const TRACK_DETAIL_STEP: f64 = 21.0 / SCALE;
 const TRACK_TURN_RATE: f64 = 0.31;
+/// The radius of the first and the last checkpoint, which lie outside of the circle.
+const START_RAD: f64 = 1.5 * TRACK_RAD;
+/// Generation stops after this number of points or laps.
+const MAX_POINTS: usize = 2500;
+const MAX_LAPS: u32 = 4;
+/// The road turns only if the destination is further to the side than this, in scaled m.
+const MIN_OFFSET: f64 = 0.3;
+/// The turn of the road per scaled m of that offset, in rad.
+const TURN_PER_OFFSET: f64 = 0.001;
+/// The turn of a sharp bend per point, relative to [`TRACK_TURN_RATE`].
+const SHARP_TURN: f64 = 0.2;
 /// Half the width of the road.
 const TRACK_WIDTH: f64 = 40.0 / SCALE;
 const BORDER: f64 = 8.0 / SCALE;
 const BORDER_MIN_COUNT: usize = 4;
-const _: () = assert!(1.5 * TRACK_RAD < PLAYFIELD);
+const _: () = assert!(START_RAD < PLAYFIELD);
 
 /// A point of the centre line.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TrackPoint {
-    /// The direction of the point from the middle of the field; its last digit may differ from
+    /// The direction of the point from the middle of the playfield. Its last bits may differ from
     /// Gymnasium's, whose C library does not always round an arc tangent correctly.
     pub alpha: f64,
     /// The direction of the road: forward is (-sin, cos).
     pub beta: f64,
-    /// Where it is.
+    /// The x coordinate, in m.
     pub x: f64,
-    /// Where it is.
+    /// The y coordinate, in m.
     pub y: f64,
 }
 
-/// The part of the road between a point and the one before.
+/// The part of the road between a track point and its predecessor.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Tile {
     pub(super) road: [Point; 4],
-    /// The kerb at the outer side of a hard turn.
+    /// The kerb at the outer side of a sharp turn.
     pub(super) border: Option<[Point; 4]>,
 }
 
-/// Draws tracks until one closes.
+/// Generates random tracks until one closes.
 pub(super) fn generate(rng: &mut Generator) -> Vec<TrackPoint> {
     loop {
         if let Some(track) = attempt(rng) {
@@ -60,18 +71,18 @@ fn attempt(rng: &mut Generator) -> Option<Vec<TrackPoint>> {
         let mut rad = rng.uniform(TRACK_RAD / 3.0, TRACK_RAD);
         if c == 0 {
             alpha = 0.0;
-            rad = 1.5 * TRACK_RAD;
+            rad = START_RAD;
         }
         if c == CHECKPOINTS - 1 {
             alpha = 2.0 * PI * c as f64 / CHECKPOINTS as f64;
-            rad = 1.5 * TRACK_RAD;
+            rad = START_RAD;
         }
         *checkpoint = (alpha, rad * cos(alpha), rad * sin(alpha));
     }
     let start_alpha = 2.0 * PI * -0.5 / CHECKPOINTS as f64;
     let walk = walk(&checkpoints);
 
-    // the last whole lap: between the last two times that the start was passed
+    // the last complete lap: between the last two passes of the start
     let mut passes = (1..walk.len())
         .rev()
         .filter(|i| walk[*i].alpha > start_alpha && walk[*i - 1].alpha <= start_alpha);
@@ -79,7 +90,7 @@ fn attempt(rng: &mut Generator) -> Option<Vec<TrackPoint>> {
     let track = walk.get(i1..i2 - 1)?;
 
     let (first, last) = (track.first()?, track.last()?);
-    // how far head and tail are apart
+    // the gap between the track's ends
     let (dx, dy) = (
         cos(first.beta) * (first.x - last.x),
         sin(first.beta) * (first.y - last.y),
@@ -88,14 +99,14 @@ fn attempt(rng: &mut Generator) -> Option<Vec<TrackPoint>> {
     well_glued_together.then(|| track.to_vec())
 }
 
-/// Goes from one checkpoint to the next, for some laps.
+/// Walks from checkpoint to checkpoint for several laps.
 fn walk(checkpoints: &[(f64, f64, f64); CHECKPOINTS]) -> Vec<TrackPoint> {
-    let (mut x, mut y, mut beta) = (1.5 * TRACK_RAD, 0.0, 0.0);
+    let (mut x, mut y, mut beta) = (START_RAD, 0.0, 0.0);
     let mut dest_i = 0;
     let mut laps = 0;
     let mut track = Vec::new();
     let mut visited_other_side = false;
-    for _ in 0..2500 {
+    for _ in 0..MAX_POINTS {
         let mut alpha = atan2(y, x);
         if visited_other_side && alpha > 0.0 {
             laps += 1;
@@ -105,7 +116,7 @@ fn walk(checkpoints: &[(f64, f64, f64); CHECKPOINTS]) -> Vec<TrackPoint> {
             visited_other_side = true;
             alpha += 2.0 * PI;
         }
-        // the next checkpoint, from the first again after the last
+        // the next checkpoint; the first follows the last
         let (dest_x, dest_y) = 'found: loop {
             loop {
                 let (dest_alpha, dest_x, dest_y) = checkpoints[dest_i % CHECKPOINTS];
@@ -121,7 +132,7 @@ fn walk(checkpoints: &[(f64, f64, f64); CHECKPOINTS]) -> Vec<TrackPoint> {
         };
         let (r1x, r1y) = (cos(beta), sin(beta));
         let (p1x, p1y) = (-r1y, r1x);
-        // the way to the destination, across the road
+        // the distance to the destination, projected onto the direction across the road
         let mut proj = r1x * (dest_x - x) + r1y * (dest_y - y);
         while beta - alpha > 1.5 * PI {
             beta -= 2.0 * PI;
@@ -131,11 +142,11 @@ fn walk(checkpoints: &[(f64, f64, f64); CHECKPOINTS]) -> Vec<TrackPoint> {
         }
         let prev_beta = beta;
         proj *= SCALE;
-        if proj > 0.3 {
-            beta -= TRACK_TURN_RATE.min((0.001 * proj).abs());
+        if proj > MIN_OFFSET {
+            beta -= TRACK_TURN_RATE.min((TURN_PER_OFFSET * proj).abs());
         }
-        if proj < -0.3 {
-            beta += TRACK_TURN_RATE.min((0.001 * proj).abs());
+        if proj < -MIN_OFFSET {
+            beta += TRACK_TURN_RATE.min((TURN_PER_OFFSET * proj).abs());
         }
         x += p1x * TRACK_DETAIL_STEP;
         y += p1y * TRACK_DETAIL_STEP;
@@ -145,14 +156,14 @@ fn walk(checkpoints: &[(f64, f64, f64); CHECKPOINTS]) -> Vec<TrackPoint> {
             x,
             y,
         });
-        if laps > 4 {
+        if laps > MAX_LAPS {
             break;
         }
     }
     track
 }
 
-/// The sharp turns, counted back from each point over the last few.
+/// Tells for each point whether the turn over the last few points is sharp.
 fn borders(track: &[TrackPoint]) -> Vec<bool> {
     let n = track.len();
     let back = |i: usize, by: usize| (i + n - by % n) % n;
@@ -160,7 +171,9 @@ fn borders(track: &[TrackPoint]) -> Vec<bool> {
         .map(|i| {
             let turn = |neg| track[back(i, neg)].beta - track[back(i, neg + 1)].beta;
             let turns = std::array::from_fn::<f64, BORDER_MIN_COUNT, _>(turn);
-            turns.iter().all(|turn| turn.abs() > TRACK_TURN_RATE * 0.2)
+            turns
+                .iter()
+                .all(|turn| turn.abs() > TRACK_TURN_RATE * SHARP_TURN)
                 && (turns.iter().all(|turn| *turn > 0.0) || turns.iter().all(|turn| *turn < 0.0))
         })
         .collect();
@@ -172,7 +185,7 @@ fn borders(track: &[TrackPoint]) -> Vec<bool> {
     border
 }
 
-/// Paves a track.
+/// Returns the tiles of `track`.
 pub(super) fn tiles(track: &[TrackPoint]) -> Vec<Tile> {
     let border = borders(track);
     let across = |p: &TrackPoint, d: f64| [p.x + d * cos(p.beta), p.y + d * sin(p.beta)];

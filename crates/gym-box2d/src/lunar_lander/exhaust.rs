@@ -1,8 +1,8 @@
-//! The particles of the engines' exhaust: bodies that only pictures show.
+//! The particles of the engines' exhaust: bodies that only frames show.
 //!
-//! In Gymnasium they are part of the lander's world while a render mode is set. They touch the
-//! ground alone and never change the lander, so they have a world of their own here, with the same
-//! ground.
+//! In Gymnasium they are bodies of the lander's world while a render mode is set. They collide only
+//! with the ground and never affect the lander, so here they have a world of their own, with the
+//! same ground.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,12 +10,12 @@ use super::{CHUNKS, FPS, SCALE, W, chunk_x};
 use crate::common::{POSITION_ITERATIONS, VELOCITY_ITERATIONS, vec2};
 use crate::physics::{BodyDef, BodyId, Filter, FixtureDef, Shape, Vec2, World};
 
-/// Of a particle, in m.
+/// The radius of a particle, in m.
 pub(super) const RADIUS: f32 = (2.0 / SCALE) as f32;
-/// The decrease of the time to live with each frame.
+/// The decrease of the time to live per frame.
 const FADING: f64 = 0.15;
 
-/// Adds the ground to a world.
+/// Adds the ground to `world`.
 pub(super) fn create_moon(world: &mut World, smooth_y: &[f64; CHUNKS]) {
     let moon = world.create_body(&BodyDef::fixed(Vec2::zeros(), 0.0));
     world.create_fixture(
@@ -47,7 +47,7 @@ pub(super) struct Exhaust {
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Particle {
     body: BodyId,
-    /// Time to live: the particle is removed once this is below 0 and it is the oldest.
+    /// Time to live. The oldest particle is removed once this is below 0.
     ttl: f64,
 }
 
@@ -61,7 +61,7 @@ impl Exhaust {
         }
     }
 
-    /// A particle leaves an engine.
+    /// Adds a particle that an engine emits.
     pub(super) fn emit(&mut self, position: Vec2, impulse: Vec2, density: f64, power: f64) {
         let body = self.world.create_body(&BodyDef::dynamic(position, 0.0));
         let shape = Shape::Circle {
@@ -77,7 +77,7 @@ impl Exhaust {
                 filter: Filter {
                     category: 0x0100,
                     mask: 0x001,
-                }, // touches the ground only
+                }, // collides with the ground only
                 ..FixtureDef::new(shape)
             },
         );
@@ -90,7 +90,7 @@ impl Exhaust {
             .step((1.0 / FPS) as f32, VELOCITY_ITERATIONS, POSITION_ITERATIONS);
     }
 
-    /// Where the particles are that the next picture shows, and how long they then have to live.
+    /// Iterates over the position and time to live of each particle in the next frame.
     pub(super) fn visible(&self) -> impl Iterator<Item = (Vec2, f64)> + '_ {
         let faded = self
             .particles
@@ -99,7 +99,7 @@ impl Exhaust {
         faded.skip_while(|(_, ttl)| *ttl < 0.0)
     }
 
-    /// A picture was taken.
+    /// Updates the particles after a frame.
     pub(super) fn fade(&mut self) {
         self.particles
             .iter_mut()

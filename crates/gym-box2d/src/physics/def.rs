@@ -10,8 +10,8 @@ use super::Vec2;
 pub struct BodyId(pub(super) u32);
 
 impl BodyId {
-    /// Its number: bodies are numbered from 0 in the order of creation; a new body reuses the
-    /// number of a destroyed one.
+    /// Returns the body's number. Bodies are numbered from 0 in the order of creation; a new body
+    /// reuses the number of a destroyed one.
     pub fn index(&self) -> u32 {
         self.0
     }
@@ -27,19 +27,19 @@ pub struct FixtureId(pub(super) u32);
 #[serde(transparent)]
 pub struct JointId(pub(super) u32);
 
-/// How to make a body.
+/// The arguments of a new body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyDef {
-    /// Whether it moves; one that does not is static.
+    /// Whether the body moves. If not, it is static.
     pub dynamic: bool,
-    /// Where its origin is.
+    /// The position of its origin.
     pub position: Vec2,
-    /// How far it is turned.
+    /// Its angle.
     pub angle: f32,
 }
 
 impl BodyDef {
-    /// A body that moves.
+    /// Makes the arguments of a moving body.
     pub fn dynamic(position: Vec2, angle: f32) -> Self {
         Self {
             dynamic: true,
@@ -48,7 +48,7 @@ impl BodyDef {
         }
     }
 
-    /// A static body.
+    /// Makes the arguments of a static body.
     pub fn fixed(position: Vec2, angle: f32) -> Self {
         Self {
             dynamic: false,
@@ -63,42 +63,42 @@ impl BodyDef {
 pub enum Shape {
     /// A disc.
     Circle {
-        /// Its centre.
+        /// The centre of the disc.
         center: Vec2,
-        /// Its radius.
+        /// The radius of the disc.
         radius: f32,
     },
-    /// A line between two points, solid from both sides, without mass.
+    /// A line between two points, without mass; it collides from both sides.
     Edge(Vec2, Vec2),
     /// A rectangle about the origin.
     Rect {
-        /// Half its width.
+        /// Half the width.
         half_width: f32,
-        /// Half its height.
+        /// Half the height.
         half_height: f32,
     },
     /// The convex hull of three to eight points.
     Polygon(Vec<Vec2>),
 }
 
-/// Which fixtures a fixture touches.
+/// Which fixtures collide.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Filter {
-    /// The categories it belongs to, one bit each.
+    /// The categories of the fixture, one bit each.
     pub category: u16,
-    /// The categories it touches.
+    /// The categories that the fixture collides with.
     pub mask: u16,
 }
 
 impl Filter {
-    /// Whether each belongs to a category that the other touches.
+    /// Whether each filter's mask contains a category of the other.
     pub fn meets(&self, other: &Self) -> bool {
         self.mask & other.category != 0 && self.category & other.mask != 0
     }
 }
 
 impl Default for Filter {
-    /// Category 1, touches all.
+    /// Category 1; collides with all categories.
     fn default() -> Self {
         Self {
             category: 0x0001,
@@ -107,25 +107,27 @@ impl Default for Filter {
     }
 }
 
-/// How to make a fixture.
+/// The arguments of a new fixture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FixtureDef {
-    /// Its shape.
+    /// The shape of the fixture.
     pub shape: Shape,
     /// Mass per area; 0 adds no mass.
     pub density: f32,
-    /// Of two fixtures in contact, the geometric mean counts.
+    /// The coefficient of friction. A contact uses the geometric mean of its two fixtures'
+    /// coefficients.
     pub friction: f32,
-    /// The restitution of a hard collision; of two fixtures, the larger counts.
+    /// The coefficient of restitution. A contact uses the larger of its two fixtures' coefficients.
     pub restitution: f32,
-    /// Which fixtures it touches.
+    /// Which fixtures this fixture collides with.
     pub filter: Filter,
-    /// Whether it only reports contacts, without resisting.
+    /// Whether the fixture only reports contacts, without forces.
     pub sensor: bool,
 }
 
 impl FixtureDef {
-    /// Box2D's defaults, as pybox2d has them: friction 0.2, no density, no restitution.
+    /// Makes the arguments of a fixture with Box2D's defaults: friction 0.2, density 0, restitution
+    /// 0.
     pub fn new(shape: Shape) -> Self {
         Self {
             shape,
@@ -138,47 +140,48 @@ impl FixtureDef {
     }
 }
 
-/// The hinge of two bodies; their angle is then 0.
+/// The arguments of a revolute joint. The bodies' relative angle at its creation counts as 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RevoluteJointDef {
     /// The first body.
     pub body_a: BodyId,
-    /// The second body, whose angle counts.
+    /// The second body, whose angle relative to the first is the joint's angle.
     pub body_b: BodyId,
-    /// The hinge in the coordinates of the first.
+    /// The anchor in the coordinates of the first body.
     pub local_anchor_a: Vec2,
-    /// The hinge in the coordinates of the second.
+    /// The anchor in the coordinates of the second body.
     pub local_anchor_b: Vec2,
-    /// Least and greatest angle.
+    /// The least and the greatest angle.
     pub limits: Option<(f32, f32)>,
-    /// Whether a motor drives it.
+    /// Whether the joint has a motor.
     pub motor: bool,
-    /// The angular speed that the motor strives for.
+    /// The target angular speed of the motor.
     pub motor_speed: f32,
-    /// The most that the motor exerts.
+    /// The largest torque of the motor.
     pub max_motor_torque: f32,
-    /// Whether the two bodies can touch each other.
+    /// Whether the two bodies may collide with each other.
     pub collide_connected: bool,
 }
 
-/// Two fixtures began or ceased to touch.
+/// Two fixtures began or stopped touching.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct ContactEvent {
-    /// Whether they began to.
+    /// Whether they began to touch.
     pub begin: bool,
-    /// The two.
+    /// The two fixtures.
     pub fixtures: [FixtureId; 2],
-    /// Their bodies.
+    /// The bodies of the two fixtures.
     pub bodies: [BodyId; 2],
 }
 
-/// Where a ray met a fixture.
+/// A hit of a ray cast.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayHit {
-    /// The fixture; `None` for an edge of the [terrain](super::World::create_terrain).
+    /// The fixture that the ray hits; `None` for an edge of the
+    /// [terrain](super::World::create_terrain).
     pub fixture: Option<FixtureId>,
-    /// Where.
+    /// The point of the hit.
     pub point: Vec2,
-    /// At which part of its way, from 0 to 1.
+    /// The fraction of the ray up to the hit, from 0 to 1.
     pub fraction: f32,
 }

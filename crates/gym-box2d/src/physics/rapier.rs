@@ -9,7 +9,7 @@
 //! |---|---|---|
 //! | velocities first, positions after | in the same sweeps, by added speed | sweeps without bias, then Box2D's own correction of contacts and joints |
 //! | one step of 0.02 s, many sweeps | substeps, few sweeps | one substep, as many sweeps |
-//! | joints start from the last impulses | each row is seeded as it is solved, so the seeds of a hinge cancel, and light legs under a heavy hull collapse | the impulses of hinges are applied before the step; motors and limits, which are bounded, take rapier's seeds |
+//! | joints start from the last impulses | each row is seeded as it is solved, so the seeds of a revolute joint cancel, and light legs under a heavy hull collapse | the impulses of revolute joints are applied before the step; motors and limits, which are bounded, take rapier's seeds |
 //! | force and torque last a step | until reset | turned into speed |
 //! | skins of 0.01 m, contact halfway between them | skins on one side of the contact | round shapes |
 //! | friction is the geometric mean, restitution the larger | averages | the same rules |
@@ -51,7 +51,7 @@ use super::box2d::shape::{Geometry, Kind};
 use super::box2d::{Box2d, TimeStep, body::Body};
 use crate::physics::{BodyDef, ContactEvent, FixtureDef, RayHit, RevoluteJointDef};
 
-/// Stiffness of a motor: none but its torque limit is to be felt.
+/// Stiffness of a motor: so large that only the motor's torque limit matters.
 const MOTOR_DAMPING: f32 = 1e10;
 
 /// A world whose solver is rapier2d.
@@ -60,14 +60,14 @@ pub(super) struct Rapier {
     scene: Box2d,
     #[serde(with = "text")]
     sets: Box<Sets>,
-    /// rapier's names of bodies and joints, by their slots.
+    /// rapier's handles of bodies and joints, by their indices in the scene.
     bodies: Vec<RigidBodyHandle>,
     joints: Vec<ImpulseJointHandle>,
     #[serde(skip)]
     work: Box<Work>,
 }
 
-/// rapier's state.
+/// The state of rapier.
 #[derive(Clone, Serialize, Deserialize)]
 struct Sets {
     bodies: RigidBodySet,
@@ -84,13 +84,13 @@ impl fmt::Debug for Sets {
     }
 }
 
-/// Working memory: nothing in it outlasts a step.
+/// Working memory: it holds no state between steps.
 struct Work {
     pipeline: PhysicsPipeline,
     ccd: CCDSolver,
     multibodies: MultibodyJointSet,
     soft_bodies: SoftBodySet,
-    /// The islands of a step, and room for more.
+    /// The islands of a step, and spare ones.
     islands: Vec<Island>,
     spare: Vec<Island>,
 }
@@ -131,7 +131,7 @@ fn rapier_pose(xf: &super::box2d::math::Pose) -> RapierPose {
     )
 }
 
-/// One substep, without any bias.
+/// Returns the parameters of one substep without bias.
 fn parameters(dt: f32, sweeps: usize) -> IntegrationParameters {
     IntegrationParameters {
         dt,
@@ -151,8 +151,7 @@ fn parameters(dt: f32, sweeps: usize) -> IntegrationParameters {
     }
 }
 
-/// Full stiffness, without any pull towards where something belongs: positions are not rapier's
-/// concern.
+/// Full stiffness without position correction: the scene corrects positions itself.
 fn rigid() -> SpringCoefficients<f32> {
     SpringCoefficients::new(8.0, 1e6)
 }
@@ -296,7 +295,8 @@ impl Rapier {
         }
     }
 
-    /// Finds the islands, turns forces into speed, and applies the last impulses of hinges.
+    /// Finds the islands, turns forces into velocities, and applies the joints' impulses of the
+    /// last step.
     fn start(&mut self, step: &TimeStep) {
         let Self {
             scene,
@@ -350,8 +350,8 @@ impl Rapier {
         }
     }
 
-    /// As many sweeps as Box2D; fewer if nothing touches and every joint rests at a limit, where
-    /// the last impulses are right already.
+    /// Returns the number of rapier's iterations: Box2D's number; fewer if nothing touches and
+    /// every joint rests at a limit, because the last impulses are then correct already.
     fn sweeps(&self, step: &TimeStep) -> usize {
         let mut joints = self
             .work
@@ -372,7 +372,7 @@ impl Rapier {
         }
     }
 
-    /// rapier's step.
+    /// Makes a step of rapier.
     fn advance(&mut self, step: &TimeStep) {
         let parameters = parameters(step.dt, self.sweeps(step));
         let Work {
@@ -391,7 +391,7 @@ impl Rapier {
             narrow_phase,
         } = &mut *self.sets;
         pipeline.step(
-            Vector::ZERO, // it is part of the speed already
+            Vector::ZERO, // gravity is part of the velocities already
             &parameters,
             islands,
             broad_phase,
@@ -407,7 +407,7 @@ impl Rapier {
         );
     }
 
-    /// Takes over impulses and velocities, and moves along them by Box2D's rules.
+    /// Copies impulses and velocities from rapier, and moves the bodies by Box2D's rules.
     fn finish(&mut self, step: &TimeStep) {
         let Self {
             scene,
@@ -423,7 +423,7 @@ impl Rapier {
                 };
                 let joint = &mut scene.joints[constraint.joint];
                 let rows = [rapier.impulses[0], rapier.impulses[1]];
-                let added = hinge_impulse(
+                let added = joint_impulse(
                     joint,
                     &scene.bodies[joint.body_a],
                     &scene.bodies[joint.body_b],
@@ -509,8 +509,8 @@ impl Rapier {
         self.scene.ray_casts(from, to, categories)
     }
 
-    /// Whether the scene is consistent and rapier knows its bodies and joints. What rapier itself
-    /// holds is taken as it is.
+    /// Whether the scene is consistent and rapier knows its bodies and joints. rapier's own state
+    /// is not checked.
     pub(super) fn is_valid(&self) -> bool {
         let body = |(id, _)| {
             self.bodies
@@ -528,8 +528,8 @@ impl Rapier {
     }
 }
 
-/// rapier's state as text in a snapshot, because a JSON value of `serde_json` cannot hold its
-/// numbers of 128 bits.
+/// rapier's state is stored as text in a snapshot, because `serde_json::Value` cannot hold its
+/// 128-bit numbers.
 mod text {
     use serde::de::Error as _;
     use serde::ser::Error as _;
@@ -551,16 +551,16 @@ mod text {
     }
 }
 
-/// Puts a value into its slot.
+/// Sets `list[slot]`, or appends `value` if `slot` is the length of `list`.
 fn place<T: Copy>(list: &mut Vec<T>, slot: u32, value: T) {
     match list.get_mut(slot as usize) {
         Some(place) => *place = value,
-        None => list.push(value), // slots are handed out in order
+        None => list.push(value), // slots are assigned in order
     }
 }
 
-/// A shape with Box2D's skin, which is part of it: rapier's own skins lie on one side of a contact,
-/// and a wheel on a leg would roll on a shorter one.
+/// Returns rapier's form of a shape, with Box2D's skin as a part of it. rapier's own skins lie on
+/// one side of a contact: a wheel would roll on a shorter leg.
 fn collider(shape: &Geometry) -> Option<ColliderBuilder> {
     let vertices = shape.vertices();
     match shape.kind {
@@ -578,10 +578,10 @@ fn collider(shape: &Geometry) -> Option<ColliderBuilder> {
     }
 }
 
-/// The impulse on the second body at the hinge, from those of rapier's two rows along the first
-/// body's axes. rapier makes the second row independent of the first (modified Gram-Schmidt), so
-/// that it also acts along the other's axis.
-fn hinge_impulse(joint: &Joint, a: &Body, b: &Body, rows: [f32; 2]) -> Vec2 {
+/// Returns the joint's impulse on the second body, from the impulses of rapier's two rows along the
+/// first body's axes. rapier makes the second row independent of the first (modified Gram-Schmidt),
+/// so it acts along the first axis too.
+fn joint_impulse(joint: &Joint, a: &Body, b: &Body, rows: [f32; 2]) -> Vec2 {
     let (q_a, q_b) = (rotation(a.sweep.a0), rotation(b.sweep.a0));
     let r_a = rotate(q_a, joint.local_anchor_a - a.sweep.local_center);
     let r_b = rotate(q_b, joint.local_anchor_b - b.sweep.local_center);

@@ -1,4 +1,4 @@
-//! The interface of the engines.
+//! The common interface of both engines.
 
 use serde::{Deserialize, Serialize};
 
@@ -14,14 +14,14 @@ use super::{
     Vec2,
 };
 
-/// Which engine moves a world.
+/// The engine of a world.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum Physics {
     /// Box2D 2.3, to the last bit.
     #[default]
     Box2d,
-    /// rapier2d, under the same rules of contact, joints and sleep.
+    /// rapier2d, with the same rules for contacts, joints and sleep.
     #[cfg(feature = "rapier")]
     Rapier,
 }
@@ -59,15 +59,15 @@ impl gym_core::ArgumentType for Physics {
     }
 }
 
-/// A world of rigid bodies. Its whole state is plain data: a copy, or one that was stored and read
-/// again, continues identically.
+/// A world of rigid bodies. Its whole state is plain data: a clone, or a world that was stored and
+/// loaded, continues identically.
 ///
 /// # Panics
-/// Methods that take an id panic, as indexing does, if its object was destroyed.
+/// Methods that take an id panic, like indexing, if its object was destroyed.
 #[derive(Debug, Serialize, Deserialize)]
 pub struct World {
     engine: Engine,
-    /// For steps that it makes by itself.
+    /// Working memory for [`step`](Self::step).
     #[serde(skip)]
     island: Option<Box<Island>>,
 }
@@ -88,7 +88,7 @@ enum Engine {
     Rapier(Box<Rapier>),
 }
 
-/// Passes a call on to the engine.
+/// Calls a method of the engine.
 macro_rules! engine {
     ($world:expr, $engine:ident => $call:expr) => {
         match $world {
@@ -100,12 +100,12 @@ macro_rules! engine {
 }
 
 impl World {
-    /// An empty world of Box2D's engine.
+    /// Makes an empty world of the Box2D engine.
     pub fn new(gravity: Vec2) -> Self {
         Self::with(Physics::Box2d, gravity)
     }
 
-    /// An empty world of this engine.
+    /// Makes an empty world of the engine `physics`.
     pub fn with(physics: Physics, gravity: Vec2) -> Self {
         let engine = match physics {
             Physics::Box2d => Engine::Box2d(Box::new(Box2d::new(gravity))),
@@ -118,7 +118,7 @@ impl World {
         }
     }
 
-    /// The memory of a world of Box2D's.
+    /// Returns the allocated bytes of a Box2D world.
     #[cfg(test)]
     pub(crate) fn bytes(&self) -> usize {
         match &self.engine {
@@ -138,9 +138,10 @@ impl World {
         FixtureId(engine!(&mut self.engine, world => world.create_fixture(body.0, def)))
     }
 
-    /// Adds terrain: an edge from each point to the next, each of them a static body of its own,
-    /// and its fixture, of Box2D's default filter. An edge takes little memory: it has an id only
-    /// while something is near it, and rays do not report it. A world has at most one terrain.
+    /// Adds terrain: an edge from each point to the next. Each edge is a static body with one
+    /// fixture and Box2D's default filter. An edge takes little memory: it has an id only while a
+    /// moving body is near, and ray casts report its hits without a fixture. A world has at most
+    /// one terrain.
     pub fn create_terrain(&mut self, points: &[Vec2], friction: f32) {
         match &mut self.engine {
             Engine::Box2d(world) => world.create_terrain(points, friction),
@@ -158,17 +159,17 @@ impl World {
         }
     }
 
-    /// Hinges two bodies.
+    /// Joins two bodies by a revolute joint.
     pub fn create_revolute_joint(&mut self, def: &RevoluteJointDef) -> JointId {
         JointId(engine!(&mut self.engine, world => world.create_revolute_joint(def)))
     }
 
-    /// Takes a body away, with its fixtures and joints.
+    /// Destroys a body with its fixtures and joints.
     pub fn destroy_body(&mut self, body: BodyId) {
         engine!(&mut self.engine, world => world.destroy_body(body.0));
     }
 
-    /// Lets `dt` seconds pass. More iterations make joints and contacts stiffer.
+    /// Advances the world by `dt` seconds. More iterations make joints and contacts stiffer.
     pub fn step(&mut self, dt: f32, velocity_iterations: u32, position_iterations: u32) {
         match &mut self.engine {
             Engine::Box2d(world) => {
@@ -182,8 +183,8 @@ impl World {
         }
     }
 
-    /// Begins a step that is solved with those of other worlds, and must be
-    /// [finished](Self::finish).
+    /// Begins a step that is solved together with the steps of other worlds.
+    /// [`finish`](Self::finish) must follow.
     pub(crate) fn begin(
         &mut self,
         lanes: &mut Lanes,
@@ -204,17 +205,17 @@ impl World {
         }
     }
 
-    /// Has the memory fetched that a step needs: see
+    /// Prefetches the memory that a step needs: see
     /// [`Lockstep::touch`](gym_core::vector::lockstep::Lockstep::touch).
-    pub(crate) fn touch(&self) -> u32 {
+    pub(crate) fn prefetch(&self) -> u32 {
         match &self.engine {
-            Engine::Box2d(world) => world.touch(),
+            Engine::Box2d(world) => world.prefetch(),
             #[cfg(feature = "rapier")]
             Engine::Rapier(_) => 0,
         }
     }
 
-    /// Finishes the step that has begun there, once it is solved.
+    /// Finishes the step that began at `place`, after `lanes` was solved.
     pub(crate) fn finish(&mut self, lanes: &mut Lanes, place: Place) {
         match &mut self.engine {
             Engine::Box2d(world) => lanes.finish(place, world),
@@ -223,18 +224,18 @@ impl World {
         }
     }
 
-    /// Contacts that began or ended since the last step began, in order.
+    /// Returns the contacts that began or ended during the last step, in order.
     pub fn contact_events(&self) -> &[ContactEvent] {
         engine!(&self.engine, world => world.events())
     }
 
-    /// The first fixture that a ray meets, of those in one of `categories`.
+    /// Returns the first hit of a ray with a fixture in one of `categories`.
     pub fn ray_cast(&self, from: Vec2, to: Vec2, categories: u16) -> Option<RayHit> {
         let [hit] = self.ray_casts(from, &[to], categories);
         hit
     }
 
-    /// The first hit of each of some rays from one point.
+    /// Returns the first hit of each ray from `from`.
     pub fn ray_casts<const N: usize>(
         &self,
         from: Vec2,
@@ -244,103 +245,103 @@ impl World {
         engine!(&self.engine, world => world.ray_casts(from, to, categories))
     }
 
-    /// Pushes at a body's centre of mass, in N, for the next step, and wakes it.
+    /// Applies `force`, in N, at a body's centre of mass during the next step, and wakes the body.
     pub fn apply_force_to_center(&mut self, body: BodyId, force: Vec2) {
         engine!(&mut self.engine, world => world.body_mut(body.0).apply_force(force));
     }
 
-    /// Turns a body, in N m, for the next step, and wakes it.
+    /// Applies `torque`, in N m, during the next step, and wakes the body.
     pub fn apply_torque(&mut self, body: BodyId, torque: f32) {
         engine!(&mut self.engine, world => world.body_mut(body.0).apply_torque(torque));
     }
 
-    /// Kicks a body at a point of the world, in N s, and wakes it.
+    /// Applies `impulse`, in N s, at the world's point `point`, and wakes the body.
     pub fn apply_linear_impulse(&mut self, body: BodyId, impulse: Vec2, point: Vec2) {
         engine!(&mut self.engine, world => world.body_mut(body.0).apply_impulse(impulse, point));
     }
 
-    /// The transform of a body.
+    /// Returns the pose of a body.
     pub fn pose(&self, body: BodyId) -> Pose {
         engine!(&self.engine, world => world.body(body.0).xf)
     }
 
-    /// Where a body's origin is.
+    /// Returns the position of a body's origin.
     pub fn position(&self, body: BodyId) -> Vec2 {
         self.pose(body).translation.vector
     }
 
-    /// The angle of a body, full turns included.
+    /// Returns the angle of a body, including full turns.
     pub fn angle(&self, body: BodyId) -> f32 {
         engine!(&self.engine, world => world.body(body.0).sweep.a)
     }
 
-    /// Velocity of a body's centre of mass.
+    /// Returns the velocity of a body's centre of mass.
     pub fn linear_velocity(&self, body: BodyId) -> Vec2 {
         engine!(&self.engine, world => world.body(body.0).velocity)
     }
 
-    /// Angular velocity of a body.
+    /// Returns the angular velocity of a body.
     pub fn angular_velocity(&self, body: BodyId) -> f32 {
         engine!(&self.engine, world => world.body(body.0).angular_velocity)
     }
 
-    /// Mass of a body.
+    /// Returns the mass of a body.
     pub fn mass(&self, body: BodyId) -> f32 {
         engine!(&self.engine, world => world.body(body.0).mass)
     }
 
-    /// Whether a body is not asleep.
+    /// Whether a body is awake.
     pub fn is_awake(&self, body: BodyId) -> bool {
         engine!(&self.engine, world => world.body(body.0).awake)
     }
 
-    /// The vertices of a fixture's shape in the coordinates of its body: one for a circle, two for
-    /// an edge.
+    /// Returns the vertices of a fixture's shape in the coordinates of its body: one vertex for a
+    /// circle, two for an edge.
     pub fn vertices(&self, fixture: FixtureId) -> &[Vec2] {
         engine!(&self.engine, world => world.fixture(fixture.0).shape.vertices())
     }
 
-    /// The body of a fixture.
+    /// Returns the body of a fixture.
     pub fn body_of(&self, fixture: FixtureId) -> BodyId {
         BodyId(engine!(&self.engine, world => world.fixture(fixture.0).body))
     }
 
-    /// The angle of a joint.
+    /// Returns the angle of a joint.
     pub fn joint_angle(&self, joint: JointId) -> f32 {
         engine!(&self.engine, world => world.joint_angle(joint.0))
     }
 
-    /// The angular speed of a joint.
+    /// Returns the angular speed of a joint.
     pub fn joint_speed(&self, joint: JointId) -> f32 {
         engine!(&self.engine, world => world.joint_speed(joint.0))
     }
 
-    /// Sets the speed that a joint's motor strives for, and wakes both bodies.
+    /// Sets the target speed of a joint's motor, and wakes both bodies.
     pub fn set_motor_speed(&mut self, joint: JointId, speed: f32) {
         engine!(&mut self.engine, world => world.set_motor_speed(joint.0, speed));
     }
 
-    /// Sets the most that a joint's motor exerts, and wakes both bodies.
+    /// Sets the largest torque of a joint's motor, and wakes both bodies.
     pub fn set_max_motor_torque(&mut self, joint: JointId, torque: f32) {
         engine!(&mut self.engine, world => world.set_max_motor_torque(joint.0, torque));
     }
 
-    /// Whether a world that was read from outside can be worked with.
+    /// Whether a deserialized world can be used without a panic.
     pub fn is_valid(&self) -> bool {
         engine!(&self.engine, world => world.is_valid())
     }
 
-    /// Whether an id read from outside names a body of this world.
+    /// Whether a deserialized id belongs to a body of this world.
     pub fn has_body(&self, body: BodyId) -> bool {
         engine!(&self.engine, world => world.has_body(body.0))
     }
 
-    /// Whether an id read from outside names a fixture of this world.
+    /// Whether a deserialized id belongs to a fixture of this world.
     pub fn has_fixture(&self, fixture: FixtureId) -> bool {
         engine!(&self.engine, world => world.has_fixture(fixture.0))
     }
 
-    /// Whether an id read from outside names a joint of this world.
+    /// Whether a deserialized id belongs to a joint of this world.
     pub fn has_joint(&self, joint: JointId) -> bool {
         engine!(&self.engine, world => world.has_joint(joint.0))
     }

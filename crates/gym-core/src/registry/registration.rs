@@ -1,4 +1,7 @@
 //! The registration of an environment.
+//!
+//! It states the facts about an environment that its code does not. Commands, the book's pages and
+//! the Python package read them here, so they support plugins.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -6,74 +9,16 @@ use std::ops::Range;
 
 use serde_json::Value as Json;
 
-use super::EnvId;
-use super::options::ResetOptions;
+use super::lockstep::entry_point;
 use super::stack::{Renders, stack};
-use crate::arguments::{self, Argument, Arguments};
-use crate::keys::Keys;
-use crate::policy::Policy;
-use crate::registry::VectorSpec;
-use crate::render::RenderMode;
+use crate::env::{BoxEnv, Configure};
+use crate::play::keys::Keys;
+use crate::play::policy::Policy;
+use crate::spec::arguments::{self, Argument};
+use crate::spec::{EnvId, EnvSpec, Kwargs, ResetOptions, VectorSpec};
+use crate::value::{Error, Result};
 use crate::vector::VectorEnv;
 use crate::vector::lockstep::{self, Ahead, Lockstep};
-use crate::{BoxEnv, Dynamics, Env, EnvSpec, Error, Kwargs, Result, Stateful};
-
-/// An environment that can be built from arguments; [`register!`](crate::register!) needs it.
-/// [`Stateful`] implements it for every [`Dynamics`].
-pub trait Configure: Env {
-    /// The constructor's arguments, a struct of [`arguments!`](crate::arguments!).
-    type Config: Arguments;
-
-    /// The environment with these arguments, for an id of this version. Most environments have one
-    /// version and ignore it; an id without a version counts as the newest.
-    ///
-    /// # Errors
-    /// [`Error::InvalidArgument`] for an argument out of range.
-    fn configure(config: Self::Config, version: u32) -> Result<Self>;
-
-    /// The default arguments for an id of this version, if versions differ.
-    fn defaults(version: u32) -> Self::Config {
-        let _ = version;
-        Self::Config::default()
-    }
-
-    /// The environment in a render mode, if it implements [`render_into`](Env::render_into): `make`
-    /// then adds no [`Render`](crate::wrappers::Render). The default, `None`, is for environments
-    /// that implement `draw`.
-    ///
-    /// # Errors
-    /// The errors of [`configure`](Self::configure), and
-    /// [`Error::UnsupportedMode`](crate::Error::UnsupportedMode).
-    fn configure_to_render(config: Self::Config, mode: RenderMode) -> Result<Option<Self>> {
-        let _ = (config, mode);
-        Ok(None)
-    }
-
-    /// The arguments with every random choice filled in, such as a map that the constructor drew,
-    /// so that the spec rebuilds this environment. `None` if nothing is random.
-    fn config(&self) -> Option<&Self::Config> {
-        None
-    }
-}
-
-crate::arguments! {
-    /// The [`Configure::Config`] or [`Task::Config`](crate::Task::Config) of an environment that
-    /// takes no arguments.
-    #[derive(Copy, Eq)]
-    pub struct NoArguments {}
-}
-
-impl<D: Dynamics> Configure for Stateful<D> {
-    type Config = D::Config;
-
-    fn configure(config: D::Config, _version: u32) -> Result<Self> {
-        Self::new(config)
-    }
-
-    fn config(&self) -> Option<&D::Config> {
-        Some(self.dynamics().config())
-    }
-}
 
 /// Makes a native vector from its spec.
 ///
@@ -300,7 +245,7 @@ impl Registration {
     /// the threads of async vectors then do the same.
     #[must_use]
     pub const fn lockstep<E: Lockstep + Configure>(mut self) -> Self {
-        self.vector_entry_point = Some(lockstep::entry_point::<E>);
+        self.vector_entry_point = Some(entry_point::<E>);
         self.ahead = Some(lockstep::ahead::<E>);
         self
     }
@@ -423,18 +368,20 @@ fn construct<E: Configure>(registration: &Registration, spec: &EnvSpec) -> Resul
         return stack(env, Renders::Itself, spec, options);
     }
     let config = config()?;
-    let json = |config: &E::Config| {
-        serde_json::to_value(config)
-            .map_err(|error| Error::argument(whose.clone(), error.to_string()))
-    };
-    let asked = json(&config)?;
-    let env = E::configure(config, version)?;
+    let env = E::configure(config.clone(), version)?;
     let mut spec = spec.clone();
-    if let Some(Json::Object(decided)) = env.config().map(json).transpose()? {
-        let by_chance = decided
-            .into_iter()
-            .filter(|(name, value)| asked.get(name) != Some(value));
-        spec.kwargs.extend(by_chance);
+    if let Some(decided) = env.config().filter(|decided| **decided != config) {
+        let json = |config: &E::Config| {
+            serde_json::to_value(config)
+                .map_err(|error| Error::argument(whose.clone(), error.to_string()))
+        };
+        let asked = json(&config)?;
+        if let Json::Object(decided) = json(decided)? {
+            let by_chance = decided
+                .into_iter()
+                .filter(|(name, value)| asked.get(name) != Some(value));
+            spec.kwargs.extend(by_chance);
+        }
     }
     stack(env, Renders::Drawings, &spec, options)
 }

@@ -2,10 +2,11 @@
 
 use std::sync::Arc;
 
-use super::EnvSpec;
-use super::options::ResetOptions;
+use crate::env::{BoxEnv, Env, Outcome};
+use crate::spec::Reset;
+use crate::spec::{EnvSpec, ResetOptions};
+use crate::value::Result;
 use crate::wrappers::{OrderEnforcing, PassiveEnvChecker, Render, TimeLimit};
-use crate::{BoxEnv, Env, Outcome, Reset, Result};
 
 /// The rendering of an environment.
 pub(super) enum Renders {
@@ -89,7 +90,7 @@ struct Registered<E> {
     options: ResetOptions,
 }
 
-impl<E: Env> crate::Wrapper for Registered<E> {
+impl<E: Env> crate::env::Wrapper for Registered<E> {
     type Inner = E;
     type Observation = E::Observation;
     type Action = E::Action;

@@ -4,15 +4,13 @@
 //! Arrays of one shape, and integers, become one array with a new first axis; members of tuples and
 //! dicts are batched one by one; all else becomes a tuple of the elements.
 
-use crate::array::Array;
-use crate::number::{Number, can_cast, collect, into_data, with_numbers};
-use crate::numpy_fmt;
-use crate::{Data, Error, Result, Value};
-
-use super::fault::{Fault, expect_array};
 use super::{
     BoxSpace, DictSpace, MultiBinary, MultiDiscrete, Space, TupleSpace, element_count, invalid,
 };
+use crate::value::array::Array;
+use crate::value::fault::{Fault, expect_array};
+use crate::value::number::{Number, can_cast, collect, into_data, with_numbers};
+use crate::value::{Data, Error, Result, Value, numpy_fmt};
 
 impl Space {
     /// The space of `n` elements as one value: Gymnasium's `batch_space`.
@@ -241,8 +239,8 @@ pub(super) fn iterate_array(space: &Space, array: &Array) -> Result<Vec<Value>, 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::DType;
     use crate::spaces::{DictSpace, TextSpace, TupleSpace};
+    use crate::value::DType;
 
     #[test]
     fn elements_return_from_a_batch() {

@@ -3,17 +3,17 @@
 use std::fmt;
 use std::sync::Arc;
 
+use gym_numerics::Generator;
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
-use crate::array::{Array, Scalar};
-use crate::number::{Number, Numeric, collect, limits, with_type};
-use crate::numpy_fmt;
-use crate::{DType, Data, Error, Generator, Result, Value};
+use crate::value::array::{Array, Scalar};
+use crate::value::number::{Number, Numeric, collect, limits, with_type};
+use crate::value::{DType, Data, Error, Result, Value, numpy_fmt};
 
-use super::fault::{Fault, expect_array, is_array};
 use super::{array_of, element_count, invalid};
-use crate::stored::plain;
+use crate::value::fault::{Fault, expect_array, is_array};
+use crate::value::stored::plain;
 
 /// Arrays of one shape and type. Each element has its own bounds (inclusive), which may be
 /// infinite: Gymnasium's `Box`.

@@ -5,14 +5,13 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::numpy_fmt;
-use crate::{Error, Result, Value};
+use crate::value::{Error, Result, Value, numpy_fmt};
 
-use super::fault::Fault;
 use super::sampler::Streams;
 use super::selection::Selection;
 use super::weight::Weight;
 use super::{Space, invalid};
+use crate::value::fault::Fault;
 
 /// Values with a member per key, each from its own space: Gymnasium's `Dict`.
 ///

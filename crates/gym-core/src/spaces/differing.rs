@@ -3,8 +3,8 @@
 
 use super::batch::batch_space;
 use super::{BoxSpace, DictSpace, Discrete, MultiDiscrete, Space, TupleSpace, invalid};
-use crate::number::{Number, can_cast, collect};
-use crate::{Array, Result};
+use crate::value::number::{Number, can_cast, collect};
+use crate::value::{Array, Result};
 
 /// The inner spaces of the spaces of this kind.
 macro_rules! of_kind {
@@ -34,6 +34,7 @@ impl Space {
             (Self::Text(a), Self::Text(b)) => {
                 a.max_length() == b.max_length() && a.charset() == b.charset()
             }
+            (Self::Mission(a), Self::Mission(b)) => a == b,
             (Self::Tuple(a), Self::Tuple(b)) => all(a.spaces(), b.spaces()),
             (Self::OneOf(a), Self::OneOf(b)) => all(a.spaces(), b.spaces()),
             (Self::Dict(a), Self::Dict(b)) => {
@@ -160,8 +161,8 @@ impl Space {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::DType;
     use crate::spaces::{MultiBinary, SequenceSpace, TextSpace};
+    use crate::value::DType;
 
     /// The results of Gymnasium 1.4.0.
     #[test]

@@ -2,16 +2,17 @@
 
 use std::fmt;
 
+use gym_numerics::Generator;
 use rand::Rng;
 use serde::{Deserialize, Serialize};
 
-use crate::number::Number;
-use crate::{DType, Error, Generator, Result, Value};
+use crate::value::number::Number;
+use crate::value::{DType, Error, Result, Value};
 
-use super::fault::Fault;
 use super::invalid;
 use super::selection::Selection;
 use super::weight::Weight;
+use crate::value::fault::Fault;
 
 /// The integers `start, ..., start + n - 1`: Gymnasium's `Discrete`.
 ///
@@ -201,6 +202,106 @@ impl TryFrom<Description> for Discrete {
     fn try_from(Description { n, start, dtype }: Description) -> Result<Self> {
         Self { n, start, dtype }.checked()
     }
+}
+
+/// Defines an enum of actions, numbered from 0 in the order written, as the elements of
+/// `Discrete(n)`.
+///
+/// ```
+/// gym_core::discrete! {
+///     /// The direction of the push.
+///     pub enum Push {
+///         /// To the left.
+///         Left,
+///         /// To the right.
+///         Right,
+///     }
+/// }
+/// assert_eq!(Push::ALL[1], Push::Right);
+/// assert_eq!(Push::space().to_string(), "Discrete(2)");
+/// ```
+#[macro_export]
+macro_rules! discrete {
+    ($(#[$meta:meta])* $vis:vis enum $name:ident { $($(#[doc = $doc:literal])* $variant:ident),+ $(,)? }) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        $vis enum $name { $($(#[doc = $doc])* $variant),+ }
+
+        impl $name {
+            /// Every value, in the order of its number.
+            pub const ALL: [Self; [$(Self::$variant),+].len()] = [$(Self::$variant),+];
+
+            /// Names and meanings, in the order of the numbers.
+            pub const VARIANTS: &'static [(&'static str, &'static str)] =
+                &[$((stringify!($variant), concat!($($doc, "\n"),*))),+];
+
+            /// The space of these values: `Discrete(n)`.
+            pub fn space() -> $crate::Space {
+                $crate::Space::discrete(Self::ALL.len() as i64)
+            }
+        }
+
+        impl $crate::Element for $name {
+            fn empty() -> Self {
+                Self::ALL[0]
+            }
+
+            fn from_value(value: &$crate::Value) -> Option<Self> {
+                Self::ALL.get(usize::try_from(value.as_int()?).ok()?).copied()
+            }
+
+            fn write(&self, out: &mut $crate::Value) {
+                *out = $crate::Value::Int(*self as i64);
+            }
+        }
+
+        impl $crate::spaces::ActionColumn for $name {
+            type Item = i64;
+            type Items<'a> = &'a [i64];
+
+            fn items(batch: &$crate::Value, n: usize) -> Option<&[i64]> {
+                $crate::spaces::indices(batch, n)
+            }
+
+            #[inline(always)]
+            fn item(items: &[i64], index: usize) -> i64 {
+                items[index]
+            }
+
+            #[inline(always)]
+            fn block<'r, 'a: 'r, const LEN: usize>(
+                items: &'a [i64],
+                first: usize,
+                len: usize,
+                room: &'r mut [i64; LEN],
+            ) -> &'r [i64; LEN] {
+                $crate::spaces::block_of(items, first, len, room)
+            }
+
+            // without early exit, which would keep the compiler from vector instructions
+            #[inline(always)]
+            fn all_valid(items: &[i64], n: usize) -> bool {
+                items[..n].iter().fold(true, |valid, item| valid & Self::is_valid(*item))
+            }
+
+            #[inline(always)]
+            fn is_valid(index: i64) -> bool {
+                (index as u64) < Self::ALL.len() as u64
+            }
+
+            #[inline(always)]
+            fn from_item(index: i64) -> Self {
+                // the compiler turns this into a minimum, which vectorises; a look-up would not
+                let mut action = Self::ALL[Self::ALL.len() - 1];
+                $(
+                    if index == Self::$variant as i64 {
+                        action = Self::$variant;
+                    }
+                )+
+                action
+            }
+        }
+    };
 }
 
 #[cfg(test)]

@@ -2,9 +2,9 @@
 
 use std::iter::{once, repeat_n};
 
-use crate::array::{Array, element_count};
-use crate::number::{Number, collect, result_type};
-use crate::{DType, Result};
+use crate::value::array::{Array, element_count};
+use crate::value::number::{Number, collect, result_type};
+use crate::value::{DType, Result};
 
 use super::{
     BoxSpace, DictSpace, GraphSpace, MAX_ELEMENTS, OneOfSpace, SequenceSpace, Space, TupleSpace,
@@ -12,11 +12,11 @@ use super::{
 };
 
 impl Space {
-    /// Whether elements flatten to an array of fixed length: all except `Sequence`, `Graph` and
-    /// spaces that contain them. Gymnasium's `is_np_flattenable`.
+    /// Whether elements flatten to an array of fixed length: all except `Sequence`, `Graph`,
+    /// `Mission` and spaces that contain them. Gymnasium's `is_np_flattenable`.
     pub fn is_flattenable(&self) -> bool {
         match self {
-            Self::Sequence(_) | Self::Graph(_) => false,
+            Self::Sequence(_) | Self::Graph(_) | Self::Mission(_) => false,
             _ => self.members().into_iter().all(Self::is_flattenable),
         }
     }
@@ -141,6 +141,7 @@ impl Space {
                 total?.try_into().ok()
             }
             Self::Text(space) => Some(space.max_length()),
+            Self::Mission(_) => None,
             Self::OneOf(space) => {
                 let lens = space
                     .spaces()

@@ -1,12 +1,11 @@
 //! Elements as one row of numbers: Gymnasium's `flatten` and `unflatten`.
 
-use crate::array::Array;
-use crate::number::{Number, Numeric, collect, with_type};
-use crate::{GraphInstance, Result, Value};
-
 use super::batch::{concatenate, iterate_array};
-use super::fault::{Fault, expect_array};
 use super::{MultiBinary, Space};
+use crate::value::array::Array;
+use crate::value::fault::{Fault, expect_array};
+use crate::value::number::{Number, Numeric, collect, with_type};
+use crate::value::{GraphInstance, Result, Value};
 
 impl Space {
     /// An element as one row of numbers, in the type of [`flatten_space`](Self::flatten_space).
@@ -154,7 +153,7 @@ impl Space {
                 // without a first number, zeros, which the flat space allows for
                 padding.fill(flat.first().copied().unwrap_or(int(0)));
             }
-            Self::Sequence(_) | Self::Graph(_) => {
+            Self::Sequence(_) | Self::Graph(_) | Self::Mission(_) => {
                 return Err(Fault::new("it does not flatten to an array"));
             }
         }
@@ -236,7 +235,7 @@ impl Space {
                     _ => Err(Fault::new("the first number is not the index of a space")),
                 }
             }
-            Self::Sequence(_) | Self::Graph(_) => {
+            Self::Sequence(_) | Self::Graph(_) | Self::Mission(_) => {
                 Err(Fault::new("it does not flatten to an array"))
             }
         }

@@ -4,16 +4,16 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::array::Array;
-use crate::number::Number;
-use crate::{Error, GraphInstance, Result, Value};
+use crate::value::array::Array;
+use crate::value::number::Number;
+use crate::value::{Error, GraphInstance, Result, Value};
 
 use super::Space;
 use super::batch::{batch_space, iterate_array};
-use super::fault::Fault;
 use super::sampler::Streams;
 use super::selection::Selection;
 use super::weight::Weight;
+use crate::value::fault::Fault;
 
 /// Graphs whose nodes, and edges if they have features, are elements of a space: Gymnasium's
 /// `Graph`.

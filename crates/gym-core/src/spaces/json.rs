@@ -2,14 +2,16 @@
 
 use serde_json::{Map, Value as Json, json};
 
-use crate::array::Array;
-use crate::number::Number;
-use crate::stored::plain::{check_length, list, read_array, read_number, rows, write_number};
-use crate::{DType, GraphInstance, Result, Value};
+use crate::value::array::Array;
+use crate::value::number::Number;
+use crate::value::stored::plain::{
+    check_length, list, read_array, read_number, rows, write_number,
+};
+use crate::value::{DType, GraphInstance, Result, Value};
 
 use super::batch::{concatenate, iterate_array};
-use super::fault::{Fault, expect_array};
 use super::{DictSpace, MultiBinary, Space, TupleSpace};
+use crate::value::fault::{Fault, expect_array};
 
 impl Space {
     /// An element as JSON: arrays as nested lists, tuples and sequences as lists, dicts as objects,
@@ -57,7 +59,7 @@ impl Space {
                 Value::Int(_) => Ok(()),
                 _ => Err(Fault::kind("a whole number", value)),
             },
-            Self::Text(_) => match value {
+            Self::Text(_) | Self::Mission(_) => match value {
                 Value::Text(_) => Ok(()),
                 _ => Err(Fault::kind("a text", value)),
             },
@@ -125,7 +127,7 @@ impl Space {
                     .map(Value::Int)
                     .ok_or_else(|| Fault::new(format!("{number} does not fit int64")))
             }
-            Self::Text(_) => match json {
+            Self::Text(_) | Self::Mission(_) => match json {
                 Json::String(text) => Ok(Value::Text(text.clone())),
                 _ => Err(Fault::new("expected a string")),
             },

@@ -4,16 +4,17 @@
 //! in the space. Names, samples, printed form and rules of membership equal those of Gymnasium
 //! 1.4's `gymnasium.spaces`.
 
+mod actions;
 mod batch;
 mod box_space;
 mod dict;
 mod differing;
 mod discrete;
-pub(crate) mod fault;
 mod flat_space;
 mod flatten;
 mod graph;
 pub(crate) mod json;
+mod mission;
 mod multi_binary;
 mod multi_discrete;
 mod one_of;
@@ -28,18 +29,22 @@ mod zero;
 
 use std::fmt;
 
+use gym_numerics::Seed;
 use serde::{Deserialize, Serialize};
 
-use crate::array::{Array, MAX_AXES, element_count as count};
-use crate::error::shortened;
-use crate::numpy_fmt;
-use crate::{DType, Element, Error, Result, Seed, Value};
+use crate::value::array::{Array, MAX_AXES, element_count as count};
+use crate::value::error::shortened;
+use crate::value::{DType, Element, Error, Result, Value, numpy_fmt};
 
-pub use crate::array::MAX_ELEMENTS;
+pub use crate::value::array::MAX_ELEMENTS;
+pub use actions::{ActionColumn, Actions};
+#[doc(hidden)]
+pub use actions::{block_of, indices};
 pub use box_space::BoxSpace;
 pub use dict::DictSpace;
 pub use discrete::Discrete;
 pub use graph::GraphSpace;
+pub use mission::MissionSpace;
 pub use multi_binary::MultiBinary;
 pub use multi_discrete::MultiDiscrete;
 pub use one_of::OneOfSpace;
@@ -49,7 +54,7 @@ pub use sequence::SequenceSpace;
 pub use text::TextSpace;
 pub use tuple::TupleSpace;
 
-use fault::Fault;
+use crate::value::fault::Fault;
 use sampler::Streams;
 use weight::Weight;
 
@@ -62,6 +67,7 @@ use weight::Weight;
 /// | [`MultiDiscrete`] | arrays of integers, each from a range of its own |
 /// | [`MultiBinary`] | arrays of zeros and ones |
 /// | [`Text`](TextSpace) | strings |
+/// | [`Mission`](MissionSpace) | the sentences of a pattern |
 /// | [`Tuple`](TupleSpace), [`Dict`](DictSpace) | one element of each member space |
 /// | [`Sequence`](SequenceSpace) | any number of elements of one space |
 /// | [`Graph`](GraphSpace) | nodes and edges |
@@ -85,6 +91,7 @@ pub enum Space {
     MultiDiscrete(MultiDiscrete),
     MultiBinary(MultiBinary),
     Text(TextSpace),
+    Mission(MissionSpace),
     Tuple(TupleSpace),
     Dict(DictSpace),
     Sequence(SequenceSpace),
@@ -103,7 +110,7 @@ macro_rules! from {
 }
 from! {
     Box BoxSpace, Discrete Discrete, MultiDiscrete MultiDiscrete, MultiBinary MultiBinary, Text TextSpace,
-    Tuple TupleSpace, Dict DictSpace, Sequence SequenceSpace, Graph GraphSpace, OneOf OneOfSpace,
+    Mission MissionSpace,    Tuple TupleSpace, Dict DictSpace, Sequence SequenceSpace, Graph GraphSpace, OneOf OneOfSpace,
 }
 
 /// Evaluates `$body` with `$inner` bound to the inner space of any type.
@@ -115,6 +122,7 @@ macro_rules! each {
             Space::MultiDiscrete($inner) => $body,
             Space::MultiBinary($inner) => $body,
             Space::Text($inner) => $body,
+            Space::Mission($inner) => $body,
             Space::Tuple($inner) => $body,
             Space::Dict($inner) => $body,
             Space::Sequence($inner) => $body,
@@ -269,6 +277,7 @@ impl Space {
             Self::MultiDiscrete(space) => space.draw(&mut streams.own, selection, out),
             Self::MultiBinary(space) => space.draw(&mut streams.own, selection, out),
             Self::Text(space) => space.draw(&mut streams.own, selection, out),
+            Self::Mission(space) => space.draw(&mut streams.own, out),
             Self::Tuple(space) => space.draw(streams, selection, out),
             Self::Dict(space) => space.draw(streams, selection, out),
             Self::Sequence(space) => space.draw(streams, selection, out),

@@ -2,16 +2,16 @@
 
 use std::fmt;
 
+use gym_numerics::Generator;
 use serde::{Deserialize, Serialize};
 
-use crate::number::{Number, Numeric, with_numbers};
-use crate::numpy_fmt;
-use crate::{Array, DType, Error, Generator, Result, Value};
+use crate::value::number::{Number, Numeric, with_numbers};
+use crate::value::{Array, DType, Error, Result, Value, numpy_fmt};
 
-use super::fault::{self, Fault};
 use super::selection::Selection;
 use super::weight::{Weight, toss};
 use super::{array_of, element_count, invalid};
+use crate::value::fault::{self, Fault};
 
 /// Arrays of one shape whose elements are 0 or 1: Gymnasium's `MultiBinary`.
 ///

@@ -2,17 +2,17 @@
 
 use std::fmt;
 
+use gym_numerics::Generator;
 use serde::{Deserialize, Serialize};
 
-use crate::array::Array;
-use crate::number::{Number, Numeric, with_type};
-use crate::numpy_fmt;
-use crate::{DType, Data, Error, Generator, Result, Value};
+use crate::value::array::Array;
+use crate::value::number::{Number, Numeric, with_type};
+use crate::value::{DType, Data, Error, Result, Value, numpy_fmt};
 
-use super::fault::{Fault, expect_array, is_array};
 use super::selection::Selection;
 use super::weight::Weight;
 use super::{array_of, invalid};
+use crate::value::fault::{Fault, expect_array, is_array};
 
 /// Arrays whose elements are the integers `start, ..., start + n - 1`, with `n` and `start` for
 /// each: Gymnasium's `MultiDiscrete`.

@@ -4,13 +4,13 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, Result, Value};
+use crate::value::{Error, Result, Value};
 
-use super::fault::Fault;
 use super::sampler::Streams;
 use super::selection::Selection;
 use super::weight::Weight;
 use super::{Space, invalid, write_list};
+use crate::value::fault::Fault;
 
 /// The index of one of several spaces, with a value of it: Gymnasium's `OneOf`.
 ///

@@ -2,12 +2,12 @@
 
 use std::ops::Range;
 
-use crate::array::Array;
-use crate::number::{Number, Numeric, can_cast, with_type};
-use crate::{DType, Data, Result, Value};
+use crate::value::array::Array;
+use crate::value::number::{Number, Numeric, can_cast, with_type};
+use crate::value::{DType, Data, Result, Value};
 
-use super::fault::Fault;
 use super::{DictSpace, Space};
+use crate::value::fault::Fault;
 
 impl Space {
     /// Overwrites `element` with element `index` of a [batch](Self::batch). Numbers are converted
@@ -250,7 +250,7 @@ impl Space {
         }
     }
 
-    pub(super) fn refuse_batch(&self, batch: &Value, fault: &Fault) -> crate::Error {
+    pub(super) fn refuse_batch(&self, batch: &Value, fault: &Fault) -> crate::value::Error {
         super::not_in(batch, &format_args!("a batch of {self}"), fault)
     }
 
@@ -400,7 +400,7 @@ impl Space {
             (_, Value::Array(array)) if self.dtype() == Some(array.dtype()) => {
                 let shape = self.shape().unwrap_or_default();
                 expect_row(expect_rows(array, shape)?, index)?;
-                let row = super::fault::expect_array(element, shape, array.dtype())?;
+                let row = crate::value::fault::expect_array(element, shape, array.dtype())?;
                 let (start, len) = (index * row.len(), row.len());
                 with_type!(array.dtype(), T => {
                     let out = &mut array.as_mut_slice::<T>().unwrap_or_default()[start..start + len];
@@ -449,7 +449,7 @@ fn expect_rows(array: &Array, shape: &[usize]) -> Result<usize, Fault> {
 
 #[cold]
 fn other_shape(array: &Array, shape: &[usize]) -> Fault {
-    let [actual, expected] = [array.shape(), shape].map(crate::numpy_fmt::shape);
+    let [actual, expected] = [array.shape(), shape].map(crate::value::numpy_fmt::shape);
     Fault::new(format!(
         "the shape is {actual} and should be rows of {expected}"
     ))

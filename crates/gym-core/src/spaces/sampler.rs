@@ -3,9 +3,10 @@
 use std::any::type_name;
 use std::marker::PhantomData;
 
+use gym_numerics::{Generator, Seed};
 use serde::{Deserialize, Serialize};
 
-use crate::{Array, DType, Element, Error, Generator, GraphInstance, Result, Seed, Value};
+use crate::value::{Array, DType, Element, Error, GraphInstance, Result, Value};
 
 use super::batch::batch_space;
 use super::selection::{Mask, Probabilities, Selection};
@@ -283,6 +284,7 @@ fn corner(space: &Space, high: bool) -> Value {
                     .collect(),
             )
         }
+        Space::Mission(space) => space.corner(high),
         Space::Tuple(space) => Value::Tuple(
             space
                 .spaces()

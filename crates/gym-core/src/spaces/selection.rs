@@ -1,8 +1,8 @@
 //! Masks and probabilities for a sampler.
 
-use super::fault::Fault;
 use super::weight::Weight;
 use super::{Discrete, GraphSpace, MultiDiscrete, Space, TextSpace};
+use crate::value::fault::Fault;
 
 /// A description of sampling other than uniform, in the structure of the space; a [`Mask`] or
 /// [`Probabilities`].

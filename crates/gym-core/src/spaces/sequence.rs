@@ -4,14 +4,14 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::Value;
+use crate::value::Value;
 
 use super::Space;
 use super::batch::{concatenate, iterate};
-use super::fault::Fault;
 use super::sampler::Streams;
 use super::selection::Selection;
 use super::weight::Weight;
+use crate::value::fault::Fault;
 
 /// The probability that a sampled sequence ends after an element, as in Gymnasium.
 const END_PROBABILITY: f64 = 0.25;
@@ -154,7 +154,7 @@ mod tests {
     #[test]
     fn stacked_sequences_are_arrays() {
         let space = SequenceSpace::stacked(Space::discrete(2));
-        let contains = |array: crate::Array| space.contains(&Value::Array(array));
+        let contains = |array: crate::value::Array| space.contains(&Value::Array(array));
         assert!(
             contains([0i64, 1].into())
                 && contains([1u8].into())

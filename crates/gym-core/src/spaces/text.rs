@@ -2,14 +2,15 @@
 
 use std::fmt;
 
+use gym_numerics::Generator;
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, Generator, Result, Value};
+use crate::value::{Error, Result, Value};
 
-use super::fault::Fault;
 use super::selection::Selection;
 use super::weight::Weight;
 use super::{MAX_ELEMENTS, invalid};
+use crate::value::fault::Fault;
 
 /// The default characters of a text space, in the order of their numbers.
 const ALPHANUMERIC: &str = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz";

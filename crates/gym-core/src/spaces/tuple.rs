@@ -4,13 +4,13 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::Value;
+use crate::value::Value;
 
-use super::fault::Fault;
 use super::sampler::Streams;
 use super::selection::Selection;
 use super::weight::Weight;
 use super::{Space, write_list};
+use crate::value::fault::Fault;
 
 /// A fixed number of members, each from its own space: Gymnasium's `Tuple`.
 ///

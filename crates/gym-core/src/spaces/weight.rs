@@ -2,9 +2,9 @@
 
 use std::fmt;
 
-use crate::Generator;
+use gym_numerics::Generator;
 
-use super::fault::Fault;
+use crate::value::fault::Fault;
 
 /// An entry of a [`Selection`](super::Selection). The methods assume that the checks have passed.
 pub(super) trait Weight: Copy + fmt::Debug + PartialEq + 'static {

@@ -1,10 +1,9 @@
 //! The element of a space that is nearest to zero: Gymnasium's `create_zero_array`.
 
-use crate::array::Array;
-use crate::number::{Number, Numeric, with_type};
-use crate::{GraphInstance, Result, Value};
-
 use super::{MultiBinary, Space};
+use crate::value::array::Array;
+use crate::value::number::{Number, Numeric, with_type};
+use crate::value::{GraphInstance, Result, Value};
 
 impl Space {
     /// The element nearest to zero: zeros where the bounds allow, texts and sequences of the
@@ -34,6 +33,7 @@ impl Space {
                 let first = space.charset().first().copied().unwrap_or_default();
                 Value::Text(std::iter::repeat_n(first, space.min_length()).collect())
             }
+            Self::Mission(space) => space.corner(false),
             Self::Tuple(space) => Value::Tuple(
                 space
                     .spaces()
@@ -60,7 +60,7 @@ impl Space {
                 let edges = space.edge_space().map(row).transpose()?;
                 let edge_links = edges
                     .as_ref()
-                    .map(|_| Array::zeros(crate::DType::I32, [1, 2]))
+                    .map(|_| Array::zeros(crate::value::DType::I32, [1, 2]))
                     .transpose()?;
                 let nodes = row(space.node_space())?;
                 Value::Graph(Box::new(GraphInstance {

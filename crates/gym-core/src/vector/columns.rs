@@ -3,7 +3,8 @@ use std::ops::Range;
 use serde::{Deserialize, Serialize};
 
 use super::size;
-use crate::{Result, Space, Value};
+use crate::spaces::Space;
+use crate::value::{Result, Value};
 
 /// The effect of a call of `reset_into` or `step_into` on a sub-environment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]

@@ -2,8 +2,12 @@
 
 use std::any::Any;
 
+use gym_numerics::Seed;
+
 use super::{Columns, VectorEnv, VectorReset, infos};
-use crate::{Env, Error, Info, Result, Sampler, Seed, Value};
+use crate::env::Env;
+use crate::spaces::Sampler;
+use crate::value::{Error, Info, Result, Value};
 
 /// The methods for callers. Every [`VectorEnv`] has them, and no implementation can override them.
 pub trait VectorEnvExt: VectorEnv {
@@ -124,12 +128,12 @@ impl dyn VectorEnv {
     /// use gym_core::wrappers::RecordEpisodeStatistics;
     ///
     /// fn look(envs: &dyn VectorEnv) {
-    ///     let statistics = envs.wrapper::<RecordEpisodeStatistics<BoxVector>>();
-    ///     let around_another = envs.wrapper::<RecordEpisodeStatistics<RecordEpisodeStatistics<AsyncVectorEnv>>>();
-    ///     let workers = envs.wrapper::<AsyncVectorEnv>();
+    ///     let statistics = envs.layer::<RecordEpisodeStatistics<BoxVector>>();
+    ///     let around_another = envs.layer::<RecordEpisodeStatistics<RecordEpisodeStatistics<AsyncVectorEnv>>>();
+    ///     let workers = envs.layer::<AsyncVectorEnv>();
     /// }
     /// ```
-    pub fn wrapper<W: VectorEnv>(&self) -> Option<&W> {
+    pub fn layer<W: VectorEnv>(&self) -> Option<&W> {
         let mut layer = self;
         loop {
             let any: &dyn Any = layer;
@@ -140,8 +144,8 @@ impl dyn VectorEnv {
         }
     }
 
-    /// As `wrapper`, mutable. Outer wrappers do not see resets and steps made through it.
-    pub fn wrapper_mut<W: VectorEnv>(&mut self) -> Option<&mut W> {
+    /// As `layer`, mutable. Outer wrappers do not see resets and steps made through it.
+    pub fn layer_mut<W: VectorEnv>(&mut self) -> Option<&mut W> {
         let mut layer = self;
         loop {
             let any: &dyn Any = layer;

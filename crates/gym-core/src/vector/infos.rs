@@ -3,8 +3,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::{Columns, VectorEnv};
-use crate::number::{Number, Numeric, with_type};
-use crate::{Array, DType, Info, Value};
+use crate::value::number::{Number, Numeric, with_type};
+use crate::value::{Array, DType, Info, Value};
 
 /// See [`VectorEnvExt::infos`].
 pub(super) fn batch<V: VectorEnv + ?Sized>(envs: &V, columns: &Columns) -> Info {
@@ -34,7 +34,7 @@ pub(super) fn batch<V: VectorEnv + ?Sized>(envs: &V, columns: &Columns) -> Info 
             }
             let mut entries = Vec::new();
             envs.final_info(index, &mut |key, value| {
-                entries.push((key.to_owned(), value))
+                entries.push((key.to_owned(), value));
             });
             group.add("final_info", index, Value::Dict(entries));
         }

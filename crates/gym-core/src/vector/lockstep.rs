@@ -6,6 +6,10 @@
 //! of them, and then resets or steps each as a sync vector does: the environment finishes the step
 //! it has begun. So time limits, autoreset, infos, errors and all numbers are equal to a sync
 //! vector's.
+//!
+//! The working memory of a step belongs to the group and is lent to its environments, so that many
+//! environments fit the CPU's cache. If a vector has more environments than fit the cache, a
+//! group's memory is prefetched before the group steps.
 
 use std::borrow::{Borrow, BorrowMut};
 use std::hint::black_box;
@@ -13,9 +17,9 @@ use std::marker::PhantomData;
 
 use super::slot::{Ask, Slot, slot_bytes};
 use super::{Autoreset, SyncVectorEnv, VectorEnv, VectorSpec, size};
-use crate::registry::{VectorKind, find};
-use crate::wrappers::TimeLimit;
-use crate::{BoxEnv, Configure, Element, Env, EnvExt, EnvSpec, Reset, Result, arguments};
+use crate::env::{BoxEnv, Env, EnvExt};
+use crate::spec::{Reset, VectorKind};
+use crate::value::{Element, Result};
 
 /// Working memory for a group of environments, and the shared part of their steps.
 pub trait Together: Default + Send + 'static {
@@ -110,13 +114,13 @@ impl<E: Lockstep, W: Env> Ahead<W> for Within<E, W> {
     }
 
     fn touch(&self, slot: &Slot<W>) {
-        black_box(slot.env.unwrapped::<E>().map(E::touch));
+        black_box(slot.env.layer::<E>().map(E::touch));
     }
 
     fn begin(&mut self, slot: &mut Slot<W>, ask: &Ask) {
         let restart = slot.restarts();
         slot.go_ahead(|Slot { env, action, .. }| {
-            let Some(env) = env.unwrapped_mut::<E>() else {
+            let Some(env) = env.layer_mut::<E>() else {
                 return;
             };
             match ask {
@@ -139,37 +143,16 @@ impl<E: Lockstep, W: Env> Ahead<W> for Within<E, W> {
             return; // it has not begun
         }
         slot.go_ahead(|Slot { env, .. }| {
-            if let Some(env) = env.unwrapped_mut::<E>() {
+            if let Some(env) = env.layer_mut::<E>() {
                 env.collect(&mut self.group);
             }
         });
     }
 }
 
-/// Makes a native vector of a registered environment that is [`Lockstep`], for
-/// [`Registration::vector_entry_point`](crate::Registration::vector_entry_point). It is a sync
-/// vector whose sub-environments step together.
-///
-/// # Errors
-/// [`Error::InvalidArgument`](crate::Error) for arguments that the environment does not take, and
-/// as [`SyncVectorEnv::new`].
-pub fn entry_point<E: Lockstep + Configure>(spec: &VectorSpec) -> Result<Box<dyn VectorEnv>> {
-    spec.check_each()?;
-    let version = find(&spec.env.id)?.rules();
-    let make = |index| -> Result<E> {
-        let EnvSpec { id, kwargs, .. } = spec.env_at(index);
-        E::configure(
-            arguments::read(&E::defaults(version), version, &kwargs, &format!("`{id}`"))?,
-            version,
-        )
-    };
-    match spec.env.max_episode_steps {
-        Some(limit) => lockstep::<E, _>(spec, |index| TimeLimit::new(make(index)?, limit)),
-        None => lockstep::<E, _>(spec, make),
-    }
-}
-
-fn lockstep<E: Lockstep, W: Env>(
+/// Makes a native vector of the environments that `make` gives for each index: a sync vector whose
+/// sub-environments step together.
+pub(crate) fn native<E: Lockstep, W: Env>(
     spec: &VectorSpec,
     make: impl Fn(usize) -> Result<W>,
 ) -> Result<Box<dyn VectorEnv>> {

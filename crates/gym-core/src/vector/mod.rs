@@ -1,6 +1,14 @@
 //! Many environments stepped as one: Gymnasium's `VectorEnv`.
+//!
+//! [`VectorEnv`] is object safe and works on batched `Value`s, so `Box<dyn VectorEnv>` goes through
+//! the same wrappers as typed vectors. Calls write into columns that the caller owns. Sync and
+//! async vectors have one slot per sub-environment, which alone handles the ends of episodes and
+//! panics. `Columns::progress` tells wrappers what a call did with each sub-environment, so
+//! wrappers need no record of due resets or failures.
+//!
+//! In a snapshot, sub-environments store themselves and the slot adds the vector's state. A native
+//! vector stores columns: one object per environment would be ten times as large.
 
-mod actions;
 mod columns;
 mod ext;
 pub(crate) mod infos;
@@ -18,33 +26,20 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::render::{Metadata, Rendered};
-use crate::{Error, Result, Snapshot, Space, Value};
+use crate::drawing::render::{Metadata, Rendered};
+use crate::env::Inspect;
+use crate::spaces::Space;
+use crate::value::{Error, Result, Snapshot, Value};
 
-pub use crate::registry::{VectorKind, VectorSpec};
-pub use actions::{ActionColumn, Actions};
+pub use crate::spaces::{ActionColumn, Actions};
 #[doc(hidden)]
-pub use actions::{block_of, indices};
+pub use crate::spaces::{block_of, indices};
+pub use crate::spec::{Autoreset, VectorKind, VectorSpec};
 pub use columns::{Columns, Progress};
 pub use ext::VectorEnvExt;
 pub use pool::AsyncVectorEnv;
 pub use reset::{Seeds, VectorReset};
 pub use sync::SyncVectorEnv;
-
-/// When the sub-environments of a vector are reset after their episodes have ended.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub enum Autoreset {
-    /// On the next step, which ignores its action and returns the first observation of the next
-    /// episode, with a reward of 0 and no flag set. Do not train on this transition.
-    #[default]
-    NextStep,
-    /// On the same step: the observation is the first of the next episode, and the last of the one
-    /// that ended is in [`Columns::final_observations`].
-    SameStep,
-    /// Never: the caller resets with a [mask](VectorReset::mask), and until then a step is an
-    /// error.
-    Disabled,
-}
 
 /// Whether the observation spaces of sub-environments may differ: Gymnasium's `observation_mode`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -151,6 +146,20 @@ pub trait VectorEnv: Any + Send {
         Err(no_envs(&self.describe()))
     }
 
+    /// Calls `visit` with what sub-environment `index` shows beyond Gymnasium's interface, to read
+    /// or to change.
+    ///
+    /// # Errors
+    /// [`Error::Custom`] if there is no such sub-environment, or it cannot be inspected; then
+    /// `visit` was not called.
+    fn inspect(&mut self, index: usize, visit: &mut dyn FnMut(&mut dyn Inspect)) -> Result<()> {
+        let _ = (index, visit);
+        Err(Error::custom(format!(
+            "the sub-environments of {} cannot be inspected",
+            self.describe()
+        )))
+    }
+
     /// The frame or text of each sub-environment, in their render mode.
     ///
     /// # Errors
@@ -205,7 +214,7 @@ pub trait VectorEnv: Any + Send {
         Err(no_snapshots(&self.describe()))
     }
 
-    /// The inner vector, for a wrapper. The method `wrapper` of `dyn VectorEnv` calls it.
+    /// The inner vector, for a wrapper. The method `layer` of `dyn VectorEnv` calls it.
     fn within(&self) -> Option<&dyn VectorEnv> {
         None
     }

@@ -1,5 +1,5 @@
 //! Parts for implementing other kinds of vectors.
 
-pub use super::size::check as check_size;
+pub use super::size::{check as check_size, no_such_env};
 pub use super::slot::{describe, episode_over};
-pub use crate::stored::{numbers, row, words};
+pub use crate::value::stored::{numbers, row, words};

@@ -20,11 +20,14 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 
 use super::lockstep::{Ahead, go_all, group_len, is_cached};
-use super::size::MAX_THREADS;
+use super::size::{self, MAX_THREADS};
 use super::slot::{self, Ask, Slot, Spaces, describe, slots};
 use super::{Autoreset, Columns, ObservationMode, VectorEnv, VectorReset, VectorSpec};
-use crate::render::{Metadata, Rendered};
-use crate::{BoxEnv, Env, EnvExt, EnvSpec, Error, Result, Snapshot, Space, Value};
+use crate::drawing::render::{Metadata, Rendered};
+use crate::env::{BoxEnv, Env, EnvExt, Inspect};
+use crate::spaces::Space;
+use crate::spec::EnvSpec;
+use crate::value::{Error, Result, Snapshot, Value};
 
 /// Steps its sub-environments on a pool of threads: Gymnasium's `AsyncVectorEnv`, without its
 /// processes.
@@ -493,6 +496,14 @@ impl<E: Env> VectorEnv for AsyncVectorEnv<E> {
 
     fn visit_envs(&mut self, visit: &mut dyn FnMut(usize, &mut dyn Any)) -> Result<()> {
         self.call(|index, env| visit(index, env)).map(|_| ())
+    }
+
+    fn inspect(&mut self, index: usize, visit: &mut dyn FnMut(&mut dyn Inspect)) -> Result<()> {
+        self.all_home()?;
+        let num_envs = self.num_envs();
+        let slot = self.home.get_mut(index).and_then(Option::as_mut);
+        slot.ok_or_else(|| size::no_such_env(index, num_envs))?
+            .inspect(visit)
     }
 
     fn render(&mut self) -> Result<Vec<Rendered>> {

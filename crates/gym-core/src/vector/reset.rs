@@ -1,6 +1,8 @@
+use gym_numerics::Seed;
 use serde_json::Value as Json;
 
-use crate::{Error, Kwargs, Reset, Result, Seed};
+use crate::spec::{Kwargs, Reset};
+use crate::value::{Error, Result};
 
 /// Options for the start of a vector's episodes. `VectorReset::default()` continues all generators.
 ///

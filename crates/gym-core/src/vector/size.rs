@@ -2,8 +2,8 @@
 
 use std::hint::black_box;
 
-use crate::spaces::MAX_ELEMENTS;
-use crate::{Error, Result, Space};
+use crate::spaces::{MAX_ELEMENTS, Space};
+use crate::value::{Error, Result};
 
 /// More than any machine has cores, and within the limits of common systems.
 pub(super) const MAX_THREADS: usize = 1024;
@@ -63,6 +63,14 @@ fn fits(bytes: Option<usize>) -> bool {
     // the compiler may otherwise remove an unused allocation
     black_box(&mut probe);
     reserved
+}
+
+/// The error of an index beyond the last sub-environment.
+pub fn no_such_env(index: usize, num_envs: usize) -> Error {
+    Error::custom(format!(
+        "there is no sub-environment {index}: the indices are 0 to {}",
+        num_envs - 1
+    ))
 }
 
 #[cfg(test)]

@@ -6,7 +6,10 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use serde::{Deserialize, Serialize};
 
 use super::{Autoreset, Columns, ObservationMode, Progress, size};
-use crate::{BoxEnv, Element, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot, Space, Value};
+use crate::env::{BoxEnv, Env, Inspect, Outcome};
+use crate::spaces::Space;
+use crate::spec::{EnvSpec, Reset};
+use crate::value::{Element, Error, Result, Snapshot, Value};
 
 /// A sub-environment with its last result. Sync and async vectors are made of these.
 pub(crate) struct Slot<E> {
@@ -108,6 +111,18 @@ impl<E: Env> Slot<E> {
             self.stage = Stage::Moved;
         }
         result
+    }
+
+    /// Calls `visit` with what the environment shows beyond its interface.
+    pub(super) fn inspect(&mut self, visit: &mut dyn FnMut(&mut dyn Inspect)) -> Result<()> {
+        let Some(inspect) = self.env.inspect_mut() else {
+            return Err(Error::custom(format!(
+                "{} cannot be inspected: it does not implement `Env::inspect_mut`",
+                self.env.describe()
+            )));
+        };
+        visit(inspect);
+        Ok(())
     }
 
     /// Takes the action of the next step from a row.

@@ -2,10 +2,13 @@ use std::any::Any;
 use std::fmt;
 
 use super::lockstep::{Ahead, go_all, is_cached};
+use super::size;
 use super::slot::{self, Ask, Slot, Spaces, describe, slots};
 use super::{Autoreset, Columns, ObservationMode, VectorEnv, VectorReset, VectorSpec};
-use crate::render::{Metadata, Rendered};
-use crate::{BoxEnv, Env, EnvExt, Result, Snapshot, Space, Value};
+use crate::drawing::render::{Metadata, Rendered};
+use crate::env::{BoxEnv, Env, EnvExt, Inspect};
+use crate::spaces::Space;
+use crate::value::{Result, Snapshot, Value};
 
 /// Steps its sub-environments one after the other, on the calling thread: Gymnasium's
 /// `SyncVectorEnv`.
@@ -187,6 +190,13 @@ impl<E: Env> VectorEnv for SyncVectorEnv<E> {
         }
         self.call(|index, env| visit(index, env));
         Ok(())
+    }
+
+    fn inspect(&mut self, index: usize, visit: &mut dyn FnMut(&mut dyn Inspect)) -> Result<()> {
+        let num_envs = self.num_envs();
+        let slot = self.slots.get_mut(index);
+        slot.ok_or_else(|| size::no_such_env(index, num_envs))?
+            .inspect(visit)
     }
 
     fn render(&mut self) -> Result<Vec<Rendered>> {

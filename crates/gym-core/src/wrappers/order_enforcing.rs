@@ -1,8 +1,9 @@
 //! Calls in an order that makes no sense.
 
-use crate::registry::WrapperConfig;
-use crate::render::Rendered;
-use crate::{BoxEnv, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot};
+use crate::drawing::render::Rendered;
+use crate::env::{BoxEnv, Env, Outcome};
+use crate::spec::{EnvSpec, Reset, WrapperConfig};
+use crate::value::{Error, Result, Snapshot};
 
 /// Refuses to step or render before the first reset, and every call after `close`.
 #[derive(Clone, Debug)]
@@ -57,7 +58,7 @@ impl<E: Env> OrderEnforcing<E> {
     }
 }
 
-impl<E: Env> crate::Wrapper for OrderEnforcing<E> {
+impl<E: Env> crate::env::Wrapper for OrderEnforcing<E> {
     type Observation = E::Observation;
     type Action = E::Action;
 

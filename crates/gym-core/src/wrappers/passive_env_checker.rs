@@ -1,7 +1,9 @@
 //! The cheap part of conformance.
 
-use crate::registry::WrapperConfig;
-use crate::{BoxEnv, Element, Env, EnvSpec, Error, Outcome, Reset, Result, Space};
+use crate::env::{BoxEnv, Env, Outcome};
+use crate::spaces::Space;
+use crate::spec::{EnvSpec, Reset, WrapperConfig};
+use crate::value::{Element, Error, Result};
 
 /// Checks once, on the first reset and the first step, that the environment keeps its contract:
 /// the observation lies in its space, and the reward is a finite number.
@@ -50,7 +52,7 @@ impl<E: Env> PassiveEnvChecker<E> {
     }
 }
 
-impl<E: Env> crate::Wrapper for PassiveEnvChecker<E> {
+impl<E: Env> crate::env::Wrapper for PassiveEnvChecker<E> {
     type Observation = E::Observation;
     type Action = E::Action;
 

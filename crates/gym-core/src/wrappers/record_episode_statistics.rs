@@ -4,11 +4,12 @@ use std::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
 
-use crate::clock::Instant;
-use crate::registry::WrapperConfig;
+use crate::env::{BoxEnv, Env, Outcome};
+use crate::spec::{Reset, WrapperConfig, WrapperSpec};
+use crate::value::{Error, Result, Snapshot, Value};
 use crate::vector::infos::flags;
 use crate::vector::{Columns, Progress, VectorEnv, VectorReset};
-use crate::{BoxEnv, Env, Error, Outcome, Reset, Result, Snapshot, Value, WrapperSpec};
+use crate::wrappers::clock::Instant;
 
 /// Keeps the return, length and duration of each episode, of an environment or of each
 /// sub-environment of a vector.
@@ -232,7 +233,7 @@ impl<T> RecordEpisodeStatistics<T> {
 
 super::reach!(RecordEpisodeStatistics<E>);
 
-impl<E: Env> crate::Wrapper for RecordEpisodeStatistics<E> {
+impl<E: Env> crate::env::Wrapper for RecordEpisodeStatistics<E> {
     type Observation = E::Observation;
     type Action = E::Action;
 
@@ -279,7 +280,7 @@ impl<E: Env> crate::Wrapper for RecordEpisodeStatistics<E> {
     }
 }
 
-impl<V: VectorEnv> crate::VectorWrapper for RecordEpisodeStatistics<V> {
+impl<V: VectorEnv> crate::vector::wrapper::VectorWrapper for RecordEpisodeStatistics<V> {
     fn inner(&self) -> &dyn VectorEnv {
         &self.inner
     }

@@ -1,8 +1,10 @@
 use std::fmt;
 
-use crate::canvas::Canvas;
-use crate::render::{Frame, Painter, RenderMode, Rendered, Screen, open_screen, painter};
-use crate::{BoxEnv, Env, EnvSpec, Error, Outcome, Reset, Result};
+use crate::drawing::canvas::Canvas;
+use crate::drawing::render::{Frame, Painter, RenderMode, Rendered, Screen, open_screen, painter};
+use crate::env::{BoxEnv, Env, Outcome};
+use crate::spec::{EnvSpec, Reset};
+use crate::value::{Error, Result};
 
 /// Adds a render mode to an environment: [`render`](crate::EnvExt::render) returns the frame of its
 /// [`draw`](Env::draw), or the text of its [`ansi`](Env::ansi).
@@ -16,6 +18,8 @@ pub struct Render<E = BoxEnv> {
     size: (u32, u32),
     painter: Option<Box<dyn Painter>>,
     window: Window,
+    /// The number of frames drawn.
+    frames: u64,
 }
 
 /// The window of the mode `human`.
@@ -77,7 +81,7 @@ impl<E: Env> Render<E> {
         };
         let mut env = env;
         if painter.is_some() {
-            env.start_rendering();
+            env.frames_drawn(0);
         }
         Ok(Self {
             inner: env,
@@ -85,6 +89,7 @@ impl<E: Env> Render<E> {
             size: metadata.render_size,
             painter,
             window,
+            frames: 0,
         })
     }
 
@@ -132,7 +137,8 @@ impl<E: Env> Render<E> {
                 &mut |canvas: &mut dyn Canvas| self.inner.draw(canvas),
                 frame,
             );
-            self.inner.picture_taken();
+            self.frames += 1;
+            self.inner.frames_drawn(self.frames);
             if !screen.show(frame) {
                 self.window = Window::None;
             }
@@ -140,7 +146,7 @@ impl<E: Env> Render<E> {
     }
 }
 
-impl<E: Env> crate::Wrapper for Render<E> {
+impl<E: Env> crate::env::Wrapper for Render<E> {
     type Observation = E::Observation;
     type Action = E::Action;
 
@@ -191,7 +197,8 @@ impl<E: Env> crate::Wrapper for Render<E> {
             &mut |canvas: &mut dyn Canvas| self.inner.draw(canvas),
             &mut frame,
         );
-        self.inner.picture_taken();
+        self.frames += 1;
+        self.inner.frames_drawn(self.frames);
         *rendered = Rendered::Frame(frame);
         Ok(())
     }
@@ -226,6 +233,7 @@ impl<E: Clone> Clone for Render<E> {
             size: self.size,
             painter,
             window: Window::None,
+            frames: self.frames,
         }
     }
 }

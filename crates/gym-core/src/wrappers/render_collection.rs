@@ -1,7 +1,9 @@
 //! Frames gathered.
 
-use crate::render::{RenderMode, Rendered};
-use crate::{BoxEnv, Env, EnvExt, EnvSpec, Error, Outcome, Reset, Result, Snapshot};
+use crate::drawing::render::{RenderMode, Rendered};
+use crate::env::{BoxEnv, Env, EnvExt, Outcome};
+use crate::spec::{EnvSpec, Reset};
+use crate::value::{Error, Result, Snapshot};
 
 /// Collects a frame or text after each reset and step; `render` returns the list and clears it. An
 /// episode of `T` steps has `T + 1` items.
@@ -34,7 +36,7 @@ impl<E: Env> RenderCollection<E> {
     }
 }
 
-impl<E: Env> crate::Wrapper for RenderCollection<E> {
+impl<E: Env> crate::env::Wrapper for RenderCollection<E> {
     type Observation = E::Observation;
     type Action = E::Action;
 

@@ -1,15 +1,28 @@
 //! Episodes cut off.
 
-use crate::registry::WrapperConfig;
-use crate::{BoxEnv, Env, EnvSpec, Error, Outcome, Reset, Result, Snapshot};
+use std::any::{Any, TypeId};
+
+use crate::env::{BoxEnv, Env, Outcome};
+use crate::spec::{EnvSpec, Reset, WrapperConfig};
+use crate::value::{Error, Result, Snapshot};
 
 /// Sets `truncated` once an episode has lasted a number of steps. `terminated` is unchanged: one
 /// step can set both.
 #[derive(Clone, Debug)]
 pub struct TimeLimit<E = BoxEnv> {
     inner: E,
-    max_episode_steps: u32,
-    elapsed_steps: u32,
+    count: StepCount,
+}
+
+/// The limit and the count of a [`TimeLimit`]. It is a layer of its own: `env.layer::<StepCount>()`
+/// finds it whatever the `TimeLimit` wraps. Of several limits it is the one that is reached first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct StepCount {
+    /// The number of steps after which an episode is truncated.
+    pub max_episode_steps: u32,
+    /// The steps taken since the last reset.
+    pub elapsed_steps: u32,
 }
 
 crate::arguments! {
@@ -41,23 +54,25 @@ impl<E: Env> TimeLimit<E> {
         }
         Ok(Self {
             inner: env,
-            max_episode_steps,
-            elapsed_steps: 0,
+            count: StepCount {
+                max_episode_steps,
+                elapsed_steps: 0,
+            },
         })
     }
 
     /// The limit.
     pub fn max_episode_steps(&self) -> u32 {
-        self.max_episode_steps
+        self.count.max_episode_steps
     }
 
     /// The steps taken since the last reset.
     pub fn elapsed_steps(&self) -> u32 {
-        self.elapsed_steps
+        self.count.elapsed_steps
     }
 }
 
-impl<E: Env> crate::Wrapper for TimeLimit<E> {
+impl<E: Env> crate::env::Wrapper for TimeLimit<E> {
     type Observation = E::Observation;
     type Action = E::Action;
 
@@ -65,7 +80,7 @@ impl<E: Env> crate::Wrapper for TimeLimit<E> {
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         self.inner.reset_into(reset, observation)?;
-        self.elapsed_steps = 0;
+        self.count.elapsed_steps = 0;
         Ok(())
     }
 
@@ -76,24 +91,45 @@ impl<E: Env> crate::Wrapper for TimeLimit<E> {
         observation: &mut E::Observation,
     ) -> Result<Outcome> {
         let mut outcome = self.inner.step_into(action, observation)?;
-        self.elapsed_steps = self.elapsed_steps.saturating_add(1);
-        outcome.truncated |= self.elapsed_steps >= self.max_episode_steps;
+        let StepCount {
+            max_episode_steps,
+            elapsed_steps,
+        } = &mut self.count;
+        *elapsed_steps = elapsed_steps.saturating_add(1);
+        outcome.truncated |= *elapsed_steps >= *max_episode_steps;
         Ok(outcome)
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::of(&(self.inner.snapshot()?, self.elapsed_steps))
+        Snapshot::of(&(self.inner.snapshot()?, self.count.elapsed_steps))
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let (env, elapsed_steps) = snapshot.get()?;
         self.inner.restore(&env)?;
-        self.elapsed_steps = elapsed_steps;
+        self.count.elapsed_steps = elapsed_steps;
         Ok(())
     }
 
+    fn any_layer(&self, layer: TypeId) -> Option<&dyn Any> {
+        if layer == TypeId::of::<StepCount>() {
+            let inner = self.inner.any_layer(layer);
+            let left =
+                |count: &StepCount| count.max_episode_steps.saturating_sub(count.elapsed_steps);
+            let is_nearer = |inner: &&dyn Any| {
+                let inner = inner.downcast_ref::<StepCount>();
+                inner.is_some_and(|inner| left(inner) < left(&self.count))
+            };
+            inner.filter(is_nearer).or(Some(&self.count))
+        } else if layer == TypeId::of::<Self>() {
+            Some(self)
+        } else {
+            self.inner.any_layer(layer)
+        }
+    }
+
     fn spec(&self) -> Option<EnvSpec> {
-        let limit = self.max_episode_steps;
+        let limit = self.count.max_episode_steps;
         self.inner.spec().map(|spec| {
             // the limit of `make` is inside all other wrappers; a shorter one replaces it
             let replaces = spec.max_episode_steps.is_none_or(|inner| limit <= inner);

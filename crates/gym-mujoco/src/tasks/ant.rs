@@ -254,35 +254,38 @@ impl env::Task for Task {
             (3 | 4, Some(step)) => Some(step.position),
             _ => None,
         };
-        if let Some(position) = position {
-            visit("x_position", position[0]);
-            visit("y_position", position[1]);
-            visit("distance_from_origin", norm(self.version, &position));
+        let place = |visit: &mut dyn FnMut(&str, f64)| {
+            if let Some(position) = position {
+                visit("x_position", position[0]);
+                visit("y_position", position[1]);
+                visit("distance_from_origin", norm(self.version, &position));
+            }
+            if let (3.., Some(step)) = (self.version, step) {
+                visit("x_velocity", step.velocity[0]);
+                visit("y_velocity", step.velocity[1]);
+            }
+        };
+        if self.version >= 5 {
+            place(visit);
         }
         let Some(step) = step else { return };
-        if self.version >= 3 {
-            visit("x_velocity", step.velocity[0]);
-            visit("y_velocity", step.velocity[1]);
-        }
         visit("reward_forward", step.forward);
-        if matches!(self.version, 3 | 4) {
-            visit("forward_reward", step.forward);
-        }
-        if self.version == 4 {
-            // Gymnasium's name for either cost
-            visit(
-                "reward_ctrl",
-                if self.forces_cost {
-                    -step.contact
-                } else {
-                    -step.ctrl
-                },
-            );
-        } else {
-            visit("reward_ctrl", -step.ctrl);
+        // in version 4 Gymnasium's name for either cost
+        let is_contact = self.version == 4 && self.forces_cost;
+        visit(
+            "reward_ctrl",
+            -if is_contact { step.contact } else { step.ctrl },
+        );
+        if self.version != 4 {
             visit("reward_contact", -step.contact);
         }
         visit("reward_survive", step.survive);
+        if self.version < 5 {
+            place(visit);
+        }
+        if matches!(self.version, 3 | 4) {
+            visit("forward_reward", step.forward);
+        }
     }
 }
 

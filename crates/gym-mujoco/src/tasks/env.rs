@@ -6,9 +6,11 @@ use gym_core::canvas::Canvas;
 use gym_core::render::Metadata;
 use gym_core::spaces::BoxSpace;
 use gym_core::{
-    Array, Configure, DType, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Space, Value,
+    Array, Configure, DType, Env, Error, Generator, Inspect, Outcome, Reset, Result, Snapshot,
+    Space, Value,
 };
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use serde_json::{Value as Json, json};
 
 use super::Simulated;
 use super::arguments::TaskArguments;
@@ -53,9 +55,10 @@ pub trait Task: Clone + fmt::Debug + Send + Sync + Sized + 'static {
         visit: &mut dyn FnMut(&str, f64),
     );
 
-    /// Whether `info` has lengths and velocities of the model's tendons.
-    fn tells_tendons(&self) -> bool {
-        false
+    /// The entry of `info` after which it has lengths and velocities of the model's tendons; `None` if
+    /// it has none.
+    fn tendons_follow(&self) -> Option<&'static str> {
+        None
     }
 }
 
@@ -202,6 +205,26 @@ impl<T: Task> Simulated for MujocoEnv<T> {
     }
 }
 
+/// The state is `qpos` and `qvel`, as in Gymnasium's `set_state`.
+impl<T: Task> Inspect for MujocoEnv<T> {
+    fn state(&self) -> Option<Json> {
+        let Data { qpos, qvel, .. } = &self.episode.as_ref()?.data;
+        Some(json!({"qpos": qpos, "qvel": qvel}))
+    }
+
+    fn set_state(&mut self, state: Json) -> Result<()> {
+        let numbers = |name: &str| -> Result<Vec<f64>> {
+            serde_json::from_value(state[name].clone())
+                .map_err(|error| Error::argument(name, format!("a list of numbers: {error}")))
+        };
+        Simulated::set_state(self, &numbers("qpos")?, &numbers("qvel")?)
+    }
+
+    fn arguments(&self) -> Json {
+        serde_json::to_value(&self.arguments.1).unwrap_or_default()
+    }
+}
+
 impl<T: Task> MujocoEnv<T> {
     /// Why a snapshot does not fit: for one of another version of MuJoCo, that version.
     fn explain_refusal(&self, snapshot: &Snapshot, error: Error) -> Error {
@@ -299,20 +322,21 @@ impl<T: Task> Env for MujocoEnv<T> {
     fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
         let Some(episode) = &self.episode else { return };
         let Episode { data, step, .. } = &**episode;
+        let tendons_follow = self.task.tendons_follow();
         self.task
             .info(&self.simulation, data, step.as_ref(), &mut |name, x| {
-                visit(name, Value::Float(x))
+                visit(name, Value::Float(x));
+                if tendons_follow == Some(name) {
+                    visit(
+                        "tendon_length",
+                        Value::Array(data.ten_length.clone().into()),
+                    );
+                    visit(
+                        "tendon_velocity",
+                        Value::Array(data.ten_velocity.clone().into()),
+                    );
+                }
             });
-        if self.task.tells_tendons() {
-            visit(
-                "tendon_length",
-                Value::Array(data.ten_length.clone().into()),
-            );
-            visit(
-                "tendon_velocity",
-                Value::Array(data.ten_velocity.clone().into()),
-            );
-        }
     }
 
     fn metadata(&self) -> Metadata {
@@ -340,6 +364,14 @@ impl<T: Task> Env for MujocoEnv<T> {
 
     fn generator(&mut self) -> Option<&mut Generator> {
         self.episode.as_mut().map(|episode| &mut episode.rng)
+    }
+
+    fn inspect(&self) -> Option<&dyn Inspect> {
+        Some(self)
+    }
+
+    fn inspect_mut(&mut self) -> Option<&mut dyn Inspect> {
+        Some(self)
     }
 
     fn close(&mut self) {

@@ -245,16 +245,21 @@ impl env::Task for Task {
             (3 | 4, Some(step)) => Some(step.position),
             _ => None,
         };
-        if let Some(position) = position {
-            visit("x_position", position[0]);
-            visit("y_position", position[1]);
-            visit("distance_from_origin", norm(self.version, &position));
+        let place = |visit: &mut dyn FnMut(&str, f64)| {
+            if let Some(position) = position {
+                visit("x_position", position[0]);
+                visit("y_position", position[1]);
+                visit("distance_from_origin", norm(self.version, &position));
+            }
+            if let (3.., Some(step)) = (self.version, step) {
+                visit("x_velocity", step.velocity[0]);
+                visit("y_velocity", step.velocity[1]);
+            }
+        };
+        if self.version >= 5 {
+            place(visit);
         }
         let Some(step) = step else { return };
-        if self.version >= 3 {
-            visit("x_velocity", step.velocity[0]);
-            visit("y_velocity", step.velocity[1]);
-        }
         if self.version >= 5 {
             visit("reward_survive", step.survive);
             visit("reward_forward", step.forward);
@@ -268,13 +273,14 @@ impl env::Task for Task {
         if self.version <= 3 {
             visit("reward_impact", -step.contact);
         }
+        place(visit);
         if self.version >= 3 {
             visit("forward_reward", step.forward);
         }
     }
 
-    fn tells_tendons(&self) -> bool {
-        self.version >= 5
+    fn tendons_follow(&self) -> Option<&'static str> {
+        (self.version >= 5).then_some("y_position")
     }
 }
 

@@ -137,8 +137,8 @@ impl env::Task for Task {
         }
     }
 
-    fn tells_tendons(&self) -> bool {
-        self.version >= 5
+    fn tendons_follow(&self) -> Option<&'static str> {
+        (self.version >= 5).then_some("z_distance_from_origin")
     }
 }
 

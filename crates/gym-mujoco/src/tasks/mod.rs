@@ -70,7 +70,7 @@ macro_rules! tasks {
         #[must_use]
         pub fn simulated<E: Env>(env: &E) -> Option<&dyn Simulated> {
             $(
-                if let Some(env) = env.unwrapped::<$name>() {
+                if let Some(env) = env.layer::<$name>() {
                     return Some(env);
                 }
             )+
@@ -81,8 +81,8 @@ macro_rules! tasks {
         #[must_use]
         pub fn simulated_mut<E: Env>(env: &mut E) -> Option<&mut dyn Simulated> {
             $(
-                if env.unwrapped::<$name>().is_some() {
-                    return env.unwrapped_mut::<$name>().map(|env| env as &mut dyn Simulated);
+                if env.layer::<$name>().is_some() {
+                    return env.layer_mut::<$name>().map(|env| env as &mut dyn Simulated);
                 }
             )+
             None

@@ -130,28 +130,34 @@ impl env::Task for Task {
         step: Option<&Step>,
         visit: &mut dyn FnMut(&str, f64),
     ) {
-        if self.version >= 5 || (self.version >= 3 && step.is_some()) {
-            visit("x_position", data.qpos[0]);
-            visit("y_position", data.qpos[1]);
-            visit("distance_from_origin", norm(self.version, &data.qpos[..2]));
+        let place = |visit: &mut dyn FnMut(&str, f64)| {
+            if self.version >= 5 || (self.version >= 3 && step.is_some()) {
+                visit("x_position", data.qpos[0]);
+                visit("y_position", data.qpos[1]);
+                visit("distance_from_origin", norm(self.version, &data.qpos[..2]));
+            }
+            if let (3.., Some(step)) = (self.version, step) {
+                visit("x_velocity", step.velocity[0]);
+                visit("y_velocity", step.velocity[1]);
+            }
+        };
+        if self.version >= 5 {
+            place(visit);
         }
         let Some(step) = step else { return };
-        if self.version >= 3 {
-            visit("x_velocity", step.velocity[0]);
-            visit("y_velocity", step.velocity[1]);
+        let forward = if self.version >= 5 {
+            "reward_forward"
+        } else {
+            "reward_fwd"
+        };
+        visit(forward, step.forward);
+        visit("reward_ctrl", -step.ctrl);
+        if self.version < 5 {
+            place(visit);
         }
-        visit(
-            if self.version >= 5 {
-                "reward_forward"
-            } else {
-                "reward_fwd"
-            },
-            step.forward,
-        );
         if matches!(self.version, 3 | 4) {
             visit("forward_reward", step.forward);
         }
-        visit("reward_ctrl", -step.ctrl);
     }
 }
 

@@ -280,6 +280,24 @@ fn a_state_that_was_set_is_seen_at_once_and_gone_on_from() -> gym_core::Result<(
     Ok(())
 }
 
+/// Versions begin with 2; those after the newest are the newest.
+#[test]
+fn versions_that_never_were_are_refused() {
+    use gym_mujoco::Ant;
+    for version in [0, 1] {
+        let error = Ant::with_version(Default::default(), version)
+            .unwrap_err()
+            .to_string();
+        let expected = format!("version {version} does not exist: set 2 to 5");
+        assert!(error.contains(&expected), "{error}");
+    }
+    let length = |version| {
+        let env = Ant::with_version(Default::default(), version).unwrap();
+        env.observation_space().shape().unwrap()[0]
+    };
+    assert_eq!([2, 3, 4, 5, 6].map(length), [111, 111, 27, 105, 105]);
+}
+
 /// The value of `mujoco` where it is not given.
 fn default_version(id: &str) -> Json {
     let arguments = registry::find(id).unwrap().arguments().unwrap();

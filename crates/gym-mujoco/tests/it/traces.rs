@@ -5,21 +5,15 @@
 
 use std::path::{Path, PathBuf};
 
-use gym_conform::trace::Trace;
 use gym_core::registry;
-use gym_mujoco::simulated;
+use gym_trace::Trace;
 use serde_json::{Value, json};
 
 /// Compares a file: how many events, or the first difference; zeros have a sign.
 fn compare(path: &Path) -> Result<usize, String> {
     let text = std::fs::read_to_string(path).map_err(|error| error.to_string())?;
     let trace: Trace = serde_json::from_str(&text).map_err(|error| error.to_string())?;
-    let state = |env: &gym_core::BoxEnv| {
-        simulated(env)?
-            .data()
-            .map(|data| json!({"qpos": data.qpos, "qvel": data.qvel}))
-    };
-    let answers = trace.replay(state).map_err(|error| error.to_string())?;
+    let answers = trace.replay().map_err(|error| error.to_string())?;
     match trace.first_difference(&answers) {
         Some(difference) => Err(difference),
         None => Ok(trace.events.len()),

@@ -1,22 +1,22 @@
-//! The arc tangent of a quotient, in double the precision of its result.
+//! The arc tangent of a quotient, computed with twice the precision of its result.
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 use super::Fma;
 use super::tables::SIN_COS;
 
-/// The remainders of the constants of π.
+/// The rounding errors of the constants π and π/2.
 const PI_REST: f64 = 1.224_646_799_147_353_2e-16;
 const HALF_PI_REST: f64 = PI_REST / 2.0;
 
-/// A product and its rounding error.
+/// Returns a product and its rounding error.
 #[inline(always)]
 fn product<F: Fma>(a: f64, b: f64) -> (f64, f64) {
     let product = a * b;
     (product, F::fma(a, b, -product))
 }
 
-/// A sum and its rounding error, for a first number that is not smaller.
+/// Returns the sum and its rounding error; `a` must not be smaller than `b`.
 #[inline(always)]
 fn sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
@@ -54,25 +54,25 @@ pub(super) fn atan2<F: Fma>(y: f64, x: f64) -> f64 {
     (angle + rest).copysign(y)
 }
 
-/// `from` minus the angle.
+/// Returns `from` minus `angle`; both have a second part, `from_rest` and `rest`.
 #[inline(always)]
 fn turned(from: f64, from_rest: f64, angle: f64, rest: f64) -> (f64, f64) {
     let (difference, low) = sum(from, -angle);
     (difference, low + (from_rest - rest))
 }
 
-/// The arc tangent of a quotient in (0, 1], in two parts: that of a multiple of 1/128 turned back
-/// leaves a small angle, whose series converges at once.
+/// Returns the arc tangent of `low / high`, which is in (0, 1], in two parts. A rotation by a
+/// multiple of 1/128 leaves a small angle, for which a short series suffices.
 #[inline(always)]
 fn slope<F: Fma>(low: f64, high: f64) -> (f64, f64) {
-    // both brought near 1, so that no product overflows or vanishes
+    // scale both near 1, so that no product overflows or underflows
     let scale = 2f64.powi(1023 - ((high.to_bits() >> 52) as i32).clamp(1, 2045));
     let (low, high) = (low * scale, high * scale);
     let q = low / high;
     let near = q * (FRAC_PI_4 + 0.273 * (1.0 - q));
     let k = (near * 128.0) as usize & 127;
     let [sin, sin_rest, cos, cos_rest] = SIN_COS[k];
-    // across / along is the tangent of the rest of the angle
+    // across / along is the tangent of the remaining angle
     let ((a, a_low), (b, b_low)) = (product::<F>(low, cos), product::<F>(high, sin));
     let across = a - b;
     let across_low = (a - across - b) + (a_low - b_low) + (low * cos_rest - high * sin_rest);

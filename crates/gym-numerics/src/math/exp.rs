@@ -1,4 +1,4 @@
-//! The exponential function. After ARM's optimized routines (`exp.c`, MIT), which glibc uses.
+//! The exponential function, after ARM's optimized routines (`exp.c`, MIT), which glibc uses.
 
 use super::Fma;
 use super::tables::EXP;
@@ -10,7 +10,7 @@ const MINUS_LN2: [f64; 2] = [
     f64::from_bits(0xbf76_2e42_fefa_0000),
     f64::from_bits(0xbd0c_f79a_bc9e_3b3a),
 ];
-/// Adding and subtracting it rounds to the nearest whole number: 1.5 * 2^52.
+/// Adding and subtracting this number rounds to the nearest integer: 1.5 * 2^52.
 const ROUND: f64 = 6_755_399_441_055_744.0;
 /// Coefficients of x^2 to x^5 within ln 2 / 256.
 const C: [f64; 4] = [
@@ -20,7 +20,7 @@ const C: [f64; 4] = [
     f64::from_bits(0x3f81_1111_67a4_d017),
 ];
 
-/// e^x.
+/// Returns e^x.
 #[inline(always)]
 pub(super) fn exp<F: Fma>(x: f64) -> f64 {
     let magnitude = x.abs();
@@ -42,13 +42,13 @@ pub(super) fn exp<F: Fma>(x: f64) -> f64 {
     }
 }
 
-/// Arguments from 1024 on, and NaN.
+/// Returns e^x for `x` with a magnitude of 1024 or more, and for NaN.
 #[cold]
 fn beyond(x: f64) -> f64 {
     if x < 0.0 { 0.0 } else { x + f64::INFINITY }
 }
 
-/// e^(x + rest) = 2^(k / 128) (1 + fraction): `scale` has the bits of 2^(k / 128), whose exponent
+/// e^(x + rest) = 2^(k / 128) (1 + fraction). `scale` is the bits of 2^(k / 128), whose exponent
 /// may be out of range.
 pub(super) struct Parts {
     pub(super) scale: u64,
@@ -74,15 +74,15 @@ impl Parts {
     }
 }
 
-/// A result that may overflow.
+/// Returns `scale * (1 + fraction)` if it may overflow.
 #[cold]
 pub(super) fn large<F: Fma>(scale: u64, fraction: f64) -> f64 {
     let scale = f64::from_bits(scale.wrapping_sub(1009 << 52));
     2f64.powi(1009) * F::fma(scale, fraction, scale)
 }
 
-/// A result that may be subnormal, of a scale that may be negative: it is rounded once, to the
-/// digits that it will have. (Here glibc's compiler fuses nothing.)
+/// Returns `scale * (1 + fraction)` if it may be subnormal; `scale` may be negative. The result is
+/// rounded once, to its final number of digits. (glibc's compiler does not use FMA here.)
 #[cold]
 pub(super) fn small(scale: u64, fraction: f64) -> f64 {
     let scale = f64::from_bits(scale.wrapping_add(1022 << 52));

@@ -1,15 +1,15 @@
-//! `a * b + c`, rounded once: by the CPU's instruction, or put together from sums and products.
+//! `a * b + c`, rounded once: by the CPU's instruction, or emulated by sums and products.
 
 use std::fmt;
 
-/// A source of fused multiply-adds. Both give the same bits.
+/// A source of fused multiply-adds. All sources give the same bits.
 pub trait Fma: Copy + fmt::Debug + 'static {
     /// `a * b + c`, rounded once.
     fn fma(a: f64, b: f64, c: f64) -> f64;
 }
 
-/// The CPU's instruction, in functions that are compiled for a CPU that has it; elsewhere a call,
-/// which is slow.
+/// The CPU's instruction, in functions compiled for a CPU that has it. On other CPUs this is a slow
+/// function call.
 #[derive(Clone, Copy, Debug)]
 pub struct Hardware;
 
@@ -24,23 +24,24 @@ impl Fma for Hardware {
     }
 }
 
-/// Sums and products alone. Source: Boldo and Melquiond (2008), "Emulation of a FMA and correctly
-/// rounded sums: proved algorithms using rounding to odd".
+/// Emulation by sums and products. Source: Boldo and Melquiond (2008), "Emulation of a FMA and
+/// correctly rounded sums: proved algorithms using rounding to odd".
 ///
-/// Exact unless a product is beyond 2^996, its rest is below the smallest normal number, or the
-/// result is: the functions here do not get there.
+/// It is exact unless a product exceeds 2^996, or the product's rounding error or the result is
+/// below the smallest normal number. The functions of this module do not reach these cases.
 #[derive(Clone, Copy, Debug)]
 pub struct Emulated;
 
 impl Fma for Emulated {
-    /// A call, for it is long and asked for often.
+    /// Not inlined: the code is long and used often.
     #[inline(never)]
     fn fma(a: f64, b: f64, c: f64) -> f64 {
         let (high, low) = exact_product(a, b);
         let (middle, lowest) = exact_sum(c, low);
         let (sum, rest) = exact_sum(high, middle);
         let result = sum + sum_to_odd(lowest, rest);
-        // if a part overflows or is NaN the parts are meaningless, and a sum of 0 is already exact
+        // if a part overflows or is NaN, the other parts are meaningless; a sum of 0 is exact
+        // already
         if result.is_finite() && result != 0.0 {
             result
         } else {
@@ -49,7 +50,7 @@ impl Fma for Emulated {
     }
 }
 
-/// A product and its rounding error. Source: Dekker (1971).
+/// Returns a product and its rounding error. Source: Dekker (1971).
 #[inline(always)]
 pub(super) fn exact_product(a: f64, b: f64) -> (f64, f64) {
     let ((a1, a2), (b1, b2)) = (split(a), split(b));
@@ -57,7 +58,7 @@ pub(super) fn exact_product(a: f64, b: f64) -> (f64, f64) {
     (product, ((a1 * b1 - product) + a1 * b2 + a2 * b1) + a2 * b2)
 }
 
-/// Two halves of 26 bits. Source: Veltkamp (1968).
+/// Splits a number into two halves of 26 bits. Source: Veltkamp (1968).
 #[inline(always)]
 fn split(x: f64) -> (f64, f64) {
     const SPLIT: f64 = 134_217_729.0; // 2^27 + 1
@@ -66,8 +67,8 @@ fn split(x: f64) -> (f64, f64) {
     (high, x - high)
 }
 
-/// A sum and its rounding error. Source: Knuth, "The art of computer programming", volume 2,
-/// 4.2.2.
+/// Returns a sum and its rounding error. Source: Knuth, "The art of computer programming", volume
+/// 2, 4.2.2.
 #[inline(always)]
 fn exact_sum(a: f64, b: f64) -> (f64, f64) {
     let sum = a + b;
@@ -75,7 +76,7 @@ fn exact_sum(a: f64, b: f64) -> (f64, f64) {
     (sum, (a - (sum - from_b)) + (b - from_b))
 }
 
-/// A sum rounded to the neighbour whose last bit is 1, if it is not exact.
+/// Returns a sum, rounded to odd: if it is not exact, to the neighbour whose last bit is 1.
 #[inline(always)]
 fn sum_to_odd(a: f64, b: f64) -> f64 {
     let (sum, rest) = exact_sum(a, b);
@@ -83,13 +84,13 @@ fn sum_to_odd(a: f64, b: f64) -> f64 {
     if rest == 0.0 || bits & 1 == 1 {
         return sum;
     }
-    // away from zero where the rest has the sum's sign, else towards it
+    // away from zero if the rounding error has the sum's sign, otherwise towards zero
     let away = (rest > 0.0) == (sum > 0.0);
     f64::from_bits(if away { bits + 1 } else { bits - 1 })
 }
 
-/// `a * b + c` of single precision, rounded once: the product is exact in `f64`, and a sum to odd
-/// there is rounded rightly to `f32`.
+/// Returns `a * b + c` in single precision, rounded once: the product is exact in `f64`, and
+/// rounding to odd makes the second rounding to `f32` correct.
 #[inline]
 pub(super) fn fma_f32(a: f32, b: f32, c: f32) -> f32 {
     sum_to_odd(f64::from(a) * f64::from(b), f64::from(c)) as f32
@@ -114,7 +115,7 @@ mod tests {
             let c = match i % 4 {
                 0 => random(60),
                 1 => -a * b * random(0).signum(),
-                // within some bits of a tie
+                // within a few bits of a tie
                 2 => (a * b) * 2f64.powi(53) * random(1),
                 _ => -(a * b) * (1.0 + f64::EPSILON * random(3)),
             };

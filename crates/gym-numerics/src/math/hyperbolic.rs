@@ -1,4 +1,4 @@
-//! `exp_m1` and `tanh` after fdlibm (`s_expm1.c`, `s_tanh.c`), as glibc computes them.
+//! `exp_m1` and `tanh`, after fdlibm (`s_expm1.c`, `s_tanh.c`), as glibc computes them.
 
 use super::Fma;
 use super::log::LN2_SHORT;
@@ -12,12 +12,12 @@ const Q: [f64; 5] = [
     f64::from_bits(0xbe8a_fdb7_6e09_c32d),
 ];
 
-/// e^x - 1.
+/// Returns e^x - 1.
 #[inline(always)]
 pub(super) fn exp_m1<F: Fma>(x: f64) -> f64 {
     let high_word = (x.to_bits() >> 32) as u32 & 0x7fff_ffff;
     if high_word >= 0x4043_687a {
-        // from 56 ln 2 on
+        // at least 56 ln 2
         if x.is_nan() {
             return x;
         }
@@ -31,7 +31,7 @@ pub(super) fn exp_m1<F: Fma>(x: f64) -> f64 {
     if high_word < 0x3c90_0000 {
         return x; // below 2^-54
     }
-    // x = k ln 2 + r, and c is the rounding error of r
+    // x = k ln 2 + r, and `c` is the rounding error of `r`
     let (k, r, c) = if high_word > 0x3fd6_2e42 {
         let (high, low, k) = if high_word < 0x3ff0_a2b2 {
             let sign = 1f64.copysign(x);
@@ -84,7 +84,7 @@ pub(super) fn exp_m1<F: Fma>(x: f64) -> f64 {
     }
 }
 
-/// The hyperbolic tangent.
+/// Returns the hyperbolic tangent.
 #[inline(always)]
 pub(super) fn tanh<F: Fma>(x: f64) -> f64 {
     let magnitude = x.abs();

@@ -1,4 +1,4 @@
-//! The numbers of a SIMD register.
+//! [`Real`](super::Real) for a SIMD register.
 
 use std::fmt;
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -8,7 +8,7 @@ use fearless_simd::prelude::*;
 use super::Real;
 use super::real::EXPONENT;
 
-/// A vector register of numbers, for a CPU that has fused multiply-adds.
+/// A vector register of `f64`, for a CPU with fused multiply-add.
 #[derive(Clone, Copy)]
 pub struct Lanes<S: Simd>(S::f64s);
 
@@ -137,13 +137,13 @@ impl<S: Simd> Real for Lanes<S> {
 
     #[inline(always)]
     fn bit(self, bit: u32) -> Self::Mask {
-        // the sign of the number that the bit is shifted to
+        // shift the bit to the sign and test the sign
         S::mask64s::from_vector(((self.0.to_bits() << (63 - bit)).bitcast::<S::i64s>()) >> 63)
     }
 
     #[inline(always)]
     fn rows(self, table: &[[f64; 4]; 128]) -> [Self; 4] {
-        // the rows one after the other, and in two rounds every second number of them: columns
+        // loads one row per lane, and transposes them in two rounds
         let bits = self.0.to_bits();
         let row = |lane: usize| &table[bits[lane] as usize & 127];
         let part = |i: usize| {

@@ -1,15 +1,15 @@
 //! Logarithms: `ln` after ARM's optimized routines (`log.c`, MIT), `ln_1p` after fdlibm
-//! (`s_log1p.c`), each as glibc computes it.
+//! (`s_log1p.c`), as glibc computes them.
 
 use super::Fma;
 use super::tables::LOG;
 
-/// ln 2 in two parts, the first of 43 binary places.
+/// ln 2 in two parts; the first has 43 binary digits after the point.
 pub(super) const LN2: [f64; 2] = [
     f64::from_bits(0x3fe6_2e42_fefa_3800),
     f64::from_bits(0x3d2e_f357_93c7_6730),
 ];
-/// The start of the octave that is reduced to.
+/// The start of the octave to which arguments are reduced.
 const START: u64 = 0x3fe6_0000_0000_0000;
 /// Coefficients of x^2 to x^6 of ln(1 + x) within 1 / 256.
 const A: [f64; 5] = [
@@ -34,7 +34,7 @@ const B: [f64; 11] = [
     f64::from_bits(0xbfb5_5213_75d1_45cd),
 ];
 
-/// The natural logarithm.
+/// Returns the natural logarithm.
 #[inline(always)]
 pub(super) fn ln<F: Fma>(x: f64) -> f64 {
     const LOW: f64 = 1.0 - 0.0625;
@@ -96,13 +96,13 @@ const L: [f64; 7] = [
     f64::from_bits(0x3fc3_9a09_d078_c69f),
     f64::from_bits(0x3fc2_f112_df3e_5244),
 ];
-/// ln 2 in two parts, the first of 32 bits.
+/// ln 2 in two parts; the first has 32 bits.
 pub(super) const LN2_SHORT: [f64; 2] = [
     f64::from_bits(0x3fe6_2e42_fee0_0000),
     f64::from_bits(0x3dea_39ef_3579_3c76),
 ];
 
-/// The natural logarithm of 1 + x.
+/// Returns the natural logarithm of 1 + x.
 #[inline(always)]
 pub(super) fn ln_1p<F: Fma>(x: f64) -> f64 {
     if !(x > -1.0 && x < f64::INFINITY) {
@@ -122,8 +122,8 @@ pub(super) fn ln_1p<F: Fma>(x: f64) -> f64 {
             F::fma(-(x * x), 0.5, x)
         };
     }
-    // 1 + x = 2^k (1 + f), with 1 + f between the square roots of 1/2 and 2 to the 32 highest bits,
-    // and c is the rounding error, relative to 1 + x
+    // 1 + x = 2^k (1 + f), where the high 32 bits of 1 + f are between the square roots of 1/2 and
+    // 2; `c` is the rounding error, relative to 1 + x
     let high_word = |x: f64| (x.to_bits() >> 32) as u32;
     let (k, f, c) = if high_word(x) < 0x3fda_827a || (x < 0.0 && high_word(x) <= 0xbfd2_bec3) {
         (0, x, 0.0)

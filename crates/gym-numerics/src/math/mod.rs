@@ -1,5 +1,5 @@
-//! The C library's functions, with the bits of glibc on x86-64 with fused multiply-add, as in
-//! Python and numpy there, on every platform.
+//! The C library's functions with the bits of glibc on x86-64 with FMA, on every platform. Python
+//! and numpy use these functions there.
 //!
 //! ```
 //! use gym_numerics::math;
@@ -8,7 +8,15 @@
 //! assert_eq!(math::pow(1.1, 2.0), 1.2100000000000002);
 //! ```
 //!
-//! Sine, cosine and squares are also there for several numbers at once, see [`Real`].
+//! Sine, cosine and squares also work on several numbers at once, see [`Real`].
+//!
+//! Scalars are `f64`, in Gymnasium's order of operations, which gives its numbers bit for bit;
+//! where numpy 2 computes in `float32`, so do the environments. A lint (`clippy.toml`) forbids the
+//! platform's own functions. A CPU without FMA emulates it, with equal results.
+//!
+//! Every function that is called inside [`with`] or [`widest`] must be `#[inline(always)]`:
+//! otherwise it is compiled without FMA. A test that counts the instructions of a step detects
+//! this.
 
 mod arc;
 mod exp;
@@ -35,17 +43,17 @@ pub use numpy::sin_cos as numpy_sin_cos_f32;
 pub use real::{One, Real};
 pub use trig_f32::sin_cos as sin_cos_f32;
 
-/// A computation with numbers of any kind.
+/// A computation that is generic over the number type.
 pub trait Kernel {
     /// The result.
     type Output;
 
-    /// Does it. Mark it `#[inline(always)]`, with all that it calls.
+    /// Computes the result. Mark this function and all functions that it calls `#[inline(always)]`.
     fn run<R: Real>(self, token: R::Token) -> Self::Output;
 }
 
-/// Runs a kernel with as many numbers at once as a CPU of this level computes with; one by one if
-/// it has no fused multiply-add.
+/// Runs `kernel` with the widest registers of a CPU of this level; with single numbers if the CPU
+/// has no FMA.
 #[inline]
 pub fn widest<K: Kernel>(level: Level, kernel: K) -> K::Output {
     if cfg!(feature = "emulate-fma") {
@@ -76,11 +84,10 @@ pub fn widest<K: Kernel>(level: Level, kernel: K) -> K::Output {
     kernel.run::<One<Emulated>>(())
 }
 
-/// Calls the first function, compiled for a CPU with fused multiply-adds, if this is one, else the
-/// second. Both must be `#[inline(always)]` closures that differ only in [`Hardware`] and
-/// [`Emulated`].
+/// Calls `hardware`, compiled with FMA, if this CPU has it, otherwise `emulated`. Both must be
+/// `#[inline(always)]` closures that differ only in [`Hardware`] and [`Emulated`].
 ///
-/// Put it around a whole step, not inside: arguments and results pass through memory.
+/// Use it around a whole step, not inside: arguments and results pass through memory.
 #[inline(always)]
 pub fn with<A, T>(arguments: A, hardware: impl FnOnce(A) -> T, emulated: impl FnOnce(A) -> T) -> T {
     if cfg!(feature = "emulate-fma") {
@@ -106,7 +113,7 @@ pub fn with<A, T>(arguments: A, hardware: impl FnOnce(A) -> T, emulated: impl Fn
     }
 }
 
-/// Calls a function without inlining it: it is long, and most CPUs never need it.
+/// Calls `f` without inlining it: its code is long, and most CPUs never need it.
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 #[cold]
 #[inline(never)]
@@ -146,9 +153,9 @@ functions! {
         (sin.value(), cos.value())
     };
 
-    /// The angle of a point from the positive x axis, in rad within ±π: computed with more digits
-    /// than the result has, and rounded once. glibc's is the number next to it for 1 argument in
-    /// 1100.
+    /// The angle of the point from the positive x axis, in rad between -π and π. It is computed
+    /// with extra precision and rounded once; glibc's result is an adjacent number for 1 argument
+    /// in 1100.
     fn atan2(y: f64, x: f64) -> f64 = |F| arc::atan2::<F>(y, x);
 
     /// e^x.
@@ -169,15 +176,14 @@ functions! {
     /// x^y.
     fn pow(x: f64, y: f64) -> f64 = |F| pow::pow::<F>(x, y);
 
-    /// `pow(x, 2.0)`, which is not `x * x` for about one argument in a thousand.
+    /// `pow(x, 2.0)`, which differs from `x * x` for about one argument in a thousand.
     fn square(x: f64) -> f64 = |F| pow::square(One::<F>::new(x)).value();
 }
 
 functions! {
-    /// `powf(x, 2.0)`, which is not `x * x` for about one argument in 1400.
+    /// `powf(x, 2.0)`, which differs from `x * x` for about one argument in 1400.
     fn square_f32(x: f32) -> f32 = |F| pow::powf_2::<F>(x);
 
-    /// The natural logarithm of 1 + x, correctly rounded, as glibc 2.41 has it. (That of 2.36 is
-    /// another one.)
+    /// The natural logarithm of 1 + x, correctly rounded, as in glibc 2.41. (glibc 2.36 differs.)
     fn ln_1p_f32(x: f32) -> f32 = |F| log::ln_1p::<F>(f64::from(x)) as f32;
 }

@@ -1,19 +1,19 @@
-//! Functions that numpy does not take from the C library.
+//! Functions for which numpy does not use the C library.
 
 use super::fma::fma_f32;
 use super::trig_f32;
 
-/// `np.sin` and `np.cos` of a `float32`: numpy's own polynomials (at most 1.5 ulp off), evaluated
-/// with fused multiply-add. Source: numpy 2, `loops_trigonometric.dispatch.cpp`.
+/// `np.sin` and `np.cos` of a `float32`: numpy's own polynomials (error at most 1.5 ulp), evaluated
+/// with FMA. Source: numpy 2, `loops_trigonometric.dispatch.cpp`.
 #[must_use]
 pub fn sin_cos(x: f32) -> (f32, f32) {
-    /// Beyond this, numpy calls the C library.
+    /// Above this magnitude, numpy calls the C library.
     const MAX: f32 = 71_476.06;
     #[expect(
         clippy::approx_constant,
         reason = "the first part has fewer digits than the constant"
     )]
-    /// -pi/2 in three parts, for the reduction after Cody and Waite.
+    /// -pi/2 in three parts, for Cody and Waite's reduction.
     const MINUS_PI_2: [f32; 3] = [-1.570_796, -3.139_164_7e-7, -5.390_302_5e-15];
     const TWO_OVER_PI: f32 = 0.636_619_75;
     // coefficients from the highest power down: x^9, x^7, x^5, x^3 and x^8, x^6, x^4, x^2, 1
@@ -28,7 +28,7 @@ pub fn sin_cos(x: f32) -> (f32, f32) {
     if x.abs() > MAX {
         return trig_f32::sin_cos(x);
     }
-    // adding and subtracting 1.5 * 2^23 rounds to the nearest whole number
+    // adding and subtracting 1.5 * 2^23 rounds to the nearest integer
     const ROUND: f32 = 12_582_912.0;
     let quadrant = fma_f32(x, TWO_OVER_PI, ROUND) - ROUND;
     let r = MINUS_PI_2
@@ -50,7 +50,7 @@ pub fn sin_cos(x: f32) -> (f32, f32) {
 mod tests {
     use super::*;
 
-    /// Argument, sine and cosine, as bits, where numpy 2.4.6 differs from the correctly rounded
+    /// Bits of argument, sine and cosine where numpy 2.4.6 differs from the correctly rounded
     /// result.
     #[test]
     fn single_precision_sine_and_cosine_are_numpys() {

@@ -1,11 +1,11 @@
-//! Powers. After ARM's optimized routines (`pow.c`, `powf.c`, MIT), which glibc uses.
+//! Powers, after ARM's optimized routines (`pow.c`, `powf.c`, MIT), which glibc uses.
 
 use super::exp::{Parts, large, small};
 use super::log::LN2;
 use super::tables::{EXP2F, POW_LOG, POWF_LOG2};
 use super::{Fma, Real};
 
-/// The start of the octave that is reduced to.
+/// The start of the octave to which arguments are reduced.
 const START: u64 = 0x3fe6_9555_0000_0000;
 /// Coefficients of x^2 to x^8 of ln(1 + x) within 1 / 128, scaled by powers of -2.
 const A: [f64; 7] = [
@@ -18,8 +18,8 @@ const A: [f64; 7] = [
     f64::from_bits(0xbfc0_002b_8b26_3fc3) * -8.0,
 ];
 
-/// The logarithm of the positive normal number with these bits, in two parts. (A subnormal one
-/// comes normalised, with an exponent that is not positive.)
+/// Returns the logarithm, in two parts, of the positive normal number with the given bits. (A
+/// subnormal argument is normalized first, so its exponent is 0 or negative.)
 #[inline(always)]
 fn ln<F: Fma>(bits: u64) -> (f64, f64) {
     let offset = bits.wrapping_sub(START);
@@ -44,7 +44,7 @@ fn ln<F: Fma>(bits: u64) -> (f64, f64) {
     (sum, high - sum + low)
 }
 
-/// e^(x + rest), with a sign.
+/// Returns e^(x + rest), or its negative.
 #[inline(always)]
 fn exp<F: Fma>(x: f64, rest: f64, negative: bool) -> f64 {
     let sign = if negative { -1.0 } else { 1.0 };
@@ -56,7 +56,8 @@ fn exp<F: Fma>(x: f64, rest: f64, negative: bool) -> f64 {
         return sign * if x < 0.0 { 0.0 } else { f64::INFINITY };
     }
     let Parts { scale, k, fraction } = Parts::new::<F>(x, rest);
-    let scale = scale.wrapping_add(u64::from(negative) << 63); // whose sign an exponent may have overrun
+    // an exponent that overflows changes the sign bit
+    let scale = scale.wrapping_add(u64::from(negative) << 63);
     if magnitude < 512.0 {
         let scale = f64::from_bits(scale);
         F::fma(scale, fraction, scale)
@@ -67,7 +68,7 @@ fn exp<F: Fma>(x: f64, rest: f64, negative: bool) -> f64 {
     }
 }
 
-/// x^y.
+/// Returns x^y.
 #[inline(always)]
 pub(super) fn pow<F: Fma>(x: f64, y: f64) -> f64 {
     let magnitude = y.abs();
@@ -88,7 +89,7 @@ fn positive<F: Fma>(bits: u64, y: f64, negative: bool) -> f64 {
     exp::<F>(product, rest, negative)
 }
 
-/// Arguments other than two normal numbers of which the first is positive.
+/// Handles all arguments except two normal numbers of which `x` is positive.
 #[cold]
 #[inline(never)]
 fn special<F: Fma>(x: f64, y: f64) -> f64 {
@@ -116,7 +117,7 @@ fn special<F: Fma>(x: f64, y: f64) -> f64 {
         return f64::NAN;
     }
     if y.abs() >= 2f64.powi(63) {
-        // an even number
+        // such a `y` is an even number
         return if magnitude == 1.0 {
             1.0
         } else if (magnitude > 1.0) == (y > 0.0) {
@@ -136,11 +137,11 @@ fn special<F: Fma>(x: f64, y: f64) -> f64 {
     positive::<F>(bits, y, sign < 0.0)
 }
 
-/// x^2 of the C library's `pow`, which is within 0.511 units in the last place: the product, unless
-/// the exact square is so near to the middle between two numbers that the other one may come.
+/// Returns the C library's `pow(x, 2)`, whose error is at most 0.511 ulp. This is the rounded
+/// product, unless the exact square is so close to a tie that `pow` may return the other neighbour.
 #[inline(always)]
 pub(super) fn square<R: Real>(x: R) -> R {
-    /// How far from the product the exact square may be, in its unit in the last place.
+    /// The largest error of the product, in ulp, for which `pow` is certain to return the product.
     const SURE: f64 = 0.489 * f64::EPSILON;
     let product = x * x;
     let rest = x.fma(x, -product).abs();
@@ -154,10 +155,10 @@ pub(super) fn square<R: Real>(x: R) -> R {
     }
 }
 
-/// x^2 of the C library's `powf`, for numbers that are those of `f32`, as the result is.
+/// Returns the C library's `powf(x, 2)`; `x` must be representable in `f32`, and so is the result.
 #[inline(always)]
 pub(super) fn square_f32<R: Real>(x: R) -> R {
-    /// As above, in units in the last place of `f32`.
+    /// The largest error of the product, in ulp of `f32`, for which `powf` is certain to return it.
     const SURE: f64 = 0.495 * f32::EPSILON as f64;
     let exact = x * x;
     let product = exact.single();
@@ -198,10 +199,10 @@ const EXP2: [f64; 3] = [
     f64::from_bits(0x3fce_bfce_50fa_c4f3),
     f64::from_bits(0x3fe6_2e42_ff0c_52d6),
 ];
-/// Adding and subtracting it rounds to the nearest 32nd: 1.5 * 2^47.
+/// Adding and subtracting this number rounds to the nearest 32nd: 1.5 * 2^47.
 const ROUND_32: f64 = 211_106_232_532_992.0;
 
-/// `powf(x, 2)`.
+/// Returns `powf(x, 2)`.
 #[inline(always)]
 pub(super) fn powf_2<F: Fma>(x: f32) -> f32 {
     const START: u32 = 0x3f33_0000;

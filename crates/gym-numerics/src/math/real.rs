@@ -1,4 +1,4 @@
-//! The number type of equations: one number, or a SIMD register of them.
+//! The number type of equations: one number, or a SIMD register of numbers.
 
 use std::fmt;
 use std::marker::PhantomData;
@@ -6,10 +6,10 @@ use std::ops::{Add, BitAnd, BitOr, Div, Mul, Neg, Sub};
 
 use super::{Fma, pow, trig};
 
-/// An `f64`, or several that are computed with at once.
+/// An `f64`, or a register of several.
 ///
-/// Each operation rounds as that of `f64`, so the same equations give the same bits for one number
-/// and for several. Comparisons return masks; use [`select`](Self::select) instead of `if`.
+/// Each operation rounds like the operation of `f64`, so equations give the same bits for one
+/// number and for several. Comparisons return masks: use [`select`](Self::select) instead of `if`.
 pub trait Real:
     Copy
     + fmt::Debug
@@ -23,117 +23,119 @@ pub trait Real:
     + Div<f64, Output = Self>
     + Neg<Output = Self>
 {
-    /// A yes or no for each number.
+    /// One boolean per number.
     type Mask: Copy + BitAnd<Output = Self::Mask> + BitOr<Output = Self::Mask>;
 
-    /// Proof that the CPU has the needed instructions.
+    /// Proof that the CPU has the required instructions.
     type Token: Copy;
 
-    /// How many numbers these are.
+    /// The number of numbers.
     const LANES: usize;
 
-    /// `x`, as often as there are numbers here.
+    /// Returns a register in which every number is `x`.
     fn same(self, x: f64) -> Self;
 
-    /// `self * b + c`, rounded once.
+    /// Returns `self * b + c`, rounded once.
     fn fma(self, b: Self, c: Self) -> Self;
 
-    /// The magnitudes.
+    /// Returns the magnitudes.
     fn abs(self) -> Self;
 
-    /// These magnitudes with the signs of others.
+    /// Returns the magnitudes with the signs of `sign`.
     fn copysign(self, sign: Self) -> Self;
 
-    /// Rounded to the precision of `f32`.
+    /// Rounds to the precision of `f32`.
     fn single(self) -> Self;
 
-    /// Whether the numbers are less than others.
+    /// Whether each number is less than `other`.
     fn lt(self, other: Self) -> Self::Mask;
 
-    /// Whether the numbers are less than others or equal.
+    /// Whether each number is less than or equal to `other`.
     fn le(self, other: Self) -> Self::Mask;
 
-    /// `yes` where the mask is set, else `no`.
+    /// Returns `yes` where `mask` is set, otherwise `no`.
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
 
-    /// Where the mask is set and another is not.
+    /// Returns `mask` without the numbers of `other`.
     fn but_not(mask: Self::Mask, other: Self::Mask) -> Self::Mask;
 
-    /// Whether the mask is set anywhere.
+    /// Whether `mask` is set for any number.
     fn any(mask: Self::Mask) -> bool;
 
-    /// Whether the mask is set everywhere.
+    /// Whether `mask` is set for all numbers.
     fn all(mask: Self::Mask) -> bool;
 
-    /// The mask as bits, the lowest for the first number.
+    /// Returns `mask` as bits; the first number has the lowest bit.
     fn bits(mask: Self::Mask) -> u64;
 
-    /// Where the mask is not set, `f` of the number of `of` instead, one by one: for rare cases.
+    /// Replaces each number outside of `mask` by `f` of the number in `of`, one by one: for rare
+    /// cases.
     fn repair_unless(self, mask: Self::Mask, of: Self, f: impl Fn(f64) -> f64) -> Self;
 
-    /// The greatest powers of two that are not above the magnitudes, for normal numbers.
+    /// Returns the largest power of two not above each magnitude, for normal numbers.
     fn exponent(self) -> Self;
 
-    /// Whether this bit of the numbers' representation is set.
+    /// Whether bit `bit` of each number's representation is set.
     fn bit(self, bit: u32) -> Self::Mask;
 
-    /// The negative ones of these where the mask is set.
+    /// Negates the numbers where `mask` is set.
     #[inline(always)]
     fn negate_if(self, mask: Self::Mask) -> Self {
         Self::select(mask, -self, self)
     }
 
-    /// The columns of the rows that the lowest 7 bits of the numbers' representation give.
+    /// Looks up the row given by the lowest 7 bits of each number's representation; returns the
+    /// columns.
     fn rows(self, table: &[[f64; 4]; 128]) -> [Self; 4];
 
-    /// The first numbers of a slice, which has as many at least.
+    /// Loads the first numbers of `numbers`, which must have enough.
     fn get(token: Self::Token, numbers: &[f64]) -> Self;
 
-    /// Overwrites the first numbers of a slice, which has as many at least.
+    /// Stores to the first numbers of `numbers`, which must have enough.
     fn put(self, numbers: &mut [f64]);
 
-    /// The sine and the cosine of angles in rad.
+    /// Returns the sine and the cosine of angles in rad.
     #[inline(always)]
     fn sin_cos(self) -> (Self, Self) {
         trig::sin_cos(self)
     }
 
-    /// The sine of angles in rad.
+    /// Returns the sine of angles in rad.
     #[inline(always)]
     fn sin(self) -> Self {
         trig::sin(self)
     }
 
-    /// The cosine of angles in rad.
+    /// Returns the cosine of angles in rad.
     #[inline(always)]
     fn cos(self) -> Self {
         trig::cos(self)
     }
 
-    /// Python's `x ** 2`, which is the C library's `pow`: not `x * x` for about one number in a
-    /// thousand.
+    /// Python's `x ** 2`, which is the C library's `pow(x, 2)`: it differs from `x * x` for about
+    /// one number in a thousand.
     #[inline(always)]
     fn square(self) -> Self {
         pow::square(self)
     }
 
-    /// `x ** 2` of numbers of numpy's `float32`: the C library's `powf`.
+    /// `x ** 2` of numpy's `float32`, which is the C library's `powf(x, 2)`.
     #[inline(always)]
     fn square_f32(self) -> Self {
         pow::square_f32(self)
     }
 
-    /// Python's `x % b` for `b` above 0: in `[0, b)`, or `b` itself where a tiny negative number
+    /// Python's `x % b` for a positive `b`: in `[0, b)`, or `b` itself if a tiny negative number
     /// rounds up to it.
     #[inline(always)]
     fn modulo(self, b: f64) -> Self {
-        // beyond this many times `b`, the quotient is not found by adding
+        // the largest quotient that can be rounded by adding and subtracting [`ROUND`]
         const MOST: f64 = 2_251_799_813_685_248.0; // 2^51
         const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5 * 2^52
         let magnitude = self.abs();
         let quotient = magnitude * (1.0 / b);
         let quotient = (quotient + ROUND) - ROUND;
-        // exact, as all remainders are
+        // exact, like every remainder
         let rest = (-quotient).fma(self.same(b), magnitude);
         let zero = self.same(0.0);
         let rest = Self::select(rest.lt(zero), rest + b, rest);
@@ -148,13 +150,13 @@ pub trait Real:
         })
     }
 
-    /// Whether the numbers are greater than others.
+    /// Whether each number is greater than `other`.
     #[inline(always)]
     fn gt(self, other: Self) -> Self::Mask {
         other.lt(self)
     }
 
-    /// Brought between two bounds, as `f64::clamp` and `np.clip` do.
+    /// Limits the numbers to `[low, high]`, like `f64::clamp` and `np.clip`.
     #[inline(always)]
     fn clamp(self, low: f64, high: f64) -> Self {
         let (low, high) = (self.same(low), self.same(high));
@@ -163,10 +165,10 @@ pub trait Real:
     }
 }
 
-/// The bits of an exponent.
+/// The exponent's bits of an `f64`.
 pub(super) const EXPONENT: u64 = 0x7ff << 52;
 
-/// One number.
+/// A single number.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct One<F> {
     x: f64,
@@ -174,7 +176,7 @@ pub struct One<F> {
 }
 
 impl<F> One<F> {
-    /// That number.
+    /// Wraps a number.
     #[inline(always)]
     pub fn new(x: f64) -> Self {
         Self {
@@ -183,7 +185,7 @@ impl<F> One<F> {
         }
     }
 
-    /// That number.
+    /// Returns the number.
     #[inline(always)]
     pub fn value(self) -> f64 {
         self.x

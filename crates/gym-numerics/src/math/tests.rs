@@ -1,5 +1,5 @@
-//! The functions against recorded results of glibc, against the platform's where that is glibc,
-//! with fused multiply-adds of the CPU and without, one by one and in vectors.
+//! Compares the functions with recorded results of glibc and, where the platform has glibc, with
+//! the platform's functions; with and without FMA, one by one and in vectors.
 
 use std::hint::black_box;
 
@@ -8,13 +8,13 @@ use rand::Rng;
 use super::*;
 use crate::Generator;
 
-/// A function of one number, as it is computed here and by the platform.
+/// A function of one number: this crate's and the platform's.
 struct Function {
     name: &'static str,
     ours: fn(f64) -> f64,
     emulated: fn(f64) -> f64,
     platform: fn(f64) -> f64,
-    /// The greatest magnitudes that are drawn.
+    /// The magnitudes below which arguments are drawn.
     bounds: &'static [f64],
 }
 
@@ -119,8 +119,8 @@ fn same(a: f64, b: f64) -> bool {
     a.to_bits() == b.to_bits() || (a.is_nan() && b.is_nan())
 }
 
-/// Arguments of every kind: uniform ones, of every exponent, of any bits, and near multiples of
-/// π/4.
+/// Passes arguments of every kind to `check`: uniform, with every exponent, with any bits, and near
+/// multiples of π/4.
 fn arguments(bounds: &[f64], count: usize, mut check: impl FnMut(f64)) {
     let mut rng = Generator::from(11);
     let each = count / (bounds.len() + 3);
@@ -160,7 +160,7 @@ fn arguments(bounds: &[f64], count: usize, mut check: impl FnMut(f64)) {
     check(f64::NAN);
 }
 
-/// The number of arguments of each function: 10^6, or `MATH_ARGUMENTS`.
+/// Returns the number of arguments per function: 10^6, or `MATH_ARGUMENTS`.
 fn count() -> usize {
     std::env::var("MATH_ARGUMENTS")
         .ok()
@@ -168,7 +168,7 @@ fn count() -> usize {
         .unwrap_or(1_000_000)
 }
 
-/// Whether the platform's functions are those that ours equal, and if not, why.
+/// Returns whether the platform's functions are the reference; prints the reason if not.
 fn platform_is_the_reference() -> bool {
     if !cfg!(all(
         target_os = "linux",
@@ -206,8 +206,8 @@ fn functions_are_the_platforms() {
     }
 }
 
-/// Where `log1p` and `expm1` go over to another series is decided by the 32 highest bits of the
-/// argument, which random ones seldom meet.
+/// `log1p` and `expm1` choose their series by the high 32 bits of the argument; random arguments
+/// rarely reach the boundaries.
 #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
 #[test]
 fn functions_are_the_platforms_where_their_series_change() {
@@ -245,8 +245,7 @@ fn functions_are_the_platforms_where_their_series_change() {
     }
 }
 
-/// As on a CPU without fused multiply-add, and on a platform that is only asked for sums and
-/// products.
+/// As on a CPU without FMA, where the functions use only sums and products.
 #[test]
 fn emulated_multiply_adds_change_nothing() {
     for Function {
@@ -337,8 +336,8 @@ fn single_precision_is_the_platforms() {
     }
 }
 
-/// glibc's is not correctly rounded for 1 argument in 1100; no result depends on which one comes,
-/// for angles are only compared.
+/// glibc's function is not correctly rounded for 1 argument in 1100. No result depends on this,
+/// because angles are only compared.
 #[expect(clippy::disallowed_methods, reason = "these are what is compared with")]
 #[test]
 fn arc_tangents_are_the_platforms_within_a_unit() {
@@ -373,8 +372,8 @@ fn arc_tangents_are_the_platforms_within_a_unit() {
     }
 }
 
-/// Results of glibc 2.36, mostly where the correctly rounded result is another one: bits of
-/// arguments and results.
+/// Bits of arguments and of glibc 2.36's results, mostly cases in which those are not correctly
+/// rounded.
 #[test]
 fn hard_cases_are_glibcs() {
     let number = |digits: &str| f64::from_bits(u64::from_str_radix(digits, 16).unwrap());
@@ -386,7 +385,7 @@ fn hard_cases_are_glibcs() {
         match fields[..] {
             ["powf_2", x, result] => assert_eq!(square_f32(single(x)), single(result), "{line}"),
             ["pow", x, y, result] => {
-                assert!(same(pow(number(x), number(y)), number(result)), "{line}")
+                assert!(same(pow(number(x), number(y)), number(result)), "{line}");
             }
             [name, x, result] => {
                 let mut known = functions();
@@ -403,7 +402,7 @@ fn hard_cases_are_glibcs() {
     assert!(checked > 1000);
 }
 
-/// A function of all numbers of a slice, as many at once as the CPU computes with.
+/// Applies `function` to all numbers, as many at once as a register holds.
 struct Map<'a, F> {
     numbers: &'a mut [f64],
     function: F,

@@ -1,6 +1,5 @@
-//! Sine and cosine, as glibc computes them on x86-64 with fused multiply-add: a reduction to an
-//! angle within ±π/4 and its rounding error, a table of steps of 1/128, and short polynomials
-//! between them.
+//! Sine and cosine, as glibc computes them on x86-64 with FMA: a reduction to ±π/4 with its
+//! rounding error, a table in steps of 1/128, and short polynomials between the steps.
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 
@@ -8,23 +7,23 @@ use super::fma::{Emulated, exact_product};
 use super::tables::{SIN_COS, TWO_OVER_PI};
 use super::{One, Real};
 
-/// Adding it leaves the multiple of 1/128 that is nearest in the lowest bits: 1.5 * 2^45.
+/// Adding this number puts the nearest multiple of 1/128 into the lowest bits: 1.5 * 2^45.
 const BIG: f64 = 52_776_558_133_248.0;
-/// Adding and subtracting it rounds to the nearest whole number, which is then in the lowest bits
-/// of the sum: 1.5 * 2^52.
+/// Adding and subtracting this number rounds to the nearest integer, which is in the lowest bits of
+/// the sum: 1.5 * 2^52.
 const ROUND: f64 = 6_755_399_441_055_744.0;
-/// Angles below are not reduced.
+/// Angles below this are not reduced.
 const UNREDUCED: f64 = 0.855_468_75;
-/// Smaller angles are at most one quarter turn from the range that is not reduced.
+/// Angles below this are reduced by at most one quarter turn.
 const ONE_TURN: f64 = f64::from_bits(0x4003_68fd_0000_0000);
-/// Angles from here on are reduced with all digits of π that there are.
+/// Angles from here on are reduced with all digits of π.
 const HUGE: f64 = 105_414_350.0;
-/// Sines of reduced angles below need no table.
+/// Below this, the sine of a reduced angle needs no table.
 const SMALL: f64 = 0.126;
 
 /// π/2 in two parts.
 const QUARTER: [f64; 2] = [FRAC_PI_2, 6.123_233_995_736_766e-17];
-/// π/2 in four parts, the first two short.
+/// π/2 in four parts, of which the first two are short.
 const PARTS: [f64; 4] = [
     1.570_796_340_703_964_2,
     -1.390_906_756_437_715_3e-8,
@@ -32,8 +31,8 @@ const PARTS: [f64; 4] = [
     -1.903_488_962_019_326_6e-25,
 ];
 
-/// The one angle, with its negative, for which glibc's `sin` chooses another row of its table than
-/// this reduction and glibc's `sincos`, and its sine there. It lies half-way between two rows.
+/// The only angle (with its negative) for which glibc's `sin` chooses another table row than this
+/// reduction and glibc's `sincos`: it lies exactly between two rows. And its sine.
 const HALF_WAY: f64 = f64::from_bits(0x3ffa_d1fb_5444_2d18);
 const SIN_HALF_WAY: f64 = f64::from_bits(0x3fef_d27a_cee5_50dc);
 
@@ -54,18 +53,18 @@ const SINE: [f64; 5] = [
     -0.166_666_666_666_666_66,
 ];
 
-/// An angle without its whole quarter turns: its value in two parts, and the quarter turns in the
-/// lowest bits of a number.
+/// An angle without its quarter turns: its value in two parts, and the number of quarter turns in
+/// the lowest bits of `turns`.
 struct Reduced<R> {
     a: R,
     da: R,
     turns: R,
-    /// Whether one is beyond HUGE, where the reduction fails.
+    /// Whether any angle is at least [`HUGE`], for which the reduction fails.
     huge: bool,
 }
 
 impl<R: Real> Reduced<R> {
-    /// The shortest way that is right for all.
+    /// Reduces `x` by the fastest formula that is correct for all its numbers.
     #[inline(always)]
     fn new(x: R) -> Self {
         let magnitude = x.abs();
@@ -87,7 +86,7 @@ impl<R: Real> Reduced<R> {
         }
     }
 
-    /// With no turn or one, and the parts of QUARTER.
+    /// Reduces by `n` quarter turns (-1, 0 or 1), with the parts of [`QUARTER`].
     #[inline(always)]
     fn of_near(x: R, n: R) -> Self {
         let (minus_n, rest) = (-n, x.same(QUARTER[1]));
@@ -101,8 +100,8 @@ impl<R: Real> Reduced<R> {
         }
     }
 
-    /// One formula for small angles and for others, whose turns are counted and subtracted by the
-    /// parts of PARTS.
+    /// Reduces small angles by `one` quarter turn, and others by a counted number of quarter turns
+    /// with the parts of [`PARTS`], in one formula.
     #[inline(always)]
     fn of_any(x: R, near: R::Mask, one: R) -> Self {
         let shifted = x.fma(x.same(FRAC_2_PI), x.same(ROUND));
@@ -126,15 +125,16 @@ impl<R: Real> Reduced<R> {
     }
 }
 
-/// The angle from the nearest multiple of 1/128, and the row of that multiple in the table, for the
-/// magnitude of a reduced angle.
+/// For the magnitude of a reduced angle: returns its distance from the nearest multiple of 1/128,
+/// and the table row of that multiple.
 #[inline(always)]
 fn nearest<R: Real>(magnitude: R) -> (R, [R; 4]) {
     let u = magnitude + BIG;
     (magnitude - (u - BIG), u.rows(&SIN_COS))
 }
 
-/// The polynomials of the sine and of 1 minus the cosine, for the square of a small angle.
+/// Returns the polynomials of the sine and of 1 minus the cosine; `square` is the square of a small
+/// angle.
 #[inline(always)]
 fn polynomials<R: Real>(square: R) -> (R, R) {
     let sin = square.fma(square.same(S5), square.same(S3));
@@ -144,13 +144,14 @@ fn polynomials<R: Real>(square: R) -> (R, R) {
     (sin, cos)
 }
 
-/// `a cos(s) + b sin(s)`, where `c` is 1 - cos(s) and `a` and `b` have rests.
+/// Returns `a cos(s) + b sin(s)`, where `c` is 1 - cos(s), and `a_rest` and `b_rest` are second
+/// parts.
 #[inline(always)]
 fn turn<R: Real>([a, a_rest, b, b_rest]: [R; 4], s: R, c: R) -> R {
     a + s.fma(b, (-c).fma(a, b_rest.fma(s, a_rest)))
 }
 
-/// The sine of an angle below SMALL.
+/// Returns the sine of an angle below [`SMALL`].
 #[inline(always)]
 fn sin_of_small<R: Real>(a: R, da: R) -> R {
     let square = a * a;
@@ -161,7 +162,7 @@ fn sin_of_small<R: Real>(a: R, da: R) -> R {
     a + square.fma(p.fma(a, da * -0.5), da)
 }
 
-/// Sine and cosine of a reduced angle.
+/// Returns sine and cosine of a reduced angle.
 #[inline(always)]
 fn both<R: Real>(a: R, da: R) -> (R, R) {
     let (r, row @ [sin, sin_rest, cos, cos_rest]) = nearest(a.abs());
@@ -187,7 +188,7 @@ fn both<R: Real>(a: R, da: R) -> (R, R) {
     (sin, cos)
 }
 
-/// The same without a second part.
+/// Returns sine and cosine of a reduced angle without a second part.
 #[inline(always)]
 fn both_exact<R: Real>(a: R) -> (R, R) {
     let (r, row @ [sin, sin_rest, cos, cos_rest]) = nearest(a.abs());
@@ -204,7 +205,8 @@ fn both_exact<R: Real>(a: R) -> (R, R) {
     (sin, cos)
 }
 
-/// The sine of a reduced angle; `large` gives that of its magnitude if it is not small.
+/// Returns the sine of a reduced angle; `large` computes the sine of its magnitude if it is at
+/// least [`SMALL`].
 #[inline(always)]
 fn or_small<R: Real>(a: R, da: R, large: impl FnOnce() -> R) -> R {
     let small = a.abs().lt(a.same(SMALL));
@@ -221,7 +223,7 @@ fn or_small<R: Real>(a: R, da: R, large: impl FnOnce() -> R) -> R {
     sin.copysign(a)
 }
 
-/// The sine, or where turns are odd the cosine.
+/// Returns the sine if `turns` is even, the cosine if it is odd.
 #[inline(always)]
 fn one_of_both<R: Real>(a: R, da: R, turns: R) -> R {
     let odd = turns.bit(0);
@@ -231,7 +233,7 @@ fn one_of_both<R: Real>(a: R, da: R, turns: R) -> R {
     } else {
         let (r, [sin, sin_rest, cos, cos_rest]) = nearest(a.abs());
         let dx = da.negate_if(a.lt(a.same(0.0)));
-        // the cosine is that of the whole angle, the sine that of its first part, corrected
+        // the cosine uses the whole angle, the sine its first part and a correction
         let whole = R::select(odd, r + dx, r);
         let square = whole * whole;
         let (p, q) = polynomials(square);
@@ -257,7 +259,7 @@ fn one_of_both<R: Real>(a: R, da: R, turns: R) -> R {
     value.negate_if(turns.bit(1))
 }
 
-/// Both, in the quadrant of the turns.
+/// Returns sine and cosine in the quadrant given by `turns`.
 #[inline(always)]
 fn both_in_quadrant<R: Real>(a: R, da: R, turns: R) -> (R, R) {
     let (sin, cos) = both(a, da);
@@ -269,7 +271,8 @@ fn both_in_quadrant<R: Real>(a: R, da: R, turns: R) -> (R, R) {
     )
 }
 
-/// The sines for which the formula fails: HALF_WAY, and from HUGE on. Both are rare.
+/// Replaces the sines for which the formula fails: of [`HALF_WAY`], and from [`HUGE`] on. Both are
+/// rare.
 #[inline(always)]
 fn repair_sin<R: Real>(x: R, sin: R, huge: bool) -> R {
     let (magnitude, half_way) = (x.abs(), x.same(HALF_WAY));
@@ -284,7 +287,7 @@ fn repair_sin<R: Real>(x: R, sin: R, huge: bool) -> R {
     )
 }
 
-/// The cosines for which the formula fails: from HUGE on.
+/// Replaces the cosines for which the formula fails: from [`HUGE`] on.
 #[inline(always)]
 fn repair_cos<R: Real>(x: R, cos: R, huge: bool) -> R {
     if huge {
@@ -294,7 +297,7 @@ fn repair_cos<R: Real>(x: R, cos: R, huge: bool) -> R {
     }
 }
 
-/// Sines and cosines of angles in rad.
+/// Returns the sine and the cosine of angles in rad.
 #[inline(always)]
 pub(super) fn sin_cos<R: Real>(x: R) -> (R, R) {
     if R::all(x.abs().lt(x.same(UNREDUCED))) {
@@ -305,17 +308,17 @@ pub(super) fn sin_cos<R: Real>(x: R) -> (R, R) {
     (repair_sin(x, sin, huge), repair_cos(x, cos, huge))
 }
 
-/// The sines of angles in rad.
+/// Returns the sine of angles in rad.
 #[inline(always)]
 pub(super) fn sin<R: Real>(x: R) -> R {
     let Reduced { a, da, turns, huge } = Reduced::new(x);
     repair_sin(x, one_of_both(a, da, turns), huge)
 }
 
-/// The cosines of angles in rad.
+/// Returns the cosine of angles in rad.
 #[inline(always)]
 pub(super) fn cos<R: Real>(x: R) -> R {
-    // the sine one quarter turn on
+    // the sine of the angle plus a quarter turn
     let Reduced { a, da, turns, huge } = Reduced::new(x);
     repair_cos(x, one_of_both(a, da, turns + 1.0), huge)
 }
@@ -330,7 +333,7 @@ fn sin_of_unusual(x: f64) -> f64 {
     }
 }
 
-/// Beyond HUGE, which no environment reaches.
+/// Computes angles from [`HUGE`] on, which no environment reaches.
 #[cold]
 #[inline(never)]
 fn sin_cos_of_huge(x: f64) -> (f64, f64) {
@@ -342,14 +345,15 @@ fn sin_cos_of_huge(x: f64) -> (f64, f64) {
     (sin.value(), cos.value())
 }
 
-/// The reduction of an angle from HUGE on, after Payne and Hanek (1983): of 2/π only those digits
-/// count that do not give whole turns.
+/// Reduces an angle from [`HUGE`] on, after Payne and Hanek (1983): digits of 2/π that only give
+/// whole turns are skipped.
 fn reduce_huge(x: f64) -> Reduced<One<Emulated>> {
     // x = mantissa * 2^exponent
     let exponent = (x.to_bits() >> 52 & 0x7ff).cast_signed() - 1075;
     let mantissa = x.to_bits() & ((1 << 52) - 1) | 1 << 52;
 
-    // 256 digits of 2/π, from the first one that gives no multiple of 4 quarter turns on
+    // 256 digits of 2/π, starting at the first one that does not only give multiples of 4 quarter
+    // turns
     let start = (exponent - 2).max(0) as usize;
     let word = |i: usize| TWO_OVER_PI.get(i).copied().unwrap_or(0);
     let digits = |i: usize| {
@@ -360,7 +364,7 @@ fn reduce_huge(x: f64) -> Reduced<One<Emulated>> {
             word(i) << shift | word(i + 1) >> (64 - shift)
         }
     };
-    // their product with the mantissa, the lowest word first
+    // the product of these digits and the mantissa, lowest word first
     let mut product = [0u64; 5];
     let mut carry = 0u128;
     for (i, word) in product.iter_mut().take(4).enumerate() {
@@ -374,7 +378,7 @@ fn reduce_huge(x: f64) -> Reduced<One<Emulated>> {
     let [low, high] =
         [0, 2].map(|i| shifted(i) as u64 as u128 | (shifted(i + 1) as u64 as u128) << 64);
 
-    // the top two digits are quarter turns; the rest is brought between -1/2 and 1/2 of one
+    // the highest two digits are quarter turns; the fraction is brought into ±1/2 quarter turn
     let mut turns = (high >> 126) as i32;
     let fraction = [low, high << 2 >> 2].map(|word| word);
     let above = fraction[1] >> 125 & 1 == 1;
@@ -387,7 +391,7 @@ fn reduce_huge(x: f64) -> Reduced<One<Emulated>> {
     };
     let sign = if above == (x < 0.0) { 1.0 } else { -1.0 };
 
-    // in two parts: 126 digits of the first, those of the second
+    // in two parts: 126 digits of the first word, then the digits of the second
     let leading = high.leading_zeros().min(127);
     let joined = if leading == 0 {
         high

@@ -1,8 +1,7 @@
 //! Sine and cosine of an `f32`, with the same bits on every platform.
 //!
-//! This is the algorithm that glibc uses on x86-64 (ARM's optimized routines: reduction to a
-//! quarter turn and polynomials, in `f64`), whose result is the same with fused multiply-add and
-//! without.
+//! The algorithm is glibc's on x86-64 (ARM's optimized routines: reduction to a quarter turn and
+//! polynomials, in `f64`). Its result is the same with and without FMA.
 
 /// Polynomial of the sine over ±π/4: x + S1 x³ + S2 x⁵ + S3 x⁷.
 const SIN: [f64; 3] = [
@@ -19,22 +18,22 @@ const COS: [f64; 4] = [
 ];
 /// 2/π · 2²⁴.
 const HALF_TURNS: f64 = f64::from_bits(0x4164_5F30_6DC9_C883);
-/// π/2 in two parts whose products with small whole numbers are exact, so that the reduction is
-/// rounded only once, as a fused multiply-add rounds it.
+/// π/2 in two parts whose products with small integers are exact, so the reduction rounds only
+/// once, like FMA.
 const HALF_PI: [f64; 2] = [
     f64::from_bits(0x3FF9_21FB_5444_2D00),
     f64::from_bits(0x3CF8_0000_0000_0000),
 ];
 /// π/2 · 2⁻⁶².
 const HALF_PI_62: f64 = f64::from_bits(0x3C19_21FB_5444_2D18);
-/// Digits of 2/π in base 2³², each word 8 bits after the one before.
+/// Digits of 2/π in base 2³²; each word starts 8 bits after the previous one.
 const TWO_OVER_PI: [u32; 24] = [
     0xa2, 0xa2f9, 0xa2f983, 0xa2f9836e, 0xf9836e4e, 0x836e4e44, 0x6e4e4415, 0x4e441529, 0x441529fc,
     0x1529fc27, 0x29fc2757, 0xfc2757d1, 0x2757d1f5, 0x57d1f534, 0xd1f534dd, 0xf534ddc0, 0x34ddc0db,
     0xddc0db62, 0xc0db6295, 0xdb629599, 0x6295993c, 0x95993c43, 0x993c4390, 0x3c439041,
 ];
 
-/// The sine and the cosine of an angle in rad: the C library's `sinf` and `cosf`.
+/// Returns the sine and the cosine of an angle in rad, like the C library's `sinf` and `cosf`.
 #[inline]
 #[must_use]
 pub fn sin_cos(angle: f32) -> (f32, f32) {
@@ -89,8 +88,8 @@ fn cos_polynomial(x2: f64) -> f64 {
     1.0 + x2 * COS[0] + x4 * COS[1] + x4 * x2 * (COS[2] + x2 * COS[3])
 }
 
-/// The remainder of a division by π/2 and the quotient's low bits, for the bits of any positive
-/// `f32` from 120: the fraction is multiplied by those digits of 2/π that matter.
+/// Divides by π/2; returns the remainder and the low bits of the quotient. `bits` are the bits of a
+/// positive `f32` of at least 120; its mantissa is multiplied by the relevant digits of 2/π.
 fn reduce_large(bits: u32) -> (f64, i32) {
     let digits = &TWO_OVER_PI[(bits >> 26 & 15) as usize..];
     let fraction = (bits & 0xff_ffff | 0x80_0000) << (bits >> 23 & 7);
@@ -108,7 +107,7 @@ fn reduce_large(bits: u32) -> (f64, i32) {
 mod tests {
     use super::*;
 
-    /// glibc 2.36's `sinf` and `cosf`.
+    /// Results of `sinf` and `cosf` in glibc 2.36.
     #[test]
     fn equals_glibc() {
         for (angle, sin, cos) in GLIBC {

@@ -1,19 +1,19 @@
-//! Whole numbers and indices: numpy's `integers`, `choice`, `geometric`, `shuffle` and
-//! `permutation`, and Gymnasium's `categorical_sample`.
+//! Integers and indices: numpy's `integers`, `choice`, `geometric`, `shuffle` and `permutation`,
+//! and Gymnasium's `categorical_sample`.
 
 use rand::Rng;
 
 use super::Generator;
 use crate::math::ln_1p;
 
-/// Lemire's method (<https://arxiv.org/abs/1805.10941>): a number below `n`, which is not 0, from
-/// words of `next`.
+/// Lemire's method (<https://arxiv.org/abs/1805.10941>): draws a number below `n` from words of
+/// `next`; `n` must not be 0.
 macro_rules! lemire {
     ($name:ident, $word:ty, $product:ty) => {
         #[inline]
         fn $name(n: $word, mut next: impl FnMut() -> $word) -> $word {
             let mut product = <$product>::from(next()) * <$product>::from(n);
-            // The threshold costs a division and is below `n`: most draws do not need it.
+            // the threshold costs a division; it is below `n`, so most draws do not need it
             if (product as $word) < n {
                 let threshold = n.wrapping_neg() % n;
                 while (product as $word) < threshold {
@@ -29,7 +29,7 @@ lemire!(below_u32, u32, u64);
 lemire!(below_u64, u64, u128);
 
 impl Generator {
-    /// Uniform in `[low, high)`: numpy's `integers(low, high)`.
+    /// Draws uniformly from `[low, high)`: numpy's `integers(low, high)`.
     ///
     /// A range of one value draws nothing. An empty range draws nothing and returns `low`.
     #[inline]
@@ -51,8 +51,8 @@ impl Generator {
     /// Fills `out` uniformly from `[low, high_inclusive]`: numpy's
     /// `integers(low, high_inclusive, size=out.len(), dtype=np.uint8, endpoint=True)`.
     ///
-    /// Each 32 bits give four bytes, lowest first; unused ones at the end are dropped. A range of
-    /// one value draws nothing. An empty range draws nothing and returns `low`.
+    /// Each 32-bit word gives four bytes, lowest first; unused bytes of the last word are dropped.
+    /// A range of one value draws nothing. An empty range draws nothing and returns `low`.
     pub fn integers_u8(&mut self, low: u8, high_inclusive: u8, out: &mut [u8]) {
         if high_inclusive <= low {
             return out.fill(low);
@@ -60,9 +60,9 @@ impl Generator {
         self.integers_u8_each(low, &[high_inclusive], out);
     }
 
-    /// The same where the elements of `out` take turns with upper bounds of their own: numpy's
-    /// `integers(low, high, dtype=np.uint8, endpoint=True)` with an array of bounds that are
-    /// broadcast along the last axis. Without bounds, `out` stays as it is.
+    /// Fills `out` like [`integers_u8`](Self::integers_u8), cycling through the upper bounds
+    /// `highs_inclusive`: numpy's `integers(low, high, dtype=np.uint8, endpoint=True)` with an
+    /// array of bounds that is broadcast along the last axis. Without bounds, `out` stays as it is.
     pub fn integers_u8_each(&mut self, low: u8, highs_inclusive: &[u8], out: &mut [u8]) {
         let (mut bytes, mut left) = (0u32, 0);
         let mut next = || {
@@ -82,7 +82,7 @@ impl Generator {
         }
     }
 
-    /// A uniform index below `n`: numpy's `choice` from a sequence of length `n`.
+    /// Draws a uniform index below `n`: numpy's `choice` from a sequence of length `n`.
     ///
     /// If `n` is 0, it returns 0 and draws nothing.
     #[inline]
@@ -90,11 +90,10 @@ impl Generator {
         self.integers(0, i64::try_from(n).unwrap_or(i64::MAX)) as usize
     }
 
-    /// An index into `p` with these probabilities: numpy's `choice(len(p), p=p)`.
+    /// Draws an index into `p` with the probabilities `p`: numpy's `choice(len(p), p=p)`.
     ///
-    /// Draws one [`random`](Self::random). The sum need not be one exactly. If no sum of leading
-    /// probabilities exceeds the draw, for instance if all are 0, it returns the last index (0 if
-    /// there is none).
+    /// Uses one [`random`](Self::random). The sum of `p` need not be exactly 1. If no partial sum
+    /// exceeds the draw, for instance if all are 0, it returns the last index (0 if `p` is empty).
     #[inline]
     pub fn choice_p(&mut self, p: &[f64]) -> usize {
         let total: f64 = p.iter().sum();
@@ -109,11 +108,11 @@ impl Generator {
             .unwrap_or(p.len().saturating_sub(1))
     }
 
-    /// An index into `p` with these probabilities: Gymnasium's `categorical_sample`
+    /// Draws an index into `p` with the probabilities `p`: Gymnasium's `categorical_sample`
     /// (`envs/toy_text/utils.py`).
     ///
-    /// Draws one [`random`](Self::random), even for a single outcome, and returns the first index
-    /// at which the sum of `p` exceeds it, or 0 if there is none.
+    /// Uses one [`random`](Self::random), even for a single outcome, and returns the first index at
+    /// which the partial sum of `p` exceeds it, or 0 if there is none.
     #[inline]
     pub fn categorical(&mut self, p: &[f64]) -> usize {
         let r = self.random();
@@ -125,7 +124,8 @@ impl Generator {
         p.iter().position(above).unwrap_or(0)
     }
 
-    /// The number of trials of probability `p` up to the first success: 1 or more.
+    /// Draws the number of trials, with success probability `p`, up to and including the first
+    /// success.
     ///
     /// For `p` of 1 or more it returns 1; for `p` of 0 or less, or NaN, it returns `i64::MAX` and
     /// draws nothing.
@@ -133,20 +133,20 @@ impl Generator {
         if p >= 1.0 / 3.0 {
             self.geometric_search(p)
         } else if p > 0.0 {
-            // The cast limits larger numbers to `i64::MAX`, as numpy does.
+            // the cast limits larger numbers to `i64::MAX`, as numpy does
             (-self.standard_exponential() / ln_1p(-p)).ceil() as i64
         } else {
             i64::MAX
         }
     }
 
-    /// Adds up the probabilities of 1, 2, … until they reach a uniform draw.
+    /// Sums the probabilities of 1, 2, … until the sum reaches a uniform draw.
     fn geometric_search(&mut self, p: f64) -> i64 {
         let r = self.random();
         let (mut trials, mut term, mut sum) = (1, p, p);
         while r > sum {
             term *= 1.0 - p;
-            // Rounding can stop the sum below the largest draws, where numpy would never return.
+            // rounding can stop the sum below the largest draws; numpy would then never return
             if sum + term == sum {
                 break;
             }
@@ -156,22 +156,22 @@ impl Generator {
         trials
     }
 
-    /// Puts `items` in random order.
+    /// Shuffles `items`.
     pub fn shuffle<T>(&mut self, items: &mut [T]) {
         for i in (1..items.len()).rev() {
             items.swap(i, self.interval(i));
         }
     }
 
-    /// The numbers from 0 to `n - 1` in random order.
+    /// Returns the numbers from 0 to `n - 1` in random order.
     pub fn permutation(&mut self, n: usize) -> Vec<usize> {
         let mut items: Vec<usize> = (0..n).collect();
         self.shuffle(&mut items);
         items
     }
 
-    /// Uniform in `[0, max]` by masked rejection, for `max` above 0: numpy's C function
-    /// `random_interval`, which draws other words than [`integers`](Self::integers).
+    /// Draws uniformly from `[0, max]` by masked rejection; `max` must not be 0. This is numpy's C
+    /// function `random_interval`, which uses other words than [`integers`](Self::integers).
     fn interval(&mut self, max: usize) -> usize {
         let mask = usize::MAX >> max.leading_zeros();
         let half = u32::try_from(max).is_ok();
@@ -246,7 +246,7 @@ mod tests {
                 6614964053969868323
             ]
         );
-        // About half of these draws are rejected.
+        // about half of these draws are rejected
         assert_eq!(
             [(); 6].map(|()| rng.integers(-(1 << 62), (1 << 62) + 1)),
             [
@@ -262,7 +262,7 @@ mod tests {
             [(); 2].map(|()| rng.integers(0, i64::MAX)),
             [7588636456839696474, 4089774122208370449]
         );
-        // About a quarter of these draws are rejected.
+        // about a quarter of these draws are rejected
         let mut rng = Generator::from(42);
         assert_eq!(
             [(); 8].map(|()| rng.integers(0, 3 * (1 << 30) + 1)),
@@ -318,13 +318,13 @@ mod tests {
         ] {
             assert_eq!(bytes(&mut Generator::from(seed), 0, 1), bits);
         }
-        // Unused bytes of the four at the end of a call are dropped, but not the half word.
+        // unused bytes of the last four are dropped, but an unused half word is kept
         let mut rng = Generator::from(42);
         assert_eq!(bytes(&mut rng, 3, 7), [5, 3, 7, 3, 7, 7, 3]);
         assert_eq!(bytes(&mut rng, 0, 255), [193, 255, 145, 167, 97]);
         assert_eq!(bytes(&mut rng, 250, 255), [250, 250, 255]);
         assert_eq!(rng.integers(0, 1000), 858);
-        // A quarter of these draws are rejected.
+        // a quarter of these draws are rejected
         let mut rng = Generator::from(42);
         assert_eq!(
             bytes::<200>(&mut rng, 0, 192)
@@ -397,7 +397,7 @@ mod tests {
             assert_eq!(rng.geometric(1e-300), i64::MAX);
             assert_eq!(rng.random(), next[i]);
         }
-        // from a third on the probabilities are summed up
+        // from a third on, the probabilities are summed
         let third = [
             [3, 1, 1, 1, 5, 7, 3, 4, 2, 7, 5, 1],
             [2, 8, 1, 8, 1, 2, 5, 2, 2, 1, 4, 2],
@@ -419,7 +419,7 @@ mod tests {
         }
         assert_eq!(rng, start);
         let mean = (0..100_000).map(|_| rng.geometric(0.4) as f64).sum::<f64>() / 100_000.0;
-        // Five standard errors: the standard deviation is sqrt(0.6) / 0.4.
+        // five standard errors: the standard deviation is sqrt(0.6) / 0.4
         assert!((mean - 2.5).abs() < 0.031);
     }
 

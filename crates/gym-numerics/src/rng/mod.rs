@@ -1,12 +1,12 @@
 //! Randomness, bit for bit numpy's:
 //! `np.random.Generator(np.random.PCG64(np.random.SeedSequence(seed)))`.
 //!
-//! [`Generator`] has the methods of numpy's that Gymnasium's environments, spaces and wrappers
-//! call. Each draws the same words in the same order as numpy 2 does (read at v2.4.6), so the same
-//! seed gives the same episode in both languages.
+//! [`Generator`] has the methods of numpy's generator that Gymnasium's environments, spaces and
+//! wrappers call. Each method uses the same words in the same order as numpy 2 (read at v2.4.6), so
+//! the same seed gives the same episode in both languages.
 //!
-//! Nothing here panics. If numpy raises, as for an empty range or a probability above one, the
-//! methods return a documented value instead; check arguments from users first.
+//! No method panics. Where numpy raises, as for an empty range or a probability above one, a method
+//! returns a documented value instead: check users' arguments first.
 
 mod integers;
 mod seed;
@@ -34,15 +34,15 @@ pub use stream::{Stream, WordStream};
 /// assert_eq!(rng.integers(0, 10), 4);
 /// ```
 ///
-/// It is also a [`rand::Rng`], so rand's distributions work with it. Call rand's own `random` by
-/// its full name, `rand::RngExt::random`, because this type has a method of that name. The stored
-/// form holds the position in the stream: a restored generator continues where the stored one was.
+/// It implements [`rand::Rng`], so rand's distributions work with it. Call rand's `random` as
+/// `rand::RngExt::random`, because this type has its own `random`. The stored form includes the
+/// position in the stream: a restored generator continues where the stored one was.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(into = "[u64; 5]", try_from = "[u64; 5]")]
 pub struct Generator {
     pcg: Pcg64,
-    /// The high half of the last word drawn for 32 bits, if not used yet: numpy's `has_uint32` and
-    /// `uinteger`. It stays while whole words are drawn.
+    /// The unused high half of the last word that was drawn for 32 bits: numpy's `has_uint32` and
+    /// `uinteger`. Drawing whole words does not use it.
     half: Option<u32>,
 }
 
@@ -57,7 +57,7 @@ impl Generator {
         }
     }
 
-    /// A generator seeded by the operating system. To know the seed, use [`Seed::from_os`].
+    /// Makes a generator seeded by the operating system. To know the seed, use [`Seed::from_os`].
     ///
     /// # Errors
     /// The errors of [`Seed::from_os`].
@@ -65,21 +65,21 @@ impl Generator {
         Ok(Self::new(&Seed::from_os()?))
     }
 
-    /// Uniform in `[0, 1)`, of 53 bits.
+    /// Draws uniformly from `[0, 1)` with 53 bits.
     #[inline]
     pub fn random(&mut self) -> f64 {
         const UNIT: f64 = 1.0 / (1u64 << 53) as f64;
         (self.next_u64() >> 11) as f64 * UNIT
     }
 
-    /// Uniform in `[0, 1)`, of 24 bits: numpy's `random(dtype=np.float32)`.
+    /// Draws uniformly from `[0, 1)` with 24 bits: numpy's `random(dtype=np.float32)`.
     #[inline]
     pub fn random_f32(&mut self) -> f32 {
         const UNIT: f32 = 1.0 / (1u32 << 24) as f32;
         (self.next_u32() >> 8) as f32 * UNIT
     }
 
-    /// `low + (high - low) * random()`, for any two numbers.
+    /// Returns `low + (high - low) * random()`, for any two numbers.
     #[inline]
     pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * self.random()
@@ -92,8 +92,8 @@ impl From<u64> for Generator {
     }
 }
 
-/// numpy's words: 64 bits are a word of PCG64; 32 bits are its low half, and the next time its
-/// high half; bytes are as numpy's `Generator.bytes` gives them.
+/// Returns numpy's words: 64 bits are a word of PCG64; 32 bits are its low half and, at the next
+/// call, its high half; bytes are those of numpy's `Generator.bytes`.
 impl TryRng for Generator {
     type Error = Infallible;
 
@@ -196,7 +196,7 @@ mod tests {
         let values: Vec<f64> = (0..N).map(|_| rng.uniform(-2.0, 4.0)).collect();
         assert!(values.iter().all(|x| (-2.0..4.0).contains(x)));
         let mean = values.iter().sum::<f64>() / N as f64;
-        // Seven standard errors of 6 / sqrt(12 N).
+        // seven standard errors of 6 / sqrt(12 N)
         assert!((mean - 1.0).abs() < 0.039, "mean {mean}");
     }
 }

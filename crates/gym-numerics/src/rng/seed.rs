@@ -1,4 +1,4 @@
-//! Seeds, and numpy's `SeedSequence`, which spreads one over the state of a generator.
+//! Seeds, and numpy's `SeedSequence`, which computes the state of a generator from a seed.
 
 use std::fmt;
 use std::str::FromStr;
@@ -7,8 +7,8 @@ use serde::de::{Deserializer, Unexpected, Visitor};
 use serde::{Deserialize, Serialize, Serializer};
 use thiserror::Error;
 
-/// A seed: a whole number, zero or greater, of up to 4300 decimal digits (as many as Python's `int`
-/// reads).
+/// A seed: a whole number, zero or greater, of at most 4300 decimal digits (the limit of Python's
+/// `int`).
 ///
 /// ```
 /// use gym_numerics::Seed;
@@ -18,11 +18,11 @@ use thiserror::Error;
 /// ```
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Seed {
-    /// The digits in base 2^32, lowest first; the highest is not 0.
+    /// The digits in base 2^32, lowest first; the highest digit is not 0.
     words: Vec<u32>,
 }
 
-/// More decimal digits are refused: the time to read them grows with their square.
+/// The largest number of decimal digits, because the time to parse them is quadratic.
 const MAX_DIGITS: usize = 4300;
 
 /// An error of making a seed.
@@ -37,7 +37,7 @@ pub enum SeedError {
     #[error("a seed of {0} digits is too long: {MAX_DIGITS} are allowed")]
     TooLong(usize),
 
-    /// The operating system has no random bits to give, and why.
+    /// The operating system returned no random bits; with its reason.
     #[error("the operating system gives no random seed: {0}")]
     NoRandomness(String),
 }
@@ -61,17 +61,18 @@ fn fill(_: &mut [u8]) -> Result<(), SeedError> {
 }
 
 impl Seed {
-    /// A seed of 128 bits from the operating system, as numpy takes where none is given.
+    /// Makes a seed of 128 random bits from the operating system, as numpy does without a seed.
     ///
     /// # Errors
-    /// [`SeedError::NoRandomness`] if the operating system has no random bits to give.
+    /// [`SeedError::NoRandomness`] if the operating system returns no random bits.
     pub fn from_os() -> Result<Self, SeedError> {
         let mut bytes = [0; 16];
         fill(&mut bytes)?;
         Ok(Self::from_u128(u128::from_le_bytes(bytes)))
     }
 
-    /// A seed of up to 128 bits. (`From` is for `u64` alone, so that a literal needs no suffix.)
+    /// Makes a seed of up to 128 bits. (`From` exists only for `u64`, so that a literal needs no
+    /// suffix.)
     pub fn from_u128(seed: u128) -> Self {
         let mut words: Vec<u32> = (0..4).map(|i| (seed >> (32 * i)) as u32).collect();
         while words.last() == Some(&0) {
@@ -80,13 +81,13 @@ impl Seed {
         Self { words }
     }
 
-    /// numpy's `SeedSequence(seed).generate_state(2)`: two words that the seed is spread over.
+    /// Returns two words computed from the seed: numpy's `SeedSequence(seed).generate_state(2)`.
     pub fn words(&self) -> [u32; 2] {
         let [first, ..] = generate_state(self);
         [first as u32, (first >> 32) as u32]
     }
 
-    /// The seed that is larger by `n`.
+    /// Returns the seed plus `n`.
     #[must_use]
     pub fn plus(&self, n: u64) -> Self {
         let mut sum = self.clone();
@@ -122,7 +123,7 @@ impl Seed {
         rest as u32
     }
 
-    /// The seed as `u64`, if it fits.
+    /// Returns the seed as `u64`, if it fits.
     fn to_u64(&self) -> Option<u64> {
         match self.words[..] {
             [] => Some(0),
@@ -142,7 +143,7 @@ impl From<u64> for Seed {
 impl FromStr for Seed {
     type Err = SeedError;
 
-    /// Reads decimal digits; there is no sign, space or separator.
+    /// Parses decimal digits, without sign, space or separator.
     fn from_str(text: &str) -> Result<Self, SeedError> {
         if text.is_empty() || !text.bytes().all(|byte| byte.is_ascii_digit()) {
             return Err(SeedError::Invalid(text.to_owned()));
@@ -169,7 +170,7 @@ impl fmt::Display for Seed {
     }
 }
 
-/// A number where it fits `u64`, else a string of decimal digits.
+/// Writes a number if the seed fits `u64`, otherwise a string of decimal digits.
 impl Serialize for Seed {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         match self.to_u64() {
@@ -179,7 +180,7 @@ impl Serialize for Seed {
     }
 }
 
-/// From either form.
+/// Reads either form.
 impl<'de> Deserialize<'de> for Seed {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         struct SeedVisitor;
@@ -215,7 +216,8 @@ impl<'de> Deserialize<'de> for Seed {
 
 /// numpy's `SeedSequence(seed).generate_state(4, np.uint64)`.
 ///
-/// M. E. O'Neill's `seed_seq` of fixed entropy; constants as in `numpy/random/bit_generator.pyx`.
+/// M. E. O'Neill's `seed_seq` with fixed entropy; the constants are those of
+/// `numpy/random/bit_generator.pyx`.
 pub(super) fn generate_state(seed: &Seed) -> [u64; 4] {
     let pool = mix_entropy(&seed.words);
     let mut hash = Hash {
@@ -227,7 +229,7 @@ pub(super) fn generate_state(seed: &Seed) -> [u64; 4] {
     std::array::from_fn(|_| next() | next() << 32)
 }
 
-/// Spreads the seed's words, lowest first, over a pool in which each word depends on all of them.
+/// Mixes the seed's words, lowest first, into a pool in which each word depends on all of them.
 fn mix_entropy(entropy: &[u32]) -> [u32; 4] {
     let mut hash = Hash {
         constant: 0x43b0_d7e5,
@@ -250,7 +252,7 @@ fn mix_entropy(entropy: &[u32]) -> [u32; 4] {
     pool
 }
 
-/// A hash whose constant changes with each use.
+/// A hash function whose constant changes with each use.
 struct Hash {
     constant: u32,
     multiplier: u32,
@@ -278,7 +280,7 @@ mod tests {
 
     use super::*;
 
-    /// `np.random.SeedSequence(seed).generate_state(4, np.uint64)`, seeds of one to seven words.
+    /// `np.random.SeedSequence(seed).generate_state(4, np.uint64)` for seeds of one to seven words.
     #[test]
     fn seeds_of_any_size_spread_as_numpys() {
         for (seed, state) in [

@@ -6,14 +6,15 @@ use serde::de::value::{Error as SerdeError, SeqDeserializer};
 
 use super::Generator;
 
-/// The bit of the last word that marks an unused half word in the bits below.
+/// The bit of the last word that marks an unused half word in its lower 32 bits.
 const HAS_HALF: u64 = 1 << 32;
 
 impl Generator {
-    /// The whole state: PCG64's state and its increment, each in two words, the higher one first,
-    /// and half a word that was not drawn yet (2^32 and it, or 0). serde stores a generator so.
+    /// Returns the whole state, which is also the form that serde stores: PCG64's state and
+    /// increment, each in two words with the higher one first, and an unused half word (2^32 plus
+    /// it, or 0).
     pub fn words(&self) -> [u64; 5] {
-        /// The fields of [`Pcg64`], which shows them through serde alone.
+        /// The fields of [`Pcg64`], which are accessible only through serde.
         #[derive(Deserialize)]
         struct Fields {
             state: u128,
@@ -32,7 +33,7 @@ impl Generator {
         ]
     }
 
-    /// The generator of such [`words`](Self::words).
+    /// Makes the generator with the given [`words`](Self::words).
     ///
     /// # Errors
     /// An error text if the increment is even, or the last word is not 0 and not between 2^32 and

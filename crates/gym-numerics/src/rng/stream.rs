@@ -1,4 +1,4 @@
-//! A generator's position in less memory.
+//! Generators that take less memory.
 
 use std::fmt;
 
@@ -7,27 +7,27 @@ use rand_pcg::Pcg64;
 
 use super::Generator;
 
-/// A stream of random numbers for each of many environments: a [`Generator`], or the part of one
-/// that is needed to continue.
+/// The stream of random numbers of one environment in a vector: a [`Generator`], or the part of its
+/// state that the environment needs.
 pub trait Stream: Clone + fmt::Debug + Send + 'static {
-    /// The stream that continues where a generator is.
+    /// Makes a stream that continues where `generator` is.
     fn new(generator: Generator) -> Self;
 
-    /// Lets `f` draw from it.
+    /// Calls `f` with the stream as a [`Generator`].
     fn lend<R>(&mut self, f: impl FnOnce(&mut Generator) -> R) -> R;
 
-    /// [`Generator::words`].
+    /// Returns [`Generator::words`].
     fn words(&self) -> [u64; 5];
 
-    /// The stream of a [`Generator::from_words`].
+    /// Makes a stream from [`Generator::words`].
     ///
     /// # Errors
-    /// The errors of there.
+    /// The errors of [`Generator::from_words`].
     fn from_words(words: [u64; 5]) -> Result<Self, String> {
         Generator::from_words(words).map(Self::new)
     }
 
-    /// [`Generator::random`].
+    /// Draws a [`Generator::random`].
     #[inline(always)]
     fn random(&mut self) -> f64 {
         self.lend(Generator::random)
@@ -56,8 +56,8 @@ impl Stream for Generator {
 }
 
 /// The [`Stream`] of an environment that draws only whole words, such as
-/// [`random`](Generator::random) and [`uniform`](Generator::uniform): 32 bytes, without a half
-/// word.
+/// [`random`](Generator::random) and [`uniform`](Generator::uniform). It takes 32 bytes, because it
+/// stores no half word.
 #[derive(Clone, Debug)]
 pub struct WordStream(Pcg64);
 

@@ -1,9 +1,10 @@
 //! Normal and exponential numbers by the ziggurat method, as in numpy's
 //! `numpy/random/src/distributions/distributions.c` at v2.4.6.
 //!
-//! One word gives the layer (8 bits), a sign (normal only) and a position in the layer; about 99
-//! of 100 positions lie under the curve for certain. The rest are settled by the curve itself, and
-//! in layer 0 by the tail beyond the last layer. `1 - u` instead of `u` keeps the logarithm finite.
+//! One word gives the layer (8 bits), a sign (normal distribution only) and a position in the
+//! layer. About 99 % of positions certainly lie under the curve. The others are compared with the
+//! curve or, in layer 0, drawn from the tail beyond the last layer. `1 - u` instead of `u` keeps
+//! the logarithm finite.
 
 use rand::Rng;
 
@@ -13,7 +14,7 @@ use super::ziggurat_tables::{
 };
 use crate::math::{exp, ln_1p, ln_1p_f32};
 
-/// Where the tail of the normal distribution starts: numpy's `ziggurat_nor_r`.
+/// The start of the normal distribution's tail: numpy's `ziggurat_nor_r`.
 const NORMAL_R: f64 = 3.654152885361009;
 /// numpy's `ziggurat_nor_inv_r`.
 const NORMAL_INV_R: f64 = 0.2736612373297583;
@@ -21,17 +22,17 @@ const NORMAL_INV_R: f64 = 0.2736612373297583;
 const NORMAL_R_F32: f32 = 3.6541529;
 /// numpy's `ziggurat_nor_inv_r_f`.
 const NORMAL_INV_R_F32: f32 = 0.27366123;
-/// Where the tail of the exponential distribution starts: numpy's `ziggurat_exp_r`.
+/// The start of the exponential distribution's tail: numpy's `ziggurat_exp_r`.
 const EXPONENTIAL_R: f64 = 7.69711747013105;
 
 impl Generator {
-    /// Normally distributed with mean 0 and standard deviation 1.
+    /// Draws from the normal distribution with mean 0 and standard deviation 1.
     pub fn standard_normal(&mut self) -> f64 {
         loop {
-            // From the lowest bit: 8 of the layer, 1 of the sign, 52 of the position, 3 unused.
+            // from the lowest bit: 8 bits of layer, 1 of sign, 52 of position, 3 unused
             let word = self.next_u64();
             let layer = usize::from(word as u8);
-            // The sign is set by its bit: a branch on it would be mispredicted every other time.
+            // set the sign by its bit: a branch would be mispredicted half of the time
             let sign = (word >> 8 & 1) << 63;
             let position = word >> 9 & ((1 << 52) - 1);
             let x = f64::from_bits((position as f64 * WI_DOUBLE[layer]).to_bits() | sign);
@@ -40,7 +41,7 @@ impl Generator {
             }
             if layer == 0 {
                 let tail = self.normal_tail();
-                // numpy takes this sign from the position.
+                // numpy takes this sign from the position
                 return if position >> 8 & 1 == 1 { -tail } else { tail };
             }
             let (above, below) = (FI_DOUBLE[layer - 1], FI_DOUBLE[layer]);
@@ -60,11 +61,11 @@ impl Generator {
         }
     }
 
-    /// [`standard_normal`](Self::standard_normal) from 32 bits: numpy's
+    /// Draws from the normal distribution with 32 bits: numpy's
     /// `standard_normal(dtype=np.float32)`.
     pub fn standard_normal_f32(&mut self) -> f32 {
         loop {
-            // From the lowest bit: 8 of the layer, 1 of the sign, 23 of the position.
+            // from the lowest bit: 8 bits of layer, 1 of sign, 23 of position
             let word = self.next_u32();
             let layer = usize::from(word as u8);
             let sign = (word >> 8 & 1) << 31;
@@ -78,7 +79,7 @@ impl Generator {
                 return if position >> 8 & 1 == 1 { -tail } else { tail };
             }
             let (above, below) = (FI_FLOAT[layer - 1], FI_FLOAT[layer]);
-            // In C the right side is double, by its constant.
+            // in C the right side is double, because of its constant
             let density = exp(-0.5 * f64::from(x) * f64::from(x));
             if f64::from((above - below) * self.random_f32() + below) < density {
                 return x;
@@ -96,16 +97,16 @@ impl Generator {
         }
     }
 
-    /// `loc + scale * standard_normal()`, for any two numbers.
+    /// Returns `loc + scale * standard_normal()`, for any two numbers.
     #[inline]
     pub fn normal(&mut self, loc: f64, scale: f64) -> f64 {
         loc + scale * self.standard_normal()
     }
 
-    /// Exponentially distributed with mean 1.
+    /// Draws from the exponential distribution with mean 1.
     pub fn standard_exponential(&mut self) -> f64 {
         loop {
-            // From the lowest bit: 3 unused, 8 of the layer, 53 of the position.
+            // from the lowest bit: 3 unused, 8 bits of layer, 53 of position
             let word = self.next_u64() >> 3;
             let layer = usize::from(word as u8);
             let position = word >> 8;
@@ -123,7 +124,7 @@ impl Generator {
         }
     }
 
-    /// `scale * standard_exponential()`, for any scale.
+    /// Returns `scale * standard_exponential()`, for any `scale`.
     #[inline]
     pub fn exponential(&mut self, scale: f64) -> f64 {
         scale * self.standard_exponential()
@@ -179,8 +180,8 @@ mod tests {
         }
     }
 
-    /// Enough draws to meet every layer, its edge and the tail: sum and greatest magnitude to
-    /// rounding (the tail goes through the platform's logarithm), place in the stream exactly.
+    /// Enough draws to reach every layer, its edge and the tail. Sum and greatest magnitude are
+    /// compared with a tolerance (the tail uses the logarithm), the position in the stream exactly.
     #[test]
     fn long_runs_are_numpys() {
         type Draw = fn(&mut Generator) -> f64;
@@ -226,7 +227,7 @@ mod tests {
             square += z * z / N as f64;
             exponential += rng.standard_exponential() / N as f64;
         }
-        // Five standard errors: 1/sqrt(N) of the two means, sqrt(2/N) of the mean square.
+        // five standard errors: 1/sqrt(N) of the means, sqrt(2/N) of the mean square
         assert!(
             mean.abs() < 0.0112
                 && (square - 1.0).abs() < 0.0159

@@ -1,12 +1,12 @@
-//! The ziggurat tables of numpy 2.4.6, number for number: rebuilt ones would differ in the last
-//! bits.
+//! The ziggurat tables of numpy 2.4.6, number for number: recomputed tables would differ in the
+//! last bits.
 //!
 //! Copyright (c) 2005-2025, NumPy Developers. All rights reserved. From
-//! `numpy/random/src/distributions/ziggurat_constants.h`, under the BSD 3-clause licence: its text
-//! is in `NOTICE.md`. Names are numpy's; floats are written as the shortest decimals of the same
-//! value.
+//! `numpy/random/src/distributions/ziggurat_constants.h`, under the BSD 3-clause licence, whose
+//! text is in `NOTICE.md`. The names are numpy's; the numbers are written as their shortest
+//! decimals.
 
-/// Positions of a layer that lie under the normal curve for certain.
+/// The positions in each layer below this certainly lie under the normal curve.
 #[rustfmt::skip]
 pub(super) static KI_DOUBLE: [u64; 256] = [
     0x000e_f33d_8025_ef6a, 0x0000_0000_0000_0000, 0x000c_08be_98fb_c6a8, 0x000d_a354_fabd_8142,
@@ -75,7 +75,7 @@ pub(super) static KI_DOUBLE: [u64; 256] = [
     0x000f_9e97_1e01_4598, 0x000f_89fa_48a4_1dfc, 0x000f_66c5_f7f0_302c, 0x000f_1a5a_4b33_1c4a,
 ];
 
-/// Width of a position in each layer of the normal curve.
+/// The width of a position in each layer of the normal curve.
 #[rustfmt::skip]
 pub(super) static WI_DOUBLE: [f64; 256] = [
     8.683627060801306e-16, 4.779330175727737e-17, 6.354352417405262e-17, 7.454870481247696e-17,
@@ -144,7 +144,7 @@ pub(super) static WI_DOUBLE: [f64; 256] = [
     7.159994934830664e-16, 7.372424301798799e-16, 7.658936370805573e-16, 8.113849337656484e-16,
 ];
 
-/// The normal curve, without its factor, at the edge of each layer.
+/// The height of the normal curve, without its factor, at the edge of each layer.
 #[rustfmt::skip]
 pub(super) static FI_DOUBLE: [f64; 256] = [
     1.0, 0.9771017012676716, 0.9598790918001067, 0.9451989534422996, 0.9320600759592305, 0.919991505039347,
@@ -201,7 +201,7 @@ pub(super) static FI_DOUBLE: [f64; 256] = [
     0.0026090727461021593, 0.001260285930498598,
 ];
 
-/// As [`KI_DOUBLE`], for 23-bit positions.
+/// Like [`KI_DOUBLE`], for 23-bit positions.
 #[rustfmt::skip]
 pub(super) static KI_FLOAT: [u32; 256] = [
     0x0077_99ec, 0x0000_0000, 0x0060_45f5, 0x006d_1aa8, 0x0072_8fb4, 0x0075_92af, 0x0077_7a5c, 0x0078_ca38,
@@ -238,7 +238,7 @@ pub(super) static KI_FLOAT: [u32; 256] = [
     0x007e_1959, 0x007d_eb2c, 0x007d_b036, 0x007d_6203, 0x007c_f4b9, 0x007c_4fd2, 0x007b_3630, 0x0078_d2d2,
 ];
 
-/// As [`WI_DOUBLE`], for 23-bit positions.
+/// Like [`WI_DOUBLE`], for 23-bit positions.
 #[rustfmt::skip]
 pub(super) static WI_FLOAT: [f32; 256] = [
     4.6619868e-7, 2.5658833e-8, 3.411467e-8, 4.0023032e-8, 4.4717947e-8, 4.8683777e-8, 5.2156256e-8,
@@ -279,7 +279,7 @@ pub(super) static WI_FLOAT: [f32; 256] = [
     3.609464e-7, 3.6758496e-7, 3.7525766e-7, 3.843993e-7, 3.9580402e-7, 4.1118602e-7, 4.3560897e-7,
 ];
 
-/// As [`FI_DOUBLE`].
+/// Like [`FI_DOUBLE`], for 23-bit positions.
 #[rustfmt::skip]
 pub(super) static FI_FLOAT: [f32; 256] = [
     1.0, 0.9771017, 0.9598791, 0.94519895, 0.93206006, 0.9199915, 0.90872645, 0.8980959, 0.88798463,
@@ -314,7 +314,7 @@ pub(super) static FI_FLOAT: [f32; 256] = [
     0.0070508756, 0.0055224034, 0.0040379725, 0.0026090727, 0.001260286,
 ];
 
-/// Positions of a layer that lie under the exponential curve for certain.
+/// The positions in each layer below this certainly lie under the exponential curve.
 #[rustfmt::skip]
 pub(super) static KE_DOUBLE: [u64; 256] = [
     0x001c_5214_2724_97c6, 0x0000_0000_0000_0000, 0x0013_7d5b_d79c_317e, 0x0018_6ef5_8e3f_3c10,
@@ -383,7 +383,7 @@ pub(super) static KE_DOUBLE: [u64; 256] = [
     0x001e_a2a6_1e12_2db0, 0x001e_5961_c78b_267c, 0x001d_ddf6_2bac_0bb0, 0x001c_db4d_d9e4_e8c0,
 ];
 
-/// Width of a position in each layer of the exponential curve.
+/// The width of a position in each layer of the exponential curve.
 #[rustfmt::skip]
 pub(super) static WE_DOUBLE: [f64; 256] = [
     9.655740063209183e-16, 7.089014243955414e-18, 1.1639412496691224e-17, 1.524391512353216e-17,
@@ -452,7 +452,7 @@ pub(super) static WE_DOUBLE: [f64; 256] = [
     6.821393079028929e-16, 7.192444966089362e-16, 7.706095350032097e-16, 8.545517038584027e-16,
 ];
 
-/// The exponential curve at the edge of each layer.
+/// The height of the exponential curve at the edge of each layer.
 #[rustfmt::skip]
 pub(super) static FE_DOUBLE: [f64; 256] = [
     1.0, 0.9381436808621747, 0.9004699299257465, 0.8717043323812036, 0.8477855006239896, 0.8269932966430503,

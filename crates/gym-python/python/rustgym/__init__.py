@@ -23,7 +23,7 @@ vectors to Stable-Baselines3.
 from __future__ import annotations
 
 import os
-import sys
+from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
 
@@ -37,7 +37,6 @@ from gymnasium import (  # what we do not define is Gymnasium's
     Wrapper,
     error,
     logger,
-    pprint_registry,
     register_envs,
     spaces,
     utils,
@@ -45,11 +44,14 @@ from gymnasium import (  # what we do not define is Gymnasium's
     wrappers,
 )
 
-from rustgym import _native
+from rustgym import _modules, _native
+
+_modules.install()
+
 from rustgym import envs as envs
 from rustgym._native import PanicError
 from rustgym.env import Env
-from rustgym.registration import ids, make, make_vec, register, spec
+from rustgym.registration import ids, make, make_vec, pprint_registry, register, registry, spec
 from rustgym.vector_env import VectorEnv
 
 __version__ = _native.__version__
@@ -74,6 +76,7 @@ __all__ = [
     "pprint_registry",
     "register",
     "register_envs",
+    "registry",
     "spaces",
     "spec",
     "utils",
@@ -87,29 +90,28 @@ if hasattr(os, "register_at_fork"):
 
 register()
 
-# `from rustgym.wrappers import ...`: Gymnasium's modules that we do not replace
-for _name in ("error", "logger", "spaces", "utils", "vector", "wrappers"):
-    sys.modules[f"rustgym.{_name}"] = getattr(gymnasium, _name)
-
 #: Replacements for the classes and functions that programs import from ``gymnasium.envs``.
 CLASSES: dict[str, Any] = envs.stand_ins()
 
+for _name in ("make", "make_vec", "pprint_registry", "register", "registry", "spec"):
+    _modules.replace("envs.registration", _name, lambda name=_name: globals()[name])
+
+_lacking = _modules.forwarder(__name__)
+
+
+# modules that need a library, and its name
+_OPTIONAL = {"dm_env": "dm_env", "jax": "jax", "sb3": "stable-baselines3"}
+
 
 def __getattr__(name: str) -> Any:
-    if name == "registry":
-        return envs.registry
-    if name == "sb3":
-        import importlib
-
+    if name in _OPTIONAL:
         try:
-            return importlib.import_module("rustgym.sb3")
+            return import_module(f"rustgym.{name}")
         except ModuleNotFoundError as error:
-            raise AttributeError(f"rustgym.sb3 needs stable-baselines3: {error}") from error
-    try:
-        return getattr(gymnasium, name)
-    except AttributeError:
-        raise AttributeError(f"neither rustgym nor gymnasium has an attribute {name!r}") from None
+            raise AttributeError(f"rustgym.{name} needs {_OPTIONAL[name]}: {error}") from error
+    return _lacking(name)
 
 
 def __dir__() -> list[str]:
-    return sorted({*globals(), *dir(gymnasium), *(["sb3"] if find_spec("stable_baselines3") else [])})
+    optional = {name for name, library in _OPTIONAL.items() if find_spec(library.replace("-", "_"))}
+    return sorted({*globals(), *dir(gymnasium), *optional})

@@ -5,10 +5,11 @@ from __future__ import annotations
 import json
 import os
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib.util import find_spec
 from typing import Any
 
+import numpy as np
 from gymnasium.envs.registration import load_env_creator
 
 from rustgym import _native as native
@@ -35,6 +36,8 @@ def native_arguments(env_id: str, arguments: Mapping[str, Any]) -> str:
         package = find_spec("ale_py")
         folders = [os.path.join(place, "roms") for place in (package and package.submodule_search_locations) or ()]
         arguments = {**arguments, "rom_dir": next(filter(os.path.isdir, folders), None)}
+    if isinstance(arguments.get("desc"), Sequence):  # FrozenLake's map: rows, or lists of characters
+        arguments = {**arguments, "desc": np.asarray(arguments["desc"], dtype="c")}
     return to_json(arguments)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import operator
 from collections.abc import Callable
+from copy import deepcopy
 from typing import Any, ClassVar
 
 import gymnasium
@@ -13,6 +14,7 @@ from gymnasium import logger
 
 from rustgym import _native as native
 from rustgym._json import to_json
+from rustgym._live import Live
 from rustgym._spaces import space_from
 from rustgym._specs import class_of, metadata_from, native_arguments, native_options, spec_of
 from rustgym._window import Window
@@ -84,6 +86,10 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
     _generator: np.random.Generator | None = None
     _window: Window | None = None
 
+    # the objects that attributes of the kind `Live` have handed out, by their names, and what they said last
+    _handed: dict[str, Any] | None = None
+    _seen: dict[str, Any] = {}
+
     # None in a class of somebody's own, which brings its own `reset` and `step`
     _native: native.Env = None  # type: ignore[assignment]
 
@@ -115,6 +121,8 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
             self.metadata = metadata_from(description)
         self.observation_space = space_from(description["observation_space"])
         self.action_space = space_from(description["action_space"])
+        if description["render_fps"] != self.metadata.get("render_fps"):  # it follows the length of a step
+            self.metadata = {**self.metadata, "render_fps": description["render_fps"]}
 
     @staticmethod
     def _of(inner: native.Env, env_id: str, render_mode: str | None, kwargs: dict[str, Any]) -> Env:
@@ -151,11 +159,11 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         """
         if self._native is None:
             return super().reset(seed=seed, options=options)
+        if self._is_watched:
+            self._push("reset")
         if seed is not None:
             seed = checked_seed(seed)
-        elif self._generator is not None:
-            self._push_generator()
-        elif self._np_random_seed is None:
+        elif self._generator is None and self._np_random_seed is None:
             seed = entropy()
         arguments = None if seed is None else str(seed), native_options(self.env_id, options)
         try:
@@ -166,7 +174,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         if seed is not None:
             self._np_random_seed = seed
         if self._is_watched:
-            self._follow()
+            self._follow(is_reset=True)
         return result
 
     def _open_window(self, reason: str) -> None:
@@ -200,16 +208,42 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         if self._native is None:
             result = super().step(action)  # raises NotImplementedError
             return result
-        self._push_generator()
+        self._push("step")
         result = self._native.step(action)
         self._follow()
         return result
 
-    def _follow(self) -> None:
-        """Updates the objects seen from outside to the environment's state."""
+    def _push(self, call: str = "") -> None:
+        """Brings the environment to what the objects say that were handed out, before a ``call``: a reset or step, or another."""
+        self._push_generator()
+        for name in list(self._handed or ()):
+            attribute: Live = getattr(type(self), name)
+            attribute.push(self, self._handed[name], call)  # type: ignore[index]
+
+    def _follow(self, is_reset: bool = False) -> None:
+        """Brings the objects that were handed out to the environment's state."""
         self._pull_generator()
+        for name in list(self._handed or ()):
+            attribute: Live = getattr(type(self), name)
+            attribute.follow(self, is_reset)
         if self._window is not None:
             self._window.show(self._native.render())
+        self._watch()
+
+    def _push_into_vector(self) -> None:
+        """As ``_push``, for an environment of a vector, which is stepped there: all that matters must be in the native one."""
+        self._push()
+
+    def _drop(self, name: str) -> None:
+        """Lets go of an object that was handed out: the next who asks gets a new one."""
+        if self._handed:
+            self._handed.pop(name, None)
+            self._seen.pop(name, None)
+
+    def _watch(self) -> None:
+        """Whether anybody outside holds something that must be looked at in each step."""
+        held = self._native is None or self._generator is not None or self._window is not None or self._handed
+        self.__dict__["_is_watched"] = bool(held)
 
     def render(self) -> Any:
         """The picture or text that the render mode asks for.
@@ -236,10 +270,12 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
                 f"{self.env_id} itself collects no frames for {self.render_mode}: gymnasium.make adds the wrapper that does"
             )
             return None
+        if self._is_watched:
+            self._push()
         return None if self.render_mode == "human" else self._native.render()
 
     def close(self) -> None:
-        """Ends the use of the environment; more than once is fine."""
+        """Closes the window, if there is one. The episode is as it was, and the generator; more than once is fine."""
         if self._native is not None:
             self._native.close()
         if self._window is not None:
@@ -247,7 +283,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
 
     def get_state(self) -> str:
         """The whole state, generator included, as JSON text: for planners, and to store."""
-        self._push_generator()
+        self._push()
         return self._native.snapshot()
 
     def set_state(self, state: str) -> None:
@@ -259,11 +295,20 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         if not isinstance(state, str):
             raise TypeError(f"a state must be a text returned by get_state, not {state!r} of type {type(state).__name__}")
         self._native.restore(state, True)
-        self._follow()
+        self._follow(is_reset=True)
+
+    def _rebuild(self, changed: dict[str, Any]) -> None:
+        """The environment as it is, with other values of arguments that cannot be set in the native one."""
+        given = {**json.loads(self._native.arguments()), **changed}
+        native = self._make_native(native_arguments(self.env_id, given))
+        state = self._take_apart()[0]
+        state["config"] = json.loads(native.snapshot())["config"]
+        native.restore(json.dumps(state), self._native.is_running())
+        self._native = native
 
     def _take_apart(self) -> tuple[Any, Any]:
         """The stored state, and the part of it that is the episode: ``None`` before the first reset."""
-        whole = json.loads(self.get_state())
+        whole = json.loads(self._native.snapshot())
         inner = whole
         while isinstance(inner, list):  # wrappers of the Rust side: `[what is within, their own]`
             inner = inner[0]
@@ -282,7 +327,8 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
     @_np_random.setter
     def _np_random(self, generator: np.random.Generator | None) -> None:
         if generator is None:
-            self._generator, self._is_watched = None, self._window is not None
+            self._generator = None
+            self._watch()
             return
         if self._native is not None and not isinstance(generator.bit_generator, np.random.PCG64):
             kind = type(generator.bit_generator).__name__
@@ -327,21 +373,41 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         if self._native is None:
             raise TypeError(f"{type(self).__name__} cannot be copied by copy.copy: use copy.deepcopy")
         twin = object.__new__(type(self))
-        self._push_generator()
-        apart = {"_native": self._native.__copy__(), "_generator": None, "_window": None, "_is_watched": False}
-        twin.__dict__.update(self.__dict__, **apart)
+        self._push()
+        apart = {"_native": self._native.__copy__(), "_generator": None, "_window": None}
+        twin.__dict__.update(self.__dict__, **apart, _handed=None)
+        for name, value in (self._handed or {}).items():
+            attribute: Live = getattr(type(self), name)
+            if attribute.outlives_reset is True:
+                attribute.copy(twin, deepcopy(value))
+        twin._watch()
         return twin
 
-    def __getstate__(self) -> dict[str, Any]:
-        self._push_generator()
-        return {**self.__dict__, "_window": None, "_is_watched": self._generator is not None}
+    def __getstate__(self) -> Any:
+        if self._native is None:
+            get_state = getattr(super(), "__getstate__", None)
+            return self.__dict__ if get_state is None else get_state()
+        self._push()
+        state = {**self.__dict__, "_window": None}
+        if self._handed:  # what is no part of a snapshot is taken over again
+            lasting = (name for name in self._seen if getattr(type(self), name).outlives_reset is True)
+            state["_seen"] = {**self._seen, **dict.fromkeys(lasting)}
+        return state
 
     def __setattr__(self, name: str, value: Any) -> None:
         if name in self._constants or name in self.__dict__.get("arguments", ()):
             logger.warn(
                 f"{name} is what this {type(self).__name__} was made with: setting it changes nothing but the attribute"
             )
+        elif not self._knows(name):
+            logger.warn(f"{type(self).__name__} has no {name}: setting it changes nothing but the attribute")
         super().__setattr__(name, value)
+
+    def _knows(self, name: str) -> bool:
+        """Whether setting an attribute is nothing to warn of: a class of somebody's own has attributes of its own."""
+        if name in self.__dict__ or hasattr(type(self), name) or "arguments" not in self.__dict__:
+            return True
+        return name.startswith("_") or type(self).__module__ != "rustgym.envs"
 
 
 class ClassEnv(Env):
@@ -365,16 +431,17 @@ class TunableEnv(ClassEnv):
         defaults = spec_of(self._id)["defaults"]
         # arguments that a user's subclass sets
         own = {name: getattr(type(self), name, value) for name, value in defaults.items()}
+        own.update((name, defaults[name]) for name, value in own.items() if isinstance(value, Live))
         changed = {name: value for name, value in own.items() if value != defaults[name]}
         super().__init__(render_mode, **{**changed, **kwargs})
         self.__dict__.update((name, self.arguments[name]) for name in defaults)
 
     def __setattr__(self, name: str, value: Any) -> None:
-        if name in self._fixed or name not in self.__dict__.get("arguments", ()):
+        if name in self._fixed or name not in self.__dict__.get("arguments", ()) or isinstance(vars(type(self)).get(name), Live):
             super().__setattr__(name, value)
         else:
             self._native.set_argument(to_json({name: self._names.get(name, lambda value: value)(value)}))
-            self.__dict__[name] = value
+            self.__dict__[name] = self.arguments[name] = value
 
 
 def checked_seed(seed: Any, name: str = "Seed") -> int:

@@ -1,20 +1,20 @@
-"""The ids: under ``rustgym/`` in Gymnasium's registry, and on request under Gymnasium's own names."""
+"""The ids: as they are in ``rustgym.registry``, under ``rustgym/`` in Gymnasium's, and on request there as they are, too."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, MutableMapping, Sequence
 from importlib import import_module
 from importlib.util import find_spec
 from typing import Any, TypeVar
 
 import gymnasium
-from gymnasium import VectorizeMode
-from gymnasium.envs.registration import EnvSpec
+from gymnasium import VectorizeMode, logger
+from gymnasium.envs.registration import EnvSpec, get_env_id, parse_env_id
 from gymnasium.envs.registration import registry as gymnasium_registry
 
 from rustgym._specs import SPECS, entry_point
 
-__all__ = ["ids", "make", "make_vec", "namespaced", "register", "registry", "spec"]
+__all__ = ["ids", "make", "make_vec", "namespaced", "pprint_registry", "register", "registry", "spec"]
 
 NAMESPACE = "rustgym/"
 
@@ -47,11 +47,66 @@ def _spec(name: str, env_id: str, has_vector: bool) -> EnvSpec:
     )
 
 
+class Registry(MutableMapping[str, EnvSpec]):
+    """The registry as ``rustgym.make`` sees it: Gymnasium's, with our environments under their own ids.
+
+    Whatever is put into it takes the place of ours; what is deleted from it is gone from Gymnasium's registry as well.
+    """
+
+    def __init__(self) -> None:
+        self._ours = {env_id: _spec(env_id, env_id, has_vector=True) for env_id in ids()}
+
+    def __getitem__(self, env_id: str) -> EnvSpec:
+        return self._ours[env_id] if env_id in self._ours else gymnasium_registry[env_id]
+
+    def __setitem__(self, env_id: str, spec: EnvSpec) -> None:
+        gymnasium_registry[env_id] = spec
+        self._ours.pop(env_id, None)
+
+    def __delitem__(self, env_id: str) -> None:
+        if self._ours.pop(env_id, None) is None or env_id in gymnasium_registry:
+            del gymnasium_registry[env_id]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter({**gymnasium_registry, **self._ours})
+
+    def __len__(self) -> int:
+        return len({*gymnasium_registry, *self._ours})
+
+    def __repr__(self) -> str:
+        return repr(dict(self))
+
+    def find(self, env_id: str) -> EnvSpec | None:
+        """Our spec for an id, with or without version; ``None`` where the id is not one of ours. Warns as Gymnasium does."""
+        if ":" in env_id:
+            return None
+        namespace, name, version = parse_env_id(env_id)
+        versions = [v for n, e, v in map(parse_env_id, self._ours) if (n, e) == (namespace, name) and v is not None]
+        if version is None and versions:
+            latest = get_env_id(namespace, name, max(versions))
+            logger.warn(
+                f"Using the latest versioned environment `{latest}` instead of the unversioned environment `{env_id}`."
+            )
+            return self._ours[latest]
+        if env_id not in self._ours:
+            return None
+        if version is not None and max(versions) > version:
+            logger.deprecation(
+                f"The environment {env_id} is out of date. You should consider upgrading to version `v{max(versions)}`."
+            )
+        return self._ours[env_id]
+
+
+#: The registry as ``rustgym.make`` sees it.
+registry = Registry()
+
+
 def register(id: str | None = None, *args: Any, replace: bool = False, **kwargs: Any) -> None:
     """Puts our environments into Gymnasium's registry; ``import rustgym`` does so under ``rustgym/``.
 
     Args:
-        id: The id of an environment of yours: with it this is ``gymnasium.register``, with the arguments of that.
+        id: The id of an environment of yours: with it this is ``gymnasium.register``, with the arguments of that. An id that
+            is one of ours means yours from then on.
         replace: With ``True`` also under Gymnasium's own ids, such as ``CartPole-v1``, for all that ``gymnasium.make`` and
             libraries on top of it do from then on; and under those that this version of Gymnasium lacks, whose specs keep
             ids such as ``rustgym/Taxi-v3``. ``make_vec`` then gives the numbers of ``SyncVectorEnv``: sub-environment ``i``
@@ -59,6 +114,7 @@ def register(id: str | None = None, *args: Any, replace: bool = False, **kwargs:
     """
     if id is not None:
         gymnasium.register(id, *args, **kwargs)
+        registry._ours.pop(id, None)
         return
     if args or kwargs:
         raise TypeError("register() takes an id and the arguments of gymnasium.register, or `replace` alone")
@@ -79,11 +135,8 @@ def register(id: str | None = None, *args: Any, replace: bool = False, **kwargs:
 
 
 def _ours(env_id: Any) -> Any:
-    """The name of an id in Gymnasium's registry if it is one of ours, with or without version; otherwise the given text."""
-    if not isinstance(env_id, str) or env_id.startswith(NAMESPACE):
-        return env_id
-    known = any(env_id in (key, key.rpartition("-v")[0]) for key in ids())
-    return namespaced(env_id) if known else env_id
+    """The spec of an id if it is one of ours, with or without version; otherwise what was given."""
+    return (registry.find(env_id) or env_id) if isinstance(env_id, str) else env_id
 
 
 def _like(function: Callable[..., Any]) -> Callable[[_Function], _Function]:
@@ -123,9 +176,11 @@ def make_vec(
 @_like(gymnasium.spec)
 def spec(env_id: str) -> EnvSpec:
     """The spec of an id: of ours where we have it, else Gymnasium's."""
-    return gymnasium.spec(_ours(env_id))
+    found = _ours(env_id)
+    return found if isinstance(found, EnvSpec) else gymnasium.spec(found)
 
 
-def registry() -> dict[str, EnvSpec]:
-    """Gymnasium's registry as ``rustgym.make`` sees it: with our environments under their own ids."""
-    return {**gymnasium_registry, **{env_id: spec(env_id) for env_id in ids() if namespaced(env_id) in gymnasium_registry}}
+@_like(gymnasium.pprint_registry)
+def pprint_registry(print_registry: Any = registry, **kwargs: Any) -> str | None:
+    """Prints the ids, ours among them."""
+    return gymnasium.pprint_registry(print_registry, **kwargs)

@@ -16,9 +16,11 @@ from gymnasium.vector.utils import batch_space
 from rustgym import _native
 from rustgym._json import to_json
 from rustgym._preprocessing import preprocessed
+from rustgym._seeds import Seeds
 from rustgym._spaces import space_from
 from rustgym._specs import class_of, metadata_from, native_arguments, native_options, spec_of
 from rustgym.env import Env, checked_seed
+from rustgym.envs.mujoco import info_types
 
 __all__ = ["VectorEnv"]
 
@@ -41,6 +43,16 @@ def _text(name: str, text: Any) -> str | None:
     if text is not None and not isinstance(text, str):
         raise TypeError(f"{name} is {text!r}: it must be a text or None")
     return text
+
+
+def _pixels(gray: bool, frame_stack: int) -> str:
+    """The wrappers of the Rust side that observe pictures, as JSON."""
+    wrappers: list[tuple[str, dict[str, Any]]] = [("AddRenderObservation", {"render_only": True})]
+    if gray:
+        wrappers.append(("GrayscaleObservation", {"keep_dim": False}))
+    if frame_stack:
+        wrappers.append(("FrameStackObservation", {"stack_size": frame_stack}))
+    return json.dumps([{"name": name, "kwargs": kwargs} for name, kwargs in wrappers])
 
 
 class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
@@ -70,6 +82,13 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         arg_each: An argument for each environment, by name: a list with one value for each, or a pair ``(low, high)``, from which
             each draws a new value at each reset. ``arg_each={"gravity": (3.7, 11.2)}``
         preprocessing: For the games of Atari: as of ``rustgym.envs.AtariEnv``.
+        render_size: Width and height of pictures, which are drawn at that size. With it, or with ``gray`` or ``frame_stack``, the
+            observations are the pictures, of any task that draws; with ``render_mode="rgb_array"`` as well, the size is that of
+            ``render`` alone.
+        gray: Whether the pictures are gray, without an axis of colours.
+        frame_stack: How many pictures an observation has, the last ones, along a first axis; 0 for one, without that axis.
+        seeds: A list or an iterator of the seeds of all resets to come, those included that the vector makes by itself, such as
+            ``itertools.count(1000)``: each takes the next, in a step by index. ``reset(seed=...)`` does not use them.
         max_episode_steps: The steps after which an episode is truncated, instead of the number registered; -1 for never.
         render_mode: As of ``rustgym.Env``; ``render`` then returns a tuple with the current picture of each.
         kwargs: The arguments of the environment.
@@ -78,6 +97,11 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     """
 
     metadata: dict[str, Any] = {"autoreset_mode": AutoresetMode.NEXT_STEP}
+
+    # the environments, once somebody asked for them, and whether a step does more than the native one
+    _envs: tuple[Env, ...] | None = None
+    _is_watched = False
+    _keeps_envs = False
 
     def __init__(
         self,
@@ -92,6 +116,10 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         render_mode: str | None = None,
         arg_each: Mapping[str, Sequence[Any] | tuple[float, float]] | None = None,
         preprocessing: bool | Mapping[str, Any] | None = None,
+        render_size: tuple[int, int] | None = None,
+        gray: bool = False,
+        frame_stack: int = 0,
+        seeds: Iterable[int] | None = None,
         **kwargs: Any,
     ) -> None:
         defaults = spec_of(env_id)["defaults"]
@@ -125,6 +153,15 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         if preprocessing:
             kwargs, self._wrappers = preprocessed(env_id, preprocessing, kwargs)
             max_episode_steps = -1 if max_episode_steps is None else max_episode_steps
+        if gray or frame_stack or (render_size is not None and render_mode is None):
+            if preprocessing:
+                raise TypeError("preprocessing decides what is observed: it goes without render_size, gray and frame_stack")
+            if render_mode not in (None, "rgb_array"):
+                raise ValueError(f"observations of pixels need render_mode=\"rgb_array\", not {render_mode!r}")
+            render_mode, self._wrappers = "rgb_array", _pixels(gray, _whole("frame_stack", frame_stack, 0))
+        if render_size is not None:
+            width, height = render_size
+            render_size = _whole("render_size", width, 1), _whole("render_size", height, 1)
         self.env_id = env_id
         self._given = kwargs
         self.num_envs = num_envs
@@ -137,14 +174,19 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             native_arguments(env_id, kwargs),
             render_mode and render_mode.removesuffix("_list"),
             max_episode_steps,
-            self.autoreset_mode.value,
+            (AutoresetMode.DISABLED if seeds is not None else self.autoreset_mode).value,
             threads,
-            bool(copy),
+            bool(copy) or seeds is not None,
             self._wrappers,
             to_json(each),
+            render_size,
         )
         self.kind = self._native.kind
         self._take_spaces()
+        crate = spec_of(env_id)["crate"]
+        self._info_types = info_types(env_id) if crate == "gym-mujoco" else {}
+        self._seeds = None if seeds is None else Seeds(seeds, self.autoreset_mode)
+        self._is_watched = bool(self._info_types or self._seeds)
 
     def _take_spaces(self) -> None:
         description = json.loads(self._native.describe())
@@ -179,7 +221,17 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         known = native_options(self.env_id, options)
         if options and "reset_mask" in options:
             mask = self._checked_mask(options["reset_mask"])
-        return self._native.reset(one, each, known, mask)
+        if self._seeds is not None:
+            started = np.flatnonzero(np.ones(self.num_envs) if mask is None else mask)
+            self._seeds.forget(started)
+            if seed is None:
+                each = self._seeds.take(started, self.num_envs)
+        if self._envs is not None:
+            self._push_envs()
+        result = self._native.reset(one, each, known, mask)
+        if self._envs is not None:
+            self._follow_envs(is_reset=True)
+        return result
 
     def _checked_mask(self, mask: Any) -> list[bool]:
         array = np.asarray(mask)
@@ -204,7 +256,26 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             Observations, rewards (``float64``), terminated, truncated (``bool``), each with a row for each environment, and
             infos: for each key a column, and under ``_key`` which rows of it count.
         """
-        return self._native.step(actions)
+        return self._watched_step(actions) if self._is_watched else self._native.step(actions)
+
+    def _watched_step(self, actions: Any) -> Any:
+        if self._envs is not None:
+            self._push_envs()
+        native, seeds = self._native, self._seeds
+        result = native.step(actions) if seeds is None else seeds.step(native, actions, self.num_envs)
+        if self._info_types:
+            self._set_types(result[4], actions)
+        if self._envs is not None:
+            self._follow_envs(is_reset=False)
+        return result
+
+    def _set_types(self, infos: dict[str, Any], actions: Any) -> None:
+        """Gives the columns the types of Gymnasium's."""
+        for name, kind in self._info_types.items():
+            if name in infos and (kind is not np.float32 or getattr(actions, "dtype", None) == kind):
+                infos[name] = infos[name].astype(kind)
+        if "final_info" in infos:
+            self._set_types(infos["final_info"], actions)
 
     def send(self, actions: Any, env_ids: Sequence[int] | npt.NDArray[np.integer[Any]] | None = None) -> None:
         """Lets some environments of an async vector take a step, and returns at once.
@@ -213,6 +284,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             actions: A row for each of ``env_ids``.
             env_ids: Which; all unless given. None of them may be pending.
         """
+        if self._seeds is not None:
+            raise gymnasium.error.Error("a vector with seeds steps all of its environments at once: it has no send and recv")
         ids = range(self.num_envs) if env_ids is None else env_ids
         self._native.send(actions, [_whole("an id of env_ids", i, 0) for i in ids])
 
@@ -244,7 +317,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         return self._native.render()
 
     def close_extras(self, **kwargs: Any) -> None:
-        """Ends the use of all environments."""
+        """Ends the threads of an async vector, and with them its use; closes the windows of others, which go on as they were."""
         self._native.close()
 
     def __repr__(self) -> str:
@@ -254,8 +327,39 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
 
     @property
     def envs(self) -> tuple[Env, ...]:
-        """Copies of the environments, to look at; not of a native vector, which is not made of any."""
-        return tuple(Env._of(native, self.env_id, self.render_mode, self._given) for native in self._native.envs())
+        """The environments: what is done with them is done in the vector. A native vector has none.
+
+        From the first look on each call of the vector takes them over before and brings them up to date after, which takes time.
+        """
+        self._keeps_envs = True
+        return self._look_at_envs()
+
+    def _look_at_envs(self) -> tuple[Env, ...]:
+        if self._envs is None:
+            natives = self._native.envs()
+            self._envs = tuple(Env._of(native, self.env_id, self.render_mode, self._given) for native in natives)
+            self._is_watched = True
+        return self._envs
+
+    def _push_envs(self) -> None:
+        """Takes over what was done with the environments that were handed out."""
+        assert self._envs is not None
+        for env in self._envs:
+            env._push_into_vector()
+        self._native.set_envs([env._native for env in self._envs])
+
+    def _follow_envs(self, is_reset: bool) -> None:
+        """Brings the environments that were handed out up to date."""
+        assert self._envs is not None
+        for env, native in zip(self._envs, self._native.envs(), strict=True):
+            env._native = native
+            env._follow(is_reset)
+        self._let_go()
+
+    def _let_go(self) -> None:
+        """Forgets the environments where nobody holds one of them, or something of one."""
+        if not self._keeps_envs and not any(env._is_watched for env in self._envs or ()):
+            self._envs, self._is_watched = None, bool(self._info_types or self._seeds)
 
     def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
         """The attribute ``name`` of each environment, or the result of the method of that name."""
@@ -279,22 +383,26 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         self._with_each(lambda index, env: setattr(env, name, values[index]))
 
     def _with_each(self, ask: Callable[[int, Env], Any]) -> tuple[Any, ...]:
-        envs = self.envs
-        results = tuple(ask(index, env) for index, env in enumerate(envs))
-        self._native.set_envs([env._native for env in envs])
+        results = tuple(ask(index, env) for index, env in enumerate(self._look_at_envs()))
+        self._push_envs()
+        self._let_go()
         return results
 
     @property
     def state(self) -> npt.NDArray[np.float64]:
-        """The states of classic control, shape ``(numbers, num_envs)``: Gymnasium's ``CartPoleVectorEnv.state``."""
+        """The states of classic control, shape ``(numbers, num_envs)``: Gymnasium's ``CartPoleVectorEnv.state``. Read-only."""
         names: tuple[str, ...] = getattr(class_of(self.env_id), "state_names", ())
         states = self._native.states() if names else None
         if states is None:
             raise AttributeError(f"the state of {self.env_id} is not an array of numbers, or the vector was not reset yet")
         rows = json.loads(states)
-        return np.array([[state[name] for state in rows] for name in names])
+        numbers = np.array([[state[name] for state in rows] for name in names])
+        numbers.flags.writeable = False
+        return numbers
 
     @property
     def prev_done(self) -> npt.NDArray[np.bool_]:
-        """Whether each environment's episode ended in the last step."""
-        return self._native.done()
+        """Whether each environment's episode ended in the last step. Read-only."""
+        flags = self._native.done()
+        flags.flags.writeable = False
+        return flags

@@ -4,7 +4,7 @@ use gym_core::canvas::{Color, Point};
 
 use super::Pixels;
 
-/// Smoothed lines between points; from the last to the first too, if closed.
+/// Draws antialiased lines between `points`; if `closed`, also from the last point to the first.
 pub(super) fn aalines(pixels: &mut impl Pixels, points: &[Point], closed: bool, color: Color) {
     let point = |i: usize| points[i].map(|x| x as f32);
     let count = points.len();
@@ -23,7 +23,7 @@ pub(super) fn aalines(pixels: &mut impl Pixels, points: &[Point], closed: bool, 
         let turns = match steep_before {
             Some(before) => steep != before,
             None => {
-                // pygame compares other coordinates here than it means to
+                // pygame compares the wrong coordinates here
                 let after = point(2 % count);
                 steep && (after[0] - to[0]).abs() >= (after[1] - from[1]).abs()
             }
@@ -40,17 +40,17 @@ pub(super) fn aalines(pixels: &mut impl Pixels, points: &[Point], closed: bool, 
     }
 }
 
-/// The joints of a line with the lines before and after it.
+/// How a line meets its neighbours.
 #[derive(Clone, Copy, Default)]
 struct Join {
-    /// Whether its end lies between pixels: its ends are then left to its neighbours.
+    /// Whether an end of the line is off the pixel grid: its neighbours then draw the ends.
     off: bool,
-    /// Whether it is steep and the one before is not, or the reverse: its ends are drawn all the
-    /// same.
+    /// Whether the line is steep and the previous one is not, or the reverse: its ends are then
+    /// drawn even if `off`.
     turns: bool,
-    /// Whether an open chain begins with it.
+    /// Whether an open chain begins with this line.
     is_first: bool,
-    /// Whether an open chain ends with it.
+    /// Whether an open chain ends with this line.
     is_last: bool,
 }
 
@@ -70,12 +70,12 @@ fn line(pixels: &mut impl Pixels, mut from: [f32; 2], mut to: [f32; 2], join: Jo
     if d.iter().all(|d| d.abs() < 0.0001) {
         let [x, y] = from.map(|x| (f64::from(x) + 0.5).floor() as i32);
         return if steep {
-            mix(y, x, 1.0)
+            mix(y, x, 1.0);
         } else {
-            mix(x, y, 1.0)
+            mix(x, y, 1.0);
         };
     }
-    // x is the longer way from here on
+    // from here on, x is the longer direction
     if steep {
         from.swap(0, 1);
         to.swap(0, 1);

@@ -1,10 +1,11 @@
-//! The primitives of `pygame.draw` without smoothing.
+//! The primitives of `pygame.draw` without antialiasing.
 
 use gym_core::canvas::{Color, Point};
 
 use super::{Edge, Edges, FEW, MANY, Pixels, whole};
 
-/// Lines `width` pixels wide between points; from the last to the first too, if closed.
+/// Draws lines of `width` pixels between `points`; if `closed`, also from the last point to the
+/// first.
 pub(super) fn lines(
     pixels: &mut impl Pixels,
     points: &[Point],
@@ -55,7 +56,7 @@ fn line(
     }
 }
 
-/// A polygon filled with its outline.
+/// Draws a filled polygon with its outline.
 pub(super) fn polygon(pixels: &mut impl Pixels, points: &[Point], color: Color) {
     if let [a, b, c] = *points {
         return triangle(pixels, [a, b, c].map(whole), color);
@@ -79,10 +80,10 @@ fn fill<const MOST: usize>(pixels: &mut impl Pixels, points: &[Point], color: Co
     }
     let cut = |&Edge { x1, y1, x2, y2, .. }: &Edge, y: i32, before: usize| {
         if x1 == x2 {
-            return x1; // the ground of BipedalWalker is made of upright edges
+            return x1; // BipedalWalker's ground has many vertical edges
         }
         let q = (y - y1).wrapping_mul(x2 - x1) as f32 / (y2 - y1) as f32;
-        // which way a cut is rounded depends on the order of the points
+        // the order of the points decides how an intersection is rounded
         x1 + if before.is_multiple_of(2) {
             q.floor()
         } else {
@@ -90,7 +91,7 @@ fn fill<const MOST: usize>(pixels: &mut impl Pixels, points: &[Point], color: Co
         } as i32
     };
     edges.scan(pixels.rows(), cut, |a, b, y| pixels.hline(a, b, y, color));
-    // level edges inside
+    // horizontal edges inside the polygon
     let mut p = points.last().copied().map_or([0; 2], whole);
     for q in points.iter().map(|point| whole(*point)) {
         if p[1] == q[1] && min < p[1] && p[1] < max {
@@ -125,7 +126,7 @@ fn triangle(pixels: &mut impl Pixels, [mut a, mut b, mut c]: [[i32; 2]; 3], colo
     }
 }
 
-/// A filled circle about a corner of pixels.
+/// Draws a filled circle whose centre is a corner of pixels.
 pub(super) fn circle(pixels: &mut impl Pixels, [cx, cy]: [i32; 2], radius: i32, color: Color) {
     if radius < 1 {
         return;

@@ -1,4 +1,4 @@
-//! `pygame.gfxdraw`: edges smoothed over two pixels, and plain insides.
+//! `pygame.gfxdraw`: edges antialiased over two pixels, and fills without antialiasing.
 
 use std::ops::Range;
 
@@ -6,7 +6,7 @@ use gym_core::canvas::{Color, Point};
 
 use super::{Edge, Edges, FEW, MANY, Pixels, whole};
 
-/// The smoothed outline of a polygon.
+/// Draws the antialiased outline of a polygon.
 pub(super) fn aapolygon(pixels: &mut impl Pixels, points: &[Point], color: Color) {
     for (i, &p) in points.iter().enumerate() {
         let q = points.get(i + 1).unwrap_or(&points[0]);
@@ -19,7 +19,7 @@ const RIGHT: u8 = 2;
 const BOTTOM: u8 = 4;
 const TOP: u8 = 8;
 
-/// Cuts a line at the edges of the surface. The ends may come back swapped.
+/// Clips a line to the surface; may swap the ends.
 fn clip(mut p: [i16; 2], mut q: [i16; 2], [right, bottom]: [i16; 2]) -> Option<[[i16; 2]; 2]> {
     let outside = |[x, y]: [i16; 2]| {
         (u8::from(x < 0) * LEFT)
@@ -27,7 +27,7 @@ fn clip(mut p: [i16; 2], mut q: [i16; 2], [right, bottom]: [i16; 2]) -> Option<[
             | (u8::from(y > bottom) * BOTTOM)
             | (u8::from(y < 0) * TOP)
     };
-    // each turn brings an end to an edge; rounding can take it back a few times, but never for long
+    // each iteration moves an end to an edge; rounding can move it back, but only a few times
     for _ in 0..64 {
         if outside(p) | outside(q) == 0 {
             return Some([p, q]);
@@ -56,8 +56,8 @@ fn clip(mut p: [i16; 2], mut q: [i16; 2], [right, bottom]: [i16; 2]) -> Option<[
     None
 }
 
-/// A line whose pixels share their colour with their neighbours across it. The end is left to the
-/// next line.
+/// Draws an antialiased line: each pixel shares its colour with its neighbour across the line. The
+/// last pixel is left to the next line.
 fn aaline(pixels: &mut impl Pixels, p: [i32; 2], q: [i32; 2], color: Color) {
     let corner = [(pixels.width() - 1) as i16, (pixels.height() - 1) as i16];
     let Some([p, q]) = clip(p.map(|x| x as i16), q.map(|x| x as i16), corner) else {
@@ -76,10 +76,10 @@ fn aaline(pixels: &mut impl Pixels, p: [i32; 2], q: [i32; 2], color: Color) {
     pixels.hline(p[0], p[0], p[1], color);
     let sx = (end[0] - tx).signum();
     let (major, minor) = (dx.max(dy), dx.min(dy));
-    // pygame's error term in 32 bits; at 45 degrees it runs over to 0, and moves at every step
+    // pygame's 32-bit error term; at 45 degrees it overflows to 0 and moves at every step
     let step = u64::from(((minor << 16) / major) << 16);
     let step = if step == 0 { 1 << 32 } else { step };
-    // the first k at which the line has moved this number of pixels along the minor axis
+    // the first step at which the line has moved `minor` pixels along the minor axis
     let first_at =
         |minor: i32| u64::try_from(minor).map_or(0, |minor| (minor << 32).div_ceil(step));
     let rows = pixels.rows();
@@ -98,7 +98,7 @@ fn aaline(pixels: &mut impl Pixels, p: [i32; 2], q: [i32; 2], color: Color) {
             let (x, y) = (tx + sx * (at >> 32) as i32, ty + k as i32);
             at += step;
             pixels.blend(x, y, color, near);
-            // clipping keeps the line on the surface, not its shade
+            // clipping keeps the line on the surface, but not its antialiased neighbours
             if x + sx >= 0 && x + sx < pixels.width() {
                 pixels.blend(x + sx, y, color, far);
             }
@@ -108,7 +108,7 @@ fn aaline(pixels: &mut impl Pixels, p: [i32; 2], q: [i32; 2], color: Color) {
     let Range { start: mut k, end } = steps(first_at(from - 1), first_at(to));
     let mut at = u64::from(k) * step;
     while k < end {
-        // as far as the line stays between two rows
+        // while the line stays between the same two rows
         let (minor, first) = (at >> 32, k);
         while k < end && at >> 32 == minor {
             k += 1;
@@ -125,7 +125,7 @@ fn aaline(pixels: &mut impl Pixels, p: [i32; 2], q: [i32; 2], color: Color) {
     }
 }
 
-/// The inside of a polygon. The outline belongs to it in part.
+/// Fills a polygon; part of its outline belongs to the fill.
 pub(super) fn filled_polygon(pixels: &mut impl Pixels, points: &[Point], color: Color) {
     if points.len() <= FEW {
         fill::<FEW>(pixels, points, color);
@@ -136,11 +136,11 @@ pub(super) fn filled_polygon(pixels: &mut impl Pixels, points: &[Point], color: 
 
 fn fill<const MOST: usize>(pixels: &mut impl Pixels, points: &[Point], color: Color) {
     scan::<MOST>(pixels.rows(), points, |x1, x2, y| {
-        pixels.hline(x1, x2, y, color)
+        pixels.hline(x1, x2, y, color);
     });
 }
 
-/// Shows `draw` the runs that are inside of a polygon, in these rows; the ends may come in either
+/// Calls `draw` with the runs inside of a polygon in `rows`; the ends of a run may be in either
 /// order.
 #[inline]
 fn scan<const MOST: usize>(
@@ -156,15 +156,15 @@ fn scan<const MOST: usize>(
     };
     let round = |v: i32| (v >> 16) + (v >> 15 & 1);
     edges.scan(rows, cut, |a, b, y| {
-        draw(round(a.wrapping_add(1)), round(b.wrapping_sub(1)), y)
+        draw(round(a.wrapping_add(1)), round(b.wrapping_sub(1)), y);
     });
 }
 
-/// Rows that [`polygon`] takes at once.
+/// The number of rows that [`polygon`] handles at once.
 pub(crate) const MOST_ROWS: usize = 64;
 
-/// [`aapolygon`] and then [`filled_polygon`], of the same points. The part of the outline under the
-/// inside is not drawn.
+/// Draws [`aapolygon`] and then [`filled_polygon`] with the same points, without the part of the
+/// outline that the fill would cover.
 pub(crate) fn polygon(pixels: &mut impl Pixels, points: &[Point], color: Color) {
     let rows = pixels.rows();
     let mut inside = Inside {
@@ -199,14 +199,14 @@ pub(crate) fn polygon(pixels: &mut impl Pixels, points: &[Point], color: Color) 
     );
 }
 
-/// For some rows, the pixels that the inside of a polygon covers: from the first to before the
+/// The run that a polygon's fill covers in each row: from the first pixel up to, but excluding, the
 /// second.
 struct Inside {
     top: i32,
     runs: [[i32; 2]; MOST_ROWS],
 }
 
-/// A surface on which the pixels within a polygon stay as they are: only its own colour may be
+/// A surface on which the pixels inside of a polygon are protected: only the fill's colour may be
 /// drawn on them.
 struct Outside<'a, P> {
     pixels: &'a mut P,
@@ -265,7 +265,7 @@ impl<P: Pixels> Pixels for Outside<'_, P> {
     }
 }
 
-/// A circle filled with its outline.
+/// Draws a filled circle with its outline.
 pub(super) fn filled_circle(pixels: &mut impl Pixels, [x, y]: [i32; 2], radius: i32, color: Color) {
     if radius == 0 {
         return pixels.hline(x, x, y, color);
@@ -292,7 +292,7 @@ pub(super) fn filled_circle(pixels: &mut impl Pixels, [x, y]: [i32; 2], radius: 
     }
 }
 
-/// The smoothed outline of a circle.
+/// Draws the antialiased outline of a circle.
 pub(super) fn aacircle(pixels: &mut impl Pixels, [x, y]: [i32; 2], radius: i32, color: Color) {
     if radius == 0 {
         return pixels.hline(x, x, y, color);

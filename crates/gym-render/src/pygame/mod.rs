@@ -3,9 +3,9 @@
 //! Written from a description of pygame-ce 2.5.8's output and tested against recordings of it
 //! (`tests/pygame`). One file per module of pygame: [`gfxdraw`], [`draw`], [`aalines`].
 //!
-//! All functions draw on [`Pixels`]: some rows of a surface. Calls are clipped as by pygame at the
-//! edges of the *surface*, and rows that are not stored are skipped, so one surface can be drawn in
-//! bands (see [`sheet`](crate::sheet)).
+//! All functions draw on [`Pixels`]: a surface of which some rows are stored. Calls are clipped at
+//! the edges of the *surface*, as by pygame; rows that are not stored are skipped, so a surface can
+//! be drawn in bands (see [`sheet`](crate::sheet)).
 
 mod aalines;
 mod draw;
@@ -23,33 +23,33 @@ pub(crate) use gfxdraw::{MOST_ROWS, polygon as gfx_polygon};
 pub(crate) use rgb::RgbPixels;
 pub(crate) use smoothscale::{Phase, part, phases};
 
-/// The target of primitives: a surface of which some rows are stored.
+/// A surface of which some rows are stored.
 pub(crate) trait Pixels {
-    /// Width of the surface.
+    /// Returns the width of the surface.
     fn width(&self) -> i32;
 
-    /// Height of the surface.
+    /// Returns the height of the surface.
     fn height(&self) -> i32;
 
-    /// The stored rows of the surface.
+    /// Returns the stored rows.
     fn rows(&self) -> Range<i32>;
 
-    /// Colours the pixels `x1..=x2` of a row. All lie on the surface, in a row that is kept.
+    /// Colours the pixels `x1..=x2` of a stored row.
     fn run(&mut self, x1: i32, x2: i32, y: i32, color: Color);
 
-    /// Changes a channel of a pixel from `d` to `f(d, s)`, `s` being the channel of the colour. The
-    /// pixel lies on the surface, in a row that is kept.
+    /// Changes each channel of a pixel from `d` to `f(d, s)`, where `s` is the channel of `color`.
+    /// The pixel must be in a stored row.
     fn change(&mut self, x: i32, y: i32, color: Color, f: impl Fn(u8, u8) -> u8);
 
-    /// `gfxdraw`'s blending, with a weight below 256: `d += ((s - d) * weight) >> 8`.
+    /// Blends like `gfxdraw`, with a weight below 256: `d += ((s - d) * weight) >> 8`.
     fn blend(&mut self, x: i32, y: i32, color: Color, weight: i32) {
         self.change(x, y, color, |d, s| {
             (i32::from(d) + (((i32::from(s) - i32::from(d)) * weight) >> 8)) as u8
         });
     }
 
-    /// [`blend`](Self::blend), of the pixels `x1..=x2` of a row, each with the weight for its `x`.
-    /// All lie on the surface, in a row that is kept.
+    /// [Blends](Self::blend) the pixels `x1..=x2` of a stored row; `weight` returns the weight for
+    /// an `x`.
     #[inline]
     fn blend_span(&mut self, x1: i32, x2: i32, y: i32, color: Color, weight: impl Fn(i32) -> i32) {
         for x in x1..=x2 {
@@ -57,12 +57,12 @@ pub(crate) trait Pixels {
         }
     }
 
-    /// Whether a pixel lies on the surface, in a row that is kept.
+    /// Whether a pixel is on the surface, in a stored row.
     fn keeps(&self, x: i32, y: i32) -> bool {
         (0..self.width()).contains(&x) && self.rows().contains(&y)
     }
 
-    /// `run`, clipped to the stored rows; the ends may be in either order.
+    /// Colours the pixels from `x1` to `x2` (in either order) of a row, clipped to the stored rows.
     fn hline(&mut self, x1: i32, x2: i32, y: i32, color: Color) {
         let (x1, x2) = (x1.min(x2).max(0), x1.max(x2).min(self.width() - 1));
         if x1 <= x2 && self.rows().contains(&y) {
@@ -70,7 +70,8 @@ pub(crate) trait Pixels {
         }
     }
 
-    /// A column of pixels, clipped to the stored rows; the ends may be in either order.
+    /// Colours the pixels from `y1` to `y2` (in either order) of a column, clipped to the stored
+    /// rows.
     fn vline(&mut self, x: i32, y1: i32, y2: i32, color: Color) {
         let rows = self.rows();
         if (0..self.width()).contains(&x) {
@@ -81,7 +82,7 @@ pub(crate) trait Pixels {
     }
 }
 
-/// Beyond this distance from the surface's corner pygame's 16-bit coordinates overflow, and loops
+/// Beyond this distance from the surface's corner, pygame's 16-bit coordinates overflow, and loops
 /// would be slow.
 const REACH: f64 = 30_000.0;
 
@@ -111,12 +112,12 @@ pub(crate) fn is_in_reach(primitive: &Primitive<'_>) -> bool {
     }
 }
 
-/// Cuts fractions off, as pygame does.
+/// Truncates coordinates, as pygame does.
 fn whole([x, y]: Point) -> [i32; 2] {
     [x as i32, y as i32]
 }
 
-/// Draws one call.
+/// Draws a primitive.
 pub(crate) fn paint(pixels: &mut impl Pixels, primitive: &Primitive<'_>, color: Color) {
     match *primitive {
         Primitive::AaPolygon(points) => gfxdraw::aapolygon(pixels, points, color),
@@ -136,13 +137,13 @@ pub(crate) fn paint(pixels: &mut impl Pixels, primitive: &Primitive<'_>, color: 
             width,
         } => draw::lines(pixels, points, closed, width, color),
         Primitive::Circle { center, radius } => {
-            draw::circle(pixels, whole(center), radius as i32, color)
+            draw::circle(pixels, whole(center), radius as i32, color);
         }
         Primitive::AaLines { points, closed } => aalines::aalines(pixels, points, closed, color),
     }
 }
 
-/// An edge of a polygon that is not level, from its upper end.
+/// A non-horizontal edge of a polygon, from its upper end.
 #[derive(Clone, Copy, Default)]
 struct Edge {
     x1: i32,
@@ -154,7 +155,7 @@ struct Edge {
 }
 
 impl Edge {
-    /// From an upper to a lower end.
+    /// Makes an edge from its upper to its lower end.
     fn new([x1, y1]: [i32; 2], [x2, y2]: [i32; 2]) -> Self {
         Self {
             x1,
@@ -165,11 +166,11 @@ impl Edge {
         }
     }
 
-    /// `65536 * (y - y1) / (y2 - y1)`, for a row of the edge.
+    /// Returns `65536 * (y - y1) / (y2 - y1)` for a row `y` of the edge.
     #[inline]
     fn share(&self, y: i32) -> i32 {
-        // The quotient of a number below 2^31 is exact: the reciprocal is too large by less than
-        // 1 / 2^47, and the divisor is below 2^16. Larger ones run over, as pygame's do.
+        // the quotient is exact for numerators below 2^31: the error of the reciprocal is less than
+        // 1 / 2^47, and the divisor is below 2^16; larger numbers overflow, as in pygame
         let along = y - self.y1;
         if along < 1 << 15 {
             (((along as u64) << 16).wrapping_mul(self.reciprocal) >> 47) as i32
@@ -179,8 +180,8 @@ impl Edge {
     }
 }
 
-/// The edges of a polygon that are not level: from the last point to the first, from the first to
-/// the second, and so on. And its first and last row.
+/// The non-horizontal edges of a polygon, in the order last to first point, first to second, and so
+/// on; with the polygon's first and last row.
 struct Edges<const MOST: usize> {
     edges: [Edge; MOST],
     count: usize,
@@ -188,9 +189,9 @@ struct Edges<const MOST: usize> {
     max: i32,
 }
 
-/// Most polygons have no more edges.
+/// Enough edges for most polygons.
 const FEW: usize = 8;
-/// More than any polygon of an environment has; further ones are left out.
+/// More edges than any environment's polygon has; further edges are ignored.
 const MANY: usize = 80;
 
 impl<const MOST: usize> Edges<MOST> {
@@ -219,9 +220,9 @@ impl<const MOST: usize> Edges<MOST> {
         edges
     }
 
-    /// Shows `draw` the pairs of places between which each of these rows lies inside. `cut` tells
-    /// where a row cuts an edge, given how many cuts came before. A row cuts an edge from its upper
-    /// end on, and the last row of the polygon those too that end there.
+    /// Calls `draw` with each pair of intersections between which a row lies inside. `cut` returns
+    /// where a row intersects an edge, given the number of earlier intersections. An edge includes
+    /// its upper end; in the polygon's last row it also includes its lower end.
     #[inline]
     fn scan(
         &self,
@@ -234,7 +235,7 @@ impl<const MOST: usize> Edges<MOST> {
         let mut y = self.min.max(rows.start);
         let bottom = (self.max + 1).min(rows.end);
         while y < bottom {
-            // between two ends of edges all rows cut the same ones
+            // between two consecutive ends of edges, all rows intersect the same edges
             let mut cut_ones = [Edge::default(); MOST];
             let mut count = 0;
             let mut next = bottom;

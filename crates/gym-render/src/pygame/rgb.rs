@@ -1,4 +1,4 @@
-//! A frame as a surface of pygame.
+//! A frame as a pygame surface.
 
 use std::ops::Range;
 
@@ -8,22 +8,22 @@ use gym_core::render::Frame;
 use super::Pixels;
 use crate::pixels::{self, RGB};
 
-/// The rows of a frame, drawn from the top or, as Gymnasium does, from the bottom.
+/// The rows of a frame, drawn from the top or, as in Gymnasium, from the bottom.
 ///
-/// The surface can be wider than the frame: the frame then shows its right end.
+/// The surface can be wider than the frame, which then shows the surface's right end.
 pub(crate) struct RgbPixels<'a> {
     pub(crate) frame: &'a mut Frame,
-    /// Columns of the surface left of the frame.
+    /// The columns of the surface left of the frame.
     pub(crate) left: i32,
     /// Whether row 0 is the lowest.
     pub(crate) flipped: bool,
-    /// The bytes of the last long run, if they are as they were left, and its colour.
+    /// The bytes of the last long run, if they are still unchanged, and its colour.
     last: (Range<usize>, Color),
     /// A short run, and its colour.
     short: ([u8; SHORT], Option<Color>),
 }
 
-/// Bytes of the longest run that is not worth a look at the one before.
+/// The longest run, in bytes, that is filled without comparing it to the previous run.
 const SHORT: usize = 32 * RGB;
 
 impl<'a> RgbPixels<'a> {
@@ -81,7 +81,7 @@ impl Pixels for RgbPixels<'_> {
             }
             return self.frame.pixels_mut()[start..start + bytes].copy_from_slice(&run[..bytes]);
         }
-        // polygons are made of runs that are much alike, and copies are fast
+        // polygons consist of similar runs, and copying is fast
         let (last, last_color) = &self.last;
         if bytes <= last.len() && *last_color == color {
             let first = last.start;

@@ -1,40 +1,41 @@
 //! `pygame.transform.smoothscale`, for shrinking.
 //!
-//! Each sample of the smaller image is the mean of the samples it covers, partly at its ends, in
+//! Each output sample is the mean of the input samples that it covers, with weights at its ends, in
 //! 16-bit integers that round down: a plain image becomes up to two levels darker.
 
-/// One sample of the smaller image: its start and its shares.
+/// One output sample: the input samples that it covers, with their weights.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Phase {
-    /// The sample that it takes over from the one before, with the share that is left of it.
+    /// The input sample that the previous output sample covers too, with its remaining weight.
     pub(crate) first: usize,
     pub(crate) first_share: u16,
-    /// The first sample that belongs to it as a whole.
+    /// The first completely covered input sample.
     pub(crate) begin: usize,
-    /// The sample after those that do, and its share.
+    /// The sample after the completely covered ones, and its weight.
     pub(crate) last: usize,
     pub(crate) last_share: u16,
     /// The factor that turns a sum into a mean.
     pub(crate) reciprocal: u16,
 }
 
-/// A share of 1.
+/// The weight 1.
 const ONE: u32 = 0x4000;
 
-/// The part of a sample that a share is.
+/// Returns `value`, weighted by `share`.
 #[inline(always)]
 pub(crate) fn part(value: u16, share: u16) -> u16 {
     ((u32::from(4 * value) * u32::from(share)) >> 16) as u16
 }
 
 impl Phase {
-    /// The mean, from the sum of the whole samples and those at the ends.
+    /// Returns the mean, from the first sample, the sum of the complete samples, and the last
+    /// sample.
     #[inline(always)]
     pub(crate) fn mean(&self, first: u16, whole: u16, last: u16) -> u8 {
         self.of(part(first, self.first_share).wrapping_add(whole), last)
     }
 
-    /// The mean, from the sum of all but the sample at its end.
+    /// Returns the mean, from the sum of all samples except the last, and the last.
     #[inline(always)]
     pub(crate) fn of(&self, sum: u16, last: u16) -> u8 {
         let sum = sum.wrapping_add(part(last, self.last_share));
@@ -42,7 +43,7 @@ impl Phase {
     }
 }
 
-/// The reduction of `from` samples to `to`, which are fewer.
+/// Returns the output samples of a reduction from `from` samples to the smaller number `to`.
 pub(crate) fn phases(from: usize, to: usize) -> Vec<Phase> {
     let space = (ONE as usize * from / to.max(1)) as u32;
     let reciprocal = (0x4000_0000 / space.max(1)) as u16;

@@ -1,4 +1,4 @@
-//! Comparison with recordings of pygame-ce 2.5.8: `tests/pygame`.
+//! Comparison with recordings of pygame-ce 2.5.8 in `tests/pygame`.
 
 use gym_core::canvas::{Canvas, Color, Point, Primitive};
 use gym_core::pygame::flipped;
@@ -9,7 +9,7 @@ use serde_json::Value as Json;
 use super::smoothscale::phases;
 use super::{RgbPixels, paint};
 
-/// A file of cases.
+/// Reads a file of cases.
 macro_rules! cases {
     ($name:literal) => {
         cases(include_str!(concat!("../../tests/pygame/", $name, ".json")))
@@ -24,13 +24,13 @@ fn cases<T: for<'a> Deserialize<'a>>(text: &str) -> Vec<T> {
     serde_json::from_str::<File<T>>(text).unwrap().cases
 }
 
-/// Bytes that look random.
+/// Returns pseudorandom bytes.
 fn noise(seed: u32) -> impl Iterator<Item = u8> {
     let next = |x: &u32| Some(x.wrapping_mul(1_664_525).wrapping_add(1_013_904_223));
     std::iter::successors(next(&seed), next).map(|x| (x >> 16) as u8)
 }
 
-/// The arguments of a call, under pygame's names.
+/// The arguments of a call, with pygame's names.
 #[derive(Deserialize)]
 struct Case {
     size: (u32, u32),
@@ -86,7 +86,7 @@ impl Case {
     }
 }
 
-/// Draws every case and counts those that differ.
+/// Draws every case and counts the differing ones.
 fn check(name: &str, cases: &[Case], primitive: impl Fn(&Case) -> Primitive<'_>) {
     assert!(!cases.is_empty());
     let differ = cases.iter().enumerate().filter(|(_, case)| {
@@ -167,7 +167,7 @@ fn draw_draws_what_pygame_drew() {
     }
 }
 
-/// A polygon without height is its row of pixels, from the leftmost point to the rightmost.
+/// A polygon of height 0 is a row of pixels, from the leftmost point to the rightmost.
 #[test]
 fn a_flat_polygon_is_a_line() {
     for points in [
@@ -203,7 +203,7 @@ fn rotate_rad_turns_as_pygame_did() {
     }
 }
 
-/// One row or column made smaller.
+/// Reduces one row or column.
 fn shrink(samples: impl Fn(usize) -> u8, from: usize, to: usize) -> Vec<u8> {
     if from == to {
         return (0..to).map(samples).collect();
@@ -263,7 +263,7 @@ fn smoothscale_shrinks_as_pygame_did() {
     }
 }
 
-/// The whole picture made smaller.
+/// Reduces a whole image.
 fn smoothscale(frame: &Frame, (width, height): (u32, u32)) -> Frame {
     let [w, h, w2, h2] = [frame.width(), frame.height(), width, height].map(|side| side as usize);
     let mut scaled = Frame::new(width, height).unwrap();
@@ -280,10 +280,10 @@ fn smoothscale(frame: &Frame, (width, height): (u32, u32)) -> Frame {
     scaled
 }
 
-/// Paints on a surface.
+/// A function that draws on a surface.
 type Paint<'a> = dyn FnMut(Primitive<'_>, Color) + 'a;
 
-/// Whether a surface that is never whole is shrunk as one that is.
+/// Whether drawing and reducing a surface in bands gives the same as drawing it whole.
 fn shrinks_as_whole(
     raster: &mut crate::Raster,
     from: (u32, u32),
@@ -292,7 +292,7 @@ fn shrinks_as_whole(
 ) -> bool {
     let mut whole = Frame::new(from.0, from.1).unwrap();
     draw(&mut |primitive, color| {
-        paint(&mut RgbPixels::new(&mut whole, 0, true), &primitive, color)
+        paint(&mut RgbPixels::new(&mut whole, 0, true), &primitive, color);
     });
     let mut frame = Frame::new(to.0, to.1).unwrap();
     let mut draw_in = |canvas: &mut dyn Canvas| {
@@ -332,7 +332,7 @@ fn a_surface_that_is_never_whole_is_shrunk_as_one_that_is() {
                     let color = Color::rgb(*r, *g, *b);
                     let [[x1, y1], [x2, y2], ..] = *points;
                     let (center, radius) = ([x1, y1], (x2 - x1).abs() / 4.0);
-                    // too few points for a line or an area as well
+                    // also too few points for a line or an area
                     let few = &points[..kind % 3];
                     match kind {
                         0 => paint(Primitive::Polygon(points), color),

@@ -1,4 +1,4 @@
-//! Drawing on some rows of a surface, which are kept in windows.
+//! Drawing on some rows of a surface, which are stored as windows.
 
 use std::ops::Range;
 
@@ -7,16 +7,16 @@ use gym_core::canvas::Color;
 use super::windows::{Layout, WRITTEN_OUT, Window, Written, mark};
 use crate::pygame::Pixels;
 
-/// The red, green and blue of a colour.
+/// Returns the red, green and blue of a packed colour.
 #[inline]
 fn channels(color: u32) -> [u8; 3] {
     let [r, g, b, _] = color.to_le_bytes();
     [r, g, b]
 }
 
-/// Some rows of the surface, with room for `N` pixels in each window.
+/// Some rows of a surface, with space for `N` pixels per window.
 ///
-/// `N` is a constant so that work on all pixels of a window is a few instructions without a loop.
+/// `N` is a constant, so work on all pixels of a window is a few instructions without a loop.
 pub(super) struct Band<'a, const N: usize> {
     pub(super) rows: Range<i32>,
     pub(super) origin: isize,
@@ -24,31 +24,31 @@ pub(super) struct Band<'a, const N: usize> {
     pub(super) color: u32,
     /// The colours of the windows, row by row, or [`WRITTEN_OUT`].
     pub(super) flat: &'a mut [u32],
-    /// Their pixels, where they are written out.
+    /// The pixels of the windows that are [`WRITTEN_OUT`].
     pub(super) pixels: &'a mut [Written<N>],
     pub(super) layout: &'a Layout,
 }
 
 impl<const N: usize> Band<'_, N> {
-    /// The place of row `y` in the band.
+    /// Returns the index of row `y` in the band.
     fn place(&self, y: i32) -> usize {
         (self.origin + self.step * y as isize) as usize
     }
 
-    /// The windows of a pixel: two where neighbours share it, else the same one twice.
+    /// Returns the windows of a pixel: two if neighbours share it, otherwise the same window twice.
     #[inline]
     fn windows_of(&self, x: i32) -> [usize; 2] {
         [x, x + 1].map(|x| usize::from(self.layout.border[x as usize]))
     }
 
-    /// The number of a window, counted over all rows.
+    /// Returns the index of a window, counted over all rows.
     #[inline]
     fn index(&self, row: usize, window: usize) -> usize {
         row * self.layout.windows.len() + window
     }
 
-    /// The pixels of a window, written out; `None` if it has the colour of this band already, so
-    /// that drawing in that colour changes nothing.
+    /// Returns the pixels of a window, expanded if needed; `None` if the window has this band's
+    /// colour, so that drawing changes nothing.
     #[inline]
     fn unless_plain(&mut self, index: usize) -> Option<&mut Written<N>> {
         let flat = self.flat[index];
@@ -58,7 +58,7 @@ impl<const N: usize> Band<'_, N> {
         Some(self.write_out(index))
     }
 
-    /// The pixels of a window, written out.
+    /// Returns the pixels of a window; expands them if the window has a single colour.
     #[inline]
     fn write_out(&mut self, index: usize) -> &mut Written<N> {
         let flat = std::mem::replace(&mut self.flat[index], WRITTEN_OUT);
@@ -71,7 +71,7 @@ impl<const N: usize> Band<'_, N> {
         pixels
     }
 
-    /// Colours the pixels `x1..x2` that lie in a window.
+    /// Colours those pixels of `x1..x2` that are in a window.
     #[inline]
     fn fill_part(&mut self, row: usize, window: usize, x1: usize, x2: usize) {
         let (index, color) = (self.index(row, window), self.color);
@@ -86,12 +86,12 @@ impl<const N: usize> Band<'_, N> {
         }
     }
 
-    /// Makes windows one colour.
+    /// Sets windows to the band's colour.
     #[inline]
     fn flatten(&mut self, row: usize, windows: Range<usize>) {
         let start = self.index(row, 0);
         let flat = &mut self.flat[start..][windows];
-        // quads, of which the last may overlap with the one before, are faster than any number of
+        // in groups of four, the last of which may overlap: faster than a loop over any number of
         // windows
         if let Some(end) = flat.last_chunk_mut() {
             *end = [self.color; 4];
@@ -102,7 +102,7 @@ impl<const N: usize> Band<'_, N> {
     }
 }
 
-/// `(d * (256 - weight) + s * weight) >> 8` in each channel of a pixel.
+/// Blends each channel of a pixel: `(d * (256 - weight) + s * weight) >> 8`.
 #[inline]
 fn mix<const N: usize>(pixels: &mut Written<N>, x: usize, color: u32, weight: i32) {
     for (channel, s) in pixels.iter_mut().zip(channels(color)) {
@@ -162,7 +162,7 @@ impl<const N: usize> Pixels for Band<'_, N> {
         let (row, color, [left, right]) = (self.place(y), self.color, self.windows_of(x));
         for window in left..=right {
             let first = usize::from(self.layout.windows[window].first);
-            // (a colour blended with itself is that colour)
+            // (blending a colour with itself changes nothing)
             if let Some(pixels) = self.unless_plain(self.index(row, window)) {
                 mix(pixels, x as usize - first, color, weight);
             }

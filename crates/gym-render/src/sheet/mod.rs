@@ -1,13 +1,14 @@
-//! A large surface of pygame's that is shrunk to a frame, without ever being whole.
+//! A large pygame surface that is reduced to a frame without ever being stored whole.
 //!
 //! Calls are recorded until the surface is complete. It is then drawn in bands of a few rows, which
-//! stay in the cache: each row is shrunk horizontally, and the narrow rows are summed vertically.
+//! fit the CPU's cache: each row is reduced horizontally, and the narrow rows are summed
+//! vertically.
 //!
-//! The pixels of a row that become one pixel of the narrow row are a *window*; two neighbours share
-//! the pixel between them. Nearly everywhere a window has one colour, and is kept as that colour
-//! alone. It is written out in pixels when a border between colours, or a smoothed pixel, falls
-//! into it, and is one colour again when a run covers it. [`band`] draws, [`shrink`] makes windows
-//! pixels of the frame.
+//! The pixels of a row that are reduced to one pixel form a *window*; two neighbours share the
+//! pixel between them. Nearly all windows have a single colour and are stored as that colour. A
+//! window is expanded to pixels when an edge between colours or an antialiased pixel falls into it,
+//! and has a single colour again when a run covers it. [`band`] draws, [`shrink`] reduces windows
+//! to the frame's pixels.
 
 mod band;
 mod shrink;
@@ -22,14 +23,14 @@ use crate::pygame;
 use band::Band;
 use shrink::Shrink;
 
-/// Rows of a band: few enough to stay in the cache, and enough to outweigh the cost of each call in
-/// each band.
+/// Rows of a band: few enough to stay in the cache, enough to outweigh the cost of each call per
+/// band.
 const BAND: usize = pygame::MOST_ROWS;
 
-/// A surface is shrunk to no less than a part of that many, as sums of more pixels would not fit.
+/// Largest shrink factor: beyond it the sums would overflow.
 pub(crate) const MOST_SHRUNK: usize = 256;
 
-/// A surface to draw on and its calls so far. It reuses its buffers between frames.
+/// A surface and the calls that draw it. It reuses its buffers between frames.
 #[derive(Debug, Default)]
 pub(crate) struct Sheet {
     width: usize,
@@ -40,31 +41,31 @@ pub(crate) struct Sheet {
     shrink: Shrink,
     /// The colours of the windows of a band, row by row.
     flat: Vec<u32>,
-    /// The pixels of each window of a band that is written out, with as much room for each.
+    /// The pixels of each expanded window of a band, with equal space for each window.
     pixels: Vec<u8>,
 }
 
-/// A call, and where its points are.
+/// A call, and the positions of its points.
 #[derive(Clone, Debug)]
 struct Call {
     kind: Kind,
     points: Range<usize>,
     color: Color,
     flipped: bool,
-    /// The rows of the frame that it can reach.
+    /// The frame's rows that the call may draw on.
     rows: Range<usize>,
-    /// The rows of the frame that it covers completely.
+    /// The frame's rows that the call covers completely.
     covers: Range<usize>,
 }
 
-/// The parts of a [`Primitive`] that are not points.
+/// The kind and parameters of a [`Primitive`], without its points.
 #[derive(Clone, Copy, Debug)]
 enum Kind {
     Line,
     Column,
     AaPolygon,
     FilledPolygon,
-    /// The two above, one after the other, with the same points and the same colour.
+    /// `AaPolygon` and `FilledPolygon` with the same points and colour.
     GfxPolygon,
     AaCircle(f64),
     FilledCircle(f64),
@@ -84,7 +85,7 @@ impl Sheet {
     pub(crate) fn begin(&mut self, (width, height): (u32, u32)) {
         (self.width, self.height) = (width as usize, height as usize);
         self.clear(Color::BLACK);
-        // more than CarRacing's calls when all of its field is in sight
+        // more calls than CarRacing makes when its whole field is visible
         self.calls.reserve(4096);
         self.points.reserve(4 * 4096);
     }
@@ -99,7 +100,7 @@ impl Sheet {
         self.points.clear();
     }
 
-    /// Keeps a call.
+    /// Records a call.
     pub(crate) fn push(&mut self, primitive: &Primitive<'_>, color: Color, flipped: bool) {
         if let Primitive::FilledPolygon(points) = *primitive
             && let Some(last) = self.calls.last()
@@ -199,7 +200,7 @@ impl Sheet {
         }
     }
 
-    /// Rows of the frame, from rows of the surface.
+    /// Returns the frame's rows that contain the surface's rows `low..=high`.
     fn rows(&self, low: i64, high: i64, flipped: bool) -> Range<usize> {
         let place = |row: i64| row.clamp(0, self.height as i64) as usize;
         let (low, high) = (place(low), place(high + 1));
@@ -210,7 +211,7 @@ impl Sheet {
         }
     }
 
-    /// The rows that a polygon covers completely, if easily computed.
+    /// Returns the frame's rows that a polygon covers completely, if this is cheap to compute.
     fn covered(&self, points: &[Point], flipped: bool) -> Range<usize> {
         let &[a, b, c, d] = points else { return 0..0 };
         let (width, height) = (self.width as f64, self.height as f64);
@@ -226,7 +227,7 @@ impl Sheet {
                 0..0
             };
         }
-        // the corners of the surface lie on one side of all edges, well away from them
+        // all corners of the surface are on the same side of all edges, at some distance
         const AWAY: f64 = 4.0;
         let corners = [[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]];
         let side = |from: Point, to: Point, p: Point| {
@@ -245,7 +246,7 @@ impl Sheet {
         }
     }
 
-    /// Draws the surface and writes it, shrunk, to the frame.
+    /// Draws the surface and writes it, reduced, to the frame.
     pub(crate) fn finish(&mut self, frame: &mut Frame) {
         self.shrink.start(
             (self.width, self.height),
@@ -258,7 +259,7 @@ impl Sheet {
         }
     }
 
-    /// As [`finish`](Self::finish), for windows of up to `N` pixels.
+    /// Like [`finish`](Self::finish), for windows of up to `N` pixels.
     fn draw<const N: usize>(&mut self, frame: &mut Frame) {
         let height = self.height;
         let Self {
@@ -294,7 +295,7 @@ impl Sheet {
                 };
                 let mut band = Band {
                     rows: rows.start as i32..rows.end as i32,
-                    // the place of row 0 of the surface, and the way to the next
+                    // the index of the surface's row 0, and the step to the next row
                     origin: if flipped {
                         height as isize - 1 - top as isize
                     } else {
@@ -309,7 +310,7 @@ impl Sheet {
                 match call.primitive(points) {
                     Some(primitive) => pygame::paint(&mut band, &primitive, call.color),
                     None => {
-                        pygame::gfx_polygon(&mut band, &points[call.points.clone()], call.color)
+                        pygame::gfx_polygon(&mut band, &points[call.points.clone()], call.color);
                     }
                 }
             }
@@ -322,8 +323,8 @@ impl Sheet {
     }
 }
 
-/// The end of the band that begins at a row, and the number of calls up to the last one that covers
-/// it all: earlier calls are covered.
+/// Returns the end of the band that begins at row `top`, and the number of calls up to the last one
+/// that covers the whole band: earlier calls are invisible.
 fn band(calls: &[Call], top: usize, height: usize) -> (usize, usize) {
     let mut bottom = (top + BAND).min(height);
     let mut first = 0;
@@ -343,7 +344,7 @@ fn band(calls: &[Call], top: usize, height: usize) -> (usize, usize) {
 }
 
 impl Call {
-    /// The call as it came; `None` for one that was made of two.
+    /// Returns the call's primitive; `None` for a call that was merged from two.
     fn primitive<'a>(&self, points: &'a [Point]) -> Option<Primitive<'a>> {
         let points = &points[self.points.clone()];
         let first = points.first().copied().unwrap_or_default();
@@ -385,7 +386,7 @@ impl Call {
     }
 }
 
-/// Red in the lowest byte, then green, then blue.
+/// Packs a colour: red in the lowest byte, then green, then blue.
 fn packed(Color { r, g, b, .. }: Color) -> u32 {
     u32::from_le_bytes([r, g, b, 0])
 }

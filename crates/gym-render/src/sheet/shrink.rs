@@ -1,4 +1,4 @@
-//! Making windows pixels of a row, and rows pixels of the frame.
+//! Reduces windows to pixels of a narrow row, and narrow rows to rows of the frame.
 
 use gym_core::render::Frame;
 
@@ -6,29 +6,28 @@ use super::windows::{Layout, WRITTEN_OUT, Window, Written, mark};
 use crate::pixels::{self, RGB};
 use crate::pygame::{Phase, part, phases};
 
-/// The red, green and blue of a pixel, or sums of them, and nothing.
+/// The red, green and blue of a pixel or of a sum, and an unused channel.
 type Sum = [u16; 4];
 
-/// Shrinks rows, and sums them up.
+/// Reduces rows, and sums them.
 ///
 /// Most windows have the same colour as in the row above, and most pixels of the frame the colour
-/// of the pixel above. Where a row of the frame is made of whole rows, a window is *loose* as long
-/// as it has one colour and had no other for the row of the frame above: it has no sum, and its
-/// pixel is that above.
+/// of the pixel above. If the frame's rows consist of complete surface rows, a window is *loose* as
+/// long as it has a single colour and had no other colour in the previous row of the frame: it has
+/// no sum, and its pixel is copied from above.
 #[derive(Debug, Default)]
 pub(super) struct Shrink {
     pub(super) layout: Layout,
     columns: Vec<Phase>,
     rows: Vec<Phase>,
-    /// The colours of the windows in the row before, with those that are written out, and a bit for
-    /// each of these.
+    /// The windows of the previous row: their colours (or [`WRITTEN_OUT`]), and a bit for each
+    /// expanded window.
     before: Vec<u32>,
     marks: Vec<u64>,
-    /// The colour that each window last had, as a whole, and the pixel of the narrow row that it
-    /// becomes. From row to row few change.
+    /// The last single colour of each window, and its reduced pixel. Few change from row to row.
     colors: Vec<u32>,
     plain: Vec<Sum>,
-    /// The row from which on that pixel is still to be added to the sums.
+    /// The row from which on `plain` is not yet added to `sums`.
     since: Vec<u16>,
     /// A narrow row.
     narrow: Vec<Sum>,
@@ -36,16 +35,16 @@ pub(super) struct Shrink {
     sums: Vec<Sum>,
     /// A bit for each window that is not loose.
     tight: Vec<u64>,
-    /// A bit for each window that has had more than one colour in the row of the frame so far.
+    /// A bit for each window that had more than one colour in the current row of the frame.
     mixed: Vec<u64>,
-    /// Whether each row of the frame is made of whole rows.
+    /// Whether each row of the frame consists of complete surface rows.
     is_whole: bool,
-    /// The next row of the surface, and of the frame.
+    /// The next rows of the surface and of the frame.
     at: (usize, usize),
 }
 
 impl Shrink {
-    /// Gets ready for a surface and a frame of these sizes.
+    /// Prepares for a surface of the size `from` and a frame of the size `to`.
     pub(super) fn start(&mut self, from: (usize, usize), to: (usize, usize)) {
         self.at = (0, 0);
         self.sums.clear();
@@ -89,12 +88,12 @@ impl Shrink {
         };
         self.before = vec![0; to.0];
         self.marks = vec![0; words];
-        // black, which becomes black
+        // black, which stays black
         self.colors = vec![0; to.0];
         self.plain = vec![[0; 4]; to.0];
     }
 
-    /// Adds a row of the surface; completes a row of the frame if it is its last.
+    /// Adds a row of the surface; completes a row of the frame with its last row.
     pub(super) fn row<const N: usize>(
         &mut self,
         flat: &[u32],
@@ -117,7 +116,7 @@ impl Shrink {
                 for i in Bits(marks) {
                     let window = 64 * word + i;
                     let mean = mean(&self.columns[window], &pixels[window]);
-                    // its plain pixel will be added in its place
+                    // `add_plain` will add the plain pixel, so it is subtracted here
                     let (sum, plain) = (&mut self.sums[window], self.plain[window]);
                     for (sum, (mean, plain)) in sum.iter_mut().zip(mean.into_iter().zip(plain)) {
                         *sum = sum.wrapping_add(mean).wrapping_sub(plain);
@@ -141,7 +140,7 @@ impl Shrink {
         }
     }
 
-    /// Gives a loose window its sum, which is still to be made.
+    /// Starts the sum of a loose window, which is then no longer loose.
     #[inline]
     fn tighten(&mut self, window: usize, phase: &Phase) {
         let (word, bit) = (window / 64, 1 << (window % 64));
@@ -152,7 +151,8 @@ impl Shrink {
         }
     }
 
-    /// Takes the changes since the row above, and adds the replaced colours to the sums.
+    /// Handles the windows whose colour differs from the row above: adds their old pixel to the
+    /// sums.
     fn change_colors(&mut self, flat: &[u32], phase: &Phase) {
         const MANY: usize = 32;
         for (flat, start) in flat.chunks(MANY).zip((0..).step_by(MANY)) {
@@ -190,7 +190,7 @@ impl Shrink {
         });
     }
 
-    /// Adds the plain pixel of a window to its sum, for all rows above this one.
+    /// Adds the plain pixel of a window to its sum, for the rows from `since` up to `y`.
     #[inline]
     fn add_plain(&mut self, window: usize, y: u16) {
         let rows = y - std::mem::replace(&mut self.since[window], y);
@@ -200,8 +200,8 @@ impl Shrink {
         }
     }
 
-    /// Completes a row of the frame in which no window is loose. The last row of the surface has a
-    /// share in the next one.
+    /// Completes a row of the frame without loose windows. The last row of the surface may also
+    /// count for the next row of the frame.
     fn complete_all<const N: usize>(
         &mut self,
         pixels: &[Written<N>],
@@ -236,7 +236,7 @@ impl Shrink {
         }
     }
 
-    /// Completes a row of the frame, of which the loose windows are as above.
+    /// Completes a row of the frame; copies its loose windows from the row above.
     fn complete_tight<const N: usize>(
         &mut self,
         pixels: &[Written<N>],
@@ -273,13 +273,13 @@ impl Shrink {
     }
 }
 
-/// Whether all are equal. (A comparison of slices calls a function of the C library.)
+/// Whether two slices are equal. (A comparison of slices would call a function of the C library.)
 #[inline]
 fn is_equal(a: &[u32], b: &[u32]) -> bool {
     a.iter().zip(b).fold(0, |differ, (a, b)| differ | (a ^ b)) == 0
 }
 
-/// A bit for each of up to 64 numbers that is another than before.
+/// Returns a bit for each of up to 64 numbers that changed.
 #[inline]
 fn changes(now: &[u32], before: &[u32]) -> u64 {
     let bits = now.iter().zip(before).zip(0..);
@@ -288,7 +288,7 @@ fn changes(now: &[u32], before: &[u32]) -> u64 {
     })
 }
 
-/// The numbers of the bits that are set, from the lowest.
+/// Iterates over the indices of the set bits, from the lowest.
 struct Bits(u64);
 
 impl Iterator for Bits {
@@ -302,13 +302,13 @@ impl Iterator for Bits {
     }
 }
 
-/// The channels of a pixel.
+/// Unpacks the channels of a pixel.
 #[inline]
 fn apart(pixel: u32) -> Sum {
     pixel.to_le_bytes().map(u16::from)
 }
 
-/// The red, green and blue that a window of a row becomes.
+/// Returns the mean of an expanded window.
 #[inline]
 fn mean<const N: usize>(phase: &Phase, window: &Written<N>) -> Sum {
     let last = phase.last - phase.first;

@@ -155,7 +155,7 @@ impl<V: VectorEnv, M: ActionMap> gym_core::VectorWrapper for MapAction<V, M> {
             match (actions.as_array(), space.dtype()) {
                 _ if real => space.real_action(actions, Some(n), action)?,
                 (Some(batch), Some(dtype)) => {
-                    array_of(action, dtype, batch.shape()).assign_cast(batch)?
+                    array_of(action, dtype, batch.shape()).assign_cast(batch)?;
                 }
                 _ => {
                     return Err(Error::Contract(format!(

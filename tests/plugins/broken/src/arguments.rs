@@ -1,4 +1,4 @@
-//! Arguments: some ways to read them right, and others to read them wrong.
+//! Arguments that are read correctly, and others that are not.
 
 use gym_core::{ArgumentType, Configure, Result};
 use serde_json::Value as Json;
@@ -12,27 +12,27 @@ impl ArgumentType for Fault {
 }
 
 gym_core::arguments! {
-    /// Read as they should be.
+    /// Arguments that are read correctly.
     pub struct Config {
-        /// What is wrong.
+        /// The fault of the environment.
         pub fault: Fault,
     }
 }
 
 gym_core::arguments! {
-    /// Accepts whatever comes: breaks `arguments-refused`.
+    /// Arguments that accept anything: breaks `arguments-refused`.
     pub struct Careless {
-        /// How long a step is, in tenths.
+        /// The size of a step, in tenths.
         pub stride: Json = 0.into(),
     }
 }
 
 gym_core::arguments! {
-    /// Reads its arguments and does not use them: breaks `arguments-matter`.
+    /// Arguments that are read but not used: breaks `arguments-matter`.
     pub struct Ignored {
-        /// How fast an animation would be.
+        /// The speed of an animation.
         pub pace: u32,
-        /// How long a step is, in tenths.
+        /// The size of a step, in tenths.
         pub stride: u32,
     }
 }
@@ -64,15 +64,15 @@ impl Configure for Walk<Careless> {
 gym_core::arguments! {
     /// One number.
     pub(crate) struct Number {
-        /// What a twist makes of it.
+        /// The number; the twist decides its effect.
         pub number: f64 = 1.0,
     }
 }
 
 gym_core::arguments! {
-    /// A number of which anything is taken.
+    /// A number that accepts any JSON.
     pub(crate) struct Anything {
-        /// A number, or whatever comes.
+        /// A number, or any other JSON.
         pub number: Json = 1.into(),
     }
 }

@@ -1,4 +1,4 @@
-//! What can be wrong with an environment.
+//! The faults of environments.
 
 use serde::{Deserialize, Serialize};
 

@@ -2,10 +2,10 @@
 //! `broken/reward-finite-v0` breaks the rule `reward-finite` and no other, and
 //! `broken/reward-finite.late-v0` breaks the same rule in another way.
 //!
-//! They are all the same [`Walk`], in which one [`Fault`] is planted, or around which there is one
-//! twist. `broken/none-v0` has none.
+//! All are the same [`Walk`] with one [`Fault`] or one twist. `broken/none-v0` has none.
 
 mod arguments;
+mod edges;
 mod fault;
 mod twisted;
 mod twists;
@@ -17,7 +17,7 @@ pub use walk::Walk;
 
 use gym_core::Registration;
 
-/// Registers the walk with a fault, under the name of the check that must find it.
+/// Registers the walk with a fault, under the name of the check that must find the fault.
 macro_rules! register {
     ($($name:literal $(, $method:ident($argument:expr))*;)*) => {$(
         gym_core::register!(

@@ -1,14 +1,15 @@
-//! A sound walk with one method that is not.
+//! A correct walk with one wrong method.
 
 use std::cell::Cell;
 use std::fmt;
 use std::marker::PhantomData;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Instant;
 
 use gym_core::canvas::Canvas;
 use gym_core::render::Metadata;
-use gym_core::{Configure, Env, Generator, Outcome, Reset, Result, Snapshot, Space, Value};
+use gym_core::{Configure, Env, Error, Generator, Outcome, Reset, Result, Snapshot, Space, Value};
 use serde_json::Value as Json;
 
 use crate::{Config, Fault, Walk};
@@ -21,24 +22,26 @@ pub(crate) struct Twisted<T: Twist> {
     twist: PhantomData<fn() -> T>,
 }
 
-/// What a twist may remember. It is in no snapshot.
+/// The memory of a twist. Snapshots do not contain it.
 #[derive(Debug, Default)]
 pub(crate) struct Mind {
     /// The steps since the last seed.
     pub(crate) age: u64,
-    /// How often somebody looked since the last reset or step.
+    /// The number of reads since the last reset or step.
     pub(crate) looked: Cell<u64>,
-    /// Whether something that must change nothing has happened.
+    /// Whether a call that must not change anything has changed something.
     pub(crate) is_spoilt: Cell<bool>,
-    /// Whether an episode was begun, and whether it is over.
+    /// Whether an episode has begun, and whether it has ended.
     pub(crate) is_begun: bool,
     pub(crate) is_over: bool,
-    /// What clones share, if they do.
+    /// What clones share, if the twist lets them share.
     pub(crate) shared: Arc<AtomicU64>,
     pub(crate) own: u64,
-    /// A generator that is not the walk's.
+    /// A generator other than the walk's.
     pub(crate) other: Option<Generator>,
-    /// What the walk showed, where the twist shows something else.
+    /// When the episode began.
+    pub(crate) begun: Option<Instant>,
+    /// The walk's observation, if the twist shows another one.
     pub(crate) seen: Value,
 }
 
@@ -57,73 +60,78 @@ impl Clone for Mind {
     }
 }
 
-/// What is told or done wrong: each method is the walk's, but for those that are written anew.
+/// The wrong methods. Each default calls the walk's method.
 pub(crate) trait Twist: Sized + 'static {
     /// The constructor's arguments.
     type Arguments: Arguments;
 
-    /// The memory of a clone.
+    /// Returns the memory of a clone.
     fn copied(env: &Twisted<Self>) -> Mind {
         env.mind.clone()
     }
 
-    /// As [`Env::observation_space`].
+    /// Like [`Env::observation_space`].
     fn observation_space(env: &Twisted<Self>) -> Space {
         env.walk.observation_space()
     }
 
-    /// As [`Env::action_space`].
+    /// Like [`Env::action_space`].
     fn action_space(env: &Twisted<Self>) -> Space {
         env.walk.action_space()
     }
 
-    /// As [`Env::reset_into`].
+    /// Like [`Env::reset_into`].
     fn reset(env: &mut Twisted<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
         env.walk.reset_into(reset, observation)
     }
 
-    /// As [`Env::step_into`]; where something was spoilt, the reward is another.
+    /// Like [`Env::step_into`]; if the walk is spoilt, the reward differs.
     fn step(env: &mut Twisted<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
         env.step_of_spoilt(action, observation)
     }
 
-    /// As [`Env::snapshot`].
+    /// Like [`Env::snapshot`].
     fn snapshot(env: &Twisted<Self>) -> Result<Snapshot> {
-        env.walk.snapshot()
+        env.stored()
     }
 
-    /// As [`Env::restore`].
+    /// Like [`Env::restore`].
     fn restore(env: &mut Twisted<Self>, snapshot: &Snapshot) -> Result<()> {
-        env.walk.restore(snapshot)
+        env.restore_stored(snapshot)
     }
 
-    /// As [`Env::info`].
+    /// Like [`Env::info`].
     fn info(env: &Twisted<Self>, visit: &mut dyn FnMut(&str, Value)) {
         env.walk.info(visit);
     }
 
-    /// As [`Env::metadata`].
+    /// Like [`Env::metadata`].
     fn metadata(env: &Twisted<Self>) -> Metadata {
         env.walk.metadata()
     }
 
-    /// As [`Env::draw`].
+    /// Like [`Env::draw`].
     fn draw(env: &Twisted<Self>, canvas: &mut dyn Canvas) {
         env.walk.draw(canvas);
     }
 
-    /// As [`Env::ansi`].
+    /// Like [`Env::ansi`].
     fn ansi(_: &Twisted<Self>) -> Option<String> {
         None
     }
 
-    /// As [`Env::generator`].
+    /// Like [`Env::generator`].
     fn generator(env: &mut Twisted<Self>) -> Option<&mut Generator> {
         env.walk.generator()
     }
+
+    /// As [`Env::close`].
+    fn close(env: &mut Twisted<Self>) {
+        env.walk.close();
+    }
 }
 
-/// Arguments of a [`Twisted`] walk.
+/// The arguments of a [`Twisted`] walk.
 pub(crate) trait Arguments:
     gym_core::Arguments + Clone + fmt::Debug + Send + 'static
 {
@@ -132,7 +140,7 @@ pub(crate) trait Arguments:
 impl<T: gym_core::Arguments + Clone + fmt::Debug + Send + 'static> Arguments for T {}
 
 impl<T: Twist> Twisted<T> {
-    /// A step of the walk, whose reward is another where something was spoilt.
+    /// Takes a step of the walk; if the walk is spoilt, the reward differs.
     pub(crate) fn step_of_spoilt(
         &mut self,
         action: &Value,
@@ -146,20 +154,49 @@ impl<T: Twist> Twisted<T> {
         })
     }
 
-    /// The state of the walk, and for how long it has gone on.
-    pub(crate) fn snapshot_with_age(&self) -> Result<Snapshot> {
-        Snapshot::of(&(self.walk.snapshot()?.get::<Json>()?, self.mind.age))
+    /// The arguments as data; nothing if there are none.
+    fn own_arguments(&self) -> Json {
+        serde_json::to_value(&self.arguments).unwrap_or_default()
     }
 
-    /// Goes on from what [`Self::snapshot_with_age`] gave.
+    /// The state of the walk, and the arguments if there are some.
+    pub(crate) fn stored(&self) -> Result<Snapshot> {
+        let walk = self.walk.snapshot()?;
+        match self.own_arguments() {
+            Json::Object(arguments) if !arguments.is_empty() => {
+                Snapshot::of(&(walk.get::<Json>()?, arguments))
+            }
+            _ => Ok(walk),
+        }
+    }
+
+    /// Restores the result of [`Self::stored`].
+    pub(crate) fn restore_stored(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let own = self.own_arguments();
+        if own.as_object().is_none_or(serde_json::Map::is_empty) {
+            return self.walk.restore(snapshot);
+        }
+        let (walk, arguments) = snapshot.get::<(Json, Json)>()?;
+        if arguments != own {
+            return Err(Error::Snapshot("it was taken with other arguments".into()));
+        }
+        self.walk.restore(&Snapshot::of(&walk)?)
+    }
+
+    /// Returns the walk's [`Self::stored`] and its age.
+    pub(crate) fn snapshot_with_age(&self) -> Result<Snapshot> {
+        Snapshot::of(&(self.stored()?.get::<Json>()?, self.mind.age))
+    }
+
+    /// Restores the result of [`Self::snapshot_with_age`].
     pub(crate) fn restore_with_age(&mut self, snapshot: &Snapshot) -> Result<()> {
         let (walk, age) = snapshot.get::<(Json, u64)>()?;
-        self.walk.restore(&Snapshot::of(&walk)?)?;
+        self.restore_stored(&Snapshot::of(&walk)?)?;
         self.mind.age = age;
         Ok(())
     }
 
-    /// The number of looks before this one since the last reset or step.
+    /// Counts a read; returns the number of earlier reads since the last reset or step.
     pub(crate) fn look(&self) -> u64 {
         self.mind.looked.replace(self.mind.looked.get() + 1)
     }
@@ -217,6 +254,7 @@ impl<T: Twist> Env for Twisted<T> {
             self.mind.age = 0;
         }
         self.mind.looked.set(0);
+        self.mind.begun = Some(Instant::now());
         T::reset(self, reset, observation)?;
         (self.mind.is_begun, self.mind.is_over) = (true, false);
         Ok(())
@@ -256,5 +294,9 @@ impl<T: Twist> Env for Twisted<T> {
 
     fn generator(&mut self) -> Option<&mut Generator> {
         T::generator(self)
+    }
+
+    fn close(&mut self) {
+        T::close(self);
     }
 }

@@ -1,8 +1,8 @@
-//! Faults in what a walk shows, remembers, copies and takes.
+//! Faults in what a walk shows, stores, clones and accepts.
 //!
-//! Each [`Twist`] writes the method anew that it breaks, and leaves the others to the
-//! [`Walk`](crate::Walk). Those that are named after no check, as `broken/none.late-drawing-v0`,
-//! are sound, and unusual.
+//! Each [`Twist`] overrides the method that it breaks; the others are those of the
+//! [`Walk`](crate::Walk). Twists that are not named after a check, such as
+//! `broken/none.late-drawing-v0`, are correct but unusual.
 
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -19,7 +19,7 @@ use serde_json::Value as Json;
 use crate::arguments::{Anything, Number};
 use crate::twisted::{Mind, Twist, Twisted as Of};
 
-/// Writes twists, and registers a walk with each under the name of the check that must find it.
+/// Defines twists, and registers a walk with each under the name of the check that must find it.
 macro_rules! twists {
     ($($name:literal $Twist:ident $(($Arguments:ident))? $(, $method:ident($($argument:expr)?))* { $($item:item)* })*) => {$(
         #[doc = concat!("`", $name, "`")]
@@ -43,7 +43,9 @@ macro_rules! twists {
     (@ $Arguments:ident) => { $Arguments };
 }
 
-/// The picture of the walk, and what is drawn on it.
+pub(crate) use twists;
+
+/// Draws the walk, and then `draw` on top.
 fn drawn_too<T: Twist>(env: &Of<T>, canvas: &mut dyn Canvas, draw: impl FnOnce(&mut dyn Canvas)) {
     env.walk.draw(canvas);
     draw(canvas);
@@ -109,7 +111,7 @@ twists! {
         }
     }
 
-    // takes back what it stores of an ordinary size
+    // restores correctly only for ordinary values of its argument
     "snapshot-continues.argument" OrdinarySizes (Number) {
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
             let outcome = env.walk.step_into(action, observation)?;
@@ -120,11 +122,11 @@ twists! {
             if env.arguments.number.abs() > 1e3 {
                 return Err(Error::Snapshot("a size that no walk has".into()));
             }
-            env.walk.restore(snapshot)
+            env.restore_stored(snapshot)
         }
     }
 
-    // stores how old it is, and not what happened at a certain age
+    // stores its age, but not what happened at a certain age
     "snapshot-continues.event" ForgetsAnEvent {
         fn snapshot(env: &Of<Self>) -> Result<Snapshot> {
             env.snapshot_with_age()
@@ -172,7 +174,7 @@ twists! {
     }
 }
 
-// how episodes begin, what they show and what they take
+// how episodes begin, what they show and what they accept
 twists! {
     "no-panic.argument" PanicsWithoutSize (Number) {
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
@@ -221,7 +223,7 @@ twists! {
         }
     }
 
-    // lends numbers that it draws itself as well
+    // lends a generator that it also draws from itself
     "generator-lent.copy" LendsACopy {
         fn generator(env: &mut Of<Self>) -> Option<&mut Generator> {
             env.mind.other = env.walk.generator().cloned();
@@ -248,7 +250,7 @@ twists! {
         }
     }
 
-    // counts over all episodes
+    // counts across episodes
     "reset-forgets.late" PaysFromAnEpisodeOn {
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
             let outcome = env.walk.step_into(action, observation)?;
@@ -277,7 +279,7 @@ twists! {
         }
     }
 
-    // the operating system's chance, seldom
+    // rarely uses randomness of the operating system
     "same-seed-same-episode.seldom" SeldomByChance {
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
             let outcome = env.walk.step_into(action, observation)?;
@@ -472,7 +474,7 @@ twists! {
         }
     }
 
-    // writes what has changed since the last reset or step, wherever that is
+    // writes only the elements that changed since the last reset or step
     "observation-whole.changed" WritesChanges {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             env.walk.reset_into(reset, observation)?;
@@ -537,7 +539,7 @@ twists! {
     }
 }
 
-// what is asked for, refused, or over
+// what is queried, refused, or over
 twists! {
     "looking-pure.action-space" ActionSpaceSpoils {
         fn action_space(env: &Of<Self>) -> Space {
@@ -560,7 +562,7 @@ twists! {
         }
     }
 
-    // a single look does nothing
+    // a single read changes nothing
     "looking-pure.info" InfoSpoils {
         fn info(env: &Of<Self>, visit: &mut dyn FnMut(&str, Value)) {
             if env.look() >= 3 {
@@ -593,7 +595,7 @@ twists! {
         }
     }
 
-    // goes on after the end with another generator
+    // continues with another generator after the end
     "snapshot-continues.at-the-end" SpoiltSnapshotOfTheEnd {
         fn restore(env: &mut Of<Self>, snapshot: &Snapshot) -> Result<()> {
             env.walk.restore(snapshot)?;
@@ -665,7 +667,7 @@ twists! {
         }
     }
 
-    // of the two episodes that a seed gives, the other one
+    // alternates between two episodes of the same seed
     "reset-carries-on.in-turn" TakesTurns, exceptions(&[("generator-lent", "each reset has a seed of its own")]) {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             const BEGUN: u64 = 1 << 60;
@@ -697,7 +699,7 @@ twists! {
         }
     }
 
-    // keeps something of each episode for ever
+    // keeps memory of each episode forever
     "no-allocation.kept" KeepsEachEpisode {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             match &mut env.mind.seen {
@@ -709,14 +711,14 @@ twists! {
     }
 }
 
-/// What was asked for after the third step has spoilt the episode.
+/// Spoils the episode if it is called after the third step.
 fn spoil_third<T: Twist>(env: &Of<T>) {
     if env.mind.is_begun && env.mind.age == 3 {
         env.mind.is_spoilt.set(true);
     }
 }
 
-/// A reset that does not read the numbers among its options, if `ignores`.
+/// Resets without the numeric options, if `ignores`.
 fn without_numbers<T: Twist>(
     env: &mut Of<T>,
     reset: &Reset,
@@ -730,8 +732,8 @@ fn without_numbers<T: Twist>(
     env.walk.reset_into(&reset, observation)
 }
 
-/// A reset with another seed, if it has one of at most 64 bits.
-fn with_seed<T: Twist>(
+/// Resets with another seed, if the seed has at most 64 bits.
+pub(crate) fn with_seed<T: Twist>(
     env: &mut Of<T>,
     reset: &Reset,
     other: impl Fn(u64) -> u64,
@@ -751,7 +753,7 @@ fn with_seed<T: Twist>(
     )
 }
 
-/// The numbers of an action.
+/// Returns the numbers of an action.
 fn numbers<T: Twist, const N: usize>(env: &Of<T>, action: &Value) -> Result<[f32; N]> {
     let numbers = match action {
         Value::Array(array) if array.shape() == [N] => array.as_slice::<f32>(),
@@ -767,7 +769,7 @@ fn numbers<T: Twist, const N: usize>(env: &Of<T>, action: &Value) -> Result<[f32
         })
 }
 
-/// How the walk is drawn, in other modes.
+/// Returns the walk's metadata with other render modes.
 fn drawn(render_modes: &'static [RenderMode]) -> Metadata {
     Metadata {
         render_modes,
@@ -913,8 +915,7 @@ twists! {
         }
     }
 
-    // says that it is, so that nothing is compared
-    // takes no seed, and says so
+    // is registered as nondeterministic, so that nothing is compared; ignores the seed
     "none.by-chance" ByChance (Number), reset_options(&[("start", "0.25")]), nondeterministic() {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             env.walk.reset_into(&Reset { seed: None, ..reset.clone() }, observation)
@@ -977,7 +978,7 @@ twists! {
         }
     }
 
-    // random walks do not hold one way for so long
+    // random walks do not keep one direction that long
     "none.effect-elsewhere" EffectElsewhere (Number), reset_options(&[("start", "0.25")]) {
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
             let outcome = env.walk.step_into(action, observation)?;

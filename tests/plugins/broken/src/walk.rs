@@ -1,4 +1,4 @@
-//! A walk along a line, which can be broken in many ways.
+//! A walk along a line, which can have many faults.
 
 use std::cell::Cell;
 use std::marker::PhantomData;
@@ -16,27 +16,27 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Config, Fault};
 
-/// Walk from the middle to either end of a line, with the wind.
+/// Walk from the middle to either end of a line, in the wind.
 ///
-/// The observation is the position and the wind, both from -1 to 1; the actions are left and right.
-/// It is made for arguments of the type `C`.
+/// The observation is position and wind, both from -1 to 1; the actions are left and right. `C` is
+/// the type of the arguments.
 #[derive(Debug)]
 pub struct Walk<C = Config> {
     fault: Fault,
     observation_space: Space,
     action_space: Space,
     state: Option<State>,
-    /// The steps of an episode; where it is broken, those of its clones as well.
+    /// The steps of the episode; with some faults, the steps of its clones are counted too.
     shared: Arc<AtomicU64>,
     /// The steps since the last seed.
     age: u32,
-    /// How often it was drawn.
+    /// The number of drawings.
     drawn: Cell<u32>,
-    /// Where the episode began.
+    /// The thread on which the episode began.
     home: Option<ThreadId>,
-    /// A generator that is not its own.
+    /// A generator of another environment.
     other: Generator,
-    /// The number of this environment among all that were made.
+    /// The number of this environment among all walks.
     number: u64,
     arguments: PhantomData<fn() -> C>,
 }
@@ -49,19 +49,19 @@ struct State {
     position: f64,
     wind: f64,
     steps: u32,
-    /// The direction of the last step, and for how many steps it has been the same.
+    /// The direction of the last step, and the number of consecutive steps in it.
     held: (f64, u32),
     number: u64,
 }
 
-/// How far a step goes, and how strong the wind is.
+/// The length of a step, and the strength of the wind.
 const STEP: f64 = 0.2;
 const WIND: f64 = 0.1;
 /// The time limit.
 const LIMIT: u32 = 12;
-/// Chance does not hold an action for so many steps.
+/// More consecutive steps in one direction than a random walk makes.
 const LONG: u32 = 30;
-/// No short comparison plays so many steps.
+/// More steps than any short comparison makes.
 const LATE: u32 = 300;
 
 impl State {
@@ -71,10 +71,10 @@ impl State {
 }
 
 impl<C> Walk<C> {
-    /// A walk with that fault.
+    /// Makes a walk with this fault.
     ///
     /// # Errors
-    /// [`Error::Custom`] if that is the fault.
+    /// [`Error::Custom`] for [`Fault::Constructs`].
     pub fn new(fault: Fault) -> Result<Self> {
         static COUNT: AtomicU64 = AtomicU64::new(0);
         if fault == Fault::Constructs {
@@ -112,12 +112,12 @@ impl<C> Walk<C> {
         })
     }
 
-    /// The steps of the episode, 0 before the first.
+    /// Returns the steps of the episode, 0 before the first.
     pub(crate) fn steps(&self) -> u32 {
         self.state.as_ref().map_or(0, |state| state.steps)
     }
 
-    /// Where it is, from -1 to 1.
+    /// Returns the position, from -1 to 1.
     pub(crate) fn position(&self) -> f64 {
         self.state.as_ref().map_or(0.0, |state| state.position)
     }
@@ -148,7 +148,7 @@ impl<C> Walk<C> {
                 Value::Tuple(items) if items.len() == 2 => [x, wind].write(&mut items[0]),
                 _ => *observation = Value::Tuple(vec![[x, wind].to_value(), Value::Tuple(vec![])]),
             },
-            // leaves the second element as it finds it
+            // does not write the second element
             Fault::ObservationWhole => match observation {
                 Value::Array(array) if array.shape() == [2] => {
                     if let Some([first, _]) = array.as_mut_slice::<f32>() {
@@ -161,7 +161,7 @@ impl<C> Walk<C> {
         }
     }
 
-    /// Which way, if it is a way.
+    /// Returns the direction of an action, if the action is valid.
     fn direction(&self, action: &Value) -> Option<f64> {
         match (self.fault, action) {
             (Fault::ActionValidated, _) => Some(1.0),
@@ -176,7 +176,7 @@ impl<C> Walk<C> {
                     _ => None,
                 }
             }
-            // the second element may be anything
+            // accepts any second element
             (Fault::ActionValidatedOneElement, Value::Array(array)) => {
                 match array.as_slice::<f32>()? {
                     [x, _] if array.shape() == [2] && x.is_finite() => {
@@ -209,7 +209,7 @@ impl<C> Walk<C> {
         }
     }
 
-    /// Something that depends on more than the state.
+    /// Returns a number that depends on more than the state.
     fn disturbance(&self) -> f64 {
         /// The first thread that walks.
         static FIRST: OnceLock<ThreadId> = OnceLock::new();
@@ -394,7 +394,7 @@ impl<C: 'static> Env for Walk<C> {
         self.age = self.age.saturating_add(1);
         state.wind = state.rng.uniform(-1.0, 1.0);
         let moved = state.position + direction * STEP + state.wind * WIND + disturbance;
-        // as far as it goes, where the action is not checked
+        // the walk may leave the line if the action is not checked
         let reach = match self.fault {
             Fault::SnapshotLegal => state.position.abs().max(1.0),
             _ => direction.abs().max(1.0),
@@ -457,7 +457,7 @@ impl<C: 'static> Env for Walk<C> {
             }),
             (_, _, state) => state,
         };
-        // the number is part of the state: an environment restored is the one that was stored
+        // the number is part of the state: a restored environment counts as the stored one
         self.number = state.as_ref().map_or(self.number, |state| state.number);
         self.state = state;
         Ok(())

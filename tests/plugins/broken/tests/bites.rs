@@ -9,12 +9,12 @@ use gym_core::wrappers::TimeLimit;
 use gym_core::{BoxEnv, Env, Outcome, Reset, Result, Value};
 use gym_render as _;
 
-/// Made once: some faults are in what the process has done before.
+/// The reports, made once: some faults depend on what the process did before.
 static REPORTS: LazyLock<Vec<Report>> = LazyLock::new(|| {
     gym_conform::reports(&gym_conform::ids_of("broken-envs")).expect("the ids are registered")
 });
 
-/// The check that an id is named after, before the point where it has several faults.
+/// Returns the check that an id is named after, without the suffix that tells several faults apart.
 fn expected(id: &str) -> &str {
     let name = id.strip_prefix("broken/").expect("an id of this crate");
     let name = name.strip_suffix("-v0").unwrap_or(name);
@@ -30,7 +30,7 @@ fn each_check_flags_its_fault_and_no_other() {
             .map(|finding| finding.check)
             .collect();
         match expected(&report.id) {
-            // a sound environment is checked whole, but for what chance decides
+            // a correct environment passes all checks; a nondeterministic one skips comparisons
             "none" if report.id.contains("by-chance") => {
                 flagged.is_empty() && compares_nothing(report)
             }
@@ -42,7 +42,7 @@ fn each_check_flags_its_fault_and_no_other() {
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
 
-/// Whether all is checked but the rules of equal episodes, and what depends on them.
+/// Whether only the checks of equal episodes, and those that depend on them, were skipped.
 fn compares_nothing(report: &Report) -> bool {
     let is_chance = |reason: &str| {
         reason == "it is registered as nondeterministic" || reason.starts_with("it depends on")
@@ -98,7 +98,7 @@ fn an_unregistered_environment_is_checked_as_well() {
     assert_eq!(check(broken_envs::Fault::Constructs), ["constructs"]);
 }
 
-/// A wrapper of one's own around a limit: nobody has registered either, and the limit counts.
+/// A third-party wrapper that drops a limit is found, although neither is registered.
 #[test]
 fn a_limit_that_is_lost_on_the_way_is_seen_without_a_registration() {
     #[derive(Clone, Debug)]
@@ -139,6 +139,138 @@ fn a_limit_that_is_lost_on_the_way_is_seen_without_a_registration() {
     };
     assert_eq!(check(true), [""; 0]);
     assert_eq!(check(false), ["time-limit"]);
+}
+
+/// What a wrapper of one's own does to the end of an episode.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Ends {
+    /// Truncates after that many steps.
+    After(u32),
+    /// Truncates where the walk is to the right of that place.
+    RightOf(f32),
+    /// Begins the next episode in the step that ends one.
+    Resets,
+    /// Begins the next episode in place of showing the end.
+    ResetsInside,
+    /// Repeats each action that many times.
+    Repeats(u32),
+}
+
+/// A wrapper without a stored form, so that nothing but the environment itself tells of its limit.
+#[derive(Clone, Debug)]
+struct Own {
+    env: BoxEnv,
+    ends: Ends,
+    steps: u32,
+}
+
+impl gym_core::Wrapper for Own {
+    type Inner = BoxEnv;
+    type Observation = Value;
+    type Action = Value;
+
+    fn inner(&self) -> &BoxEnv {
+        &self.env
+    }
+
+    fn inner_mut(&mut self) -> &mut BoxEnv {
+        &mut self.env
+    }
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
+        self.steps = 0;
+        self.env.reset_into(reset, observation)
+    }
+
+    fn step_into(&mut self, action: &Value, observation: &mut Value) -> Result<Outcome> {
+        let mut outcome = self.env.step_into(action, observation)?;
+        self.steps += 1;
+        match self.ends {
+            Ends::After(steps) => outcome.truncated |= self.steps >= steps,
+            Ends::RightOf(place) => {
+                let seen = observation
+                    .as_array()
+                    .and_then(|seen| seen.as_slice::<f32>());
+                outcome.truncated |= seen.is_some_and(|seen| seen[0] > place);
+            }
+            Ends::Resets | Ends::ResetsInside if outcome.done() => {
+                self.env.reset_into(&Reset::default(), observation)?;
+                if self.ends == Ends::ResetsInside {
+                    (outcome.terminated, outcome.truncated) = (false, false);
+                }
+            }
+            Ends::Resets | Ends::ResetsInside => {}
+            Ends::Repeats(times) => {
+                for _ in 1..times {
+                    if !outcome.done() {
+                        outcome = self.env.step_into(action, observation)?;
+                    }
+                }
+            }
+        }
+        Ok(outcome)
+    }
+
+    fn snapshot(&self) -> Result<gym_core::Snapshot> {
+        gym_core::Snapshot::of(&(self.env.snapshot()?, self.steps))
+    }
+
+    fn restore(&mut self, snapshot: &gym_core::Snapshot) -> Result<()> {
+        let (env, steps) = snapshot.get()?;
+        self.env.restore(&env)?;
+        self.steps = steps;
+        Ok(())
+    }
+}
+
+/// The count of a time limit shows who ends episodes, in every stack that has one: around what
+/// `make` returns, and around a limit inside or outside of a wrapper.
+#[test]
+fn wrappers_that_end_episodes_by_themselves_are_seen() {
+    let flagged = |limits: &[u32], ends: Ends| {
+        let findings = gym_conform::check(|| {
+            let walk = broken_envs::Walk::<broken_envs::Config>::new(broken_envs::Fault::None)?;
+            let mut env = BoxEnv::new(walk);
+            for limit in limits {
+                env = BoxEnv::new(TimeLimit::new(env, *limit)?);
+            }
+            Ok(BoxEnv::new(Own {
+                env,
+                ends,
+                steps: 0,
+            }))
+        });
+        // the count of its own is restored as it was stored, and a reset within a step allocates
+        let others = ["snapshot-legal", "no-allocation"];
+        let checks = findings.iter().map(|finding| finding.check);
+        checks
+            .filter(|check| !others.contains(check))
+            .collect::<Vec<_>>()
+    };
+    assert_eq!(flagged(&[9], Ends::After(5)), ["time-limit"]);
+    assert_eq!(flagged(&[9], Ends::Resets), ["time-limit"]);
+    assert_eq!(flagged(&[9], Ends::ResetsInside), ["time-limit"]);
+    // their sound twins: a reason of its own, a limit that others reach first, fewer outer steps
+    assert_eq!(flagged(&[9], Ends::RightOf(0.3)), [""; 0]);
+    assert_eq!(flagged(&[5, 9], Ends::After(100)), [""; 0]);
+    assert_eq!(flagged(&[9, 5], Ends::After(100)), [""; 0]);
+    assert_eq!(flagged(&[9], Ends::Repeats(2)), [""; 0]);
+
+    // what `make` returns is one type for each environment
+    let made = |ends| {
+        gym_conform::check(|| {
+            let env = gym_core::make("broken/none-v0")?;
+            Ok(BoxEnv::new(Own {
+                env,
+                ends,
+                steps: 0,
+            }))
+        })
+    };
+    let has_limit =
+        |findings: Vec<Finding>| findings.iter().any(|finding| finding.check == "time-limit");
+    assert!(has_limit(made(Ends::After(5))) && has_limit(made(Ends::ResetsInside)));
+    assert!(!has_limit(made(Ends::Repeats(3))) && !has_limit(made(Ends::RightOf(0.3))));
 }
 
 #[test]
@@ -203,7 +335,7 @@ fn a_check_that_takes_long_is_told() {
     assert_eq!(told.into_inner().unwrap(), expected);
 }
 
-/// Wall-clock time is no difference between two runs.
+/// Wall-clock time does not count as a difference between runs.
 #[test]
 fn statistics_of_episodes_are_no_fault() {
     let findings = gym_conform::check(|| {

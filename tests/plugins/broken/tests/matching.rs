@@ -1,4 +1,4 @@
-//! `environments_match` sees each difference that it is asked to see, and no other.
+//! `environments_match` finds each difference that it is asked to find, and no other.
 
 use broken_envs::{Config, Fault, Walk};
 use gym_conform::{InfoComparison, Matching, environments_match};
@@ -8,7 +8,7 @@ use gym_core::wrappers::Render;
 use gym_core::{BoxEnv, Env, Outcome, Reset, Result, Space, Value};
 use gym_render as _;
 
-/// What one of two walks does otherwise.
+/// The difference of one of the two walks.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 enum Otherwise {
     #[default]
@@ -38,7 +38,7 @@ impl Other {
     }
 }
 
-/// Late enough for an action seed to matter.
+/// The step of the difference: late enough for the action seed to matter.
 const STEP: u32 = 2;
 
 impl gym_core::Wrapper for Other {
@@ -115,7 +115,7 @@ impl gym_core::Wrapper for Other {
     }
 }
 
-/// An observation that no walk begins or goes on with.
+/// Returns an observation that no walk has.
 fn elsewhere() -> Value {
     gym_core::Element::to_value(&[0.75f32, 0.75])
 }
@@ -130,7 +130,7 @@ fn env(otherwise: Otherwise) -> BoxEnv {
     BoxEnv::new(Render::new(env, RenderMode::RgbArray).unwrap())
 }
 
-/// What the two differ in, if they do.
+/// Returns the difference that `environments_match` finds, if any.
 fn difference(a: Otherwise, b: Otherwise, matching: Matching) -> Option<String> {
     environments_match(&mut env(a), &mut env(b), &matching)
         .err()
@@ -228,7 +228,7 @@ fn each_difference_is_seen_unless_it_is_left_out() {
             );
         }
     }
-    // no step, no difference in steps
+    // without steps there is no difference in steps
     assert_eq!(
         difference(
             Otherwise::Reward,
@@ -272,7 +272,7 @@ fn infos_are_compared_as_asked() {
     for (a, b, expected) in [
         (Nothing, Nothing, [true, true, true, true]),
         (Nothing, InfoValue, [false, false, true, true]),
-        // the second may have more, and not less
+        // the second may have more entries, but not fewer
         (Nothing, InfoKey, [false, true, false, true]),
         (InfoKey, Nothing, [false, false, false, false]),
     ] {
@@ -282,7 +282,7 @@ fn infos_are_compared_as_asked() {
     }
 }
 
-/// Another seed is another comparison: the actions are drawn from it, too.
+/// The seed also draws the actions.
 #[test]
 fn the_seed_chooses_the_actions() {
     #[derive(Clone, Debug)]

@@ -1,4 +1,4 @@
-//! A sound environment is a sound one within every wrapper.
+//! A correct environment passes the checks in every wrapper.
 
 use broken_envs as _;
 use gym_conform::Severity;
@@ -7,15 +7,15 @@ use gym_render as _;
 use gym_wrappers as _;
 use serde_json::{Value as Json, json};
 
-/// Kept observations are restored as they were shown, and not every environment shows elements of
-/// its space alone.
+/// Wrappers that store observations restore them as shown, and not every environment's observations
+/// are in its space.
 const KEEPS_OBSERVATIONS: &[&str] = &["snapshot-legal"];
-/// A count of steps is restored as it was stored, beside the count of the time limit within.
+/// Wrappers that store a step count restore it, next to the count of the inner time limit.
 const COUNTS_STEPS: &[&str] = &["snapshot-legal"];
-/// Estimates go on from episode to episode.
+/// Wrappers that estimate statistics continue from episode to episode.
 const ESTIMATES: &[&str] = &["reset-forgets"];
 
-/// Wrappers with their arguments, the inner one first, and the rules that they break with a reason.
+/// Returns wrappers with their arguments, the innermost first, and the exemptions that they need.
 fn stacks() -> Vec<(Json, &'static [&'static str])> {
     vec![
         (

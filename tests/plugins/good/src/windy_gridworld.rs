@@ -42,21 +42,21 @@ gym_core::arguments! {
 
 const ROWS: i64 = 7;
 const COLUMNS: i64 = 10;
-/// Cells by which each column blows upwards.
+/// The number of cells by which each column's wind moves the agent up.
 const WIND: [i64; COLUMNS as usize] = [0, 0, 0, 1, 1, 1, 2, 2, 1, 0];
 const START_ROW: i64 = 3;
 const GOAL: [i64; 2] = [3, 7]; // row, column
-/// Rows and columns of each move.
+/// The rows and columns of each move.
 const MOVES: [[i64; 2]; 8] = [[-1, 0], [1, 0], [0, 1], [0, -1], [-1, 1], [1, 1], [1, -1], [-1, -1]];
 
-/// The agent's cell, and how it got there.
+/// The agent's cell, and the last wind.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct State {
-    /// Counted from the top.
+    /// The row, counted from the top.
     pub row: i64,
-    /// Counted from the left.
+    /// The column, counted from the left.
     pub column: i64,
-    /// By how many cells the last step was blown upwards.
+    /// The number of cells by which the last step was blown up.
     pub wind: i64,
 }
 
@@ -161,12 +161,12 @@ impl Dynamics for WindyGridworldDynamics {
 
 const CELL: f64 = 40.0; // pixels
 const LINE: Color = Color::rgb(160, 170, 184);
-/// By the strength of the wind.
+/// The colours of the sky by the strength of the wind.
 const SKY: [Color; 3] = [Color::rgb(240, 244, 248), Color::rgb(206, 222, 240), Color::rgb(170, 198, 230)];
 const MEADOW: Color = Color::rgb(128, 190, 110);
 const AGENT: Color = Color::rgb(210, 84, 60);
 
-/// Right to the last column, where there is no wind, down below the goal, and back to it.
+/// A detour around the wind: right to the last column, down below the goal, and back.
 fn around_the_wind(cell: &i64) -> usize {
     match (cell / COLUMNS, cell % COLUMNS) {
         (4.., 8..) => 3,
@@ -175,7 +175,7 @@ fn around_the_wind(cell: &i64) -> usize {
     }
 }
 
-/// What both ids have in common.
+/// The registration shared by both ids.
 const fn gridworld(id: &'static str) -> Registration {
     Registration::new::<WindyGridworld>(id)
         .description("Reach the goal across a wind that blows upwards.")

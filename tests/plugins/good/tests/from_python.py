@@ -1,4 +1,4 @@
-"""The environments of this crate from Python, in the package that `cargo xtask python --plugin` writes."""
+"""The environments of this crate from Python, in the package that `cargo xtask python` makes."""
 
 import warnings
 

@@ -1,12 +1,11 @@
-//! What the book says about the task.
+//! The book's claims about the task.
 
 use std::collections::BTreeSet;
 
 use gym_core::{Dynamics, Env, EnvExt, Generator, Result, Task, Value};
 use sutton_envs::windy_gridworld::{Config, State, WindyGridworldDynamics};
 
-/// The least number of steps to the goal, by trying every action in every state that can be
-/// reached.
+/// Returns the least number of steps to the goal, by trying every action in every reachable state.
 fn shortest_way(king: bool) -> Result<u32> {
     let dynamics = WindyGridworldDynamics::new(Config { king, stochastic: false })?;
     let mut rng = Generator::from(0);

@@ -1,20 +1,21 @@
-//! A quick test that spares most times of impact: whether a moving shape surely stays away from a
-//! static one.
+//! A cheap test that makes most computations of a time of impact unnecessary: whether a moving
+//! shape is certain to stay away from a static one.
 
 use super::math::{Vec2, cross_one, dot, max, min, normalize, transform, vec2};
 use super::settings::LINEAR_SLOP;
 use super::shape::MAX_VERTICES;
 use super::time_of_impact::Moving;
 
-/// By how much the bound must exceed the distance at which
-/// [`time_of_impact`](super::time_of_impact) reports one: far more than rounding is worth.
+/// The margin between the bound of [`stays_away`] and the distance at which
+/// [`time_of_impact`](super::time_of_impact) reports an impact. It is far larger than rounding
+/// errors.
 const MARGIN: f32 = 0.5 * LINEAR_SLOP;
-/// A larger turn within a step is left to the full algorithm.
+/// The largest turn within a step that the test handles, in rad.
 const MAX_TURN: f32 = 0.5;
 
-/// Whether the first of two shapes stands at the origin and an axis keeps the second away from it
-/// for all of its motion, with room to spare; `reach` is the distance at which they count as
-/// touching. The [time of impact](super::time_of_impact::time_of_impact) is then none.
+/// Whether `ground` is at the origin and a separating axis keeps `moving` further away than `reach`
+/// during its whole motion. If so, [`time_of_impact`](super::time_of_impact::time_of_impact)
+/// returns `None`. `reach` is the distance at which the shapes count as touching.
 pub(crate) fn stays_away(ground: &Moving<'_>, moving: &Moving<'_>, reach: f32) -> bool {
     let still = &ground.sweep;
     let zero = Vec2::zeros();
@@ -36,7 +37,7 @@ pub(crate) fn stays_away(ground: &Moving<'_>, moving: &Moving<'_>, reach: f32) -
         *ends = [transform(&start, *vertex), transform(&end, *vertex)];
     }
     let ends = &ends[..2 * vertices.len()];
-    // a vertex leaves the straight way between its ends by no more than the sagitta of its arc
+    // a vertex deviates from the straight line between its ends by at most the sagitta of its arc
     let gap = reach + MARGIN + radius2.sqrt() * turn * turn / 8.0;
     let ground = ground.shape.vertices();
     let apart = |axis: Vec2| {
@@ -48,7 +49,7 @@ pub(crate) fn stays_away(ground: &Moving<'_>, moving: &Moving<'_>, reach: f32) -
         || matches!(*ground, [a, b, ..] if apart(normalize(cross_one(b - a)).0))
 }
 
-/// The least and the greatest place of points along an axis.
+/// Returns the least and the greatest projection of `points` onto `axis`.
 fn range(points: &[Vec2], axis: Vec2) -> (f32, f32) {
     points
         .iter()

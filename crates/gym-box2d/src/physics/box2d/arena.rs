@@ -1,4 +1,4 @@
-//! Slots that keep their number while others come and go.
+//! A slab: values keep their index while others are inserted and removed.
 
 use std::ops::{Index, IndexMut};
 
@@ -29,7 +29,7 @@ impl<T> Arena<T> {
         slot
     }
 
-    /// Reserves space for this number of further values.
+    /// Reserves space for `more` further values.
     pub(crate) fn reserve(&mut self, more: usize) {
         self.slots.reserve_exact(more);
         self.free.reserve_exact(more);
@@ -51,13 +51,13 @@ impl<T> Arena<T> {
             .filter_map(|(slot, value)| Some((slot, value.as_ref()?)))
     }
 
-    /// The memory of the slots.
+    /// Returns the allocated bytes.
     #[cfg(test)]
     pub(crate) fn bytes(&self) -> usize {
         size_of::<Option<T>>() * self.slots.capacity() + size_of::<u32>() * self.free.capacity()
     }
 
-    /// Whether data read from outside is consistent: exactly the empty slots are free.
+    /// Whether deserialized data is consistent: the free list holds exactly the empty slots.
     pub(crate) fn is_valid(&self) -> bool {
         let mut empty: Vec<bool> = self.slots.iter().map(Option::is_none).collect();
         self.free

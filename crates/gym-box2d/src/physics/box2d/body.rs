@@ -11,9 +11,9 @@ use crate::physics::Filter;
 pub(in crate::physics) struct Body {
     pub(in crate::physics) dynamic: bool,
     pub(in crate::physics) awake: bool,
-    /// Whether it already belongs to an island of this step.
+    /// Whether an island of this step already contains the body.
     pub(in crate::physics) island: bool,
-    /// Place in the island that is being solved.
+    /// Index of the body in the island that is being solved.
     pub(in crate::physics) island_index: u32,
     pub(in crate::physics) xf: Pose,
     pub(in crate::physics) sweep: Sweep,
@@ -23,12 +23,12 @@ pub(in crate::physics) struct Body {
     pub(in crate::physics) torque: f32,
     pub(in crate::physics) mass: f32,
     pub(in crate::physics) inv_mass: f32,
-    /// About the centre of mass.
+    /// Moment of inertia about the centre of mass.
     pub(in crate::physics) inertia: f32,
     pub(in crate::physics) inv_inertia: f32,
-    /// How long it has been still.
+    /// How long the body has been at rest, in s.
     pub(in crate::physics) sleep_time: f32,
-    /// Its newest fixture.
+    /// The newest fixture of the body.
     pub(in crate::physics) fixtures: Option<u32>,
 }
 
@@ -77,8 +77,8 @@ impl Body {
         }
     }
 
-    /// Sets mass, centre and moment of inertia of a dynamic body from those of its fixtures,
-    /// newest first.
+    /// Sets mass, centre of mass and moment of inertia of a dynamic body to the sum of `parts`, the
+    /// mass data of its fixtures, newest first.
     pub(in crate::physics) fn reset_mass(&mut self, parts: impl Iterator<Item = MassData>) {
         let (mut mass, mut center, mut inertia) = (0.0, Vec2::zeros(), 0.0);
         for part in parts {
@@ -124,7 +124,7 @@ impl Body {
         self.torque = 0.0;
     }
 
-    /// Whether it is awake and can move.
+    /// Whether the body is awake and dynamic.
     pub(in crate::physics) fn active(&self) -> bool {
         self.awake && self.dynamic
     }
@@ -151,12 +151,12 @@ impl Body {
         }
     }
 
-    /// Takes the pose from the end of the sweep.
+    /// Sets the pose to the end of the sweep.
     pub(in crate::physics) fn synchronize(&mut self) {
         self.xf = pose_about(self.sweep.c, self.sweep.a, self.sweep.local_center);
     }
 
-    /// Moves to the part `alpha` of the step.
+    /// Moves the body to the fraction `alpha` of the step.
     pub(in crate::physics) fn advance(&mut self, alpha: f32) {
         self.sweep.advance(alpha);
         self.sweep.c = self.sweep.c0;

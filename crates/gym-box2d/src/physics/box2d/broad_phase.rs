@@ -1,7 +1,8 @@
-//! Which fixtures may touch: a box around each, with a margin, so that most motion changes nothing.
+//! Finds the pairs of fixtures that may touch. A fixture's box has a margin, so that small motions
+//! change no pair.
 //!
-//! Box2D keeps the boxes in a tree. The pairs that come out are sorted by the proxies' ids before
-//! they are used, so a plain search through all boxes gives the same contacts in the same order.
+//! Box2D keeps the boxes in a tree. Both sort the pairs by the proxies' ids, so this linear search
+//! gives the same contacts in the same order.
 
 use serde::{Deserialize, Serialize};
 
@@ -15,25 +16,25 @@ use super::terrain::Terrain;
 struct Proxy {
     fat: Aabb,
     fixture: u32,
-    /// Two proxies that do not move make no pair.
+    /// A pair needs at least one dynamic proxy.
     dynamic: bool,
     used: bool,
 }
 
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(crate) struct BroadPhase {
-    /// All but those of the terrain, in the order of their ids.
+    /// All proxies outside the terrain, in the order of their ids.
     proxies: Vec<Proxy>,
-    /// Its edges have ids like any proxy.
+    /// The terrain; each of its edges has a proxy id too.
     pub(crate) terrain: Terrain,
-    /// Ids to use again, the last one freed first.
+    /// Ids to reuse, the last freed first.
     free: Vec<u32>,
-    /// Proxies whose pairs are to be searched.
+    /// Proxies whose pairs the next search looks for.
     moved: Vec<u32>,
 }
 
 impl BroadPhase {
-    /// Puts terrain into a world that has none.
+    /// Inserts terrain. The world must not have any.
     pub(crate) fn insert_terrain(&mut self, points: &[Vec2], friction: f32) {
         self.terrain = Terrain::new(points.to_vec(), friction, self.proxies.len() as u32);
         self.moved.clear();
@@ -45,7 +46,7 @@ impl BroadPhase {
         );
     }
 
-    /// A new proxy, and its id.
+    /// Inserts a proxy and returns its id.
     pub(crate) fn insert(&mut self, aabb: &Aabb, fixture: u32, dynamic: bool) -> u32 {
         let r = vec2(AABB_EXTENSION, AABB_EXTENSION);
         let fat = Aabb {
@@ -70,7 +71,7 @@ impl BroadPhase {
         id
     }
 
-    /// The place of a proxy outside the terrain.
+    /// Returns the index in `proxies` of the proxy `id`, which must be outside the terrain.
     #[inline]
     fn place(&self, id: u32) -> usize {
         let id = id as usize;
@@ -81,7 +82,7 @@ impl BroadPhase {
         }
     }
 
-    /// The id of the proxy at a place.
+    /// Returns the id of the proxy at the index `place`.
     #[inline]
     fn id(&self, place: usize) -> u32 {
         let behind = place >= self.terrain.first as usize;
@@ -99,8 +100,8 @@ impl BroadPhase {
         self.free.push(id);
     }
 
-    /// Follows a fixture that moved by `displacement` within `aabb`; a box that still holds it
-    /// stays as it is.
+    /// Updates a proxy after its fixture moved by `displacement` within `aabb`. The box stays the
+    /// same if it still contains `aabb`.
     pub(crate) fn update(&mut self, id: u32, aabb: &Aabb, displacement: Vec2) {
         let place = self.place(id);
         let fat = &mut self.proxies[place].fat;
@@ -136,12 +137,13 @@ impl BroadPhase {
         self.fat(a).overlaps(&self.fat(b))
     }
 
-    /// Whether any proxy has moved since the last call of [`find_pairs`](Self::find_pairs).
+    /// Whether a proxy has moved since the last call of [`find_pairs`](Self::find_pairs).
     pub(crate) fn has_moved(&self) -> bool {
         !self.moved.is_empty()
     }
 
-    /// Leaves in `pairs` the ids, smaller first, of the proxies that overlap one that has moved.
+    /// Fills `pairs` with the pairs of overlapping proxies of which at least one has moved. Each
+    /// pair has the smaller id first.
     pub(crate) fn find_pairs(&mut self, pairs: &mut Vec<(u32, u32)>) {
         pairs.clear();
         for &id in &self.moved {
@@ -166,27 +168,27 @@ impl BroadPhase {
         pairs.dedup();
     }
 
-    /// Its memory, on the heap.
+    /// Returns the allocated bytes.
     #[cfg(test)]
     pub(crate) fn bytes(&self) -> usize {
         let lists = size_of::<u32>() * (self.free.capacity() + self.moved.capacity());
         lists + size_of::<Proxy>() * self.proxies.capacity() + self.terrain.bytes()
     }
 
-    /// Reads a number of each box, so that it is fetched.
-    pub(crate) fn touch(&self) -> u32 {
+    /// Reads one number of each box, to prefetch it.
+    pub(crate) fn prefetch(&self) -> u32 {
         self.proxies
             .iter()
-            .fold(self.terrain.touch(), |seen, proxy| seen ^ proxy.fixture)
+            .fold(self.terrain.prefetch(), |seen, proxy| seen ^ proxy.fixture)
     }
 
-    /// The fixture of a proxy that is not of the terrain.
+    /// Returns the fixture of the proxy `id`, which must be outside the terrain.
     pub(crate) fn fixture(&self, id: u32) -> u32 {
         self.proxies[self.place(id)].fixture
     }
 
-    /// Whether a proxy exists and belongs to a fixture; any fixture may stand for an edge of the
-    /// terrain.
+    /// Whether the proxy `id` exists and belongs to `fixture`. A proxy of the terrain belongs to
+    /// any fixture.
     pub(crate) fn holds(&self, id: u32, fixture: u32) -> bool {
         self.terrain.edge_of(id).is_some()
             || self
@@ -195,13 +197,14 @@ impl BroadPhase {
                 .is_some_and(|proxy| proxy.used && proxy.fixture == fixture)
     }
 
-    /// The fixtures whose box meets `aabb`, but for the terrain.
+    /// Iterates over the fixtures whose box overlaps `aabb`, except the terrain's.
     pub(crate) fn query(&self, aabb: Aabb) -> impl Iterator<Item = u32> {
         let hit = move |proxy: &&Proxy| proxy.fat.overlaps(&aabb) && proxy.used;
         self.proxies.iter().filter(hit).map(|proxy| proxy.fixture)
     }
 
-    /// Whether data read from outside is consistent; `owns` tells whether a fixture has a proxy.
+    /// Whether deserialized data is consistent. `owns(fixture, id)` tells whether the fixture has
+    /// that proxy.
     pub(crate) fn is_valid(&self, owns: impl Fn(u32, u32) -> bool) -> bool {
         let proxy = |id: &u32| {
             let proxy = self.proxies.get(self.place(*id));

@@ -1,4 +1,4 @@
-//! Contact manifolds of two shapes, by their kinds.
+//! Contact manifolds, by the kinds of the two shapes.
 
 use super::collide_edge::edge_polygon;
 use super::collide_polygons::polygons;
@@ -6,8 +6,8 @@ use super::manifold::{Feature, Kind, Manifold};
 use super::math::{Pose, Vec2, dot, normalize, transform, transform_back, vec2};
 use super::shape::{Geometry, Kind as ShapeKind};
 
-/// Whether two kinds make contacts, and if the second goes first: edges before polygons before
-/// circles. Two edges make none.
+/// Whether shapes of two kinds can collide (two edges cannot) and, if so, whether to swap them:
+/// edges come before polygons, polygons before circles.
 pub(crate) fn order(a: ShapeKind, b: ShapeKind) -> Option<bool> {
     use ShapeKind::{Circle, Edge, Polygon};
     match (a, b) {
@@ -17,7 +17,7 @@ pub(crate) fn order(a: ShapeKind, b: ShapeKind) -> Option<bool> {
     }
 }
 
-/// The manifold of two shapes in the order of [`order`].
+/// Returns the manifold of two shapes, which must be in the order of [`order`].
 pub(crate) fn collide(a: &Geometry, xf_a: &Pose, b: &Geometry, xf_b: &Pose) -> Manifold {
     match (a.kind, b.kind) {
         (ShapeKind::Edge, ShapeKind::Polygon) => edge_polygon(a, xf_a, b, xf_b),
@@ -93,7 +93,7 @@ fn polygon_circle(polygon: &Geometry, xf_a: &Pose, circle: &Geometry, xf_b: &Pos
         Manifold::new(Kind::FaceA, normal, point).with_point(center, [Feature::vertex(0); 2])
     };
     if separation < f32::EPSILON {
-        return contact(normal, middle); // the centre is inside
+        return contact(normal, middle); // the circle's centre is inside the polygon
     }
     for (corner, other) in [(v1, v2), (v2, v1)] {
         let d = c - corner;

@@ -1,5 +1,5 @@
-//! Contact of a single edge, solid from both sides, and a polygon: `b2EPCollider` of Box2D 2.3
-//! without neighbouring edges.
+//! Contact of an edge and a polygon: `b2EPCollider` of Box2D 2.3 for an edge without neighbours,
+//! which collides from both sides.
 
 use super::manifold::{ClipVertex, Feature, Kind, Manifold, clip};
 use super::math::{
@@ -8,12 +8,13 @@ use super::math::{
 use super::settings::{ANGULAR_SLOP, POLYGON_RADIUS};
 use super::shape::{Geometry, MAX_VERTICES};
 
-/// By how much the polygon's face must be better than the edge to be taken.
+/// A face of the polygon is preferred to the edge only if its separation is larger by this
+/// tolerance.
 const RELATIVE_TOLERANCE: f32 = 0.98;
 const ABSOLUTE_TOLERANCE: f32 = 0.001;
 const RADIUS: f32 = 2.0 * POLYGON_RADIUS;
 
-/// The side of the polygon that a contact is clipped to, in the edge's coordinates.
+/// The face to which the contact is clipped, in the edge's coordinates.
 struct ReferenceFace {
     i1: usize,
     i2: usize,
@@ -132,8 +133,7 @@ pub(crate) fn edge_polygon(
     manifold
 }
 
-/// The face of the polygon that the edge is furthest from, among those that look against the
-/// edge's normal.
+/// Returns the polygon's face with the largest separation from the edge.
 fn polygon_separation(
     vertices: &[Vec2],
     normals: &[Vec2],
@@ -141,7 +141,7 @@ fn polygon_separation(
     v2: Vec2,
     normal: Vec2,
 ) -> Option<(usize, f32)> {
-    // an edge without neighbours may be hit from anywhere but its back
+    // Box2D's limit on the angle of a face; for an edge without neighbours it excludes no face
     let limit = -normal;
     let mut best = None;
     let mut best_separation = -f32::MAX;

@@ -1,5 +1,6 @@
-//! Contact of two polygons: the face of greatest separation, and the other's edge clipped to it, as
-//! `b2CollidePolygon.cpp` of Box2D 2.3.0 has it (later versions search another way).
+//! Contact of two polygons: finds the face with the largest separation and clips the other
+//! polygon's edge to it, like `b2CollidePolygon.cpp` of Box2D 2.3.0 (later versions search in
+//! another way).
 
 use super::manifold::{ClipVertex, Feature, Kind, Manifold, clip};
 use super::math::{
@@ -7,7 +8,8 @@ use super::math::{
 };
 use super::shape::Geometry;
 
-/// By how much the second polygon's face must be better to be taken: it keeps contacts steady.
+/// A face of the second polygon is preferred only if its separation is larger by this tolerance, so
+/// that the choice is stable from step to step.
 const RELATIVE_TOLERANCE: f32 = 0.98;
 const ABSOLUTE_TOLERANCE: f32 = 0.001;
 
@@ -28,7 +30,7 @@ pub(crate) fn polygons(a: &Geometry, xf_a: &Pose, b: &Geometry, xf_b: &Pose) -> 
     }
 }
 
-/// The separation of `b` from the line through one face of `a`.
+/// Returns the separation of `b` from the line through the face `face` of `a`.
 fn face_separation(a: &Geometry, xf_a: &Pose, face: usize, b: &Geometry, xf_b: &Pose) -> f32 {
     let normal = rotate(xf_a.rotation, a.normals()[face]);
     let local_normal = rotate_back(xf_b.rotation, normal);
@@ -47,7 +49,8 @@ fn face_separation(a: &Geometry, xf_a: &Pose, face: usize, b: &Geometry, xf_b: &
     )
 }
 
-/// The face of `a` that `b` is furthest from, climbing from the one that looks towards `b`.
+/// Returns the face of `a` with the largest separation from `b`: hill climbing from the face that
+/// points most towards `b`.
 fn max_separation(a: &Geometry, xf_a: &Pose, b: &Geometry, xf_b: &Pose) -> (usize, f32) {
     let d = transform(xf_b, b.centroid) - transform(xf_a, a.centroid);
     let towards = rotate_back(xf_a.rotation, d);
@@ -88,7 +91,8 @@ fn max_separation(a: &Geometry, xf_a: &Pose, b: &Geometry, xf_b: &Pose) -> (usiz
     }
 }
 
-/// The edge of `incident` that looks most against a face of `reference`, clipped to that face.
+/// Returns the edge of `incident` whose normal points most against a face of `reference`, clipped
+/// to that face.
 fn clip_to_face(
     kind: Kind,
     (reference, xf1, face): (&Geometry, &Pose, usize),

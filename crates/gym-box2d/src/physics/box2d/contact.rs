@@ -17,25 +17,25 @@ pub(crate) struct Contact {
     pub(crate) fixture_b: u32,
     pub(crate) body_a: u32,
     pub(crate) body_b: u32,
-    /// Whether either is a sensor: the contact is reported, and has no forces.
+    /// Whether one of the fixtures is a sensor: the contact is reported but has no forces.
     pub(crate) sensor: bool,
     pub(crate) friction: f32,
     pub(crate) restitution: f32,
     pub(crate) manifold: Manifold,
     pub(crate) touching: bool,
     pub(crate) enabled: bool,
-    /// Whether it already belongs to an island.
+    /// Whether an island of this step already contains the contact.
     pub(crate) island: bool,
-    /// The time of impact in this step, once known.
+    /// The time of impact within this step, once computed.
     pub(crate) toi: Option<f32>,
-    /// Times of impact in this step.
+    /// The number of times of impact that this contact had in this step.
     pub(crate) toi_count: u32,
-    /// Whether a joint was made since that may forbid it.
+    /// Whether a new joint may forbid the contact, so that it must be checked again.
     pub(crate) refilter: bool,
 }
 
 impl Contact {
-    /// The contact of two fixtures, if shapes of their kinds make one.
+    /// Returns the contact of fixtures `a` and `b`; `None` if shapes of their kinds cannot collide.
     pub(crate) fn new(fixtures: &Arena<Fixture>, a: u32, b: u32) -> Option<Self> {
         let swap = order(fixtures[a].shape.kind, fixtures[b].shape.kind)?;
         let (fixture_a, fixture_b) = if swap { (b, a) } else { (a, b) };
@@ -58,7 +58,7 @@ impl Contact {
         })
     }
 
-    /// The body at the other side, if this is a contact of `body`.
+    /// Returns the other body, if the contact involves `body`.
     #[inline]
     pub(crate) fn other(&self, body: u32) -> Option<u32> {
         if self.body_a == body {
@@ -78,7 +78,7 @@ impl Contact {
         }
     }
 
-    /// Computes whether and where the two touch now.
+    /// Computes the manifold and whether the fixtures touch.
     pub(crate) fn update(
         &mut self,
         bodies: &mut Arena<Body>,

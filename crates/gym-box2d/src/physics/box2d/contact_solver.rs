@@ -25,7 +25,7 @@ struct Point {
     velocity_bias: f32,
 }
 
-/// A symmetric or inverse matrix, by its columns.
+/// A symmetric 2x2 matrix or its inverse, by columns.
 #[derive(Clone, Copy, Debug, Default)]
 struct Mat22 {
     ex: Vec2,
@@ -51,10 +51,10 @@ impl Mat22 {
     }
 }
 
-/// One contact while its island is solved.
+/// A contact while the solver works on its island.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Constraint {
-    /// Place in the world's list of contacts.
+    /// Index of the contact in the world's list.
     pub(crate) contact: usize,
     a: Side,
     b: Side,
@@ -63,15 +63,15 @@ pub(crate) struct Constraint {
     manifold: Manifold,
     normal: Vec2,
     points: [Point; 2],
-    /// Points that the velocity solver looks at.
+    /// The points that the velocity solver uses.
     count: usize,
     k: Mat22,
     normal_mass: Mat22,
 }
 
 impl Constraint {
-    /// A contact between two bodies, whose impulses start at `ratio` times those of the last step,
-    /// or at 0.
+    /// Makes the constraint of `contact`. With `ratio`, its impulses start at `ratio` times those
+    /// of the last step; without, at 0.
     pub(crate) fn new(
         index: usize,
         contact: &Contact,
@@ -101,7 +101,7 @@ impl Constraint {
         }
     }
 
-    /// Normal, levers and effective masses at the island's positions.
+    /// Computes normal, levers and effective masses at the island's positions.
     pub(crate) fn initialize(&mut self, positions: &[Position], velocities: &[Velocity]) {
         let (a, b) = (self.a, self.b);
         let (m_a, i_a, m_b, i_b) = (a.inv_mass, a.inv_inertia, b.inv_mass, b.inv_inertia);
@@ -139,7 +139,8 @@ impl Constraint {
         }
     }
 
-    /// The matrix of two points, unless they are so alike that one is enough.
+    /// Computes the matrix of the block solver. If it is ill-conditioned (the points nearly
+    /// coincide), the solver uses one point.
     fn prepare_block(&mut self) {
         const MAX_CONDITION_NUMBER: f32 = 1000.0;
         let (a, b, [p1, p2]) = (self.a, self.b, &self.points);
@@ -160,7 +161,7 @@ impl Constraint {
         }
     }
 
-    /// Applies the impulses that it starts with.
+    /// Applies the initial impulses.
     pub(crate) fn warm_start(&self, velocities: &mut [Velocity]) {
         let (mut vel_a, mut vel_b) = (velocities[self.a.index], velocities[self.b.index]);
         let tangent = cross_one(self.normal);
@@ -175,7 +176,8 @@ impl Constraint {
         velocities[self.b.index] = vel_b;
     }
 
-    /// One sweep: friction first, because not to penetrate matters more.
+    /// Makes one iteration: friction first, because non-penetration is more important and should be
+    /// solved last.
     #[inline]
     pub(crate) fn solve_velocity(&mut self, velocities: &mut [Velocity]) {
         let (mut vel_a, mut vel_b) = (velocities[self.a.index], velocities[self.b.index]);
@@ -241,7 +243,7 @@ impl Constraint {
         velocities[self.b.index] = vel_b;
     }
 
-    /// Normal and tangent impulse of either point.
+    /// Returns the normal and the tangent impulse of each point.
     #[inline]
     pub(crate) fn impulses(&self) -> [f32; 4] {
         let [p1, p2] = &self.points;
@@ -253,7 +255,7 @@ impl Constraint {
         ]
     }
 
-    /// Sets the impulses that [`impulses`](Self::impulses) returned.
+    /// Sets the impulses, in the order of [`impulses`](Self::impulses).
     pub(crate) fn set_impulses(&mut self, impulses: &[f32; 4]) {
         let [p1, p2] = &mut self.points;
         [
@@ -264,7 +266,7 @@ impl Constraint {
         ] = *impulses;
     }
 
-    /// Keeps the impulses for the next step.
+    /// Stores the impulses in `manifold`, for the next step.
     pub(crate) fn store_impulses(&self, manifold: &mut Manifold) {
         for (to, from) in manifold
             .points_mut()
@@ -276,12 +278,12 @@ impl Constraint {
         }
     }
 
-    /// Pushes overlapping bodies apart; gives the smallest separation that it met.
+    /// Pushes overlapping bodies apart; returns the smallest separation.
     pub(crate) fn solve_position(&self, positions: &mut [Position]) -> f32 {
         self.push_apart(positions, BAUMGARTE, [true; 2])
     }
 
-    /// The same at a time of impact, where only two bodies of the island may move.
+    /// Like `solve_position`, at a time of impact: only the two bodies `movable` move.
     pub(crate) fn solve_toi_position(
         &self,
         positions: &mut [Position],
@@ -325,7 +327,8 @@ impl Constraint {
         min_separation
     }
 
-    /// Normal, place and separation of a point of the manifold at the given positions.
+    /// Returns normal, location and separation of point `index` of the manifold at positions `a`
+    /// and `b`.
     fn separation(&self, index: usize, a: &Position, b: &Position) -> (Vec2, Vec2, f32) {
         let xf_a = pose_about(a.c, a.a, self.a.local_center);
         let xf_b = pose_about(b.c, b.a, self.b.local_center);
@@ -363,8 +366,8 @@ impl Constraint {
     }
 }
 
-/// The linear complementarity problem of two points by enumeration: impulses x >= 0 and normal
-/// velocities `k x + b` >= 0 of which at least one is 0 at each point.
+/// Solves the linear complementarity problem of two points by enumeration: impulses `x >= 0` and
+/// normal velocities `k x + b >= 0`, where at each point one of the two is 0.
 #[inline]
 fn solve_block(k: &Mat22, inverse: &Mat22, mass1: f32, mass2: f32, b: Vec2) -> Option<Vec2> {
     let x = -inverse.mul(b);
@@ -373,11 +376,11 @@ fn solve_block(k: &Mat22, inverse: &Mat22, mass1: f32, mass2: f32, b: Vec2) -> O
     }
     let x = vec2(-mass1 * b.x, 0.0);
     if x.x >= 0.0 && k.ex.y * x.x + b.y >= 0.0 {
-        return Some(x); // the first alone
+        return Some(x); // only the first point pushes
     }
     let x = vec2(0.0, -mass2 * b.y);
     if x.y >= 0.0 && k.ey.x * x.y + b.x >= 0.0 {
-        return Some(x); // the second alone
+        return Some(x); // only the second point pushes
     }
-    (b.x >= 0.0 && b.y >= 0.0).then(Vec2::zeros) // neither; or no solution: leave it as it is
+    (b.x >= 0.0 && b.y >= 0.0).then(Vec2::zeros) // no point pushes; `None` without a solution
 }

@@ -1,4 +1,4 @@
-//! Times of impact: bodies that would tunnel through static ones stop where they first touch.
+//! Continuous collision: bodies that would tunnel through static ones stop at the time of impact.
 
 use super::apart::stays_away;
 use super::island::Island;
@@ -8,7 +8,7 @@ use super::time_of_impact::{Moving, TOLERANCE, target, time_of_impact};
 use super::{Box2d, TimeStep};
 
 impl Box2d {
-    /// Solves the times of impact of the step, the earliest first.
+    /// Solves the impacts within the step, the earliest first.
     pub(crate) fn solve_toi(&mut self, island: &mut Island, step: &TimeStep) {
         for &id in &self.dynamic {
             let body = &mut self.bodies[id];
@@ -23,7 +23,7 @@ impl Box2d {
         while let Some((contact, alpha)) = self.first_impact() {
             self.solve_impact(island, step, contact, alpha);
         }
-        // static bodies go into the next step without a time of their own
+        // static bodies begin the next step at time 0
         for contact in &self.contacts {
             for id in [contact.body_a, contact.body_b] {
                 self.bodies[id].sweep.alpha0 = 0.0;
@@ -31,7 +31,8 @@ impl Box2d {
         }
     }
 
-    /// The contact that is first to touch within the step, the newest of several, and when.
+    /// Returns the contact with the earliest impact within the step (the newest of several), and
+    /// its time.
     fn first_impact(&mut self) -> Option<(usize, f32)> {
         let mut first = None;
         let mut min_alpha = 1.0;
@@ -64,7 +65,7 @@ impl Box2d {
             .map(|i| (i, min_alpha))
     }
 
-    /// The part of the step after which a contact touches; 1 if it does not.
+    /// Returns the fraction of the step after which the contact touches; 1 if it does not.
     fn impact(&mut self, index: usize) -> f32 {
         let contact = &self.contacts[index];
         let (a, b) = (contact.body_a, contact.body_b);
@@ -89,7 +90,8 @@ impl Box2d {
         time_of_impact(a, b).map_or(1.0, |t| min(alpha0 + (1.0 - alpha0) * t, 1.0))
     }
 
-    /// Moves two bodies to where they touch, and solves the rest of the step for them.
+    /// Moves the two bodies of a contact to their time of impact `alpha`, and solves the rest of
+    /// the step for them.
     fn solve_impact(&mut self, island: &mut Island, step: &TimeStep, index: usize, alpha: f32) {
         let (a, b) = (self.contacts[index].body_a, self.contacts[index].body_b);
         let backups = [a, b].map(|id| (id, self.bodies[id].sweep));
@@ -148,7 +150,7 @@ impl Box2d {
         self.find_new_contacts(&mut island.pairs);
     }
 
-    /// Adds the static bodies that a body also touches at that time.
+    /// Adds the static bodies that body `id` also touches at the time `alpha`.
     fn gather_touching(&mut self, island: &mut Island, id: u32, alpha: f32) {
         for i in (0..self.contacts.len()).rev() {
             if island.bodies.len() == 2 * MAX_TOI_CONTACTS

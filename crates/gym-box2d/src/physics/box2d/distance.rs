@@ -1,5 +1,5 @@
-//! The distance of two shapes: the algorithm of Gilbert, Johnson and Keerthi, as `b2Distance.cpp`
-//! has it.
+//! The distance of two shapes: the GJK algorithm (Gilbert, Johnson and Keerthi), as in
+//! `b2Distance.cpp`.
 
 use super::math::{
     Pose, Vec2, cross, cross_one, cross_scalar, dot, length, rotate_back, transform,
@@ -8,7 +8,7 @@ use super::shape::Geometry;
 
 const MAX_ITERATIONS: usize = 20;
 
-/// The features between which the last distance was found, to start from the next time.
+/// The features that were closest in the last call; the next call starts from them.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Cache {
     metric: f32,
@@ -23,7 +23,7 @@ struct Vertex {
     point_a: Vec2,
     point_b: Vec2,
     w: Vec2,
-    /// Its share in the closest point.
+    /// The barycentric coordinate of the closest point.
     share: f32,
     index_a: usize,
     index_b: usize,
@@ -34,7 +34,7 @@ struct Simplex {
     count: usize,
 }
 
-/// The vertex that lies furthest in a direction; the first of several.
+/// Returns the vertex that is furthest in `direction`; the first of several.
 #[inline]
 pub(crate) fn support(vertices: &[Vec2], direction: Vec2) -> usize {
     let mut best = 0;
@@ -49,7 +49,7 @@ pub(crate) fn support(vertices: &[Vec2], direction: Vec2) -> usize {
     best
 }
 
-/// The distance of the hulls of two shapes, without their radii.
+/// Returns the distance of the hulls of two shapes, without their radii.
 pub(crate) fn distance(
     a: &Geometry,
     xf_a: &Pose,
@@ -101,7 +101,7 @@ pub(crate) fn distance(
             _ => {}
         }
         if simplex.count == 3 {
-            break; // the origin is inside: the shapes overlap
+            break; // the simplex contains the origin: the shapes overlap
         }
         let d = simplex.search_direction();
         if dot(d, d) < f32::EPSILON * f32::EPSILON {
@@ -136,7 +136,7 @@ pub(crate) fn overlap(a: &Geometry, xf_a: &Pose, b: &Geometry, xf_b: &Pose) -> b
 }
 
 impl Simplex {
-    /// Length or area, to tell whether a cached simplex still fits.
+    /// Returns the simplex's length or area, to check whether a cached simplex is still valid.
     fn metric(&self) -> f32 {
         let [v1, v2, v3] = self.vertices.map(|v| v.w);
         match self.count {
@@ -159,7 +159,7 @@ impl Simplex {
         }
     }
 
-    /// The distance of the two closest points.
+    /// Returns the distance of the two closest points.
     fn distance(&self) -> f32 {
         let [v1, v2, _] = &self.vertices;
         match self.count {
@@ -181,7 +181,8 @@ impl Simplex {
         self.count = 1;
     }
 
-    /// Keeps vertices `i` and `j`, with shares in the ratio of `a` to `b`, as first and second.
+    /// Keeps vertices `i` and `j` as the first and second, with barycentric coordinates in the
+    /// ratio `a` to `b`.
     fn keep2(&mut self, (i, a): (usize, f32), (j, b): (usize, f32)) {
         let inverse = 1.0 / (a + b);
         let first = Vertex {
@@ -197,7 +198,7 @@ impl Simplex {
         self.count = 2;
     }
 
-    /// The point of a segment that is closest to the origin.
+    /// Finds the point of a segment that is closest to the origin.
     fn solve2(&mut self) {
         let [w1, w2, _] = self.vertices.map(|v| v.w);
         let e12 = w2 - w1;
@@ -212,7 +213,7 @@ impl Simplex {
         self.keep2((0, d12_1), (1, d12_2));
     }
 
-    /// The point of a triangle that is closest to the origin.
+    /// Finds the point of a triangle that is closest to the origin.
     fn solve3(&mut self) {
         let [w1, w2, w3] = self.vertices.map(|v| v.w);
         let e12 = w2 - w1;
@@ -237,7 +238,7 @@ impl Simplex {
         } else if d13_1 <= 0.0 && d23_1 <= 0.0 {
             self.keep1(2);
         } else if d23_1 > 0.0 && d23_2 > 0.0 && d123_1 <= 0.0 {
-            // the third vertex takes the place of the first
+            // the third vertex replaces the first
             let inverse = 1.0 / (d23_1 + d23_2);
             self.vertices[1].share = d23_1 * inverse;
             self.vertices[0] = Vertex {

@@ -1,4 +1,5 @@
-//! Bodies that touch or are joined, directly or through others, and must be solved together.
+//! Islands: bodies that touch or are joined, directly or through other bodies, and are solved
+//! together.
 
 use super::contact_solver::Constraint as ContactConstraint;
 use super::joint::Constraint as JointConstraint;
@@ -11,20 +12,20 @@ use super::settings::{
 use super::sweeps::{Sweeps, sweep};
 use super::{BODIES, Box2d, CONTACTS, JOINTS, TimeStep};
 
-/// A step whose velocities are yet to be solved.
+/// A step that has begun: its velocities are not solved yet.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Begun {
     pub(super) step: TimeStep,
-    /// The dynamic body from which the first island was found, if there is an island.
+    /// The dynamic body whose island was found first, if there is an island.
     pub(super) seed: Option<usize>,
 }
 
-/// The members of an island in the order in which they are solved, and all working memory of a
-/// step. It belongs to no world: between steps it holds nothing.
+/// The members of an island in the order of solving, and the working memory of a step. Worlds may
+/// share it: between steps it holds no state.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Island {
     pub(crate) bodies: Vec<u32>,
-    /// Places in the world's list of contacts.
+    /// Indices of contacts in the world's list.
     pub(crate) contacts: Vec<usize>,
     pub(crate) joints: Vec<u32>,
     pub(crate) stack: Vec<u32>,
@@ -36,7 +37,7 @@ pub(crate) struct Island {
     pub(crate) pairs: Vec<(u32, u32)>,
     /// The step that has begun.
     pub(super) begun: Option<Begun>,
-    /// Makes every sweep in full, to test the shortcut.
+    /// Disables the shortcut for repeating iterations, to test it.
     pub(crate) plain: bool,
 }
 
@@ -69,7 +70,7 @@ impl Island {
         self.bodies.push(body);
     }
 
-    /// The sides of a constraint between two bodies.
+    /// Returns the solvers' data about `body`.
     fn side(world: &Box2d, body: u32, radius: f32) -> Side {
         let body = &world.bodies[body];
         Side {
@@ -100,7 +101,7 @@ impl Island {
         }
     }
 
-    /// The begin of a time step: forces, and the start of the velocity sweeps.
+    /// Prepares the velocity iterations: external forces, constraints, warm start.
     pub(crate) fn prepare(&mut self, world: &mut Box2d, step: &TimeStep) {
         self.enter(world, step);
         self.build_contacts(world, Some(step.ratio));
@@ -113,13 +114,14 @@ impl Island {
         self.build_joints(world, step);
     }
 
-    /// The end of a time step, after the velocity sweeps: positions, sleep.
+    /// Ends a time step after the velocity iterations: positions, sleep.
     pub(crate) fn conclude(&mut self, world: &mut Box2d, step: &TimeStep) {
         self.store_impulses(world);
         self.move_on(world, step);
     }
 
-    /// The places of the bodies, and their velocities after gravity and outer forces.
+    /// Loads positions of the bodies and their velocities, to which it adds gravity and external
+    /// forces.
     pub(crate) fn enter(&mut self, world: &mut Box2d, step: &TimeStep) {
         let h = step.dt;
         self.positions.clear();
@@ -141,7 +143,7 @@ impl Island {
         }
     }
 
-    /// Takes the joints in and applies the impulses that they start with.
+    /// Builds the joints' constraints and applies their initial impulses.
     pub(crate) fn build_joints(&mut self, world: &Box2d, step: &TimeStep) {
         self.joint_constraints.clear();
         for &id in &self.joints {
@@ -162,7 +164,7 @@ impl Island {
         }
     }
 
-    /// Moves along the velocities, corrects positions, and falls asleep.
+    /// Integrates positions, corrects them, and updates sleep.
     pub(crate) fn move_on(&mut self, world: &mut Box2d, step: &TimeStep) {
         self.integrate(step.dt);
         let solved = (0..step.position_iterations).any(|_| self.sweep_positions());
@@ -172,7 +174,7 @@ impl Island {
         self.update_sleep(world, step.dt, solved);
     }
 
-    /// The velocity sweeps of the step that has begun.
+    /// Makes the velocity iterations of the step that has begun.
     pub(in crate::physics) fn sweep(&mut self) {
         if let Some(Begun {
             step,
@@ -209,7 +211,7 @@ impl Island {
         }
     }
 
-    /// Moves positions along velocities, both within bounds.
+    /// Integrates positions; limits translation and rotation per step.
     fn integrate(&mut self, h: f32) {
         for (position, velocity) in self.positions.iter_mut().zip(&mut self.velocities) {
             let translation = h * velocity.v;
@@ -225,7 +227,8 @@ impl Island {
         }
     }
 
-    /// All contacts, then all joints; tells whether every error is small enough.
+    /// Corrects the positions of all contacts, then of all joints; returns whether every error is
+    /// within tolerance.
     fn sweep_positions(&mut self) -> bool {
         let mut min_separation = 0.0;
         for contact in &self.contact_constraints {
@@ -247,7 +250,7 @@ impl Island {
         body.synchronize();
     }
 
-    /// Puts the island to sleep once every body has been still for long enough.
+    /// Puts the island to sleep once every body has been at rest for [`TIME_TO_SLEEP`].
     fn update_sleep(&self, world: &mut Box2d, h: f32, solved: bool) {
         let mut min_sleep_time = f32::MAX;
         for &id in &self.bodies {
@@ -273,8 +276,8 @@ impl Island {
         }
     }
 
-    /// The rest of a step after a time of impact of the island's first two bodies: contacts only,
-    /// without warm start; impulses are not kept.
+    /// Solves the rest of a step after an impact of the island's first two bodies: contacts only,
+    /// without warm starting and without storing impulses.
     pub(crate) fn solve_toi(&mut self, world: &mut Box2d, step: &TimeStep) {
         self.positions.clear();
         self.velocities.clear();

@@ -1,4 +1,5 @@
-//! The revolute joint: a hinge with a motor and limits (`b2RevoluteJoint.cpp`).
+//! The revolute joint: two bodies turn about a common point, with a motor and angle limits
+//! (`b2RevoluteJoint.cpp`).
 
 pub(super) mod lanes;
 
@@ -11,14 +12,14 @@ use super::math::{
 use super::motion::{Position, Side, Velocity};
 use super::settings::{ANGULAR_SLOP, LINEAR_SLOP, MAX_ANGULAR_CORRECTION};
 
-/// Where the joint angle is between its limits.
+/// The position of the joint angle relative to its limits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum LimitState {
     #[default]
     Inactive,
     AtLower,
     AtUpper,
-    /// The limits are so close that the joint is held at one angle.
+    /// Both limits are nearly equal: the joint is held at one angle.
     Equal,
 }
 
@@ -36,7 +37,7 @@ pub(crate) struct Joint {
     pub(crate) motor_speed: f32,
     pub(crate) max_motor_torque: f32,
     pub(crate) collide_connected: bool,
-    /// Impulses of the last step: of the hinge, and of the limit.
+    /// The last step's impulses: x and y of the point constraint, and the limit's.
     pub(crate) impulse: Vector3<f32>,
     pub(crate) motor_impulse: f32,
     pub(crate) limit_state: LimitState,
@@ -44,7 +45,7 @@ pub(crate) struct Joint {
 }
 
 impl Joint {
-    /// The body at the other end, if this is a joint of `body`.
+    /// Returns the other body, if the joint is attached to `body`.
     pub(crate) fn other(&self, body: u32) -> Option<u32> {
         if self.body_a == body {
             Some(self.body_b)
@@ -56,15 +57,16 @@ impl Joint {
     }
 }
 
-/// The additions of a sweep to a joint's impulses.
+/// The changes of a joint's impulses in one iteration.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Increment {
-    /// Of the motor, before and after it was clamped.
+    /// The change of the motor's impulse, before and after clamping.
     motor: f32,
     motor_applied: f32,
-    /// Of hinge and limit.
-    hinge: Vector3<f32>,
-    /// Whether the limit was left out, and its impulse before that.
+    /// The changes of the impulses of point constraint and limit.
+    impulse: Vector3<f32>,
+    /// Whether the limit was inactive because it would have pulled, and its impulse before this
+    /// iteration.
     limit_pulls: bool,
     limit_before: f32,
 }
@@ -74,32 +76,32 @@ impl Default for Increment {
         Self {
             motor: 0.0,
             motor_applied: 0.0,
-            hinge: Vector3::new(0.0, 0.0, 0.0),
+            impulse: Vector3::new(0.0, 0.0, 0.0),
             limit_pulls: false,
             limit_before: 0.0,
         }
     }
 }
 
-/// One joint while its island is solved.
+/// A joint while the solver works on its island.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Constraint {
-    /// Slot in the world's joints.
+    /// Index of the joint in the world's arena.
     pub(crate) joint: u32,
     a: Side,
     b: Side,
-    /// Anchors from the centres of mass, in the bodies' coordinates.
+    /// Anchors relative to the centres of mass, in the bodies' coordinates.
     anchor_a: Vec2,
     anchor_b: Vec2,
     r_a: Vec2,
     r_b: Vec2,
-    /// Columns of the effective mass, inverted.
+    /// Columns of the inverse effective mass.
     ex: Vector3<f32>,
     ey: Vector3<f32>,
     ez: Vector3<f32>,
     /// ey × ez.
     ey_ez: Vector3<f32>,
-    /// Reciprocal determinants of the matrix and of its upper left part.
+    /// Reciprocal determinants of the 3x3 matrix and of its upper left 2x2 block.
     det3: f32,
     det2: f32,
     motor_mass: f32,
@@ -114,8 +116,8 @@ pub(crate) struct Constraint {
 }
 
 impl Constraint {
-    /// Effective mass and limit state at the island's positions; applies the impulses of the last
-    /// step times `ratio`.
+    /// Computes effective mass and limit state at the island's positions, and applies the last
+    /// step's impulses, scaled by `ratio`.
     pub(crate) fn new(
         index: u32,
         joint: &Joint,
@@ -210,7 +212,8 @@ impl Constraint {
         constraint
     }
 
-    /// One sweep: motor, then limit and hinge together, or the hinge alone.
+    /// Makes one iteration: the motor, then the point constraint, together with the limit if that
+    /// is active.
     #[inline]
     pub(crate) fn solve_velocity(&mut self, velocities: &mut [Velocity]) -> Increment {
         let (mut vel_a, mut vel_b) = (velocities[self.a.index], velocities[self.b.index]);
@@ -232,7 +235,7 @@ impl Constraint {
             vel_b.v + cross_scalar(vel_b.w, self.r_b) - vel_a.v - cross_scalar(vel_a.w, self.r_a);
         if self.limit_state == LimitState::Inactive {
             let p = self.solve22(-cdot);
-            increment.hinge = Vector3::new(p.x, p.y, 0.0);
+            increment.impulse = Vector3::new(p.x, p.y, 0.0);
             self.impulse.x += p.x;
             self.impulse.y += p.y;
             vel_a.v -= m_a * p;
@@ -245,7 +248,7 @@ impl Constraint {
             increment.limit_before = self.impulse.z;
             increment.limit_pulls = self.limit_pulls(self.impulse.z + impulse.z);
             if increment.limit_pulls {
-                // the limit only pushes: without it, the hinge alone
+                // a limit only pushes: solve the point constraint alone
                 let reduced = self.solve22(-cdot + self.impulse.z * vec2(self.ez.x, self.ez.y));
                 impulse = Vector3::new(reduced.x, reduced.y, -self.impulse.z);
                 self.impulse =
@@ -253,7 +256,7 @@ impl Constraint {
             } else {
                 self.impulse += impulse;
             }
-            increment.hinge = impulse;
+            increment.impulse = impulse;
             let p = vec2(impulse.x, impulse.y);
             vel_a.v -= m_a * p;
             vel_a.w -= i_a * (cross(self.r_a, p) + impulse.z);
@@ -270,7 +273,7 @@ impl Constraint {
         clamp(impulse, -self.max_motor_impulse, self.max_motor_impulse)
     }
 
-    /// Whether such an impulse of the limit would pull back instead of pushing.
+    /// Whether an accumulated limit impulse of `impulse` would pull instead of push.
     #[inline]
     fn limit_pulls(&self, impulse: f32) -> bool {
         match self.limit_state {
@@ -280,32 +283,32 @@ impl Constraint {
         }
     }
 
-    /// Whether a sweep from the same velocities as the one that gave `increment` does the same.
+    /// Whether an iteration repeats `increment`, if it starts from the same velocities.
     #[inline]
     pub(crate) fn repeats(&self, increment: &Increment) -> bool {
         let motor = self.clamp_motor(self.motor_impulse + increment.motor) - self.motor_impulse;
         let limit = if increment.limit_pulls {
             self.impulse.z.to_bits() == increment.limit_before.to_bits()
         } else {
-            !self.limit_pulls(self.impulse.z + increment.hinge.z)
+            !self.limit_pulls(self.impulse.z + increment.impulse.z)
         };
         limit && (!self.motor || motor.to_bits() == increment.motor_applied.to_bits())
     }
 
-    /// Adds to the impulses what a sweep that [repeats](Self::repeats) adds; tells whether that
-    /// changed any.
+    /// Adds `increment` to the impulses, as an iteration that [repeats](Self::repeats) does;
+    /// returns whether an impulse changed.
     #[inline]
     pub(crate) fn repeat(&mut self, increment: &Increment) -> bool {
         let (motor_before, before) = (self.motor_impulse, self.impulse);
         if self.motor {
             self.motor_impulse = self.clamp_motor(self.motor_impulse + increment.motor);
         }
-        self.impulse.x += increment.hinge.x;
-        self.impulse.y += increment.hinge.y;
+        self.impulse.x += increment.impulse.x;
+        self.impulse.y += increment.impulse.y;
         if increment.limit_pulls {
             self.impulse.z = 0.0;
         } else if self.limit_state != LimitState::Inactive {
-            self.impulse.z += increment.hinge.z;
+            self.impulse.z += increment.impulse.z;
         }
         let same = |a: f32, b: f32| a.to_bits() == b.to_bits();
         !(same(motor_before, self.motor_impulse)
@@ -332,7 +335,8 @@ impl Constraint {
         )
     }
 
-    /// Corrects the angle at a limit, then the anchors; tells whether both were good enough.
+    /// Corrects the angle at a limit, then the anchors; returns whether both errors were within
+    /// tolerance.
     pub(crate) fn solve_position(&self, positions: &mut [Position]) -> bool {
         let (mut a, mut b) = (positions[self.a.index], positions[self.b.index]);
         let (m_a, i_a) = (self.a.inv_mass, self.a.inv_inertia);

@@ -1,4 +1,4 @@
-//! The bodies of many worlds: one world in each lane of vector registers.
+//! The bodies of many worlds, one world in each lane of vector registers.
 
 use fearless_simd::Simd;
 
@@ -11,7 +11,7 @@ rows! {
     struct BodyRows { inv_mass, inv_inertia, v_x, v_y, w }
 }
 
-/// The bodies that move.
+/// The moving bodies.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Bodies(Vec<BodyRows>);
 
@@ -24,7 +24,7 @@ impl Bodies {
         self.0.resize(len, BodyRows::ZERO);
     }
 
-    /// Takes the bodies of a world in.
+    /// Loads the bodies of a world into `lane`.
     pub(super) fn enter<'a>(
         &mut self,
         lane: usize,
@@ -40,19 +40,19 @@ impl Bodies {
         }
     }
 
-    /// Gives the velocities back.
+    /// Writes the velocities of `lane` back to `velocities`.
     pub(super) fn collect(&self, lane: usize, velocities: &mut [Velocity]) {
         for (Velocity { v, w }, rows) in velocities.iter_mut().zip(&self.0) {
             (v.x, v.y, *w) = (rows.v_x.0[lane], rows.v_y.0[lane], rows.w.0[lane]);
         }
     }
 
-    /// Gives the lanes from `len` on the numbers of the first.
+    /// Copies the first lane to the lanes from `len` on.
     pub(super) fn pad(&mut self, len: usize) {
         self.0.iter_mut().for_each(|rows| rows.pad(len));
     }
 
-    /// Reciprocal mass and moment of inertia.
+    /// Returns the inverse mass and the inverse moment of inertia of `body`.
     #[inline(always)]
     pub(super) fn masses<S: Simd, const R: usize>(
         &self,
@@ -63,7 +63,7 @@ impl Bodies {
         (strip.load(&rows.inv_mass), strip.load(&rows.inv_inertia))
     }
 
-    /// Velocity and angular velocity.
+    /// Returns the velocity and the angular velocity of `body`.
     #[inline(always)]
     pub(super) fn load<S: Simd, const R: usize>(
         &self,

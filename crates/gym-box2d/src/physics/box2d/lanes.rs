@@ -1,49 +1,50 @@
-//! The velocity sweeps of many worlds in lockstep: one world in each lane of vector registers.
+//! The velocity iterations of many worlds in lockstep, one world in each lane of vector registers.
 //!
-//! A sweep is a chain of operations that wait for each other, so one world alone leaves a CPU idle;
-//! worlds side by side fill it. It needs islands that are alike: the same bodies and hinges in the
-//! same order, as the environments' have. A contact that one world has and another has not is
-//! masked. An island that differs is solved by itself ([`Lanes::load`]); the bits are the same.
+//! One iteration is a chain of dependent operations, so a single world leaves most of a CPU idle;
+//! several worlds fill it. The islands must be alike: the same bodies and joints in the same order,
+//! as in worlds of one environment. Masks handle contacts that only some worlds have.
+//! [`Lanes::load`] rejects an island that differs; it is solved by itself. The bits are the same
+//! either way.
 
 use fearless_simd::{Level, Simd, dispatch};
 
 use super::Box2d;
-use super::contact_solver::lanes::Touch;
+use super::contact_solver::lanes::WideContact;
 use super::island::{Begun, Island};
 use super::joint::Constraint as Joint;
-use super::joint::lanes::Hinge;
+use super::joint::lanes::WideJoint;
 use super::lane_bodies::Bodies;
 use super::wide::{LANES, Strip};
 
-/// Fewer worlds are solved faster one by one, as their sweeps repeat (see
-/// [`sweeps`](super::sweeps)).
+/// With fewer worlds, solving one by one is faster, because repeating iterations can be skipped
+/// (see [`sweeps`](super::sweeps)).
 const FEWEST: usize = 4;
-/// The contacts of one body that there is room for.
-const TOUCHES: usize = 8;
+/// The largest number of contacts of one body.
+const CONTACTS_PER_BODY: usize = 8;
 
-/// Working memory for the steps of some worlds, of which up to [`LANES`] are solved together.
+/// Working memory for the steps of several worlds, of which at most [`LANES`] are solved together.
 #[derive(Clone, Debug)]
 pub(crate) struct Lanes {
     level: Level,
     sweeps: u32,
     /// Lanes in use.
     len: usize,
-    /// The bodies of each hinge.
+    /// The bodies of each joint.
     ends: Vec<(usize, usize)>,
     bodies: Bodies,
-    hinges: Vec<Hinge>,
-    /// Those of each body.
-    touches: Vec<[Touch; TOUCHES]>,
-    /// One for each world whose step has begun, and more.
+    joints: Vec<WideJoint>,
+    /// The contacts of each body.
+    contacts: Vec<[WideContact; CONTACTS_PER_BODY]>,
+    /// At least one island for each world whose step has begun.
     islands: Vec<Island>,
     begun: usize,
 }
 
-/// The part of [`Lanes`] that belongs to a world whose step has begun.
+/// The part of [`Lanes`] that a world uses while its step has begun.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Place {
     island: usize,
-    /// The lane in which its velocities are solved, if they are solved with others.
+    /// The lane that solves its velocities; `None` if the world is solved by itself.
     lane: Option<usize>,
 }
 
@@ -55,8 +56,8 @@ impl Lanes {
             len: 0,
             ends: Vec::new(),
             bodies: Bodies::default(),
-            hinges: Vec::new(),
-            touches: Vec::new(),
+            joints: Vec::new(),
+            contacts: Vec::new(),
             islands: Vec::new(),
             begun: 0,
         }
@@ -67,7 +68,7 @@ impl Lanes {
         self.level
     }
 
-    /// One for each SIMD level of this CPU.
+    /// Returns one `Lanes` for each SIMD level of this CPU.
     #[cfg(test)]
     pub(crate) fn of_each_level() -> Vec<Self> {
         let best = Level::new();
@@ -88,7 +89,7 @@ impl Lanes {
         levels.into_iter().map(Self::new).collect()
     }
 
-    /// Begins a step of a world, to be solved with others.
+    /// Begins a step of `world`, to be solved together with other worlds.
     pub(in crate::physics) fn begin(
         &mut self,
         world: &mut Box2d,
@@ -110,8 +111,8 @@ impl Lanes {
         place
     }
 
-    /// Takes the island of a step that has begun into the next lane, and gives its number; `None`
-    /// if it is not like those that are there, or there are [`LANES`].
+    /// Loads an island into the next lane and returns the lane. Returns `None` if the island is not
+    /// like those in the other lanes, or if all [`LANES`] are in use.
     fn load(&mut self, world: &Box2d, island: &Island) -> Option<usize> {
         let Begun {
             step,
@@ -134,7 +135,7 @@ impl Lanes {
             })
         };
         let mut places = Places::default();
-        let mut room = |body: usize| places.next(body).1 < TOUCHES;
+        let mut room = |body: usize| places.next(body).1 < CONTACTS_PER_BODY;
         if !alike
             || self.len == LANES
             || !joints
@@ -156,43 +157,43 @@ impl Lanes {
             self.ends
                 .extend(joints.iter().filter_map(Joint::driven_ends));
             self.bodies.resize(dynamic);
-            self.hinges.resize(joints.len(), Hinge::ZERO);
-            self.touches
-                .resize(dynamic, [const { Touch::NONE }; TOUCHES]);
-            for touch in self.touches.as_flattened_mut() {
-                if !touch.is_none() {
-                    *touch = Touch::NONE;
+            self.joints.resize(joints.len(), WideJoint::ZERO);
+            self.contacts
+                .resize(dynamic, [const { WideContact::NONE }; CONTACTS_PER_BODY]);
+            for contact in self.contacts.as_flattened_mut() {
+                if !contact.is_none() {
+                    *contact = WideContact::NONE;
                 }
             }
         }
         let lane = self.len;
         self.len += 1;
         self.bodies.enter(lane, bodies, &island.velocities);
-        for (rows, joint) in self.hinges.iter_mut().zip(joints) {
+        for (rows, joint) in self.joints.iter_mut().zip(joints) {
             rows.load(lane, joint);
         }
         let mut places = Places::default();
         for contact in &island.contact_constraints {
             let (body, place) = places.next(contact.body_b());
-            self.touches[body][place].load(lane, contact);
+            self.contacts[body][place].load(lane, contact);
         }
         Some(lane)
     }
 
-    /// Makes the sweeps in all lanes.
+    /// Makes the velocity iterations in all lanes.
     pub(crate) fn sweep(&mut self) {
         let len = self.len;
         if len < FEWEST {
             return;
         }
         if len < LANES {
-            // numbers in idle lanes must be finite, and not subnormal, which would be slow
+            // idle lanes need finite numbers that are not subnormal: subnormal arithmetic is slow
             self.bodies.pad(len);
-            self.hinges.iter_mut().for_each(|rows| rows.pad(len));
-            let touches = self.touches.as_flattened_mut().iter_mut();
-            touches
-                .filter(|touch| !touch.is_none())
-                .for_each(|touch| touch.pad(len));
+            self.joints.iter_mut().for_each(|rows| rows.pad(len));
+            let contacts = self.contacts.as_flattened_mut().iter_mut();
+            contacts
+                .filter(|contact| !contact.is_none())
+                .for_each(|contact| contact.pad(len));
         }
         let level = self.level;
         dispatch!(level, simd => self.sweep_all(simd));
@@ -214,33 +215,33 @@ impl Lanes {
         }
     }
 
-    /// As [`sweeps::sweep`](super::sweeps::sweep): all joints, then all contacts. Those of
-    /// different bodies are independent.
+    /// Like [`sweeps::sweep`](super::sweeps::sweep): all joints, then all contacts. Contacts of
+    /// different bodies are independent, so their order does not matter.
     #[inline(always)]
     fn sweep_strip<S: Simd, const R: usize>(&mut self, strip: Strip<S, R>) {
         let Self {
             ends,
             bodies,
-            hinges,
-            touches,
+            joints,
+            contacts,
             ..
         } = self;
         for _ in 0..self.sweeps {
-            for (hinge, ends) in hinges.iter_mut().zip(&*ends) {
-                hinge.sweep(strip, bodies, *ends);
+            for (joint, ends) in joints.iter_mut().zip(&*ends) {
+                joint.sweep(strip, bodies, *ends);
             }
-            for (body, touches) in touches.iter_mut().enumerate() {
-                for touch in touches {
-                    if touch.is_none() {
+            for (body, contacts) in contacts.iter_mut().enumerate() {
+                for contact in contacts {
+                    if contact.is_none() {
                         break;
                     }
-                    touch.sweep(strip, bodies, body);
+                    contact.sweep(strip, bodies, body);
                 }
             }
         }
     }
 
-    /// Finishes the step of a world, once the sweeps are made.
+    /// Finishes the step of `world` after its velocity iterations.
     pub(in crate::physics) fn finish(&mut self, place: Place, world: &mut Box2d) {
         let mut island = std::mem::take(&mut self.islands[place.island]);
         match place.lane.filter(|_| self.len >= FEWEST) {
@@ -251,26 +252,26 @@ impl Lanes {
         self.islands[place.island] = island;
     }
 
-    /// Writes the results of the sweeps back to an island.
+    /// Writes the results of `lane` back to `island`.
     fn collect(&self, lane: usize, island: &mut Island) {
         self.bodies.collect(lane, &mut island.velocities);
-        for (joint, rows) in island.joint_constraints.iter_mut().zip(&self.hinges) {
+        for (joint, rows) in island.joint_constraints.iter_mut().zip(&self.joints) {
             rows.collect(lane, joint);
         }
         let mut places = Places::default();
         for contact in &mut island.contact_constraints {
             let (body, place) = places.next(contact.body_b());
-            self.touches[body][place].collect(lane, contact);
+            self.contacts[body][place].collect(lane, contact);
         }
     }
 
-    /// Makes room for the next worlds.
+    /// Removes all worlds.
     pub(crate) fn clear(&mut self) {
         (self.len, self.begun) = (0, 0);
     }
 }
 
-/// Numbers the contacts of each body, which come one body after the other.
+/// Numbers the contacts of each body. The contacts of one body must be consecutive.
 #[derive(Default)]
 struct Places {
     last: Option<(usize, usize)>,

@@ -1,17 +1,17 @@
-//! Where two shapes touch: up to two points and a normal.
+//! The contact manifold of two shapes: up to two points and a normal.
 
 use serde::{Deserialize, Serialize};
 
 use super::math::{Pose, Vec2, dot, normalize, rotate, transform, vec2};
 
-/// The shape that the normal belongs to.
+/// The shape that defines the normal.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Kind {
-    /// Neither: from centre to centre.
+    /// Two circles: the normal points from centre to centre.
     Circles,
-    /// A face of the first.
+    /// A face of the first shape.
     FaceA,
-    /// A face of the second.
+    /// A face of the second shape.
     FaceB,
 }
 
@@ -38,12 +38,12 @@ impl Feature {
     }
 }
 
-/// The features that meet in a point: they identify a point from step to step.
+/// The features that meet at a point. They identify the point from step to step.
 pub(crate) type ContactId = [Feature; 2];
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ManifoldPoint {
-    /// In the coordinates of the shape that the normal does not belong to.
+    /// The point in the coordinates of the shape that does not define the normal.
     pub(crate) local_point: Vec2,
     pub(crate) normal_impulse: f32,
     pub(crate) tangent_impulse: f32,
@@ -54,14 +54,14 @@ pub(crate) struct ManifoldPoint {
 pub(crate) struct Manifold {
     pub(crate) kind: Kind,
     pub(crate) local_normal: Vec2,
-    /// A point of the face that the normal belongs to, or the centre of circle A.
+    /// A point of the face that defines the normal, or the centre of circle A.
     pub(crate) local_point: Vec2,
     points: [ManifoldPoint; 2],
     count: u8,
 }
 
 impl Manifold {
-    /// No contact.
+    /// A manifold without points.
     pub(crate) const EMPTY: Self = {
         let point = ManifoldPoint {
             local_point: Vec2::new(0.0, 0.0),
@@ -115,7 +115,7 @@ impl Manifold {
         &mut self.points[..usize::from(self.count).min(2)]
     }
 
-    /// Takes over the impulses of the same points of an earlier manifold.
+    /// Copies the impulses of the points of `old` that have the same ids.
     pub(crate) fn inherit(&mut self, old: &Self) {
         for point in self.points_mut() {
             if let Some(before) = old.points().iter().find(|before| before.id == point.id) {
@@ -125,7 +125,8 @@ impl Manifold {
         }
     }
 
-    /// The normal from A to B and the points in world coordinates, halfway between the surfaces.
+    /// Returns the normal from A to B and the points in world coordinates, halfway between the
+    /// surfaces.
     pub(crate) fn world(
         &self,
         xf_a: &Pose,
@@ -172,15 +173,15 @@ impl Manifold {
     }
 }
 
-/// A point of an incident edge while it is clipped.
+/// A vertex of the incident edge while it is clipped.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ClipVertex {
     pub(crate) v: Vec2,
     pub(crate) id: ContactId,
 }
 
-/// The part of a segment on the inner side of a line, by Sutherland and Hodgman, where both ends
-/// of it are left. `vertex` is the vertex of the reference face that the line goes through.
+/// Clips a segment to the inner side of a line (Sutherland and Hodgman); `None` unless two points
+/// remain. `vertex` is the vertex of the reference face that lies on the line.
 pub(crate) fn clip(
     segment: [ClipVertex; 2],
     normal: Vec2,
@@ -190,7 +191,7 @@ pub(crate) fn clip(
     let [first, second] = segment;
     let d0 = dot(normal, first.v) - offset;
     let d1 = dot(normal, second.v) - offset;
-    // a distance product that rounds to zero leaves too few points: no contact
+    // if the product of the distances rounds to zero, too few points remain: no contact
     let cut = || {
         let v = first.v + d0 / (d0 - d1) * (second.v - first.v);
         ClipVertex {

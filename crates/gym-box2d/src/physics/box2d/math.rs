@@ -1,7 +1,7 @@
 //! Vectors, rotations and sweeps, in Box2D's order of arithmetic.
 //!
 //! Sums of products are written out (`a.x * b.x + a.y * b.y`), minima and maxima are comparisons,
-//! and a vector is normalised by the reciprocal of its length: each decides bits.
+//! and normalization multiplies by the reciprocal length: each of these affects the bits.
 
 use nalgebra::{Isometry2, Translation2, UnitComplex, Vector2, Vector3};
 use serde::{Deserialize, Serialize};
@@ -30,13 +30,14 @@ pub(crate) fn cross(a: Vec2, b: Vec2) -> f32 {
     a.x * b.y - a.y * b.x
 }
 
-/// `v` × an axis out of the plane of length 1: a quarter turn clockwise.
+/// The cross product of `v` and the unit vector out of the plane: a quarter turn clockwise.
 #[inline]
 pub(crate) fn cross_one(v: Vec2) -> Vec2 {
     vec2(v.y, -v.x)
 }
 
-/// An axis out of the plane of length `s` × `v`: a quarter turn counterclockwise, scaled.
+/// The cross product of a vector of length `s` out of the plane and `v`: `s` times a quarter turn
+/// counterclockwise.
 #[inline]
 pub(crate) fn cross_scalar(s: f32, v: Vec2) -> Vec2 {
     vec2(-s * v.y, s * v.x)
@@ -61,8 +62,8 @@ pub(crate) fn length(v: Vec2) -> f32 {
     dot(v, v).sqrt()
 }
 
-/// The vector of length 1, and the length it had; shorter ones than `f32::EPSILON` stay as they
-/// are.
+/// Returns the unit vector of `v`, and the length of `v`. A vector shorter than `f32::EPSILON` is
+/// returned unchanged.
 #[inline]
 pub(crate) fn normalize(v: Vec2) -> (Vec2, f32) {
     let length = length(v);
@@ -98,7 +99,7 @@ pub(crate) fn max2(a: Vec2, b: Vec2) -> Vec2 {
     vec2(max(a.x, b.x), max(a.y, b.y))
 }
 
-/// The reciprocal of a determinant, or 0 for a singular matrix.
+/// Returns the reciprocal of `determinant`, or 0 for a singular matrix.
 #[inline]
 pub(crate) fn reciprocal(determinant: f32) -> f32 {
     if determinant == 0.0 {
@@ -139,14 +140,14 @@ pub(crate) fn transform_back(xf: &Pose, v: Vec2) -> Vec2 {
     rotate_back(xf.rotation, v - xf.translation.vector)
 }
 
-/// The pose of a body whose centre of mass, at `local_center` of it, lies at `c`.
+/// Returns the pose of a body whose centre of mass, `local_center` in its coordinates, is at `c`.
 #[inline]
 pub(crate) fn pose_about(c: Vec2, angle: f32, local_center: Vec2) -> Pose {
     let q = rotation(angle);
     pose(c - rotate(q, local_center), q)
 }
 
-/// `b` in the coordinates of `a`.
+/// Returns the pose `b` in the coordinates of `a`.
 #[inline]
 pub(crate) fn relative(a: &Pose, b: &Pose) -> Pose {
     let (q, r) = (a.rotation, b.rotation);
@@ -158,32 +159,32 @@ pub(crate) fn relative(a: &Pose, b: &Pose) -> Pose {
     )
 }
 
-/// The motion of a body's centre of mass through a step.
+/// The motion of a body's centre of mass during a step.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(in crate::physics) struct Sweep {
     /// Centre of mass in the body's coordinates.
     pub(crate) local_center: Vec2,
-    /// Where it was at `alpha0`.
+    /// Centre of mass at the time `alpha0`.
     pub(crate) c0: Vec2,
-    /// Where it is at the end.
+    /// Centre of mass at the end of the step.
     pub(crate) c: Vec2,
-    /// Angle at `alpha0`.
+    /// Angle at the time `alpha0`.
     pub(crate) a0: f32,
-    /// Angle at the end.
+    /// Angle at the end of the step.
     pub(in crate::physics) a: f32,
-    /// The part of the step that `c0` and `a0` stand for, from 0 to 1.
+    /// The fraction of the step, from 0 to 1, at which the body is at `c0` and `a0`.
     pub(crate) alpha0: f32,
 }
 
 impl Sweep {
-    /// The pose at `beta` of the way from `alpha0` to the end.
+    /// Returns the pose at the fraction `beta` of the way from `alpha0` to the end.
     #[inline]
     pub(crate) fn pose(&self, beta: f32) -> Pose {
         let c = (1.0 - beta) * self.c0 + beta * self.c;
         pose_about(c, (1.0 - beta) * self.a0 + beta * self.a, self.local_center)
     }
 
-    /// Moves the start forward to `alpha`.
+    /// Moves the start forward to the time `alpha`.
     pub(crate) fn advance(&mut self, alpha: f32) {
         let beta = (alpha - self.alpha0) / (1.0 - self.alpha0);
         self.c0 = (1.0 - beta) * self.c0 + beta * self.c;
@@ -191,7 +192,7 @@ impl Sweep {
         self.alpha0 = alpha;
     }
 
-    /// The same motion with its first angle within a turn of 0.
+    /// Returns the same motion with `a0` between 0 and a full turn.
     pub(crate) fn normalized(mut self) -> Self {
         const TURN: f32 = 2.0 * std::f32::consts::PI;
         let turns = TURN * (self.a0 / TURN).floor();

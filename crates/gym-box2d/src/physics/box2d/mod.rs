@@ -1,9 +1,9 @@
 //! The exact engine: Box2D 2.3 in `f32`, to the last bit of pybox2d 2.3.10.
 //!
 //! The algorithms are Erin Catto's (sequential impulses with warm starting, islands, continuous
-//! collision), written anew; see the notices. Everything iterates in Box2D's order, newest first,
-//! because the order decides bits. Features that Gymnasium's environments do not need are left out:
-//! kinematic bodies and bullets, damping, chains, other joints, filter groups.
+//! collision), reimplemented; see the notices. Every iteration follows Box2D's order, newest first,
+//! because the order affects the bits. Features that Gymnasium's environments do not need are
+//! missing: kinematic bodies and bullets, damping, chains, other joints, filter groups.
 //!
 //! | file | idea | Box2D |
 //! |---|---|---|
@@ -61,19 +61,19 @@ use super::{
     BodyDef, ContactEvent, Filter, FixtureDef, FixtureId, RayHit, RevoluteJointDef, Shape,
 };
 
-/// The contacts, bodies and joints that the working memory of a step has room for without
-/// allocating: more than the environments ever have.
+/// The capacity of a step's working memory. It exceeds the needs of the environments, so that a
+/// step does not allocate.
 const CONTACTS: usize = 64;
 const BODIES: usize = 32;
 const JOINTS: usize = 8;
-/// The bodies that a world with terrain has room for: those that move, and the edges near them.
+/// The capacity of a world with terrain for bodies: the moving ones, and the edges near them.
 const NEAR: usize = 18;
-/// The contacts and events for each moving fixture that a world has room for. A world keeps this
-/// memory from step to step, and with small worlds more of them fit the cache.
+/// The capacity of a world for contacts and events, per moving fixture. A world keeps this memory
+/// from step to step; a small world leaves more room in the CPU's cache.
 const CONTACTS_EACH: usize = 8;
 const EVENTS_EACH: usize = 4;
 
-/// A world of Box2D's.
+/// A Box2D world.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Box2d {
     gravity: Vec2,
@@ -84,21 +84,21 @@ pub(super) struct Box2d {
     pub(super) joints: Arena<Joint>,
     /// Joints, oldest first.
     joint_order: Vec<u32>,
-    /// Oldest first.
+    /// Contacts, oldest first.
     pub(super) contacts: Vec<Contact>,
     broad_phase: BroadPhase,
     pub(super) new_fixture: bool,
-    /// 1 / dt of the last step; 0 before the first.
+    /// 1 / `dt` of the last step; 0 before the first step.
     pub(super) inv_dt0: f32,
     #[serde(skip)]
     pub(super) events: Vec<ContactEvent>,
 }
 
-/// Length and effort of a step.
+/// The arguments of a step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct TimeStep {
     pub(super) dt: f32,
-    /// dt over that of the last step; 0 in the first.
+    /// `dt` divided by the last step's `dt`; 0 in the first step.
     pub(super) ratio: f32,
     pub(super) velocity_iterations: u32,
     pub(super) position_iterations: u32,
@@ -121,7 +121,7 @@ impl Box2d {
         }
     }
 
-    /// Its memory.
+    /// Returns the allocated bytes.
     #[cfg(test)]
     pub(crate) fn bytes(&self) -> usize {
         let lists = size_of::<u32>() * (self.dynamic.capacity() + self.joint_order.capacity());
@@ -141,7 +141,7 @@ impl Box2d {
         id
     }
 
-    /// Puts terrain into a world that has none.
+    /// Adds terrain. The world must not have any.
     pub(crate) fn create_terrain(&mut self, points: &[Vec2], friction: f32) {
         self.broad_phase.insert_terrain(points, friction);
         self.bodies.reserve(NEAR);
@@ -149,8 +149,8 @@ impl Box2d {
         self.new_fixture = true;
     }
 
-    /// The fixture of an edge of the terrain, on a static body of its own; both are made if there
-    /// are none.
+    /// Returns the fixture of an edge of the terrain. If the edge has none, creates a static body
+    /// with the fixture.
     fn fixture_of_edge(&mut self, edge: usize, proxy: u32) -> u32 {
         for Contact {
             fixture_a,
@@ -174,7 +174,7 @@ impl Box2d {
         self.add_fixture(body, &def, proxy)
     }
 
-    /// Takes body and fixture of an edge away once no contact needs them.
+    /// Destroys the body and fixture of an edge if no contact needs them.
     fn leave_edge(&mut self, fixture: u32, body: u32) {
         let of_terrain = self
             .broad_phase
@@ -249,7 +249,7 @@ impl Box2d {
         id
     }
 
-    /// Makes room for the contacts of the fixtures that there are, so that steps do not allocate.
+    /// Reserves space for the contacts of the existing fixtures, so that steps do not allocate.
     fn make_room(&mut self) {
         let moving = self
             .fixtures
@@ -263,9 +263,9 @@ impl Box2d {
             .reserve_exact(more(EVENTS_EACH, self.events.len()));
     }
 
-    /// Reads a number or two of each object, so that its cache lines are fetched. This is safe in a
-    /// world that a panic left inconsistent, too.
-    pub(crate) fn touch(&self) -> u32 {
+    /// Reads one or two numbers of each object, to prefetch its cache lines. It does not index, so
+    /// it works even if a panic left the world inconsistent.
+    pub(crate) fn prefetch(&self) -> u32 {
         let joints = self
             .joints
             .iter()
@@ -281,7 +281,7 @@ impl Box2d {
         let seen = joints
             .chain(bodies)
             .chain(contacts)
-            .fold(self.broad_phase.touch(), |a, b| a ^ b);
+            .fold(self.broad_phase.prefetch(), |a, b| a ^ b);
         let newest = self
             .dynamic
             .iter()
@@ -289,10 +289,11 @@ impl Box2d {
         let shapes = newest
             .filter_map(|id| self.fixtures.get(id))
             .map(|fixture| &fixture.shape);
-        shapes.fold(seen, |seen, shape| seen ^ shape.touch())
+        shapes.fold(seen, |seen, shape| seen ^ shape.prefetch())
     }
 
-    /// Has contacts of two bodies checked again when a joint between them comes or goes.
+    /// Marks the contacts of two bodies to be checked again, because a joint between the bodies was
+    /// added or removed.
     fn refilter(&mut self, a: u32, b: u32, collide_connected: bool) {
         if !collide_connected {
             for contact in self
@@ -411,7 +412,8 @@ impl Box2d {
         &self.events
     }
 
-    /// The first fixture of one of the categories that each of some rays from one point meets.
+    /// Returns for each ray from `from` the first fixture that it hits, of the fixtures in one of
+    /// `categories`.
     pub(crate) fn ray_casts<const N: usize>(
         &self,
         from: Vec2,

@@ -1,29 +1,29 @@
-//! A body while its island is solved: its position, velocity, mass and moment of inertia.
+//! The state of a body while the solver works on its island.
 
 use super::math::Vec2;
 
-/// Centre of mass and angle while an island is solved.
+/// Centre of mass and angle.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Position {
     pub(crate) c: Vec2,
     pub(crate) a: f32,
 }
 
-/// Velocities while an island is solved.
+/// Velocity and angular velocity.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Velocity {
     pub(crate) v: Vec2,
     pub(crate) w: f32,
 }
 
-/// The solvers' data about one of two bodies.
+/// The solvers' data about one of a constraint's two bodies.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Side {
-    /// Place in the island.
+    /// Index of the body in the island.
     pub(crate) index: usize,
     pub(crate) inv_mass: f32,
     pub(crate) inv_inertia: f32,
     pub(crate) local_center: Vec2,
-    /// Radius of its shape.
+    /// Radius of the body's shape.
     pub(crate) radius: f32,
 }

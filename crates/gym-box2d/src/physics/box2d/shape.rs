@@ -8,10 +8,10 @@ use super::math::{
 use super::settings::{LINEAR_SLOP, POLYGON_RADIUS};
 use crate::physics::Shape;
 
-/// The most vertices that a polygon may have here: Box2D's own default. (pybox2d allows 16.)
+/// The most vertices of a polygon: Box2D's default. (pybox2d allows 16.)
 pub(crate) const MAX_VERTICES: usize = 8;
 
-/// The kind of a shape, which selects Box2D's algorithms.
+/// The kind of a shape; it selects Box2D's algorithm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) enum Kind {
     Circle,
@@ -19,13 +19,13 @@ pub(crate) enum Kind {
     Polygon,
 }
 
-/// Any shape: the hull of its vertices, thickened by a radius.
+/// A shape of any kind: the convex hull of its vertices, thickened by a radius.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(in crate::physics) struct Geometry {
     pub(crate) kind: Kind,
     count: u8,
     pub(crate) radius: f32,
-    /// Mean of a polygon's area.
+    /// Centroid of a polygon.
     pub(crate) centroid: Vec2,
     vertices: [Vec2; MAX_VERTICES],
     normals: [Vec2; MAX_VERTICES],
@@ -39,7 +39,7 @@ pub(in crate::physics) struct MassData {
     pub(crate) inertia: f32,
 }
 
-/// A box along the axes.
+/// An axis-aligned box.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Aabb {
     pub(crate) lower: Vec2,
@@ -112,9 +112,9 @@ impl Geometry {
         }
     }
 
-    /// The convex hull, by gift wrapping from the rightmost lowest point, counterclockwise. Points
-    /// beyond [`MAX_VERTICES`] are left out; fewer than three, or all in a line, give a box of
-    /// side 2, as Box2D has it.
+    /// Returns the convex hull of `points`, counterclockwise, by gift wrapping from the rightmost
+    /// lowest point. Points beyond [`MAX_VERTICES`] are ignored. Fewer than three points, or
+    /// collinear points, give a box of side 2, as in Box2D.
     fn polygon(points: &[Vec2]) -> Self {
         let points = &points[..points.len().min(MAX_VERTICES)];
         let unit = Self::from(&Shape::Rect {
@@ -165,13 +165,14 @@ impl Geometry {
         &self.vertices[..usize::from(self.count).min(MAX_VERTICES)]
     }
 
-    /// A polygon's normals; the `i`th is that of the side from vertex `i` to the next.
+    /// Returns a polygon's normals. Normal `i` belongs to the side from vertex `i` to the next
+    /// vertex.
     #[inline]
     pub(crate) fn normals(&self) -> &[Vec2] {
         &self.normals[..usize::from(self.count).min(MAX_VERTICES)]
     }
 
-    /// The number after `i` on the way around.
+    /// Returns the index of the vertex after vertex `i`.
     #[inline]
     pub(crate) fn next(&self, i: usize) -> usize {
         if i + 1 < usize::from(self.count) {
@@ -181,8 +182,8 @@ impl Geometry {
         }
     }
 
-    /// Reads a number of its first vertex and normal, so that they are fetched.
-    pub(crate) fn touch(&self) -> u32 {
+    /// Reads one number of the first vertex and of its normal, to prefetch them.
+    pub(crate) fn prefetch(&self) -> u32 {
         self.vertices[0].x.to_bits() ^ self.normals[0].x.to_bits()
     }
 
@@ -224,7 +225,7 @@ impl Geometry {
         }
     }
 
-    /// A fan of triangles about the mean of the vertices.
+    /// Computes the mass of a polygon by a fan of triangles about the mean of its vertices.
     fn polygon_mass(&self, density: f32) -> MassData {
         const THIRD: f32 = 1.0 / 3.0;
         let vertices = self.vertices();
@@ -256,7 +257,8 @@ impl Geometry {
         }
     }
 
-    /// The part of the way from `from` to `to` at which a ray meets the shape, up to `limit`.
+    /// Returns the fraction of the way from `from` to `to` at which the ray hits the shape, if it
+    /// is at most `limit`.
     pub(crate) fn ray_cast(&self, xf: &Pose, from: Vec2, to: Vec2, limit: f32) -> Option<f32> {
         let origin = xf.translation.vector;
         let p1 = rotate_back(xf.rotation, from - origin);
@@ -299,7 +301,7 @@ impl Geometry {
         }
     }
 
-    /// Whether numbers read from outside make a shape.
+    /// Whether deserialized data is a valid shape.
     pub(crate) fn is_valid(&self) -> bool {
         let count = match self.kind {
             Kind::Circle => 1..=1,
@@ -318,7 +320,7 @@ impl Geometry {
     }
 }
 
-/// An edge, as rays see it.
+/// An edge, prepared for ray casts.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Segment {
     start: Vec2,
@@ -337,7 +339,8 @@ impl Segment {
         }
     }
 
-    /// The part of the way `d` from `p1` at which a ray meets it, up to `limit`.
+    /// Returns the fraction of the way from `p1` to `p1 + d` at which the ray hits the edge, if it
+    /// is at most `limit`.
     #[inline]
     pub(crate) fn ray_cast(&self, p1: Vec2, d: Vec2, limit: f32) -> Option<f32> {
         let denominator = dot(self.normal, d);
@@ -353,7 +356,7 @@ impl Segment {
     }
 }
 
-/// Mean of the area, by a fan of triangles about the origin.
+/// Returns the centroid, by a fan of triangles about the origin.
 fn centroid(vertices: &[Vec2]) -> Vec2 {
     const THIRD: f32 = 1.0 / 3.0;
     let (mut center, mut area) = (Vec2::zeros(), 0.0);

@@ -8,9 +8,9 @@ use super::{Box2d, TimeStep};
 use crate::physics::Filter;
 
 impl Box2d {
-    /// The first part of a step: contacts, and the first island up to its velocity sweeps, if there
-    /// is one. These are to be made before the step is [finished](Self::finish), with the same
-    /// working memory.
+    /// Begins a step: updates contacts, and prepares the first island (if there is one) for its
+    /// velocity iterations. The caller makes these iterations and then calls
+    /// [`finish`](Self::finish) with the same `island`.
     pub(in crate::physics) fn begin(
         &mut self,
         island: &mut Island,
@@ -44,8 +44,8 @@ impl Box2d {
         island.begun = Some(Begun { step, seed });
     }
 
-    /// The rest of the step that has begun, if one has: positions, further islands, times of
-    /// impact.
+    /// Finishes a step that has begun: positions, further islands, impacts. Does nothing if no step
+    /// has begun.
     pub(in crate::physics) fn finish(&mut self, island: &mut Island) {
         let Some(Begun { step, seed }) = island.begun.take() else {
             return;
@@ -72,7 +72,7 @@ impl Box2d {
         }
     }
 
-    /// Updates the contacts of bodies that are awake and drops those whose boxes came apart.
+    /// Updates the contacts of awake bodies and destroys contacts whose boxes no longer overlap.
     pub(crate) fn update_contacts(&mut self) {
         for i in (0..self.contacts.len()).rev() {
             let contact = &self.contacts[i];
@@ -105,7 +105,7 @@ impl Box2d {
         }
     }
 
-    /// Whether two fixtures of different bodies may touch.
+    /// Whether two fixtures belong to different bodies that may collide.
     fn should_collide(&self, a: u32, b: u32) -> bool {
         let (a, b) = (&self.fixtures[a], &self.fixtures[b]);
         let jointed = |id: &u32| {
@@ -118,7 +118,8 @@ impl Box2d {
             && !self.joint_order.iter().any(jointed)
     }
 
-    /// The fixtures of two proxies that may touch.
+    /// Returns the fixtures of two proxies, if they may collide. An edge of the terrain gets its
+    /// fixture here.
     fn fixtures_of(&mut self, a: u32, b: u32) -> Option<(u32, u32)> {
         let terrain = &self.broad_phase.terrain;
         let (edge, proxy, other) = match (terrain.edge_of(a), terrain.edge_of(b)) {
@@ -136,7 +137,7 @@ impl Box2d {
         Some((self.fixture_of_edge(edge, proxy), other))
     }
 
-    /// Makes contacts of pairs of boxes that have come to overlap. `pairs` is working memory.
+    /// Creates contacts for pairs of boxes that began to overlap. `pairs` is working memory.
     pub(crate) fn find_new_contacts(&mut self, pairs: &mut Vec<(u32, u32)>) {
         if !self.broad_phase.has_moved() {
             return;
@@ -177,7 +178,7 @@ impl Box2d {
         }
     }
 
-    /// Moves the boxes of the islands' bodies in the broad phase, and finds new contacts.
+    /// Updates the broad-phase boxes of the islands' bodies, and finds new contacts.
     pub(crate) fn synchronize_islands(&mut self, pairs: &mut Vec<(u32, u32)>) {
         for i in (0..self.dynamic.len()).rev() {
             let id = self.dynamic[i];
@@ -188,8 +189,8 @@ impl Box2d {
         self.find_new_contacts(pairs);
     }
 
-    /// All that `seed` touches or is joined to, depth first; the search ends at static bodies.
-    /// False if there is no such island, because the body sleeps or is part of another.
+    /// Collects the island of `seed` by depth-first search along contacts and joints, which ends at
+    /// static bodies. Returns false if `seed` sleeps or is part of another island.
     pub(crate) fn gather(&mut self, island: &mut Island, seed: u32) -> bool {
         if self.bodies[seed].island || !self.bodies[seed].awake {
             return false;
@@ -232,7 +233,7 @@ impl Box2d {
             }
         }
         island.stack = stack;
-        // static bodies may take part in several islands
+        // several islands may contain the same static body
         for &id in &island.bodies {
             let body = &mut self.bodies[id];
             body.island &= body.dynamic;
@@ -240,7 +241,7 @@ impl Box2d {
         true
     }
 
-    /// Moves the boxes of a body's fixtures in the broad phase.
+    /// Updates the broad-phase boxes of a body's fixtures.
     pub(crate) fn synchronize_fixtures(&mut self, id: u32) {
         let body = &self.bodies[id];
         let before = pose_about(body.sweep.c0, body.sweep.a0, body.sweep.local_center);

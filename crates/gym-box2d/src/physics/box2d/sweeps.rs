@@ -1,17 +1,18 @@
-//! Velocity sweeps, and skipping those that repeat.
+//! Velocity iterations ("sweeps"), and a shortcut for repeating ones.
 //!
-//! The result of a sweep depends on the velocities and contact impulses at its start, and on the
-//! joints' impulses only where these meet a bound. After some sweeps velocities and contact
-//! impulses stop changing, or alternate between two states in their last bits. From then on each
-//! sweep adds to the joints' impulses the same amounts as the sweep two before it. Only these
-//! additions are made, as long as the same bounds are met. The bits equal those of all sweeps.
+//! The result of an iteration depends on the velocities and contact impulses at its start, and on
+//! the joints' impulses only if they reach a bound. After some iterations, velocities and contact
+//! impulses stop changing, or alternate between two states that differ in their last bits. From
+//! then on each iteration adds the same amounts to the joints' impulses as the iteration two before
+//! it. The shortcut makes only these additions, as long as the same bounds are reached. The bits
+//! equal those of complete iterations.
 
 use super::contact_solver::Constraint as Contact;
 use super::joint::{Constraint as Joint, Increment};
 use super::motion::Velocity;
 use super::{BODIES, CONTACTS, JOINTS};
 
-/// The start of a sweep.
+/// The state at the start of an iteration.
 #[derive(Clone, Debug, Default)]
 struct Start {
     velocities: Vec<Velocity>,
@@ -21,9 +22,9 @@ struct Start {
 /// Working memory.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Sweeps {
-    /// Where the last sweep and the one before started.
+    /// The starts of the last two iterations.
     starts: [Start; 2],
-    /// Their additions to the joints' impulses.
+    /// The changes of the joints' impulses in the last two iterations.
     increments: [Vec<Increment>; 2],
 }
 
@@ -66,7 +67,7 @@ impl Start {
     }
 }
 
-/// All joints, then all contacts.
+/// Makes one iteration: all joints, then all contacts.
 pub(crate) fn sweep(joints: &mut [Joint], contacts: &mut [Contact], velocities: &mut [Velocity]) {
     for joint in joints {
         joint.solve_velocity(velocities);
@@ -77,7 +78,7 @@ pub(crate) fn sweep(joints: &mut [Joint], contacts: &mut [Contact], velocities: 
 }
 
 impl Sweeps {
-    /// Has the effect of this number of sweeps.
+    /// Has the effect of `sweeps` iterations.
     pub(crate) fn run(
         &mut self,
         sweeps: u32,
@@ -98,7 +99,7 @@ impl Sweeps {
                 contact.solve_velocity(velocities);
             }
             left -= 1;
-            // the other slot has the start of the sweep before this one
+            // the other slot holds the start of the previous iteration
             if left > 0 && self.starts[1 - slot].is(velocities, contacts) {
                 left = self.repeat(left, joints);
                 let start = &self.starts[(left % 2) as usize];
@@ -111,7 +112,8 @@ impl Sweeps {
         }
     }
 
-    /// Makes the additions of sweeps that repeat; gives how many are left to be made in full.
+    /// Applies the impulse changes of repeating iterations; returns the number of iterations that
+    /// remain to be made completely.
     fn repeat(&self, mut left: u32, joints: &mut [Joint]) -> u32 {
         let mut unchanged = 0;
         while left > 0 {
@@ -130,7 +132,7 @@ impl Sweeps {
             left -= 1;
             unchanged = if changed { 0 } else { unchanged + 1 };
             if unchanged == 2 {
-                return left % 2; // both sweeps of the cycle do nothing any more
+                return left % 2; // neither iteration of the cycle changes anything any more
             }
         }
         left

@@ -1,8 +1,8 @@
 //! Terrain: a line of edges at the origin, each a static body of its own.
 //!
-//! Most edges are far from moving bodies, so the world stores only two points of each, and one box
-//! for every few. An edge has a body and a fixture while a moving body is near: between steps a
-//! static body has no state.
+//! Most edges are far from moving bodies, so the world stores only the points, and one box per
+//! [`BLOCK`] edges. An edge has a body and a fixture only while a moving body is near, because a
+//! static body has no state between steps.
 
 use serde::{Deserialize, Serialize};
 
@@ -19,13 +19,13 @@ const BLOCK: usize = 16;
 pub(crate) struct Terrain {
     points: Vec<Vec2>,
     pub(crate) friction: f32,
-    /// The proxy of the first edge; the others follow.
+    /// The proxy of the first edge; the proxies of the other edges follow.
     pub(crate) first: u32,
-    /// The box around each [`BLOCK`] edges.
+    /// The boxes, each around [`BLOCK`] edges.
     blocks: Vec<Aabb>,
 }
 
-/// The stored form, without the data computed from the points.
+/// The stored form, without data that is computed from the points.
 #[derive(Serialize, Deserialize)]
 struct Stored {
     points: Vec<Vec2>,
@@ -79,23 +79,23 @@ impl Terrain {
         terrain
     }
 
-    /// The number of edges.
+    /// Returns the number of edges.
     pub(crate) fn len(&self) -> usize {
         self.points.len().saturating_sub(1)
     }
 
-    /// The edge whose box a proxy is, if it belongs to the terrain.
+    /// Returns the edge of `proxy`, if `proxy` belongs to the terrain.
     pub(crate) fn edge_of(&self, proxy: u32) -> Option<usize> {
         let edge = proxy.checked_sub(self.first)? as usize;
         (edge < self.len()).then_some(edge)
     }
 
-    /// The shape of an edge.
+    /// Returns the shape of an edge.
     pub(crate) fn shape(&self, edge: usize) -> Geometry {
         Geometry::from(&Shape::Edge(self.points[edge], self.points[edge + 1]))
     }
 
-    /// The box of an edge in the broad phase, with its margin.
+    /// Returns an edge's broad-phase box, with margin.
     #[inline]
     pub(crate) fn edge_box(&self, edge: usize) -> Aabb {
         let (a, b) = (self.points[edge], self.points[edge + 1]);
@@ -109,7 +109,7 @@ impl Terrain {
         }
     }
 
-    /// Shows `visit` the edges whose boxes meet `aabb`.
+    /// Calls `visit` with each edge whose box overlaps `aabb`.
     #[inline]
     pub(crate) fn query(&self, aabb: &Aabb, mut visit: impl FnMut(usize)) {
         for (block, bounds) in self.blocks.iter().enumerate() {
@@ -124,20 +124,20 @@ impl Terrain {
         }
     }
 
-    /// Its memory, on the heap.
+    /// Returns the allocated bytes.
     #[cfg(test)]
     pub(crate) fn bytes(&self) -> usize {
         size_of::<Vec2>() * self.points.capacity() + size_of::<Aabb>() * self.blocks.capacity()
     }
 
-    /// Reads a number of each box around edges, so that it is fetched.
-    pub(crate) fn touch(&self) -> u32 {
+    /// Reads one number of each block's box, to prefetch it.
+    pub(crate) fn prefetch(&self) -> u32 {
         self.blocks
             .iter()
             .fold(0, |seen, block| seen ^ block.lower.x.to_bits())
     }
 
-    /// The two ends of an edge.
+    /// Returns both ends of an edge.
     #[inline]
     pub(crate) fn ends(&self, edge: usize) -> [Vec2; 2] {
         [self.points[edge], self.points[edge + 1]]

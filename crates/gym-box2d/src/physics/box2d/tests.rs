@@ -1,4 +1,4 @@
-//! Behaviour of the engine as a whole.
+//! Tests of the whole engine.
 
 use super::island::Island;
 use super::lanes::Lanes;
@@ -42,7 +42,7 @@ fn rect(half_width: f32, half_height: f32) -> FixtureDef {
     }
 }
 
-/// A ground, and a chain of links with motors and limits that hangs over it from a heavy block.
+/// Makes a ground, and a chain of links with motors and limits that hangs from a heavy block.
 fn chain() -> Box2d {
     let mut world = Box2d::new(v(0.0, -10.0));
     let ground = world.create_body(&BodyDef::fixed(v(0.0, 0.0), 0.0));
@@ -95,8 +95,8 @@ fn chain() -> Box2d {
     world
 }
 
-/// Terrain takes little room, and bodies on it move as on edges that are bodies of their own, with
-/// rays, snapshots and times of impact.
+/// Terrain uses little memory, and bodies move on it as on static bodies with edges, including ray
+/// casts, snapshots and impacts.
 #[test]
 fn terrain_is_as_many_static_bodies() {
     let points: Vec<Vec2> = (0..60)
@@ -104,7 +104,7 @@ fn terrain_is_as_many_static_bodies() {
         .collect();
     let [mut terrain, mut bodies] = [true, false].map(|compact| {
         let mut world = Box2d::new(v(0.0, -10.0));
-        // one proxy before the edges and some after them
+        // one proxy before the edges and several after them
         let wall = world.create_body(&BodyDef::fixed(v(27.0, 1.0), 0.2));
         world.create_fixture(wall, &rect(0.5, 3.0));
         if compact {
@@ -163,7 +163,7 @@ fn terrain_is_as_many_static_bodies() {
     }
     assert!(terrain.contacts.len() > 6 && terrain.bodies.iter().count() < 30);
 
-    // a fixture that stands for an edge must have its shape, and a contact
+    // a fixture of an edge must have the edge's shape, and a contact
     let damage = |path: &str, value: serde_json::Value| {
         let mut damaged = json(&terrain);
         *damaged.pointer_mut(path).unwrap() = value;
@@ -201,7 +201,7 @@ fn saved_sweeps_keep_the_bits() {
     }
 }
 
-/// Two hinged boxes that fall on the ground and lie there until they sleep.
+/// Makes two joined boxes that fall on the ground and lie there until they sleep.
 fn falling_pair(height: f32) -> Box2d {
     let mut world = Box2d::new(v(0.0, -10.0));
     world.create_terrain(&[v(-9.0, 0.0), v(0.1, 0.0), v(9.0, 0.1)], 0.8);
@@ -234,7 +234,7 @@ fn falling_pair(height: f32) -> Box2d {
     world
 }
 
-/// Some worlds sleep while others fall, one is unlike them, and all wake again.
+/// Some worlds sleep while others fall; one world differs from the others; all wake again.
 #[test]
 fn worlds_that_sleep_and_wake_keep_their_bits_in_lanes() {
     let worlds = || -> Vec<Box2d> {
@@ -286,7 +286,7 @@ fn worlds_that_sleep_and_wake_keep_their_bits_in_lanes() {
                 );
             }
         }
-        // all are awake, then some, then few; in the end all have been woken
+        // at first all worlds are awake, then some, then few; in the end all wake again
         let some = counts.iter().any(|count| (5..15).contains(count));
         assert!(
             counts[0] == 21 && some && counts[299] < 5 && counts[301] == 21,
@@ -361,7 +361,7 @@ fn bodies_rest_sleep_and_wake() {
             body.xf
         );
     }
-    // bodies that lay on a removed one fall
+    // bodies that lay on the destroyed body fall
     world.destroy_body(stack[0]);
     world.step(0.02, 30, 10);
     assert!(world.body(stack[1]).awake);
@@ -458,7 +458,7 @@ fn sensors_tell_and_rays_meet() {
     assert_eq!(ray(v(1.0, 0.25), 1), None);
 }
 
-/// Masses as pybox2d 2.3.10 computes them.
+/// Masses computed by pybox2d 2.3.10.
 #[test]
 fn masses_are_box2ds() {
     let mut world = Box2d::new(v(0.0, 0.0));
@@ -489,7 +489,7 @@ fn masses_are_box2ds() {
     assert_eq!(about_origin, 0.833_314_9);
 }
 
-/// Twelve bodies of every shape, some hinged, fall upon each other until they sleep. Written by
+/// Twelve bodies of every shape, some joined, fall on each other until they sleep. Recorded by
 /// `tests/reference/pile.py`.
 #[test]
 fn a_pile_falls_as_box2ds() {
@@ -562,8 +562,8 @@ fn a_pile_falls_as_box2ds() {
     assert_eq!(done, 300);
 }
 
-/// Steps on from `done` to `step`, where bodies have the recorded position, angle, velocity and
-/// angular velocity.
+/// Steps the world from step `done` to `step`; there the bodies must have the recorded position,
+/// angle, velocity and angular velocity.
 fn move_as_recorded(
     world: &mut Box2d,
     bodies: &[u32],
@@ -590,8 +590,8 @@ fn move_as_recorded(
     }
 }
 
-/// Bodies that bounce in slots more often than a step allows, pass their walls, or are wedged in
-/// and never sleep. Written by `tests/reference/tight.py`.
+/// Bodies bounce in slots more often than a step allows, pass through their walls, or are wedged in
+/// and never sleep. Recorded by `tests/reference/tight.py`.
 #[test]
 fn bodies_in_tight_places_move_as_box2ds() {
     let mut world = Box2d::new(v(0.0, -10.0));

@@ -1,5 +1,5 @@
-//! When two moving shapes first touch: conservative advancement with root finding, as
-//! `b2TimeOfImpact.cpp` has it.
+//! The time of impact of two moving shapes: conservative advancement with root finding, as in
+//! `b2TimeOfImpact.cpp`.
 
 use super::distance::{Cache, distance, support};
 use super::math::{
@@ -18,10 +18,10 @@ pub(crate) struct Moving<'a> {
     pub(crate) sweep: Sweep,
 }
 
-/// By how much the distance of the hulls may differ from the [target].
+/// The accepted error of the hulls' distance, relative to the [target].
 pub(crate) const TOLERANCE: f32 = 0.25 * LINEAR_SLOP;
 
-/// The distance of the hulls of two shapes that touch.
+/// Returns the distance of the hulls at which two shapes count as touching.
 pub(crate) fn target(a: &Moving<'_>, b: &Moving<'_>) -> f32 {
     max(
         LINEAR_SLOP,
@@ -29,8 +29,8 @@ pub(crate) fn target(a: &Moving<'_>, b: &Moving<'_>) -> f32 {
     )
 }
 
-/// The part of the motion after which the shapes touch, or `None` where they stay apart, overlap
-/// from the start, or no time is found.
+/// Returns the fraction of the motion after which the shapes touch; `None` if they stay apart,
+/// overlap at the start, or the search fails.
 pub(crate) fn time_of_impact(a: Moving<'_>, b: Moving<'_>) -> Option<f32> {
     const T_MAX: f32 = 1.0;
     let a = Moving {
@@ -49,19 +49,19 @@ pub(crate) fn time_of_impact(a: Moving<'_>, b: Moving<'_>) -> Option<f32> {
         let (xf_a, xf_b) = (a.sweep.pose(t1), b.sweep.pose(t1));
         let apart = distance(a.shape, &xf_a, b.shape, &xf_b, &mut cache);
         if apart <= 0.0 {
-            return None; // they overlap
+            return None; // the shapes overlap
         }
         if apart < target + tolerance {
             return Some(t1);
         }
         let separation = Separation::new(&cache, &a, &xf_a, &b, &xf_b);
 
-        // resolve the deepest points one after the other
+        // resolve the deepest points one after another
         let mut t2 = T_MAX;
         for _ in 0..MAX_PUSH_BACKS {
             let (witness, mut s2) = separation.deepest(t2);
             if s2 > target + tolerance {
-                return None; // they stay apart
+                return None; // the shapes stay apart
             }
             if s2 > target - tolerance {
                 t1 = t2; // advance
@@ -69,12 +69,12 @@ pub(crate) fn time_of_impact(a: Moving<'_>, b: Moving<'_>) -> Option<f32> {
             }
             let mut s1 = separation.at(witness, t1);
             if s1 < target - tolerance {
-                return None; // the separation is not that of the simplex: give up
+                return None; // the separation does not match the simplex: give up
             }
             if s1 <= target + tolerance {
                 return Some(t1);
             }
-            // the root of separation - target between t1 and t2
+            // find the root of `separation - target` between t1 and t2
             let (mut a1, mut a2) = (t1, t2);
             for iteration in 0..MAX_ROOT_ITERATIONS {
                 let t = if iteration % 2 == 1 {
@@ -100,27 +100,27 @@ pub(crate) fn time_of_impact(a: Moving<'_>, b: Moving<'_>) -> Option<f32> {
     None
 }
 
-/// The axis along which two shapes are apart.
+/// The axis along which the shapes are separated.
 struct Separation<'a> {
     a: &'a Moving<'a>,
     b: &'a Moving<'a>,
     kind: Kind,
     axis: Vec2,
-    /// A point of the face that has the axis as its normal.
+    /// A point of the face whose normal is the axis.
     local_point: Vec2,
 }
 
 #[derive(Clone, Copy)]
 enum Kind {
-    /// Two vertices; the axis is in world coordinates.
+    /// Two vertices define the axis, which is in world coordinates.
     Points,
-    /// A face of A.
+    /// A face of A defines the axis.
     FaceA,
-    /// A face of B.
+    /// A face of B defines the axis.
     FaceB,
 }
 
-/// The vertices of A and B that a separation is measured between.
+/// The vertices of A and B whose separation is measured.
 #[derive(Clone, Copy)]
 struct Witness {
     a: usize,
@@ -128,7 +128,7 @@ struct Witness {
 }
 
 impl<'a> Separation<'a> {
-    /// From the features that are closest in the given poses.
+    /// Makes the separation from the closest features at the given poses.
     fn new(cache: &Cache, a: &'a Moving<'a>, xf_a: &Pose, b: &'a Moving<'a>, xf_b: &Pose) -> Self {
         let point_a = |i: usize| a.shape.vertices()[cache.index_a[i]];
         let point_b = |i: usize| b.shape.vertices()[cache.index_b[i]];
@@ -142,7 +142,7 @@ impl<'a> Separation<'a> {
                 local_point: Vec2::zeros(),
             };
         }
-        // a face of one shape, and a vertex of the other
+        // a face of one shape and a vertex of the other
         let on_b = cache.index_a[0] == cache.index_a[1];
         let (kind, [p1, p2], face, xf_face, vertex) = if on_b {
             let vertex = transform(xf_a, point_a(0));
@@ -165,7 +165,7 @@ impl<'a> Separation<'a> {
         }
     }
 
-    /// The vertices that are deepest at `t`, and how far they are apart.
+    /// Returns the deepest vertices at time `t`, and their separation.
     fn deepest(&self, t: f32) -> (Witness, f32) {
         let (xf_a, xf_b) = (self.a.sweep.pose(t), self.b.sweep.pose(t));
         let (va, vb) = (self.a.shape.vertices(), self.b.shape.vertices());
@@ -192,7 +192,7 @@ impl<'a> Separation<'a> {
         (witness, self.between(witness, &xf_a, &xf_b))
     }
 
-    /// How far two vertices are apart at `t`.
+    /// Returns the separation of the vertices `witness` at time `t`.
     fn at(&self, witness: Witness, t: f32) -> f32 {
         self.between(witness, &self.a.sweep.pose(t), &self.b.sweep.pose(t))
     }

@@ -1,4 +1,4 @@
-//! Whether a world read from outside can be stepped without a panic.
+//! Checks that a deserialized world can be stepped without a panic.
 
 use super::math::{Vec2, length};
 use super::{Box2d, arena::Arena, body::Fixture, contact::Contact};
@@ -12,7 +12,7 @@ fn has<T>(arena: &Arena<T>, slots: &[u32]) -> bool {
 }
 
 impl Box2d {
-    /// Whether a fixture that stands for an edge of the terrain has its shape and place, and a
+    /// Whether the fixture `id` of an edge of the terrain has the edge's shape and place, and a
     /// contact that needs it.
     fn is_of_terrain_rightly(&self, id: u32) -> bool {
         let terrain = &self.broad_phase.terrain;
@@ -33,7 +33,7 @@ impl Box2d {
             && !self.fixtures.iter().any(same)
     }
 
-    /// Whether every reference has its target and every number is finite.
+    /// Whether every reference is valid and every number is finite.
     pub(in crate::physics) fn is_valid(&self) -> bool {
         let vectors = |vectors: &[Vec2]| vectors.iter().all(|v| length(*v).is_finite());
         let bodies = self.bodies.iter().all(|(id, body)| {
@@ -61,7 +61,8 @@ impl Box2d {
                 && body.dynamic == self.dynamic.contains(&id)
         });
         let fixtures = self.fixtures.iter().all(|(id, fixture)| {
-            // each list of fixtures ends: it leads to older ones, and no two lead to the same
+            // every list of fixtures ends: each leads to older fixtures, and no two lead to the
+            // same one
             has(&self.bodies, &[fixture.body])
                 && has(&self.fixtures, fixture.next.as_slice())
                 && self

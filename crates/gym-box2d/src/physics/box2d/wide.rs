@@ -1,16 +1,17 @@
-//! Numbers of many worlds side by side, one in each lane of vector registers.
+//! Numbers of many worlds side by side, one world in each lane of vector registers.
 //!
-//! Each operation rounds as that of one `f32`. Every function called under `fearless_simd` is
-//! `#[inline(always)]`: otherwise it is compiled without the CPU's vector instructions.
+//! Each operation rounds like the same operation on one `f32`. Every function called under
+//! `fearless_simd` is `#[inline(always)]`: otherwise it is compiled without the CPU's vector
+//! instructions.
 
 use std::ops::{Add, BitAnd, BitOr, Mul, Neg, Not, Sub};
 
 use fearless_simd::prelude::*;
 
-/// Worlds that are solved at once.
+/// The number of worlds that are solved at once.
 pub(crate) const LANES: usize = 32;
 
-/// A number of each world.
+/// One number of each world.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(super) struct Row(pub(super) [f32; LANES]);
@@ -18,22 +19,22 @@ pub(super) struct Row(pub(super) [f32; LANES]);
 impl Row {
     pub(super) const ZERO: Self = Self([0.0; LANES]);
 
-    /// Repeats the first number from `len` on.
+    /// Copies the first number to the lanes from `len` on.
     pub(super) fn pad(&mut self, len: usize) {
         let first = self.0[0];
         self.0[len..].fill(first);
     }
 }
 
-/// `R` registers full of numbers: with two, one is computed with while the other waits for a
-/// result.
+/// The numbers of `R` registers. With two registers, the CPU works on one while the other waits for
+/// a result.
 #[derive(Clone, Copy)]
 pub(super) struct Wide<S: Simd, const R: usize>([S::f32s; R]);
 
 #[derive(Clone, Copy)]
 pub(super) struct Mask<S: Simd, const R: usize>([S::mask32s; R]);
 
-/// The lanes that are computed with: as many as `R` registers hold, from `at` on.
+/// A strip of lanes: those of `R` registers, starting at `at`.
 #[derive(Clone, Copy)]
 pub(super) struct Strip<S: Simd, const R: usize> {
     pub(super) simd: S,
@@ -123,13 +124,13 @@ impl<S: Simd, const R: usize> Wide<S, R> {
         mask
     }
 
-    /// The smaller one, by comparison as [`math::min`](super::math::min).
+    /// Returns the minimum, by comparison like [`math::min`](super::math::min).
     #[inline(always)]
     pub(super) fn min(self, other: Self) -> Self {
         self.lt(other).select(self, other)
     }
 
-    /// The larger one, by comparison as [`math::max`](super::math::max).
+    /// Returns the maximum, by comparison like [`math::max`](super::math::max).
     #[inline(always)]
     pub(super) fn max(self, other: Self) -> Self {
         other.lt(self).select(self, other)
@@ -204,7 +205,7 @@ impl<S: Simd, const R: usize> Not for Mask<S, R> {
     }
 }
 
-/// Vectors of the plane.
+/// Two-dimensional vectors.
 #[derive(Clone, Copy)]
 pub(super) struct Pair<S: Simd, const R: usize> {
     pub(super) x: Wide<S, R>,
@@ -230,7 +231,7 @@ impl<S: Simd, const R: usize> Pair<S, R> {
         }
     }
 
-    /// The velocity of a point at this lever due to an angular velocity:
+    /// Returns the velocity of a point at this lever due to the angular velocity `w`:
     /// [`math::cross_scalar`](super::math::cross_scalar).
     #[inline(always)]
     pub(super) fn turned_by(self, w: Wide<S, R>) -> Self {
@@ -240,7 +241,7 @@ impl<S: Simd, const R: usize> Pair<S, R> {
         }
     }
 
-    /// A quarter turn clockwise.
+    /// Returns the vector, a quarter turn clockwise.
     #[inline(always)]
     pub(super) fn cross_one(self) -> Self {
         Self {
@@ -286,7 +287,7 @@ impl<S: Simd, const R: usize> Neg for Pair<S, R> {
     }
 }
 
-/// Declares a struct of [`Row`]s, with what all of them need.
+/// Declares a struct of [`Row`]s and the methods that all of them need.
 macro_rules! rows {
     ($(#[$doc:meta])* struct $name:ident { $($field:ident),+ $(,)? }) => {
         $(#[$doc])*
@@ -299,7 +300,7 @@ macro_rules! rows {
             pub(in crate::physics::box2d) const ZERO: Self =
                 Self { $($field: $crate::physics::box2d::wide::Row::ZERO,)+ };
 
-            /// Gives the lanes from `len` on the numbers of the first.
+            /// Copies the first lane to the lanes from `len` on.
             pub(in crate::physics::box2d) fn pad(&mut self, len: usize) {
                 $(self.$field.pad(len);)+
             }

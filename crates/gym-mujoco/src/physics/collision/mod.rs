@@ -61,19 +61,19 @@ pub fn collision(m: &Model, d: &mut Data) {
         let mut push = |hit: Hit| contacts.push(contact(pair, index, &hit));
         match pair.kind {
             (GeomType::Plane, GeomType::Sphere) => {
-                primitive::plane_sphere(a, b, pair.margin, &mut push)
+                primitive::plane_sphere(a, b, pair.margin, &mut push);
             }
             (GeomType::Plane, GeomType::Capsule) => {
-                primitive::plane_capsule(a, b, pair.margin, &mut push)
+                primitive::plane_capsule(a, b, pair.margin, &mut push);
             }
             (GeomType::Plane, GeomType::Cylinder) => {
-                primitive::plane_cylinder(a, b, pair.margin, &mut push)
+                primitive::plane_cylinder(a, b, pair.margin, &mut push);
             }
             (GeomType::Sphere, GeomType::Sphere) => {
-                primitive::sphere_sphere(a, b, pair.margin, &mut push)
+                primitive::sphere_sphere(a, b, pair.margin, &mut push);
             }
             (GeomType::Sphere, GeomType::Capsule) => {
-                primitive::sphere_capsule(a, b, pair.margin, &mut push)
+                primitive::sphere_capsule(a, b, pair.margin, &mut push);
             }
             (GeomType::Capsule, GeomType::Capsule) => {
                 primitive::capsule_capsule(a, b, pair.margin, m.revision, &mut push);

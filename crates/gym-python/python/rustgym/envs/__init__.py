@@ -12,9 +12,8 @@ from importlib.util import find_spec
 from typing import Any
 
 import gymnasium
-import gymnasium.envs
 
-from rustgym import _native
+from rustgym import _modules, _native
 from rustgym._specs import SPECS, class_name, metadata_from
 from rustgym.env import ClassEnv, Env
 from rustgym.envs.atari import AtariEnv
@@ -26,9 +25,9 @@ from rustgym.envs.classic_control import (
     MountainCarEnv,
     PendulumEnv,
 )
-from rustgym.envs.mujoco import MujocoEnv
+from rustgym.envs.mujoco import DEPTH_MODES, MODULES, MujocoEnv
 from rustgym.envs.toy_text import BlackjackEnv, CliffWalkingEnv, FrozenLakeEnv, TaxiEnv, generate_random_map
-from rustgym.registration import registry as _registry
+from rustgym.registration import registry
 from rustgym.vector_env import VectorEnv
 
 __all__ = [
@@ -47,6 +46,7 @@ __all__ = [
     "PendulumEnv",
     "TaxiEnv",
     "generate_random_map",
+    "registry",
 ]
 
 _BASES: dict[str, type[Env]] = {
@@ -66,26 +66,14 @@ _BASES: dict[str, type[Env]] = {
     "MountainCarContinuous": Continuous_MountainCarEnv,
     "Pendulum": PendulumEnv,
     "Taxi": TaxiEnv,
-    **dict.fromkeys(
-        [
-            "Ant",
-            "HalfCheetah",
-            "Hopper",
-            "Humanoid",
-            "HumanoidStandup",
-            "InvertedDoublePendulum",
-            "InvertedPendulum",
-            "Pusher",
-            "Reacher",
-            "Swimmer",
-            "Walker2d",
-        ],
-        MujocoEnv,
-    ),
+    **dict.fromkeys(MODULES, MujocoEnv),
 }
 
 # Gymnasium's modes that the Rust side does not have
-_MORE_MODES = {"CarRacing": ["state_pixels"]}
+_MORE_MODES = {
+    "CarRacing": ["state_pixels"],
+    **dict.fromkeys(MODULES, list(DEPTH_MODES) if find_spec("mujoco") else []),
+}
 
 
 _IDS = {class_name(env_id): env_id for env_id in SPECS}
@@ -111,7 +99,13 @@ def _env_class(name: str, env_id: str) -> type[Env]:
     arguments = "".join(_documented(argument, spec["defaults"]) for argument in spec["arguments"])
     doc = f"{spec['description'] or env_id}\n\n    ``{env_id}`` without Gymnasium's wrappers, with the arguments:\n{arguments}"
 
-    return type(name, (base,), {"__doc__": doc, "__module__": __name__, "_id": env_id, "metadata": metadata})
+    made = type(name, (base,), {"__doc__": doc, "__module__": __name__, "_id": env_id, "metadata": metadata})
+    # under the name that Gymnasium's class has: environments print it
+    if base is MujocoEnv:
+        made.__name__ = f"{_task(env_id)}Env"
+    elif base is not ClassEnv:
+        made.__name__ = base.__name__
+    return made
 
 
 def _vector_class(name: str, env_id: str) -> type[VectorEnv]:
@@ -123,18 +117,17 @@ def _vector_class(name: str, env_id: str) -> type[VectorEnv]:
     return type(name, (VectorEnv, gymnasium.vector.VectorEnv), {"__doc__": doc, "__module__": __name__, "__init__": __init__})
 
 
+_lacking = _modules.forwarder(__name__)
+
+
 def __getattr__(name: str) -> Any:
-    if name == "registry":
-        return _registry()
     made: Any
     if name in _IDS:
         made = _env_class(name, _IDS[name])
     elif name.endswith("_Vector") and (env_id := _IDS.get(name.removesuffix("_Vector"))):
         made = _vector_class(name, env_id)
-    elif name.startswith("__"):
-        raise AttributeError(name)
     else:
-        return getattr(gymnasium.envs, name)
+        return _lacking(name)
     globals()[name] = made
     return made
 
@@ -169,3 +162,19 @@ def stand_ins() -> dict[str, Any]:
         found["gymnasium.envs.mujoco.mujoco_env:MujocoEnv"] = MujocoEnv
     found["gymnasium.envs.toy_text.frozen_lake:generate_random_map"] = generate_random_map
     return found
+
+
+def _replace() -> None:
+    """Puts our classes into our forms of Gymnasium's modules."""
+    for name, made in stand_ins().items():
+        module, _, attribute = name.removeprefix("gymnasium.").partition(":")
+        if module.count(".") > 1:  # the modules of the families are ours
+            _modules.replace(module, attribute, lambda made=made: made)
+    for task, module in MODULES.items():
+        for version in (4, 5):
+            made_of = f"{task}_v{version}"
+            if made_of in _IDS:
+                _modules.replace(f"envs.mujoco.{module}_v{version}", f"{task}Env", lambda name=made_of: globals().get(name) or __getattr__(name))
+
+
+_replace()

@@ -267,6 +267,14 @@ class Ale:
     restoreSystemState = restoreState
 
 
+class SettingError(gymnasium.error.Error, ValueError):
+    """A setting of a game has a bad value: the class that ale-py raises, and that of this package's other arguments."""
+
+
+class UnknownSettingError(SettingError, RuntimeError):
+    """The game does not have the mode or difficulty, of which ale-py makes a ``RuntimeError``."""
+
+
 class AtariEnv(ClassEnv):
     """A game of the Atari 2600, with the attributes of ale-py's ``AtariEnv``.
 
@@ -288,7 +296,11 @@ class AtariEnv(ClassEnv):
     ) -> None:
         if preprocessing:
             kwargs, self._wrappers = preprocessed(self._id, preprocessing, kwargs)
-        super().__init__(render_mode, **kwargs)
+        try:
+            super().__init__(render_mode, **kwargs)
+        except ValueError as error:
+            wrong = next((name for name in ("mode", "difficulty") if f"{name} is " in str(error)), None)
+            raise (SettingError if wrong is None else UnknownSettingError)(str(error)) from None
         if preprocessing:
             self._given = {**kwargs, "preprocessing": preprocessing}
         skip = self.arguments["frameskip"]

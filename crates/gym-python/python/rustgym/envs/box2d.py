@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from importlib import import_module
 from typing import Any, NamedTuple
 
@@ -10,9 +11,15 @@ import gymnasium
 import numpy as np
 import numpy.typing as npt
 
+from rustgym._live import Live, same
+from rustgym._modules import forwarder
 from rustgym.env import TunableEnv, entropy
 
 __all__ = ["BipedalWalker", "CarRacing", "LunarLander", "Terrain"]
+
+# a package, as Gymnasium's is: the modules below it are those of `rustgym._modules`
+__path__: list[str] = []
+__getattr__ = forwarder(__name__)
 
 
 class Box2DEnv(TunableEnv):
@@ -26,26 +33,208 @@ class Box2DEnv(TunableEnv):
             raise AttributeError(f"{self.env_id} has no state before the first reset")
         return episode
 
+    @property
+    def world(self) -> World:
+        """The world of the physics engine."""
+        return World(self)
+
+    def _set(self, change: Callable[[dict[str, Any]], None]) -> None:
+        """Continues from an episode that was changed."""
+        whole, episode = self._take_apart()
+        if episode is None:
+            raise AttributeError(f"{self.env_id} has no state before the first reset")
+        change(episode)
+        self._native.restore(json.dumps(whole), self._native.is_running())
+
+
+def _field(name: str, kind: Callable[[Any], Any], doc: str) -> property:
+    """A number or flag of the episode, which can be set."""
+
+    def get(self: Box2DEnv) -> Any:
+        value = self._episode()[name]
+        return None if value is None else kind(value)
+
+    def put(self: Box2DEnv, value: Any) -> None:
+        self._set(lambda episode: episode.update({name: None if value is None else kind(value)}))
+
+    return property(get, put, doc=doc)
+
+
+class Body:
+    """A body of the physics engine. Its velocities can be set; the rest is read-only."""
+
+    def __init__(self, env: Box2DEnv, find: Callable[[dict[str, Any]], int]) -> None:
+        self.__dict__.update(_env=env, _find=find)
+
+    def _slot(self, episode: dict[str, Any]) -> dict[str, Any]:
+        (engine,) = episode["world"]["engine"].values()
+        slot: dict[str, Any] = engine["bodies"]["slots"][self._find(episode)]
+        return slot
+
+    def _read(self) -> dict[str, Any]:
+        return self._slot(self._env._episode())
+
+    @property
+    def position(self) -> tuple[float, float]:
+        """The body's origin, in m."""
+        x, y = self._read()["xf"]["translation"]
+        return x, y
+
+    @property
+    def angle(self) -> float:
+        """The angle, in rad."""
+        return float(self._read()["sweep"]["a"])
+
+    @property
+    def mass(self) -> float:
+        """The mass, in kg."""
+        return float(self._read()["mass"])
+
+    @property
+    def awake(self) -> bool:
+        """Whether the engine moves the body."""
+        return bool(self._read()["awake"])
+
+    @property
+    def linearVelocity(self) -> tuple[float, float]:  # noqa: N802 - Box2D's name
+        """The velocity of the centre of mass, in m/s."""
+        x, y = self._read()["velocity"]
+        return x, y
+
+    @linearVelocity.setter
+    def linearVelocity(self, velocity: Any) -> None:  # noqa: N802 - Box2D's name
+        x, y = velocity
+        self._move(velocity=[float(np.float32(x)), float(np.float32(y))])
+
+    @property
+    def angularVelocity(self) -> float:  # noqa: N802 - Box2D's name
+        """The angular velocity, in rad/s."""
+        return float(self._read()["angular_velocity"])
+
+    @angularVelocity.setter
+    def angularVelocity(self, velocity: float) -> None:  # noqa: N802 - Box2D's name
+        self._move(angular_velocity=float(np.float32(velocity)))
+
+    def ApplyForceToCenter(self, force: Any, wake: bool = True) -> None:  # noqa: N802 - Box2D's name
+        """Adds a force, in N, for the next step."""
+        self._add(wake, lambda body: {"force": np.float32(body["force"]) + np.float32(force)})
+
+    def ApplyTorque(self, torque: float, wake: bool = True) -> None:  # noqa: N802 - Box2D's name
+        """Adds a torque, in N m, for the next step."""
+        self._add(wake, lambda body: {"torque": np.float32(body["torque"]) + np.float32(torque)})
+
+    def ApplyLinearImpulse(self, impulse: Any, point: Any, wake: bool = True) -> None:  # noqa: N802 - Box2D's name
+        """Adds an impulse, in N s, at a point of the world."""
+
+        def change(body: dict[str, Any]) -> dict[str, Any]:
+            push, arm = np.float32(impulse), np.float32(point) - np.float32(body["sweep"]["c"])
+            turn = np.float32(body["inv_inertia"]) * (arm[0] * push[1] - arm[1] * push[0])
+            velocity = np.float32(body["velocity"]) + np.float32(body["inv_mass"]) * push
+            return {"velocity": velocity, "angular_velocity": np.float32(body["angular_velocity"]) + turn}
+
+        self._add(wake, change)
+
+    def ApplyAngularImpulse(self, impulse: float, wake: bool = True) -> None:  # noqa: N802 - Box2D's name
+        """Adds an angular impulse, in N m s."""
+        turn = np.float32(impulse)
+        self._add(
+            wake,
+            lambda body: {"angular_velocity": np.float32(body["angular_velocity"]) + np.float32(body["inv_inertia"]) * turn},
+        )
+
+    def _add(self, wake: bool, change: Callable[[dict[str, Any]], dict[str, Any]]) -> None:
+        body = self._read()
+        if wake or body["awake"]:
+            self._move(wake, **{name: value.tolist() for name, value in change(body).items()})
+
+    def _move(self, wake: bool | None = None, **fields: Any) -> None:
+        def change(episode: dict[str, Any]) -> None:
+            slot = self._slot(episode)
+            slot.update(fields)
+            if np.any([*fields.values()]) if wake is None else wake and not slot["awake"]:
+                slot.update(awake=True, sleep_time=0.0)
+
+        self._env._set(change)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if isinstance(getattr(type(self), name, None), property) and "Velocity" in name:
+            object.__setattr__(self, name, value)
+        else:
+            raise AttributeError(f"{name} of a body cannot be set: linearVelocity and angularVelocity can")
+
+
+class World:
+    """The world of the physics engine."""
+
+    def __init__(self, env: Box2DEnv) -> None:
+        self.__dict__["_env"] = env
+
+    @property
+    def gravity(self) -> tuple[float, float]:
+        """The gravity, in m/s². It can be set, until the next reset."""
+        (engine,) = self._env._episode()["world"]["engine"].values()
+        x, y = engine["gravity"]
+        return x, y
+
+    @gravity.setter
+    def gravity(self, gravity: Any) -> None:
+        x, y = np.float32(gravity).tolist()
+
+        def change(episode: dict[str, Any]) -> None:
+            (engine,) = episode["world"]["engine"].values()
+            engine["gravity"] = [x, y]
+
+        self._env._set(change)
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name != "gravity":
+            raise AttributeError(f"{name} of the world cannot be set: gravity can")
+        object.__setattr__(self, name, value)
+
+
+class Car:
+    """The car of CarRacing."""
+
+    def __init__(self, env: Box2DEnv) -> None:
+        self.hull = Body(env, lambda episode: int(episode["car"]["hull"]))
+
+
+class Leg(Body):
+    """A leg."""
+
+    def __init__(self, env: Box2DEnv, find: Callable[[dict[str, Any]], int], index: int) -> None:
+        super().__init__(env, find)
+        self.__dict__["_index"] = index
+
+    @property
+    def ground_contact(self) -> bool:
+        """Whether it touches the ground."""
+        return bool(self._env._episode()["ground_contact"][self._index])
+
 
 class LunarLander(Box2DEnv):
     """Land a craft on a pad."""
 
     _id = "LunarLander-v3"
 
-    @property
-    def wind_idx(self) -> int:
-        """The position of the wind in the pattern of gusts."""
-        return int(self._episode()["wind_idx"])
+    wind_idx = _field("wind_idx", int, "The position of the wind in the pattern of gusts.")
+    torque_idx = _field("torque_idx", int, "The position of the turbulence in the pattern of gusts.")
+    game_over = _field("game_over", bool, "Whether the hull has touched the ground.")
+    prev_shaping = _field("prev_shaping", float, "The potential of the last state, of which a reward is a difference.")
+
+    #: The pad: its ends and its height, in m.
+    helipad_x1, helipad_x2, helipad_y = 8.0, 12.0, 400 / 30 / 4
+    _constants = frozenset({"helipad_x1", "helipad_x2", "helipad_y"})
 
     @property
-    def torque_idx(self) -> int:
-        """The position of the turbulence in the pattern of gusts."""
-        return int(self._episode()["torque_idx"])
+    def lander(self) -> Body:
+        """The hull."""
+        return Body(self, lambda episode: int(episode["lander"]))
 
     @property
-    def game_over(self) -> bool:
-        """Whether the hull has touched the ground."""
-        return bool(self._episode()["game_over"])
+    def legs(self) -> list[Leg]:
+        """The legs."""
+        return [Leg(self, lambda episode, i=i: int(episode["legs"][i]), i) for i in range(2)]  # type: ignore[misc]
 
 
 class Terrain(NamedTuple):
@@ -68,10 +257,13 @@ class BipedalWalker(Box2DEnv):
         greens = [(76, 255 if i % 2 == 0 else 204, 76) for i in range(len(episode["terrain_y"]) - 1)]
         return [*(Terrain(green, green) for green in reversed(greens)), *obstacles]
 
+    game_over = _field("game_over", bool, "Whether the hull has touched the ground.")
+    prev_shaping = _field("prev_shaping", float, "The potential of the last state, of which a reward is a difference.")
+
     @property
-    def game_over(self) -> bool:
-        """Whether the hull has touched the ground."""
-        return bool(self._episode()["game_over"])
+    def hull(self) -> Body:
+        """The hull."""
+        return Body(self, lambda episode: int(episode["hull"]))
 
 
 def _score_glyphs() -> str:
@@ -88,6 +280,23 @@ def _score_glyphs() -> str:
         gray = pygame.surfarray.array3d(picture)[:, 3:35, 0]
         glyphs[character] = [gray.shape[0], gray.T.tobytes().hex()]
     return json.dumps(glyphs)
+
+
+class _OfTrack(Live):
+    """What a reset makes the track with."""
+
+    def __set__(self, env: Any, value: Any) -> None:
+        self._hand(env, value)
+        env._seen[self.name] = None
+
+    def push(self, env: Any, value: Any, call: str) -> None:
+        """Takes over what has changed, before a reset."""
+        if same(value, env._seen[self.name]):
+            return
+        if call == "step" and env._native.is_running():
+            raise gymnasium.error.ResetNeeded(f"{self.name} was changed: the track has its colour from the reset, so reset first")
+        if call == "reset":
+            super().push(env, value, call)
 
 
 class CarRacing(Box2DEnv):
@@ -119,23 +328,54 @@ class CarRacing(Box2DEnv):
         return self._native.observation() if self.render_mode == "state_pixels" else super().render()
 
     @property
-    def road_color(self) -> npt.NDArray[np.float64]:
-        """Red, green and blue of the road, 0 to 255."""
-        return self._color("road")
+    def car(self) -> Car:
+        """The car."""
+        return Car(self)
 
-    @property
-    def bg_color(self) -> npt.NDArray[np.float64]:
-        """Red, green and blue of the field, 0 to 255."""
-        return self._color("background")
+    reward = _field("reward", float, "The return so far.")
+    prev_reward = _field("prev_reward", float, "The return at the last step, of which a step's reward is the difference.")
+    t = _field("t", float, "The time in the episode, in s.")
+    tile_visited_count = _field("tile_visited_count", int, "The number of tiles visited.")
+    new_lap = _field("new_lap", bool, "Whether the lap is complete.")
 
-    @property
-    def grass_color(self) -> npt.NDArray[np.float64]:
-        """Red, green and blue of the patches on the field, 0 to 255."""
-        return self._color("grass")
+    road_color = _OfTrack(
+        lambda self: self._color("road"),
+        lambda self, color: self._set_color("road", color),
+        outlives_reset=lambda self: not self.domain_randomize,
+        outlives_step=True,
+        doc="Red, green and blue of the road, 0 to 255. It can be changed before a reset, which makes a track of that colour.",
+    )
+    bg_color = Live(
+        lambda self: self._color("background"),
+        lambda self, color: self._set_color("background", color),
+        outlives_reset=lambda self: not self.domain_randomize,
+        outlives_step=True,
+        doc="Red, green and blue of the field, 0 to 255. It can be changed.",
+    )
+    grass_color = Live(
+        lambda self: self._color("grass"),
+        lambda self, color: self._set_color("grass", color),
+        outlives_reset=lambda self: not self.domain_randomize,
+        outlives_step=True,
+        doc="Red, green and blue of the patches on the field, 0 to 255. It can be changed.",
+    )
 
-    def _color(self, name: str) -> npt.NDArray[np.float64]:
+    def _color(self, name: str) -> npt.NDArray[Any]:
         if self._take_apart()[1] is None:
             # Gymnasium draws the first colours in its constructor; a reset with `randomize=False` keeps them
             self._native.reset(str(entropy()), None)
             self._native.restore(self._native.snapshot(), False)
-        return np.array(self._episode()["colors"][name])
+        color = np.array(self._episode()["colors"][name])
+        return color if self.domain_randomize else color.astype(np.int64)
+
+    def _set_color(self, name: str, color: Any) -> None:
+        numbers = np.asarray(color, np.float64)
+        if numbers.shape != (3,) or not ((numbers >= 0) & (numbers <= 255)).all():
+            raise ValueError(f"a colour is red, green and blue, each 0 to 255, not {color!r}")
+        self._color(name)
+        self._set(lambda episode: episode["colors"].update({name: numbers.tolist()}))
+
+    @property
+    def track(self) -> list[tuple[float, float, float, float]]:
+        """The points of the track: angle around the centre, direction, x, y."""
+        return [tuple(point.values() if isinstance(point, dict) else point) for point in self._episode()["track"]]

@@ -3,15 +3,25 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
+from importlib import import_module
 from typing import Any, ClassVar
 
+import gymnasium
 import numpy as np
 import numpy.typing as npt
 
+from rustgym._json import to_json
+from rustgym._live import Live
+from rustgym._modules import forwarder
 from rustgym._specs import spec_of
 from rustgym.env import TunableEnv, entropy
 
 __all__ = ["AcrobotEnv", "CartPoleEnv", "Continuous_MountainCarEnv", "MountainCarEnv", "PendulumEnv"]
+
+# a package, as Gymnasium's is: the modules below it are those of `rustgym._modules`
+__path__: list[str] = []
+__getattr__ = forwarder(__name__)
 
 
 class ClassicControlEnv(TunableEnv):
@@ -19,36 +29,73 @@ class ClassicControlEnv(TunableEnv):
 
     #: The names of the numbers, in Gymnasium's order.
     state_names: ClassVar[tuple[str, ...]]
-    #: Further fields of a state that was set.
-    _when_set: ClassVar[dict[str, Any]] = {}
-    @property
-    def state(self) -> npt.NDArray[np.float64] | None:
-        """The state as ``float64``, by ``state_names``; ``None`` before the first reset. Setting it continues from there."""
+    @classmethod
+    def _fields(cls, numbers: npt.NDArray[np.floating[Any]]) -> dict[str, Any]:
+        """Further fields of a state that was set."""
+        return {}
+
+    @classmethod
+    def _is_single(cls, state: dict[str, Any]) -> bool:
+        """Whether Gymnasium has the numbers of a state as ``float32``."""
+        return False
+
+    # what Gymnasium's classes have beside, and do not compute with
+    _beside: ClassVar[dict[str, Callable[[Any], Any]]] = {}
+
+    def __init__(self, render_mode: str | None = None, **kwargs: Any) -> None:
+        super().__init__(render_mode, **kwargs)
+        self.__dict__.update((name, make(self)) for name, make in self._beside.items())
+
+    def _read_state(self) -> npt.NDArray[np.floating[Any]] | None:
+        """The state, by ``state_names``; ``None`` before the first reset. It can be changed in place, and set."""
         state = self._native.state()
         if state is None:
             return None
         numbers = json.loads(state)
-        return np.array([numbers[name] for name in self.state_names])
+        dtype = np.float32 if self._is_single(numbers) else np.float64
+        return np.array([numbers[name] for name in self.state_names], dtype)
 
-    @state.setter
-    def state(self, numbers: Any) -> None:
-        numbers = np.asarray(numbers, np.float64)
+    def _write_state(self, state: Any) -> None:
+        numbers = np.asarray(state)
+        if numbers.dtype != np.float32:
+            numbers = numbers.astype(np.float64)
         if numbers.shape != (len(self.state_names),):
             raise ValueError(f"the state of {self.env_id} is {self.state_names}, not an array of shape {numbers.shape}")
         if self._native.state() is None:
             self._native.reset(str(entropy()), None)
-        whole, episode = self._take_apart()
-        episode["state"].update(self._when_set, **dict(zip(self.state_names, numbers.tolist(), strict=True)))
-        self._native.restore(json.dumps(whole), True)
+        self._change(**self._fields(numbers), **dict(zip(self.state_names, numbers.tolist(), strict=True)))
+
+    def _change(self, **fields: Any) -> None:
+        """Continues from a state that differs in these fields."""
+        state = self._native.state()
+        if state is None:
+            raise AttributeError(f"{self.env_id} has no state before the first reset")
+        self._native.set_state(json.dumps({**json.loads(state), **fields}))
+
+    state = Live(_read_state, _write_state)
+
+    # Gymnasium's class, whose step computes with a state of `float32`, where ours does not
+    _theirs: ClassVar[str | None] = None
+
+    def _watched_step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        state = (self._handed or {}).get("state")
+        if self._theirs is None or state is None or np.asarray(state).dtype != np.float32 or not self._native.is_running():
+            return super()._watched_step(action)
+        self._push("step")
+        module, _, name = self._theirs.partition(":")
+        try:
+            result: tuple[Any, float, bool, bool, dict[str, Any]] = getattr(import_module(module), name).step(self, action)
+        except AssertionError as error:
+            raise gymnasium.error.InvalidAction(str(error)) from None
+        return result
 
 
 class CartPoleEnv(ClassicControlEnv):
     """Balance a pole on a cart; ``state`` is position (m), velocity (m/s), angle (rad), angular velocity (rad/s)."""
 
     _id = "CartPole-v1"
+    _theirs = "gymnasium.envs.classic_control.cartpole:CartPoleEnv"
     state_names = ("x", "x_dot", "theta", "theta_dot")
-    _when_set = {"fallen": False, "fresh": True}  # anywhere, as a start may be
-
     masspole: float
     masscart: float
     length: float
@@ -59,12 +106,39 @@ class CartPoleEnv(ClassicControlEnv):
         derived = {"total_mass": self.masspole + self.masscart, "polemass_length": self.masspole * self.length}
         self.__dict__.update((name, value) for name, value in derived.items() if self.arguments[name] is None)
 
+    @classmethod
+    def _fields(cls, numbers: npt.NDArray[np.floating[Any]]) -> dict[str, Any]:
+        return {"fallen": False, "fresh": True}  # anywhere, as a start may be
+
+    @property
+    def steps_beyond_terminated(self) -> int | None:
+        """``None`` in an episode, and 0 from its end on, when rewards are 0. It can be set, to another number as well."""
+        return 0 if json.loads(self._native.state() or "{}").get("fallen") else None
+
+    @steps_beyond_terminated.setter
+    def steps_beyond_terminated(self, steps: int | None) -> None:
+        self._change(fallen=steps is not None)
+
+    @property
+    def _sutton_barto_reward(self) -> bool:
+        return bool(self.arguments["sutton_barto_reward"])
+
+    @_sutton_barto_reward.setter
+    def _sutton_barto_reward(self, is_on: bool) -> None:
+        self.sutton_barto_reward = bool(is_on)
+
+
+def _bounds(position: str, sign: float) -> Callable[[Any], npt.NDArray[np.float32]]:
+    return lambda self: np.array([self.arguments[position], sign * self.arguments["max_speed"]], np.float32)
+
 
 class MountainCarEnv(ClassicControlEnv):
     """Drive a weak car up a hill; ``state`` is position and velocity."""
 
     _id = "MountainCar-v0"
+    _theirs = "gymnasium.envs.classic_control.mountain_car:MountainCarEnv"
     state_names = ("position", "velocity")
+    _beside = {"low": _bounds("min_position", -1.0), "high": _bounds("max_position", 1.0)}
 
 
 class Continuous_MountainCarEnv(ClassicControlEnv):
@@ -72,14 +146,37 @@ class Continuous_MountainCarEnv(ClassicControlEnv):
 
     _id = "MountainCarContinuous-v0"
     state_names = ("position", "velocity")
-    _when_set = {"fresh": True}  # as float64, like that of a reset
+    _beside = {"low_state": _bounds("min_position", -1.0), "high_state": _bounds("max_position", 1.0)}
+
+    @classmethod
+    def _fields(cls, numbers: npt.NDArray[np.floating[Any]]) -> dict[str, Any]:
+        return {"fresh": numbers.dtype == np.float64}
+
+    @classmethod
+    def _is_single(cls, state: dict[str, Any]) -> bool:
+        return not state["fresh"]
 
 
 class PendulumEnv(ClassicControlEnv):
     """Swing a pendulum up and hold it there; ``state`` is angle (rad) and angular velocity (rad/s)."""
 
     _id = "Pendulum-v1"
+    _theirs = "gymnasium.envs.classic_control.pendulum:PendulumEnv"
     state_names = ("theta", "theta_dot")
+
+    def _get_obs(self) -> npt.NDArray[np.float32]:
+        theta, theta_dot = self.state
+        return np.array([np.cos(theta), np.sin(theta), theta_dot], np.float32)
+
+    @property
+    def last_u(self) -> np.float32 | None:
+        """The last torque, clipped, which a picture shows; ``None`` after a reset. It can be set."""
+        torque = json.loads(self._native.state() or "{}").get("last_torque")
+        return None if torque is None else np.float32(torque)
+
+    @last_u.setter
+    def last_u(self, torque: Any) -> None:
+        self._change(last_torque=None if torque is None else float(np.float32(torque)))
 
 
 class AcrobotEnv(ClassicControlEnv):
@@ -87,9 +184,28 @@ class AcrobotEnv(ClassicControlEnv):
 
     _id = "Acrobot-v1"
     state_names = ("theta1", "theta2", "dtheta1", "dtheta2")
-    _when_set = {"fresh": False}  # as float64, unlike that of a reset
+
+    @classmethod
+    def _fields(cls, numbers: npt.NDArray[np.floating[Any]]) -> dict[str, Any]:
+        return {"fresh": numbers.dtype == np.float32}
+
+    @classmethod
+    def _is_single(cls, state: dict[str, Any]) -> bool:
+        return bool(state["fresh"])
 
     # in Gymnasium these belong to the class
     vars().update((name, value) for name, value in spec_of(_id)["defaults"].items())
     actions_num = 3
+
+    def _set_torques(self, torques: Any) -> None:
+        self._native.set_argument(to_json({"AVAIL_TORQUE": torques}))
+        self.arguments["AVAIL_TORQUE"] = list(torques)
+
+    AVAIL_TORQUE = Live(
+        lambda self: list(self.arguments["AVAIL_TORQUE"]),
+        _set_torques,
+        outlives_reset=True,
+        outlives_step=True,
+        doc="The torques of the actions, in N m.",
+    )
     _names = {"book_or_nips": lambda name: name if name == "nips" else "book"}

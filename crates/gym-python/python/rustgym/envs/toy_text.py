@@ -3,16 +3,26 @@
 from __future__ import annotations
 
 import json
+import operator
+from copy import deepcopy
 from functools import cached_property
 from typing import Any, ClassVar
 
+import gymnasium
 import numpy as np
 import numpy.typing as npt
 
 from rustgym import _native
-from rustgym.env import ClassEnv, entropy
+from rustgym._json import to_json
+from rustgym._live import Live, Own
+from rustgym._modules import forwarder
+from rustgym.env import ClassEnv, checked_seed, entropy
 
 __all__ = ["BlackjackEnv", "CliffWalkingEnv", "FrozenLakeEnv", "TaxiEnv", "generate_random_map"]
+
+# a package, as Gymnasium's is: the modules below it are those of `rustgym._modules`
+__path__: list[str] = []
+__getattr__ = forwarder(__name__)
 
 #: The outcomes of an action in a state: probability, next state, reward, whether the episode ends.
 Outcomes = list[tuple[float, int, float, bool]]
@@ -32,6 +42,16 @@ def generate_random_map(size: int = 8, p: float = 0.8, seed: int | None = None) 
 class ToyTextEnv(ClassEnv):
     """An environment of a few cards or cells."""
 
+    # arguments that Gymnasium's environment looks at when it is played
+    _settable: ClassVar[frozenset[str]] = frozenset()
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name in self._settable and "arguments" in self.__dict__:
+            self._rebuild({name: value})
+            self.arguments[name] = self.__dict__[name] = value
+        else:
+            super().__setattr__(name, value)
+
     def _state(self) -> dict[str, Any]:
         state = self._native.state()
         if state is None:
@@ -39,29 +59,120 @@ class ToyTextEnv(ClassEnv):
         result: dict[str, Any] = json.loads(state)
         return result
 
+    def _set_state(self, **fields: Any) -> None:
+        """Continues from a state that differs in these fields."""
+        if self._native.state() is None:
+            self._native.reset(str(entropy()), None)
+        self._native.set_state(json.dumps({**self._state(), **fields}))
+
+
+def _draw(probabilities: Any, rng: np.random.Generator) -> int:
+    """Gymnasium's ``categorical_sample``: the first at which the sum of the probabilities exceeds a draw."""
+    return int(np.argmax(np.cumsum(np.asarray(probabilities)) > rng.random()))
+
 
 class TabularEnv(ToyTextEnv):
-    """An environment whose dynamics are a table."""
+    """An environment whose dynamics are a table.
+
+    An action for which ``P`` was changed, and a start whose ``initial_state_distrib`` was, is played from these, as Gymnasium
+    plays all.
+    """
 
     # the name under which the state's number is stored
     _cell: ClassVar[str] = "cell"
     _actions: ClassVar[tuple[str, ...]]
 
-    @cached_property
-    def _table(self) -> tuple[dict[int, dict[int, Outcomes]], list[float]]:
+    def _made_table(self) -> tuple[dict[int, dict[int, Outcomes]], list[float]]:
         table = self._native.table()
         assert table is not None
         return table
 
-    @property
-    def P(self) -> dict[int, dict[int, Outcomes]]:  # noqa: N802 - Gymnasium's name
-        """``P[state][action]``: the possible outcomes of an action, as ``(probability, next state, reward, terminated)``."""
-        return self._table[0]
+    @cached_property
+    def _table(self) -> tuple[dict[int, dict[int, Outcomes]], list[float]]:
+        """The table that the native environment plays."""
+        return self._made_table()
 
-    @property
-    def initial_state_distrib(self) -> npt.NDArray[np.float64]:
-        """The probability of each state at the start."""
-        return np.array(self._table[1])
+    P = Own(
+        lambda self: self._made_table()[0],
+        doc="``P[state][action]``: the possible outcomes of an action, as ``(probability, next state, reward, terminated)``.",
+    )
+
+    initial_state_distrib = Own(
+        lambda self: np.array(self._table[1]),
+        doc="The probability of each state at the start.",
+    )
+
+    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        """As ``Env.step``; an action is whatever is equal to one, such as ``1.0`` and ``np.True_``."""
+        try:
+            return self._watched_step(action) if self._is_watched else self._native.step(action)
+        except gymnasium.error.InvalidAction:
+            whole = self._whole(action)
+            if whole is action:
+                raise
+            return self.step(whole)
+
+    def _whole(self, action: Any) -> Any:
+        """The action that is equal to ``action``, if there is one."""
+        actions = range(int(self.action_space.n))  # type: ignore[attr-defined]
+        return next((whole for whole in actions if np.ndim(action) == 0 and whole == action), action)
+
+    def _watched_step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        table = self._handed and self._handed.get("P")
+        if table is None or not self._native.is_running():
+            return super()._watched_step(action)
+        state = self.s
+        row = table[state][action]
+        if row == self._table[0][state].get(action):
+            return super()._watched_step(action)
+        self._push("step")
+        rng = self._np_random
+        assert rng is not None
+        probability, cell, reward, terminated = row[_draw([outcome[0] for outcome in row], rng)]
+        cell = self._moved(state, int(cell), rng)
+        self._set_state(
+            **{self._cell: cell}, last_action=self._actions[int(action)], probability=float(probability), **self._fields(action)
+        )
+        self._push_generator()
+        self._follow()
+        return cell, reward, terminated, False, self._info(probability, cell)
+
+    def _push_into_vector(self) -> None:
+        super()._push_into_vector()
+        handed = self._handed or {}
+        table = handed.get("P", self._table[0])
+        starts = handed.get("initial_state_distrib", self._table[1])
+        if table != self._table[0] or not np.array_equal(starts, self._table[1]):
+            rows = [[table[s][a] for a in sorted(table[s])] for s in sorted(table)]
+            whole = {"P": rows, "initial_state_distrib": np.asarray(starts, np.float64)}
+            self._native.set_table(to_json(whole))
+            self.__dict__.pop("_table", None)
+
+    def _moved(self, state: int, cell: int, rng: np.random.Generator) -> int:
+        """The state after what happens beyond the table."""
+        return cell
+
+    def _fields(self, action: Any) -> dict[str, Any]:
+        """Further fields of the state after an action."""
+        return {}
+
+    def _info(self, probability: Any, cell: int) -> dict[str, Any]:
+        return {"prob": probability}
+
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
+        """As ``Env.reset``."""
+        starts = self._handed and self._handed.get("initial_state_distrib")
+        if starts is None or np.array_equal(starts, self._table[1]):
+            return super().reset(seed=seed, options=options)
+        if seed is None and self._np_random is None:
+            seed = entropy()
+        # the draw that decides the start is the first
+        rng = np.random.default_rng(checked_seed(seed)) if seed is not None else deepcopy(self._np_random)
+        assert rng is not None
+        _, info = super().reset(seed=seed, options=options)
+        cell = _draw(starts, rng)
+        self._set_state(**{self._cell: cell})
+        return cell, self._info(info["prob"], cell)
 
     @property
     def s(self) -> int:
@@ -70,11 +181,7 @@ class TabularEnv(ToyTextEnv):
 
     @s.setter
     def s(self, number: int) -> None:
-        if self._native.state() is None:
-            self._native.reset(str(entropy()), None)
-        whole, episode = self._take_apart()
-        episode["state"][self._cell] = int(number)
-        self._native.restore(json.dumps(whole), True)
+        self._set_state(**{self._cell: operator.index(number)})
 
     @property
     def lastaction(self) -> int | None:
@@ -82,24 +189,56 @@ class TabularEnv(ToyTextEnv):
         action = self._state()["last_action"]
         return None if action is None else self._actions.index(action)
 
+    @lastaction.setter
+    def lastaction(self, action: int | None) -> None:
+        self._set_state(last_action=None if action is None else self._actions[operator.index(action)])
+
 
 class BlackjackEnv(ToyTextEnv):
     """Come closer to 21 than the dealer."""
 
     _id = "Blackjack-v1"
+    _settable = frozenset({"natural", "sab"})
+
+    def _write_player(self, cards: Any) -> None:
+        self._set_state(player=[operator.index(card) for card in cards])
+
+    def _write_dealer(self, cards: Any) -> None:
+        cards = [operator.index(card) for card in cards]
+        # the picture shows a face on the open card if its value is 10
+        face = (self._state()["face"] or "Jack") if cards[:1] == [10] else None
+        self._set_state(dealer=cards, face=face)
+
+    def _follow_player(self, cards: list[int]) -> None:
+        cards[:] = self._state()["player"]
+
+    def _follow_dealer(self, cards: list[int]) -> None:
+        cards[:] = self._state()["dealer"]
+
+    player = Live(
+        lambda self: list(self._state()["player"]),
+        _write_player,
+        follow=_follow_player,
+        doc="The player's cards; an ace is 1.",
+    )
+    dealer = Live(
+        lambda self: list(self._state()["dealer"]),
+        _write_dealer,
+        follow=_follow_dealer,
+        doc="The dealer's cards, of which the first is open; an ace is 1.",
+    )
 
     @property
-    def player(self) -> list[int]:
-        """The player's cards; an ace is 1."""
-        return self._cards("player")
+    def dealer_top_card_suit(self) -> str:
+        """The suit of the dealer's open card in the picture: ``C``, ``D``, ``H`` or ``S``."""
+        return str(self._state()["suit"][0])
 
     @property
-    def dealer(self) -> list[int]:
-        """The dealer's cards, of which the first is open; an ace is 1."""
-        return self._cards("dealer")
-
-    def _cards(self, whose: str) -> list[int]:
-        return list(self._state()[whose])
+    def dealer_top_card_value_str(self) -> str:
+        """The dealer's open card in the picture: ``A``, a number, ``J``, ``Q`` or ``K``."""
+        state = self._state()
+        card = state["dealer"][0]
+        return str(state["face"][0] if state["face"] else "A" if card == 1 else card)
 
 
 class FrozenLakeEnv(TabularEnv):
@@ -108,10 +247,19 @@ class FrozenLakeEnv(TabularEnv):
     _id = "FrozenLake-v1"
     _actions = ("Left", "Down", "Right", "Up")
 
-    @cached_property
-    def desc(self) -> npt.NDArray[np.bytes_]:
-        """The map, one byte for each cell: ``S``, ``F``, ``H`` or ``G``."""
-        return np.asarray(self._native.map(), dtype="c")
+    def _write_desc(self, desc: Any) -> None:
+        # Gymnasium's table is made once: what is played stays, what is drawn follows
+        _ = self.P, self.initial_state_distrib
+        self._rebuild({"desc": np.asarray(desc, dtype="c")})
+        self.__dict__.pop("_table", None)
+
+    desc = Live(
+        lambda self: np.asarray(self._native.map(), dtype="c"),
+        _write_desc,
+        outlives_reset=True,
+        outlives_step=True,
+        doc="The map, one byte for each cell: ``S``, ``F``, ``H`` or ``G``.",
+    )
 
     @property
     def nrow(self) -> int:
@@ -141,6 +289,7 @@ class TaxiEnv(TabularEnv):
     """Bring a passenger to a hotel."""
 
     _id = "Taxi-v4"
+    _settable = frozenset({"fickle_passenger", "fickle_probability"})
     _cell = "encoded"
     _actions = ("South", "North", "East", "West", "Pickup", "Dropoff")
 
@@ -156,6 +305,23 @@ class TaxiEnv(TabularEnv):
         """Whether the passenger will change the destination at the first move with them aboard."""
         return bool(self._state()["fickle_step"])
 
+    @fickle_step.setter
+    def fickle_step(self, will_change: bool) -> None:
+        self._set_state(fickle_step=bool(will_change))
+
+    def _moved(self, state: int, cell: int, rng: np.random.Generator) -> int:
+        (row, column, passenger, destination), (r, c, p, _) = self.decode(state), self.decode(cell)
+        if not (self.arguments["fickle_passenger"] and self.fickle_step and passenger == 4 and (r, c) != (row, column)):
+            return cell
+        self.fickle_step = False
+        return self.encode(r, c, p, int(rng.choice([i for i in range(4) if i != destination])))
+
+    def _fields(self, action: Any) -> dict[str, Any]:
+        return {"heading": self._actions[int(action)]} if action < 4 else {}
+
+    def _info(self, probability: Any, cell: int) -> dict[str, Any]:
+        return {"prob": probability, "action_mask": self.action_mask(cell)}
+
     def encode(self, taxi_row: int, taxi_col: int, pass_loc: int, dest_idx: int) -> int:
         """The number of a state: taxi's row and column (0 to 4), passenger (stand 0 to 3, or 4 in the taxi), destination."""
         return ((taxi_row * 5 + taxi_col) * 5 + pass_loc) * 4 + dest_idx
@@ -166,5 +332,5 @@ class TaxiEnv(TabularEnv):
 
     def action_mask(self, state: int) -> npt.NDArray[np.int8]:
         """1 for each action that changes a state, 0 for those that do not."""
-        actions = self.P[state]
+        actions = self._table[0][state]
         return np.array([any(outcome[1] != state for outcome in actions[a]) for a in sorted(actions)], np.int8)

@@ -1,8 +1,8 @@
-//! A contact of many worlds at once, between a static body and one that moves. As
-//! [`Constraint::solve_velocity`], operation by operation; what is a branch there selects here.
+//! One contact of many worlds at once, between a static and a moving body. Each operation is that
+//! of [`Constraint::solve_velocity`]; branches become selects.
 //!
-//! The static body stays at velocity 0, but `x - 0` and `x - -0` differ in the sign of a zero, so
-//! what its angular velocity gives at a lever is kept.
+//! The static body's velocity is 0, but its terms `0 × lever` are kept and subtracted: they decide
+//! the sign of a zero.
 
 use fearless_simd::Simd;
 
@@ -11,7 +11,7 @@ use crate::physics::box2d::lane_bodies::Bodies;
 use crate::physics::box2d::wide::{Mask, Pair, Row, Strip, Wide, rows};
 
 rows! {
-    /// A point.
+    /// A contact point; `still` is the static body's term `0 × lever`.
     struct PointRows {
         r_x, r_y, still_x, still_y,
         normal_impulse, tangent_impulse, normal_mass, tangent_mass, bias,
@@ -21,23 +21,23 @@ rows! {
 rows! {
     /// The data that the points share.
     struct ContactRows {
-        count, // of points; 0 where a world has no such contact
+        count, // number of points; 0 in the lane of a world without this contact
         friction, normal_x, normal_y,
         k11, k12, k22,
         inverse11, inverse12, inverse22,
     }
 }
 
-/// The constraints of one contact of a body.
+/// One contact of a body, in all lanes.
 #[derive(Clone, Debug)]
-pub(in crate::physics::box2d) struct Touch {
+pub(in crate::physics::box2d) struct WideContact {
     rows: ContactRows,
     points: [PointRows; 2],
-    /// Whether any world has it with one point, and with two.
+    /// Whether any lane has one point, and whether any lane has two.
     counts: [bool; 2],
 }
 
-impl Touch {
+impl WideContact {
     pub(in crate::physics::box2d) const NONE: Self = Self {
         rows: ContactRows::ZERO,
         points: [PointRows::ZERO; 2],
@@ -88,7 +88,7 @@ impl Touch {
         }
     }
 
-    /// Gives the impulses back.
+    /// Writes the impulses of `lane` back to `c`.
     pub(in crate::physics::box2d) fn collect(&self, lane: usize, c: &mut Constraint) {
         let count = c.count;
         for (rows, point) in self.points.iter().zip(&mut c.points[..count]) {
@@ -97,7 +97,7 @@ impl Touch {
         }
     }
 
-    /// One sweep of the contact of `body`.
+    /// Makes one iteration of this contact, whose moving body is `body`.
     #[inline(always)]
     pub(in crate::physics::box2d) fn sweep<S: Simd, const R: usize>(
         &mut self,
@@ -114,7 +114,7 @@ impl Touch {
         let tangent = normal.cross_one();
         let friction = strip.load(&self.rows.friction);
 
-        // a point that a lane does not have leaves its numbers as they are
+        // masks keep the numbers of points that a lane does not have
         for k in 0..if self.counts[1] { 2 } else { 1 } {
             let (point, there) = (&mut self.points[k], if k == 0 { one } else { two });
             let vt = point.relative(strip, v, w).dot(tangent);
@@ -182,7 +182,7 @@ fn pair<S: Simd, const R: usize>(strip: Strip<S, R>, x: &Row, y: &Row) -> Pair<S
 }
 
 impl Row {
-    /// Overwrites the lanes of a mask.
+    /// Sets the lanes of `mask` to `x`.
     #[inline(always)]
     fn set<S: Simd, const R: usize>(
         &mut self,
@@ -195,7 +195,7 @@ impl Row {
 }
 
 impl PointRows {
-    /// The velocity of the body that moves at the point, relative to the static one.
+    /// Returns the velocity of the moving body at the point, relative to the static body.
     #[inline(always)]
     fn relative<S: Simd, const R: usize>(
         &self,
@@ -209,7 +209,8 @@ impl PointRows {
 }
 
 impl ContactRows {
-    /// The four cases of [`solve_block`](super::solve_block), and where there is a solution.
+    /// Solves the four cases of [`solve_block`](super::solve_block); the mask tells which lanes
+    /// have a solution.
     #[inline(always)]
     fn solve_block<S: Simd, const R: usize>(
         &self,
@@ -247,13 +248,13 @@ impl ContactRows {
 }
 
 impl Constraint {
-    /// The place in the island of the second body.
+    /// Returns the second body's index in the island.
     pub(in crate::physics::box2d) fn body_b(&self) -> usize {
         self.b.index
     }
 
-    /// The place in the island of the body that moves, if the other is static and at rest: those
-    /// from `dynamic` on are.
+    /// Returns the moving body's index in the island, if the first body is static and at rest.
+    /// Bodies with indices from `dynamic` on are static.
     pub(in crate::physics::box2d) fn moving_body(
         &self,
         dynamic: usize,

@@ -1,5 +1,5 @@
-//! A hinge of many worlds at once. As [`Constraint::solve_velocity`], operation by operation; what
-//! is a branch there selects here.
+//! One revolute joint of many worlds at once. Each operation is that of
+//! [`Constraint::solve_velocity`]; branches become selects.
 
 use fearless_simd::Simd;
 
@@ -8,29 +8,29 @@ use crate::physics::box2d::lane_bodies::Bodies;
 use crate::physics::box2d::wide::{Mask, Pair, Strip, Wide, rows};
 
 rows! {
-    /// The constraints of one hinge.
-    struct Hinge {
+    /// One joint, in all lanes.
+    struct WideJoint {
         r_ax, r_ay, r_bx, r_by,
         exx, eyx, ezx, eyy, ezy, ezz,
         cross_x, cross_y, cross_z, // ey × ez
         det3, det2,
         motor_mass, motor_speed, max_motor_impulse,
-        held,  // 1 at a limit, else 0
-        sense, // the sign of a limit's impulse that pushes; 0 where either does
+        held, // 1 at a limit, else 0
+        sense, // the sign of a limit impulse that pushes; 0 if both signs are allowed
         impulse_x, impulse_y, impulse_z, motor_impulse,
     }
 }
 
-/// The same for the lanes of a strip.
+/// The limit's state and impulses in the lanes of a strip.
 struct Limit<S: Simd, const R: usize> {
     held: Mask<S, R>,
-    /// The additions of hinge and limit to the impulses.
+    /// The changes of the impulses of point constraint and limit.
     p: Pair<S, R>,
     z: Wide<S, R>,
 }
 
-impl Hinge {
-    /// Takes a constraint in, if it is one of a motor that drives.
+impl WideJoint {
+    /// Loads `c`, a joint with a motor, into `lane`.
     pub(in crate::physics::box2d) fn load(&mut self, lane: usize, c: &Constraint) {
         let (held, sense) = match c.limit_state {
             LimitState::Inactive => (0.0, 0.0),
@@ -68,7 +68,7 @@ impl Hinge {
         }
     }
 
-    /// Gives the impulses back.
+    /// Writes the impulses of `lane` back to `c`.
     pub(in crate::physics::box2d) fn collect(&self, lane: usize, c: &mut Constraint) {
         c.impulse.x = self.impulse_x.0[lane];
         c.impulse.y = self.impulse_y.0[lane];
@@ -76,7 +76,7 @@ impl Hinge {
         c.motor_impulse = self.motor_impulse.0[lane];
     }
 
-    /// One sweep of the hinge between bodies `a` and `b`.
+    /// Makes one iteration of the joint between bodies `a` and `b`.
     #[inline(always)]
     pub(in crate::physics::box2d) fn sweep<S: Simd, const R: usize>(
         &mut self,
@@ -126,7 +126,7 @@ impl Hinge {
         bodies.store(strip, b, v_b, w_b);
     }
 
-    /// Hinge and limit together, where one is reached.
+    /// Solves point constraint and limit together, in the lanes whose joint is at a limit.
     #[inline(always)]
     fn solve_limit<S: Simd, const R: usize>(
         &self,
@@ -139,7 +139,7 @@ impl Hinge {
         let impulse_z = strip.load(&self.impulse_z);
         let (full, full_z) = self.solve33(strip, cdot, cdot_angle);
         let (full, full_z) = (-full, -full_z);
-        // the limit only pushes: without it, the hinge alone
+        // a limit only pushes: solve the point constraint alone
         let pulls = (strip.load(&self.sense) * (impulse_z + full_z)).lt(zero);
         let ez = strip.pair(&self.ezx, &self.ezy);
         let right = pulls.choose(-cdot + ez.times(impulse_z), -cdot);
@@ -199,7 +199,7 @@ impl Hinge {
 }
 
 impl Constraint {
-    /// Its places in the island, if its motor drives.
+    /// Returns the indices of both bodies in the island, if the joint has a motor.
     pub(in crate::physics::box2d) fn driven_ends(&self) -> Option<(usize, usize)> {
         self.motor.then_some((self.a.index, self.b.index))
     }

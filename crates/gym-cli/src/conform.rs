@@ -1,0 +1,67 @@
+//! `cargo xtask conform [ID...]`
+
+use std::process::ExitCode;
+
+use gym::Result;
+
+use crate::workspace::Workspace;
+
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// The environments; by default those that this workspace registers.
+    ids: Vec<String>,
+    /// `text`, `json` or `junit`.
+    #[arg(long, default_value = "text")]
+    format: String,
+}
+
+/// Builds this program with the checks, and runs it.
+#[cfg(not(feature = "conform"))]
+pub(crate) fn conform(arguments: &Arguments, workspace: &Workspace) -> Result<ExitCode> {
+    use std::env;
+    use std::process::Command;
+
+    use gym::Error;
+
+    // not the program that runs, which cannot be replaced everywhere: another profile
+    let mut cargo = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
+    cargo
+        .args(["run", "--features", "gym-cli/conform", "--manifest-path"])
+        .arg(workspace.manifest())
+        .args(["--", "conform", "--format", &arguments.format, "--"])
+        .args(&arguments.ids);
+    let status = cargo
+        .status()
+        .map_err(|error| Error::custom(format!("cargo cannot be run: {error}")))?;
+    // a signal leaves no code
+    let code = status.code().and_then(|code| u8::try_from(code).ok());
+    Ok(code.map_or(ExitCode::FAILURE, ExitCode::from))
+}
+
+/// Checks the environments.
+#[cfg(feature = "conform")]
+pub(crate) fn conform(arguments: &Arguments, workspace: &Workspace) -> Result<ExitCode> {
+    use gym::conform::{self, Format, Progress};
+    use gym::{Error, Registration};
+
+    use crate::output::{self, tell};
+
+    let format: Format = arguments.format.parse()?;
+    let registrations = workspace.select(&arguments.ids)?;
+    let ids: Vec<_> = registrations
+        .iter()
+        .map(Registration::id)
+        .map(str::to_owned)
+        .collect();
+    let reports = conform::reports_with(&ids, |progress| match progress {
+        Progress::Begins { .. } if format != Format::Text => (),
+        progress => tell!("{progress}"),
+    })?;
+    output::write(format_args!("{}", format.write(&reports)))?;
+    match reports.iter().filter(|report| !report.passes()).count() {
+        0 => Ok(ExitCode::SUCCESS),
+        broken => Err(Error::custom(format!(
+            "{broken} environments break the rules"
+        ))),
+    }
+}

@@ -1,0 +1,134 @@
+//! How a workspace names this project's crates in its manifests: by version, by git or by folder.
+
+use std::env;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use gym::{Error, Result};
+use serde_json::Value as Json;
+
+use crate::workspace::Workspace;
+
+/// Where a workspace has this project's crates from.
+#[derive(Debug, PartialEq)]
+pub(crate) enum Source {
+    /// A checkout: the folder with all crates.
+    Folder(PathBuf),
+    /// A repository, as Cargo writes it: the address, and perhaps a branch, tag or revision.
+    Git(String, Option<(String, String)>),
+    /// Published crates of this version.
+    Version(&'static str),
+}
+
+impl Source {
+    /// As the program of the workspace names this crate.
+    ///
+    /// # Errors
+    /// If its manifest does not.
+    pub(crate) fn of(workspace: &Workspace) -> Result<Self> {
+        let manifest = workspace.manifest();
+        let metadata = metadata(&manifest, &["--no-deps"])?;
+        let is_it =
+            |package: &&Json| package["manifest_path"].as_str().map(Path::new) == Some(&manifest);
+        let package = list(&metadata["packages"]).iter().find(is_it);
+        let dependencies = package.map_or(&[][..], |package| list(&package["dependencies"]));
+        let named = dependencies
+            .iter()
+            .find(|dependency| dependency["name"] == env!("CARGO_PKG_NAME"));
+        named.and_then(Self::read).ok_or_else(|| {
+            Error::custom(format!(
+                "{}: it has no dependency {}",
+                manifest.display(),
+                env!("CARGO_PKG_NAME")
+            ))
+        })
+    }
+
+    /// From a dependency in the output of `cargo metadata`.
+    fn read(dependency: &Json) -> Option<Self> {
+        let Some(source) = dependency["source"].as_str() else {
+            let path = Path::new(dependency["path"].as_str()?);
+            return Some(Self::Folder(path.parent()?.to_owned()));
+        };
+        let Some(git) = source.strip_prefix("git+") else {
+            return Some(Self::Version(env!("CARGO_PKG_VERSION")));
+        };
+        let git = git.split('#').next()?;
+        let (address, reference) = git.split_once('?').unwrap_or((git, ""));
+        let reference = reference.split_once('=');
+        Some(Self::Git(
+            address.to_owned(),
+            reference.map(|(kind, name)| (kind.to_owned(), name.to_owned())),
+        ))
+    }
+
+    /// One of the crates, as the value of a dependency in a manifest.
+    pub(crate) fn dependency(&self, name: &str) -> String {
+        match self {
+            Self::Folder(folder) => format!("{{ path = {:?} }}", folder.join(name)),
+            Self::Git(address, None) => format!("{{ git = {address:?} }}"),
+            Self::Git(address, Some((kind, name))) => {
+                format!("{{ git = {address:?}, {kind} = {name:?} }}")
+            }
+            Self::Version(version) => format!("{version:?}"),
+        }
+    }
+}
+
+/// The output of `cargo metadata` for a manifest.
+pub(crate) fn metadata(manifest: &Path, options: &[&str]) -> Result<Json> {
+    let wrong = |reason: String| Error::custom(format!("{}: {reason}", manifest.display()));
+    let output = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
+        .args(["metadata", "--format-version", "1", "--manifest-path"])
+        .arg(manifest)
+        .args(options)
+        .output()
+        .map_err(|error| wrong(format!("cargo cannot be run: {error}")))?;
+    if !output.status.success() {
+        return Err(wrong(
+            String::from_utf8_lossy(&output.stderr).trim().to_owned(),
+        ));
+    }
+    serde_json::from_slice(&output.stdout).map_err(|error| wrong(error.to_string()))
+}
+
+/// The elements of a list in JSON; none of anything else.
+pub(crate) fn list(json: &Json) -> &[Json] {
+    json.as_array().map(Vec::as_slice).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::*;
+
+    #[test]
+    fn crates_are_named_as_the_workspace_names_them() {
+        let named = |dependency: &Json| {
+            let source = Source::read(dependency).unwrap();
+            source.dependency("gym-core")
+        };
+        let folder = json!({"name": "gym-cli", "path": "/x/crates/gym-cli", "source": null});
+        assert_eq!(named(&folder), "{ path = \"/x/crates/gym-core\" }");
+        let registry = json!({"source": "registry+https://example.org/index", "req": "^0.1.0"});
+        assert_eq!(
+            named(&registry),
+            concat!('"', env!("CARGO_PKG_VERSION"), '"')
+        );
+        for (query, expected) in [
+            ("", "{ git = \"https://example.org/gym\" }"),
+            (
+                "?branch=main#abc",
+                "{ git = \"https://example.org/gym\", branch = \"main\" }",
+            ),
+            (
+                "?rev=abc",
+                "{ git = \"https://example.org/gym\", rev = \"abc\" }",
+            ),
+        ] {
+            let git = json!({"source": format!("git+https://example.org/gym{query}"), "req": "*"});
+            assert_eq!(named(&git), expected);
+        }
+    }
+}

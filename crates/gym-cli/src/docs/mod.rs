@@ -1,0 +1,87 @@
+//! `cargo xtask docs`: the pages about the environments, and the book around them.
+
+mod draw;
+mod page;
+mod returns;
+
+use std::path::{Path, PathBuf};
+
+use gym::render::file;
+use gym::{Error, Result};
+
+use crate::output::say;
+use crate::workspace::Workspace;
+
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// Replays the episodes of the table of returns; takes minutes.
+    #[arg(long)]
+    measure: bool,
+    /// Redraws the images.
+    #[arg(long)]
+    draw: bool,
+    /// Writes nothing; fails if a file is out of date.
+    #[arg(long)]
+    check: bool,
+}
+
+/// A file: its path from the folder of the workspace, and its content.
+pub type Document = (PathBuf, Vec<u8>);
+
+/// The book around the pages on the environments, where a workspace has one.
+#[derive(Clone, Copy, Debug)]
+pub struct Book {
+    /// What stands below the list of environments.
+    pub below_list: &'static str,
+    /// What a page says of differences from Gymnasium, unless the environment's module does.
+    pub no_difference: &'static str,
+    /// The book's other files that come from registrations, given the folder of the workspace; with
+    /// `true` also the images.
+    pub documents: fn(&Path, bool) -> Result<Vec<Document>>,
+    /// Finds faults of the book, given the folder of the workspace.
+    pub check: fn(&Path) -> Result<()>,
+}
+
+pub(crate) fn docs(
+    arguments: &Arguments,
+    workspace: &Workspace,
+    book: Option<&Book>,
+) -> Result<()> {
+    let folder = workspace.folder();
+    let returns = if arguments.measure {
+        returns::measure(workspace)?
+    } else {
+        returns::read(folder)?
+    };
+    let pages = page::all(workspace)?;
+    let mut documents = page::documents(&pages, &returns, book)?;
+    if !returns.is_empty() {
+        documents.push(returns::document(&returns)?);
+    }
+    if let Some(book) = book {
+        documents.extend((book.documents)(folder, arguments.draw)?);
+    }
+    if arguments.draw {
+        for page in &pages {
+            documents.extend(draw::gif(page)?);
+        }
+    }
+    let mut changed = documents.into_iter().filter(|(path, content)| {
+        std::fs::read(folder.join(path)).map_or(true, |old| old != *content)
+    });
+    if arguments.check {
+        if let Some((path, _)) = changed.next() {
+            let reason = format!("{} is out of date: run `cargo xtask docs`", path.display());
+            return Err(Error::custom(reason));
+        }
+    } else {
+        for (path, content) in changed {
+            let path = folder.join(path);
+            let folder = path.parent().unwrap_or(folder);
+            std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
+            file::write(&path, &content)?;
+            say!("wrote {}", path.display())?;
+        }
+    }
+    book.map_or(Ok(()), |book| (book.check)(folder))
+}

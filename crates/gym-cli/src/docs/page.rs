@@ -1,0 +1,453 @@
+//! The pages about the environments, from their registrations and the documentation of their
+//! modules.
+
+use std::path::{Path, PathBuf};
+
+use gym::render::RenderMode;
+use gym::{Env, Error, Registration, Result};
+use serde_json::Value as Json;
+
+use super::returns::{EPISODES, Measured, Returns, Summary};
+use super::{Book, Document};
+use crate::workspace::{self, Workspace};
+
+/// The environments that one module registers: one page.
+pub(super) struct Page {
+    /// Of the file.
+    pub(super) name: String,
+    registrations: Vec<Registration>,
+    docs: Docs,
+}
+
+/// Every page of a workspace, crate by crate.
+///
+/// # Errors
+/// If the documentation of a module lacks a part of its page.
+pub(super) fn all(workspace: &Workspace) -> Result<Vec<Page>> {
+    let mut registrations = workspace::without_needy(workspace.own()?);
+    registrations.sort_by_key(|entry| entry.source.module);
+    let modules = registrations.chunk_by(|a, b| a.source.module == b.source.module);
+    modules
+        .map(|registrations| Page::read(registrations, workspace.folder()))
+        .collect()
+}
+
+/// The texts of the pages, and the page that lists them.
+pub(super) fn documents(
+    pages: &[Page],
+    returns: &Returns,
+    book: Option<&Book>,
+) -> Result<Vec<Document>> {
+    let mut list = LIST_HEAD.to_owned();
+    list.extend(pages.iter().map(Page::row));
+    list += book.map_or("", |book| book.below_list);
+    let folder = PathBuf::from("docs/environments");
+    let mut documents = vec![(folder.join("README.md"), list.into_bytes())];
+    for page in pages {
+        documents.push((
+            folder.join(format!("{}.md", page.name)),
+            page.text(returns, book)?.into_bytes(),
+        ));
+    }
+    Ok(documents)
+}
+
+const LIST_HEAD: &str = "<!-- Written by `cargo xtask docs`. -->
+
+# Environments
+
+Each page has the spaces, rewards, starts and ends of an environment, its arguments, and the returns of a random and a good policy.
+
+| | environment | ids |
+|---|---|---|
+";
+
+/// The documentation of an environment's module, in its parts.
+struct Docs {
+    title: String,
+    /// The task, in a sentence.
+    summary: String,
+    /// The lines of the table.
+    table: Vec<String>,
+    /// A table of the numbers in an observation.
+    observation: Option<String>,
+    versions: Option<String>,
+    differences: Option<String>,
+    rest: Vec<String>,
+}
+
+impl Docs {
+    /// From the text of a source file.
+    fn parse(source: &str, file: &str, has_actions: bool) -> Result<Self> {
+        let missing =
+            |what: &str| Error::custom(format!("{file}: its module docs (`//!`) lack {what}"));
+        let lines = source.lines().map_while(|line| line.strip_prefix("//!"));
+        let lines: Vec<_> = lines
+            .map(|line| line.strip_prefix(' ').unwrap_or(line))
+            .collect();
+        let mut text =
+            without_item_links(&lines.join("\n")).replace("`Config`", "[`Config`](#arguments)");
+        if has_actions {
+            text = text.replace("`Action`", "[`Action`](#actions)");
+        }
+        let mut paragraphs = text.split("\n\n").map(str::trim);
+        let title = paragraphs.next().and_then(|title| title.split_once(": "));
+        let (title, summary) =
+            title.ok_or_else(|| missing("a title, as in `Name: what to do.`"))?;
+        let mut docs = Self {
+            title: title.to_owned(),
+            summary: capitalised(&summary.replace('\n', " ")),
+            table: Vec::new(),
+            observation: None,
+            versions: None,
+            differences: None,
+            rest: Vec::new(),
+        };
+        for paragraph in paragraphs {
+            if paragraph.starts_with("| |") {
+                docs.table = paragraph.lines().skip(2).map(str::to_owned).collect();
+            } else if paragraph.starts_with("| number |") {
+                docs.observation = Some(paragraph.to_owned());
+            } else if let Some(versions) = paragraph.strip_prefix("Versions: ") {
+                docs.versions = Some(versions.to_owned());
+            } else if let Some(differences) = paragraph.strip_prefix("Differences from Gymnasium: ")
+            {
+                docs.differences = Some(capitalised(differences));
+            } else {
+                docs.rest.push(paragraph.to_owned());
+            }
+        }
+        for row in ["observation", "action", "reward", "start", "end", "limit"] {
+            if !docs
+                .table
+                .iter()
+                .any(|line| line.starts_with(&format!("| {row} |")))
+            {
+                return Err(missing(&format!("the row `{row}` of the table")));
+            }
+        }
+        Ok(docs)
+    }
+}
+
+/// Rustdoc's links to items as plain code, without the brackets around it.
+fn without_item_links(text: &str) -> String {
+    // where more code follows at once, both become one: [`f`]`(x)` is `f(x)`
+    text.replace("`]`", "")
+        .replace("[`", "`")
+        .replace("`]", "`")
+        .replace("`Config::", "`")
+}
+
+fn capitalised(text: &str) -> String {
+    let mut letters = text.chars();
+    letters
+        .next()
+        .map(|first| first.to_uppercase().to_string() + letters.as_str())
+        .unwrap_or_default()
+}
+
+impl Page {
+    fn read(registrations: &[Registration], folder: &Path) -> Result<Self> {
+        let source = registrations[0].source;
+        let module = source.module.rsplit("::").next().unwrap_or_default();
+        let actions = registrations.iter().any(|entry| !entry.actions.is_empty());
+        let path = folder.join(source.file);
+        let text = std::fs::read_to_string(&path).map_err(|error| Error::io(&path, error))?;
+        Ok(Self {
+            name: module.replace('_', "-"),
+            registrations: registrations.to_vec(),
+            docs: Docs::parse(&text, source.file, actions)?,
+        })
+    }
+
+    /// The registration that the GIF and the arguments are of.
+    pub(super) fn shown(&self) -> &Registration {
+        self.registrations
+            .iter()
+            .find(|entry| entry.clip.is_some())
+            .unwrap_or(&self.registrations[0])
+    }
+
+    /// The picture, if there is one.
+    fn image(&self, text: &str) -> String {
+        let image = self
+            .shown()
+            .clip
+            .as_ref()
+            .map(|_| format!("![{text}](images/{}.gif)", self.name));
+        image.unwrap_or_default()
+    }
+
+    /// The line of the list.
+    fn row(&self) -> String {
+        let ids: Vec<_> = self
+            .registrations
+            .iter()
+            .map(|entry| format!("`{}`", entry.id()))
+            .collect();
+        let (name, Docs { title, summary, .. }) = (&self.name, &self.docs);
+        let image = self.image(title);
+        let image = if image.is_empty() {
+            image
+        } else {
+            format!("[{image}]({name}.md)")
+        };
+        format!(
+            "| {image} | [{title}]({name}.md): {summary} | {} |\n",
+            ids.join(", ")
+        )
+    }
+
+    fn text(&self, returns: &Returns, book: Option<&Book>) -> Result<String> {
+        let Self {
+            registrations,
+            docs,
+            ..
+        } = self;
+        let Docs { title, summary, .. } = docs;
+        let mut text = format!(
+            "<!-- Written by `cargo xtask docs` from {} and the registry: change those. -->\n\n# {title}\n\n{summary}\n",
+            self.shown().source.file
+        );
+        let image = self.image(&format!("An episode of {title}"));
+        if !image.is_empty() {
+            text += &format!("\n{image}\n");
+        }
+        text += &format!("\n| | |\n|---|---|\n{}\n", docs.table.join("\n"));
+        let mut section =
+            |title: &str, body: &str| text += &format!("\n## {title}\n\n{}\n", body.trim_end());
+        if let Some(observation) = &docs.observation {
+            section("Observation", observation);
+        }
+        if let Some(entry) = registrations.iter().find(|entry| !entry.actions.is_empty()) {
+            section("Actions", &actions(entry.actions));
+        }
+        section("Ids", &ids(registrations)?);
+        section("Spaces", &spaces(registrations)?);
+        section("Arguments", &arguments(self.shown(), registrations)?);
+        section("Rendering", &rendering(registrations)?);
+        if let Some(versions) = &docs.versions {
+            section("Versions", versions);
+        }
+        let no_difference = book.map(|book| book.no_difference);
+        if let Some(differences) = docs.differences.as_deref().or(no_difference) {
+            section("Differences from Gymnasium", differences);
+        }
+        if registrations
+            .iter()
+            .any(|entry| returns.contains_key(entry.id()))
+        {
+            section("Returns", &self.returns(returns));
+        }
+        if !docs.rest.is_empty() {
+            section("Notes", &docs.rest.join("\n\n"));
+        }
+        Ok(text)
+    }
+
+    fn returns(&self, returns: &Returns) -> String {
+        let shown = self.shown();
+        let good = shown.policy.map_or_else(String::new, |policy| {
+            let (description, id) = (policy.description, shown.id());
+            format!(
+                " The good policy {description}. To play it: `cargo xtask run {id} --policy good`."
+            )
+        });
+        format!(
+            "Mean and standard deviation of the return, and mean number of steps, over {EPISODES} episodes \
+             (seeds 0 to {}).{good}\n\n{}",
+            EPISODES - 1,
+            table_of_returns(&self.registrations, returns)
+        )
+    }
+}
+
+/// The arguments of one of the registrations, which documents those of all.
+fn arguments(shown: &Registration, registrations: &[Registration]) -> Result<String> {
+    let table = shown.arguments()?;
+    if table.is_empty() {
+        return Ok("None.".into());
+    }
+    let mut text = String::from("| argument | type | default | meaning |\n|---|---|---|---|\n");
+    for argument in &table {
+        let unit = if argument.unit.is_empty() {
+            String::new()
+        } else {
+            format!(" {}", argument.unit)
+        };
+        let versions = match argument.versions {
+            "" => String::new(),
+            _ if registrations.len() == 1 => String::new(),
+            versions => format!(" (versions `{versions}`)"),
+        };
+        let meaning = without_item_links(&argument.meaning);
+        let (name, kind, default) = (argument.name, &argument.kind, &argument.default);
+        text += &format!(
+            "| `{name}` | {kind} | `{default}`{unit} | {}{versions} |\n",
+            meaning.replace('|', "\\|")
+        );
+    }
+    // a value that differs from the default, if a boolean has one
+    let example = table.iter().find_map(|argument| match &argument.default {
+        Json::Bool(value) => Some((argument.name, Json::Bool(!value))),
+        Json::Number(_) => Some((argument.name, argument.default.clone())),
+        _ => None,
+    });
+    if let Some((name, value)) = example {
+        let (id, module) = (shown.id(), shown.source.module.replacen("gym_", "gym::", 1));
+        text += &format!(
+            "\nSet one by name, as in `gym::builder(\"{id}\").arg(\"{name}\", {value}).build()?`, or as a field of \
+             `{module}::Config`."
+        );
+        gym::builder(id).arg(name, value).build()?;
+    }
+    Ok(text)
+}
+
+fn ids(registrations: &[Registration]) -> Result<String> {
+    let mut text = "| id | arguments it sets | step limit | solved at a mean return of |\n\
+                    |---|---|---|---|\n"
+        .to_owned();
+    for entry in registrations {
+        let spec = entry.spec()?;
+        let kwargs: Vec<_> = spec
+            .kwargs
+            .iter()
+            .map(|(name, value)| format!("`{name}`: `{value}`"))
+            .collect();
+        let kwargs = if kwargs.is_empty() {
+            "none".into()
+        } else {
+            kwargs.join(", ")
+        };
+        let limit = spec
+            .max_episode_steps
+            .map_or("none".into(), |limit| limit.to_string());
+        let threshold = spec
+            .reward_threshold
+            .map_or("not defined".into(), |threshold| threshold.to_string());
+        text += &format!("| `{}` | {kwargs} | {limit} | {threshold} |\n", spec.id);
+    }
+    Ok(text)
+}
+
+/// The spaces, each with the ids that have it.
+fn spaces(registrations: &[Registration]) -> Result<String> {
+    let mut rows: Vec<(String, Vec<String>)> = Vec::new();
+    for entry in registrations {
+        let env = entry.spec()?.make()?;
+        for (kind, space) in [
+            ("action", env.action_space()),
+            ("observation", env.observation_space()),
+        ] {
+            // numpy breaks long arrays into lines
+            let space = space
+                .to_string()
+                .split_whitespace()
+                .collect::<Vec<_>>()
+                .join(" ");
+            let row = format!("{kind} | `{space}`");
+            match rows.iter_mut().find(|(other, _)| *other == row) {
+                Some((_, ids)) => ids.push(format!("`{}`", entry.id())),
+                None => rows.push((row, vec![format!("`{}`", entry.id())])),
+            }
+        }
+    }
+    rows.sort();
+    let rows: String = rows
+        .iter()
+        .map(|(row, ids)| {
+            let ids = if ids.len() == registrations.len() {
+                "all".into()
+            } else {
+                ids.join(", ")
+            };
+            format!("| {row} | {ids} |\n")
+        })
+        .collect();
+    Ok(format!("| | space | ids |\n|---|---|---|\n{rows}"))
+}
+
+fn actions(variants: &[(&str, &str)]) -> String {
+    let row = |(number, (name, docs)): (usize, &(&str, &str))| {
+        let words: Vec<_> = docs.split_whitespace().collect();
+        format!("| {number} | `{name}` | {} |\n", words.join(" "))
+    };
+    let rows: String = variants.iter().enumerate().map(row).collect();
+    format!("| number | name | meaning |\n|---|---|---|\n{rows}")
+}
+
+fn rendering(registrations: &[Registration]) -> Result<String> {
+    let Some(entry) = registrations.first() else {
+        return Ok(String::new());
+    };
+    let metadata = entry.spec()?.make()?.metadata();
+    let can = |mode: &&RenderMode| metadata.render_modes.contains(&mode.single());
+    let modes: Vec<_> = RenderMode::ALL
+        .iter()
+        .filter(can)
+        .map(|mode| format!("`{mode}`"))
+        .collect();
+    let (width, height) = metadata.render_size;
+    let fps = metadata.render_fps;
+    Ok(format!(
+        "Modes {}; {width}x{height} pixels, {fps} frames per second.",
+        modes.join(", ")
+    ))
+}
+
+fn table_of_returns(registrations: &[Registration], returns: &Returns) -> String {
+    let cells = |summary: &Summary| {
+        let Summary {
+            mean,
+            deviation,
+            mean_length,
+        } = summary;
+        format!("{mean:.2} \u{b1} {deviation:.2} | {mean_length:.1}")
+    };
+    let mut text =
+        "| id | random policy | steps | good policy | steps |\n|---|---|---|---|---|\n".to_owned();
+    for entry in registrations {
+        let id = entry.id();
+        let Some(Measured { random, good }) = returns.get(id) else {
+            text += &format!("| `{id}` | not measured | - | - | - |\n");
+            continue;
+        };
+        let good = good.as_ref().map_or("- | -".into(), cells);
+        text += &format!("| `{id}` | {} | {good} |\n", cells(random));
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn module_docs_are_taken_apart() {
+        let rows = ["observation", "action", "reward", "start", "end", "limit"]
+            .map(|row| format!("//! | {row} | x |\n"));
+        let source = format!(
+            "//! Lake: cross\n//! it.\n//!\n//! | | |\n//! |---|---|\n{}//!\n//! Versions: 1, with [`Config`] and [`f`]`(x)`.\n\n\
+             use x; //! no more",
+            rows.concat()
+        );
+        let docs = Docs::parse(&source, "lake.rs", false).unwrap();
+        assert_eq!(
+            (&*docs.title, &*docs.summary, docs.table.len()),
+            ("Lake", "Cross it.", 6)
+        );
+        assert_eq!(
+            docs.versions.as_deref(),
+            Some("1, with [`Config`](#arguments) and `f(x)`.")
+        );
+        let error = Docs::parse(&source.replace("| end |", "| ends |"), "lake.rs", false)
+            .err()
+            .unwrap();
+        assert!(
+            error.to_string().contains("lake.rs") && error.to_string().contains("`end`"),
+            "{error}"
+        );
+    }
+}

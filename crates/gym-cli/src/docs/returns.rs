@@ -1,0 +1,104 @@
+//! The returns of a random and of a good policy, measured once and kept beside the pages.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use gym::{EnvSpec, Error, Result};
+use serde::{Deserialize, Serialize};
+
+use super::Document;
+use crate::output::tell;
+use crate::policy::Policy;
+use crate::workspace::{self, Workspace};
+
+/// The stored returns of the pages, so that they need not be measured each time.
+const FILE: &str = "docs/environments/returns.json";
+
+/// Seeds 0 to this, excluded.
+pub(super) const EPISODES: u64 = 100;
+
+/// By id.
+pub(super) type Returns = BTreeMap<String, Measured>;
+
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct Measured {
+    pub(super) random: Summary,
+    /// Of environments that have a good policy.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) good: Option<Summary>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+pub(super) struct Summary {
+    pub(super) mean: f64,
+    pub(super) deviation: f64,
+    pub(super) mean_length: f64,
+}
+
+/// The stored returns of a folder; none without a file.
+pub(super) fn read(folder: &Path) -> Result<Returns> {
+    let path = folder.join(FILE);
+    if !path.exists() {
+        return Ok(Returns::new());
+    }
+    let text = std::fs::read_to_string(&path).map_err(|error| Error::io(&path, error))?;
+    serde_json::from_str(&text).map_err(|error| {
+        Error::custom(format!(
+            "{FILE}: {error}: write it with `cargo xtask docs --measure`"
+        ))
+    })
+}
+
+/// Plays every environment.
+pub(super) fn measure(workspace: &Workspace) -> Result<Returns> {
+    workspace::without_needy(workspace.own()?)
+        .iter()
+        .map(|registration| {
+            let spec = registration.spec()?;
+            let measured = Measured {
+                random: summary(&spec, Policy::Random)?,
+                good: Policy::good(&spec.make()?)?
+                    .map(|_| summary(&spec, Policy::Good))
+                    .transpose()?,
+            };
+            let good = measured.good.as_ref().map_or(f64::NAN, |good| good.mean);
+            tell!("{:32} {:>12.2} {good:>12.2}", spec.id, measured.random.mean);
+            Ok((spec.id, measured))
+        })
+        .collect()
+}
+
+fn summary(spec: &EnvSpec, policy: Policy) -> Result<Summary> {
+    let mut env = spec.make()?;
+    let episodes = (0..EPISODES)
+        .map(|seed| policy.play(&mut env, seed, |_| Ok(())))
+        .collect::<Result<Vec<_>>>()?;
+    let count = episodes.len() as f64;
+    let mean = episodes
+        .iter()
+        .map(|episode| episode.episode_return)
+        .sum::<f64>()
+        / count;
+    let variance = episodes
+        .iter()
+        .map(|episode| (episode.episode_return - mean).powi(2))
+        .sum::<f64>()
+        / count;
+    let mean_length = episodes
+        .iter()
+        .map(|episode| episode.length as f64)
+        .sum::<f64>()
+        / count;
+    let round = |x: f64| (x * 100.0).round() / 100.0;
+    Ok(Summary {
+        mean: round(mean),
+        deviation: round(variance.sqrt()),
+        mean_length: round(mean_length),
+    })
+}
+
+pub(super) fn document(returns: &Returns) -> Result<Document> {
+    let json =
+        serde_json::to_string_pretty(returns).map_err(|error| Error::custom(error.to_string()))?;
+    Ok((PathBuf::from(FILE), (json + "\n").into_bytes()))
+}

@@ -1,0 +1,174 @@
+//! The commands of `cargo xtask`, over every environment that a program links.
+//!
+//! A workspace with environments of its own has a package `xtask` with this program, and the alias
+//! `xtask = "run --release --package xtask --"` in `.cargo/config.toml`:
+//!
+//! ```no_run
+//! # mod my_envs {}
+//! use my_envs as _; // links them
+//!
+//! fn main() -> std::process::ExitCode {
+//!     gym_cli::main(env!("CARGO_MANIFEST_DIR"))
+//! }
+//! ```
+//!
+//! `cargo xtask new` makes such a workspace, and `cargo xtask help` lists the commands. A command
+//! that names no environment serves those that the workspace registers; every linked one can be
+//! named.
+//!
+//! `conform` counts allocations. Its allocator would slow down every other command, so `conform` is
+//! a build of its own, with the feature `conform`: the command builds it with the profile `dev`,
+//! which checks arithmetic for overflows too.
+
+// they panic where the output cannot be written
+#![warn(clippy::print_stdout, clippy::print_stderr)]
+
+#[cfg(feature = "families")]
+mod atari;
+mod bench;
+mod conform;
+mod demo;
+mod dependency;
+mod docs;
+mod gif;
+mod inputs;
+mod keys;
+mod list;
+#[cfg(feature = "families")]
+mod mjcf;
+mod new;
+mod output;
+mod play;
+mod plots;
+mod policy;
+mod python;
+mod replay;
+mod run;
+mod soak;
+mod workspace;
+
+use std::path::Path;
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use gym::Result;
+
+pub use crate::docs::{Book, Document};
+use crate::output::tell;
+use crate::workspace::Workspace;
+
+#[derive(Parser)]
+#[command(
+    name = "cargo xtask",
+    bin_name = "cargo xtask",
+    about = "Commands over every environment that is linked"
+)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Lists the environments.
+    List(list::Arguments),
+    /// Plays random episodes of the newest version of each task; writes GIFs, plots and a table to
+    /// target/demo.
+    Demo(demo::Arguments),
+    /// Records one episode as a GIF, animated PNG or MP4.
+    Gif(gif::Arguments),
+    /// Lets you play, with the keyboard.
+    Play(play::Arguments),
+    /// Plays one episode per seed and prints returns and lengths.
+    Run(run::Arguments),
+    /// Repeats recorded traces and compares, or writes, the answers.
+    Replay(replay::Arguments),
+    /// Compiles a model in MJCF and prints its sizes.
+    #[cfg(feature = "families")]
+    Mjcf(mjcf::Arguments),
+    /// Compares your ROMs of the Atari 2600 with recordings of ale-py.
+    #[cfg(feature = "families")]
+    Atari(atari::Arguments),
+    /// Writes the pages about the environments of this workspace.
+    Docs(docs::Arguments),
+    /// Measures steps and frames per second.
+    Bench(bench::Arguments),
+    /// Checks environments against the rules of gym-conform.
+    Conform(conform::Arguments),
+    /// Makes a Python package: rustgym, with the environments of this workspace beside its own.
+    Python,
+    /// Creates a crate with an environment of your own.
+    New(new::Arguments),
+    /// Steps every environment for a long time, and checks that memory does not grow.
+    Soak(soak::Arguments),
+}
+
+/// Runs the command that the program's arguments name, for the workspace of the package in the
+/// folder `package`: `env!("CARGO_MANIFEST_DIR")`.
+pub fn main(package: &str) -> ExitCode {
+    start(package, None)
+}
+
+/// As [`main`], in a workspace whose pages on environments are part of a book.
+pub fn main_with_book(package: &str, book: &Book) -> ExitCode {
+    start(package, Some(book))
+}
+
+fn start(package: &str, book: Option<&Book>) -> ExitCode {
+    log::set_logger(&Stderr)
+        .map(|()| log::set_max_level(log::LevelFilter::Warn))
+        .ok();
+    let workspace = Workspace::of(Path::new(package));
+    match command(Arguments::parse().command, &workspace, book) {
+        Ok(code) => code,
+        Err(error) if output::reader_left(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            tell!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn command(command: Command, workspace: &Workspace, book: Option<&Book>) -> Result<ExitCode> {
+    match command {
+        Command::List(arguments) => list::list(&arguments),
+        Command::Demo(arguments) => demo::demo(&arguments, workspace),
+        Command::Gif(arguments) => gif::gif(&arguments),
+        Command::Play(arguments) => play::play(&arguments),
+        Command::Run(arguments) => run::run(&arguments),
+        Command::Replay(arguments) => replay::replay(&arguments),
+        #[cfg(feature = "families")]
+        Command::Mjcf(arguments) => mjcf::mjcf(&arguments),
+        #[cfg(feature = "families")]
+        Command::Atari(arguments) => atari::atari(arguments),
+        Command::Docs(arguments) => docs::docs(&arguments, workspace, book),
+        Command::Bench(arguments) => bench::bench(&arguments, workspace),
+        Command::Conform(arguments) => return conform::conform(&arguments, workspace),
+        Command::Python => python::python(workspace),
+        Command::New(arguments) => new::new(&arguments, workspace),
+        Command::Soak(arguments) => soak::soak(&arguments, workspace),
+    }
+    .map(|()| ExitCode::SUCCESS)
+}
+
+/// Shows the library's warnings, for example about an outdated environment.
+struct Stderr;
+
+impl log::Log for Stderr {
+    fn enabled(&self, _metadata: &log::Metadata<'_>) -> bool {
+        true
+    }
+
+    fn log(&self, record: &log::Record<'_>) {
+        // warnings of other crates are not about environments
+        if record.target().starts_with("gym") {
+            tell!(
+                "{}: {}",
+                record.level().as_str().to_lowercase(),
+                record.args()
+            );
+        }
+    }
+
+    fn flush(&self) {}
+}

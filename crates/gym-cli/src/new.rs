@@ -1,0 +1,186 @@
+//! `cargo xtask new NAME`
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process;
+
+use gym::{Error, Result};
+
+use crate::dependency::Source;
+use crate::output::say;
+use crate::workspace::Workspace;
+
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// The name of the crate, and the namespace of its environments: lower-case letters, digits and
+    /// `_`.
+    name: String,
+    /// The folder to make; by default a folder of that name in the current one.
+    #[arg(long, value_name = "DIR")]
+    path: Option<PathBuf>,
+    /// The environment has a native vector: its step is one formula, for one environment and for
+    /// many.
+    #[arg(long)]
+    native: bool,
+}
+
+/// The files of a new crate besides its environment, with their texts; `plugin_name` stands for the
+/// name.
+const FILES: [(&str, &str); 8] = [
+    (
+        "Cargo.toml",
+        include_str!("../templates/plugin/manifest.toml"),
+    ),
+    (
+        ".cargo/config.toml",
+        include_str!("../templates/plugin/config.toml"),
+    ),
+    (
+        "xtask/Cargo.toml",
+        include_str!("../templates/plugin/xtask/manifest.toml"),
+    ),
+    (
+        "xtask/src/main.rs",
+        include_str!("../templates/plugin/xtask/main.rs"),
+    ),
+    (".gitignore", include_str!("../templates/plugin/gitignore")),
+    ("README.md", include_str!("../templates/plugin/README.md")),
+    (
+        "tests/conform.rs",
+        include_str!("../templates/plugin/tests/conform.rs"),
+    ),
+    (
+        "examples/gif.rs",
+        include_str!("../templates/plugin/examples/gif.rs"),
+    ),
+];
+
+/// Its environment.
+const CORRIDOR: [(&str, &str); 2] = [
+    ("src/lib.rs", include_str!("../templates/plugin/src/lib.rs")),
+    (
+        "src/corridor.rs",
+        include_str!("../templates/plugin/src/corridor.rs"),
+    ),
+];
+
+/// The one with a native vector.
+const ROCKET: [(&str, &str); 2] = [
+    ("src/lib.rs", include_str!("../templates/native/src/lib.rs")),
+    (
+        "src/rocket.rs",
+        include_str!("../templates/native/src/rocket.rs"),
+    ),
+];
+
+pub(crate) fn new(arguments: &Arguments, workspace: &Workspace) -> Result<()> {
+    let Arguments { name, path, native } = arguments;
+    check_name(name)?;
+    let folder = path.clone().unwrap_or_else(|| name.into());
+    if folder.symlink_metadata().is_ok() {
+        return Err(Error::custom(format!(
+            "{}: it exists already, choose another --path",
+            folder.display()
+        )));
+    }
+    let source = Source::of(workspace)?;
+    // under a temporary name until it is complete
+    let file_name = folder
+        .file_name()
+        .unwrap_or(name.as_ref())
+        .to_string_lossy();
+    let unfinished = folder.with_file_name(format!(".{file_name}-{}.tmp", process::id()));
+    let written = write_all(&unfinished, arguments, &source, workspace)
+        .and_then(|()| fs::rename(&unfinished, &folder).map_err(|error| Error::io(&folder, error)));
+    if written.is_err() {
+        // Nothing more can be done if this fails too.
+        let _ = fs::remove_dir_all(&unfinished);
+        return written;
+    }
+    say!(
+        "{} has the environment `{name}/{}-v0`. In that folder:",
+        folder.display(),
+        task(*native).0
+    )?;
+    say!("  cargo test               checks that it keeps the rules")?;
+    say!("  cargo run --example gif  draws an episode")?;
+    say!("  cargo xtask help         lists the commands: list, play, gif, bench, docs, python")?;
+    Ok(())
+}
+
+/// A name that is valid for a package, a crate and a namespace.
+fn check_name(name: &str) -> Result<()> {
+    /// Reserved words, and crates that the new one depends on.
+    const TAKEN: &str = "abstract as async await become box break const continue crate do dyn else enum extern false \
+                         final fn for gen gym gym_conform gym_core gym_native gym_render if impl in let loop macro match mod move mut override \
+                         priv pub ref return self serde static std struct super test trait true try type typeof \
+                         unsafe unsized use virtual where while yield core alloc proc_macro";
+    let refuse = |reason: &str| Err(Error::argument("NAME", format!("`{name}` {reason}")));
+    let is_word = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
+    if !name.starts_with(|c: char| c.is_ascii_lowercase())
+        || !name.chars().all(is_word)
+        || name.len() > 64
+    {
+        return refuse(
+            "must be lower-case letters, digits and `_`, with a letter first, at most 64 of them",
+        );
+    }
+    if TAKEN.split_whitespace().any(|taken| taken == name) {
+        return refuse("is taken: choose another name");
+    }
+    Ok(())
+}
+
+/// The task's name, and its description in the README.
+fn task(native: bool) -> (&'static str, &'static str) {
+    if native {
+        (
+            "Rocket",
+            "touch down softly, with as little fuel as possible",
+        )
+    } else {
+        (
+            "Corridor",
+            "find the way out of a dark corridor, on a slippery floor",
+        )
+    }
+}
+
+fn write_all(
+    folder: &Path,
+    arguments: &Arguments,
+    source: &Source,
+    workspace: &Workspace,
+) -> Result<()> {
+    let Arguments { name, native, .. } = arguments;
+    let (task, what) = task(*native);
+    for (file, text) in FILES
+        .into_iter()
+        .chain(if *native { ROCKET } else { CORRIDOR })
+    {
+        let path = folder.join(file);
+        let parent = path.parent().unwrap_or(folder);
+        fs::create_dir_all(parent).map_err(|error| Error::io(parent, error))?;
+        // a dependency of one of the two
+        let text = if *native {
+            text.into()
+        } else {
+            text.replace("gym-native = GYM_NATIVE\n", "")
+        };
+        let text = text
+            .replace("plugin_name", name)
+            .replace("TASK_FILE", &task.to_lowercase())
+            .replace("TASK_NAME", task)
+            .replace("TASK_SENTENCE", what)
+            .replace("GYM_CLI", &source.dependency("gym-cli"))
+            .replace("GYM_CONFORM", &source.dependency("gym-conform"))
+            .replace("GYM_CORE", &source.dependency("gym-core"))
+            .replace("GYM_NATIVE", &source.dependency("gym-native"))
+            .replace("GYM_RENDER", &source.dependency("gym-render"));
+        gym::render::file::write(&path, text.as_bytes())?;
+    }
+    // the versions that are there already
+    let lock = workspace.folder().join("Cargo.lock");
+    fs::copy(&lock, folder.join("Cargo.lock")).map_err(|error| Error::io(&lock, error))?;
+    Ok(())
+}

@@ -1,0 +1,331 @@
+//! `cargo xtask play ID`
+
+use std::io::BufRead;
+use std::path::PathBuf;
+
+use gym::render::{Frame, RenderMode, Video, file};
+use gym::trace::{Event, Trace};
+use gym::{BoxEnv, Env, EnvExt, Error, Kwargs, Reset, Result};
+use serde_json::{Value as Json, json};
+
+use gym::keys::{Idle, Keys};
+
+use crate::inputs;
+use crate::keys;
+use crate::output::{self, say};
+
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// The environment.
+    id: String,
+    /// Seeds the first episode.
+    #[arg(long)]
+    seed: Option<u64>,
+    /// Arguments of the environment, as a JSON object.
+    #[arg(long, value_parser = inputs::parse_kwargs, default_value = "{}")]
+    kwargs: Kwargs,
+    /// Plays in the terminal, for environments that have a text form.
+    #[arg(long)]
+    terminal: bool,
+    /// Frames per second, if not the environment's own.
+    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    fps: Option<u32>,
+    /// Enlarges the picture.
+    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=8))]
+    zoom: u32,
+    /// Gives a key an action in JSON, as in `--key A=0` or `--key Space=[1.0]`.
+    #[arg(long = "key", value_parser = parse_key)]
+    keys: Vec<(String, Json)>,
+    /// The action while no key is down; `null` waits for a key.
+    #[arg(long, value_parser = parse_json)]
+    idle: Option<Json>,
+    /// Stops after this number of episodes.
+    #[arg(long)]
+    episodes: Option<u64>,
+    /// Records the frames to this file: .gif, .png (animated) or .mp4.
+    #[arg(long)]
+    record: Option<PathBuf>,
+    /// Records the actions and results to this file, for `replay`.
+    #[arg(long)]
+    trace: Option<PathBuf>,
+}
+
+fn parse_json(text: &str) -> Result<Json, String> {
+    serde_json::from_str(text).map_err(|error| format!("not JSON: {error}"))
+}
+
+fn parse_key(text: &str) -> Result<(String, Json), String> {
+    let (name, action) = text
+        .split_once('=')
+        .ok_or("write NAME=ACTION, as in Left=0")?;
+    Ok((name.to_owned(), parse_json(action)?))
+}
+
+pub(crate) fn play(arguments: &Arguments) -> Result<()> {
+    if !arguments.terminal && !cfg!(feature = "human") {
+        return Err(Error::custom(
+            "this program was built without windows: run `cargo xtask play`, or add `--terminal`",
+        ));
+    }
+    let mut session = Session::start(arguments)?;
+    let mut keys = keys::of(&session.trace.id, &session.env)?;
+    arguments
+        .keys
+        .iter()
+        .for_each(|(key, action)| keys::set(&mut keys, key, action.clone()));
+    match &arguments.idle {
+        None => {}
+        Some(Json::Null) => keys.idle = Idle::Wait,
+        Some(action) => keys.idle = Idle::Action(action.clone()),
+    }
+    keys::check(&keys, &session.env.action_space())?;
+    say!("{}", keys::describe(&keys))?;
+    if arguments.terminal {
+        say!(
+            "write a key's name or the start of it and press Enter; or `restart`, or `q` to quit"
+        )?;
+        in_terminal(&mut session, &keys)?;
+    } else {
+        say!("R = restart, Escape = quit")?;
+        #[cfg(feature = "human")]
+        window::play(&mut session, &keys, arguments)?;
+    }
+    session.finish(arguments)
+}
+
+/// The running game and its recordings.
+struct Session {
+    env: BoxEnv,
+    frame: Frame,
+    video: Option<Video>,
+    trace: Trace,
+    episode: u64,
+    episodes: Option<u64>,
+    steps: u64,
+    score: f64,
+}
+
+impl Session {
+    /// Makes the environment and resets it.
+    fn start(arguments: &Arguments) -> Result<Self> {
+        let builder = gym::builder(&arguments.id).args(arguments.kwargs.clone());
+        let spec = builder.clone().spec()?;
+        let (width, height) = builder.clone().build()?.metadata().render_size;
+        let builder = builder.render_mode(RenderMode::RgbArray);
+        let env = builder
+            .render_size(width * arguments.zoom, height * arguments.zoom)
+            .build()?;
+        let fps = arguments.fps.unwrap_or(env.metadata().render_fps);
+        if let Some(path) = &arguments.trace {
+            inputs::check_writable(path)?;
+        }
+        let video = arguments
+            .record
+            .as_ref()
+            .map(|path| Video::create(path, fps))
+            .transpose()?;
+        let mut session = Self {
+            env,
+            frame: Frame::default(),
+            video,
+            trace: Trace {
+                id: spec.id,
+                kwargs: arguments.kwargs.clone(),
+                ..Trace::default()
+            },
+            episode: 0,
+            episodes: arguments.episodes,
+            steps: 0,
+            score: 0.0,
+        };
+        session.reset(arguments.seed.map_or_else(Reset::default, Reset::from))?;
+        Ok(session)
+    }
+
+    fn reset(&mut self, reset: Reset) -> Result<()> {
+        let request = (&reset).into();
+        let observation = self.env.reset(reset)?;
+        (self.steps, self.score) = (0, 0.0);
+        self.episode += 1;
+        self.record(Event {
+            reset: Some(request),
+            observation: Some(observation.to_json()),
+            ..Event::default()
+        })
+    }
+
+    /// Takes a step; gives whether the episode is over.
+    fn step(&mut self, action: &Json) -> Result<bool> {
+        let step = self.env.step(&self.env.action_space().from_json(action)?)?;
+        self.steps += 1;
+        self.score += step.reward;
+        let done = step.done();
+        self.record(Event {
+            step: Some(action.clone()),
+            observation: Some(step.observation.to_json()),
+            reward: Some(json!(step.reward)),
+            terminated: Some(json!(step.terminated)),
+            truncated: Some(json!(step.truncated)),
+            ..Event::default()
+        })?;
+        if done {
+            say!("{}", self.status())?;
+        }
+        Ok(done)
+    }
+
+    fn record(&mut self, event: Event) -> Result<()> {
+        let info = self
+            .env
+            .info_map()
+            .into_iter()
+            .map(|(key, value)| (key, value.to_json()))
+            .collect();
+        self.trace.events.push(Event {
+            info: Some(info),
+            ..event
+        });
+        let frame = self.env.render()?.into_frame();
+        self.frame =
+            frame.ok_or_else(|| Error::Contract("`rgb_array` rendered no frame".into()))?;
+        self.video
+            .as_mut()
+            .map_or(Ok(()), |video| video.write(&self.frame))
+    }
+
+    /// Whether enough episodes have been played once this one is over.
+    fn is_last(&self) -> bool {
+        self.episodes
+            .is_some_and(|episodes| self.episode >= episodes)
+    }
+
+    fn status(&self) -> String {
+        format!(
+            "{}  episode {}  step {}  score {:.2}",
+            self.trace.id, self.episode, self.steps, self.score
+        )
+    }
+
+    /// Completes the recordings.
+    fn finish(self, arguments: &Arguments) -> Result<()> {
+        if let (Some(video), Some(path)) = (self.video, &arguments.record) {
+            video.finish()?;
+            say!("{}", path.display())?;
+        }
+        if let Some(path) = &arguments.trace {
+            let json = serde_json::to_vec(&self.trace)
+                .map_err(|error| Error::custom(error.to_string()))?;
+            file::write(path, &json)?;
+            say!("{}: {} events", path.display(), self.trace.events.len())?;
+        }
+        Ok(())
+    }
+}
+
+/// Plays line by line: the name of a key, or the start of it, and Enter.
+fn in_terminal(session: &mut Session, keys: &Keys) -> Result<()> {
+    let mut lines = std::io::stdin().lock().lines();
+    let mut done = false;
+    loop {
+        let text = session.env.ansi();
+        let text =
+            text.ok_or_else(|| Error::custom("it has no text form: play without --terminal"))?;
+        output::write(format_args!(
+            "\n{}\n{}> ",
+            text.trim_end_matches('\n'),
+            session.status()
+        ))?;
+        if done {
+            if session.is_last() {
+                say!("")?;
+                return Ok(());
+            }
+            session.reset(Reset::default())?;
+            done = false;
+            continue;
+        }
+        let Some(Ok(line)) = lines.next() else {
+            return Ok(());
+        };
+        let word = line.trim().to_lowercase();
+        let starts =
+            |name: &&(String, Json)| !word.is_empty() && name.0.to_lowercase().starts_with(&word);
+        match word.as_str() {
+            "q" | "escape" => return Ok(()),
+            "restart" => session.reset(Reset::default())?,
+            _ => match keys.actions.iter().find(starts) {
+                Some((_, action)) => done = session.step(action)?,
+                None => say!("keys: {}, restart, q", keys::describe(keys))?,
+            },
+        }
+    }
+}
+
+#[cfg(feature = "human")]
+mod window {
+    use std::time::{Duration, Instant};
+
+    use gym::render::Window;
+
+    use super::*;
+
+    /// The time for which the end of an episode is shown.
+    const PAUSE: Duration = Duration::from_millis(800);
+
+    /// Plays until the window is closed.
+    pub(super) fn play(session: &mut Session, keys: &Keys, arguments: &Arguments) -> Result<()> {
+        let fps = arguments
+            .fps
+            .unwrap_or(session.env.metadata().render_fps)
+            .max(1);
+        let period = Duration::from_secs(1) / fps;
+        let size = (session.frame.width(), session.frame.height());
+        let mut window = Window::open(&session.status(), size)?;
+        let mut last = None;
+        let mut down = Vec::new();
+        let mut due = Instant::now() + period;
+        while window.is_open() {
+            window.show(&session.frame);
+            window.set_title(&session.status());
+            let before = std::mem::replace(&mut down, window.keys());
+            let is_new = |key: &String| !before.contains(key);
+            if down.iter().any(|key| key == "Escape") {
+                return Ok(());
+            }
+            if down.iter().any(|key| {
+                key == "R" && is_new(key) && keys::action(keys, std::slice::from_ref(key)).is_none()
+            }) {
+                session.reset(Reset::default())?;
+                continue;
+            }
+            let action = if keys.idle == Idle::Wait {
+                let new: Vec<_> = down.iter().filter(|key| is_new(key)).cloned().collect();
+                keys::action(keys, &new)
+            } else if Instant::now() < due {
+                None
+            } else {
+                due = (due + period).max(Instant::now());
+                keys::action(keys, &down).or_else(|| match &keys.idle {
+                    Idle::Action(action) => Some(action.clone()),
+                    _ => last.clone(),
+                })
+            };
+            let Some(action) = action else { continue };
+            let done = session.step(&action)?;
+            last = Some(action);
+            if done {
+                let end = Instant::now() + PAUSE;
+                while window.is_open() && Instant::now() < end {
+                    window.show(&session.frame);
+                    window.set_title(&session.status());
+                }
+                if session.is_last() {
+                    return Ok(());
+                }
+                session.reset(Reset::default())?;
+                (last, due) = (None, Instant::now() + period);
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,52 @@
+//! Plots of episodes.
+
+use std::path::Path;
+
+use gym::render::Plot;
+use gym::{Error, Result};
+
+use crate::policy::Episode;
+
+/// Fails early if a file name is not that of a plot.
+pub(crate) fn check_name(path: &Path) -> Result<()> {
+    match path.extension().and_then(|extension| extension.to_str()) {
+        Some("svg" | "png") => Ok(()),
+        _ => {
+            let reason = format!(
+                "`{}` names no known format: the extensions are .svg and .png",
+                path.display()
+            );
+            Err(Error::argument("--plot", reason))
+        }
+    }
+}
+
+/// Writes returns and lengths of some runs, each under its name, to an SVG or PNG file.
+pub(crate) fn write(path: &Path, title: &str, runs: &[(String, Vec<Episode>)]) -> Result<()> {
+    let values = runs.iter().map(|(name, episodes)| {
+        let returns: Vec<f64> = episodes
+            .iter()
+            .map(|episode| episode.episode_return)
+            .collect();
+        let lengths: Vec<f64> = episodes
+            .iter()
+            .map(|episode| episode.length as f64)
+            .collect();
+        (name.as_str(), returns, lengths)
+    });
+    let values: Vec<_> = values.collect();
+    let longest = values
+        .iter()
+        .map(|(_, returns, _)| returns.len())
+        .max()
+        .unwrap_or(0);
+    let runs = values
+        .iter()
+        .map(|(name, returns, lengths)| (*name, &returns[..], &lengths[..]));
+    let plot = Plot::episodes(title, (longest / 5).clamp(1, 100), runs);
+    if path.extension().is_some_and(|extension| extension == "png") {
+        plot.write_png(path)
+    } else {
+        plot.write_svg(path)
+    }
+}

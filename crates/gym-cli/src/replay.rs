@@ -1,0 +1,222 @@
+//! `cargo xtask replay TRACE...`
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use crate::output::{say, tell};
+use gym::render::file;
+use gym::trace::Trace;
+use gym::{Error, Result};
+use serde_json::{Map, Value as Json};
+
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// Trace files.
+    #[arg(required = true)]
+    traces: Vec<PathBuf>,
+    /// Writes the environments' answers to files of the same names in this folder, instead of
+    /// comparing.
+    #[arg(long)]
+    out: Option<PathBuf>,
+}
+
+pub(crate) fn replay(arguments: &Arguments) -> Result<()> {
+    let mut written = BTreeMap::new();
+    if let Some(out) = &arguments.out {
+        std::fs::create_dir_all(out).map_err(|error| Error::io(out, error))?;
+        written = destinations(&arguments.traces, out)?;
+    }
+    let mut failed = 0;
+    for path in &arguments.traces {
+        let outcome = match written.get(path) {
+            Some(to) => write_answers(path, to).map(|()| None),
+            None => compare(path).map(Some),
+        };
+        match outcome {
+            Ok(None) => {}
+            Ok(Some(equal)) => say!("{}: {equal}, equal", path.display())?,
+            Err(error) => {
+                match error {
+                    Error::Io { .. } => tell!("{error}"), // it names the file
+                    error => tell!("{}: {error}", path.display()),
+                }
+                failed += 1;
+            }
+        }
+    }
+    match failed {
+        0 => Ok(()),
+        _ => Err(Error::custom(format!(
+            "{failed} of {} traces failed",
+            arguments.traces.len()
+        ))),
+    }
+}
+
+/// The path of the answer to each recording: a file of the same name in the folder.
+///
+/// # Errors
+/// Two recordings of one name; a recording in the folder itself, which its answer would replace.
+fn destinations(traces: &[PathBuf], out: &Path) -> Result<BTreeMap<PathBuf, PathBuf>> {
+    let refuse = |reason: String| Err(Error::argument("--out", reason));
+    let recordings: BTreeSet<PathBuf> = traces
+        .iter()
+        .filter_map(|path| path.canonicalize().ok())
+        .collect();
+    let mut taken = BTreeMap::new();
+    for path in traces {
+        let name = path.file_name().ok_or_else(|| {
+            Error::custom(format!("`{}` is no trace: name a file", path.display()))
+        })?;
+        let to = out.join(name);
+        if to.canonicalize().is_ok_and(|to| recordings.contains(&to)) {
+            return refuse(format!(
+                "`{}` is a recording to replay: choose another folder",
+                to.display()
+            ));
+        }
+        if let Some(other) = taken.insert(to.clone(), path)
+            && other != path
+        {
+            let [to, path, other] = [&to, path, other].map(|path| path.display());
+            return refuse(format!(
+                "`{other}` and `{path}` would both be written to `{to}`: replay one at a time"
+            ));
+        }
+    }
+    Ok(taken
+        .into_iter()
+        .map(|(to, path)| (path.clone(), to))
+        .collect())
+}
+
+fn read(path: &Path) -> Result<String> {
+    /// The largest size of a recording in bytes: larger than any, and small enough for every
+    /// memory.
+    const LIMIT: u64 = 256 << 20; // bytes
+    let mut text = String::new();
+    let file = File::open(path).map_err(|error| Error::io(path, error))?;
+    file.take(LIMIT + 1)
+        .read_to_string(&mut text)
+        .map_err(|error| Error::io(path, error))?;
+    if text.len() as u64 > LIMIT {
+        return Err(Error::custom(format!(
+            "it is larger than a recording can be, which is {} MiB",
+            LIMIT >> 20
+        )));
+    }
+    Ok(text)
+}
+
+fn parse(text: &str) -> Result<Trace> {
+    serde_json::from_str(text).map_err(|error| Error::custom(format!("not a trace: {error}")))
+}
+
+/// The compared parts.
+fn compare(path: &Path) -> Result<String> {
+    let text = read(path)?;
+    #[cfg(feature = "families")]
+    if let Some(recorded) = frames::parse(&text) {
+        return frames::compare(&recorded);
+    }
+    let recorded = parse(&text)?;
+    if recorded.events.is_empty() {
+        return Err(Error::custom(
+            "it has no events, so there is nothing to compare",
+        ));
+    }
+    match recorded.first_difference(&recorded.replay()?) {
+        Some(difference) => Err(Error::custom(difference)),
+        None => Ok(format!("{} events", recorded.events.len())),
+    }
+}
+
+/// Replaces the answers, and keeps the other parts of the file, such as its policy.
+fn write_answers(path: &Path, to: &Path) -> Result<()> {
+    let text = read(path)?;
+    let not_json = |error: serde_json::Error| Error::custom(format!("not a recording: {error}"));
+    let mut rest: Map<String, Json> = serde_json::from_str(&text).map_err(not_json)?;
+    #[cfg(feature = "families")]
+    if let Some(recorded) = frames::parse(&text) {
+        let answers = frames::replay(&recorded)?;
+        let json =
+            serde_json::to_vec(&answers).map_err(|error| Error::custom(error.to_string()))?;
+        return file::write(to, &json);
+    }
+    let json = match of_engine(&rest, path)? {
+        Some(answer) => serde_json::to_vec(&answer),
+        None => {
+            let answers = parse(&text)?.replay()?;
+            rest.remove("events");
+            serde_json::to_vec(&Answers {
+                rest,
+                events: &answers.events,
+            })
+        }
+    };
+    file::write(to, &json.map_err(not_json)?)
+}
+
+/// The answer to a recording of the MuJoCo engine alone: steps, forward calls, figures of a model.
+#[cfg(feature = "families")]
+fn of_engine(file: &Map<String, Json>, path: &Path) -> Result<Option<Map<String, Json>>> {
+    use gym::mujoco::recording;
+
+    if !recording::is_of_engine(file) {
+        return Ok(None);
+    }
+    let folder = path.parent().unwrap_or(Path::new("."));
+    recording::answer(file, folder)
+        .map(Some)
+        .map_err(|error| Error::custom(error.to_string()))
+}
+
+#[cfg(not(feature = "families"))]
+fn of_engine(_: &Map<String, Json>, _: &Path) -> Result<Option<Map<String, Json>>> {
+    Ok(None)
+}
+
+/// A trace and the other parts of its file.
+#[derive(serde::Serialize)]
+struct Answers<'a> {
+    #[serde(flatten)]
+    rest: Map<String, Json>,
+    events: &'a [gym::trace::Event],
+}
+
+/// Recordings of games of the Atari 2600, frame by frame.
+#[cfg(feature = "families")]
+mod frames {
+    use gym::atari::games::by_md5;
+    use gym::atari::recording::Recording;
+    use gym::atari::rom;
+    use gym::{Error, Result};
+
+    /// A recording, if the text is one.
+    pub(super) fn parse(text: &str) -> Option<Recording> {
+        serde_json::from_str(text)
+            .ok()
+            .filter(|recording: &Recording| recording.kind == "raw")
+    }
+
+    pub(super) fn replay(recorded: &Recording) -> Result<Recording> {
+        let game = by_md5(&recorded.md5).ok_or_else(|| {
+            Error::custom(format!("the game `{}` is not supported", recorded.rom))
+        })?;
+        recorded.replay(&rom::load(game, None)?)
+    }
+
+    pub(super) fn compare(recorded: &Recording) -> Result<String> {
+        if recorded.ops.is_empty() {
+            return Err(Error::custom(
+                "it has no frames, so there is nothing to compare",
+            ));
+        }
+        match recorded.first_difference(&replay(recorded)?) {
+            Some(difference) => Err(Error::custom(difference)),
+            None => Ok(format!("{} frames", recorded.ops.len())),
+        }
+    }
+}

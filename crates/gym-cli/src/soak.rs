@@ -1,0 +1,81 @@
+//! `cargo xtask soak`
+
+use gym::{Env, Error, Registration, Reset, Result, Value};
+
+use crate::inputs;
+use crate::output::say;
+use crate::workspace::Workspace;
+
+#[derive(clap::Args)]
+pub(crate) struct Arguments {
+    /// The environments; by default those that this workspace registers.
+    ids: Vec<String>,
+    /// Steps over these environments together.
+    #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
+    steps: u64,
+    /// Seeds environments and actions.
+    #[arg(long, default_value_t = 0, allow_negative_numbers = true, value_parser = inputs::parse_seed)]
+    seed: u64,
+}
+
+/// The allowed growth of memory after the first tenth of an environment's steps, which fill its
+/// buffers.
+const MAX_GROWTH: u64 = 2 << 20; // bytes
+
+/// Steps through every environment for a long time. Memory that grows is an error.
+pub(crate) fn soak(arguments: &Arguments, workspace: &Workspace) -> Result<()> {
+    let registrations = workspace.select(&arguments.ids)?;
+    let each = arguments.steps.div_ceil(registrations.len().max(1) as u64);
+    let mut total = 0;
+    for registration in &registrations {
+        let (episodes, growth) = soak_one(registration, each, arguments.seed)?;
+        total += each;
+        let id = registration.id();
+        say!(
+            "{id:34} {each} steps, {episodes} episodes, {} kB more memory",
+            growth / 1024
+        )?;
+        if growth > MAX_GROWTH {
+            return Err(Error::custom(format!(
+                "`{id}` grows: {growth} bytes more after {each} steps"
+            )));
+        }
+    }
+    say!(
+        "{total} steps of {} environments with flat memory",
+        registrations.len()
+    )?;
+    Ok(())
+}
+
+/// The number of episodes, and the growth of memory in bytes.
+fn soak_one(registration: &Registration, steps: u64, seed: u64) -> Result<(u64, u64)> {
+    let mut env = gym::make(registration.id())?;
+    let mut actions = env.action_space().sampler(seed);
+    let (mut action, mut observation) = (Value::Null, Value::Null);
+    env.reset_into(&Reset::seed(seed), &mut observation)?;
+    let (mut episodes, mut settled) = (0, 0);
+    for step in 0..steps {
+        if step == steps / 10 {
+            settled = resident_memory();
+        }
+        actions.sample_into(&mut action);
+        if env.step_into(&action, &mut observation)?.done() {
+            episodes += 1;
+            env.reset_into(&Reset::default(), &mut observation)?;
+        }
+    }
+    Ok((episodes, resident_memory().saturating_sub(settled)))
+}
+
+/// The bytes of memory in use, from Linux's `/proc`; 0 on other systems.
+fn resident_memory() -> u64 {
+    const PAGE: u64 = 4096; // bytes
+    let statm = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
+    // size, then resident pages
+    let pages = statm
+        .split_whitespace()
+        .nth(1)
+        .and_then(|pages| pages.parse::<u64>().ok());
+    pages.unwrap_or(0) * PAGE
+}

@@ -1,0 +1,111 @@
+//! The workspace that the commands serve, and its environments.
+
+use std::path::{Path, PathBuf};
+
+use gym::{Error, Registration, Result, registry};
+
+use crate::output::tell;
+
+/// The workspace of the program that calls the commands.
+#[derive(Clone, Debug)]
+pub(crate) struct Workspace {
+    /// The folder of the program's package.
+    package: PathBuf,
+    /// The folder of the workspace.
+    folder: PathBuf,
+}
+
+impl Workspace {
+    /// The workspace of the package in a folder.
+    pub(crate) fn of(package: &Path) -> Self {
+        // Cargo writes the lock file to the folder of the workspace
+        let mut folders = package.ancestors();
+        let folder = folders.find(|folder| folder.join("Cargo.lock").exists());
+        Self {
+            package: package.to_owned(),
+            folder: folder.or(package.parent()).unwrap_or(package).to_owned(),
+        }
+    }
+
+    pub(crate) fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// The manifest of the program's package.
+    pub(crate) fn manifest(&self) -> PathBuf {
+        self.package.join("Cargo.toml")
+    }
+
+    /// The environments that this workspace registers.
+    ///
+    /// # Errors
+    /// If it registers none.
+    pub(crate) fn own(&self) -> Result<Vec<Registration>> {
+        let mut own = registry::all();
+        own.retain(is_own);
+        if own.is_empty() {
+            return Err(Error::custom(format!(
+                "no environment is registered in {}: put `gym_core::register!(...)` at the top level of a module, name the \
+                 crate in the program of `cargo xtask` (`use my_envs as _;`), and let there be one gym-core in `cargo tree \
+                 --duplicates`",
+                self.folder.display()
+            )));
+        }
+        Ok(own)
+    }
+
+    /// The environments of these ids. Without ids, those that this workspace registers, or all that
+    /// are linked if it registers none; except those with external requirements, which it reports.
+    ///
+    /// # Errors
+    /// An id that is not registered; without ids, if nothing is registered.
+    pub(crate) fn select(&self, ids: &[String]) -> Result<Vec<Registration>> {
+        if !ids.is_empty() {
+            return ids.iter().map(|id| registry::find(id)).collect();
+        }
+        let all = match self.own() {
+            Err(error) if registry::all().is_empty() => return Err(error),
+            Err(_) => registry::all(),
+            Ok(own) => own,
+        };
+        Ok(without_needy(all))
+    }
+}
+
+/// Whether an environment is of this workspace. Cargo gives the compiler paths from the workspace's
+/// folder for the crates in it, and whole paths for all others.
+fn is_own(registration: &Registration) -> bool {
+    Path::new(registration.source.file).is_relative()
+}
+
+/// The environments without external requirements; reports the others.
+pub(crate) fn without_needy(all: Vec<Registration>) -> Vec<Registration> {
+    let (mut needy, all): (Vec<_>, Vec<_>) = all
+        .into_iter()
+        .partition(|registration| registration.needs.is_some());
+    needy.sort_by(|a, b| a.source.package.cmp(b.source.package));
+    for group in needy.chunk_by(|a, b| a.source.package == b.source.package) {
+        tell!("{}", left_out(group));
+    }
+    all
+}
+
+/// Reports the environments of one crate that are left out because of external requirements.
+fn left_out(group: &[Registration]) -> String {
+    let needed = group[0].needs.map_or("", |need| need.what);
+    let there = if group[0].needs.is_some_and(|need| !need.is_met()) {
+        " (none here)"
+    } else {
+        ""
+    };
+    match group {
+        [one] => format!(
+            "left out {}: it needs {needed}{there}; name the id to use it",
+            one.id()
+        ),
+        _ => {
+            let (n, name) = (group.len(), group[0].source.package);
+            format!("left out {n} ids of {name}: they need {needed}{there}; name an id to use it")
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! The check that no clock decides.
+
+use std::thread;
+use std::time::{Duration, Instant};
+
+use crate::subject::{SEEDS, STEPS, Shown, Subject, carry_on, roll_out, same};
+use crate::verdict::Verdict;
+use gym_core::{BoxEnv, Result};
+
+/// An environment in the middle of an episode, and the rest of the episode, played at once in
+/// another.
+pub(crate) struct Paused {
+    env: BoxEnv,
+    rest: Vec<Shown>,
+    since: Instant,
+}
+
+impl Paused {
+    pub(crate) fn new(subject: &Subject<'_>) -> Result<Self> {
+        let midway = || subject.midway(SEEDS[0]);
+        Ok(Self {
+            env: midway()?,
+            rest: carry_on(&mut midway()?, SEEDS[0], STEPS)?,
+            since: Instant::now(),
+        })
+    }
+}
+
+/// An episode goes on after a pause as it does without, and a new one is the same later.
+pub(crate) fn unread(subject: &Subject<'_>) -> Verdict {
+    /// The seconds of a clock have changed after this time.
+    const PAUSE: Duration = Duration::from_millis(1050);
+    subject.repeatable()?;
+    let Paused { env, rest, since } = subject.paused()?;
+    // the other checks have taken most of the time, or all
+    thread::sleep(PAUSE.saturating_sub(since.elapsed()));
+    let later = carry_on(&mut env.clone(), SEEDS[0], STEPS)?;
+    same(rest, &later, "an episode that goes on after a pause")?;
+    let first = subject.first_run()?;
+    let again = roll_out(&mut subject.make()?, SEEDS[0], STEPS)?;
+    let len = again.len().min(first.len());
+    same(
+        &first[..len],
+        &again[..len],
+        "a later environment with the same seed and actions",
+    )
+}

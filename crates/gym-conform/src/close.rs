@@ -1,0 +1,44 @@
+//! The check of `close`.
+
+use crate::subject::{SEEDS, STEPS, Shown, Subject, roll_out, same};
+use crate::verdict::{Verdict, broken};
+use gym_core::{Env, Result};
+
+/// `close`, once and again, leaves other environments as they are. An environment that can be reset
+/// after it begins as a new one does, however often it was closed.
+pub(crate) fn harmless(subject: &Subject<'_>) -> Verdict {
+    let seed = SEEDS[0];
+    let mut beside = subject.after(seed, 5)?;
+    // played before anything was closed
+    let first = subject.first_run()?;
+    let played = roll_out(&mut subject.make()?, seed, STEPS)?;
+    let closed = |times: u32| -> Result<Vec<Shown>> {
+        let mut env = subject.after(seed, 5)?;
+        (0..times).for_each(|_| env.close());
+        roll_out(&mut env, seed, STEPS)
+    };
+    match (closed(1), closed(2)) {
+        (Ok(once), Ok(twice)) => {
+            same(&played, &once, "an environment that was closed and reset")?;
+            same(
+                &played,
+                &twice,
+                "an environment that was closed twice and reset",
+            )?;
+        }
+        (Ok(_), Err(error)) => {
+            return broken(format!(
+                "`reset` after one `close` succeeds, and after two it does not: {error}"
+            ));
+        }
+        // it may refuse all calls
+        (Err(_), _) => (),
+    }
+    // closed before its first reset
+    subject.make()?.close();
+    let what = "a new environment after others were closed";
+    let again = roll_out(&mut subject.make()?, seed, STEPS)?;
+    same(&first[..again.len().min(first.len())], &again, what)?;
+    let what = "an environment while others were closed";
+    same(&played, &roll_out(&mut beside, seed, STEPS)?, what)
+}

@@ -1,0 +1,5 @@
+//! Drawing: what an environment draws on, the calls of pygame, and render modes.
+
+pub mod canvas;
+pub mod pygame;
+pub mod render;

@@ -1,0 +1,273 @@
+//! The one error type. Each message names the fault and the remedy.
+
+use gym_numerics::SeedError;
+
+use std::borrow::Cow;
+use std::fmt;
+use std::io::ErrorKind;
+use std::sync::Arc;
+
+use thiserror::Error as ThisError;
+
+/// A `Result` whose error is [`enum@Error`].
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// Everything that can go wrong in an environment, a space, a wrapper or the registry.
+///
+/// The variants follow Gymnasium's `gymnasium.error`.
+#[derive(Clone, ThisError)]
+#[non_exhaustive]
+pub enum Error {
+    /// The id does not follow the grammar `[namespace/]name[-vN]`.
+    #[error(
+        "malformed environment id `{0}`: ids have the form [namespace/]name[-vN], as in `CartPole-v1`"
+    )]
+    MalformedId(String),
+
+    /// No environment of that namespace is linked.
+    #[error("namespace `{namespace}` not found{hint}")]
+    NamespaceNotFound {
+        /// The namespace asked for.
+        namespace: String,
+        /// A near name, or how to link the crate.
+        hint: String,
+    },
+
+    /// No environment of that name is linked.
+    #[error("unknown environment `{id}`{hint}")]
+    NameNotFound {
+        /// The id asked for.
+        id: String,
+        /// A near name, and how to link the crate.
+        hint: String,
+    },
+
+    /// The name exists, but not in that version.
+    #[error("{}", version_not_found(name, *version, available))]
+    VersionNotFound {
+        /// Namespace and name, without version.
+        name: String,
+        /// The version asked for; `None` for an id without one.
+        version: Option<u32>,
+        /// The ids that exist.
+        available: String,
+    },
+
+    /// The version asked for was superseded and is no longer provided.
+    #[error("version {version} of `{name}` is no longer provided: use `{latest}`")]
+    DeprecatedVersion {
+        /// Namespace and name, without version.
+        name: String,
+        /// The version asked for.
+        version: u32,
+        /// The id to use instead.
+        latest: String,
+    },
+
+    /// Two crates register the same id.
+    #[error(
+        "environment `{id}` is registered by more than one crate ({crates}): link only one of them, or give one a namespace"
+    )]
+    Duplicate {
+        /// The id.
+        id: String,
+        /// The crates that register it.
+        crates: String,
+    },
+
+    /// A runtime registration that the registry refuses.
+    #[error("cannot register `{id}`: {reason}")]
+    Registration {
+        /// The id.
+        id: String,
+        /// The reason.
+        reason: String,
+    },
+
+    /// A constructor argument or reset option that does not exist or has a bad value.
+    #[error("invalid argument for {target}: {reason}")]
+    InvalidArgument {
+        /// The thing being built or reset.
+        target: String,
+        /// The fault, and the valid values.
+        reason: String,
+    },
+
+    /// A space cannot be built from these parts.
+    #[error("invalid space: {0}")]
+    InvalidSpace(String),
+
+    /// A value does not belong to a space.
+    #[error("{reason}: {value} is not an element of {space}")]
+    NotInSpace {
+        /// The value, printed.
+        value: String,
+        /// The space, printed.
+        space: String,
+        /// The fault, and the remedy.
+        reason: String,
+    },
+
+    /// An action that the environment cannot execute.
+    #[error("{}", invalid_action(action, space, hint))]
+    InvalidAction {
+        /// The action, printed.
+        action: String,
+        /// The action space, printed.
+        space: String,
+        /// The fault and its place in the action; empty if unknown.
+        hint: String,
+    },
+
+    /// `step`, `render` or similar before the first `reset`.
+    #[error("cannot call `{0}` before `reset`: call `env.reset(seed)` first")]
+    ResetNeeded(&'static str),
+
+    /// Use of an environment after `close`.
+    #[error("cannot call `{0}` on a closed environment: make a new one")]
+    Closed(&'static str),
+
+    /// A seed that is not a whole number of zero or more.
+    #[error("invalid seed `{0}`: a seed is a whole number, zero or greater")]
+    InvalidSeed(String),
+
+    /// A render mode that the environment does not have, or was not made with.
+    #[error("{target} cannot render as {mode}: {reason}")]
+    UnsupportedMode {
+        /// The environment.
+        target: String,
+        /// The mode asked for.
+        mode: String,
+        /// The remedy.
+        reason: String,
+    },
+
+    /// A snapshot that does not fit the environment it is restored into.
+    #[error("cannot restore this snapshot: {0}")]
+    Snapshot(String),
+
+    /// The environment breaks the rules of its own interface.
+    #[error("the environment breaks its contract: {0}")]
+    Contract(String),
+
+    /// One environment of a vector failed.
+    #[error("sub-environment {index}: {source}")]
+    SubEnvironment {
+        /// Its index.
+        index: usize,
+        /// Its error.
+        source: Box<Error>,
+    },
+
+    /// Reading or writing a file failed.
+    #[error("{path}: {source}{}", advice(source))]
+    Io {
+        /// The file.
+        path: String,
+        /// The operating system's error.
+        source: Arc<std::io::Error>,
+    },
+
+    /// Any error of another crate's environment.
+    #[error("{0}")]
+    Custom(String),
+}
+
+impl Error {
+    /// An error with its message.
+    pub fn custom(message: impl Into<String>) -> Self {
+        Self::Custom(message.into())
+    }
+
+    /// [`Error::InvalidArgument`] from its two parts.
+    pub fn argument(target: impl Into<String>, reason: impl Into<String>) -> Self {
+        Self::InvalidArgument {
+            target: target.into(),
+            reason: reason.into(),
+        }
+    }
+
+    /// [`Error::SubEnvironment`] of an environment's own error.
+    pub fn at_env(self, index: usize) -> Self {
+        Self::SubEnvironment {
+            index,
+            source: Box::new(self),
+        }
+    }
+
+    /// [`Error::Io`] of a file.
+    pub fn io(path: &std::path::Path, source: std::io::Error) -> Self {
+        Self::Io {
+            path: path.display().to_string(),
+            source: Arc::new(source),
+        }
+    }
+}
+
+/// Prints the message, so that `fn main() -> gym::Result<()>` does.
+impl fmt::Debug for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
+}
+
+fn version_not_found(name: &str, version: Option<u32>, available: &str) -> String {
+    match version {
+        Some(version) => {
+            format!("environment `{name}` has no version {version}: it provides {available}")
+        }
+        None => format!("environment `{name}` has versions: ask for one of {available}"),
+    }
+}
+
+fn invalid_action(action: &str, space: &str, hint: &str) -> String {
+    let [action, space] = [action, space].map(shortened);
+    match hint {
+        "" => format!("invalid action {action}: the action space is {space}"),
+        hint => format!("invalid action {action}: {hint}; the action space is {space}"),
+    }
+}
+
+/// The start of a long text.
+pub(crate) fn shortened(text: &str) -> Cow<'_, str> {
+    const MAX_LENGTH: usize = 200;
+    match text.char_indices().nth(MAX_LENGTH) {
+        Some((end, _)) => Cow::Owned(format!("{}...", &text[..end])),
+        None => Cow::Borrowed(text),
+    }
+}
+
+impl From<SeedError> for Error {
+    fn from(error: SeedError) -> Self {
+        match error {
+            SeedError::Invalid(text) => Self::InvalidSeed(text),
+            error => Self::Custom(error.to_string()),
+        }
+    }
+}
+
+/// The remedy, if one is known.
+fn advice(source: &std::io::Error) -> &'static str {
+    match source.kind() {
+        ErrorKind::StorageFull | ErrorKind::QuotaExceeded => {
+            ": free some space, or choose another place"
+        }
+        _ => "",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    #[test]
+    fn a_full_disk_says_what_to_do() {
+        let message = |kind: ErrorKind| Error::io(Path::new("a.gif"), kind.into()).to_string();
+        assert!(
+            message(ErrorKind::StorageFull).ends_with(": free some space, or choose another place")
+        );
+        assert!(!message(ErrorKind::NotFound).contains("space"));
+    }
+}

@@ -1,0 +1,445 @@
+//! Branches that an ordinary episode does not take: masks that leave out, snapshots of another size,
+//! calls after `close`, limits that are equal.
+
+use gym_core::registry::NoArguments;
+use gym_core::render::{Metadata, RenderMode, Rendered};
+use gym_core::spaces::{Mask, Probabilities, TextSpace};
+use gym_core::vector::{AsyncVectorEnv, Autoreset, SyncVectorEnv, VectorReset};
+use gym_core::wrappers::{
+    OrderEnforcing, RecordEpisodeStatistics, Render, RenderCollection, TimeLimit,
+    record_episode_statistics,
+};
+use gym_core::{
+    BoxEnv, Configure, Env, EnvExt, Error, Outcome, Registration, Reset, Result, Snapshot, Space,
+    Value, VectorEnv, VectorEnvExt, WrapperSpec, make,
+};
+
+/// Counts its steps; the action is the reward, and the action 9 ends the episode.
+#[derive(Clone, Debug, Default)]
+struct Count(i64);
+
+impl Env for Count {
+    type Observation = i64;
+    type Action = i64;
+
+    fn observation_space(&self) -> Space {
+        Space::discrete(100)
+    }
+
+    fn action_space(&self) -> Space {
+        Space::discrete(10)
+    }
+
+    fn reset_into(&mut self, _: &Reset, observation: &mut i64) -> Result<()> {
+        self.0 = 0;
+        *observation = 0;
+        Ok(())
+    }
+
+    fn step_into(&mut self, action: &i64, observation: &mut i64) -> Result<Outcome> {
+        self.0 += 1;
+        *observation = self.0;
+        Ok(Outcome {
+            reward: *action as f64,
+            terminated: *action == 9,
+            truncated: false,
+        })
+    }
+
+    fn snapshot(&self) -> Result<Snapshot> {
+        Snapshot::of(&self.0)
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        snapshot.get().map(|count| self.0 = count)
+    }
+
+    fn metadata(&self) -> Metadata {
+        Metadata {
+            render_modes: &[RenderMode::Ansi],
+            ..Metadata::default()
+        }
+    }
+
+    fn ansi(&self) -> Option<String> {
+        Some(self.0.to_string())
+    }
+}
+
+impl Configure for Count {
+    type Config = NoArguments;
+
+    fn configure(_: NoArguments, _: u32) -> Result<Self> {
+        Ok(Self::default())
+    }
+}
+
+gym_core::register!(
+    Registration::new::<Count>("edges/Count-v0").max_episode_steps(5),
+    Registration::new::<Count>("edges/Endless-v0"),
+);
+
+const MODES: [Autoreset; 3] = [
+    Autoreset::NextStep,
+    Autoreset::SameStep,
+    Autoreset::Disabled,
+];
+
+/// Both kinds of vectors of `n` environments.
+fn vectors(n: usize, autoreset: Autoreset) -> [Box<dyn VectorEnv>; 2] {
+    let envs = || vec![BoxEnv::new(Count::default()); n];
+    [
+        Box::new(
+            SyncVectorEnv::new(envs())
+                .unwrap()
+                .with_autoreset(autoreset),
+        ),
+        Box::new(
+            AsyncVectorEnv::new(envs())
+                .unwrap()
+                .with_autoreset(autoreset),
+        ),
+    ]
+}
+
+fn actions<const N: usize>(actions: [i64; N]) -> Value {
+    Value::Array(actions.into())
+}
+
+fn flags<const N: usize>(flags: [bool; N]) -> Option<Value> {
+    Some(Value::Tuple(flags.map(Value::Bool).into()))
+}
+
+/// The entry belongs to the step that ended the episode. A call that leaves the sub-environment
+/// out, or that starts its next episode, has none.
+#[test]
+fn a_masked_reset_leaves_no_episode_of_those_left_out() {
+    for mode in MODES {
+        for envs in vectors(3, mode) {
+            let mut envs = RecordEpisodeStatistics::new(envs);
+            let mut columns = envs.columns().unwrap();
+            envs.reset_into(&0.into(), &mut columns).unwrap();
+            envs.step_into(&actions([9, 9, 1]), &mut columns).unwrap();
+            let infos = envs.infos(&columns);
+            assert_eq!(infos.get("_episode").cloned(), flags([true, true, false]));
+            assert!(envs.ended(0).is_some() && envs.ended(2).is_none());
+            // the first is left out although its episode has ended, the second starts
+            let mask = VectorReset::default().mask([false, true, true]);
+            envs.reset_into(&mask, &mut columns).unwrap();
+            let infos = envs.infos(&columns);
+            assert!(!infos.contains_key("episode"), "{mode:?}: {infos:?}");
+            assert!(!infos.contains_key("_episode"), "{mode:?}: {infos:?}");
+            for index in 0..3 {
+                assert!(envs.ended(index).is_none(), "{mode:?}: {index}");
+                assert!(envs.info_map(index).is_empty(), "{mode:?}: {index}");
+            }
+            assert_eq!(envs.episode_count(), 2);
+        }
+    }
+}
+
+/// A masked reset restarts the statistics of those that it selects, and of no other.
+#[test]
+fn a_masked_reset_restarts_the_statistics_of_the_selected() {
+    for mode in MODES {
+        for envs in vectors(2, mode) {
+            let mut envs = RecordEpisodeStatistics::new(envs);
+            let mut columns = envs.columns().unwrap();
+            envs.reset_into(&0.into(), &mut columns).unwrap();
+            envs.step_into(&actions([3, 3]), &mut columns).unwrap();
+            let mask = VectorReset::default().mask([false, true]);
+            envs.reset_into(&mask, &mut columns).unwrap();
+            envs.step_into(&actions([9, 9]), &mut columns).unwrap();
+            let ended = |i| {
+                let episode = envs.ended(i).unwrap();
+                (episode.episode_return, episode.length)
+            };
+            assert_eq!([ended(0), ended(1)], [(12.0, 2), (9.0, 1)], "{mode:?}");
+        }
+    }
+}
+
+/// A failed reset has no result, so no episode ended in it either.
+#[test]
+fn a_refused_reset_ends_no_episode() {
+    for envs in vectors(2, Autoreset::NextStep) {
+        let mut envs = RecordEpisodeStatistics::new(envs);
+        let mut columns = envs.columns().unwrap();
+        envs.reset_into(&0.into(), &mut columns).unwrap();
+        envs.step_into(&actions([9, 1]), &mut columns).unwrap();
+        let mask = VectorReset::default().mask([true]);
+        assert!(envs.reset_into(&mask, &mut columns).is_err());
+        assert!(envs.ended(0).is_none());
+    }
+}
+
+#[test]
+fn statistics_of_another_size_are_refused() {
+    let [small, _] = vectors(2, Autoreset::NextStep);
+    let [large, _] = vectors(3, Autoreset::NextStep);
+    let mut small = RecordEpisodeStatistics::new(small);
+    let mut large = RecordEpisodeStatistics::new(large);
+    small.reset(0).unwrap();
+    large.reset(0).unwrap();
+    let [of_small, of_large] = [small.snapshot().unwrap(), large.snapshot().unwrap()];
+    let refused = [
+        (
+            large.restore(&of_small),
+            "it has 2 sub-environments, and this vector 3",
+        ),
+        (
+            small.restore(&of_large),
+            "it has 3 sub-environments, and this vector 2",
+        ),
+    ];
+    for (result, words) in refused {
+        let error = result.unwrap_err().to_string();
+        assert!(error.contains(words), "{error}");
+    }
+    let none = record_episode_statistics::Config {
+        buffer_length: 0,
+        ..Default::default()
+    };
+    assert!(RecordEpisodeStatistics::with_config(Count::default(), none).is_err());
+}
+
+/// Whatever was done to it before, a closed sub-environment is closed.
+#[test]
+fn a_sub_environment_that_is_changed_after_close_stays_closed() {
+    let mut sync = SyncVectorEnv::new(vec![BoxEnv::new(Count::default()); 2]).unwrap();
+    let mut columns = sync.columns().unwrap();
+    sync.reset_into(&0.into(), &mut columns).unwrap();
+    let snapshot = sync.snapshot().unwrap();
+    sync.close();
+    sync.call(|_, env| env.reset(1).map(drop))
+        .into_iter()
+        .for_each(|reset| reset.unwrap());
+    let is_closed = |result: Result<()>, call: &str| {
+        let error = result.unwrap_err();
+        let Error::SubEnvironment { source, .. } = &error else {
+            panic!("{error}");
+        };
+        assert!(
+            matches!(**source, Error::Closed(closed) if closed == call),
+            "{error}"
+        );
+    };
+    is_closed(sync.step_into(&actions([1, 1]), &mut columns), "step");
+    is_closed(sync.reset_into(&0.into(), &mut columns), "reset");
+    is_closed(sync.restore(&snapshot), "restore");
+    // and what it stores is refused by a vector that is open
+    let closed = sync.snapshot().unwrap();
+    let mut open = SyncVectorEnv::new(vec![BoxEnv::new(Count::default()); 2]).unwrap();
+    let error = open.restore(&closed).unwrap_err().to_string();
+    assert!(error.contains("taken after `close`"), "{error}");
+}
+
+/// One that is changed while it is open must be reset before any is stepped.
+#[test]
+fn a_sub_environment_that_is_changed_must_be_reset() {
+    for mode in MODES {
+        let mut envs = SyncVectorEnv::new(vec![BoxEnv::new(Count::default()); 2])
+            .unwrap()
+            .with_autoreset(mode);
+        let mut columns = envs.columns().unwrap();
+        envs.reset_into(&0.into(), &mut columns).unwrap();
+        envs.call(|index, env| {
+            if index == 1 {
+                env.step(&Value::Int(1)).unwrap();
+            }
+        });
+        let error = envs.step_into(&actions([1, 1]), &mut columns).unwrap_err();
+        let text = error.to_string();
+        assert!(text.contains("it was changed through `call`"), "{text}");
+        let mask = VectorReset::default().mask([false, true]);
+        envs.reset_into(&mask, &mut columns).unwrap();
+        envs.step_into(&actions([1, 1]), &mut columns).unwrap();
+        let seen = columns.observations.as_array().unwrap();
+        assert_eq!(seen.as_slice::<i64>().unwrap(), [1, 1], "{mode:?}");
+    }
+}
+
+/// A snapshot of another observation space, of another mode, of another size.
+#[test]
+fn snapshots_of_other_vectors_are_refused() {
+    let one = |env: BoxEnv, mode| SyncVectorEnv::new([env]).unwrap().with_autoreset(mode);
+    let count = || BoxEnv::new(Count::default());
+    let mut envs = one(count(), Autoreset::SameStep);
+    envs.reset(0).unwrap();
+    let mut refuses = |snapshot: Snapshot, words: &str| {
+        let error = envs.restore(&snapshot).unwrap_err().to_string();
+        assert!(error.contains(words), "{error}");
+    };
+    let stored = |mut envs: SyncVectorEnv| {
+        envs.reset(0).unwrap();
+        envs.snapshot().unwrap()
+    };
+    refuses(
+        stored(one(count(), Autoreset::Disabled)),
+        "taken with autoreset Disabled, and this vector has SameStep",
+    );
+    let two = SyncVectorEnv::new([count(), count()]).unwrap();
+    refuses(
+        stored(two.with_autoreset(Autoreset::SameStep)),
+        "it has 2 sub-environments, and this vector 1",
+    );
+    let mut text: serde_json::Value = stored(one(count(), Autoreset::SameStep)).get().unwrap();
+    text["slots"][0]["observation"] = serde_json::json!({"Text": "7"});
+    assert!(envs.restore(&Snapshot::of(&text).unwrap()).is_err());
+}
+
+fn texts(rendered: Rendered) -> Vec<String> {
+    let Rendered::Texts(texts) = rendered else {
+        panic!("{rendered:?} are not texts");
+    };
+    texts
+}
+
+#[test]
+fn a_restore_drops_the_frames_of_the_abandoned_history() {
+    let drawn = Render::new(Count::default(), RenderMode::Ansi).unwrap();
+    let mut env = RenderCollection::new(drawn);
+    env.reset(0).unwrap();
+    let start = env.snapshot().unwrap();
+    env.step(&1).unwrap();
+    env.restore(&start).unwrap();
+    assert_eq!(texts(env.render().unwrap()), [""; 0]);
+    env.step(&1).unwrap();
+    assert_eq!(texts(env.render().unwrap()), ["1"]);
+    // so does a reset
+    env.step(&1).unwrap();
+    env.reset(0).unwrap();
+    assert_eq!(texts(env.render().unwrap()), ["0"]);
+    assert_eq!(env.render_mode(), Some(RenderMode::AnsiList));
+    // a clone has what is collected, and gives it away by itself
+    env.step(&1).unwrap();
+    let mut clone = env.clone();
+    assert_eq!(texts(clone.render().unwrap()), ["1"]);
+    assert_eq!(texts(env.render().unwrap()), ["1"]);
+    // a list of lists is refused
+    let mut nested = RenderCollection::new(env);
+    nested.reset(0).unwrap();
+    let error = nested.render().unwrap_err().to_string();
+    assert!(error.contains("a mode of single items"), "{error}");
+}
+
+/// The time limit of a spec is that of `make`; only a longer or outer one is a wrapper.
+#[test]
+fn an_equal_or_shorter_limit_replaces_that_of_make() {
+    let limited = |id: &str, limit| TimeLimit::new(make(id).unwrap(), limit).unwrap();
+    let spec = |id: &str, limit| limited(id, limit).spec().unwrap();
+    let wrapper = |limit: u32| WrapperSpec::new("TimeLimit").arg("max_episode_steps", limit);
+    let own = make("edges/Count-v0").unwrap().spec().unwrap();
+    assert_eq!(own.max_episode_steps, Some(5));
+    assert_eq!(spec("edges/Count-v0", 5), own);
+    let shorter = spec("edges/Count-v0", 4);
+    assert_eq!(shorter.max_episode_steps, Some(4));
+    assert!(shorter.additional_wrappers.is_empty());
+    let longer = spec("edges/Count-v0", 6);
+    assert_eq!(longer, own.clone().wrapped(wrapper(6)));
+    let endless = spec("edges/Endless-v0", 7);
+    assert_eq!(endless.max_episode_steps, Some(7));
+    assert!(endless.additional_wrappers.is_empty());
+    // outside of another wrapper it is a wrapper, however short
+    let order = OrderEnforcing::new(limited("edges/Count-v0", 6));
+    let outer = TimeLimit::new(order, 2).unwrap().spec().unwrap();
+    let names: Vec<_> = outer.additional_wrappers.iter().map(|w| &*w.name).collect();
+    assert_eq!(names, ["TimeLimit", "OrderEnforcing", "TimeLimit"]);
+    assert_eq!(outer.max_episode_steps, Some(5));
+    assert_eq!(outer.time_limit(), Some(2));
+    // each rebuilds an environment whose episodes are as long
+    for (spec, length) in [
+        (own, 5),
+        (shorter, 4),
+        (longer, 5),
+        (endless, 7),
+        (outer, 2),
+    ] {
+        let mut env = spec.make().unwrap();
+        env.reset(0).unwrap();
+        let played = (1..).find(|_| env.step(&Value::Int(1)).unwrap().done());
+        assert_eq!(played, Some(length), "{spec:?}");
+    }
+    assert!(TimeLimit::new(Count::default(), 0).is_err());
+}
+
+/// The count of steps is part of a snapshot, and the limit is not: it belongs to the wrapper.
+#[test]
+fn a_limit_holds_from_the_step_that_is_restored() {
+    let limited = |limit| TimeLimit::new(Count::default(), limit).unwrap();
+    let mut long = limited(10);
+    long.reset(0).unwrap();
+    for _ in 0..4 {
+        assert!(!long.step(&1).unwrap().truncated);
+    }
+    let mut short = limited(5);
+    short.restore(&long.snapshot().unwrap()).unwrap();
+    assert_eq!(short.elapsed_steps(), 4);
+    assert!(short.step(&1).unwrap().truncated);
+    // beyond the limit every step truncates
+    let mut shorter = limited(2);
+    shorter.restore(&long.snapshot().unwrap()).unwrap();
+    assert!(shorter.step(&1).unwrap().truncated);
+    // both flags are true where both reasons hold
+    let mut both = limited(1);
+    both.reset(0).unwrap();
+    let step = both.step(&9).unwrap();
+    assert!(step.terminated && step.truncated);
+}
+
+/// Where no character may be chosen, the text is empty, if the space has the empty text.
+#[test]
+fn a_mask_of_no_character_gives_the_empty_text() {
+    let text = |min| TextSpace::new(min, 5).unwrap().with_charset("abc").unwrap();
+    let mask = |length, characters: [i8; 3]| Mask::Text {
+        length,
+        characters: Some(characters.into()),
+    };
+    let mut sampler = Space::from(text(0)).sampler(1);
+    for length in [None, Some(0), Some(4)] {
+        let sample = sampler.sample_masked(&mask(length, [0, 0, 0])).unwrap();
+        assert_eq!(sample, Value::Text(String::new()), "{length:?}");
+    }
+    assert_eq!(
+        sampler.sample_masked(&mask(Some(4), [0, 1, 0])).unwrap(),
+        Value::Text("bbbb".into())
+    );
+    assert_eq!(
+        sampler.sample_masked(&mask(Some(0), [0, 1, 0])).unwrap(),
+        Value::Text(String::new())
+    );
+    // from a length and without one, each allowed character
+    let mut seen = std::collections::BTreeSet::new();
+    for _ in 0..50 {
+        let Value::Text(sample) = sampler.sample_masked(&mask(None, [1, 0, 1])).unwrap() else {
+            panic!("a text is a text");
+        };
+        seen.extend(sample.chars());
+    }
+    assert_eq!(seen.into_iter().collect::<String>(), "ac");
+    let weighted = Probabilities::Text {
+        length: Some(3),
+        characters: Some(vec![0.0, 0.0, 1.0]),
+    };
+    assert_eq!(
+        sampler.sample_weighted(&weighted).unwrap(),
+        Value::Text("ccc".into())
+    );
+    // refused: a text that cannot be empty, lengths outside, entries of another number
+    let mut sampler = Space::from(text(1)).sampler(1);
+    for refused in [
+        mask(None, [0, 0, 0]),
+        mask(Some(0), [1, 1, 1]),
+        mask(Some(6), [1, 1, 1]),
+        Mask::Text {
+            length: None,
+            characters: Some(vec![1, 1]),
+        },
+    ] {
+        assert!(sampler.sample_masked(&refused).is_err(), "{refused:?}");
+    }
+    for length in [1, 5] {
+        let sample = sampler.sample_masked(&mask(Some(length), [1, 1, 1]));
+        assert!(matches!(sample, Ok(Value::Text(text)) if text.len() == length));
+    }
+}

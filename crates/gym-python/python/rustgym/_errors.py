@@ -1,0 +1,17 @@
+"""Exceptions for actions and calls that Gymnasium's environments refuse, each in its own way."""
+
+from __future__ import annotations
+
+import gymnasium
+
+__all__ = ["InvalidAction", "ResetNeeded"]
+
+
+class InvalidAction(gymnasium.error.InvalidAction, AssertionError, KeyError, IndexError, ValueError):
+    """What is not an action: Gymnasium's environments raise one of these classes."""
+
+    __str__ = Exception.__str__
+
+
+class ResetNeeded(gymnasium.error.ResetNeeded, AssertionError, AttributeError):
+    """A step before the first reset: Gymnasium's environments raise one of these classes."""

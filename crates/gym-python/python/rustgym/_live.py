@@ -1,0 +1,118 @@
+"""Attributes whose value is an object that people change: an array, a list, a table.
+
+Gymnasium's environments compute with such objects. Ours compute in Rust: an object is made when it is asked for, and from then
+on each call of the environment first compares it with what was handed out, and takes over what has changed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from copy import deepcopy
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from rustgym.env import Env
+
+__all__ = ["Live", "Own", "same"]
+
+
+def same(a: Any, b: Any) -> bool:
+    """Whether two values are equal to the last bit and of one form."""
+    if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
+        if type(a) is not type(b) or a.dtype != b.dtype or a.shape != b.shape:
+            return False
+        return a.dtype != object and a.tobytes() == b.tobytes()
+    return type(a) is type(b) and bool(a == b)
+
+
+class Live:
+    """An attribute that can be changed in place, and replaced: before each call, what has changed is taken over.
+
+    Args:
+        read: Makes the object from the environment.
+        write: Takes what the object says over into the environment.
+        follow: Changes the object as a step changes it in Gymnasium. Without it a step leaves the object behind: Gymnasium
+            makes a new one.
+        outlives_reset: Whether Gymnasium's reset keeps the object; it may depend on the environment.
+        outlives_step: Whether Gymnasium's step keeps the object, unchanged.
+    """
+
+    def __init__(
+        self,
+        read: Callable[[Any], Any],
+        write: Callable[[Any, Any], None],
+        *,
+        follow: Callable[[Any, Any], None] | None = None,
+        outlives_reset: bool | Callable[[Any], bool] = False,
+        outlives_step: bool = False,
+        doc: str | None = None,
+    ) -> None:
+        self.read, self.write, self._follow = read, write, follow
+        self.outlives_reset, self.outlives_step = outlives_reset, outlives_step
+        self.__doc__ = doc or read.__doc__
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name = name
+
+    def __get__(self, env: Env | None, owner: type | None = None) -> Any:
+        if env is None:
+            return self
+        handed: dict[str, Any] = env.__dict__.get("_handed") or {}
+        if self.name in handed:
+            return handed[self.name]
+        value = self.read(env)
+        if value is not None:
+            self._hand(env, value)
+        return value
+
+    def __set__(self, env: Env, value: Any) -> None:
+        self.write(env, value)  # what is wrong with it is said here
+        self._hand(env, value)
+
+    def _hand(self, env: Env, value: Any) -> None:
+        if env._handed is None:
+            env._handed, env._seen = {}, {}
+        env._handed[self.name], env._seen[self.name] = value, self._copy(value)
+        env._is_watched = True
+
+    def copy(self, twin: Env, value: Any) -> None:
+        """Gives a copy of the environment its own object, which is taken over again."""
+        self._hand(twin, value)
+        twin._seen[self.name] = None
+
+    def _copy(self, value: Any) -> Any:
+        """What to compare the object with later."""
+        return deepcopy(value)
+
+    def push(self, env: Env, value: Any, call: str) -> None:
+        """Takes over what has changed, before a call."""
+        if not same(value, env._seen[self.name]):
+            self.write(env, value)
+            env._seen[self.name] = self._copy(value)
+
+    def follow(self, env: Env, is_reset: bool) -> None:
+        """What a reset or step of Gymnasium's does to the object."""
+        outlives = self.outlives_reset if is_reset else self.outlives_step
+        if outlives(env) if callable(outlives) else outlives:
+            return
+        if is_reset or self._follow is None:
+            env._drop(self.name)
+        else:
+            value = env._handed[self.name]
+            self._follow(env, value)
+            env._seen[self.name] = self._copy(value)
+
+
+class Own(Live):
+    """An attribute whose object the environment itself reads in each call from then on: a reset and a step keep it."""
+
+    def __init__(self, read: Callable[[Any], Any], *, doc: str | None = None) -> None:
+        super().__init__(read, lambda env, value: None, outlives_reset=True, outlives_step=True, doc=doc)
+
+    def _copy(self, value: Any) -> Any:
+        return None
+
+    def push(self, env: Env, value: Any, call: str) -> None:
+        """Nothing: there is no second copy."""

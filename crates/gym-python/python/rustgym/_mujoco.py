@@ -1,0 +1,257 @@
+"""MuJoCo's objects beside an environment of ours: its package's model and data, or, without the package, data of our own."""
+
+from __future__ import annotations
+
+import base64
+import copy
+import os
+from collections.abc import Mapping
+from functools import cache
+from importlib import import_module
+from operator import attrgetter
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from numpy.lib.stride_tricks import as_strided
+
+__all__ = ["Mirror", "OwnData"]
+
+#: The arrays of the state that our engine has as well: what is written to them is taken over.
+KNOWN = ("qpos", "qvel", "qacc_warmstart")
+
+# arrays of the model that no step depends on, where they are large
+_LARGE = 1 << 16
+
+
+@cache
+def _library() -> Any:
+    return import_module("mujoco")
+
+
+def _asset(xml_file: str) -> str | None:
+    """Gymnasium's own file of a built-in model: the same numbers as ours, with its names, lights and textures."""
+    gymnasium = import_module("gymnasium")
+    path = os.path.join(os.path.dirname(gymnasium.__file__), "envs", "mujoco", "assets", xml_file)
+    return path if os.path.exists(path) else None
+
+
+def load(xml_file: str, text: str | None, width: int, height: int) -> Any:
+    """MuJoCo's model of a task."""
+    mujoco = _library()
+    if text is None:
+        model = mujoco.MjModel.from_xml_path(os.path.expanduser(xml_file))
+    elif (path := _asset(xml_file)) is not None:
+        model = mujoco.MjModel.from_xml_path(path)
+    else:
+        model = mujoco.MjModel.from_xml_string(text)
+    model.vis.global_.offwidth = max(model.vis.global_.offwidth, width)
+    model.vis.global_.offheight = max(model.vis.global_.offheight, height)
+    return model
+
+
+class Mirror:
+    """The package's model and data, which follow the environment after each call, and are looked at before each.
+
+    Args:
+        model: The package's model.
+        contact_forces: Whether a step ends with ``mj_rnePostConstraint``.
+    """
+
+    def __init__(self, model: Any, contact_forces: bool) -> None:
+        self.model, self.data = model, _library().MjData(model)
+        self.contact_forces = contact_forces
+        #: Whether the package steps the environment.
+        self.is_handed = False
+        self._watch()
+
+    def _watch(self) -> None:
+        mujoco = _library()
+        self._everything = int(mujoco.mjtState.mjSTATE_INTEGRATION)
+        self._state: npt.NDArray[np.float64] = np.empty(mujoco.mj_stateSize(self.model, self._everything))
+        self._spans = _spans(self.model)
+        self._opt = opt = self.model.opt
+        names = [name for name in dir(opt) if not name.startswith("_")]
+        self._spans += [array for name in names if isinstance(array := getattr(opt, name), np.ndarray)]
+        self._options = attrgetter(*(name for name in names if isinstance(getattr(opt, name), int | float)))
+        self._seen_state, self._seen_model = self._read_state(), self._read_model()
+
+    def _read_state(self) -> bytes:
+        _library().mj_getState(self.model, self.data, self._state, self._everything)
+        return self._state.tobytes()
+
+    def _known(self) -> dict[str, Any]:
+        return {"time": self.data.time, **{name: np.array(getattr(self.data, name)) for name in KNOWN}}
+
+    def _read_model(self) -> tuple[Any, ...]:
+        return (self._options(self._opt), *[span.tobytes() for span in self._spans])
+
+    def follow(self, native: Any, is_reset: bool) -> None:
+        """Brings the data to what it is in Gymnasium after a reset or step: that of the engine's last call, of the package's own making."""
+        mujoco, model, data = _library(), self.model, self.data
+        calls = native.mujoco_before()
+        if is_reset:
+            mujoco.mj_resetData(model, data)
+        if calls is not None:
+            stepped, start, now = calls
+            _put(data, start)
+            if stepped:
+                mujoco.mj_step(model, data)
+                _put(data, now)
+                if self.contact_forces:
+                    mujoco.mj_rnePostConstraint(model, data)
+            else:
+                mujoco.mj_forward(model, data)
+        self._seen_state = self._read_state()
+
+    def changes(self) -> tuple[dict[str, Any], str | None]:
+        """What was written to the state since then that our engine has as well, and the name of something that it has not."""
+        if self._read_model() != self._seen_model:
+            return {}, "model"
+        if self._read_state() == self._seen_state:
+            return {}, None
+        seen = np.frombuffer(self._seen_state)
+        written = self._state.copy()
+        changed = {}
+        # what differs beside the arrays that our engine has
+        mujoco, data = _library(), self.data
+        current = self._known()
+        mujoco.mj_setState(self.model, data, seen, self._everything)
+        before = self._known()
+        for name, value in current.items():
+            if not np.array_equal(value, before[name], equal_nan=True):
+                changed[name] = value
+        _put(data, current)
+        data.ctrl[:] = _part(self.model, written, mujoco.mjtState.mjSTATE_CTRL, self._everything)
+        other = self._read_state() != written.tobytes()
+        mujoco.mj_setState(self.model, data, written, self._everything)
+        self._seen_state = written.tobytes()
+        return changed, "data" if other else None
+
+    def store(self) -> dict[str, Any]:
+        """The model, the state, and the arrays that the last call computed, as texts."""
+        mujoco = _library()
+        model = np.empty(mujoco.mj_sizeModel(self.model), np.uint8)
+        mujoco.mj_saveModel(self.model, None, model)
+        self._read_state()
+        arrays = {name: _text(array) for name, array in self._computed().items()}
+        return {"model": _text(model), "state": _text(self._state), "arrays": arrays}
+
+    @classmethod
+    def stored(cls, parts: dict[str, Any], contact_forces: bool) -> Mirror:
+        """What ``store`` returned."""
+        mujoco = _library()
+        model = mujoco.MjModel.from_binary_path("model.mjb", {"model.mjb": base64.b64decode(parts["model"])})
+        mirror = cls(model, contact_forces)
+        state = np.frombuffer(base64.b64decode(parts["state"]))
+        mujoco.mj_setState(model, mirror.data, state, mirror._everything)
+        mujoco.mj_forward(model, mirror.data)
+        computed = mirror._computed()
+        for name, text in parts["arrays"].items():
+            array = computed[name]
+            array[...] = np.frombuffer(base64.b64decode(text), array.dtype).reshape(array.shape)
+        mujoco.mj_setState(model, mirror.data, state, mirror._everything)
+        mirror.is_handed = True
+        return mirror
+
+    def _computed(self) -> dict[str, npt.NDArray[Any]]:
+        """The arrays of the data whose sizes the model decides."""
+        fresh = _library().MjData(self.model)
+        names = (name for name in dir(fresh) if not name.startswith(("_", "efc_", "iefc_", "efm_")))
+        arrays = {name: array for name in names if isinstance(array := getattr(fresh, name), np.ndarray) and array.dtype != object}
+        here = {name: getattr(self.data, name) for name in arrays}
+        return {name: array for name, array in here.items() if array.shape == arrays[name].shape and array.size}
+
+    def copy(self) -> Mirror:
+        """An independent copy."""
+        twin: Mirror = object.__new__(Mirror)
+        twin.__setstate__({**self.__getstate__(), "model": copy.copy(self.model), "data": copy.copy(self.data)})
+        return twin
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {"model": self.model, "data": self.data, "contact_forces": self.contact_forces, "is_handed": self.is_handed}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        self._watch()
+
+
+def _text(array: npt.NDArray[Any]) -> str:
+    return base64.b64encode(array.tobytes()).decode()
+
+
+def _put(data: Any, state: Mapping[str, Any]) -> None:
+    """Sets parts of the state."""
+    for name, value in state.items():
+        if name == "time":
+            data.time = value
+        else:
+            getattr(data, name)[:] = value
+
+
+def _part(model: Any, state: npt.NDArray[np.float64], part: Any, everything: int) -> npt.NDArray[np.float64]:
+    """A part of a state: those before it have lower bits."""
+    mujoco = _library()
+    start = mujoco.mj_stateSize(model, everything & (int(part) - 1))
+    return state[start : start + mujoco.mj_stateSize(model, int(part))]
+
+
+def _spans(model: Any) -> list[npt.NDArray[np.uint8]]:
+    """The memory of the model's arrays, neighbours as one."""
+    arrays = []
+    for name in dir(model):
+        if not name.startswith("_") and isinstance(array := getattr(model, name), np.ndarray) and 0 < array.nbytes < _LARGE:
+            arrays.append(array)
+    arrays.sort(key=lambda array: array.ctypes.data)
+    spans: list[tuple[Any, int, int]] = []
+    for array in arrays:
+        start, end = array.ctypes.data, array.ctypes.data + array.nbytes
+        if spans and 0 <= start - spans[-1][2] <= 64:  # what lies between is the space that aligns it
+            spans[-1] = (spans[-1][0], spans[-1][1], max(end, spans[-1][2]))
+        else:
+            spans.append((array, start, end))
+    return [as_strided(first.reshape(-1).view(np.uint8), (end - start,), (1,)) for first, start, end in spans]
+
+
+class OwnData:
+    """The state of a task under the names of ``mjData``, without MuJoCo's package.
+
+    ``qpos``, ``qvel``, ``qacc_warmstart`` and ``time`` can be written, in place or as a whole: the next step starts from them. All
+    else is read-only. The arrays follow the environment.
+    """
+
+    def __init__(self, arrays: Mapping[str, Any]) -> None:
+        self.__dict__.update({name: np.array(value) if np.ndim(value) else value for name, value in arrays.items()})
+        self.follow(arrays)
+
+    def follow(self, arrays: Mapping[str, Any]) -> None:
+        """Takes over what the environment computed."""
+        for name, value in arrays.items():
+            array = self.__dict__[name]
+            if isinstance(array, np.ndarray):
+                array.flags.writeable = True
+                array[...] = value
+                array.flags.writeable = name in KNOWN
+            else:
+                self.__dict__[name] = value
+        self.__dict__["_seen"] = self._known()
+
+    def _known(self) -> dict[str, Any]:
+        return {"time": self.time, **{name: np.array(getattr(self, name)) for name in KNOWN}}
+
+    def changes(self) -> dict[str, Any]:
+        """What was written since then."""
+        now, seen = self._known(), self._seen
+        self.__dict__["_seen"] = now
+        return {name: value for name, value in now.items() if not np.array_equal(value, seen[name], equal_nan=True)}
+
+    def __getattr__(self, name: str) -> Any:
+        raise AttributeError(f"data has no {name!r}: without the package mujoco it has {', '.join(self.__dict__)}")
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        if name in KNOWN:
+            self.__dict__[name][...] = value
+        elif name == "time":
+            self.__dict__[name] = float(value)
+        else:
+            raise AttributeError(f"{name} is read-only: without the package mujoco, {', '.join(KNOWN)} and time can be written")

@@ -1,0 +1,135 @@
+"""Resets with seeds from outside: each that an environment of a vector makes by itself takes the next."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import gymnasium
+import numpy as np
+import numpy.typing as npt
+from gymnasium.vector import AutoresetMode
+
+from rustgym.env import checked_seed
+
+__all__ = ["Seeds"]
+
+
+class Seeds:
+    """The resets of a vector whose native part makes none by itself.
+
+    Args:
+        seeds: The seeds, in the order in which they are used: in a step the environments take them by index.
+        mode: When an environment is reset whose episode has ended.
+    """
+
+    def __init__(self, seeds: Iterable[int], mode: AutoresetMode) -> None:
+        self._seeds = iter(seeds)
+        self._count = 0
+        self._mode = mode
+        # environments that the next step resets, and the seeds of these resets
+        self._due: dict[int, str] = {}
+
+    def take(self, indices: Iterable[int], n: int) -> list[str | None]:
+        """A seed for each of these environments, and none for the others of ``n``."""
+        seeds: list[str | None] = [None] * n
+        for index in indices:
+            try:
+                seed = next(self._seeds)
+            except StopIteration:
+                raise gymnasium.error.Error(
+                    f"the {self._count} seeds are used up: give as many as there are resets, or an iterator such as itertools.count()"
+                ) from None
+            seeds[index] = str(checked_seed(seed, f"Seed {self._count}"))
+            self._count += 1
+        return seeds
+
+    def forget(self, indices: Iterable[int]) -> None:
+        """These environments were reset by somebody."""
+        for index in indices:
+            self._due.pop(index, None)
+
+    def step(self, native: Any, actions: Any, n: int) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
+        """Takes a step, with the resets that are due."""
+        observations, rewards, terminated, truncated, infos = native.step(actions)
+        if self._due:
+            # they took part in the step only because all must; the reset makes that undone
+            mask, seeds = self._mask(self._due, n), [self._due.get(index) for index in range(n)]
+            fresh, fresh_infos = native.reset(None, seeds, None, mask.tolist())
+            observations = _rows(fresh, observations, mask)
+            rewards[mask], terminated[mask], truncated[mask] = 0.0, False, False
+            infos = _merged(infos, fresh_infos, mask)
+            self._due = {}
+        ended = terminated | truncated
+        if self._mode is AutoresetMode.DISABLED or not ended.any():
+            return observations, rewards, terminated, truncated, infos
+        indices = np.flatnonzero(ended)
+        seeds = self.take(indices, n)
+        fresh, fresh_infos = native.reset(None, seeds, None, ended.tolist())
+        if self._mode is AutoresetMode.NEXT_STEP:
+            # this reset only lets the next step be taken, and is made again after it
+            self._due = {int(index): seeds[index] or "" for index in indices}
+            return observations, rewards, terminated, truncated, infos
+        last = np.full(n, None, dtype=object)
+        for index in indices:
+            last[index] = _row(observations, index)
+        final_infos = _only(infos, ended)
+        infos = _merged(infos, fresh_infos, ended)
+        infos = {"final_obs": last, "_final_obs": ended.copy(), "final_info": final_infos, "_final_info": ended.copy(), **infos}
+        return _rows(fresh, observations, ended), rewards, terminated, truncated, infos
+
+    @staticmethod
+    def _mask(indices: Iterable[int], n: int) -> npt.NDArray[np.bool_]:
+        mask = np.zeros(n, np.bool_)
+        mask[list(indices)] = True
+        return mask
+
+
+def _row(batch: Any, index: int) -> Any:
+    if isinstance(batch, dict):
+        return {key: _row(part, index) for key, part in batch.items()}
+    if isinstance(batch, tuple):
+        return tuple(_row(part, index) for part in batch)
+    row = batch[index]
+    return row.copy() if isinstance(row, np.ndarray) else row
+
+
+def _rows(new: Any, old: Any, mask: npt.NDArray[np.bool_]) -> Any:
+    """The rows of ``new`` where ``mask`` says so, else those of ``old``."""
+    if isinstance(old, dict):
+        return {key: _rows(new[key], part, mask) for key, part in old.items()}
+    if isinstance(old, tuple):
+        if len(old) == len(mask) and not isinstance(old[0], np.ndarray):  # a value for each environment
+            return tuple(n if m else o for n, o, m in zip(new, old, mask, strict=True))
+        return tuple(_rows(n, o, mask) for n, o in zip(new, old, strict=True))
+    return np.where(mask.reshape(-1, *[1] * (old.ndim - 1)), new, old)
+
+
+def _only(infos: dict[str, Any], mask: npt.NDArray[np.bool_]) -> dict[str, Any]:
+    """The infos of some environments, zeros for the others."""
+    kept: dict[str, Any] = {}
+    for key, column in infos.items():
+        if isinstance(column, dict):
+            kept[key] = _only(column, mask)
+        elif key.startswith("_") and key[1:] in infos:
+            kept[key] = column & mask
+        else:
+            kept[key] = column.copy()
+            kept[key][~mask] = None if column.dtype == object else 0
+    return kept
+
+
+def _merged(infos: dict[str, Any], fresh: dict[str, Any], mask: npt.NDArray[np.bool_]) -> dict[str, Any]:
+    """The infos of a step, with those of a reset for some environments."""
+    merged = _only(infos, ~mask)
+    for key, column in fresh.items():
+        if key not in merged:
+            merged[key] = column
+        elif isinstance(column, dict):
+            merged[key] = _merged(infos[key], column, mask)
+        else:
+            merged[key][mask] = column[mask]
+    empty = [key for key, column in merged.items() if f"_{key}" in merged and not np.any(merged[f"_{key}"])]
+    for key in empty:
+        del merged[key], merged[f"_{key}"]
+    return merged

@@ -1,0 +1,256 @@
+"""What an environment hands out is the environment: changes to it count as they do in Gymnasium's."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from collections.abc import Callable
+from typing import Any
+
+import gymnasium
+import numpy as np
+import pytest
+from conftest import assert_same
+
+import rustgym
+
+Change = Callable[[Any], None]
+WAYS: dict[str, Callable[[Any], Any]] = {
+    "itself": lambda env: env,
+    "copy": copy.copy,
+    "deep copy": copy.deepcopy,
+    "pickle": lambda env: pickle.loads(pickle.dumps(env)),
+}
+
+
+def play(env: Any, actions: list[Any]) -> list[Any]:
+    """Results of some steps, a reset, and a step after it."""
+    results = [env.step(action)[:4] for action in actions]
+    return [*results, env.reset()[0], env.step(actions[0])[:4]]
+
+
+def both(
+    env_id: str, change: Change, actions: list[Any], way: str = "itself", before_reset: Change | None = None, **kwargs: Any
+) -> None:
+    """The same change and the same actions in ours and in Gymnasium's."""
+    results = []
+    for module in (rustgym, gymnasium):
+        env = module.make(env_id, disable_env_checker=True, **kwargs)
+        if before_reset is not None:
+            before_reset(env.unwrapped)
+        first = env.reset(seed=3)[0]
+        change(env.unwrapped)
+        results.append([first, *play(WAYS[way](env) if module is rustgym else env, actions)])
+    assert_same(*results)
+
+
+@pytest.mark.parametrize("env_id", ["CartPole-v1", "Taxi-v4", "LunarLander-v3", "Acrobot-v1", "FrozenLake-v1", "HalfCheetah-v5"])
+def test_close_frees_the_window_alone(env_id: str) -> None:
+    env, twin = rustgym.make(env_id), rustgym.make(env_id)
+    for e in (env, twin):
+        e.reset(seed=1)
+    env.close()
+    action = env.action_space.sample()
+    assert_same(env.step(action), twin.step(action))
+    assert_same(copy.deepcopy(env).step(action), copy.deepcopy(twin).step(action))
+    assert_same(pickle.loads(pickle.dumps(env.unwrapped)).reset(), twin.unwrapped.reset())
+
+
+@pytest.mark.parametrize("kind", ["sync", "native"])
+def test_a_closed_vector_goes_on(kind: str) -> None:
+    envs, twin = (rustgym.VectorEnv("CartPole-v1", 3, kind=kind) for _ in range(2))
+    for e in (envs, twin):
+        e.reset(seed=1)
+    envs.close()
+    envs.close()
+    assert_same(envs.step([0, 1, 0]), twin.step([0, 1, 0]))
+    assert_same(envs.reset(), twin.reset())
+
+
+def put(name: str, value: Any) -> Change:
+    return lambda env: setattr(env, name, copy.deepcopy(value))
+
+
+def put_in(name: str, index: Any, value: Any) -> Change:
+    return lambda env: getattr(env, name).__setitem__(index, value)
+
+
+@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize(
+    ("env_id", "change", "actions"),
+    [
+        ("CartPole-v1", put_in("state", 0, 1.5), [1, 0]),
+        ("CartPole-v1", put("state", np.array([0.1, 0.2, 0.03, 0.4])), [1, 0]),
+        ("CartPole-v1", put("state", np.array([0.1, 0.2, 0.03, 0.4], np.float32)), [1, 0, 1]),
+        ("CartPole-v1", put("state", np.array([0.1, 0.2, 0.2, 3.0], np.float32)), [1, 1, 1]),
+        ("CartPole-v1", put("state", (0, 0, 0, 0)), [1, 0]),
+        ("CartPole-v1", put("steps_beyond_terminated", 1), [1, 0]),
+        ("MountainCar-v0", put("state", np.array([-0.4, 0.01])), [2, 2]),
+        ("MountainCar-v0", put("state", np.array([-0.4, 0.01], np.float32)), [2, 2, 2]),
+        ("Pendulum-v1", put("state", np.array([-0.4, 0.01], np.float32)), [np.array([0.5], np.float32)] * 3),
+        ("MountainCarContinuous-v0", put("state", np.array([-0.4, 0.01], np.float32)), [np.array([0.5], np.float32)] * 2),
+        ("Acrobot-v1", put("state", np.array([0.1, 0.2, 0.3, 0.4], np.float32)), [2, 0]),
+        ("MountainCarContinuous-v0", put_in("state", 1, 0.02), [np.array([0.5], np.float32)]),
+        ("Pendulum-v1", put_in("state", slice(None), [1.0, -2.0]), [np.array([0.5], np.float32)]),
+        ("Acrobot-v1", put_in("state", 2, 0.7), [2, 0]),
+        ("Acrobot-v1", put("AVAIL_TORQUE", [-1.0, 0.0, 0.25]), [2, 2]),
+        ("Blackjack-v1", put("player", [10, 7]), [0]),
+        ("Blackjack-v1", put_in("dealer", 0, 3), [0]),
+        ("Blackjack-v1", lambda env: env.player.append(2), [0]),
+        ("Blackjack-v1", put("sab", False), [1]),
+        ("FrozenLake-v1", put_in("P", 0, {a: [(0.5, 9, 2.0, False), (0.5, 2, -1.0, False)] for a in range(4)}), [1, 1, 2]),
+        ("FrozenLake-v1", put_in("initial_state_distrib", slice(None), np.eye(16)[14]), [1, 1]),
+        ("FrozenLake-v1", put("initial_state_distrib", np.full(16, 1 / 16)), [1, 1]),
+        ("FrozenLake-v1", put("s", 6), [1, 1]),
+        ("CliffWalking-v1", lambda env: env.P[36].update({1: [(1.0, 20, 7.0, True)]}), [1]),
+        ("Taxi-v4", put("P", {s: {a: [(1.0, 77, -3.0, False)] for a in range(6)} for s in range(500)}), [1, 3]),
+        ("Taxi-v4", put("fickle_passenger", True), [1, 3]),
+        ("LunarLander-v3", put("prev_shaping", -10.0), [2, 1]),
+        ("LunarLander-v3", put("game_over", True), [2]),
+        ("LunarLander-v3", lambda env: setattr(env.lander, "linearVelocity", (1.0, -2.0)), [2, 1, 3]),
+        ("LunarLander-v3", lambda env: setattr(env.lander, "angularVelocity", 0.5), [2, 1, 3]),
+        ("LunarLander-v3", lambda env: setattr(env.world, "gravity", (0.5, -3.0)), [2, 1, 3]),
+        ("LunarLander-v3", lambda env: env.lander.ApplyForceToCenter((30.0, 70.0), True), [2, 1, 3]),
+        ("LunarLander-v3", lambda env: env.lander.ApplyTorque(3.0, True), [2, 1, 3]),
+        ("LunarLander-v3", lambda env: env.legs[0].ApplyLinearImpulse((0.1, 0.2), (10.0, 13.0), True), [2, 1, 3]),
+        ("LunarLander-v3", lambda env: env.lander.ApplyAngularImpulse(0.3, True), [2, 1, 3]),
+        ("BipedalWalker-v3", lambda env: setattr(env.hull, "linearVelocity", (0.5, 0.25)), [np.zeros(4, np.float32)] * 3),
+    ],
+)
+def test_changes_count(env_id: str, change: Change, actions: list[Any], way: str) -> None:
+    if env_id in ("LunarLander-v3", "BipedalWalker-v3"):
+        pytest.importorskip("Box2D")
+    both(env_id, change, actions, way)
+
+
+def test_a_state_that_was_kept_is_the_states_no_longer() -> None:
+    env = rustgym.make("CartPole-v1").unwrapped
+    env.reset(seed=1)
+    kept = env.state
+    seen = kept.copy()
+    env.step(1)
+    assert np.array_equal(kept, seen) and env.state is not kept
+    kept[:] = 5.0
+    assert not np.array_equal(env.state, kept)
+
+
+def test_a_changed_table_is_played_from_a_subclass() -> None:
+    class Icy(rustgym.envs.FrozenLake_v1):  # type: ignore[misc,name-defined]
+        def __init__(self, **kwargs: Any) -> None:
+            super().__init__(**kwargs)
+            for actions in self.P.values():
+                for action, outcomes in actions.items():
+                    actions[action] = [(p, s, r - 0.25, t) for p, s, r, t in outcomes]
+
+    env = Icy()
+    env.reset(seed=0)
+    assert [env.step(1)[1] for _ in range(3)] == [-0.25] * 3
+
+
+def test_torques_in_place() -> None:
+    env, twin = (rustgym.make("Acrobot-v1").unwrapped for _ in range(2))
+    twin.AVAIL_TORQUE = [-1.0, 0.0, 0.25]
+    env.AVAIL_TORQUE[2] = 0.25
+    for e in (env, twin):
+        e.reset(seed=0)
+    assert_same(env.step(2), twin.step(2))
+    assert rustgym.make("Acrobot-v1").unwrapped.AVAIL_TORQUE == [-1.0, 0.0, 1.0]
+
+
+def test_reading_a_table_changes_nothing() -> None:
+    env, twin = (rustgym.make("Taxi-v4") for _ in range(2))
+    assert len(env.unwrapped.P) == 500
+    for e in (env, twin):
+        e.reset(seed=0)
+    assert_same([env.step(a) for a in (0, 1, 2, 3)], [twin.step(a) for a in (0, 1, 2, 3)])
+
+
+def test_a_map_is_drawn_and_the_table_stays() -> None:
+    env = rustgym.make("FrozenLake-v1", is_slippery=False, render_mode="ansi")
+    env.reset(seed=0)
+    env.unwrapped.desc[0, 1] = b"H"
+    assert "H" in env.render().splitlines()[-4]
+    assert env.step(2)[2] is False
+
+
+def test_a_map_of_characters() -> None:
+    desc = [list("SFF"), list("FHF"), list("FFG")]
+    envs = rustgym.make_vec("FrozenLake-v1", num_envs=2, desc=desc, is_slippery=False)
+    envs.reset(seed=0)
+    assert envs.step([1, 2])[0].tolist() == [3, 1]
+    both("FrozenLake-v1", lambda env: None, [1, 1], desc=desc, is_slippery=False)
+
+
+@pytest.mark.parametrize("action", [1.0, np.float32(1.0), np.True_, True, np.array(1)])
+def test_toy_texts_take_what_is_equal_to_an_action(action: Any) -> None:
+    env, twin = (rustgym.make("FrozenLake-v1", disable_env_checker=True) for _ in range(2))
+    for e in (env, twin):
+        e.reset(seed=0)
+    assert_same(env.step(action), twin.step(1))
+    with pytest.raises(gymnasium.error.InvalidAction):
+        env.step(1.5)
+
+
+def test_the_last_torque() -> None:
+    env = rustgym.make("Pendulum-v1").unwrapped
+    env.reset(seed=0)
+    assert env.last_u is None
+    env.step(np.array([5.0], np.float32))
+    assert env.last_u == 2.0 and isinstance(env.last_u, np.float32)
+
+
+@pytest.mark.parametrize("name", ["bg_color", "grass_color", "road_color"])
+def test_colours_of_a_track(name: str) -> None:
+    env = rustgym.make("CarRacing-v3").unwrapped
+    before = env.reset(seed=1)[0]
+    getattr(env, name)[:] = [10, 20, 30]
+    if name == "road_color":
+        with pytest.raises(gymnasium.error.ResetNeeded, match="road_color was changed"):
+            env.step(np.zeros(3, np.float32))
+    seen = env.reset(seed=1)[0]
+    assert not np.array_equal(seen, before) and getattr(env, name).tolist() == [10, 20, 30]
+    with pytest.raises(ValueError, match="a colour is"):
+        setattr(env, "bg_color", [1, 2, 300])
+
+
+def test_names_that_are_unknown_are_warned_of() -> None:
+    gymnasium.logger.min_level = gymnasium.logger.WARN
+    try:
+        env = rustgym.make("CartPole-v1").unwrapped
+        with pytest.warns(UserWarning, match="has no screen_width"):
+            env.screen_width = 300
+        env = rustgym.make("HalfCheetah-v5").unwrapped
+        with pytest.warns(UserWarning, match="has no _healthy_reward"):
+            env._healthy_reward = 1
+    finally:
+        gymnasium.logger.min_level = gymnasium.logger.ERROR
+
+
+def test_environments_of_a_vector_are_live() -> None:
+    envs = rustgym.VectorEnv("CartPole-v1", 3, kind="sync")
+    envs.reset(seed=1)
+    envs.envs[1].state = np.array([0.5, 0.0, 0.0, 0.0])
+    assert envs.step([0, 0, 0])[0][1, 0] == 0.5
+    kept = envs.envs[2]
+    envs.step([0, 0, 0])
+    assert np.array_equal(kept.state, envs.envs[2].state) and kept is envs.envs[2]
+    envs.get_attr("state")[0][0] = 1.0
+    assert envs.step([0, 0, 0])[0][0, 0] > 0.9
+
+
+@pytest.mark.parametrize("way", ["itself", "pickle"])
+def test_a_table_of_an_environment_of_a_vector(way: str) -> None:
+    envs = rustgym.VectorEnv("FrozenLake-v1", 2, kind="sync")
+    envs.reset(seed=1)
+    envs.envs[0].P[0][1] = [(1.0, 5, 2.0, False)]
+    envs = WAYS[way](envs)
+    observations, rewards, *_ = envs.step([1, 1])
+    assert observations[0] == 5 and rewards.tolist() == [2.0, 0.0]
+    envs.envs[1].initial_state_distrib[:] = np.eye(16)[14]
+    assert envs.reset(seed=1)[0].tolist() == [0, 14]
+
+
+def test_frames_per_second_follow_the_step() -> None:
+    assert rustgym.make("Ant-v5", frame_skip=2).metadata["render_fps"] == 50
+    assert rustgym.make("Hopper-v5", frame_skip=1).metadata["render_fps"] == 500
+    assert rustgym.make("Ant-v5").metadata["render_fps"] == 20

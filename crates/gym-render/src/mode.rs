@@ -1,0 +1,32 @@
+//! The render modes that a recorder accepts.
+
+use gym_core::render::{RenderMode, Rendered};
+use gym_core::{Error, Result};
+
+/// Refuses an environment, described by `target`, whose render mode has no frames.
+pub(crate) fn require_frames(target: impl Into<String>, mode: Option<RenderMode>) -> Result<()> {
+    match mode {
+        Some(mode) if mode.single() == RenderMode::RgbArray => Ok(()),
+        Some(mode) => Err(no_frames(target, &format!("its render mode is {mode}"))),
+        None => Err(no_frames(target, "it has no render mode")),
+    }
+}
+
+/// Returns the error for an environment, described by `target`, that did not render frames.
+pub(crate) fn not_frames(target: impl Into<String>, rendered: &Rendered) -> Error {
+    let mode = match rendered {
+        Rendered::Shown => RenderMode::Human,
+        Rendered::Text(_) => RenderMode::Ansi,
+        Rendered::Texts(_) => RenderMode::AnsiList,
+        Rendered::Frame(_) | Rendered::Frames(_) => RenderMode::RgbArray,
+    };
+    no_frames(target, &format!("its render mode is {mode}"))
+}
+
+fn no_frames(target: impl Into<String>, reason: &str) -> Error {
+    Error::UnsupportedMode {
+        target: target.into(),
+        mode: "frames to record".into(),
+        reason: format!("{reason}: make it with `.render_mode(RenderMode::RgbArray)`"),
+    }
+}

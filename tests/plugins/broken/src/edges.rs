@@ -1,0 +1,348 @@
+//! Faults that show only at an edge: after `close`, after a pause, in rare states, in buffers that
+//! were used, without a seed. Beside them their sound twins.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::Duration;
+
+use gym_core::canvas::Canvas;
+use gym_core::render::Metadata;
+use gym_core::{Env, Error, Outcome, Registration, Reset, Result, Snapshot, Space, Value};
+use serde_json::Value as Json;
+
+use crate::arguments::Number;
+use crate::twisted::{Mind, Twist, Twisted as Of};
+use crate::twists::{twists, with_seed};
+
+// what clones share
+twists! {
+    // tells of the last step of all its clones
+    "clone-apart.info" TellsOfItsClones {
+        fn copied(env: &Of<Self>) -> Mind {
+            Mind { shared: Arc::clone(&env.mind.shared), ..env.mind.clone() }
+        }
+
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let outcome = env.walk.step_into(action, observation)?;
+            env.mind.shared.store(env.walk.position().to_bits(), Ordering::Relaxed);
+            Ok(outcome)
+        }
+
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            env.walk.reset_into(reset, observation)?;
+            env.mind.shared.store(env.walk.position().to_bits(), Ordering::Relaxed);
+            Ok(())
+        }
+
+        fn restore(env: &mut Of<Self>, snapshot: &Snapshot) -> Result<()> {
+            env.walk.restore(snapshot)?;
+            env.mind.shared.store(env.walk.position().to_bits(), Ordering::Relaxed);
+            Ok(())
+        }
+
+        fn info(env: &Of<Self>, visit: &mut dyn FnMut(&str, Value)) {
+            visit("position", Value::Float(f64::from_bits(env.mind.shared.load(Ordering::Relaxed))));
+        }
+    }
+
+    // a table that never changes
+    "none.shared-table" SharesATable (Number), reset_options(&[("start", "0.25")]) {
+        fn copied(env: &Of<Self>) -> Mind {
+            Mind { shared: Arc::clone(&env.mind.shared), ..env.mind.clone() }
+        }
+
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let outcome = env.walk.step_into(action, observation)?;
+            Ok(Outcome { reward: outcome.reward * env.arguments.number, ..outcome })
+        }
+
+        fn info(env: &Of<Self>, visit: &mut dyn FnMut(&str, Value)) {
+            visit("table", Value::Int(env.mind.shared.load(Ordering::Relaxed) as i64));
+        }
+    }
+
+    // a copy does not survive the original
+    "clone-apart.original-closed" NeedsItsOriginal {
+        fn copied(env: &Of<Self>) -> Mind {
+            Mind { shared: Arc::clone(&env.mind.shared), own: 1, ..env.mind.clone() }
+        }
+
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let is_alone = env.mind.shared.load(Ordering::Relaxed) == 1;
+            env.mind.is_spoilt.set(env.mind.own == 1 && is_alone);
+            env.step_of_spoilt(action, observation)
+        }
+
+        fn close(env: &mut Of<Self>) {
+            if env.mind.own == 0 {
+                env.mind.shared.store(1, Ordering::Relaxed);
+            }
+            env.walk.close();
+        }
+    }
+}
+
+/// How often environments of a kind were closed again.
+static CLOSED_AGAIN: AtomicU64 = AtomicU64::new(0);
+
+// `close`
+twists! {
+    // spoils all others
+    "close-harmless" FreesTwice {
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            env.mind.is_spoilt.set(CLOSED_AGAIN.load(Ordering::Relaxed) > 0);
+            env.step_of_spoilt(action, observation)
+        }
+
+        fn close(env: &mut Of<Self>) {
+            env.mind.own += 1;
+            if env.mind.own == 2 {
+                CLOSED_AGAIN.fetch_add(1, Ordering::Relaxed);
+            }
+            env.walk.close();
+        }
+    }
+
+    "close-harmless.twice" SpoiltByASecondClose {
+        fn close(env: &mut Of<Self>) {
+            env.mind.own += 1;
+            if env.mind.own == 2 {
+                env.mind.is_spoilt.set(true);
+            }
+            env.walk.close();
+        }
+    }
+
+    "no-panic.reset-after-close" PanicsAfterClose {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            assert!(env.mind.own == 0 || env.mind.is_over, "closed");
+            env.walk.reset_into(reset, observation)
+        }
+
+        fn close(env: &mut Of<Self>) {
+            env.mind.own = 1;
+            env.walk.close();
+        }
+    }
+
+    "none.closed-for-good" RefusesAfterClose (Number), reset_options(&[("start", "0.25")]) {
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let outcome = env.walk.step_into(action, observation)?;
+            Ok(Outcome { reward: outcome.reward * env.arguments.number, ..outcome })
+        }
+
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            if env.mind.own == 1 {
+                return Err(Error::Closed("reset"));
+            }
+            env.walk.reset_into(reset, observation)
+        }
+
+        fn close(env: &mut Of<Self>) {
+            env.mind.own = 1;
+            env.walk.close();
+        }
+    }
+}
+
+// resets
+twists! {
+    // until the next seed
+    "reset-forgets.option-without-a-seed" KeepsAnOptionForLong, reset_options(&[("start", "0.25")]) {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            let until = if reset.seed.is_some() { 0 } else { u64::MAX };
+            with_kept(env, reset, until, observation)
+        }
+    }
+
+    // for two episodes more
+    "reset-forgets.option-twice-more" KeepsAnOptionTwice, reset_options(&[("start", "0.25")]) {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            let until = if reset.seed.is_some() { 0 } else { 2 };
+            with_kept(env, reset, until, observation)
+        }
+    }
+
+    // where a seed has begun once, it begins again
+    "reset-forgets.option-by-seed" KeepsTheStartOfASeed, reset_options(&[("start", "0.25")]) {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            let mut options = reset.options.clone();
+            if let Some(seed) = &reset.seed {
+                let seed = seed.to_string();
+                if let Some(start) = options.get("start").and_then(start) {
+                    env.mind.seen = Value::Dict(vec![(seed, start.into())]);
+                } else if let Some(Value::Float(start)) = env.mind.seen.get(&seed) && options.is_empty() {
+                    options.insert("start".into(), (*start).into());
+                }
+            }
+            env.walk.reset_into(&Reset { options, ..reset.clone() }, observation)
+        }
+    }
+
+    // without a step between them
+    "reset-forgets.many-resets" CountsResets {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            env.mind.own += 1;
+            env.mind.is_spoilt.set(env.mind.own > 40);
+            env.walk.reset_into(reset, observation)
+        }
+
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            env.mind.own = 0;
+            env.step_of_spoilt(action, observation)
+        }
+    }
+
+    "other-seed-other-episode.float" CutsToAFloat {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            with_seed(env, reset, |seed| seed as f32 as u64, observation)
+        }
+    }
+
+    "other-seed-other-episode.double" CutsToADouble {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            with_seed(env, reset, |seed| seed as f64 as u64, observation)
+        }
+    }
+}
+
+/// A reset option that has an effect.
+fn start(option: &Json) -> Option<f64> {
+    option.as_f64().filter(|start| start.abs() <= 1.0)
+}
+
+/// A reset with the last `start`, for a number of episodes more.
+fn with_kept<T: Twist>(
+    env: &mut Of<T>,
+    reset: &Reset,
+    episodes: u64,
+    observation: &mut Value,
+) -> Result<()> {
+    let mut options = reset.options.clone();
+    if let Some(start) = options.get("start").and_then(start) {
+        (env.mind.seen, env.mind.own) = (Value::Float(start), 0);
+    } else if let Value::Float(start) = env.mind.seen
+        && options.is_empty()
+    {
+        env.mind.own += 1;
+        if env.mind.own <= episodes {
+            options.insert("start".into(), start.into());
+        } else {
+            env.mind.seen = Value::Null;
+        }
+    }
+    env.walk.reset_into(
+        &Reset {
+            options,
+            ..reset.clone()
+        },
+        observation,
+    )
+}
+
+// buffers, snapshots, time
+twists! {
+    // a buffer of finite numbers makes no difference
+    "observation-whole.multiplied" MultipliesTheOld {
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let old = match observation {
+                Value::Array(array) => array.as_slice::<f32>().and_then(|numbers| numbers.first().copied()),
+                _ => None,
+            };
+            let outcome = env.walk.step_into(action, observation)?;
+            if let Value::Array(array) = observation && let Some([x, _]) = array.as_mut_slice::<f32>() {
+                *x += 0.0 * old.unwrap_or(0.0);
+            }
+            Ok(outcome)
+        }
+    }
+
+    "snapshot-continues.rare" RefusesARareState {
+        fn snapshot(env: &Of<Self>) -> Result<Snapshot> {
+            if env.walk.steps() == 9 && env.walk.position() > 0.3 {
+                return Err(Error::Snapshot("not here".into()));
+            }
+            env.walk.snapshot()
+        }
+    }
+
+    "snapshot-continues.rarely-wrong" RestoresARareStateWrongly {
+        fn restore(env: &mut Of<Self>, snapshot: &Snapshot) -> Result<()> {
+            env.walk.restore(snapshot)?;
+            if env.walk.steps() == 9 && env.walk.position() > 0.3 && let Some(generator) = env.walk.generator() {
+                generator.random();
+            }
+            Ok(())
+        }
+    }
+
+    // pays by its number
+    "snapshot-refused.other-argument" TakesOtherArguments (Number) {
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let outcome = env.walk.step_into(action, observation)?;
+            Ok(Outcome { reward: (outcome.reward + 1.0) * env.arguments.number, ..outcome })
+        }
+
+        fn snapshot(env: &Of<Self>) -> Result<Snapshot> {
+            env.walk.snapshot()
+        }
+
+        fn restore(env: &mut Of<Self>, snapshot: &Snapshot) -> Result<()> {
+            env.walk.restore(snapshot)
+        }
+    }
+
+    // its number is a part of its state
+    "none.restores-its-argument" RestoresItsArgument (Number), reset_options(&[("start", "0.25")]) {
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let outcome = env.walk.step_into(action, observation)?;
+            Ok(Outcome { reward: (outcome.reward + 1.0) * env.arguments.number, ..outcome })
+        }
+
+        fn restore(env: &mut Of<Self>, snapshot: &Snapshot) -> Result<()> {
+            let (walk, arguments) = snapshot.get::<(Json, Number)>()?;
+            env.walk.restore(&Snapshot::of(&walk)?)?;
+            env.arguments = arguments;
+            Ok(())
+        }
+    }
+
+    // an episode that takes a second ends otherwise
+    "clock-unread" ReadsAClock {
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let is_late = env.mind.begun.is_some_and(|begun| begun.elapsed() > Duration::from_secs(1));
+            env.mind.is_spoilt.set(is_late);
+            env.step_of_spoilt(action, observation)
+        }
+    }
+
+    "metadata-complete.rate-without-modes" NoRate {
+        fn metadata(_: &Of<Self>) -> Metadata {
+            Metadata { render_modes: &[], ..Metadata::drawn(0, (200, 40)) }
+        }
+
+        fn draw(_: &Of<Self>, _: &mut dyn Canvas) {}
+    }
+
+    "metadata-complete.at-the-end" OtherRateAtTheEnd {
+        fn metadata(env: &Of<Self>) -> Metadata {
+            Metadata::drawn(if env.mind.is_over { 20 } else { 10 }, (200, 40))
+        }
+    }
+
+    "space-constant.at-the-end" OtherSpaceAtTheEnd {
+        fn observation_space(env: &Of<Self>) -> Space {
+            let side = if env.mind.is_over { 2.0 } else { 1.0 };
+            Space::boxed([-side; 2], [side; 2])
+        }
+    }
+
+    "no-allocation.seldom" AllocatesSeldom {
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            if env.mind.age == 350 {
+                drop(std::hint::black_box(vec![0u8; 8]));
+            }
+            env.walk.step_into(action, observation)
+        }
+    }
+}

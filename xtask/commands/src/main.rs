@@ -1,7 +1,0 @@
-//! The commands over this workspace's own environments.
-
-use std::process::ExitCode;
-
-fn main() -> ExitCode {
-    xtask_commands::main()
-}

@@ -1,0 +1,102 @@
+//! The tables of `docs/mujoco-versions.md`: which ids follow which version of MuJoCo by default, and
+//! from which step on two versions differ.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use gym::mujoco::Revision;
+use gym::{EnvExt, Error, Registration, Result, Value, builder, registry};
+
+use gym_cli::Document;
+
+use crate::book::{self, Marks};
+
+const PAGE: &str = "docs/mujoco-versions.md";
+const MARKS: Marks = [
+    "<!-- versions: written by cargo xtask docs -->\n",
+    "<!-- end of versions -->\n",
+];
+const STEPS: usize = 1000;
+const SEED: u64 = 0;
+/// Differences whose first steps are told; the first is any bit.
+const LIMITS: [f64; 3] = [0.0, 1e-9, 1e-3];
+
+/// The page with its tables.
+pub(crate) fn document(folder: &Path) -> Result<Document> {
+    let written = |error: std::fmt::Error| Error::custom(error.to_string());
+    let mut text = String::from("| `mujoco` | equal to MuJoCo |\n|---|---|\n");
+    for revision in Revision::ALL {
+        let versions = revision.versions()[1..].join(", ");
+        writeln!(text, "| `\"{revision}\"` | {versions} |").map_err(written)?;
+    }
+    text += "\n| id | default | any bit | 1e-9 | 1e-3 |\n|---|---|---|---|---|\n";
+    for registration in registry::all() {
+        let id = registration.id();
+        let arguments = registration.arguments()?;
+        let Some(version) = arguments.iter().find(|argument| argument.name == "mujoco") else {
+            continue;
+        };
+        let default = version.default.as_str().unwrap_or_default();
+        let [bit, small, large] = first_differences(&registration)?
+            .map(|step| step.map_or("-".to_owned(), |step| step.to_string()));
+        let row = writeln!(text, "| `{id}` | {default} | {bit} | {small} | {large} |");
+        row.map_err(written)?;
+    }
+    book::page(folder, PAGE, MARKS, &text)
+}
+
+/// The first steps at which an observation or a reward differs by more than each limit, with random
+/// actions and a new episode where the first version's ends; step 0 is the reset.
+fn first_differences(registration: &Registration) -> Result<[Option<usize>; 3]> {
+    let made = |revision: &Revision| {
+        let builder = builder(registration.id()).arg("mujoco", revision.name());
+        builder.build()
+    };
+    let mut envs = Revision::ALL.iter().map(made).collect::<Result<Vec<_>>>()?;
+    let mut actions = envs[0].action_sampler(SEED)?;
+    let mut found = [None; 3];
+    let mut compare = |step: usize, seen: [Vec<f64>; 2]| {
+        let [a, b] = &seen;
+        let bits = |x: &[f64]| x.iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+        let off = a.iter().zip(b).map(|(a, b)| (a - b).abs());
+        let most = off.fold(0.0, f64::max);
+        for (found, limit) in found.iter_mut().zip(LIMITS) {
+            let differs = most > limit || (limit == 0.0 && bits(a) != bits(b));
+            *found = found.or(differs.then_some(step));
+        }
+        found.iter().all(Option::is_some)
+    };
+    let reset = |envs: &mut [gym::BoxEnv], seed: Option<u64>| -> Result<[Vec<f64>; 2]> {
+        let mut seen = envs.iter_mut().map(|env| {
+            let observation = match seed {
+                Some(seed) => env.reset(seed),
+                None => env.reset(()),
+            };
+            observation.map(|observation| numbers(&observation))
+        });
+        let mut next = || seen.next().unwrap_or_else(|| Ok(Vec::new()));
+        Ok([next()?, next()?])
+    };
+    compare(0, reset(&mut envs, Some(SEED))?);
+    for step in 1..=STEPS {
+        let action = actions.sample();
+        let (mut seen, mut ended) = ([Vec::new(), Vec::new()], false);
+        for (i, (env, seen)) in envs.iter_mut().zip(&mut seen).enumerate() {
+            let taken = env.step(&action)?;
+            *seen = numbers(&taken.observation);
+            seen.push(taken.reward);
+            ended |= i == 0 && taken.done();
+        }
+        if compare(step, seen) {
+            break;
+        }
+        if ended && compare(step, reset(&mut envs, None)?) {
+            break;
+        }
+    }
+    Ok(found)
+}
+
+fn numbers(observation: &Value) -> Vec<f64> {
+    observation.as_slice::<f64>().unwrap_or_default().to_vec()
+}

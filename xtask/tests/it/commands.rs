@@ -1,0 +1,403 @@
+//! The commands, one after the other.
+
+use super::{fails, first_word, folder, json, prints, program, xtask};
+
+#[test]
+fn list() {
+    let short = prints(&["list"]);
+    assert!(
+        short.contains("CartPole-v1") && !short.contains("limit"),
+        "{short}"
+    );
+    let long = prints(&["list", "--long"]);
+    let row = |id: &str| {
+        let line = long.lines().find(|line| first_word(line) == id).expect(id);
+        line.split_whitespace()
+            .skip(1)
+            .collect::<Vec<_>>()
+            .join(" ")
+    };
+    assert_eq!(
+        row("Taxi-v4"),
+        "limit 200 threshold 8 Discrete(6) -> Discrete(500)"
+    );
+    assert_eq!(
+        row("Reacher-v4"),
+        "limit 50 threshold -3.75 Box(-1.0, 1.0, (2,), float32) -> Box(-inf, inf, (11,), float64)"
+    );
+    assert_eq!(
+        row("CliffWalking-v1"),
+        "limit none threshold none Discrete(4) -> Discrete(48)"
+    );
+
+    let mut without_roms = program();
+    without_roms
+        .args(["list", "--long"])
+        .env("ALE_ROMS_DIR", folder("no-roms"));
+    let said = String::from_utf8(without_roms.output().expect("it starts").stderr).expect("text");
+    assert!(
+        said.contains("ids of gym-atari: they need ROMs (none here); name an id to use it"),
+        "{said}"
+    );
+}
+
+#[test]
+fn help_knows_every_command() {
+    let help = prints(&["help"]);
+    assert!(help.contains("Usage: cargo xtask"), "{help}");
+    for command in [
+        "list", "demo", "gif", "play", "run", "replay", "atari", "docs", "bench", "conform", "new",
+        "soak",
+    ] {
+        let names_it = |line: &str| first_word(line) == command;
+        assert!(help.lines().any(names_it), "{command}: {help}");
+        let usage = prints(&["help", command]);
+        assert!(
+            usage.contains(&format!("Usage: cargo xtask {command}")),
+            "{usage}"
+        );
+    }
+}
+
+#[test]
+fn demo() {
+    let out = folder("demo");
+    let output = xtask(&[
+        "demo",
+        "--episodes",
+        "2",
+        "--max-frames",
+        "4",
+        "--out",
+        out.to_str().unwrap(),
+    ]);
+    let [table, said] =
+        [output.stdout, output.stderr].map(|text| String::from_utf8(text).expect("text"));
+    assert!(output.status.success(), "{said}");
+    let ids: Vec<_> = table
+        .lines()
+        .filter(|line| line.contains(" return "))
+        .map(first_word)
+        .collect();
+    assert!(
+        ids.is_sorted() && ids.len() > 20,
+        "one row for each, in the order of the registry: {ids:?}"
+    );
+    for old in [
+        "CartPole-v0",
+        "CliffWalking-v0",
+        "Ant-v4",
+        "rapier/LunarLander-v3",
+    ] {
+        assert!(!ids.contains(&old), "{old} is asked for by --all");
+    }
+    // environments with requirements are left out, named once for each crate
+    assert_eq!(
+        said.matches("ids of gym-atari: they need ROMs").count(),
+        1,
+        "{said}"
+    );
+    assert_eq!(
+        said.matches("left out GymV26Environment-v0: it needs")
+            .count(),
+        1,
+        "{said}"
+    );
+    for id in ["CartPole-v1", "Taxi-v4", "CliffWalking-v1", "Blackjack-v1"] {
+        assert!(
+            table.contains(&format!("{id}.gif\n")),
+            "each GIF is named as it appears: {table}"
+        );
+        for extension in ["gif", "svg", "png"] {
+            let file = out.join(format!("{id}.{extension}"));
+            assert!(
+                std::fs::metadata(&file).is_ok_and(|file| file.len() > 500),
+                "{}",
+                file.display()
+            );
+        }
+    }
+}
+
+#[test]
+fn the_book_is_up_to_date() {
+    prints(&["docs", "--check"]);
+}
+
+#[test]
+fn atari_check_tells_of_every_rom() {
+    let roms = folder("roms");
+    let check = || xtask(&["atari", "check", "--rom-dir", roms.to_str().unwrap()]);
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("text");
+    let output = check();
+    assert!(
+        !output.status.success() && output.stdout.is_empty(),
+        "there is nothing to compare"
+    );
+    let error = text(output.stderr);
+    let first = gym::atari::games::GAMES[0].name;
+    assert!(
+        error.contains(&format!(
+            "has no ROM of a known game: a file is named as {first}.bin"
+        )),
+        "{error}"
+    );
+
+    let games = gym::atari::games::GAMES.len();
+    let mut equal = 0;
+    if let Some(found) = gym::atari::RomDir::find() {
+        std::fs::copy(found.path().join("pong.bin"), roms.join("pong.bin")).unwrap();
+        let table = prints(&["atari", "check", "--rom-dir", roms.to_str().unwrap()]);
+        let expected = format!(
+            "1 of {games} games are as recorded, {} have no ROM here\n",
+            games - 1
+        );
+        assert_eq!(table, format!("{:20} as recorded\n{expected}", "pong"));
+        equal = 1;
+    }
+    std::fs::write(roms.join("seaquest.bin"), "no game").unwrap();
+    let output = check();
+    assert!(!output.status.success());
+    let (table, error) = (text(output.stdout), text(output.stderr));
+    let row = table
+        .lines()
+        .find(|line| first_word(line) == "seaquest")
+        .expect("a row");
+    assert!(
+        row.contains("seaquest.bin has the MD5") && row.contains("another game or edition"),
+        "{row}"
+    );
+    assert!(
+        table.contains(&format!("\n{equal} of {games} games are as recorded")),
+        "{table}"
+    );
+    assert!(
+        error.contains(&format!("1 of {} ROMs failed", equal + 1)),
+        "{error}"
+    );
+}
+
+/// Each has a controller, and one that is better than chance.
+#[test]
+fn good_policies_beat_chance() {
+    let mean = |id: &str, policy: &str| {
+        let file = folder(&format!("policy-{id}-{policy}")).join("episodes.json");
+        prints(&[
+            "run",
+            id,
+            "--policy",
+            policy,
+            "--seeds",
+            "0..20",
+            "--json",
+            file.to_str().unwrap(),
+        ]);
+        let episodes = json(&file);
+        let returns = episodes
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|episode| episode["return"].as_f64().unwrap());
+        returns.sum::<f64>() / 20.0
+    };
+    for (id, least) in [
+        ("CartPole-v1", 475.0),
+        ("MountainCar-v0", -110.0),
+        ("MountainCarContinuous-v0", 90.0),
+        ("Pendulum-v1", -200.0),
+        ("Acrobot-v1", -100.0),
+        ("FrozenLake-v1", 0.6),
+        ("CliffWalking-v1", -13.0),
+        ("Taxi-v4", 7.0),
+        ("LunarLander-v3", 200.0),
+    ] {
+        let (good, random) = (mean(id, "good"), mean(id, "random"));
+        assert!(
+            good >= least && good > random,
+            "{id}: {good}, at random {random}"
+        );
+    }
+    // by Gymnasium's word
+    assert_eq!(
+        mean("LunarLander-v3", "heuristic"),
+        mean("LunarLander-v3", "good")
+    );
+    let error = fails(&[
+        "run",
+        "CarRacing-v3",
+        "--policy",
+        "good",
+        "--kwargs",
+        r#"{"continuous": false}"#,
+    ]);
+    assert!(error.contains("has no good policy"), "{error}");
+}
+
+#[test]
+fn new_refuses_bad_names_and_leaves_nothing() {
+    let parent = folder("new-refused");
+    for name in [
+        "",
+        "1a",
+        "My_envs",
+        "a-b",
+        "a b",
+        "gym_core",
+        "test",
+        "../x",
+        "a/b",
+        &"a".repeat(65),
+    ] {
+        let path = parent.join("x");
+        assert!(
+            fails(&["new", "--path", path.to_str().unwrap(), "--", name]).contains("NAME"),
+            "{name:?}"
+        );
+    }
+    let taken = parent.join("taken");
+    std::fs::create_dir(&taken).unwrap();
+    assert!(
+        fails(&["new", "my_envs", "--path", taken.to_str().unwrap()]).contains("exists already")
+    );
+    let file = parent.join("file");
+    std::fs::write(&file, "").unwrap();
+    let inside = file.join("x");
+    assert!(fails(&["new", "my_envs", "--path", inside.to_str().unwrap()]).starts_with("error: "));
+    let left: Vec<_> = std::fs::read_dir(&parent)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name())
+        .collect();
+    assert_eq!(left.len(), 2, "{left:?}");
+}
+
+#[test]
+fn soak_has_flat_memory() {
+    let text = prints(&[
+        "soak",
+        "CartPole-v1",
+        "Taxi-v4",
+        "LunarLander-v3",
+        "--steps",
+        "60000",
+    ]);
+    assert!(
+        text.contains("60000 steps of 3 environments with flat memory"),
+        "{text}"
+    );
+    for line in text.lines().take(3) {
+        // 20,000 steps of each: an episode takes some twenty of CartPole, and at most 200 of Taxi
+        let words: Vec<_> = line.split_whitespace().collect();
+        let episodes: u64 = words[3].parse().expect(line);
+        assert_eq!((words[1], words[4]), ("20000", "episodes,"), "{line}");
+        assert!((99..2000).contains(&episodes), "{line}");
+    }
+}
+
+#[test]
+fn errors_are_told_on_one_line() {
+    let unknown = fails(&["run", "CartPoleee-v1"]);
+    assert!(
+        unknown.starts_with("error: ") && unknown.contains("did you mean `CartPole-v1`?"),
+        "{unknown}"
+    );
+    let out = fails(&["gif", "CartPole-v1", "--out", "/nonexistent/folder/x.gif"]);
+    assert!(out.contains("/nonexistent/folder"), "{out}");
+    assert!(fails(&["run", "CartPole-v1", "--seeds", "5..5"]).contains("A < B"));
+    assert!(fails(&["run", "CartPole-v1", "--kwargs", "[]"]).contains("not a JSON object"));
+    assert!(
+        fails(&["run", "CartPole-v1", "--kwargs", r#"{"foo": 1}"#])
+            .contains("unknown argument `foo`")
+    );
+}
+
+#[test]
+fn old_versions_are_pointed_out() {
+    let output = xtask(&["run", "CartPole-v0", "--seeds", "0..1"]);
+    assert!(String::from_utf8_lossy(&output.stderr).contains("warn: `CartPole-v0` is out of date"));
+}
+
+/// The table says how each episode ended, and the means are those of its rows.
+#[test]
+fn run_prints_how_episodes_end() {
+    let rows = |id: &str, seeds: &str| -> Vec<Vec<String>> {
+        let text = prints(&["run", id, "--policy", "random", "--seeds", seeds]);
+        text.lines()
+            .map(|line| line.split_whitespace().map(str::to_owned).collect())
+            .collect()
+    };
+    let poles = rows("CartPole-v1", "0..2");
+    assert_eq!(poles[0], ["seed", "return", "length", "ended"]);
+    assert!(
+        poles[1..3].iter().all(|row| row[3..] == ["terminated"]),
+        "{poles:?}"
+    );
+    // each step pays 1
+    assert!(
+        poles[1..3]
+            .iter()
+            .all(|row| row[1] == format!("{}.0000", row[2])),
+        "{poles:?}"
+    );
+    let pendulums = rows("Pendulum-v1", "0..2");
+    assert!(
+        pendulums[1..3]
+            .iter()
+            .all(|row| row[2..] == ["200", "truncated"]),
+        "{pendulums:?}"
+    );
+    let number = |row: usize| pendulums[row][1].parse::<f64>().unwrap();
+    let mean: f64 = pendulums[3][1].parse().unwrap();
+    assert!(
+        (mean - (number(1) + number(2)) / 2.0).abs() < 0.01,
+        "{pendulums:?}"
+    );
+    let [low, high] = [number(1).min(number(2)), number(1).max(number(2))];
+    assert_eq!(
+        pendulums[3][2..4],
+        [format!("[{low:.1},"), format!("{high:.1}]")],
+        "{pendulums:?}"
+    );
+    // where every return is positive the smallest is not 0
+    let [one, other] = [1, 2].map(|row| poles[row][1].parse::<f64>().unwrap());
+    assert_eq!(poles[3][2], format!("[{:.1},", one.min(other)), "{poles:?}");
+}
+
+/// Where nothing else is random, the actions are.
+#[test]
+fn run_draws_other_actions_from_other_seeds() {
+    let lake = r#"{"is_slippery": false}"#;
+    let text = prints(&["run", "FrozenLake-v1", "--kwargs", lake, "--seeds", "0..8"]);
+    let lengths = text
+        .lines()
+        .skip(1)
+        .take(8)
+        .map(|line| line.split_whitespace().nth(2));
+    assert!(
+        lengths.collect::<std::collections::BTreeSet<_>>().len() > 2,
+        "{text}"
+    );
+}
+
+#[test]
+fn seconds_of_a_benchmark_are_a_time() {
+    for seconds in ["1e300", "nan", "inf", "-1", "x"] {
+        let error = fails(&[
+            "bench",
+            "CartPole-v1",
+            "--kind",
+            "make",
+            "--seconds",
+            seconds,
+        ]);
+        assert!(
+            error.contains("seconds are a number from 0 to"),
+            "{seconds}: {error}"
+        );
+    }
+    let of_cartpole = ["bench", "CartPole-v1", "--kind", "make", "--seconds", "0"];
+    assert!(!prints(&of_cartpole).contains("GIF"));
+    assert!(
+        prints(&[&of_cartpole[..], &["--gif"]].concat())
+            .contains("a GIF of 500 frames of CartPole-v1")
+    );
+}

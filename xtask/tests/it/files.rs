@@ -1,0 +1,257 @@
+//! The files that commands write, and outputs that fail.
+
+use serde_json::Value as Json;
+
+use super::{fails, folder, json, prints, program, xtask};
+
+#[test]
+fn run_writes_episodes() {
+    let file = folder("run").join("episodes.json");
+    let path = file.to_str().unwrap();
+    prints(&[
+        "run",
+        "Pendulum-v1",
+        "--seeds",
+        "3..5",
+        "--kwargs",
+        r#"{"g": 9.81}"#,
+        "--json",
+        path,
+    ]);
+    let episodes = json(&file);
+    let episodes = episodes.as_array().expect("a list");
+    assert_eq!(episodes.len(), 2);
+    assert_eq!(episodes[0]["seed"], 3);
+    assert_eq!(episodes[0]["length"], 200);
+    assert_eq!(
+        (&episodes[0]["terminated"], &episodes[0]["truncated"]),
+        (&false.into(), &true.into())
+    );
+    let [sum, last] = ["return", "last_reward"].map(|name| episodes[0][name].as_f64().unwrap());
+    assert!(
+        sum < last && last < 0.0,
+        "every reward is a cost: {sum}, {last}"
+    );
+    assert_eq!(episodes[0]["last_observation"].as_array().unwrap().len(), 3);
+    let again = folder("run-again").join("episodes.json");
+    let path = again.to_str().unwrap();
+    prints(&[
+        "run",
+        "Pendulum-v1",
+        "--seeds",
+        "4..5",
+        "--kwargs",
+        r#"{"g": 9.81}"#,
+        "--json",
+        path,
+    ]);
+    assert_eq!(
+        json(&again)[0],
+        episodes[1],
+        "an episode depends on its seed alone"
+    );
+}
+
+#[test]
+fn what_cannot_be_done_is_said_before_anything_is_played() {
+    assert!(fails(&["soak", "CartPole-v1", "--steps", "0"]).contains("--steps"));
+    for command in ["gif", "soak"] {
+        let error = fails(&[command, "CartPole-v1", "--seed", "-1"]);
+        assert!(
+            error.contains("invalid value '-1' for '--seed") && error.contains("from 0 to"),
+            "{error}"
+        );
+    }
+    for option in ["--json", "--plot"] {
+        let output = xtask(&["run", "CartPole-v1", option, "/nonexistent/folder/x.svg"]);
+        assert!(
+            !output.status.success() && output.stdout.is_empty(),
+            "{option}: it plays first"
+        );
+        assert!(String::from_utf8_lossy(&output.stderr).contains("/nonexistent/folder"));
+    }
+}
+
+/// The options of a command reach the environment, the policy and the file.
+#[test]
+fn gif_follows_its_options() {
+    let out = folder("gif");
+    let record = |name: &str, options: &[&str]| {
+        let path = out.join(name);
+        let text = prints(
+            &[
+                &["gif", "CartPole-v1", "--out", path.to_str().unwrap()],
+                options,
+            ]
+            .concat(),
+        );
+        let frames = text
+            .rsplit(": ")
+            .next()
+            .and_then(|frames| frames.split_whitespace().next());
+        (
+            frames.unwrap().parse::<u64>().unwrap(),
+            std::fs::read(path).unwrap(),
+        )
+    };
+    let length = {
+        let file = out.join("episode.json");
+        prints(&[
+            "run",
+            "CartPole-v1",
+            "--seeds",
+            "0..1",
+            "--json",
+            file.to_str().unwrap(),
+        ]);
+        json(&file)[0]["length"].as_u64().unwrap()
+    };
+    let (frames, plain) = record("plain.gif", &[]);
+    assert_eq!(
+        frames,
+        length + 1,
+        "a frame after the reset and after each step, the last one too"
+    );
+    assert_eq!(record("cut.gif", &["--max-frames", "3"]).0, 3);
+    for options in [
+        ["--seed", "1"],
+        ["--policy", "good"],
+        ["--kwargs", r#"{"sutton_barto_reward": true}"#],
+    ] {
+        let (_, other) = record("other.gif", &options);
+        // the reward is in no picture
+        assert_eq!(other == plain, options[0] == "--kwargs", "{options:?}");
+    }
+    let lake = |kwargs: &str| {
+        let path = out.join("lake.gif");
+        prints(&[
+            "gif",
+            "FrozenLake-v1",
+            "--kwargs",
+            kwargs,
+            "--out",
+            path.to_str().unwrap(),
+        ]);
+        std::fs::read(path).unwrap()
+    };
+    assert_ne!(lake("{}"), lake(r#"{"map_name": "8x8"}"#));
+}
+
+/// A reader that has seen enough ends a command; a full disk is an error. `println!` panics at
+/// both.
+#[cfg(target_os = "linux")]
+#[test]
+fn an_output_that_cannot_be_written_is_no_panic() {
+    use std::process::Stdio;
+
+    let full = || {
+        Stdio::from(
+            std::fs::OpenOptions::new()
+                .write(true)
+                .open("/dev/full")
+                .unwrap(),
+        )
+    };
+    let run = |arguments: &[&str], stdout: Stdio, stderr: Stdio| {
+        let mut command = program();
+        let output = command
+            .args(arguments)
+            .stdout(stdout)
+            .stderr(stderr)
+            .spawn()
+            .unwrap()
+            .wait_with_output();
+        let output = output.unwrap();
+        (
+            output.status.code(),
+            String::from_utf8(output.stderr).unwrap(),
+        )
+    };
+    for arguments in [
+        &["list"][..],
+        &["list", "--long"],
+        &["run", "CartPole-v1", "--seeds", "0..2"],
+        &["soak", "CartPole-v1", "--steps", "100"],
+        &["mjcf", "../crates/gym-mujoco/models/ant.xml"],
+    ] {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let (code, said) = run(arguments, writer.into(), Stdio::piped());
+        assert!(
+            code == Some(0) && !said.contains("error") && !said.contains("panic"),
+            "{arguments:?}: {said}"
+        );
+        let (code, said) = run(arguments, full(), Stdio::piped());
+        assert!(
+            code == Some(1) && said.contains("error: standard output: No space left"),
+            "{arguments:?}: {said}"
+        );
+    }
+    assert_eq!(
+        run(&["run", "CartPoleee-v1"], Stdio::null(), full()).0,
+        Some(1)
+    );
+}
+
+#[test]
+fn run_refuses_names_before_it_plays() {
+    let out = folder("run-names");
+    let [bmp, svg, detour] = ["a.bmp", "a.svg", "../run-names/a.svg"]
+        .map(|name| out.join(name).to_str().unwrap().to_owned());
+    for (options, message) in [
+        (&["--plot", &bmp][..], "the extensions are .svg and .png"),
+        (&["--plot", &svg, "--json", &svg], "name one file"),
+        (&["--plot", &svg, "--json", &detour], "name one file"),
+    ] {
+        let output = xtask(&[&["run", "CartPole-v1"], options].concat());
+        assert!(
+            !output.status.success() && output.stdout.is_empty(),
+            "{options:?}: it plays first"
+        );
+        assert!(
+            String::from_utf8_lossy(&output.stderr).contains(message),
+            "{options:?}"
+        );
+    }
+    assert_eq!(std::fs::read_dir(&out).unwrap().count(), 0);
+}
+
+/// Results can go to the standard output, which is not replaced as a file.
+#[cfg(target_os = "linux")]
+#[test]
+fn json_goes_to_the_standard_output() {
+    let text = prints(&[
+        "run",
+        "CartPole-v1",
+        "--seeds",
+        "0..1",
+        "--json",
+        "/dev/stdout",
+    ]);
+    let (table, json) = text.split_at(text.find("[{").expect("a list"));
+    assert!(table.starts_with("    seed"), "{table}");
+    let episodes: Json = serde_json::from_str(json).expect("JSON");
+    assert_eq!(episodes[0]["seed"], 0);
+}
+
+#[test]
+fn a_plot_has_the_format_of_its_name() {
+    let out = folder("run-plots");
+    for (name, begins) in [("a.svg", &b"<svg"[..]), ("a.png", b"\x89PNG\r\n")] {
+        let file = out.join(name);
+        prints(&[
+            "run",
+            "CartPole-v1",
+            "--seeds",
+            "0..2",
+            "--plot",
+            file.to_str().unwrap(),
+        ]);
+        let bytes = std::fs::read(&file).expect("the plot");
+        assert!(
+            bytes.starts_with(begins),
+            "{name}: {:?}",
+            &bytes[..bytes.len().min(40)]
+        );
+    }
+}

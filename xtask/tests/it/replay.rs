@@ -1,0 +1,149 @@
+//! `replay` compares recordings, and writes answers.
+
+use serde_json::Value as Json;
+
+use super::{fails, folder, json, prints};
+
+#[test]
+fn replay_compares_and_writes() {
+    let out = folder("replay");
+    let trace = out.join("trace.json");
+    let seed = "1427247692705959881058285969449495136382746631"; // 2^150 + 7
+    let recorded = format!(
+        r#"{{"id": "FrozenLake-v1", "kwargs": {{"is_slippery": false}}, "note": "kept", "events": [
+            {{"reset": {{"seed": {seed}, "options": null}}, "observation": 0, "info": {{"prob": 1}}}},
+            {{"step": 2, "observation": 1, "reward": 0.0, "terminated": false, "truncated": false, "info": {{"prob": 1.0}}}}
+        ]}}"#
+    );
+    std::fs::write(&trace, &recorded).unwrap();
+    prints(&["replay", trace.to_str().unwrap()]);
+
+    let answers = out.join("answers");
+    prints(&[
+        "replay",
+        "--out",
+        answers.to_str().unwrap(),
+        trace.to_str().unwrap(),
+    ]);
+    let text = std::fs::read_to_string(answers.join("trace.json")).unwrap();
+    assert!(text.contains(seed), "the seed keeps its digits: {text}");
+    assert_eq!(json(&answers.join("trace.json"))["note"], "kept");
+    assert_eq!(text.matches("\"events\"").count(), 1, "{text}");
+    prints(&["replay", answers.join("trace.json").to_str().unwrap()]);
+
+    std::fs::write(
+        &trace,
+        recorded.replace(r#""observation": 1"#, r#""observation": 4"#),
+    )
+    .unwrap();
+    let difference = fails(&["replay", trace.to_str().unwrap()]);
+    assert!(
+        difference.contains("event 1, observation: 1 for 4"),
+        "{difference}"
+    );
+    std::fs::write(&trace, "[]").unwrap();
+    assert!(fails(&["replay", trace.to_str().unwrap()]).contains("not a trace"));
+}
+
+/// The state of a MuJoCo task stands beside its observation.
+#[test]
+fn replay_writes_the_state() {
+    let out = folder("replay-state");
+    let recorded = r#"{"id": "InvertedPendulum-v5", "events": [
+        {"reset": {"seed": 1, "options": null}, "observation": [0, 0, 0, 0], "state": {"qpos": [0, 0], "qvel": [0, 0]}}
+    ]}"#;
+    let trace = out.join("trace.json");
+    std::fs::write(&trace, recorded).unwrap();
+    let answers = out.join("answers");
+    prints(&[
+        "replay",
+        "--out",
+        answers.to_str().unwrap(),
+        trace.to_str().unwrap(),
+    ]);
+    let answer = &json(&answers.join("trace.json"))["events"][0];
+    let numbers = |json: &Json| json.as_array().unwrap().clone();
+    let state = [
+        numbers(&answer["state"]["qpos"]),
+        numbers(&answer["state"]["qvel"]),
+    ]
+    .concat();
+    assert_eq!(
+        state,
+        numbers(&answer["observation"]),
+        "two positions, two velocities"
+    );
+    assert_ne!(state[0], state[2]);
+}
+
+/// One trace that differs is enough, beside others that do not.
+#[test]
+fn replay_fails_if_one_trace_does() {
+    let out = folder("replay-some");
+    let recorded = r#"{"id": "FrozenLake-v1", "events": [{"reset": {"seed": 1, "options": null}, "observation": 0}]}"#;
+    let [good, bad] = ["good", "bad"].map(|name| out.join(name).with_extension("json"));
+    std::fs::write(&good, recorded).unwrap();
+    std::fs::write(
+        &bad,
+        recorded.replace(r#""observation": 0"#, r#""observation": 3"#),
+    )
+    .unwrap();
+    let [good, bad] = [good.to_str().unwrap(), bad.to_str().unwrap()];
+    for order in [[good, bad], [bad, good]] {
+        let error = fails(&["replay", order[0], order[1]]);
+        assert!(error.contains("1 of 2 traces failed"), "{error}");
+    }
+    assert!(fails(&["replay", bad, good, bad]).contains("2 of 3 traces failed"));
+    assert_eq!(
+        fails(&["replay", "/nonexistent/a.json"])
+            .matches("a.json")
+            .count(),
+        1,
+        "it is named once"
+    );
+    prints(&["replay", good]);
+}
+
+#[test]
+fn replay_loses_no_recording() {
+    let out = folder("replay-names");
+    let recorded = r#"{"id": "FrozenLake-v1", "events": [{"reset": {"seed": 1, "options": null}, "observation": 0}]}"#;
+    let path = |name: &str| {
+        let path = out.join(name).join("c.json");
+        std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+        std::fs::write(&path, recorded).unwrap();
+        path.to_str().unwrap().to_owned()
+    };
+    let [a, b] = ["a", "b"].map(path);
+    let answers = out.join("d");
+    let error = fails(&["replay", &a, &b, "--out", answers.to_str().unwrap()]);
+    assert!(error.contains("would both be written to"), "{error}");
+    assert!(
+        !answers.join("c.json").exists(),
+        "nothing is written before"
+    );
+    for out in [out.join("a"), out.join("b/../a")] {
+        let error = fails(&["replay", &a, "--out", out.to_str().unwrap()]);
+        assert!(
+            error.contains("is a recording to replay: choose another folder"),
+            "{error}"
+        );
+    }
+    assert_eq!(std::fs::read_to_string(&a).unwrap(), recorded);
+    prints(&["replay", &a, &a, "--out", answers.to_str().unwrap()]);
+}
+
+#[test]
+fn a_trace_without_events_is_not_equal() {
+    let trace = folder("replay-empty").join("trace.json");
+    std::fs::write(&trace, r#"{"id": "FrozenLake-v1", "events": []}"#).unwrap();
+    assert!(fails(&["replay", trace.to_str().unwrap()]).contains("nothing to compare"));
+}
+
+/// A file without end is read up to a limit.
+#[cfg(target_os = "linux")]
+#[test]
+fn endless_files_are_refused() {
+    assert!(fails(&["replay", "/dev/zero"]).contains("larger than a recording can be"));
+    assert!(fails(&["mjcf", "/dev/zero"]).contains("the limit is"));
+}

@@ -1,8 +1,8 @@
 //! Ids of the features that refer to other objects, and the features that the engine lacks.
 
 use super::{
-    CompiledModel, Cone, Disable, DynamicsType, EqualityType, Integrator, JointType, ObjectType,
-    Solver, TransmissionType, WrapType,
+    CompiledModel, Cone, Disable, DynamicsType, EqualityType, GainType, Integrator, JointType,
+    ObjectType, Solver, TransmissionType, WrapType,
 };
 use crate::{Error, Result};
 
@@ -180,6 +180,7 @@ fn unsupported(m: &CompiledModel) -> Result<()> {
         || m.dof_frictionloss.iter().any(|x| *x != 0.0)
         || m.tendon_frictionloss.iter().any(|x| *x != 0.0);
     let pgs = o.solver == Solver::PGS;
+    let fast = o.integrator == Integrator::ImplicitFast;
     for (used, what) in [
         (
             pgs && o.cone != Cone::Pyramidal,
@@ -191,12 +192,31 @@ fn unsupported(m: &CompiledModel) -> Result<()> {
         ),
         (o.noslip_iterations > 0, "noslip iterations"),
         (
-            !matches!(o.integrator, Integrator::Euler | Integrator::RK4),
-            "implicit integrators",
+            o.integrator == Integrator::Implicit,
+            "the integrator implicit",
+        ),
+        (
+            fast && (o.density > 0.0 || o.viscosity > 0.0),
+            "a medium with the integrator implicitfast",
+        ),
+        (
+            fast && m.actuator_gaintype.contains(&GainType::Muscle),
+            "muscles with the integrator implicitfast",
+        ),
+        (
+            fast && (0..m.nbody()).any(|body| is_free(m, body)),
+            "free bodies of their own with the integrator implicitfast",
         ),
         (o.disables(Disable::Island), "islands that are switched off"),
     ] {
         ensure!(!used, "{what}: not supported");
     }
     Ok(())
+}
+
+/// Whether a body has a free joint and no children.
+fn is_free(m: &CompiledModel, body: usize) -> bool {
+    let mut joints = m.jnt_bodyid.iter().zip(&m.jnt_type);
+    joints.any(|(&of, kind)| of == body && *kind == JointType::Free)
+        && !m.body_parentid.contains(&body)
 }

@@ -12,6 +12,7 @@ mod kinds;
 mod laws;
 mod lookup;
 mod mix;
+mod pairs;
 mod paths;
 mod plan;
 mod revision;
@@ -29,7 +30,8 @@ pub use kinds::{
     ObjectType, SensorType, Solver, TransmissionType, WrapType,
 };
 pub(crate) use laws::{Equality, Scalar};
-pub(crate) use plan::{Bounds, Limit, Pair, Placed, Plan, Reach, Softness};
+pub(crate) use pairs::{Pair, Reach};
+pub(crate) use plan::{Bounds, Limit, Placed, Plan, Softness};
 pub use revision::Revision;
 pub use types::{Disable, Names, Options, Statistics};
 

@@ -89,7 +89,7 @@ fn controls(m: &Model, d: &Data, ctrl: &mut Vec<f64>) {
 }
 
 /// Whether an actuator belongs to a group that is switched off: MuJoCo's `mj_actuatorDisabled`.
-fn disabled(m: &Model, i: usize) -> bool {
+pub(super) fn disabled(m: &Model, i: usize) -> bool {
     let group = m.actuator_group[i];
     (0..31).contains(&group) && m.opt.disableactuator & (1 << group) != 0
 }
@@ -106,7 +106,7 @@ fn rate(m: &Model, i: usize, ctrl: f64, act: f64) -> f64 {
 }
 
 /// The activation after a timestep: MuJoCo's `mj_nextActivation`.
-fn next(m: &Model, d: &Data, i: usize, adr: usize, rate: f64) -> f64 {
+pub(super) fn next(m: &Model, d: &Data, i: usize, adr: usize, rate: f64) -> f64 {
     let (act, dt) = (d.act[adr], m.opt.timestep);
     let next = if m.actuator_dyntype[i] == DynamicsType::FilterExact {
         let time = f64::max(1e-15, m.actuator_dynprm[i].0[0]);

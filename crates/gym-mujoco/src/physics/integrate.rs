@@ -3,11 +3,11 @@
 use std::f64::consts::PI;
 
 use super::actuation::advance;
-use super::evaluate;
 use super::inertia::solve;
 use super::spatial::{InTurn, Pairwise, Vec3, add_scaled, cross, dot, quat_integrate, scale};
+use super::{evaluate, implicit};
 use crate::libm::{self, wide};
-use crate::model::JointType;
+use crate::model::{Integrator, JointType};
 use crate::{Data, Model, Revision};
 
 /// Moves positions along velocities for some time: MuJoCo's `mj_integratePos`.
@@ -51,7 +51,11 @@ pub fn euler(m: &Model, d: &mut Data) {
 #[inline(always)]
 fn semi_implicit(m: &Model, d: &mut Data) {
     let dt = m.opt.timestep;
-    if m.plan().implicit {
+    let fast = m.opt.integrator == Integrator::ImplicitFast;
+    if fast {
+        implicit::factor(m, d);
+    }
+    if fast || m.plan().implicit {
         let work = &mut d.work;
         for i in 0..m.nv() {
             work.acc_sum[i] = d.qfrc_smooth[i] + d.qfrc_constraint[i];

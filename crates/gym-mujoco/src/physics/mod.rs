@@ -51,6 +51,7 @@ mod contact_force;
 pub(crate) mod dense;
 mod energy;
 mod fluid;
+mod implicit;
 mod inertia;
 mod integrate;
 mod jacobian;

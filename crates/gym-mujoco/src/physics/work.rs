@@ -2,7 +2,7 @@
 
 use super::collision::Polytope;
 use super::dense::{self, Lanes};
-use super::solver::{Island, newton, pgs};
+use super::solver::{Island, buffers, pgs};
 use super::transmission::Moments;
 use crate::Model;
 
@@ -48,7 +48,7 @@ pub(crate) struct Work {
     /// Blocks by island.
     pub(crate) island_blocks: Vec<usize>,
     pub(crate) islands: Vec<Island>,
-    pub(crate) newton: newton::Buffers,
+    pub(crate) newton: buffers::Buffers,
     pub(crate) pgs: pgs::Buffers,
 
     /// `M + dt damping`, then its factors.
@@ -92,7 +92,7 @@ impl Work {
             island_trees: Vec::with_capacity(trees),
             island_blocks: Vec::with_capacity(bounds.blocks),
             islands: Vec::with_capacity(trees),
-            newton: newton::Buffers::new(nv, bounds.rows, bounds.blocks),
+            newton: buffers::Buffers::new(nv, bounds.rows, bounds.blocks),
             pgs: pgs::Buffers::new(m.opt.solver, nv, &bounds),
             sizes: Some(sizes(m)),
             crb: vec![[0.0; 10]; m.nbody()],

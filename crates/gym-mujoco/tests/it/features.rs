@@ -8,15 +8,17 @@ use serde_json::{Map, Value};
 use crate::common::same;
 
 /// What is not repeated to the last bit, or at all: names and versions.
-const UNLIKE: [(&str, &str); 8] = [
+const UNLIKE: [(&str, &str); 9] = [
     // the contacts of cylinders on each other
-    ("cylinders", "3.12.0"),
     ("cylinders", "4.0.0"),
+    // sums over more than 60 degrees of freedom
+    ("humanoid_CMU-stand", "3.12.0"),
+    ("humanoid_CMU-stand", "4.0.0"),
     // refused
+    ("quadruped-escape", "3.12.0"),
+    ("quadruped-escape", "4.0.0"),
     ("implicit", "3.12.0"),
     ("implicit", "4.0.0"),
-    ("implicitfast", "3.12.0"),
-    ("implicitfast", "4.0.0"),
     ("noslip", "3.12.0"),
     ("noslip", "4.0.0"),
 ];
@@ -24,8 +26,10 @@ const UNLIKE: [(&str, &str); 8] = [
 /// The recordings of this crate, and more where `GYM_REFERENCE` names a folder that has them.
 fn recordings() -> Vec<PathBuf> {
     let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recorded/features");
-    let more =
-        std::env::var_os("GYM_REFERENCE").map(|folder| PathBuf::from(folder).join("features"));
+    let more = std::env::var_os("GYM_REFERENCE").map(PathBuf::from);
+    let more = more
+        .iter()
+        .flat_map(|folder| ["features", "features_suite"].map(|name| folder.join(name)));
     let folders = std::iter::once(own).chain(more.filter(|folder| folder.is_dir()));
     let entries = folders.flat_map(|folder| std::fs::read_dir(folder).unwrap());
     let mut paths: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
@@ -53,6 +57,11 @@ fn features_are_as_in_libmujoco() {
         let name = file["name"].as_str().unwrap();
         let answer = recording::answer(&file, Path::new("")).unwrap();
         for (version, expected) in file["versions"].as_object().unwrap() {
+            if UNLIKE.contains(&(name, version)) {
+                continue;
+            }
+            let error = answer.get("error");
+            assert_eq!(error, None, "{name}, {version}");
             let found = &answer["versions"][version];
             let mut unlike = Vec::new();
             let steps = expected["steps"].as_array().into_iter().flatten();
@@ -64,11 +73,7 @@ fn features_are_as_in_libmujoco() {
                 let fault = first(state, &found["episode"][mark]);
                 unlike.extend(fault.map(|key| format!("after {mark} steps: {key}")));
             }
-            if UNLIKE.contains(&(name, version)) {
-                continue;
-            }
-            let error = answer.get("error");
-            assert!(unlike.is_empty(), "{name}, {version}: {unlike:?} {error:?}");
+            assert!(unlike.is_empty(), "{name}, {version}: {unlike:?}");
             compared += 1;
         }
     }

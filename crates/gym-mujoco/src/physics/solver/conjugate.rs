@@ -1,7 +1,8 @@
 //! Conjugate gradients, preconditioned by the inertia matrix: MuJoCo's `mj_solPrimal` for the
 //! solver CG.
 
-use super::newton::{Buffers, Problem, dot, norm, search, update};
+use super::buffers::Buffers;
+use super::newton::{Problem, dot, norm, search, update};
 use crate::physics::dense::{Lanes, add_scaled, times};
 use crate::physics::inertia::solve_tree;
 use crate::physics::spatial::MINVAL;

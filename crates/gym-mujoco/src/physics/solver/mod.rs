@@ -1,10 +1,11 @@
 //! Constraint forces, and the accelerations with them.
 
+pub(crate) mod buffers;
 mod cholesky;
 mod conjugate;
 mod law;
 mod line_search;
-pub(crate) mod newton;
+mod newton;
 pub(crate) mod pgs;
 
 use std::ops::Range;

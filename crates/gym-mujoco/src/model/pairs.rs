@@ -124,7 +124,7 @@ impl Plan {
                 next += count;
                 for &i in of_bodies {
                     let geoms = [m.pair_geom1[i], m.pair_geom2[i]];
-                    push(&mut pairs, self.pair(m, geoms, Figures::stated(m, i))?)?;
+                    push(&mut pairs, self.pair(m, geoms, &Figures::stated(m, i))?)?;
                 }
                 if b1 == b2 || !bodies_collide(m, &excluded, b1, b2) {
                     continue;
@@ -141,7 +141,7 @@ impl Plan {
                         if meet != 0 && !known {
                             push(
                                 &mut pairs,
-                                self.pair(m, [g1, g2], Figures::mixed(m, g1, g2))?,
+                                self.pair(m, [g1, g2], &Figures::mixed(m, g1, g2))?,
                             )?;
                         }
                     }
@@ -160,7 +160,7 @@ impl Plan {
         &self,
         m: &CompiledModel,
         [g1, g2]: [usize; 2],
-        figures: Figures,
+        figures: &Figures,
     ) -> Result<Option<Pair>> {
         let [g1, g2] = if m.geom_type[g1] > m.geom_type[g2] {
             [g2, g1]
@@ -179,7 +179,7 @@ impl Plan {
             solimp,
             includemargin,
             ..
-        } = figures;
+        } = *figures;
         let margin = includemargin + figures.gap;
         let tree = |b: usize| usize::try_from(m.body_treeid[b]).ok();
         let columns = self.columns(m, b1, b2);

@@ -1,5 +1,10 @@
 //! Forces of the actuators, and their activations.
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "indices are those of the formulas"
+)]
+
 use super::muscle;
 use crate::model::{BiasType, Disable, DynamicsType, GainType, JointType, TransmissionType};
 use crate::{Data, Model, libm};

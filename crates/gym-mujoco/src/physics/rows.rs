@@ -1,6 +1,11 @@
 //! Constraint rows beside limits of joints and plain contacts: equality, dry friction, limits of
 //! balls and tendons, and contacts with torsion, rolling or elliptic cones.
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "indices are those of the formulas"
+)]
+
 use super::constraint::{Constraints, Kind, Source, push_block, push_rows, set_row};
 use super::dense::dot_slices;
 use super::jacobian::moves_at;

@@ -1,5 +1,10 @@
 //! Lengths and moment arms of actuators.
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "indices are those of the formulas"
+)]
+
 use std::ops::Range;
 
 use super::dense::dot_sparse;

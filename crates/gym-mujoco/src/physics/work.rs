@@ -84,7 +84,7 @@ impl Work {
         let nv = m.nv();
         let bounds = m.plan().bounds();
         let trees = m.ntree();
-        let deep = m.plan().pairs.iter().any(|pair| pair.is_convex());
+        let deep = m.plan().pairs.iter().any(crate::model::Pair::is_convex);
         Self {
             tree_island: Vec::with_capacity(trees),
             tree_least: Vec::with_capacity(trees),

@@ -167,7 +167,7 @@ impl Segment {
                 place,
                 part: 1,
             } => self.along_edge(axis, corner, place, at),
-            Nearest::Edge { corner, .. } => self.from_corner(corner, at),
+            Nearest::Edge { corner, .. } => self.away_from_corner(corner, at),
             Nearest::Face { axis, end } => self.along_face(axis?, end),
         }
     }
@@ -177,7 +177,7 @@ impl Segment {
         2.0 * self.size[axis] / self.half[axis].abs()
     }
 
-    fn from_corner(&self, corner: usize, at: f64) -> Option<f64> {
+    fn away_from_corner(&self, corner: usize, at: f64) -> Option<f64> {
         let apart = self.signs ^ corner;
         let (sign, other, towards, away) = match apart {
             1 | 2 | 4 => (1.0, apart, 1.0 - at, 1.0 + at),

@@ -1,6 +1,11 @@
 //! Rows that do more than push: forces, costs and cost along a direction of equality constraints,
 //! dry friction, limits and elliptic cones together.
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "indices are those of the formulas"
+)]
+
 use crate::physics::constraint::{Block, Kind, Source};
 use crate::{Contact, Revision};
 

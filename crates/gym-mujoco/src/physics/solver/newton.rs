@@ -4,6 +4,11 @@
 //! Each island is solved for itself, on vectors of its own degrees of freedom and rows: where its
 //! numbers stand decides in which order they are summed.
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "indices are those of the formulas"
+)]
+
 use std::ops::Range;
 
 use super::buffers::{Buffers, Gathered};

@@ -55,7 +55,7 @@ pub struct Trace {
     /// wall-clock time of episode statistics.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub wrappers: Vec<WrapperSpec>,
-    /// The vector that it is a sub-environment of, if it is one.
+    /// The vector around the environment, if the trace is of a vector.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vector: Option<VectorRequest>,
     /// The render mode, if frames are compared: `rgb_array`.
@@ -64,7 +64,7 @@ pub struct Trace {
     /// Rectangles of the frame to blacken for `frame_masked`: left, top, right, bottom, inclusive.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub frame_mask: Vec<[usize; 4]>,
-    /// The same for `observation_masked`.
+    /// Rectangles of the observation to blacken for `observation_masked`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub observation_mask: Vec<[usize; 4]>,
     /// What the recorder notes besides. `observation_space`, `action_space`, `max_episode_steps` and
@@ -126,9 +126,9 @@ macro_rules! recorded {
 }
 
 recorded! {
-    // the programs that answered
+    // versions of the programs that were recorded
     ale_py backend backend_version gymnasium module numpy pygame_ce
-    // how they were asked
+    // how the recorder called the environment
     action_seed deep info_left_out md5 note policy rom seed smoothscale
     // the environment; see `FACTS`
     action_space dt frame_skip max_episode_steps observation_space render_fps render_modes reward_threshold
@@ -211,7 +211,7 @@ pub struct Event {
     /// CRC-32 of the frame's bytes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frame: Option<Json>,
-    /// The same of the masked frame.
+    /// CRC-32 of the masked frame's bytes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frame_masked: Option<Json>,
     /// The checksum of the frame without images that Gymnasium loads from a file. It is read, and
@@ -221,7 +221,7 @@ pub struct Event {
     /// CRC-32 of an observation's bytes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub observation_crc32: Option<Json>,
-    /// The same of the masked observation.
+    /// CRC-32 of the masked observation's bytes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub observation_masked: Option<Json>,
 }
@@ -465,7 +465,7 @@ impl Trace {
     fn parts(&self) -> Vec<Part> {
         let mut recorded = PARTS.to_vec();
         recorded.retain(|(_, part)| self.events.iter().any(|event| part(event).is_some()));
-        // a masked checksum counts instead of the other
+        // where a masked checksum is recorded, the whole picture's is not compared
         for (masked, plain) in [
             ("frame_masked", "frame"),
             ("observation_masked", "observation_crc32"),
@@ -686,13 +686,13 @@ fn same_number(x: &Number, y: &Number) -> bool {
     match (integer(x), integer(y)) {
         (Some(x), Some(y)) => x == y,
         (None, None) => real(x).to_bits() == real(y).to_bits(),
-        // an integer beyond 2^53 need not be the number that it rounds to
+        // an integer above 2^53 may differ from the real number that it rounds to
         (Some(i), None) => is_integer(real(y), i),
         (None, Some(i)) => is_integer(real(x), i),
     }
 }
 
-/// Whether a real number is just this integer. `-0.0` is none.
+/// Whether a real number equals an integer exactly. `-0.0` equals none.
 fn is_integer(x: f64, i: i128) -> bool {
     x.to_bits() == (i as f64).to_bits() && x as i128 == i
 }

@@ -83,7 +83,7 @@ def test_an_action_of_another_shape(action):
 def test_mujocos_own_objects_follow(env_id, monkeypatch, tmp_path):
     mujoco = pytest.importorskip("mujoco")
     monkeypatch.chdir(tmp_path)  # where MuJoCo logs its warnings
-    env = made(env_id)
+    env = made(env_id, mujoco=mujoco.__version__)
     env.reset(seed=3)
     for _ in range(5):
         env.step(env.action_space.sample())
@@ -162,6 +162,7 @@ def test_another_installed_version_is_told_once(installed, own, hint, monkeypatc
     mujoco_envs = sys.modules["rustgym.envs.mujoco"]
     mujoco_envs._tell_other.cache_clear()
     monkeypatch.setattr(mujoco_envs, "_installed", lambda: installed)
+    monkeypatch.setattr(gymnasium.logger, "min_level", gymnasium.logger.WARN)
     with pytest.warns(UserWarning, match=f"MuJoCo {own}.*mujoco {installed}: .*{hint}") as told:
         for _ in range(2):
             made("Hopper-v5", mujoco=own)

@@ -14,7 +14,8 @@ use gym_core::{
     VectorEnvExt,
 };
 use gym_render::{
-    RecordVectorVideo, RecordVideo, RecordVideoConfig, Recorder, Video, capped_cubic, write_video,
+    RecordVectorVideo, RecordVectorVideoConfig, RecordVideo, RecordVideoConfig, Recorder, Video,
+    capped_cubic, write_video,
 };
 use tempfile::TempDir;
 
@@ -260,12 +261,18 @@ fn recording_is_no_part_of_clones_and_snapshots() {
     );
 }
 
-/// Two sub-environments whose first one is recorded.
-fn recorded(folder: &Path, mode: Autoreset) -> RecordVectorVideo<SyncVectorEnv<Render<Count>>> {
+/// Returns a vector of two sub-environments that records the first one.
+fn recorded(
+    config: RecordVideoConfig,
+    mode: Autoreset,
+) -> RecordVectorVideo<SyncVectorEnv<Render<Count>>> {
     let envs = SyncVectorEnv::new([drawn(), drawn()]).unwrap();
-    RecordVectorVideo::new(envs.with_autoreset(mode), folder)
-        .unwrap()
-        .first_only()
+    let config = RecordVectorVideoConfig {
+        common: config,
+        record_first_only: true,
+        ..Default::default()
+    };
+    RecordVectorVideo::new(envs.with_autoreset(mode), config).unwrap()
 }
 
 /// Steps a vector, and resets by a mask what is over and does not reset by itself.
@@ -292,7 +299,7 @@ fn episodes_of_a_vector_are_recorded_in_every_mode() {
             let name = format!("rl-video-episode-{episode}.gif");
             folder.path().join(name)
         };
-        let mut envs = recorded(folder.path(), mode).episode_trigger(|episode| episode != 2);
+        let mut envs = recorded(folder.path().into(), mode).episode_trigger(|episode| episode != 2);
         envs.reset(0).unwrap();
         step_all(&mut envs, steps);
         // the second is running, from its first frame on
@@ -324,9 +331,11 @@ fn a_recording_of_a_length_goes_on_over_episodes_of_a_vector() {
         (Autoreset::Disabled, [0, 1, 2, 3, 0, 1]),
     ] {
         let folder = TempDir::new().unwrap();
-        let mut envs = recorded(folder.path(), mode)
-            .episode_trigger(|episode| episode == 0)
-            .video_length(6);
+        let config = RecordVideoConfig {
+            video_length: 6,
+            ..folder.path().into()
+        };
+        let mut envs = recorded(config, mode).episode_trigger(|episode| episode == 0);
         envs.reset(0).unwrap();
         step_all(&mut envs, 9);
         assert!(!envs.is_recording());
@@ -347,7 +356,7 @@ fn a_reset_of_another_sub_environment_begins_no_video() {
         Autoreset::Disabled,
     ] {
         let folder = TempDir::new().unwrap();
-        let mut envs = recorded(folder.path(), mode);
+        let mut envs = recorded(folder.path().into(), mode);
         envs.reset(0).unwrap();
         step_all(&mut envs, 1);
         envs.reset(VectorReset::default().mask([false, true]))
@@ -370,9 +379,11 @@ fn a_reset_of_another_sub_environment_begins_no_video() {
 #[test]
 fn steps_start_recordings_of_a_vector() {
     let folder = TempDir::new().unwrap();
-    let mut envs = recorded(folder.path(), Autoreset::SameStep)
-        .step_trigger(|step| step == 2)
-        .name_prefix("late");
+    let config = RecordVideoConfig {
+        name_prefix: "late".into(),
+        ..folder.path().into()
+    };
+    let mut envs = recorded(config, Autoreset::SameStep).step_trigger(|step| step == 2);
     envs.reset(0).unwrap();
     step_all(&mut envs, 7);
     assert_eq!(names(folder.path()), ["late-step-2.gif"]);

@@ -3,7 +3,7 @@
 use serde::de::DeserializeOwned;
 use serde_json::Value as Json;
 
-use super::{EnvSpec, WrapperSpec, find, resolve};
+use super::{EnvSpec, Registration, WrapperSpec, find, resolve};
 use crate::drawing::render::RenderMode;
 use crate::env::BoxEnv;
 use crate::spec::Kwargs;
@@ -32,30 +32,46 @@ pub fn make(id: &str) -> Result<BoxEnv> {
 /// # }
 /// ```
 pub fn builder(id: &str) -> EnvBuilder {
-    let spec = resolve(id).and_then(|(registration, note)| {
+    let found = resolve(id).and_then(|(registration, note)| {
         if let Some(note) = note {
             log::warn!("{note}");
         }
-        registration.spec()
+        Ok((registration.spec()?, registration))
     });
-    EnvBuilder { spec }
+    match found {
+        Ok((spec, registration)) => EnvBuilder {
+            spec: Ok(spec),
+            registration: Some(registration),
+        },
+        Err(error) => EnvBuilder {
+            spec: Err(error),
+            registration: None,
+        },
+    }
 }
 
 /// An [`EnvSpec`] to change, and then make; see [`builder`]. Errors appear when it is made.
 #[derive(Clone, Debug)]
 pub struct EnvBuilder {
     spec: Result<EnvSpec>,
+    /// The registration of its id; `None` if the spec comes from elsewhere.
+    registration: Option<Registration>,
 }
 
 impl EnvBuilder {
     /// Starts from a spec: its arguments, render mode and wrappers.
     pub fn from_spec(spec: EnvSpec) -> Self {
-        Self { spec: Ok(spec) }.args(Kwargs::new())
+        Self {
+            spec: Ok(spec),
+            registration: None,
+        }
+        .args(Kwargs::new())
     }
 
     fn change(self, change: impl FnOnce(EnvSpec) -> Result<EnvSpec>) -> Self {
         Self {
             spec: self.spec.and_then(change),
+            ..self
         }
     }
 
@@ -156,7 +172,11 @@ impl EnvBuilder {
     /// An error about the id, an argument, or the render mode.
     pub fn build(self) -> Result<BoxEnv> {
         let spec = self.spec?;
-        let mut env = find(&spec.id)?.construct(&spec)?;
+        let registration = match self.registration {
+            Some(registration) => registration,
+            None => find(&spec.id)?,
+        };
+        let mut env = registration.construct(&spec)?;
         for wrapper in &spec.additional_wrappers {
             env = wrapper.wrap(env)?;
         }
@@ -186,8 +206,13 @@ impl EnvSpec {
         self.max_episode_steps = match self.take::<i64>("max_episode_steps")? {
             None => self.max_episode_steps,
             Some(-1) => None,
-            // a limit that is not positive is refused by the wrapper
-            Some(steps) => Some(steps.clamp(0, u32::MAX.into()) as u32),
+            Some(steps @ ..=0) => {
+                let reason = format!(
+                    "max_episode_steps is {steps}: it must be at least 1, or -1 for no limit"
+                );
+                return Err(Error::argument(format!("`{}`", self.id), reason));
+            }
+            Some(steps) => Some(u32::try_from(steps).unwrap_or(u32::MAX)),
         };
         Ok(())
     }

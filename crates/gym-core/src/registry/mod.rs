@@ -50,8 +50,8 @@ static TABLE: LazyLock<RwLock<Table>> = LazyLock::new(|| {
     RwLock::new(table)
 });
 
-fn with_table<R>(f: impl FnOnce(&mut Table) -> R) -> R {
-    f(&mut TABLE.write().unwrap_or_else(PoisonError::into_inner))
+fn with_table<R>(f: impl FnOnce(&Table) -> R) -> R {
+    f(&TABLE.read().unwrap_or_else(PoisonError::into_inner))
 }
 
 /// Adds an environment at run time.
@@ -67,21 +67,20 @@ pub fn register(registration: Registration) -> Result<()> {
             reason,
         })
     };
-    with_table(|table| {
-        if table.contains_key(&id) {
-            return refuse("the id is taken: choose another, or a namespace of your own".into());
-        }
-        let other = table
-            .keys()
-            .find(|other| other.same_name(&id) && other.version.is_some() != id.version.is_some());
-        if let Some(other) = other {
-            return refuse(format!(
-                "`{other}` exists: give all ids of a name a version, or none"
-            ));
-        }
-        table.insert(id.clone(), vec![registration]);
-        Ok(())
-    })
+    let mut table = TABLE.write().unwrap_or_else(PoisonError::into_inner);
+    if table.contains_key(&id) {
+        return refuse("the id is taken: choose another, or a namespace of your own".into());
+    }
+    let other = table
+        .keys()
+        .find(|other| other.same_name(&id) && other.version.is_some() != id.version.is_some());
+    if let Some(other) = other {
+        return refuse(format!(
+            "`{other}` exists: give all ids of a name a version, or none"
+        ));
+    }
+    table.insert(id, vec![registration]);
+    Ok(())
 }
 
 /// Every registration, ordered by id; an id that two crates register occurs twice.
@@ -104,7 +103,11 @@ pub fn self_contained() -> Vec<Registration> {
 /// [`Error::Duplicate`] if several crates register it.
 pub fn find(id: &str) -> Result<Registration> {
     let id: EnvId = id.parse()?;
-    with_table(|table| match table.get(&id).map(Vec::as_slice) {
+    with_table(|table| find_in(table, &id))
+}
+
+fn find_in(table: &Table, id: &EnvId) -> Result<Registration> {
+    match table.get(id).map(Vec::as_slice) {
         Some([registration]) => Ok(registration.clone()),
         Some(duplicates) => {
             let crates: Vec<_> = duplicates
@@ -116,8 +119,8 @@ pub fn find(id: &str) -> Result<Registration> {
                 crates: crates.join(", "),
             })
         }
-        None => Err(not_found(table, &id)),
-    })
+        None => Err(not_found(table, id)),
+    }
 }
 
 /// The registration that [`make`] uses for an id: without a version, the newest of that name. The
@@ -127,24 +130,20 @@ pub fn find(id: &str) -> Result<Registration> {
 /// The errors of [`find`].
 pub fn resolve(id: &str) -> Result<(Registration, Option<String>)> {
     let asked: EnvId = id.parse()?;
-    let newest = with_table(|table| {
-        table
-            .keys()
-            .filter(|other| other.same_name(&asked))
-            .max()
-            .cloned()
-    });
-    let Some(newest) = newest else {
-        return find(id).map(|registration| (registration, None));
-    };
-    if asked.version.is_none() && newest.version.is_some() {
-        let note = format!("using the latest version `{newest}` of the unversioned `{asked}`");
-        return Ok((find(&newest.to_string())?, Some(note)));
-    }
-    let registration = find(id)?;
-    let note = (asked.version < newest.version)
-        .then(|| format!("`{asked}` is out of date: consider upgrading to `{newest}`"));
-    Ok((registration, note))
+    with_table(|table| {
+        let newest = table.keys().filter(|other| other.same_name(&asked)).max();
+        let Some(newest) = newest else {
+            return Err(not_found(table, &asked));
+        };
+        if asked.version.is_none() && newest.version.is_some() {
+            let note = format!("using the latest version `{newest}` of the unversioned `{asked}`");
+            return Ok((find_in(table, newest)?, Some(note)));
+        }
+        let registration = find_in(table, &asked)?;
+        let note = (asked.version < newest.version)
+            .then(|| format!("`{asked}` is out of date: consider upgrading to `{newest}`"));
+        Ok((registration, note))
+    })
 }
 
 /// The error of an unknown id, which names its unknown part.

@@ -368,18 +368,20 @@ fn construct<E: Configure>(registration: &Registration, spec: &EnvSpec) -> Resul
         return stack(env, Renders::Itself, spec, options);
     }
     let config = config()?;
-    let json = |config: &E::Config| {
-        serde_json::to_value(config)
-            .map_err(|error| Error::argument(whose.clone(), error.to_string()))
-    };
-    let asked = json(&config)?;
-    let env = E::configure(config, version)?;
+    let env = E::configure(config.clone(), version)?;
     let mut spec = spec.clone();
-    if let Some(Json::Object(decided)) = env.config().map(json).transpose()? {
-        let by_chance = decided
-            .into_iter()
-            .filter(|(name, value)| asked.get(name) != Some(value));
-        spec.kwargs.extend(by_chance);
+    if let Some(decided) = env.config().filter(|decided| **decided != config) {
+        let json = |config: &E::Config| {
+            serde_json::to_value(config)
+                .map_err(|error| Error::argument(whose.clone(), error.to_string()))
+        };
+        let asked = json(&config)?;
+        if let Json::Object(decided) = json(decided)? {
+            let by_chance = decided
+                .into_iter()
+                .filter(|(name, value)| asked.get(name) != Some(value));
+            spec.kwargs.extend(by_chance);
+        }
     }
     stack(env, Renders::Drawings, &spec, options)
 }

@@ -7,11 +7,12 @@ use serde::{Serialize, de::DeserializeOwned};
 use serde_json::Value as Json;
 
 use crate::spec::Kwargs;
+use crate::value::error::quoted;
 use crate::value::{Error, Result};
 
 /// A struct of arguments, such as an environment's `Config`. Write it with
 /// [`arguments!`](crate::arguments!).
-pub trait Arguments: Default + Serialize + DeserializeOwned {
+pub trait Arguments: Clone + PartialEq + Default + Serialize + DeserializeOwned {
     /// The table: each argument, in the order of the fields.
     fn table() -> Vec<Argument>;
 
@@ -97,6 +98,9 @@ pub fn table<C: Arguments>(defaults: &C, version: u32) -> Vec<Argument> {
 /// [`Error::InvalidArgument`] about `whose` arguments for a name that the version does not take,
 /// and for a value of another type.
 pub fn read<C: Arguments>(defaults: &C, version: u32, given: &Kwargs, whose: &str) -> Result<C> {
+    if given.is_empty() {
+        return Ok(defaults.clone());
+    }
     check_names(&C::table(), version, given)
         .and_then(|()| merge(serde_json::to_value(defaults), given))
         .and_then(|all| {
@@ -136,9 +140,15 @@ fn check_names(
             .join(", ")
         {
             none if none.is_empty() => {
-                format!("unknown argument `{unknown}`: it takes no arguments")
+                format!(
+                    "unknown argument `{}`: it takes no arguments",
+                    quoted(unknown)
+                )
             }
-            all => format!("unknown argument `{unknown}`{near} (known are {all})"),
+            all => format!(
+                "unknown argument `{}`{near} (known are {all})",
+                quoted(unknown)
+            ),
         },
     )
 }

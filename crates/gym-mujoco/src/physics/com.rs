@@ -52,32 +52,14 @@ pub fn com_pos(m: &Model, d: &mut Data) {
                     d.cdof[i + 3 + k] = join(axis, cross(axis, offset));
                 }
             }
+            JointType::Ball => {
+                for k in 0..3 {
+                    let axis = column(&d.xmat[b], k);
+                    d.cdof[i + k] = join(axis, cross(axis, offset));
+                }
+            }
             JointType::Slide => d.cdof[i] = join([0.0; 3], d.xaxis[j]),
             JointType::Hinge => d.cdof[i] = join(d.xaxis[j], cross(d.xaxis[j], offset)),
         }
     }
-}
-
-/// Lengths of the tendons: MuJoCo's `mj_tendon`, for fixed tendons.
-pub fn tendon(m: &Model, d: &mut Data) {
-    for t in 0..m.ntendon() {
-        d.ten_length[t] = terms(m, t)
-            .map(|(j, coef)| coef * d.qpos[m.jnt_qposadr[j]])
-            .sum();
-    }
-}
-
-/// Velocities of the tendons.
-pub fn tendon_velocity(m: &Model, d: &mut Data) {
-    for t in 0..m.ntendon() {
-        d.ten_velocity[t] = terms(m, t)
-            .map(|(j, coef)| coef * d.qvel[m.jnt_dofadr[j]])
-            .sum();
-    }
-}
-
-/// The joints of a tendon and their coefficients.
-fn terms(m: &Model, tendon: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
-    (m.tendon_adr[tendon]..m.tendon_adr[tendon] + m.tendon_num[tendon])
-        .map(|w| (m.wrap_objid[w], m.wrap_prm[w]))
 }

@@ -54,6 +54,10 @@ fn place<O: Order>(m: &Model, d: &mut Data) {
         } else {
             let parent = parents[b];
             (pos, quat) = (body_pos[b], body_quat[b]);
+            if let Ok(mocap) = usize::try_from(m.body_mocapid[b]) {
+                (pos, quat) = (d.mocap_pos[mocap], d.mocap_quat[mocap]);
+                quat = normalize_quat::<O>(quat);
+            }
             if parent > 0 {
                 pos = add(rotate(&xmat[parent], pos), xpos[parent]);
                 quat = if placed[b].turned {
@@ -72,8 +76,14 @@ fn place<O: Order>(m: &Model, d: &mut Data) {
                 let moved = qpos[addresses[j]] - qpos0[addresses[j]];
                 match types[j] {
                     JointType::Slide => pos = add_scaled(pos, axis, moved),
-                    _ => {
-                        quat = mul_quat::<O>(quat, axis_angle(axes[j], moved));
+                    other => {
+                        let turn = if other == JointType::Ball {
+                            let q = &qpos[addresses[j]..addresses[j] + 4];
+                            normalize_quat::<O>([q[0], q[1], q[2], q[3]])
+                        } else {
+                            axis_angle(axes[j], moved)
+                        };
+                        quat = mul_quat::<O>(quat, turn);
                         if anchored[j] {
                             pos = sub(anchor, rotate_quat(origins[j], quat));
                         }

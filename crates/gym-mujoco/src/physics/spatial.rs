@@ -102,6 +102,12 @@ pub(crate) trait Order {
 
     /// The sum of the terms of an element on the diagonal of a rotation matrix.
     fn sum_diagonal(terms: [f64; 4]) -> f64;
+
+    /// The sum of the terms of the second element of the product with an axis.
+    fn axis_first(a: f64, b: f64, c: f64) -> f64;
+
+    /// The sum of the terms of its last element.
+    fn axis_last(a: f64, b: f64, c: f64) -> f64;
 }
 
 /// One after the other: [`Revision::V3_12`](crate::Revision::V3_12), and the compiler of models in
@@ -123,6 +129,16 @@ impl Order for InTurn {
     fn sum_diagonal(terms: [f64; 4]) -> f64 {
         Self::sum(terms)
     }
+
+    #[inline(always)]
+    fn axis_first(a: f64, b: f64, c: f64) -> f64 {
+        a + b + c
+    }
+
+    #[inline(always)]
+    fn axis_last(a: f64, b: f64, c: f64) -> f64 {
+        a + b + c
+    }
 }
 
 impl Order for Pairwise {
@@ -134,6 +150,16 @@ impl Order for Pairwise {
     #[inline(always)]
     fn sum_diagonal([a, b, c, d]: [f64; 4]) -> f64 {
         (a + c) + (b + d)
+    }
+
+    #[inline(always)]
+    fn axis_first(a: f64, b: f64, c: f64) -> f64 {
+        (a + c) + b
+    }
+
+    #[inline(always)]
+    fn axis_last(a: f64, b: f64, c: f64) -> f64 {
+        a + (b + c)
     }
 }
 
@@ -205,7 +231,11 @@ pub(crate) fn quat_to_mat<O: Order>(q: Quat) -> Mat3 {
 
 /// The rotation vector that leads from `b` to `a`, in the frame of `b`: MuJoCo's `mju_subQuat`.
 pub(crate) fn sub_quat<O: Order>(a: Quat, b: Quat) -> Vec3 {
-    let d = mul_quat::<O>([b[0], -b[1], -b[2], -b[3]], a);
+    quat_to_velocity(mul_quat::<O>([b[0], -b[1], -b[2], -b[3]], a))
+}
+
+/// The rotation vector of a quaternion: MuJoCo's `mju_quat2Vel` for a time of 1.
+pub(crate) fn quat_to_velocity(d: Quat) -> Vec3 {
     let (axis, sine) = normalize([d[1], d[2], d[3]]);
     let mut angle = 2.0 * libm::atan2(sine, d[0]);
     if angle > std::f64::consts::PI {
@@ -313,6 +343,20 @@ pub(crate) fn inertia_at(moments: Vec3, mat: &Mat3, offset: Vec3, mass: f64) -> 
         mass * d[2],
         mass,
     ]
+}
+
+/// A motion about another point: MuJoCo's `mju_transformSpatial`.
+#[inline]
+pub(crate) fn transform_motion(v: &Vec6, to: Vec3, from: Vec3) -> Vec6 {
+    let across = cross(sub(to, from), rotation(v));
+    join(rotation(v), sub(translation(v), across))
+}
+
+/// A force about another point: MuJoCo's `mju_transformSpatial`.
+#[inline]
+pub(crate) fn transform_force(f: &Vec6, to: Vec3, from: Vec3) -> Vec6 {
+    let across = cross(sub(to, from), translation(f));
+    join(sub(rotation(f), across), translation(f))
 }
 
 /// The velocity of a point, given the velocity about a reference point and the offset between them.

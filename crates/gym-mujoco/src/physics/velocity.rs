@@ -11,18 +11,18 @@ pub fn com_vel(m: &Model, d: &mut Data) {
     for b in 1..m.nbody() {
         let mut vel = d.cvel[m.body_parentid[b]];
         for j in joints(m, b) {
-            let i = m.jnt_dofadr[j];
-            if m.jnt_type[j] == JointType::Free {
+            let mut i = m.jnt_dofadr[j];
+            let free = m.jnt_type[j] == JointType::Free;
+            if free {
                 d.cdof_dot[i..i + 3].fill([0.0; 6]);
                 add_to(&mut vel, &along(&d.cdof[i..i + 3], &d.qvel[i..i + 3]), 1.0);
-                for k in i + 3..i + 6 {
+                i += 3;
+            }
+            if free || m.jnt_type[j] == JointType::Ball {
+                for k in i..i + 3 {
                     d.cdof_dot[k] = cross_motion(&vel, &d.cdof[k]);
                 }
-                add_to(
-                    &mut vel,
-                    &along(&d.cdof[i + 3..i + 6], &d.qvel[i + 3..i + 6]),
-                    1.0,
-                );
+                add_to(&mut vel, &along(&d.cdof[i..i + 3], &d.qvel[i..i + 3]), 1.0);
             } else {
                 d.cdof_dot[i] = cross_motion(&vel, &d.cdof[i]);
                 add_to(&mut vel, &d.cdof[i], d.qvel[i]);
@@ -34,7 +34,7 @@ pub fn com_vel(m: &Model, d: &mut Data) {
 
 /// The sum of axes, each times its velocity, as one motion: MuJoCo's `mju_mulDofVec`.
 #[inline(always)]
-fn along(axes: &[Vec6], velocities: &[f64]) -> Vec6 {
+pub(super) fn along(axes: &[Vec6], velocities: &[f64]) -> Vec6 {
     let mut sum = [0.0; 6];
     for (axis, &velocity) in axes.iter().zip(velocities) {
         add_to(&mut sum, axis, velocity);
@@ -61,7 +61,7 @@ pub fn rne(m: &Model, d: &mut Data) {
     let (acc, force, parents) = (&mut acc[..n], &mut force[..n], &m.body_parentid[..n]);
     let (cinert, cvel) = (&d.cinert[..n], &d.cvel[..n]);
     let (cdof_dot, qvel) = (&d.cdof_dot[..nv], &d.qvel[..nv]);
-    let g = m.opt.gravity;
+    let g = m.plan().gravity;
     acc[0] = [0.0, 0.0, 0.0, -g[0], -g[1], -g[2]];
     force[0] = [0.0; 6];
     for b in 1..n {

@@ -241,21 +241,24 @@ impl Polytope {
         {
             return None;
         }
-        let [d, e] = [v4, v5].map(|v| self.vertices[v].x);
-        self.center = match self.revision {
-            Revision::V3_12 => scale(add(add(a, b), c), 1.0 / 3.0),
-            // the pyramids have height, and the origin is within them
+        match self.revision {
+            Revision::V3_12 => {
+                self.center = scale(add(add(a, b), c), 1.0 / 3.0);
+                self.attach_pyramids([v1, v2, v3, v4, v5])
+            }
             Revision::V4_0 => {
-                let flat = |height: f64| height < length * MINVAL;
-                if flat(dot(normal, sub(d, a)))
-                    || flat(-dot(normal, sub(e, a)))
-                    || !crosses([d, e], [a, b, c])
-                {
+                let height = |v: usize| dot(normal, sub(self.vertices[v].x, a));
+                let flat = [height(v4), -height(v5)];
+                if flat.iter().any(|height| *height < length * MINVAL) {
                     return None;
                 }
-                mean([a, b, c, d, e])
+                self.start_around([v1, v2, v3], [v4, v5])
             }
-        };
+        }
+    }
+
+    /// The faces of a pyramid with the apex `v4` and one with the apex `v5` on a triangle.
+    fn attach_pyramids(&mut self, [v1, v2, v3, v4, v5]: [usize; 5]) -> Option<()> {
         for (corners, beyond) in [
             ([v4, v1, v2], [1, 3, 2]),
             ([v4, v3, v1], [2, 4, 0]),
@@ -268,19 +271,57 @@ impl Polytope {
                 return None;
             }
         }
-        if self.revision == Revision::V3_12 {
-            return Some(());
-        }
-        // the origin is on the inner side of each face, or on it
-        let opposite = [c, b, a, c, b, a];
-        let holds = |face: &Face, opposite: Vec3| {
-            let [p, q, r] = face.corners.map(|v| self.vertices[v].x);
-            is_on_side_of_fourth([p, q, r, opposite]) || face.square < TOLERANCE * TOLERANCE
+        Some(())
+    }
+
+    /// The hull of a triangle and of a point on each side of it, from 4.0 on: two pyramids on the
+    /// triangle if the line through the points crosses it; two pyramids on another triangle if the
+    /// line passes by an edge; a tetrahedron if it passes by a corner.
+    fn start_around(&mut self, [v1, v2, v3]: [usize; 3], [v4, v5]: [usize; 2]) -> Option<()> {
+        let at = |v: usize| self.vertices[v].x;
+        let volumes = volumes_about([at(v4), at(v5)], [v1, v2, v3].map(at));
+        let beside = |edge: usize| {
+            (0..3).all(|k| match k == edge {
+                true => volumes[k] > 0.0,
+                false => volumes[k] < -MINVAL,
+            })
         };
-        let mut faces = self.faces.iter().zip(opposite);
-        faces
-            .all(|(face, opposite)| holds(face, opposite))
-            .then_some(())
+        let [x, y, z] = volumes;
+        let corners = if has_one_sign(&volumes) {
+            [v1, v2, v3, v4, v5]
+        } else if beside(0) {
+            [v3, v5, v4, v1, v2]
+        } else if beside(1) {
+            [v1, v5, v4, v2, v3]
+        } else if beside(2) {
+            [v2, v5, v4, v3, v1]
+        } else {
+            let edge = match () {
+                () if y >= x && z >= x => [v1, v2],
+                () if x >= y && z >= y => [v2, v3],
+                () => [v3, v1],
+            };
+            let [a, b, c, d] = [edge[0], edge[1], v4, v5];
+            if self.attach_tetrahedron([a, b, c, d]).is_some() {
+                return None;
+            }
+            return self.holds_origin(&[d, c, b, a]);
+        };
+        self.center = mean(corners.map(at));
+        self.attach_pyramids(corners)?;
+        let [a, b, c, ..] = corners;
+        self.holds_origin(&[c, b, a, c, b, a])
+    }
+
+    /// Whether the origin is on the inner side of each face, or on it; a vertex on the inner side is
+    /// given for each.
+    fn holds_origin(&self, inner: &[usize]) -> Option<()> {
+        let holds = |(face, inner): (&Face, &usize)| {
+            let [p, q, r] = face.corners.map(|v| self.vertices[v].x);
+            is_on_side_of_fourth([p, q, r, self.vertices[*inner].x])
+                || face.square < TOLERANCE * TOLERANCE
+        };
+        self.faces.iter().zip(inner).all(holds).then_some(())
     }
 
     /// MuJoCo's `polytope4`.
@@ -289,21 +330,30 @@ impl Polytope {
         t: &[Vertex; 4],
         support: &impl Fn(Vec3) -> Vertex,
     ) -> Option<()> {
-        let [v1, v2, v3, v4] = t.map(|v| self.insert(v));
+        let corners = t.map(|v| self.insert(v));
+        if let Some(flat) = self.attach_tetrahedron(corners) {
+            return self.restart_from_face(flat, support);
+        }
         let [a, b, c, d] = t.map(|v| v.x);
+        let sides = [[a, b, c, d], [b, c, d, a], [c, d, a, b], [d, a, b, c]];
+        sides.into_iter().all(is_on_side_of_fourth).then_some(())
+    }
+
+    /// The faces of a tetrahedron; the corners of the first that contains the origin.
+    fn attach_tetrahedron(&mut self, corners: [usize; 4]) -> Option<[usize; 3]> {
+        let [a, b, c, d] = corners.map(|v| self.vertices[v].x);
         self.center = scale(add(add(add(a, b), c), d), 0.25);
-        for (corners, beyond) in [
+        let [v1, v2, v3, v4] = corners;
+        let faces = [
             ([v1, v2, v3], [1, 3, 2]),
             ([v1, v4, v2], [2, 3, 0]),
             ([v1, v3, v4], [0, 3, 1]),
             ([v4, v3, v2], [2, 0, 1]),
-        ] {
-            if self.attach(corners, beyond) < LEAST {
-                return self.restart_from_face(corners, support);
-            }
-        }
-        let sides = [[a, b, c, d], [b, c, d, a], [c, d, a, b], [d, a, b, c]];
-        sides.into_iter().all(is_on_side_of_fourth).then_some(())
+        ];
+        let mut flat = faces
+            .into_iter()
+            .filter(|(corners, beyond)| self.attach(*corners, *beyond) < LEAST);
+        flat.next().map(|(corners, _)| corners)
     }
 
     /// Expands until the nearest face is one of the difference: MuJoCo's `epa`.
@@ -451,11 +501,19 @@ fn third_of_a_turn(axis: Vec3) -> Mat3 {
 }
 
 /// Whether the line through two points crosses a triangle.
-fn crosses([a, b]: [Vec3; 2], triangle: [Vec3; 3]) -> bool {
+fn crosses(line: [Vec3; 2], triangle: [Vec3; 3]) -> bool {
+    has_one_sign(&volumes_about(line, triangle))
+}
+
+/// The signed volumes of a line with each edge of a triangle.
+fn volumes_about([a, b]: [Vec3; 2], triangle: [Vec3; 3]) -> [f64; 3] {
     let along = sub(b, a);
     let [p, q, r] = triangle.map(|corner| sub(corner, a));
-    let volumes = [(p, q), (q, r), (r, p)].map(|(p, q)| dot(p, cross(q, along)));
-    volumes.iter().all(|v| *v >= 0.0) || volumes.iter().all(|v| *v <= 0.0)
+    [(p, q), (q, r), (r, p)].map(|(p, q)| dot(p, cross(q, along)))
+}
+
+fn has_one_sign(numbers: &[f64; 3]) -> bool {
+    numbers.iter().all(|x| *x >= 0.0) || numbers.iter().all(|x| *x <= 0.0)
 }
 
 /// The mean of five points.

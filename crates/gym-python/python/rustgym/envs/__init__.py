@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import re
+from functools import partial
 from importlib.util import find_spec
 from typing import Any
 
@@ -166,17 +167,25 @@ def stand_ins() -> dict[str, Any]:
     return found
 
 
+def _same(made: Any) -> Any:
+    return made
+
+
+def _class(name: str) -> Any:
+    return globals().get(name) or __getattr__(name)
+
+
 def _replace() -> None:
     """Puts our classes into our forms of Gymnasium's modules."""
     for name, made in stand_ins().items():
         module, _, attribute = name.removeprefix("gymnasium.").partition(":")
         if module.count(".") > 1:  # the modules of the families are ours
-            _modules.replace(module, attribute, lambda made=made: made)
+            _modules.replace(module, attribute, partial(_same, made))
     for task, module in MODULES.items():
         for version in (4, 5):
             made_of = f"{task}_v{version}"
             if made_of in _IDS:
-                _modules.replace(f"envs.mujoco.{module}_v{version}", f"{task}Env", lambda name=made_of: globals().get(name) or __getattr__(name))
+                _modules.replace(f"envs.mujoco.{module}_v{version}", f"{task}Env", partial(_class, made_of))
 
 
 _replace()

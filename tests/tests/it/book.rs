@@ -127,7 +127,7 @@ fn the_readme_names_every_environment() {
         assert!(readme.contains(&named), "README.md lacks {named}");
     }
     // the second engine's ids have the names of the first engine's
-    for id in names.iter().filter(|id| !id.starts_with("rapier/")) {
+    for id in names.into_iter().filter(|id| !id.starts_with("rapier/")) {
         let name = id.rsplit_once("-v").map_or(id, |(name, _)| name);
         assert!(readme.contains(&format!("`{name}")), "README.md lacks {id}");
     }

@@ -362,8 +362,8 @@ impl<L: Level + Arguments + Clone> Configure for Of<L> {
 const CLIP: Clip = Clip {
     seeds: 1..2,
     every: 1,
-    frames: 40,
-    size: (160, 160),
+    frames: 24,
+    size: (96, 96),
 };
 
 /// The registration of a level under an id, perhaps with a good policy.

@@ -52,7 +52,7 @@ fn refused() -> Vec<Refused> {
             "compiler",
             Some("coordinate"),
         ),
-        other("<include file=\"x.xml\"/>", "include", None),
+        other("<include file=\"x.xml\"/>", "include", Some("file")),
         other("<asset><mesh file=\"x.obj\"/></asset>", "mesh", None),
         other("<tendon><spatial/></tendon>", "spatial", None),
         other(

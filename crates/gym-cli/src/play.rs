@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use gym::render::{Frame, RenderMode, Video, file};
 use gym::trace::{Event, Trace};
-use gym::{BoxEnv, Env, EnvExt, Error, Kwargs, Reset, Result};
+use gym::{BoxEnv, Env, EnvExt, Error, Kwargs, Reset, Result, Seed};
 use serde_json::{Value as Json, json};
 
 use gym::keys::{Idle, Keys};
@@ -18,7 +18,7 @@ use crate::output::{self, say};
 pub(crate) struct Arguments {
     /// The environment.
     id: String,
-    /// Seeds the first episode.
+    /// Seeds the first episode. Without it, a trace records a seed that is drawn.
     #[arg(long, allow_negative_numbers = true, value_parser = inputs::parse_seed)]
     seed: Option<u64>,
     /// Arguments of the environment, as a JSON object.
@@ -48,6 +48,17 @@ pub(crate) struct Arguments {
     /// Records the actions and results to this file, for `replay`.
     #[arg(long)]
     trace: Option<PathBuf>,
+}
+
+impl Arguments {
+    /// The reset that begins the first episode. A trace without a seed could not be replayed, so a
+    /// seed is drawn for it.
+    fn first_reset(&self) -> Result<Reset> {
+        Ok(match (self.seed, &self.trace) {
+            (None, Some(_)) => Reset::from(u64::from(Seed::from_os()?.words()[0])),
+            (seed, _) => Reset::from(seed),
+        })
+    }
 }
 
 fn parse_json(text: &str) -> Result<Json, String> {
@@ -147,7 +158,7 @@ impl Session {
             steps: 0,
             score: 0.0,
         };
-        session.reset(arguments.seed.map_or_else(Reset::default, Reset::from))?;
+        session.reset(arguments.first_reset()?)?;
         Ok(session)
     }
 

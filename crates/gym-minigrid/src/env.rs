@@ -309,8 +309,13 @@ impl Inspect for GridEnv {
         Ok(())
     }
 
+    /// The arguments, with those in use for those that follow from the others.
     fn arguments(&self) -> Json {
-        (*self.config).clone()
+        let mut arguments = (*self.config).clone();
+        let rules = &self.facts.rules;
+        arguments["max_steps"] = rules.max_steps.into();
+        arguments["see_through_walls"] = rules.see_through_walls.into();
+        arguments
     }
 }
 
@@ -366,6 +371,12 @@ const CLIP: Clip = Clip {
     size: (96, 96),
 };
 
+/// What every level is excused from in the conformance checks.
+pub(crate) const WINDOW: (&str, &str) = (
+    "arguments-matter.screen_size",
+    "a window has the size of the picture",
+);
+
 /// The registration of a level under an id, perhaps with a good policy.
 pub const fn register<L: Level + Arguments + Clone>(
     id: &'static str,
@@ -374,24 +385,7 @@ pub const fn register<L: Level + Arguments + Clone>(
 ) -> Registration {
     let registration = Registration::new::<Of<L>>(id)
         .description(description)
-        .exceptions(&[
-            (
-                "arguments-matter.screen_size",
-                "a window has the size of the picture",
-            ),
-            (
-                "arguments-matter.agent_start_dir",
-                "it counts where `agent_start_pos` is given",
-            ),
-            (
-                "arguments-matter.num_rooms_visited",
-                "it sets the limit alone, which is thousands of steps away",
-            ),
-            (
-                "arguments-matter.random_length",
-                "a grid of 7 columns has room for one length",
-            ),
-        ])
+        .exceptions(&[WINDOW])
         .vector_entry_point(vector::entry_point::<L>)
         .light_step()
         .actions(Action::VARIANTS)

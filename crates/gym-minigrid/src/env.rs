@@ -61,7 +61,10 @@ impl GridEnv {
         let facts = Facts::new(&level).map_err(|reason| Error::argument(name, reason))?;
         let picture = Picture::new(&facts).map_err(|reason| Error::argument(name, reason))?;
         let config = serde_json::to_value(&level);
-        let config = config.map_err(|error| Error::argument(name, error.to_string()))?;
+        let mut config = config.map_err(|error| Error::argument(name, error.to_string()))?;
+        // those that follow from the others, as they are in use
+        config["max_steps"] = facts.rules.max_steps.into();
+        config["see_through_walls"] = facts.rules.see_through_walls.into();
         Ok(Self {
             level: Arc::new(level),
             config: config.into(),
@@ -309,13 +312,8 @@ impl Inspect for GridEnv {
         Ok(())
     }
 
-    /// The arguments, with those in use for those that follow from the others.
     fn arguments(&self) -> Json {
-        let mut arguments = (*self.config).clone();
-        let rules = &self.facts.rules;
-        arguments["max_steps"] = rules.max_steps.into();
-        arguments["see_through_walls"] = rules.see_through_walls.into();
-        arguments
+        (*self.config).clone()
     }
 }
 

@@ -40,7 +40,7 @@ def play(envs, seeds):
         actions = (observations[:, 2] + 0.5 * observations[:, 3] > 0).astype(np.int64)
         observations, rewards, terminated, truncated, _ = envs.step(actions)
         for i, digest in enumerate(digests):
-            digest.update(observations[i].tobytes() + rewards[i : i + 1].tobytes() + bytes([terminated[i], truncated[i]]))
+            digest.update(observations[i].tobytes() + rewards[i].tobytes() + terminated[i].tobytes() + truncated[i].tobytes())
     envs.close()
     return {seed: digest.hexdigest() for seed, digest in zip(seeds, digests, strict=True)}
 

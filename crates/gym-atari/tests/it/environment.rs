@@ -264,11 +264,11 @@ impl gym_core::Wrapper for Homebrew {
         &mut self.0
     }
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut Self::Observation) -> Result<()> {
+    fn on_reset(&mut self, reset: &Reset, observation: &mut Self::Observation) -> Result<()> {
         self.0.reset_into(reset, observation)
     }
 
-    fn step_into(
+    fn on_step(
         &mut self,
         action: &Self::Action,
         observation: &mut Self::Observation,
@@ -276,7 +276,7 @@ impl gym_core::Wrapper for Homebrew {
         self.0.step_into(action, observation)
     }
 
-    fn describe(&self) -> String {
+    fn on_describe(&self) -> String {
         self.0.describe()
     }
 }

@@ -114,16 +114,16 @@ impl<C: Look, E: Env<Observation = Value>> gym_core::Wrapper for Looking<C, E> {
         &mut self.env
     }
 
-    fn observation_space(&self) -> Space {
+    fn on_observation_space(&self) -> Space {
         self.space.clone()
     }
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
+    fn on_reset(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
         self.env.reset_into(reset, &mut self.seen)?;
         self.observe(observation)
     }
 
-    fn step_into(&mut self, action: &E::Action, observation: &mut Value) -> Result<Outcome> {
+    fn on_step(&mut self, action: &E::Action, observation: &mut Value) -> Result<Outcome> {
         let outcome = self.env.step_into(action, &mut self.seen)?;
         self.observe(observation)?;
         Ok(outcome)

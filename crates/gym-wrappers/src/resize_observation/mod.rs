@@ -23,7 +23,11 @@ gym_core::arguments! {
     }
 }
 
-positional!(shape: [usize; 2]);
+impl From<[usize; 2]> for Config {
+    fn from(shape: [usize; 2]) -> Self {
+        Self { shape }
+    }
+}
 
 /// The filter of [`ResizeObservation`].
 #[derive(Clone, Debug)]

@@ -8,7 +8,7 @@ use gym_core::{Array, DType, Data, Error, Result};
 use serde::{Deserialize, Serialize};
 
 use moments::{Batch, Real, Rows};
-pub(crate) use normalizer::{Normalizer, normalizes};
+pub(crate) use normalizer::Normalizer;
 
 /// The weight of the initial mean 0 and variance 1.
 const INITIAL_COUNT: f64 = 1e-4;

@@ -1,6 +1,6 @@
 //! Pictures of another size.
 
-mod area;
+pub mod area;
 
 use gym_core::registry::WrapperConfig;
 use gym_core::spaces::BoxSpace;

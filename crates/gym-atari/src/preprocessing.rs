@@ -91,15 +91,15 @@ impl<E: Env> AtariPreprocessing<E> {
         let Some(atari) = within(&env) else {
             return refuse(format!("{} is not an Atari environment", env.describe()));
         };
-        let stack = env.describe();
-        // `describe` of an environment from `make` contains its id
-        let id = env.spec().map(|spec| spec.id).unwrap_or_default();
-        let mut layers = stack
-            .split(['<', '>'])
-            .filter(|layer| !layer.is_empty() && *layer != id);
-        if let Some(layer) =
-            layers.find(|layer| !OF_MAKE.contains(layer) && *layer != atari.describe())
-        {
+        let (mut other, mut inside) = (None, "");
+        env.visit_layers(&mut |layer| {
+            // the last layer is the environment
+            let outside = std::mem::replace(&mut inside, layer);
+            if !outside.is_empty() && !OF_MAKE.contains(&outside) {
+                other.get_or_insert(outside);
+            }
+        });
+        if let Some(layer) = other {
             return refuse(format!(
                 "the environment is wrapped in {layer}: wrap it in AtariPreprocessing first"
             ));

@@ -276,8 +276,8 @@ impl gym_core::Wrapper for Homebrew {
         self.0.step_into(action, observation)
     }
 
-    fn on_describe(&self) -> String {
-        self.0.describe()
+    fn on_visit_layers(&self, visit: &mut dyn FnMut(&'static str)) {
+        self.0.visit_layers(visit);
     }
 }
 

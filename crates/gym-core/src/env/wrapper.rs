@@ -129,6 +129,12 @@ pub trait Wrapper: Clone + Send + 'static {
         format!("<{}<{inner}>>", self.name())
     }
 
+    /// The hook of [`Env::visit_layers`]: the wrapper's [name](Self::name), and the layers within.
+    fn on_visit_layers(&self, visit: &mut dyn FnMut(&'static str)) {
+        visit(self.name());
+        self.inner().visit_layers(visit);
+    }
+
     /// The hook of [`Env::any_layer`]: the wrapper itself, or a layer within.
     fn on_any_layer(&self, layer: TypeId) -> Option<&dyn Any> {
         if layer == TypeId::of::<Self>() {
@@ -189,6 +195,7 @@ macro_rules! all_methods {
         $crate::env::wrapper::methods!($then! $($words)*);
         $then! { $($words)* fn spec on_spec(&self) -> Option<EnvSpec> }
         $then! { $($words)* fn describe on_describe(&self) -> String }
+        $then! { $($words)* fn visit_layers on_visit_layers(&self, visit: &mut dyn FnMut(&'static str)) }
         $then! { $($words)* fn any_layer on_any_layer(&self, layer: TypeId) -> Option<&dyn Any> }
         $then! { $($words)* fn any_layer_mut on_any_layer_mut(&mut self, layer: TypeId) -> Option<&mut dyn Any> }
     };

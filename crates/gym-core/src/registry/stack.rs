@@ -119,6 +119,10 @@ impl<E: Env> crate::env::Wrapper for Registered<E> {
         Some(EnvSpec::clone(&self.spec))
     }
 
+    fn on_visit_layers(&self, visit: &mut dyn FnMut(&'static str)) {
+        self.env.visit_layers(visit);
+    }
+
     fn on_describe(&self) -> String {
         format!("{}<{}>", self.env.describe(), self.spec.id)
     }

@@ -147,14 +147,10 @@ pub(crate) fn bench(arguments: &Arguments, workspace: &Workspace) -> Result<()> 
         &arguments.kind
     };
 
-    say!(
+    say(format_args!(
         "{:36} {:>7} {:>7} {:>14} {:>12}",
-        "environment",
-        "kind",
-        "n",
-        "per second",
-        "instructions"
-    )?;
+        "environment", "kind", "n", "per second", "instructions"
+    ))?;
     let mut rows = Vec::new();
     for id in registrations.iter().map(Registration::id) {
         for &kind in kinds {
@@ -175,7 +171,9 @@ pub(crate) fn bench(arguments: &Arguments, workspace: &Workspace) -> Result<()> 
                 };
                 let counted =
                     instructions_per_step.map_or_else(String::new, |count| format!("{count:.1}"));
-                say!("{id:36} {kind:>7} {num_envs:>7} {per_second:>14.0} {counted:>12}")?;
+                say(format_args!(
+                    "{id:36} {kind:>7} {num_envs:>7} {per_second:>14.0} {counted:>12}"
+                ))?;
                 rows.push(Row {
                     id: id.to_owned(),
                     kind,
@@ -192,11 +190,15 @@ pub(crate) fn bench(arguments: &Arguments, workspace: &Workspace) -> Result<()> 
         None
     };
     if let Some(Gif { seconds, bytes }) = &gif {
-        say!("a GIF of 500 frames of CartPole-v1: {seconds:.2} s, {bytes} bytes")?;
+        say(format_args!(
+            "a GIF of 500 frames of CartPole-v1: {seconds:.2} s, {bytes} bytes"
+        ))?;
     }
     let start = if all { Some(start()?) } else { None };
     if let Some(Start { milliseconds }) = &start {
-        say!("from the start of a process to the first step of CartPole-v1: {milliseconds:.1} ms")?;
+        say(format_args!(
+            "from the start of a process to the first step of CartPole-v1: {milliseconds:.1} ms"
+        ))?;
     }
     if let Some(path) = &arguments.json {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);

@@ -43,11 +43,11 @@ static TABLE: LazyLock<RwLock<Table>> = LazyLock::new(|| {
             name: registration.id().to_owned(),
             version: None,
         });
-        let linked = || LinkedPolicy::find(registration.id());
-        table.entry(id).or_default().push(Registration {
-            policy: registration.policy.or_else(linked),
-            ..registration.clone()
-        });
+        let mut registration = registration.clone();
+        if registration.policy.is_none() {
+            registration.policy = LinkedPolicy::find(registration.id());
+        }
+        table.entry(id).or_default().push(registration);
     }
     for duplicates in table.values_mut() {
         duplicates.sort_by_key(|registration| registration.source.package);

@@ -94,14 +94,14 @@ pub(crate) fn play(arguments: &Arguments) -> Result<()> {
         Some(action) => keys.idle = Idle::Action(action.clone()),
     }
     keys::check(&keys, &session.env.action_space())?;
-    say!("{}", keys::describe(&keys))?;
+    say(format_args!("{}", keys::describe(&keys)))?;
     if arguments.terminal {
-        say!(
+        say(format_args!(
             "write a key's name or the start of it and press Enter; or `restart`, or `q` to quit"
-        )?;
+        ))?;
         in_terminal(&mut session, &keys)?;
     } else {
-        say!("R = restart, Escape = quit")?;
+        say(format_args!("R = restart, Escape = quit"))?;
         #[cfg(feature = "human")]
         window::play(&mut session, &keys, arguments)?;
     }
@@ -189,7 +189,7 @@ impl Session {
             ..Event::default()
         })?;
         if done {
-            say!("{}", self.status())?;
+            say(format_args!("{}", self.status()))?;
         }
         Ok(done)
     }
@@ -230,13 +230,17 @@ impl Session {
     fn finish(self, arguments: &Arguments) -> Result<()> {
         if let (Some(video), Some(path)) = (self.video, &arguments.record) {
             video.finish()?;
-            say!("{}", path.display())?;
+            say(format_args!("{}", path.display()))?;
         }
         if let Some(path) = &arguments.trace {
             let json = serde_json::to_vec(&self.trace)
                 .map_err(|error| Error::custom(error.to_string()))?;
             file::write(path, &json)?;
-            say!("{}: {} events", path.display(), self.trace.events.len())?;
+            say(format_args!(
+                "{}: {} events",
+                path.display(),
+                self.trace.events.len()
+            ))?;
         }
         Ok(())
     }
@@ -257,7 +261,7 @@ fn in_terminal(session: &mut Session, keys: &Keys) -> Result<()> {
         ))?;
         if done {
             if session.is_last() {
-                say!("")?;
+                say(format_args!(""))?;
                 return Ok(());
             }
             session.reset(Reset::default())?;
@@ -275,7 +279,7 @@ fn in_terminal(session: &mut Session, keys: &Keys) -> Result<()> {
             "restart" => session.reset(Reset::default())?,
             _ => match keys.actions.iter().find(starts) {
                 Some((_, action)) => done = session.step(action)?,
-                None => say!("keys: {}, restart, q", keys::describe(keys))?,
+                None => say(format_args!("keys: {}, restart, q", keys::describe(keys)))?,
             },
         }
     }

@@ -337,15 +337,15 @@ impl<L: Clone + 'static> gym_core::Wrapper for Of<L> {
         &mut self.env
     }
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
+    fn on_reset(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
         self.env.reset_into(reset, observation)
     }
 
-    fn step_into(&mut self, action: &Action, observation: &mut Value) -> Result<Outcome> {
+    fn on_step(&mut self, action: &Action, observation: &mut Value) -> Result<Outcome> {
         self.env.step_into(action, observation)
     }
 
-    fn describe(&self) -> String {
+    fn on_describe(&self) -> String {
         self.env.describe()
     }
 }

@@ -21,11 +21,11 @@ impl gym_core::VectorWrapper for Grids {
         &mut self.envs
     }
 
-    fn spec(&self) -> Option<VectorSpec> {
+    fn on_spec(&self) -> Option<VectorSpec> {
         Some(self.spec.clone())
     }
 
-    fn describe(&self) -> String {
+    fn on_describe(&self) -> String {
         format!(
             "NativeVectorEnv({}, num_envs={})",
             self.spec.env.id, self.spec.num_envs

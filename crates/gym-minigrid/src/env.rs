@@ -57,16 +57,20 @@ impl GridEnv {
     /// # Errors
     /// [`Error::InvalidArgument`] for an argument out of range.
     pub fn new<L: Level + Serialize>(level: L) -> Result<Self> {
-        let name = level.name();
-        let facts = Facts::new(&level).map_err(|reason| Error::argument(name, reason))?;
-        let picture = Picture::new(&facts).map_err(|reason| Error::argument(name, reason))?;
         let config = serde_json::to_value(&level);
+        Self::of(Arc::new(level), config)
+    }
+
+    fn of(level: Arc<dyn Level>, config: serde_json::Result<Json>) -> Result<Self> {
+        let name = level.name();
+        let facts = Facts::new(&*level).map_err(|reason| Error::argument(name, reason))?;
+        let picture = Picture::new(&facts).map_err(|reason| Error::argument(name, reason))?;
         let mut config = config.map_err(|error| Error::argument(name, error.to_string()))?;
         // those that follow from the others, as they are in use
         config["max_steps"] = facts.rules.max_steps.into();
         config["see_through_walls"] = facts.rules.see_through_walls.into();
         Ok(Self {
-            level: Arc::new(level),
+            level,
             config: config.into(),
             picture: picture.into(),
             facts: facts.into(),
@@ -123,7 +127,7 @@ impl GridEnv {
 }
 
 impl Facts {
-    fn new(level: &impl Level) -> Result<Self, String> {
+    fn new(level: &dyn Level) -> Result<Self, String> {
         let view: View = level.as_ref().clone();
         let mut rules = level.rules()?;
         let size = view.agent_view_size;
@@ -358,6 +362,10 @@ impl<L: Level + Arguments + Clone> Configure for Of<L> {
             env: GridEnv::new(level)?,
             level: PhantomData,
         })
+    }
+
+    fn into_env(self) -> impl Env {
+        self.env
     }
 }
 

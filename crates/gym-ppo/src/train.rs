@@ -44,7 +44,7 @@ fn spec(id: &str, settings: &Settings, task: Task) -> gym::Result<VectorSpec> {
         env = names
             .into_iter()
             .map(WrapperSpec::new)
-            .fold(env, |env, wrapper| env.wrap(wrapper));
+            .fold(env, gym::registry::EnvBuilder::wrap);
         env = env.wrap(WrapperSpec::new("DtypeObservation").arg("dtype", "float32"));
     }
     let mut vector = env.vector(settings.envs).autoreset(Autoreset::SameStep);

@@ -8,7 +8,7 @@ use crate::value::fault::Fault;
 
 /// An entry of a [`Selection`](super::Selection). The methods assume that the checks have passed.
 pub(super) trait Weight: Copy + fmt::Debug + PartialEq + 'static {
-    /// Whether one of the entries can be chosen, `tolerance` being that of a sum of probabilities.
+    /// Whether one of the entries can be chosen. `tolerance` applies to a sum of probabilities.
     fn check_choice(weights: &[Self], tolerance: f64) -> Result<(), Fault>;
 
     /// Whether each entry is valid for a binary choice.
@@ -25,7 +25,7 @@ pub(super) trait Weight: Copy + fmt::Debug + PartialEq + 'static {
     /// A zero or a one for each entry, as `MultiBinary` chooses them.
     fn toss(weights: &[Self], rng: &mut Generator, out: &mut [i8]);
 
-    /// The probability of each character, as `Text` reckons it.
+    /// The probability of each character, as `Text` computes it.
     fn probabilities(weights: &[Self]) -> Vec<f64>;
 }
 

@@ -27,7 +27,7 @@ pub enum Error {
     /// No environment of that namespace is linked.
     #[error("namespace `{}` not found{hint}", quoted(namespace))]
     NamespaceNotFound {
-        /// The namespace asked for.
+        /// The requested namespace.
         namespace: String,
         /// A near name, or how to link the crate.
         hint: String,
@@ -36,7 +36,7 @@ pub enum Error {
     /// No environment of that name is linked.
     #[error("unknown environment `{}`{hint}", quoted(id))]
     NameNotFound {
-        /// The id asked for.
+        /// The requested id.
         id: String,
         /// A near name, and how to link the crate.
         hint: String,
@@ -47,18 +47,18 @@ pub enum Error {
     VersionNotFound {
         /// Namespace and name, without version.
         name: String,
-        /// The version asked for; `None` for an id without one.
+        /// The requested version; `None` for an id without one.
         version: Option<u32>,
         /// The ids that exist.
         available: String,
     },
 
-    /// The version asked for was superseded and is no longer provided.
+    /// The requested version was superseded and is no longer provided.
     #[error("version {version} of `{name}` is no longer provided: use `{latest}`")]
     DeprecatedVersion {
         /// Namespace and name, without version.
         name: String,
-        /// The version asked for.
+        /// The requested version.
         version: u32,
         /// The id to use instead.
         latest: String,
@@ -140,7 +140,7 @@ pub enum Error {
     UnsupportedMode {
         /// The environment.
         target: String,
-        /// The mode asked for.
+        /// The requested mode.
         mode: String,
         /// The remedy.
         reason: String,

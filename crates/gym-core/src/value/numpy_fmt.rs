@@ -246,8 +246,8 @@ impl Style {
     }
 }
 
-/// Whether the numbers spread too far, or are too large or small, for plain decimals. As in numpy,
-/// this is reckoned in the precision of the array.
+/// Whether the numbers spread too far, or are too large or small, for plain decimals. As numpy
+/// does, this computes in the precision of the array.
 fn needs_exponent(data: &Data, finite: &[usize]) -> bool {
     let sizes = finite.iter();
     match data {
@@ -320,8 +320,8 @@ fn scientific(data: &Data, index: usize, places: usize) -> String {
 
 /// The fewest digits that read back as this number, in the form `-1.5e-5`.
 fn shortest(data: &Data, index: usize) -> String {
-    /// Of two such decimals that are equally near, numpy takes the even one, as the exact value
-    /// rounded to so many digits does.
+    /// If two such decimals are equally near, numpy takes the even one: the exact value rounded to
+    /// that number of digits.
     fn even<T: LowerExp + FromStr + PartialEq + Copy>(x: T, exact: f64) -> String {
         let text = format!("{x:e}");
         let rounded = format!("{exact:.*e}", fraction_len(&text));

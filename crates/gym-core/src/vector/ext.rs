@@ -28,7 +28,7 @@ pub trait VectorEnvExt: VectorEnv {
     }
 
     /// The entries of the [`info`](crate::vector::VectorEnv::info) of one sub-environment by name:
-    /// an element of what Gymnasium's wrapper `DictInfoToList` gives.
+    /// an element of the list of Gymnasium's wrapper `DictInfoToList`.
     fn info_map(&self, index: usize) -> Info {
         let mut map = Info::new();
         self.info(index, &mut |key, value| {

@@ -220,7 +220,7 @@ impl<T> RecordEpisodeStatistics<T> {
         self.record.episodes.iter()
     }
 
-    /// The number of episodes that have ended, including those no longer kept.
+    /// The number of episodes that have ended, including episodes no longer kept.
     pub fn episode_count(&self) -> u64 {
         self.record.episode_count
     }

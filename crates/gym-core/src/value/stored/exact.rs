@@ -24,7 +24,7 @@ pub(crate) fn write<T: Serialize + ?Sized>(state: &T) -> Result<Json, Error> {
 /// The state that [`write`] stored.
 ///
 /// # Errors
-/// For JSON of something else.
+/// For JSON that `write` did not make from this type.
 pub(crate) fn read<T: DeserializeOwned>(json: &Json) -> Result<T, Error> {
     T::deserialize(Stored {
         json,
@@ -151,9 +151,8 @@ hand_on_items! {
 
 /// JSON that is read with all its floats.
 ///
-/// Each method takes the kinds of JSON that its type can come from, and no general one is behind
-/// them: the compiler makes a copy of whatever a type's visitor can reach, for each type of each
-/// crate.
+/// Each method reads only the kinds of JSON that its type can have, without a general method behind
+/// it: the compiler instantiates all that a visitor can reach, for each type in each crate.
 #[derive(Clone, Copy)]
 struct Stored<'de> {
     json: &'de Json,
@@ -162,12 +161,12 @@ struct Stored<'de> {
 }
 
 impl<'de> Stored<'de> {
-    /// A part of this one.
+    /// The reader of a part of this JSON.
     fn part(self, json: &'de Json) -> Self {
         Self { json, ..self }
     }
 
-    /// The number that JSON lacks, if this is one.
+    /// The float in stored form, if `self` is a float that JSON lacks.
     fn float(self) -> Result<Option<f64>, Error> {
         let tagged = self
             .json
@@ -257,7 +256,7 @@ impl<'de> Stored<'de> {
     }
 }
 
-/// Methods that are one of those above.
+/// Methods that call one of the methods above.
 macro_rules! deserialize {
     ($($by:ident { $($method:ident($($arg:ident: $type:ty),*))* })*) => {
         $($(fn $method<V: Visitor<'de>>(self, $($arg: $type,)* visitor: V) -> Result<V::Value, Error> {
@@ -335,7 +334,7 @@ impl<'de> Deserializer<'de> for Stored<'de> {
     }
 }
 
-/// The items of a list, in turn.
+/// The remaining items of a list.
 struct Items<'de> {
     list: Stored<'de>,
     rest: std::slice::Iter<'de, Json>,
@@ -359,7 +358,7 @@ impl<'de> SeqAccess<'de> for Items<'de> {
     }
 }
 
-/// The entries of a map, in turn.
+/// The remaining entries of a map.
 struct Entries<'de> {
     map: Stored<'de>,
     rest: serde_json::map::Iter<'de>,

@@ -55,7 +55,8 @@ pub(crate) struct Step<'a, D: Native> {
     pub(crate) final_observations: <D::Observation as ObservationColumn>::Rows<'a>,
     pub(crate) has_final: &'a mut [bool],
     pub(crate) progress: &'a mut [Progress],
-    /// The last states of the episodes that have ended, if [`Task::INFO`](gym_core::Task::INFO) is set.
+    /// The last states of the episodes that have ended, if [`Task::INFO`](gym_core::Task::INFO) is
+    /// set.
     pub(crate) finals: &'a mut [D::Packed],
 }
 
@@ -69,8 +70,8 @@ struct Results<O> {
 }
 
 impl<D: Native> Step<'_, D> {
-    /// Steps block by block, all with the default constants or not. Inlined into a function for each
-    /// set of vector instructions.
+    /// Steps block by block, all with the default constants or not. Inlined into a function for
+    /// each set of vector instructions.
     #[inline(always)]
     pub(crate) fn run<R: Real, const DEFAULTS: bool>(
         mut self,
@@ -131,8 +132,8 @@ impl<D: Native> Step<'_, D> {
         Ok(())
     }
 
-    /// Starts episodes, by the autoreset mode: of the environments that are due since the last step,
-    /// or of those that are `done` in this step.
+    /// Starts episodes, by the autoreset mode: of the environments that are due since the last
+    /// step, or of those that are `done` in this step.
     #[inline(always)]
     fn reset(
         &mut self,

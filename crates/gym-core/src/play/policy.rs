@@ -35,8 +35,8 @@ impl Policy {
         }
     }
 
-    /// A trained policy, such as a network of the crate gym-policies: `start` returns the controller
-    /// of one episode.
+    /// A trained policy, such as a network of the crate gym-policies: `start` returns the
+    /// controller of one episode.
     pub const fn trained(
         description: &'static str,
         start: fn(&BoxEnv) -> Result<Controller>,

@@ -26,8 +26,8 @@ use crate::value::fault::Fault;
 /// # Ok::<(), gym_core::Error>(())
 /// ```
 ///
-/// An element is a [`GraphInstance`]: the nodes as one value, the edges as another, and the pairs of
-/// nodes that the edges link. A sample has 10 nodes and fewer than 90 edges unless the
+/// An element is a [`GraphInstance`]: the nodes as one value, the edges as another, and the pairs
+/// of nodes that the edges link. A sample has 10 nodes and fewer than 90 edges unless the
 /// [`Selection`] says otherwise; without an edge space it has no edges.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Description")]

@@ -35,8 +35,8 @@ impl MissionSpace {
     /// The sentences of `pattern`, in which each `{}` stands for one of the words of its list.
     ///
     /// # Errors
-    /// [`Error::InvalidSpace`] unless there are as many lists as blanks, each with at least one word
-    /// and none twice.
+    /// [`Error::InvalidSpace`] unless there are as many lists as blanks, each with at least one
+    /// word and none twice.
     pub fn new<W: Into<String>>(
         pattern: &str,
         words: impl IntoIterator<Item = Vec<W>>,

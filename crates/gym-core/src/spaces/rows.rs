@@ -50,9 +50,9 @@ impl Space {
         }
     }
 
-    /// Writes the numbers of an action (with `n`, of a batch of `n` actions) to `out`, as `np.asarray`
-    /// converts them: in the type of the space if they have it, otherwise in `float64`. The space
-    /// must be a `Box` of real numbers.
+    /// Writes the numbers of an action (with `n`, of a batch of `n` actions) to `out`, as
+    /// `np.asarray` converts them: in the type of the space if they have it, otherwise in
+    /// `float64`. The space must be a `Box` of real numbers.
     ///
     /// # Errors
     /// [`Error::InvalidAction`](crate::Error::InvalidAction) for numbers in another shape.

@@ -8,8 +8,8 @@ use crate::value::{Error, Result};
 /// The most threads: more than machines have cores, and within the limits of common systems.
 pub(super) const MAX_THREADS: usize = 1024;
 
-/// Refuses 0 sub-environments, more than batched spaces can hold, and more than fit in memory, before
-/// anything is built. Each takes `bytes` beside its rows of the columns.
+/// Refuses 0 sub-environments, more than batched spaces can hold, and more than fit in memory,
+/// before anything is built. Each takes `bytes` beside its rows of the columns.
 pub fn check(n: usize, observation: &Space, action: &Space, bytes: usize) -> Result<()> {
     if n == 0 {
         return Err(Error::argument(

@@ -3,5 +3,6 @@
 
 pub mod math;
 pub mod rng;
+pub mod text;
 
 pub use rng::{Generator, Seed, SeedError};

@@ -150,7 +150,7 @@ impl Space {
                 space
                     .write_flat(member, flat)
                     .map_err(|fault| fault.at(1))?;
-                // without a first number, zeros, which the flat space allows for
+                // an element without numbers is filled up with zeros, which the flat space includes
                 padding.fill(flat.first().copied().unwrap_or(int(0)));
             }
             Self::Sequence(_) | Self::Graph(_) | Self::Mission(_) => {

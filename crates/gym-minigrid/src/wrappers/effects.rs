@@ -23,7 +23,7 @@ pub trait Effect: WrapperConfig + Clone + fmt::Debug + PartialEq + Send + 'stati
     /// [`Error::InvalidArgument`] for an argument out of range.
     fn state(&self, facts: &Facts, actions: usize) -> Result<Self::State>;
 
-    /// Whether a stored state fits the state at first.
+    /// Whether the state `stored` has the form of the initial state `first`.
     fn fits(&self, stored: &Self::State, first: &Self::State) -> bool;
 
     /// Another reset, in place of the given one.

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 #![warn(clippy::disallowed_methods)]
 
+pub mod exact;
 pub mod math;
 pub mod rng;
 pub mod text;

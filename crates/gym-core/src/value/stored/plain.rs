@@ -1,22 +1,11 @@
 //! Numbers in plain JSON: arrays as nested lists, infinities and NaN as texts.
 
+use gym_numerics::exact::{float_text, parse_float};
 use serde_json::Value as Json;
 
 use crate::value::fault::Fault;
 use crate::value::number::{Number, collect};
 use crate::value::{Array, DType};
-
-/// The text of a float that JSON lacks.
-pub(crate) fn float_text(x: f64) -> Option<String> {
-    (!x.is_finite()).then(|| x.to_string())
-}
-
-/// The float with this text.
-pub(crate) fn parse_float(text: &str) -> Option<f64> {
-    text.parse()
-        .ok()
-        .filter(|x| float_text(*x).is_some_and(|own| own == text))
-}
 
 pub(crate) fn read_array(json: &Json, shape: &[usize], dtype: DType) -> Result<Array, Fault> {
     let mut numbers = Vec::new();

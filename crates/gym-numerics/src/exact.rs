@@ -1,5 +1,5 @@
-//! The state of any type, including floats that JSON lacks. serde_json writes those as `null`; here
-//! they are written in the [stored form](super).
+//! JSON that keeps every float: the state of any type, including floats that JSON lacks. serde_json
+//! writes those as `null`; here they are `{"$float": "inf"}`.
 
 use serde::Serialize;
 use serde::de::value::{BorrowedStrDeserializer, MapAccessDeserializer};
@@ -7,17 +7,46 @@ use serde::de::{
     DeserializeOwned, DeserializeSeed, Deserializer, Error as _, Expected, MapAccess, SeqAccess,
     Unexpected, Visitor,
 };
-use serde::ser::{self, Serializer};
+use serde::ser::{self, SerializeMap, Serializer};
 use serde_json::{Error, Value as Json};
 
-use super::plain::{float_text, parse_float};
-use super::{FLOAT, tagged};
+/// The key of a float that JSON lacks.
+pub const FLOAT: &str = "$float";
+
+/// The name of a newtype struct whose content is JSON, to be stored unchanged.
+const AS_IT_IS: &str = "$json";
+
+/// The text of a float that JSON lacks.
+pub fn float_text(x: f64) -> Option<String> {
+    (!x.is_finite()).then(|| x.to_string())
+}
+
+/// The float with this text.
+pub fn parse_float(text: &str) -> Option<f64> {
+    text.parse()
+        .ok()
+        .filter(|x| float_text(*x).is_some_and(|own| own == text))
+}
+
+/// Serializes one entry under a key that begins with `$`.
+///
+/// # Errors
+/// The serializer's errors.
+pub fn tagged<S: Serializer>(
+    serializer: S,
+    tag: &str,
+    content: &(impl Serialize + ?Sized),
+) -> Result<S::Ok, S::Error> {
+    let mut map = serializer.serialize_map(Some(1))?;
+    map.serialize_entry(tag, content)?;
+    map.end()
+}
 
 /// State as JSON.
 ///
 /// # Errors
 /// For a map whose keys are not strings.
-pub(crate) fn write<T: Serialize + ?Sized>(state: &T) -> Result<Json, Error> {
+pub fn write<T: Serialize + ?Sized>(state: &T) -> Result<Json, Error> {
     serde_json::to_value(Exact(state))
 }
 
@@ -25,7 +54,7 @@ pub(crate) fn write<T: Serialize + ?Sized>(state: &T) -> Result<Json, Error> {
 ///
 /// # Errors
 /// For JSON that `write` did not make from this type.
-pub(crate) fn read<T: DeserializeOwned>(json: &Json) -> Result<T, Error> {
+pub fn read<T: DeserializeOwned>(json: &Json) -> Result<T, Error> {
     T::deserialize(Stored {
         json,
         as_it_is: false,
@@ -309,7 +338,7 @@ impl<'de> Deserializer<'de> for Stored<'de> {
         visitor: V,
     ) -> Result<V::Value, Error> {
         // a value, or an inner snapshot: already in stored form
-        let as_it_is = self.as_it_is || name == super::AS_IT_IS;
+        let as_it_is = self.as_it_is || name == AS_IT_IS;
         visitor.visit_newtype_struct(Self { as_it_is, ..self })
     }
 

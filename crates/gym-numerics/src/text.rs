@@ -1,8 +1,10 @@
-//! Text as Python prints it: shapes, strings, and arrays as numpy's `str`, with columns aligned, at
-//! most 8 decimals, lines of 75 characters, and only the edges of more than 1000 numbers.
+//! Text for messages, and as Python prints it: shapes, strings, and arrays as numpy's `str`, with
+//! columns aligned, at most 8 decimals, lines of 75 characters, and only the edges of more than 1000
+//! numbers.
 //!
 //! After numpy's `arrayprint.py` (v2.4.6) with its default `set_printoptions`.
 
+use std::borrow::Cow;
 use std::fmt::{self, LowerExp};
 use std::str::FromStr;
 
@@ -428,4 +430,40 @@ fn fill(words: impl Iterator<Item = String>, indent: &str, width: usize) -> Stri
     }
     text.push_str(&line);
     text.split_off(indent.len())
+}
+
+/// The start of a long text.
+pub fn shortened(text: &str) -> Cow<'_, str> {
+    const MAX_LENGTH: usize = 200;
+    match text.char_indices().nth(MAX_LENGTH) {
+        Some((end, _)) => Cow::Owned(format!("{}...", &text[..end])),
+        None => Cow::Borrowed(text),
+    }
+}
+
+/// Escapes control characters and marks of text direction, with which a text changes how a terminal
+/// shows the text around it.
+///
+/// ```
+/// assert_eq!(gym_numerics::text::printable("a\u{1b}[2J\u{202e}b"), "a\\u{1b}[2J\\u{202e}b");
+/// assert_eq!(gym_numerics::text::printable("Zürich"), "Zürich");
+/// ```
+pub fn printable(text: &str) -> Cow<'_, str> {
+    let is_hidden = |c: char| {
+        c.is_control()
+            || matches!(c, '\u{61c}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}')
+            || matches!(c, '\u{2060}'..='\u{2069}' | '\u{feff}')
+    };
+    if !text.contains(is_hidden) {
+        return Cow::Borrowed(text);
+    }
+    let mut printed = String::with_capacity(text.len());
+    for c in text.chars() {
+        if is_hidden(c) {
+            printed.extend(c.escape_unicode());
+        } else {
+            printed.push(c);
+        }
+    }
+    Cow::Owned(printed)
 }

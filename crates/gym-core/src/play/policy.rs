@@ -80,13 +80,3 @@ pub struct LinkedPolicy {
 }
 
 inventory::collect!(LinkedPolicy);
-
-impl LinkedPolicy {
-    /// The linked policy for an id.
-    pub(crate) fn find(id: &str) -> Option<Policy> {
-        let mut linked = inventory::iter::<Self>.into_iter();
-        linked
-            .find(|linked| linked.id == id)
-            .map(|linked| linked.policy)
-    }
-}

@@ -123,13 +123,9 @@ impl dyn VectorEnv {
     /// around [`make_vec`](crate::make_vec):
     ///
     /// ```no_run
-    /// use gym_core::BoxVector;
     /// use gym_core::vector::{AsyncVectorEnv, VectorEnv};
-    /// use gym_core::wrappers::RecordEpisodeStatistics;
     ///
     /// fn look(envs: &dyn VectorEnv) {
-    ///     let statistics = envs.layer::<RecordEpisodeStatistics<BoxVector>>();
-    ///     let around_another = envs.layer::<RecordEpisodeStatistics<RecordEpisodeStatistics<AsyncVectorEnv>>>();
     ///     let workers = envs.layer::<AsyncVectorEnv>();
     /// }
     /// ```

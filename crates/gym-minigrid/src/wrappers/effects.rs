@@ -17,7 +17,7 @@ pub trait Effect: WrapperConfig + Clone + fmt::Debug + PartialEq + Send + 'stati
     /// What it keeps from step to step.
     type State: Clone + fmt::Debug + Send + Serialize + DeserializeOwned + 'static;
 
-    /// The state at first, for a grid and a number of actions.
+    /// The initial state, for the grid of `facts` and a number of actions.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for an argument out of range.

@@ -301,7 +301,7 @@ await import(url("app.js"));
             }
         }
         single.insert("scripts".into(), scripts.into());
-        // a script element ends where its text says so
+        // `</` in its text would end the script element
         let data = json!(single).to_string().replace("</", "<\\/");
         let parts = [
             (

@@ -1,9 +1,9 @@
 //! Scales gray pictures down like OpenCV's `resize` with `INTER_AREA`, bit for bit.
 //!
-//! [`AreaResize`] resizes single pictures; this file resizes a sequence of them. Each output pixel is the weighted mean of the source pixels that it covers: first along the
-//! columns of each row, then along the rows, in `f32` and in that order. Most of a picture equals
-//! the previous picture, so all sums are kept, and only sums over changed pixels are computed
-//! again.
+//! [`AreaResize`] resizes single pictures; this file resizes a sequence of them. Each output pixel
+//! is the weighted mean of the source pixels that it covers: first along the columns of each row,
+//! then along the rows, in `f32` and in that order. Most of a picture equals the previous picture,
+//! so all sums are kept, and only sums over changed pixels are computed again.
 
 use std::ops::Range;
 

@@ -2,8 +2,8 @@
 
 use gym_classic as _;
 use gym_core::vector::{Autoreset, VectorKind, VectorReset};
-use gym_core::wrappers::RecordEpisodeStatistics;
 use gym_core::{Value, VectorEnv, VectorEnvExt, WrapperSpec, builder};
+use gym_wrappers::RecordEpisodeStatistics;
 
 const IDS: [&str; 6] = [
     "Acrobot-v1",

@@ -16,10 +16,10 @@
 //! that names no environment serves those that the workspace registers; every linked one can be
 //! named.
 //!
-//! `conform` counts allocations, with an allocator that takes 17 ns for a small piece of memory where
-//! the system's takes 10. Other commands would be slower, and `bench` would measure it, so `conform`
-//! is a build of its own, with the feature `conform`: the command builds it with the profile `dev`,
-//! which checks arithmetic for overflows too.
+//! `conform` counts allocations, with an allocator that takes 17 ns for a small piece of memory
+//! where the system's takes 10. Other commands would be slower, and `bench` would measure it, so
+//! `conform` is a build of its own, with the feature `conform`: the command builds it with the
+//! profile `dev`, which checks arithmetic for overflows too.
 
 // they panic where the output cannot be written
 #![warn(clippy::print_stdout, clippy::print_stderr)]

@@ -39,7 +39,7 @@ pub(crate) fn python(workspace: &Workspace) -> Result<()> {
     }
     let lock = folder.join("Cargo.lock");
     if !lock.exists() {
-        // the versions that are there already
+        // keep the versions of the existing lock file
         copy(&workspace.folder().join("Cargo.lock"), &lock)?;
     }
     let all = metadata(&manifest, &[])?;
@@ -49,7 +49,7 @@ pub(crate) fn python(workspace: &Workspace) -> Result<()> {
             manifest.display()
         ))
     })?;
-    // nothing stays of an earlier version; a folder that cannot be removed fails to be written
+    // remove the files of an earlier version; if that fails, writing reports the error
     let _ = fs::remove_dir_all(folder.join("python"));
     for name in COPIED {
         copy(&ours.join(name), &folder.join(name))?;

@@ -202,7 +202,8 @@ pub(crate) fn forgotten(subject: &Subject<'_>) -> Verdict {
     )
 }
 
-/// Checks that a reset with a seed does not depend on an earlier reset with this seed and an option.
+/// Checks that a reset with a seed does not depend on an earlier reset with this seed and an
+/// option.
 fn forgotten_with_the_seed(subject: &Subject<'_>, name: &str, example: &Json) -> Verdict {
     let option = Some((name, example));
     let mut env = subject.make()?;

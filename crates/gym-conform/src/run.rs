@@ -129,7 +129,7 @@ fn bare(make: &dyn Fn() -> Result<BoxEnv>) -> Option<EnvSpec> {
     stacks.ok().flatten().map(|spec| bare_spec(&spec))
 }
 
-/// Calls `work`, and meanwhile `tell` once `time` has passed.
+/// Calls `work`; calls `tell` if `work` takes longer than `time`.
 fn watched<R>(time: Duration, tell: impl FnOnce() + Send, work: impl FnOnce() -> R) -> R {
     let (working, ended) = mpsc::channel::<()>();
     thread::scope(|scope| {

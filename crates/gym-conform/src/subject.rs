@@ -72,8 +72,8 @@ impl<'a> Subject<'a> {
         (self.make)()
     }
 
-    /// Makes a new environment without a time limit, if it is registered: its snapshots then contain
-    /// only its own state.
+    /// Makes a new environment without a time limit, if it is registered: its snapshots then
+    /// contain only its own state.
     pub(crate) fn unlimited(&self) -> Result<BoxEnv> {
         match &self.spec {
             // a wrapper may need the limit

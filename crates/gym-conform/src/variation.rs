@@ -66,7 +66,8 @@ impl Search {
         })
     }
 
-    /// Returns the effect of `changes`, each of which turns a surrounding into a variant, or into none.
+    /// Returns the effect of `changes`, each of which turns a surrounding into a variant, or into
+    /// none.
     pub(crate) fn effect(&mut self, changes: &[impl Fn(&Variant) -> Option<Variant>]) -> Effect {
         let mut effect = Effect::Refused;
         let [seed, others @ ..] = SEEDS;

@@ -258,7 +258,8 @@ impl<'d, 'a> Rooms<'d, 'a> {
         Ok(())
     }
 
-    /// Places the agent in a room, looking at nothing or at a wall; the room is random unless given.
+    /// Places the agent in a room, looking at nothing or at a wall; the room is random unless
+    /// given.
     pub(crate) fn place_agent(&mut self, room: Option<(i32, i32)>) -> Making {
         let (i, j) = room.map_or_else(|| self.random_room(), Ok)?;
         let area = self.rooms[self.index(i, j)?].area;

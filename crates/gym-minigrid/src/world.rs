@@ -210,7 +210,7 @@ impl World {
         text
     }
 
-    /// Whether a stored world is one of a grid of this size.
+    /// Whether a stored world fits a grid of `width` by `height` cells.
     pub(crate) fn is_valid(&self, width: i32, height: i32) -> bool {
         let things = self.things.len();
         self.grid.is_valid(width, height, things)

@@ -26,7 +26,7 @@ use crate::{ActionColumn, LANES, Native, ObservationColumn, Packed};
 pub struct NativeVectorEnv<D: Native> {
     pub(crate) dynamics: D,
     constants: <D::Constants as Packed>::Block,
-    /// Their replacement if environments have different constants.
+    /// The constants of each environment, if they differ.
     pub(crate) varied: Option<Varied<D>>,
     spec: Option<VectorSpec>,
     reset_options: ResetOptions,
@@ -37,11 +37,11 @@ pub struct NativeVectorEnv<D: Native> {
     action_space: Space,
     level: Level,
     closed: bool,
-    /// None before the first reset.
+    /// Empty before the first reset.
     pub(crate) blocks: Vec<Block<D>>,
     /// One for each environment, and for each unused place in the last block.
     pub(crate) streams: Vec<D::Stream>,
-    /// The last states of episodes, if infos need them.
+    /// The last states of episodes, if [`Task::INFO`](gym_core::Task::INFO) is set.
     pub(crate) finals: Vec<D::Packed>,
     /// The environments that the last reset left out, if any.
     pub(crate) left_out: Vec<bool>,
@@ -193,8 +193,7 @@ impl<D: Native> NativeVectorEnv<D> {
         Ok(())
     }
 
-    /// A batch of actions cast to the action space's type, or to `float64` for real numbers, if it
-    /// has its form.
+    /// The batch of actions cast to the type of the action space, or to `float64` for real numbers.
     #[cold]
     fn cast_actions(&mut self, actions: &Value) -> Result<Value> {
         self.action_space.check_actions(actions, self.num_envs)?;

@@ -139,7 +139,7 @@ fn splat<R: Real, const N: usize>(token: R::Token, numbers: [f64; N]) -> [R; N] 
     registers
 }
 
-/// The numbers of some environments, from `first` on.
+/// The numbers of the environments from `first` on, as many as a register holds.
 #[inline(always)]
 fn registers<R: Real, const N: usize>(
     token: R::Token,

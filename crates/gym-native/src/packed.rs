@@ -13,16 +13,16 @@ pub trait Packed: Copy + fmt::Debug + Send + Sync + 'static {
     /// The numbers of [`LANES`] environments.
     type Block: Clone + fmt::Debug + Send + Sync + 'static;
 
-    /// The same for each environment.
+    /// A block in which each environment has `self`.
     fn splat(self) -> Self::Block;
 
-    /// The number of one environment; its index is below [`LANES`].
+    /// The value of the environment `lane`, which is below [`LANES`].
     fn get(block: &Self::Block, lane: usize) -> Self;
 
-    /// Overwrites the number of one environment; its index is below [`LANES`].
+    /// Overwrites the value of the environment `lane`, which is below [`LANES`].
     fn set(self, block: &mut Self::Block, lane: usize);
 
-    /// Appends its stored form.
+    /// Appends the stored form of `self` to `bytes`.
     ///
     /// # Errors
     /// [`Error::Snapshot`] if it has none.
@@ -33,7 +33,7 @@ pub trait Packed: Copy + fmt::Debug + Send + Sync + 'static {
     fn take(bytes: &mut &[u8]) -> Option<Self>;
 }
 
-/// A few numbers: the first ones of all environments lie together, then the second ones, ...
+/// Number by number: first number 0 of all environments, then number 1, ...
 impl<const K: usize> Packed for [f64; K] {
     type Block = [[f64; LANES]; K];
 
@@ -92,7 +92,7 @@ where
         block[lane] = self.0;
     }
 
-    /// The text of a snapshot of it, behind its length.
+    /// The length of the text of a snapshot, and the text.
     fn put(self, bytes: &mut Vec<u8>) -> Result<()> {
         let text = serde_json::to_vec(&Snapshot::of(&self.0)?);
         let text = text.map_err(|error| Error::Snapshot(error.to_string()))?;

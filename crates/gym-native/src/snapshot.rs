@@ -11,7 +11,7 @@ use crate::step::NO_LIMIT;
 use crate::varied::Varied;
 use crate::{LANES, Native, NativeVectorEnv, Packed};
 
-/// The arguments of the vector, which are compared, and its state.
+/// The arguments of the vector, which `restore` compares, and its state.
 #[derive(Serialize, Deserialize)]
 #[serde(bound = "")]
 struct Stored<S: Stream> {
@@ -20,7 +20,7 @@ struct Stored<S: Stream> {
     num_envs: usize,
     autoreset: Autoreset,
     limit: u16,
-    /// None before the first reset.
+    /// `None` before the first reset.
     numbers: Option<Numbers<S>>,
 }
 

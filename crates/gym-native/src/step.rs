@@ -14,11 +14,11 @@ pub(crate) struct Block<D: Native> {
     pub(crate) states: <D::Packed as Packed>::Block,
     /// The steps of each episode so far, up to the largest count.
     pub(crate) steps: [u16; LANES],
-    /// Environments whose episode is over and which have not been reset since.
+    /// The environments whose episode is over, and which were not reset since.
     pub(crate) due: u32,
     /// The environments that were never reset.
     pub(crate) unset: u32,
-    /// Environments whose episode ended in the last step and which were reset in it.
+    /// The environments whose episode ended in the last step, which also reset them.
     pub(crate) ended: u32,
 }
 
@@ -42,7 +42,7 @@ pub(crate) const NO_LIMIT: u16 = u16::MAX;
 pub(crate) struct Step<'a, D: Native> {
     pub(crate) dynamics: &'a D,
     pub(crate) constants: &'a <D::Constants as Packed>::Block,
-    /// Their replacement if environments have different constants.
+    /// The constants of each environment, if they differ.
     pub(crate) varied: Option<&'a mut Varied<D>>,
     pub(crate) autoreset: Autoreset,
     pub(crate) limit: u16,
@@ -55,7 +55,8 @@ pub(crate) struct Step<'a, D: Native> {
     pub(crate) final_observations: <D::Observation as ObservationColumn>::Rows<'a>,
     pub(crate) has_final: &'a mut [bool],
     pub(crate) progress: &'a mut [Progress],
-    /// The last states of the episodes that have ended, if [`Task::INFO`](gym_core::Task::INFO) is set.
+    /// The last states of the episodes that have ended, if [`Task::INFO`](gym_core::Task::INFO) is
+    /// set.
     pub(crate) finals: &'a mut [D::Packed],
 }
 
@@ -69,8 +70,8 @@ struct Results<O> {
 }
 
 impl<D: Native> Step<'_, D> {
-    /// Steps block by block, all with the default constants or not. Inlined into a function for each
-    /// set of vector instructions.
+    /// Steps block by block, all with the default constants or not. Inlined into a function for
+    /// each set of vector instructions.
     #[inline(always)]
     pub(crate) fn run<R: Real, const DEFAULTS: bool>(
         mut self,
@@ -131,7 +132,8 @@ impl<D: Native> Step<'_, D> {
         Ok(())
     }
 
-    /// Starts the episodes of this step: those due from the last step, or those `done` in this one.
+    /// Starts episodes, by the autoreset mode: of the environments that are due since the last
+    /// step, or of those that are `done` in this step.
     #[inline(always)]
     fn reset(
         &mut self,
@@ -198,7 +200,7 @@ pub struct Many<'a, D: Native> {
     pub(crate) constants: &'a <D::Constants as Packed>::Block,
     pub(crate) states: &'a mut <D::Packed as Packed>::Block,
     pub(crate) steps: &'a [u16; LANES],
-    /// The environments that are due; their results are overwritten.
+    /// The environments that are due for a reset; their results are overwritten.
     pub(crate) due: u32,
     pub(crate) streams: &'a mut [D::Stream; LANES],
     pub(crate) actions: &'a [<D::Action as ActionColumn>::Item; LANES],
@@ -255,7 +257,7 @@ fn flags(bits: u32) -> [bool; LANES] {
     flags
 }
 
-/// Overwrites the rows from `first` on, as far as there are any.
+/// Overwrites the rows from `first` on with `values`; the last block may have fewer rows.
 #[inline(always)]
 fn put<T: Copy>(column: &mut [T], first: usize, values: &[T; LANES]) {
     let rows = &mut column[first..];

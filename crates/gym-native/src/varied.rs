@@ -121,7 +121,7 @@ impl<D: Native> Varied<D> {
             .map(Some)
     }
 
-    /// Stores the last chosen values, which made these dynamics, for an environment.
+    /// Stores the values that made the dynamics `own` for the environment `index`.
     pub(crate) fn keep(&mut self, index: usize, own: &D) {
         own.constants()
             .set(&mut self.blocks[index / LANES], index % LANES);
@@ -139,12 +139,12 @@ impl<D: Native> Varied<D> {
         }
     }
 
-    /// All values that were drawn, to store.
+    /// All values that were drawn, for a snapshot.
     pub(crate) fn drawn(&self) -> &[f64] {
         &self.drawn
     }
 
-    /// Continues with stored values.
+    /// Continues with the values `drawn` of a snapshot.
     ///
     /// # Errors
     /// [`Error::Snapshot`] if they are outside these ranges.
@@ -175,7 +175,7 @@ impl<D: Native> Varied<D> {
         Ok(())
     }
 
-    /// The dynamics of an environment, with a value of each range from `choose`.
+    /// The dynamics of the environment `index`, with a value of each range from `choose`.
     fn choose(
         &mut self,
         index: usize,

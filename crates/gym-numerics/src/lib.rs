@@ -1,7 +1,9 @@
 #![doc = include_str!("../README.md")]
 #![warn(clippy::disallowed_methods)]
 
+pub mod exact;
 pub mod math;
 pub mod rng;
+pub mod text;
 
 pub use rng::{Generator, Seed, SeedError};

@@ -10,8 +10,8 @@ use serde_json::Value as Json;
 
 use crate::error::OrRaise;
 
-/// The arrays of the state under MuJoCo's names, before the first reset of the initial one; `None`
-/// for other environments.
+/// The arrays of the state under MuJoCo's names (before the first reset, of the initial state);
+/// `None` for other environments.
 pub(crate) fn data<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound<'py, PyDict>>> {
     let Some(env) = simulated(env) else {
         return Ok(None);

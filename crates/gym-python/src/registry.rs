@@ -68,7 +68,7 @@ pub(crate) fn generate_random_map(size: usize, p: f64, seed: Option<u64>) -> PyR
     guard(|| frozen_lake::generate_random_map(size, p, seed).or_raise())
 }
 
-/// An environment without wrappers but these: Gymnasium puts its own around it.
+/// An environment with only `wrappers` around it: Gymnasium adds its own.
 pub(crate) fn bare(
     id: &str,
     kwargs: Kwargs,

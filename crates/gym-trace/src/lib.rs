@@ -67,8 +67,8 @@ pub struct Trace {
     /// Rectangles of the observation to blacken for `observation_masked`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub observation_mask: Vec<[usize; 4]>,
-    /// What the recorder notes besides. `observation_space`, `action_space`, `max_episode_steps` and
-    /// `reward_threshold` are compared; notes such as `numpy` and `policy` are not.
+    /// What the recorder notes besides. `observation_space`, `action_space`, `max_episode_steps`
+    /// and `reward_threshold` are compared; notes such as `numpy` and `policy` are not.
     #[serde(flatten)]
     pub about: Kwargs,
     /// The events, in order.
@@ -300,9 +300,8 @@ impl TryFrom<&ResetRequest> for VectorReset {
 impl Trace {
     /// Repeats the resets and steps, and records the answers.
     ///
-    /// If the trace has a `state`, the answers have the environment's, which
-    /// [`Env::inspect`] shows; such a trace may leave the observation out, and the answers then do so
-    /// too.
+    /// If the trace has a `state`, the answers have the environment's, which [`Env::inspect`]
+    /// shows; such a trace may leave the observation out, and the answers then do so too.
     ///
     /// # Errors
     /// The environment's error, with its event.
@@ -480,8 +479,8 @@ impl Trace {
     }
 }
 
-/// A text with single spaces, since numpy aligns numbers in columns and breaks lines; any other JSON
-/// as it is.
+/// A text with single spaces, since numpy aligns numbers in columns and breaks lines; any other
+/// JSON as it is.
 fn one_line(json: &Json) -> Json {
     match json {
         Json::String(text) => text.split_whitespace().collect::<Vec<_>>().join(" ").into(),
@@ -636,8 +635,8 @@ fn remove_clock(info: &mut Json) {
 }
 
 /// The place in two pieces of JSON data where they first differ, and both values there: `[3]: 1 for
-/// 2`. Numbers are compared to the last bit; `1` and `1.0` are the same number, and `0.0` and `-0.0`
-/// are not.
+/// 2`. Numbers are compared to the last bit; `1` and `1.0` are the same number, and `0.0` and
+/// `-0.0` are not.
 fn difference(a: &Json, b: &Json) -> Option<String> {
     let inside = |place: String, a: &Json, b: &Json| {
         difference(a, b).map(|difference| format!("{place}{difference}"))

@@ -36,7 +36,7 @@ impl From<f64> for Bound {
 impl From<Array> for Bound {
     fn from(bounds: Array) -> Self {
         let numbers = Data::F64(bounds.iter_f64().collect());
-        // as many numbers as before
+        // the number of numbers stays
         Self::Array(Array::new(bounds.shape(), numbers).unwrap_or_default())
     }
 }

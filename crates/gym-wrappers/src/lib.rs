@@ -16,9 +16,8 @@
 //! Gymnasium's name, with Gymnasium's names of the arguments, so that specs rebuild stacks of them.
 //!
 //! Wrappers without state are [maps](map) of observations, actions or rewards, and wrap
-//! environments and vectors; implement one of the three traits for your own. `TimeLimit`,
-//! `RecordEpisodeStatistics` and the wrappers that `make` adds are in [`gym_core::wrappers`] and
-//! re-exported here.
+//! environments and vectors; implement one of the three traits for your own. The wrappers
+//! that `make` adds, such as `TimeLimit`, are in [`gym_core::wrappers`] and re-exported here.
 
 pub mod add_render_observation;
 mod affine;
@@ -27,6 +26,7 @@ pub mod bins;
 pub mod bounds;
 pub mod clip_action;
 pub mod clip_reward;
+mod clock;
 pub mod delay_observation;
 pub mod discretize_action;
 pub mod discretize_observation;
@@ -41,6 +41,7 @@ pub mod noise;
 pub mod normalize_observation;
 pub mod normalize_reward;
 pub mod observing;
+pub mod record_episode_statistics;
 pub mod repeat_action;
 pub mod rescale_action;
 pub mod rescale_observation;
@@ -74,6 +75,7 @@ pub use max_and_skip_observation::MaxAndSkipObservation;
 pub use noise::{AddWhiteNoise, ObstructView, add_white_noise, obstruct_view};
 pub use normalize_observation::NormalizeObservation;
 pub use normalize_reward::NormalizeReward;
+pub use record_episode_statistics::{EpisodeStatistics, RecordEpisodeStatistics};
 pub use repeat_action::RepeatAction;
 pub use rescale_action::RescaleAction;
 pub use rescale_observation::RescaleObservation;

@@ -7,7 +7,7 @@ use gym_core::{Array, BoxEnv, Result, Space, Value};
 use crate::map::{MapObservation, ObservationMap};
 use crate::within::{expect_box, not_an_array};
 
-/// Gives array observations another shape of as many elements.
+/// Gives array observations another shape with the same number of elements.
 pub type ReshapeObservation<T = BoxEnv> = MapObservation<T, Reshape>;
 
 gym_core::arguments! {

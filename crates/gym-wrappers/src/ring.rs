@@ -42,14 +42,14 @@ impl<O: Element> Ring<O> {
         older.iter().chain(newer)
     }
 
-    /// The stored form of the observations, which have the form of a space.
+    /// The stored form of the observations, which are elements of `space`.
     pub(crate) fn to_json(&self, space: &Space) -> Result<Vec<Json>> {
         self.iter()
             .map(|item| space.to_json(&item.to_value()))
             .collect()
     }
 
-    /// A ring of this many observations, from the result of [`to_json`](Self::to_json).
+    /// A ring of the same length, from the result of [`to_json`](Self::to_json).
     pub(crate) fn read(&self, space: &Space, stored: &[Json]) -> Result<Self> {
         if stored.len() != self.items.len() {
             let reason = format!(

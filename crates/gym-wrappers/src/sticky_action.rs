@@ -11,7 +11,7 @@ use serde_json::Value as Json;
 
 use crate::within::{element, lend};
 
-/// Repeats the last action at random instead of the given one, after [Machado et al.,
+/// Repeats the last action at random, instead of taking the new one, after [Machado et al.,
 /// 2018](https://arxiv.org/abs/1709.06009), section 5.2.
 ///
 /// It draws from the environment's own [generator](Env::generator), as in Gymnasium, and so changes

@@ -15,10 +15,10 @@ pub struct Single;
 #[derive(Debug)]
 pub struct Batch;
 
-/// An environment or a vector, as a wrapper of either sees it when it is made. The marker,
-/// [`Single`] or [`Batch`], follows from the type.
+/// What the constructor of a wrapper needs to know of the environment or vector that it wraps. The
+/// marker, [`Single`] or [`Batch`], follows from the type.
 pub trait Within<Kind> {
-    /// The argument of a function of observations: one, or a batch.
+    /// One observation, or a batch: the argument of a function of observations.
     type Observation: Element;
     /// A buffer for the inner observation.
     type Buffer;
@@ -105,7 +105,7 @@ pub(crate) fn expect_picture<C: WrapperConfig>(space: &Space) -> Result<&BoxSpac
     )))
 }
 
-/// The error of an observation that is none of the space's type.
+/// The error of an observation that is not an array of the space's type.
 pub(crate) fn not_an_array(value: &Value) -> Error {
     Error::Contract(format!("{value} should be an array of the space's type"))
 }

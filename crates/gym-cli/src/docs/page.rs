@@ -263,7 +263,7 @@ impl Page {
     }
 }
 
-/// The arguments of one of the registrations, which documents those of all.
+/// The table of arguments: `shown` stands for all `registrations` of the page.
 fn arguments(shown: &Registration, registrations: &[Registration]) -> Result<String> {
     let table = shown.arguments()?;
     if table.is_empty() {

@@ -321,7 +321,8 @@ impl<D: Dynamics> Stateful<D> {
 /// A state of a task from JSON.
 ///
 /// # Errors
-/// [`Error::InvalidArgument`] for JSON of another form, and for a state that the task does not have.
+/// [`Error::InvalidArgument`] for JSON of another form, and for a state that the task does not
+/// have.
 pub fn read_state<T: Task>(task: &T, state: Json) -> Result<T::State> {
     let refuse = |reason: String| Error::argument(format!("the state of {}", T::NAME), reason);
     let state = serde_json::from_value(state).map_err(|error| refuse(error.to_string()))?;

@@ -42,8 +42,7 @@ pub trait Equations:
     /// stored numbers.
     fn constants(&self) -> Compared<Self::Constants>;
 
-    /// The numbers of a state, those included that steps compute once and read in the next step,
-    /// such as a sine.
+    /// The numbers of a state, and numbers that a step computes for the next step, such as a sine.
     fn pack(&self, state: &Self::State) -> Self::Numbers;
 
     /// The state with these numbers; `fresh` if it is the first of an episode.

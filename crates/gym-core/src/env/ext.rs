@@ -74,15 +74,15 @@ pub trait EnvExt: Env {
     /// through any number of [`BoxEnv`](crate::BoxEnv)s: for methods beyond the interface.
     ///
     /// Name the full type: around an environment from [`make`](crate::make) a wrapper is
-    /// `RecordEpisodeStatistics<BoxEnv>`, or `RecordEpisodeStatistics` for short.
+    /// `TimeLimit<BoxEnv>`, or `TimeLimit` for short.
     ///
     /// ```no_run
-    /// use gym_core::wrappers::RecordEpisodeStatistics;
+    /// use gym_core::wrappers::TimeLimit;
     /// use gym_core::{BoxEnv, Env, EnvExt, Result, make};
     ///
     /// fn main() -> Result<()> {
-    ///     let env = BoxEnv::new(RecordEpisodeStatistics::new(make("CartPole-v1")?));
-    ///     assert_eq!(env.layer::<RecordEpisodeStatistics>().map(|record| record.episode_count()), Some(0));
+    ///     let env = BoxEnv::new(TimeLimit::new(make("CartPole-v1")?, 100)?);
+    ///     assert_eq!(env.layer::<TimeLimit>().map(|limit| limit.max_episode_steps()), Some(100));
     ///     Ok(())
     /// }
     /// ```

@@ -2,8 +2,8 @@
 //!
 //! [`Wrapper`] has a hook for every method of [`Env`](crate::Env), and one blanket implementation
 //! makes each wrapper an `Env`. The hooks have names of their own, so that both traits can be
-//! imported. The forwarded methods are listed once, in this file; [`BoxEnv`](crate::BoxEnv) uses the
-//! same list. A test reads the trait's source and calls every method through every wrapper. A
+//! imported. The forwarded methods are listed once, in this file; [`BoxEnv`](crate::BoxEnv) uses
+//! the same list. A test reads the trait's source and calls every method through every wrapper. A
 //! wrapper without a stored form has no spec, because a rebuilt stack must step identically.
 
 use std::any::{Any, TypeId};
@@ -119,7 +119,8 @@ pub trait Wrapper: Clone + Send + 'static {
         short_type_name::<Self>()
     }
 
-    /// The hook of [`Env::describe`]: the wrapper's [name](Self::name) around the inner description.
+    /// The hook of [`Env::describe`]: the wrapper's [name](Self::name) around the inner
+    /// description.
     fn on_describe(&self) -> String {
         let inner = self.inner().describe();
         let inner = inner

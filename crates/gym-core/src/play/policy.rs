@@ -35,8 +35,8 @@ impl Policy {
         }
     }
 
-    /// A trained policy, such as a network of the crate gym-policies: `start` returns the controller
-    /// of one episode.
+    /// A trained policy, such as a network of the crate gym-policies: `start` returns the
+    /// controller of one episode.
     pub const fn trained(
         description: &'static str,
         start: fn(&BoxEnv) -> Result<Controller>,
@@ -80,13 +80,3 @@ pub struct LinkedPolicy {
 }
 
 inventory::collect!(LinkedPolicy);
-
-impl LinkedPolicy {
-    /// The linked policy for an id.
-    pub(crate) fn find(id: &str) -> Option<Policy> {
-        let mut linked = inventory::iter::<Self>.into_iter();
-        linked
-            .find(|linked| linked.id == id)
-            .map(|linked| linked.policy)
-    }
-}

@@ -44,9 +44,9 @@ static TABLE: LazyLock<RwLock<Table>> = LazyLock::new(|| {
             version: None,
         });
         let mut registration = registration.clone();
-        if registration.policy.is_none() {
-            registration.policy = LinkedPolicy::find(registration.id());
-        }
+        let mut linked = inventory::iter::<LinkedPolicy>.into_iter();
+        let linked = linked.find(|linked| linked.id == registration.id());
+        registration.policy = registration.policy.or(linked.map(|linked| linked.policy));
         table.entry(id).or_default().push(registration);
     }
     for duplicates in table.values_mut() {
@@ -160,13 +160,13 @@ fn not_found(table: &Table, id: &EnvId) -> Error {
             .map(|registration| registration.source.package)
             .filter(|name| !name.is_empty())
             .collect();
-        match names.len() {
-            0 => "no crate with environments is linked: add `use gym_classic as _;`, or to the crate `gym` its feature `classic`".to_owned(),
-            _ => {
-                let names: Vec<_> = names.into_iter().collect();
-                format!("linked crates: {}; link another with `use its_name as _;`, or through the crate `gym` with its feature", names.join(", "))
-            }
+        if names.is_empty() {
+            return "no crate with environments is linked: add `use gym_classic as _;`, or to the crate `gym` its feature `classic`".to_owned();
         }
+        let names = Vec::from_iter(names).join(", ");
+        format!(
+            "linked crates: {names}; link another with `use its_name as _;`, or through the crate `gym` with its feature"
+        )
     };
     if id.namespace.is_some() && !table.keys().any(|other| other.namespace == id.namespace) {
         let namespace = id.namespace.clone().unwrap_or_default();
@@ -182,27 +182,17 @@ fn not_found(table: &Table, id: &EnvId) -> Error {
             .filter(|other| other.namespace == id.namespace)
             .collect();
         let near = nearest(&id.name, known.iter().map(|other| other.name.as_str()));
-        // the same name in another namespace
-        let elsewhere = || {
-            let mut ids = table
-                .keys()
-                .rev()
-                .filter(|other| other.name.eq_ignore_ascii_case(&id.name));
-            let newest = ids.clone().next();
-            ids.find(|other| other.version == id.version).or(newest)
+        // the requested version, else the newest
+        let best = |ids: Vec<&EnvId>| {
+            let same = ids.iter().rev().find(|other| other.version == id.version);
+            same.or(ids.last()).map(ToString::to_string)
         };
-        // of the similar name, the requested version, else the newest
-        let near = near.and_then(|name| {
-            let mut ids = known
-                .iter()
-                .copied()
-                .rev()
-                .filter(|other| other.name == name);
-            let newest = ids.clone().next();
-            ids.find(|other| other.version == id.version).or(newest)
-        });
-        let near = elsewhere()
-            .or(near)
+        let elsewhere = table
+            .keys()
+            .filter(|other| other.name.eq_ignore_ascii_case(&id.name));
+        let similar = near.map(|name| known.iter().copied().filter(move |id| id.name == name));
+        let near = best(elsewhere.collect())
+            .or(similar.and_then(|similar| best(similar.collect())))
             .map(|near| format!(": did you mean `{near}`?"));
         let hint = format!("{} ({})", near.unwrap_or_default(), crates());
         return Error::NameNotFound {

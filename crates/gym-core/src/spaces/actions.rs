@@ -11,13 +11,13 @@ pub trait ActionColumn: Element + Copy {
     /// The actions of a batch.
     type Items<'a>: Copy;
 
-    /// The actions of a batch of `n`, or `None` where it has another form.
+    /// The actions of a batch of `n`; `None` if the batch has another form.
     fn items(batch: &Value, n: usize) -> Option<Self::Items<'_>>;
 
     /// A single action.
     fn item(items: Self::Items<'_>, index: usize) -> Self::Item;
 
-    /// `len` of them from `first` on, where they are or copied to `room`.
+    /// The `len` actions from `first` on: a part of the batch, or a copy in `room`.
     fn block<'r, 'a: 'r, const LEN: usize>(
         items: Self::Items<'a>,
         first: usize,
@@ -25,10 +25,10 @@ pub trait ActionColumn: Element + Copy {
         room: &'r mut [Self::Item; LEN],
     ) -> &'r [Self::Item; LEN];
 
-    /// Whether all `n` can be executed.
+    /// Whether all `n` actions can be executed.
     fn all_valid(items: Self::Items<'_>, n: usize) -> bool;
 
-    /// Whether that action can be executed.
+    /// Whether an action can be executed.
     fn is_valid(item: Self::Item) -> bool;
 
     /// The action; an arbitrary one if the item is not valid.
@@ -45,7 +45,8 @@ pub trait ActionColumn: Element + Copy {
     }
 }
 
-/// A block of a slice, where it is, or copied to `room` where it is the last and not full.
+/// A block of a slice: a part of the slice, or a copy in `room` if the block is the last and not
+/// full.
 #[inline(always)]
 #[doc(hidden)]
 pub fn block_of<'r, 'a: 'r, T: Copy, const LEN: usize>(

@@ -189,7 +189,7 @@ pub(super) fn iterate(space: &Space, value: &Value) -> Result<Vec<Value>, Fault>
     }
 }
 
-/// Columns of equal lengths as rows.
+/// Transposes columns of equal lengths to rows.
 fn rows(mut columns: Vec<std::vec::IntoIter<Value>>) -> Result<Vec<Vec<Value>>, Fault> {
     let n = columns.first().map_or(0, ExactSizeIterator::len);
     if columns.iter().any(|column| column.len() != n) {

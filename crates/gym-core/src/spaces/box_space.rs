@@ -91,7 +91,7 @@ impl BoxSpace {
                 })));
             }
         }
-        // converts, and finds the error
+        // `from_numbers` converts the bounds, and returns the error
         Self::from_numbers(
             Number::all(low.data()),
             Number::all(high.data()),

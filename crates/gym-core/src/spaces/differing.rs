@@ -48,8 +48,8 @@ impl Space {
         }
     }
 
-    /// The space of one element of each of these spaces as one value, as [`batch`](Self::batch) is
-    /// of elements of one space: Gymnasium's `batch_differing_spaces`.
+    /// The space of values with one element of each space, as [`batch`](Self::batch) is for equal
+    /// spaces: Gymnasium's `batch_differing_spaces`.
     ///
     /// ```
     /// use gym_core::Space;
@@ -228,7 +228,7 @@ mod tests {
         let dtype = |spaces: &[Space]| Space::batch_differing(spaces).unwrap().dtype();
         assert_eq!(dtype(&[narrow(3), narrow(5)]), Some(DType::I32));
         assert_eq!(dtype(&[narrow(3), Space::discrete(5)]), Some(DType::I64));
-        // one space as often as you like is an ordinary batch
+        // equal spaces give an ordinary batch
         for space in [
             multi([2, 3]),
             bits(),

@@ -3,7 +3,6 @@
 use std::fmt;
 
 use gym_numerics::Generator;
-use rand::Rng;
 use serde::{Deserialize, Serialize};
 
 use crate::value::number::Number;
@@ -146,29 +145,8 @@ impl Discrete {
                 rng.integers_u8(0, (self.n - 1) as u8, &mut out);
                 out[0].into()
             }
-            DType::I16 | DType::U16 => integer_u16(rng, (self.n - 1) as u16).into(),
+            DType::I16 | DType::U16 => rng.integer_u16((self.n - 1) as u16).into(),
             _ => rng.integers(0, self.n),
-        }
-    }
-}
-
-/// A draw from `0..=last` as numpy's `buffered_bounded_lemire_uint16` makes it: of the halves of
-/// 32-bit words, low half first; the rest of the last word is dropped.
-fn integer_u16(rng: &mut Generator, last: u16) -> u16 {
-    let Some(n) = last.checked_add(1).map(u32::from) else {
-        return rng.next_u32() as u16;
-    };
-    if n == 1 {
-        return 0;
-    }
-    let threshold = (u32::from(u16::MAX) - u32::from(last)) % n;
-    loop {
-        let word = rng.next_u32();
-        for half in [word & 0xffff, word >> 16] {
-            let product = half * n;
-            if product & 0xffff >= threshold {
-                return (product >> 16) as u16;
-            }
         }
     }
 }

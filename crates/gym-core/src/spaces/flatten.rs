@@ -72,7 +72,7 @@ impl Space {
         read().map_err(|fault| flat_space.refuse(flat, &fault))
     }
 
-    /// Fills `out`, which has the length of flat elements.
+    /// Writes the flat form of `value` to `out`, which has its length.
     fn write_flat<T: Numeric>(&self, value: &Value, mut out: &mut [T]) -> Result<(), Fault> {
         let int = |i: usize| T::cast(Number::Int(i as i128));
         let mut next = |space: &Self| {
@@ -150,7 +150,7 @@ impl Space {
                 space
                     .write_flat(member, flat)
                     .map_err(|fault| fault.at(1))?;
-                // without a first number, zeros, which the flat space allows for
+                // an element without numbers is filled up with zeros, which the flat space includes
                 padding.fill(flat.first().copied().unwrap_or(int(0)));
             }
             Self::Sequence(_) | Self::Graph(_) | Self::Mission(_) => {
@@ -160,7 +160,7 @@ impl Space {
         Ok(())
     }
 
-    /// The element of a row, which has the length of flat elements.
+    /// The element whose flat form is `row`.
     fn read_flat<T: Numeric>(&self, mut flat: &[T]) -> Result<Value, Fault> {
         let array = |shape: &[usize], dtype| {
             let array = Array::new(shape, collect(dtype, flat.iter().map(|x| x.number())));
@@ -241,7 +241,7 @@ impl Space {
         }
     }
 
-    /// Removes the first numbers of a row, and returns their element.
+    /// Removes the numbers of one element from the start of a row, and returns the element.
     fn read_next<T: Numeric>(&self, flat: &mut &[T]) -> Result<Value, Fault> {
         let len = self.flat_len().unwrap_or_default();
         self.read_flat(flat.split_off(..len).unwrap_or_default())

@@ -26,8 +26,8 @@ use crate::value::fault::Fault;
 /// # Ok::<(), gym_core::Error>(())
 /// ```
 ///
-/// An element is a [`GraphInstance`]: the nodes as one value, the edges as another, and the pairs of
-/// nodes that the edges link. A sample has 10 nodes and fewer than 90 edges unless the
+/// An element is a [`GraphInstance`]: the nodes as one value, the edges as another, and the pairs
+/// of nodes that the edges link. A sample has 10 nodes and fewer than 90 edges unless the
 /// [`Selection`] says otherwise; without an edge space it has no edges.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Description")]
@@ -136,8 +136,8 @@ impl GraphSpace {
     }
 }
 
-/// As in Gymnasium, all rows are drawn with a copy of the generators; the original of the space
-/// itself advances by one number, those of its members by none.
+/// As in Gymnasium, all rows are drawn with a copy of the generators: the generator of the space
+/// advances by one number, and the generators of its members do not advance.
 fn draw_rows<T: Weight>(
     space: &Space,
     streams: &mut Streams,
@@ -316,7 +316,7 @@ mod tests {
             assert_eq!(graph, Value::Graph(Box::new(expected)));
         };
         seen([1, 0, 0, 0, 0, 1]);
-        // as there: only the links differ, because the generators of members stay where they are
+        // as in Gymnasium: only the links differ, because the generators of members do not advance
         seen([1, 1, 0, 0, 0, 0]);
         let wrong = GraphInstance {
             nodes: Value::Tuple(vec![

@@ -35,8 +35,8 @@ impl MissionSpace {
     /// The sentences of `pattern`, in which each `{}` stands for one of the words of its list.
     ///
     /// # Errors
-    /// [`Error::InvalidSpace`] unless there are as many lists as blanks, each with at least one word
-    /// and none twice.
+    /// [`Error::InvalidSpace`] unless there are as many lists as blanks, each with at least one
+    /// word and none twice.
     pub fn new<W: Into<String>>(
         pattern: &str,
         words: impl IntoIterator<Item = Vec<W>>,
@@ -111,7 +111,7 @@ impl MissionSpace {
         let Some(rest) = text.strip_prefix(first) else {
             return false;
         };
-        // the places at which the sentence so far can end, as the text that remains
+        // the texts that can remain after the part of the pattern that was matched
         let mut rests = vec![rest];
         for (list, literal) in self.words.iter().zip(literals) {
             let mut next: Vec<&str> = rests

@@ -232,7 +232,7 @@ impl Space {
         each!(self, space => space.check(value))
     }
 
-    /// [`Error::NotInSpace`], with the start of a long value.
+    /// [`Error::NotInSpace`] for `value`, of which a long text is cut.
     fn refuse(&self, value: &impl fmt::Display, fault: &Fault) -> Error {
         not_in(value, self, fault)
     }

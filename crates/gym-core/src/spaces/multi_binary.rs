@@ -9,7 +9,7 @@ use crate::value::number::{Number, Numeric, with_numbers};
 use crate::value::{Array, DType, Error, Result, Value, numpy_fmt};
 
 use super::selection::Selection;
-use super::weight::{Weight, toss};
+use super::weight::Weight;
 use super::{array_of, element_count, invalid};
 use crate::value::fault::{self, Fault};
 
@@ -95,7 +95,7 @@ impl MultiBinary {
         };
         match selection {
             Selection::Values(weights) => T::toss(weights, rng, values),
-            _ => toss(rng, values),
+            _ => rng.tosses(values),
         }
     }
 }
@@ -171,7 +171,7 @@ mod tests {
         for n in [1, 63, 64, 65, 130, 200] {
             let (mut values, mut bytes) = (vec![0; n], vec![0; n]);
             let (mut a, mut b) = (Generator::from(3), Generator::from(3));
-            toss(&mut a, &mut values);
+            a.tosses(&mut values);
             b.integers_u8(0, 1, &mut bytes);
             assert!(
                 values

@@ -53,7 +53,7 @@ impl MultiDiscrete {
         .checked()
     }
 
-    /// `nvec` integers per element, from those of `start` on.
+    /// The integers from `start` on, `nvec` of them for each element.
     ///
     /// # Errors
     /// [`Error::InvalidSpace`] if the shapes differ, or an element's largest integer does not fit
@@ -171,7 +171,7 @@ impl MultiDiscrete {
             for (i, value) in array.as_mut_slice::<N>().into_iter().flatten().enumerate() {
                 let index = match selection {
                     Selection::Each(weights) => T::choose_rescaled(&weights[i], rng) as i64,
-                    // One list for all is the same as equal lists: the nodes of a graph.
+                    // one list for all nodes of a graph equals the same list for each
                     Selection::Values(weights) => T::choose_rescaled(weights, rng) as i64,
                     _ => (rng.random() * self.nvec[i] as f64) as i64,
                 };

@@ -20,8 +20,8 @@ impl Space {
             .map_err(|fault| self.refuse_batch(batch, &fault))
     }
 
-    /// As [`read_row`](Self::read_row), for actions: those of a `Box` of real numbers keep the
-    /// precision in which they come, as [`Continuous`](crate::Continuous) has it.
+    /// As [`read_row`](Self::read_row), for actions: an action of a `Box` of real numbers keeps its
+    /// precision, as in [`Continuous`](crate::Continuous).
     ///
     /// # Errors
     /// As [`read_row`](Self::read_row).
@@ -50,9 +50,9 @@ impl Space {
         }
     }
 
-    /// Leaves in `out` the numbers of an action, or with `n` those of so many, as numpy's `asarray`
-    /// has them: in the type of the space or, where they are of another, in `float64`. Only for a
-    /// `Box` of real numbers.
+    /// Writes the numbers of an action (with `n`, of a batch of `n` actions) to `out`, as
+    /// `np.asarray` converts them: in the type of the space if they have it, otherwise in
+    /// `float64`. The space must be a `Box` of real numbers.
     ///
     /// # Errors
     /// [`Error::InvalidAction`](crate::Error::InvalidAction) for numbers in another shape.
@@ -85,8 +85,8 @@ impl Space {
         }
     }
 
-    /// As [`check_batch`](Self::check_batch), for actions: those of a `Box` of real numbers may be
-    /// of any type, and one by one.
+    /// As [`check_batch`](Self::check_batch), for actions: the batch of a `Box` of real numbers may
+    /// have any type, and may be a tuple of actions.
     ///
     /// # Errors
     /// As [`check_batch`](Self::check_batch).
@@ -238,7 +238,7 @@ impl Space {
         })
     }
 
-    /// The least number of numbers in an element; other parts count as one.
+    /// The smallest number of numbers in an element; a part that is no number counts as one.
     pub(crate) fn len_of_row(&self) -> usize {
         let sum = |lens: &mut dyn Iterator<Item = usize>| lens.fold(0usize, usize::saturating_add);
         match self {
@@ -427,7 +427,7 @@ fn other_batch() -> Fault {
     Fault::new("the batch is of another space")
 }
 
-/// Appends the numbers of a value; `None` where there are other things in it.
+/// Appends the numbers of a value; `None` if it contains anything else.
 fn flatten(value: &Value, numbers: &mut Vec<f64>) -> Option<()> {
     match value {
         Value::Array(array) => numbers.extend(array),
@@ -437,7 +437,7 @@ fn flatten(value: &Value, numbers: &mut Vec<f64>) -> Option<()> {
     Some(())
 }
 
-/// The number of rows of a shape in an array.
+/// The number of rows of this shape in an array.
 #[inline]
 fn rows(array: &Array, shape: &[usize]) -> Option<usize> {
     array
@@ -446,7 +446,7 @@ fn rows(array: &Array, shape: &[usize]) -> Option<usize> {
         .and_then(|(&n, inner)| (inner == shape).then_some(n))
 }
 
-// the path of every row is inlined, the path of a fault is not
+// inline the path of valid rows, not the path of faults
 
 #[inline]
 fn expect_rows(array: &Array, shape: &[usize]) -> Result<usize, Fault> {
@@ -658,7 +658,7 @@ mod tests {
                 space.write_row(&mut other, 1, &element).is_err(),
                 "{keys:?}"
             );
-            // a buffer under other names is made anew
+            // a buffer with other names is replaced
             let mut read = named(keys, &Value::Int(0));
             space.read_row(&batch, 1, &mut read).unwrap();
             assert_eq!(read, element, "{keys:?}");

@@ -106,7 +106,7 @@ const CHOICE_TOLERANCE: f64 = 1.490_116_119_384_765_6e-8;
 const RESCALED_TOLERANCE: f64 = 1e-5 + 1e-8;
 
 impl<T> Selection<T> {
-    /// For the member of an index.
+    /// The selection of the member with an index.
     pub(super) fn at(&self, index: usize) -> &Self {
         match self {
             Self::Tuple(members) => members.get(index).unwrap_or(&Self::Any),
@@ -114,7 +114,7 @@ impl<T> Selection<T> {
         }
     }
 
-    /// For the member under a key.
+    /// The selection of the member under a key.
     pub(super) fn under(&self, key: &str) -> &Self {
         match self {
             Self::Dict(members) => members
@@ -264,7 +264,7 @@ fn check_graph<T: Weight>(
     }
 }
 
-/// For nodes or edges; `n` is their number, if known.
+/// Checks the selection of nodes or edges; `n` is their number, if known.
 fn check_rows<T: Weight>(
     space: &Space,
     n: Option<usize>,

@@ -30,7 +30,7 @@ const ALPHANUMERIC: &str = "0123456789ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnop
 pub struct TextSpace {
     min_length: usize,
     max_length: usize,
-    /// In the order that numbers them.
+    /// The characters in the order of their numbers.
     charset: Vec<char>,
 }
 

@@ -57,7 +57,7 @@ impl TupleSpace {
         Ok(())
     }
 
-    /// Each member space with its member of a value, if there are as many.
+    /// Each member space with its member of `value`; `None` if the numbers of members differ.
     pub(super) fn members<'a>(
         &'a self,
         value: &'a Value,

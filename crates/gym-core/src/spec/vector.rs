@@ -20,10 +20,11 @@ pub enum Autoreset {
     #[default]
     NextStep,
     /// On the same step: the observation is the first of the next episode, and the last of the one
-    /// that ended is in [`Columns::final_observations`](crate::vector::Columns::final_observations).
+    /// that ended is in
+    /// [`Columns::final_observations`](crate::vector::Columns::final_observations).
     SameStep,
-    /// Never: the caller resets with a [mask](crate::vector::VectorReset::mask), and until then a step is an
-    /// error.
+    /// Never: the caller resets with a [mask](crate::vector::VectorReset::mask), and until then a
+    /// step is an error.
     Disabled,
 }
 

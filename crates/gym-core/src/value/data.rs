@@ -96,11 +96,10 @@ macro_rules! dtypes {
                 match dtype { $(DType::$variant => Self::$variant(values.map(|x| x as $type).collect())),* }
             }
 
-            /// Zeros, or `None` where they do not fit in memory.
+            /// `len` zeros; `None` if they do not fit in memory.
             pub(crate) fn zeros(dtype: DType, len: usize) -> Option<Self> {
                 match dtype { $(DType::$variant => {
-                    // asked for first, because `vec!` aborts, and not filled, because it has pages
-                    // of zeros
+                    // try to reserve first, because `vec!` aborts; `vec!` then gets zeroed pages
                     Vec::<$type>::new().try_reserve_exact(len).ok()?;
                     Some(Self::$variant(vec![0 as $type; len]))
                 })* }

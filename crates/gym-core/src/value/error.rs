@@ -1,11 +1,12 @@
 //! The one error type. Each message names the fault and the remedy.
 
-use std::borrow::Cow;
 use std::fmt;
 use std::io::ErrorKind;
 use std::sync::Arc;
 
 use gym_numerics::SeedError;
+pub use gym_numerics::text::printable;
+pub(crate) use gym_numerics::text::shortened;
 use thiserror::Error as ThisError;
 
 /// A `Result` whose error is [`enum@Error`].
@@ -27,7 +28,7 @@ pub enum Error {
     /// No environment of that namespace is linked.
     #[error("namespace `{}` not found{hint}", quoted(namespace))]
     NamespaceNotFound {
-        /// The namespace asked for.
+        /// The requested namespace.
         namespace: String,
         /// A near name, or how to link the crate.
         hint: String,
@@ -36,7 +37,7 @@ pub enum Error {
     /// No environment of that name is linked.
     #[error("unknown environment `{}`{hint}", quoted(id))]
     NameNotFound {
-        /// The id asked for.
+        /// The requested id.
         id: String,
         /// A near name, and how to link the crate.
         hint: String,
@@ -47,18 +48,18 @@ pub enum Error {
     VersionNotFound {
         /// Namespace and name, without version.
         name: String,
-        /// The version asked for; `None` for an id without one.
+        /// The requested version; `None` for an id without one.
         version: Option<u32>,
         /// The ids that exist.
         available: String,
     },
 
-    /// The version asked for was superseded and is no longer provided.
+    /// The requested version was superseded and is no longer provided.
     #[error("version {version} of `{name}` is no longer provided: use `{latest}`")]
     DeprecatedVersion {
         /// Namespace and name, without version.
         name: String,
-        /// The version asked for.
+        /// The requested version.
         version: u32,
         /// The id to use instead.
         latest: String,
@@ -140,7 +141,7 @@ pub enum Error {
     UnsupportedMode {
         /// The environment.
         target: String,
-        /// The mode asked for.
+        /// The requested mode.
         mode: String,
         /// The remedy.
         reason: String,
@@ -232,45 +233,9 @@ fn invalid_action(action: &str, space: &str, hint: &str) -> String {
     }
 }
 
-/// The start of a long text.
-pub(crate) fn shortened(text: &str) -> Cow<'_, str> {
-    const MAX_LENGTH: usize = 200;
-    match text.char_indices().nth(MAX_LENGTH) {
-        Some((end, _)) => Cow::Owned(format!("{}...", &text[..end])),
-        None => Cow::Borrowed(text),
-    }
-}
-
 /// A name of any length, as messages quote it: its start, [`printable`].
 pub(crate) fn quoted(name: &str) -> String {
     printable(&shortened(name)).into_owned()
-}
-
-/// Escapes control characters and marks of text direction, with which a text changes how a terminal
-/// shows the text around it.
-///
-/// ```
-/// assert_eq!(gym_core::printable("a\u{1b}[2J\u{202e}b"), "a\\u{1b}[2J\\u{202e}b");
-/// assert_eq!(gym_core::printable("Zürich"), "Zürich");
-/// ```
-pub fn printable(text: &str) -> Cow<'_, str> {
-    let is_hidden = |c: char| {
-        c.is_control()
-            || matches!(c, '\u{61c}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}')
-            || matches!(c, '\u{2060}'..='\u{2069}' | '\u{feff}')
-    };
-    if !text.contains(is_hidden) {
-        return Cow::Borrowed(text);
-    }
-    let mut printed = String::with_capacity(text.len());
-    for c in text.chars() {
-        if is_hidden(c) {
-            printed.extend(c.escape_unicode());
-        } else {
-            printed.push(c);
-        }
-    }
-    Cow::Owned(printed)
 }
 
 impl From<SeedError> for Error {

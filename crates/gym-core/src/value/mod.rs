@@ -197,34 +197,20 @@ impl Value {
     }
 }
 
-/// Whole numbers, as for a `Discrete` space.
-macro_rules! value_from_integer {
-    ($($type:ty),*) => {$(
+/// Numbers and truth values.
+macro_rules! value_from {
+    ($($variant:ident: $($type:ty),*;)*) => {$($(
         impl From<$type> for Value {
-            fn from(i: $type) -> Self {
-                Self::Int(i.into())
+            fn from(x: $type) -> Self {
+                Self::$variant(x.into())
             }
         }
-    )*};
+    )*)*};
 }
-value_from_integer!(i8, u8, i16, u16, i32, u32, i64);
-
-impl From<f32> for Value {
-    fn from(x: f32) -> Self {
-        Self::Float(x.into())
-    }
-}
-
-impl From<f64> for Value {
-    fn from(x: f64) -> Self {
-        Self::Float(x)
-    }
-}
-
-impl From<bool> for Value {
-    fn from(b: bool) -> Self {
-        Self::Bool(b)
-    }
+value_from! {
+    Int: i8, u8, i16, u16, i32, u32, i64;
+    Float: f32, f64;
+    Bool: bool;
 }
 
 impl From<&str> for Value {

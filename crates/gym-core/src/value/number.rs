@@ -117,8 +117,8 @@ pub(crate) trait Numeric: Scalar + PartialOrd {
     /// Rounded to the nearest `f64`.
     fn to_f64(self) -> f64;
 
-    /// The end of the half-open range whose last number this is: itself for a real type, one more
-    /// for a whole one, rounded to the nearest `f64`.
+    /// The end of the half-open range whose last number is `self`: `self` for a real type, `self +
+    /// 1` for an integer type, rounded to the nearest `f64`.
     fn range_end(self) -> f64;
 
     /// As numpy's `astype`: a fraction truncates, an integer that is too large wraps.

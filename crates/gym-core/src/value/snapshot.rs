@@ -6,8 +6,8 @@
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::Value as Json;
 
-use crate::value::stored::exact;
 use crate::value::{Error, Result};
+use gym_numerics::exact;
 
 /// The whole state of an environment and its wrappers, as JSON data, NaN and infinite floats
 /// included.

@@ -9,16 +9,17 @@ use crate::value::{Result, Value};
 /// The effect of a call of `reset_into` or `step_into` on a sub-environment.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Progress {
-    /// No reset and no step: a mask left it out, or its call failed. Its row has a reward of 0, no
-    /// flag set, and its last observation.
+    /// Neither reset nor step: a mask left the sub-environment out, or its call failed. Its row has
+    /// a reward of 0, no flag set, and its last observation.
     #[default]
     Unchanged,
-    /// It began an episode: a reset, or the step after the end of an episode with
+    /// The sub-environment began an episode: a reset, or the step after the end of an episode with
     /// [`Autoreset::NextStep`](super::Autoreset::NextStep), whose action was ignored. Do not train
     /// on such a transition: it crosses an episode boundary.
     Started,
-    /// It took the action. With [`Autoreset::SameStep`](super::Autoreset::SameStep), it has also
-    /// begun the next episode if [`Columns::has_final`] is set.
+    /// The sub-environment took the action. With
+    /// [`Autoreset::SameStep`](super::Autoreset::SameStep), it has also begun the next episode if
+    /// [`Columns::has_final`] is set.
     Stepped,
 }
 

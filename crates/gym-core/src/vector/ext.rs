@@ -28,7 +28,7 @@ pub trait VectorEnvExt: VectorEnv {
     }
 
     /// The entries of the [`info`](crate::vector::VectorEnv::info) of one sub-environment by name:
-    /// an element of what Gymnasium's wrapper `DictInfoToList` gives.
+    /// an element of the list of Gymnasium's wrapper `DictInfoToList`.
     fn info_map(&self, index: usize) -> Info {
         let mut map = Info::new();
         self.info(index, &mut |key, value| {
@@ -123,13 +123,9 @@ impl dyn VectorEnv {
     /// around [`make_vec`](crate::make_vec):
     ///
     /// ```no_run
-    /// use gym_core::BoxVector;
     /// use gym_core::vector::{AsyncVectorEnv, VectorEnv};
-    /// use gym_core::wrappers::RecordEpisodeStatistics;
     ///
     /// fn look(envs: &dyn VectorEnv) {
-    ///     let statistics = envs.layer::<RecordEpisodeStatistics<BoxVector>>();
-    ///     let around_another = envs.layer::<RecordEpisodeStatistics<RecordEpisodeStatistics<AsyncVectorEnv>>>();
     ///     let workers = envs.layer::<AsyncVectorEnv>();
     /// }
     /// ```

@@ -48,8 +48,8 @@ pub(super) fn batch<V: VectorEnv + ?Sized>(envs: &V, columns: &Columns) -> Info 
     entries
 }
 
-/// A flag for each sub-environment, as in infos.
-pub(crate) fn flags(flags: &[bool]) -> Value {
+/// A flag for each sub-environment, as in [`infos`](crate::VectorEnvExt::infos).
+pub fn flags(flags: &[bool]) -> Value {
     Value::Tuple(flags.iter().map(|flag| Value::Bool(*flag)).collect())
 }
 

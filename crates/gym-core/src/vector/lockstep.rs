@@ -66,22 +66,23 @@ pub(crate) trait Ahead<E>: Send {
     /// The number of environments that can step together.
     fn group_len(&self) -> usize;
 
-    /// Another one of its kind, for another thread.
+    /// An empty group of the same kind, for another thread.
     fn another(&self) -> Box<dyn Ahead<E>>;
 
     /// Clears the results of the previous group.
     fn clear(&mut self);
 
-    /// Has the memory of a slot's environment fetched.
+    /// Prefetches the memory of the environment in `slot`.
     fn prefetch(&self, slot: &Slot<E>);
 
-    /// Begins the next reset or step of a slot. If that panics, its call returns the error.
+    /// Begins the next reset or step of `slot`. If that panics, the call itself returns the error.
     fn begin(&mut self, slot: &mut Slot<E>, ask: &Ask);
 
-    /// Computes the shared part for all that have begun.
+    /// Computes the shared part for all slots that have begun.
     fn solve(&mut self);
 
-    /// Gives a slot its result, before its request. If that panics, its call returns the error.
+    /// Gives `slot` the result of [`solve`](Self::solve), before it serves its request. If that
+    /// panics, the call itself returns the error.
     fn collect(&mut self, slot: &mut Slot<E>, ask: &Ask);
 }
 
@@ -140,7 +141,7 @@ impl<E: Lockstep, W: Env> Ahead<W> for Within<E, W> {
 
     fn collect(&mut self, slot: &mut Slot<W>, ask: &Ask) {
         if let Ask::Nothing = ask {
-            return; // it has not begun
+            return; // nothing has begun
         }
         slot.go_ahead(|Slot { env, .. }| {
             if let Some(env) = env.layer_mut::<E>() {
@@ -185,8 +186,8 @@ pub(crate) fn ahead<E: Lockstep>() -> Box<dyn Ahead<BoxEnv>> {
     Box::new(Within::<E, BoxEnv>::default())
 }
 
-/// Resets or steps slots as they are asked, in turn or, with `ahead`, a group of them together, and
-/// hands on their results.
+/// Serves each slot's request, one by one or, with `ahead`, in groups, and passes each result to
+/// `hand_on`.
 pub(super) fn go_all<E: Env, S: BorrowMut<Slot<E>>, A: Borrow<Ask>>(
     slots: &mut [S],
     mut ahead: Option<&mut (dyn Ahead<E> + 'static)>,
@@ -226,7 +227,7 @@ pub(super) fn is_cached(n: usize) -> bool {
     n <= 128
 }
 
-/// The size of groups of `n` slots, at most `most`: groups of about one size.
+/// The size of the groups of `n` slots: at most `most`, and about equal.
 pub(super) fn group_len(n: usize, most: usize) -> usize {
     n.div_ceil(n.div_ceil(most).max(1)).max(1)
 }

@@ -146,7 +146,7 @@ pub trait VectorEnv: Any + Send {
         Err(no_envs(&self.describe()))
     }
 
-    /// Calls `visit` with what sub-environment `index` shows beyond Gymnasium's interface, to read
+    /// Calls `visit` with the [`Inspect`] of sub-environment `index`, to read
     /// or to change.
     ///
     /// # Errors

@@ -1,5 +1,6 @@
 //! Parts for implementing other kinds of vectors.
 
+pub use super::infos::flags;
 pub use super::size::{check as check_size, no_such_env};
 pub use super::slot::{describe, episode_over};
 pub use crate::env::read_state;

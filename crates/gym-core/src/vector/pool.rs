@@ -40,22 +40,22 @@ use crate::value::{Error, Result, Snapshot, Value};
 ///
 /// Dropping the vector waits only for running steps.
 pub struct AsyncVectorEnv<E: Env = BoxEnv> {
-    /// By index, `None` while away.
+    /// Each sub-environment by its index; `None` while a worker owns it.
     home: Vec<Option<Box<Slot<E>>>>,
-    /// Groups of one, back with a result that was not received yet.
+    /// Groups of one sub-environment each, with results that were not yet received.
     ready: VecDeque<Group<E>>,
-    /// Groups about to be sent.
+    /// Groups that are packed and not yet sent.
     outgoing: Vec<Group<E>>,
-    /// Whether every sub-environment can take a step: all did in the last call, and none was lent
-    /// since.
+    /// Whether every sub-environment can take a step: each did in the last call, and `call` lent
+    /// none since.
     all_go_on: bool,
-    /// Lets the sub-environments of a group step together, if they can.
+    /// Steps the sub-environments of a group together; `None` if they cannot.
     ahead: Option<Box<dyn Ahead<E>>>,
     pool: Pool<E>,
     spaces: Arc<Spaces>,
     autoreset: Autoreset,
     spec: Option<VectorSpec>,
-    /// Of the first sub-environment, which may be with a worker.
+    /// The metadata of the first sub-environment, which a worker may own.
     metadata: Metadata,
     env_spec: Option<EnvSpec>,
 }
@@ -65,11 +65,11 @@ struct Group<E> {
     indices: Vec<usize>,
     slots: Vec<Box<Slot<E>>>,
     asks: Vec<Ask>,
-    /// One for each or more, kept to reuse their storage; a reset does not use them.
+    /// The actions, at least one for each slot; their storage is reused. A reset ignores them.
     actions: Vec<Value>,
-    /// A row for each or more.
+    /// The results, at least one row for each slot.
     columns: Columns,
-    /// The errors, by place in the group.
+    /// The errors, each with its place in the group.
     failed: Vec<(usize, Error)>,
 }
 
@@ -157,7 +157,7 @@ impl<E: Env> AsyncVectorEnv<E> {
         })
     }
 
-    /// Lets the sub-environments that a worker takes at once step together.
+    /// Lets the sub-environments of a group step together.
     pub(crate) fn with_ahead(self, ahead: Box<dyn Ahead<E>>) -> Result<Self> {
         let pool = Pool::new(
             self.num_threads(),
@@ -301,10 +301,10 @@ impl<E: Env> AsyncVectorEnv<E> {
         }
     }
 
-    /// The number of sub-environments that a worker takes at once, if all are stepped.
+    /// The size of a group if all sub-environments are stepped.
     fn group_len(&self) -> usize {
         let share = self.home.len().div_ceil(self.pool.workers.len());
-        // whole groups of those that step together
+        // a multiple of the number that step together
         let together = self
             .ahead
             .as_ref()
@@ -312,9 +312,9 @@ impl<E: Env> AsyncVectorEnv<E> {
         share.div_ceil(together).div_ceil(GROUPS_PER_THREAD) * together
     }
 
-    /// Packs those of some sub-environments that are asked something. Steps take the rows of
-    /// `actions` that begin with the given one. The group has room for `room` sub-environments.
-    /// After an error, [`unpack`](Self::unpack) what was packed.
+    /// Moves the sub-environments with a request into a group, which has room for `room` of them.
+    /// Steps take the rows of `actions` from the given one on. After an error, call
+    /// [`unpack`](Self::unpack).
     fn pack(
         &mut self,
         indices: Range<usize>,
@@ -353,7 +353,7 @@ impl<E: Env> AsyncVectorEnv<E> {
         result
     }
 
-    /// Takes packed groups apart, and returns the error that was the reason.
+    /// Takes the sub-environments of all packed groups back, and returns `error`.
     fn unpack(&mut self, error: Error) -> Result<()> {
         while let Some(group) = self.outgoing.pop() {
             self.welcome(group);
@@ -394,8 +394,8 @@ impl<E: Env> AsyncVectorEnv<E> {
         error
     }
 
-    /// Asks the sub-environments, waits for them, and writes every row. Returns the first error, by
-    /// index.
+    /// Sends the requests, waits for all results, and writes every row. Returns the error of the
+    /// lowest index.
     fn round(
         &mut self,
         columns: &mut Columns,
@@ -539,7 +539,7 @@ impl<E: Env> VectorEnv for AsyncVectorEnv<E> {
         slot::restore(snapshot, self.autoreset, &self.spaces, &mut slots)
     }
 
-    /// Waits for those that are pending.
+    /// Waits for the pending sub-environments.
     fn close(&mut self) {
         self.all_go_on = false;
         while self.ready.len() < self.num_pending() {
@@ -561,9 +561,9 @@ impl<E: Env> fmt::Debug for AsyncVectorEnv<E> {
     }
 }
 
-/// Threads that take groups from one channel and answer on another.
+/// Threads that receive groups from one channel and send them back on another.
 struct Pool<E> {
-    /// `None` once no more work comes.
+    /// `None` once the pool is being dropped.
     jobs: Option<Sender<Job<E>>>,
     results: Receiver<Group<E>>,
     stop: Arc<AtomicBool>,
@@ -646,7 +646,7 @@ struct Worker<E: Env> {
 }
 
 impl<E: Env> Worker<E> {
-    /// Works until no more groups come.
+    /// Serves groups until the channel closes.
     fn run(&mut self) {
         loop {
             let job = self

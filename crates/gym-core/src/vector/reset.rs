@@ -136,7 +136,7 @@ impl From<Option<u64>> for VectorReset {
     }
 }
 
-/// The seed counts up, as `From<u64>`; the options go to every sub-environment.
+/// The seeds count up from `seed`, as in `From<u64>`; every sub-environment gets the options.
 impl From<Reset> for VectorReset {
     fn from(Reset { seed, options }: Reset) -> Self {
         Self {

@@ -5,11 +5,11 @@ use std::hint::black_box;
 use crate::spaces::{MAX_ELEMENTS, Space};
 use crate::value::{Error, Result};
 
-/// More than any machine has cores, and within the limits of common systems.
+/// The most threads: more than machines have cores, and within the limits of common systems.
 pub(super) const MAX_THREADS: usize = 1024;
 
-/// Refuses a number of sub-environments before anything is built: zero, more than batched spaces
-/// can hold, or more than fit in memory at `bytes` each beside their rows of the columns.
+/// Refuses 0 sub-environments, more than batched spaces can hold, and more than fit in memory,
+/// before anything is built. Each takes `bytes` beside its rows of the columns.
 pub fn check(n: usize, observation: &Space, action: &Space, bytes: usize) -> Result<()> {
     if n == 0 {
         return Err(Error::argument(
@@ -25,12 +25,12 @@ pub fn check(n: usize, observation: &Space, action: &Space, bytes: usize) -> Res
     )
 }
 
-/// Refuses columns of more rows than can be.
+/// Refuses columns whose rows do not fit in memory.
 pub(super) fn check_rows(n: usize, observation: &Space) -> Result<()> {
     check_bytes(n, observation, 0)
 }
 
-/// As [`check_rows`], where each sub-environment takes `bytes` beside its row.
+/// As [`check_rows`]; each sub-environment takes `bytes` beside its row.
 fn check_bytes(n: usize, observation: &Space, bytes: usize) -> Result<()> {
     let numbers = observation.len_of_row();
     check_len(n, numbers)?;
@@ -89,7 +89,7 @@ mod tests {
                 .unwrap_err()
                 .contains("at least one sub-environment")
         );
-        // four numbers of an observation, or one of an action of this many
+        // four numbers of an observation, or one number of an action
         let most = MAX_ELEMENTS / 4;
         let reason = format!("num_envs is {}: at most {most} are possible", most + 1);
         assert!(refusal(most + 1, 0).unwrap_err().contains(&reason));

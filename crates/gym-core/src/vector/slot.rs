@@ -17,8 +17,7 @@ pub(crate) struct Slot<E> {
     /// The action of the next step.
     pub(super) action: Value,
     observation: Value,
-    /// The buffer that the next observation goes to; the last observation of the episode where
-    /// `has_final`.
+    /// The buffer of the next observation; if `has_final`, the last observation of the episode.
     spare: Value,
     outcome: Outcome,
     /// The last request, if it succeeded.
@@ -26,7 +25,7 @@ pub(crate) struct Slot<E> {
     has_final: bool,
     final_info: Vec<(String, Value)>,
     stage: Stage,
-    /// The panic of a part of the next call that was done ahead of it.
+    /// The panic of a part of the next call that ran ahead of it.
     panicked_ahead: Option<Error>,
 }
 
@@ -36,7 +35,7 @@ enum Stage {
     Running,
     Done,
     Panicked,
-    /// It was reset, stepped or restored from outside.
+    /// Whether a caller reset, stepped or restored the environment itself.
     Moved,
     Closed,
 }
@@ -80,7 +79,7 @@ impl<E: Env> Slot<E> {
         })
     }
 
-    /// Whether it can take a step.
+    /// Whether the next call can be a step.
     pub(super) fn check(&self, autoreset: Autoreset) -> Result<()> {
         match self.stage {
             Stage::Running => Ok(()),
@@ -113,7 +112,7 @@ impl<E: Env> Slot<E> {
         result
     }
 
-    /// Calls `visit` with what the environment shows beyond its interface.
+    /// Calls `visit` with the environment's [`Inspect`](crate::Inspect).
     pub(super) fn inspect(&mut self, visit: &mut dyn FnMut(&mut dyn Inspect)) -> Result<()> {
         let Some(inspect) = self.env.inspect_mut() else {
             return Err(Error::custom(format!(
@@ -135,13 +134,13 @@ impl<E: Env> Slot<E> {
         spaces.action.read_action(actions, row, &mut self.action)
     }
 
-    /// Whether its next step starts an episode.
+    /// Whether the next step starts an episode.
     pub(super) fn restarts(&self) -> bool {
         self.stage == Stage::Done
     }
 
-    /// Does a part of the next call ahead of it. If the part panics, that call returns the error,
-    /// and the parts in between are left out.
+    /// Runs a part of the next call ahead of it. If the part panics, that call returns the error,
+    /// and the other parts are skipped.
     pub(super) fn go_ahead(&mut self, part: impl FnOnce(&mut Self)) {
         if self.panicked_ahead.is_none() {
             let result = self.guard(|slot| {
@@ -252,13 +251,13 @@ impl<E: Env> Slot<E> {
         })
     }
 
-    /// Clears its last result, except the observation.
+    /// Clears the last result, except the observation.
     pub(super) fn clear(&mut self) {
         (self.outcome, self.progress, self.has_final) =
             (Outcome::default(), Progress::Unchanged, false);
     }
 
-    /// Writes its result to a row of the columns.
+    /// Writes the last result to a row of the columns.
     pub(super) fn write(&self, spaces: &Spaces, columns: &mut Columns, row: usize) -> Result<()> {
         columns.rewards[row] = self.outcome.reward;
         columns.terminated[row] = self.outcome.terminated;
@@ -354,13 +353,13 @@ fn message(panic: &(dyn Any + Send)) -> &str {
 pub(super) struct Spaces {
     /// The first environment's space; the others have the same form.
     pub(super) observation: Space,
-    /// All observations together, where they differ.
+    /// The batched observation space, if the observation spaces differ.
     differing: Option<Space>,
     pub(super) action: Space,
 }
 
 impl Spaces {
-    /// The space of the observations of `n` sub-environments together. It is as large as their
+    /// The batched observation space of `n` sub-environments. Its bounds are as large as the
     /// observations, so it is made on request.
     pub(super) fn observations(&self, n: usize) -> Result<Space> {
         self.differing

@@ -71,7 +71,8 @@ pub trait VectorWrapper: Any + Send {
     }
 
     /// The hook of [`VectorEnv::observation_space`]: a batch of
-    /// [`on_single_observation_space`](Self::on_single_observation_space) if the wrapper changes it.
+    /// [`on_single_observation_space`](Self::on_single_observation_space) if the wrapper changes
+    /// it.
     fn on_observation_space(&self) -> Result<Space> {
         let single = self.on_single_observation_space();
         if single == self.inner().single_observation_space() {

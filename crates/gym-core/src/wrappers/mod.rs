@@ -2,10 +2,8 @@
 //!
 //! A wrapper takes any [`Env`](crate::Env), typed or erased, and is an `Env` again.
 
-mod clock;
 pub mod order_enforcing;
 pub mod passive_env_checker;
-pub mod record_episode_statistics;
 mod registration;
 mod render;
 pub mod render_collection;
@@ -13,7 +11,6 @@ pub mod time_limit;
 
 pub use order_enforcing::OrderEnforcing;
 pub use passive_env_checker::PassiveEnvChecker;
-pub use record_episode_statistics::{EpisodeStatistics, RecordEpisodeStatistics};
 pub use registration::{WrapEnv, WrapVector, WrapperRegistration, wrappers};
 pub use render::Render;
 pub use render_collection::RenderCollection;

@@ -6,11 +6,8 @@ use gym_core::render::{Metadata, RenderMode, Rendered};
 use gym_core::spaces::{
     DictSpace, Mask, OneOfSpace, Probabilities, SequenceSpace, TextSpace, TupleSpace,
 };
-use gym_core::vector::{AsyncVectorEnv, Autoreset, SyncVectorEnv, VectorReset};
-use gym_core::wrappers::{
-    OrderEnforcing, RecordEpisodeStatistics, Render, RenderCollection, TimeLimit,
-    record_episode_statistics,
-};
+use gym_core::vector::{Autoreset, SyncVectorEnv, VectorReset};
+use gym_core::wrappers::{OrderEnforcing, Render, RenderCollection, TimeLimit};
 use gym_core::{
     BoxEnv, Configure, Env, EnvExt, Error, Outcome, Registration, Reset, Result, Snapshot, Space,
     Value, VectorEnv, VectorEnvExt, WrapperSpec, make,
@@ -87,122 +84,8 @@ const MODES: [Autoreset; 3] = [
     Autoreset::Disabled,
 ];
 
-/// Both kinds of vectors of `n` environments.
-fn vectors(n: usize, autoreset: Autoreset) -> [Box<dyn VectorEnv>; 2] {
-    let envs = || vec![BoxEnv::new(Count::default()); n];
-    [
-        Box::new(
-            SyncVectorEnv::new(envs())
-                .unwrap()
-                .with_autoreset(autoreset),
-        ),
-        Box::new(
-            AsyncVectorEnv::new(envs())
-                .unwrap()
-                .with_autoreset(autoreset),
-        ),
-    ]
-}
-
 fn actions<const N: usize>(actions: [i64; N]) -> Value {
     Value::Array(actions.into())
-}
-
-fn flags<const N: usize>(flags: [bool; N]) -> Option<Value> {
-    Some(Value::Tuple(flags.map(Value::Bool).into()))
-}
-
-/// The entry belongs to the step that ended the episode. A call that leaves the sub-environment
-/// out, or that starts its next episode, has none.
-#[test]
-fn a_masked_reset_leaves_no_episode_of_those_left_out() {
-    for mode in MODES {
-        for envs in vectors(3, mode) {
-            let mut envs = RecordEpisodeStatistics::new(envs);
-            let mut columns = envs.columns().unwrap();
-            envs.reset_into(&0.into(), &mut columns).unwrap();
-            envs.step_into(&actions([9, 9, 1]), &mut columns).unwrap();
-            let infos = envs.infos(&columns);
-            assert_eq!(infos.get("_episode").cloned(), flags([true, true, false]));
-            assert!(envs.ended(0).is_some() && envs.ended(2).is_none());
-            // the first is left out although its episode has ended, the second starts
-            let mask = VectorReset::default().mask([false, true, true]);
-            envs.reset_into(&mask, &mut columns).unwrap();
-            let infos = envs.infos(&columns);
-            assert!(!infos.contains_key("episode"), "{mode:?}: {infos:?}");
-            assert!(!infos.contains_key("_episode"), "{mode:?}: {infos:?}");
-            for index in 0..3 {
-                assert!(envs.ended(index).is_none(), "{mode:?}: {index}");
-                assert!(envs.info_map(index).is_empty(), "{mode:?}: {index}");
-            }
-            assert_eq!(envs.episode_count(), 2);
-        }
-    }
-}
-
-/// A masked reset restarts the statistics of those that it selects, and of no other.
-#[test]
-fn a_masked_reset_restarts_the_statistics_of_the_selected() {
-    for mode in MODES {
-        for envs in vectors(2, mode) {
-            let mut envs = RecordEpisodeStatistics::new(envs);
-            let mut columns = envs.columns().unwrap();
-            envs.reset_into(&0.into(), &mut columns).unwrap();
-            envs.step_into(&actions([3, 3]), &mut columns).unwrap();
-            let mask = VectorReset::default().mask([false, true]);
-            envs.reset_into(&mask, &mut columns).unwrap();
-            envs.step_into(&actions([9, 9]), &mut columns).unwrap();
-            let ended = |i| {
-                let episode = envs.ended(i).unwrap();
-                (episode.episode_return, episode.length)
-            };
-            assert_eq!([ended(0), ended(1)], [(12.0, 2), (9.0, 1)], "{mode:?}");
-        }
-    }
-}
-
-/// A failed reset has no result, so no episode ended in it either.
-#[test]
-fn a_refused_reset_ends_no_episode() {
-    for envs in vectors(2, Autoreset::NextStep) {
-        let mut envs = RecordEpisodeStatistics::new(envs);
-        let mut columns = envs.columns().unwrap();
-        envs.reset_into(&0.into(), &mut columns).unwrap();
-        envs.step_into(&actions([9, 1]), &mut columns).unwrap();
-        let mask = VectorReset::default().mask([true]);
-        assert!(envs.reset_into(&mask, &mut columns).is_err());
-        assert!(envs.ended(0).is_none());
-    }
-}
-
-#[test]
-fn statistics_of_another_size_are_refused() {
-    let [small, _] = vectors(2, Autoreset::NextStep);
-    let [large, _] = vectors(3, Autoreset::NextStep);
-    let mut small = RecordEpisodeStatistics::new(small);
-    let mut large = RecordEpisodeStatistics::new(large);
-    small.reset(0).unwrap();
-    large.reset(0).unwrap();
-    let [of_small, of_large] = [small.snapshot().unwrap(), large.snapshot().unwrap()];
-    let refused = [
-        (
-            large.restore(&of_small),
-            "it has 2 sub-environments, and this vector 3",
-        ),
-        (
-            small.restore(&of_large),
-            "it has 3 sub-environments, and this vector 2",
-        ),
-    ];
-    for (result, words) in refused {
-        let error = result.unwrap_err().to_string();
-        assert!(error.contains(words), "{error}");
-    }
-    let none = record_episode_statistics::Config {
-        buffer_length: 0,
-        ..Default::default()
-    };
-    assert!(RecordEpisodeStatistics::with_config(Count::default(), none).is_err());
 }
 
 /// Whatever was done to it before, a closed sub-environment is closed.

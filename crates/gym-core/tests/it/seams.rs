@@ -1,7 +1,7 @@
-//! Cases around an episode: after `close`, shrinking buffers, ids without version, environments
+//! Cases around an episode: after `close`, ids without version, environments
 //! that truncate by themselves.
 
-use gym_core::wrappers::{OrderEnforcing, RecordEpisodeStatistics, record_episode_statistics};
+use gym_core::wrappers::{OrderEnforcing, TimeLimit};
 use gym_core::{
     Array, BoxEnv, Dynamics, Env, EnvExt, Error, Generator, NoArguments, Registration, Reset,
     Result, Snapshot, Space, Stateful, Task, Transition, Value, VectorEnv, VectorEnvExt, registry,
@@ -88,13 +88,6 @@ fn make() -> BoxEnv {
     gym_core::make("seams/Budget-v4").unwrap()
 }
 
-fn play(env: &mut impl Env<Action = i64>, episodes: usize) {
-    for _ in 0..episodes {
-        env.reset(0).unwrap();
-        while !env.step(&0).unwrap().done() {}
-    }
-}
-
 #[test]
 fn dynamics_truncate_and_keep_their_buffer() {
     let mut env = Stateful::<Budget>::new(Config::default()).unwrap();
@@ -113,26 +106,6 @@ fn dynamics_truncate_and_keep_their_buffer() {
     );
     assert_eq!(observation.as_slice::<f32>().unwrap(), [4.0]);
     assert_eq!(observation.as_slice::<f32>().unwrap().as_ptr(), place);
-}
-
-#[test]
-fn a_smaller_buffer_keeps_the_last_episodes() {
-    let budget = || Stateful::<Budget>::new(Config::default()).unwrap();
-    let mut env = RecordEpisodeStatistics::new(budget());
-    play(&mut env, 20);
-    for (buffer_length, kept) in [(5, 5), (8, 5), (3, 3)] {
-        let snapshot = Env::snapshot(&env).unwrap();
-        let config = record_episode_statistics::Config {
-            buffer_length,
-            ..Default::default()
-        };
-        env = RecordEpisodeStatistics::with_config(budget(), config).unwrap();
-        Env::restore(&mut env, &snapshot).unwrap();
-        assert_eq!(env.episodes().len(), kept);
-    }
-    play(&mut env, 40);
-    assert_eq!((env.episodes().len(), env.episode_count()), (3, 60));
-    assert!(env.episodes().all(|episode| episode.length == 3));
 }
 
 #[test]
@@ -185,7 +158,7 @@ fn messages_name_what_is_wrong() {
             .unwrap_err(),
     );
     assert!(error.contains("NaN and infinite"), "{error}");
-    let mut env = RecordEpisodeStatistics::new(make());
+    let mut env = TimeLimit::new(make(), 9).unwrap();
     env.reset(0).unwrap();
     let error = message(env.step(&Value::from([0.5; 900])).unwrap_err());
     assert!(error.starts_with("invalid action [0.5 0.5 "), "{error}");

@@ -26,7 +26,7 @@ const ANY: [Kind; 4] = [Kind::Box, Kind::Ball, Kind::Key, Kind::Door];
 /// The tries after which no object is found.
 const MAX_TRIES: u32 = 100;
 
-/// What the levels differ in.
+/// The arguments in which the levels differ.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LevelGen {
     pub(crate) distractors: u32,

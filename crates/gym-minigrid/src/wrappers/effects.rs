@@ -17,13 +17,13 @@ pub trait Effect: WrapperConfig + Clone + fmt::Debug + PartialEq + Send + 'stati
     /// What it keeps from step to step.
     type State: Clone + fmt::Debug + Send + Serialize + DeserializeOwned + 'static;
 
-    /// The state at first, for a grid and a number of actions.
+    /// The initial state, for the grid of `facts` and a number of actions.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for an argument out of range.
     fn state(&self, facts: &Facts, actions: usize) -> Result<Self::State>;
 
-    /// Whether a stored state fits the state at first.
+    /// Whether the state `stored` has the form of the initial state `first`.
     fn fits(&self, stored: &Self::State, first: &Self::State) -> bool;
 
     /// Another reset, in place of the given one.

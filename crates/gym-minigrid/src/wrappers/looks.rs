@@ -293,8 +293,8 @@ gym_core::register_wrapper!(
     "RGBImgPartialObsWrapper", "observes a picture of what the agent sees", RgbImgPartialObs, env: Looking::<RgbImgPartialObs>::new
 );
 
-/// The facts of a picture with cells `tile_size` pixels wide: of what the agent sees if `agent_pov`,
-/// otherwise of the whole grid.
+/// The facts of a picture with cells `tile_size` pixels wide: of what the agent sees if
+/// `agent_pov`, otherwise of the whole grid.
 fn with_tiles(facts: &Facts, tile_size: u32, agent_pov: bool) -> Facts {
     let mut facts = facts.clone();
     facts.view.tile_size = tile_size;

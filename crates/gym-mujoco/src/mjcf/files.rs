@@ -136,7 +136,7 @@ fn read(path: &Path) -> Result<String> {
     };
     let mut text = String::new();
     let file = File::open(path).map_err(in_file)?;
-    // one byte more than is read, which `parse` refuses: a device such as `/dev/zero` never ends
+    // read at most one byte more than `parse` accepts: a device such as `/dev/zero` never ends
     let read = file.take(MAX_LEN as u64 + 1).read_to_string(&mut text);
     read.map_err(in_file)?;
     Ok(text)

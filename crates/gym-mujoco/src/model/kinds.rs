@@ -41,7 +41,8 @@ numbered! {
         /// Any motion: 7 positions (position, quaternion), 6 velocities (linear in the world's
         /// frame, angular in the body's).
         Free = 0,
-        /// Any rotation about the anchor: a quaternion, and an angular velocity in the body's frame.
+        /// Any rotation about the anchor: a quaternion, and an angular velocity in the body's
+        /// frame.
         Ball = 1,
         /// Translation along an axis.
         Slide = 2,

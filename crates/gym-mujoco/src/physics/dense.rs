@@ -22,7 +22,7 @@ pub(crate) fn total(sums: &Lanes) -> f64 {
 
 /// The product of two vectors of `n` elements: MuJoCo's `mju_dot`.
 ///
-/// A vector may end early, at a whole group, where only zeros would follow.
+/// A vector may be shorter, by whole groups, if the missing elements are zeros.
 #[inline(always)]
 pub(crate) fn dot(a: &[Lanes], b: &[Lanes], n: usize) -> f64 {
     let full = n / 4;
@@ -191,7 +191,7 @@ pub(crate) fn put(to: &mut [Lanes], from: &[f64]) {
 mod tests {
     use super::*;
 
-    /// The sums differ in their last bits, so each order is told from the others.
+    /// Each order of summation gives other last bits, so the test distinguishes them.
     #[test]
     fn rows_are_combined_and_elements_set() {
         for groups in 1..=9 {

@@ -66,7 +66,7 @@ pub(super) fn kinetic(m: &Model, d: &mut Data) -> f64 {
     energy
 }
 
-/// `energy`, where the model asks for it.
+/// Computes `energy`, if the model enables it.
 pub(super) fn energy(m: &Model, d: &mut Data) {
     /// MuJoCo's `mjENBL_ENERGY`.
     const ENERGY: u32 = 1 << 1;

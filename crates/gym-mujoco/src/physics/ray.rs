@@ -99,7 +99,7 @@ fn least([first, second]: [f64; 2]) -> f64 {
     }
 }
 
-/// A distance, if it is nearer than what was found.
+/// The smaller of two distances; a negative `found` is no hit.
 fn nearer(found: f64, x: f64) -> f64 {
     if found < 0.0 || x < found { x } else { found }
 }

@@ -23,7 +23,7 @@ pub(crate) struct Work {
     pub(crate) body_velocity: Vec<[f64; 6]>,
     /// A vector of degrees of freedom.
     pub(crate) dofs: Vec<Lanes>,
-    /// Forces of the medium, of dampers, and those that lift weights.
+    /// Forces of the medium, of dampers, and of gravity compensation.
     pub(crate) fluid: Vec<f64>,
     pub(crate) damper: Vec<f64>,
     pub(crate) gravcomp: Vec<f64>,

@@ -4,9 +4,9 @@
 //! (what is before a dot says more of the recording), or `xml` a file in MJCF beside the recording;
 //! `cases` have a state each (`qpos`, `qvel`, `qacc_warmstart`, `ctrl`, `time`). The answer to a
 //! case is the state after one step, under `after`, or the results of one forward call, under
-//! `out`, in MuJoCo's names. `mujoco` is the version of libmujoco that was recorded; without it, the
-//! newest is meant. A recording without a `kind` is a table of a compiled model's figures,
-//! and answered with our own.
+//! `out`, in MuJoCo's names. `mujoco` is the version of libmujoco that was recorded; without it,
+//! the newest is meant. A recording without a `kind` is a table of a compiled model's figures, and
+//! answered with our own.
 
 mod features;
 

@@ -55,8 +55,8 @@ pub trait Task: Clone + fmt::Debug + Send + Sync + Sized + 'static {
         visit: &mut dyn FnMut(&str, f64),
     );
 
-    /// The entry of `info` after which it has lengths and velocities of the model's tendons; `None` if
-    /// it has none.
+    /// The entry of `info` after which it has lengths and velocities of the model's tendons; `None`
+    /// if it has none.
     fn tendons_follow(&self) -> Option<&'static str> {
         None
     }

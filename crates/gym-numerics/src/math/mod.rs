@@ -27,6 +27,7 @@ mod log;
 mod numpy;
 mod pow;
 mod real;
+mod sum;
 mod tables;
 #[cfg(test)]
 mod tests;
@@ -41,6 +42,7 @@ pub use fma::{Emulated, Fma, Hardware};
 pub use lanes::Lanes;
 pub use numpy::sin_cos as numpy_sin_cos_f32;
 pub use real::{One, Real};
+pub use sum::pairwise_sum;
 pub use trig_f32::sin_cos as sin_cos_f32;
 
 /// A computation that is generic over the number type.

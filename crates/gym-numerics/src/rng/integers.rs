@@ -60,6 +60,42 @@ impl Generator {
         self.integers_u8_each(low, &[high_inclusive], out);
     }
 
+    /// Draws from `[0, high_inclusive]`: numpy's
+    /// `integers(0, high_inclusive, dtype=np.uint16, endpoint=True)`. The draws are halves of 32-bit
+    /// words, low half first; the rest of the last word is dropped.
+    pub fn integer_u16(&mut self, high_inclusive: u16) -> u16 {
+        let Some(n) = high_inclusive.checked_add(1).map(u32::from) else {
+            return self.next_u32() as u16;
+        };
+        if n == 1 {
+            return 0;
+        }
+        let threshold = (u32::from(u16::MAX) - u32::from(high_inclusive)) % n;
+        loop {
+            let word = self.next_u32();
+            for half in [word & 0xffff, word >> 16] {
+                let product = half * n;
+                if product & 0xffff >= threshold {
+                    return (product >> 16) as u16;
+                }
+            }
+        }
+    }
+
+    /// Fills `out` with zeros and ones: numpy's `integers(0, 2, size=out.len(), dtype=np.int8)`.
+    pub fn tosses(&mut self, out: &mut [i8]) {
+        // A word has four bytes, and the end of a call drops the rest: pieces of a multiple of four
+        // bytes equal the whole.
+        let mut bytes = [0; 64];
+        for piece in out.chunks_mut(bytes.len()) {
+            let bytes = &mut bytes[..piece.len()];
+            self.integers_u8(0, 1, bytes);
+            for (value, byte) in piece.iter_mut().zip(bytes) {
+                *value = *byte as i8;
+            }
+        }
+    }
+
     /// Fills `out` like [`integers_u8`](Self::integers_u8), cycling through the upper bounds
     /// `highs_inclusive`: numpy's `integers(low, high, dtype=np.uint8, endpoint=True)` with an
     /// array of bounds that is broadcast along the last axis. Without bounds, `out` stays as it is.

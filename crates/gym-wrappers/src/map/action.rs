@@ -83,8 +83,8 @@ impl<T, M: ActionMap> MapAction<T, M> {
         &self.map
     }
 
-    /// The action in the form that is mapped: real numbers of a `Box` as an array, in the precision
-    /// in which they came, whose bounds are not checked; any other action as it is.
+    /// Checks `action`, and makes the real numbers of a `Box` an array, in their own precision.
+    /// Bounds of real numbers are not checked.
     fn take(space: &Space, action: &mut Value, buffer: &mut Value) -> Result<()> {
         match (space, &*action) {
             (Space::Box(inner), Value::Array(array))

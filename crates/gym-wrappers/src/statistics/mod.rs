@@ -135,7 +135,7 @@ impl RunningMeanStd {
         }
     }
 
-    /// These statistics: `mean` and `variance` of as many numbers, both `float32` or both
+    /// Statistics with a `mean` and a `variance` of equal length, both `float32` or both
     /// `float64`, of `count` rows.
     ///
     /// # Errors

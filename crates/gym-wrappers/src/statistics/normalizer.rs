@@ -32,21 +32,21 @@ impl Normalizer {
         }
     }
 
-    /// Continues from other statistics of the same number of numbers.
+    /// Replaces the statistics by others with the same number of numbers.
     pub(crate) fn set_statistics(&mut self, statistics: RunningMeanStd) -> Result<()> {
         statistics.expect_len(self.statistics.len())?;
         self.statistics = statistics;
         Ok(())
     }
 
-    /// Fails unless the statistics of a snapshot have as many numbers.
+    /// Refuses the statistics of a snapshot if their number of numbers differs.
     pub(crate) fn check(&self, statistics: &RunningMeanStd) -> Result<()> {
         statistics
             .expect_len(self.statistics.len())
             .map_err(|error| Error::Snapshot(error.to_string()))
     }
 
-    /// Takes in the numbers of one observation and normalizes them.
+    /// Updates the statistics with the numbers of one observation, and normalizes them.
     pub(crate) fn row<I: Iterator<Item = f64> + Clone>(
         &mut self,
         dtype: DType,
@@ -59,7 +59,7 @@ impl Normalizer {
         self.statistics.normalize(dtype, row, self.epsilon, out);
     }
 
-    /// Takes in the selected ones of `n` rows at once.
+    /// Updates the statistics with the rows of `n` that `selects` accepts, as one batch.
     pub(crate) fn take_in(&mut self, array: &Array, n: usize, selects: impl Fn(usize) -> bool) {
         if self.updates {
             self.rows.collect(array, n, selects);
@@ -67,7 +67,7 @@ impl Normalizer {
         }
     }
 
-    /// Normalizes the selected ones of `n` rows.
+    /// Normalizes the rows of `n` that `selects` accepts.
     pub(crate) fn normalize(
         &self,
         array: &Array,
@@ -87,7 +87,7 @@ impl Normalizer {
         }
     }
 
-    /// Takes in some single numbers at once, which are `float32` in statistics that are `float64`.
+    /// Updates statistics of one `float64` number with a batch of `float32` numbers.
     pub(crate) fn take_in_numbers(&mut self, numbers: impl Iterator<Item = f32>) {
         let samples: &mut Samples<f32> = &mut self.rows.f32s;
         samples.begin(1);

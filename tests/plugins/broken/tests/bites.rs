@@ -8,6 +8,7 @@ use gym_conform::{CHECKS, Finding, Progress, Report};
 use gym_core::wrappers::TimeLimit;
 use gym_core::{BoxEnv, Env, Outcome, Reset, Result, Value};
 use gym_render as _;
+use gym_wrappers as _;
 
 /// The reports, made once: some faults depend on what the process did before.
 static REPORTS: LazyLock<Vec<Report>> = LazyLock::new(|| {

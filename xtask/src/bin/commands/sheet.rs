@@ -5,7 +5,7 @@ use gym::render::{contact_sheet, write_png};
 use gym::{BoxEnv, EnvExt, Error, Result};
 use gym_cli::Document;
 
-/// The sheet: environments, the sizes of their frames, and the number of random steps before.
+/// The frames of the sheet: the environment, the size, and the number of random steps before.
 const SHEET: [(&str, (u32, u32), usize); 9] = [
     ("LunarLander-v3", (360, 240), 40),
     ("BipedalWalker-v3", (360, 240), 30),

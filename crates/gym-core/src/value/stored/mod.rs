@@ -1,28 +1,26 @@
 //! The stored form of numbers, values and states: JSON that keeps every bit.
 //!
-//! [`Value`]'s `Serialize` describes the form; [`exact`] handles the floats of any other type. For
+//! [`Value`]'s `Serialize` describes the form; [`gym_numerics::exact`] handles the floats of any other type. For
 //! plain JSON, which a space interprets, see [`Value::to_json`] and
 //! [`Space::from_json`](crate::Space::from_json).
 //!
 //! Snapshots, vectors, the generator and the bridge use this form: floats that JSON lacks are
 //! `{"$float": "inf"}`, arrays carry their dtype, and more than 32 numbers are bytes in base64.
 
-pub(crate) mod exact;
 pub(crate) mod plain;
 
 use base64::prelude::{BASE64_STANDARD, Engine};
+use gym_numerics::exact::{FLOAT, float_text, parse_float, tagged};
 use gym_numerics::rng::Stream;
 use serde::de::{Deserialize, Deserializer, Error as _};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use serde_json::{Map, Value as Json};
 
-use self::plain::{float_text, list, parse_float, read_array, rows};
+use self::plain::{list, read_array, rows};
 use crate::value::array::Scalar;
 use crate::value::fault::Fault;
 use crate::value::{Array, DType, Error, GraphInstance, Value};
 
-/// The key of a float that JSON lacks.
-const FLOAT: &str = "$float";
 const DICT: &str = "$dict";
 const GRAPH: &str = "$graph";
 const ONE_OF: &str = "$one_of";
@@ -30,13 +28,10 @@ const ONE_OF: &str = "$one_of";
 /// Arrays of more numbers are stored as bytes.
 const READABLE: usize = 32;
 
-/// JSON within stored data, unchanged.
+/// JSON within stored data, unchanged: [`exact`](gym_numerics::exact) recognises the name.
 #[derive(serde::Serialize, serde::Deserialize)]
 #[serde(rename = "$json")]
 struct AsItIs(Json);
-
-/// The name by which [`exact`] recognises such JSON.
-const AS_IT_IS: &str = "$json";
 
 /// The numbers of a stored array.
 ///
@@ -115,17 +110,6 @@ pub mod words {
             .map(|words| T::from_words(*words).map_err(D::Error::custom))
             .collect()
     }
-}
-
-/// One entry under a key that begins with `$`.
-fn tagged<S: Serializer>(
-    serializer: S,
-    tag: &str,
-    content: &(impl Serialize + ?Sized),
-) -> Result<S::Ok, S::Error> {
-    let mut map = serializer.serialize_map(Some(1))?;
-    map.serialize_entry(tag, content)?;
-    map.end()
 }
 
 impl Serialize for Array {

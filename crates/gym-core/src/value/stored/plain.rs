@@ -1,22 +1,11 @@
 //! Numbers in plain JSON: arrays as nested lists, infinities and NaN as texts.
 
+use gym_numerics::exact::{float_text, parse_float};
 use serde_json::Value as Json;
 
 use crate::value::fault::Fault;
 use crate::value::number::{Number, collect};
 use crate::value::{Array, DType};
-
-/// The text of a float that JSON lacks.
-pub(crate) fn float_text(x: f64) -> Option<String> {
-    (!x.is_finite()).then(|| x.to_string())
-}
-
-/// The float of such a text.
-pub(crate) fn parse_float(text: &str) -> Option<f64> {
-    text.parse()
-        .ok()
-        .filter(|x| float_text(*x).is_some_and(|own| own == text))
-}
 
 pub(crate) fn read_array(json: &Json, shape: &[usize], dtype: DType) -> Result<Array, Fault> {
     let mut numbers = Vec::new();
@@ -42,7 +31,7 @@ fn read_numbers(
     Ok(())
 }
 
-/// A number that the type has, rounded to its precision.
+/// A number rounded to the precision of `dtype`, if it fits.
 pub(crate) fn read_number(json: &Json, dtype: DType) -> Result<Number, Fault> {
     let number = parse_number(json)?;
     if number.fits(dtype) || dtype.is_float() && number.to_f64().is_nan() {
@@ -68,7 +57,7 @@ pub(crate) fn check_length(items: &[Json], expected: usize) -> Result<(), Fault>
     )))
 }
 
-/// A number; one that JSON lacks as a text.
+/// A number as JSON; as text if JSON lacks it.
 pub(crate) fn parse_number(json: &Json) -> Result<Number, Fault> {
     let number = match json {
         Json::Number(number) => match (number.as_i64(), number.as_u64()) {

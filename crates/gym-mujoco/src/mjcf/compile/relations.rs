@@ -7,7 +7,7 @@ use crate::model::{CompiledModel, EqualityType, GeomType, JointType, ObjectType,
 use crate::physics::spatial::{InTurn, normalize_quat};
 use crate::{Result, Revision};
 
-/// The object of that name, or an error.
+/// The object with the name, or an error.
 pub(super) fn named(
     place: &Place,
     attribute: &str,

@@ -175,7 +175,7 @@ impl Default for Material {
 }
 
 impl Material {
-    /// Keeps the colour, and ignores everything else that is only looked at.
+    /// Keeps the colour, and ignores other attributes that affect only pictures.
     pub(crate) fn read(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
         replace(&mut self.rgba, element.numbers("rgba")?);
         element.ignore(&[

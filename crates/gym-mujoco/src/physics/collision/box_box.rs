@@ -157,7 +157,7 @@ impl Boxes<'_> {
             axis = axis.map(|x| -x);
         }
         let axis2 = rotate_back(rot, axis);
-        // components whose sign says nothing are tried with both
+        // components with an unclear sign are tried with both signs
         let unclear =
             |v: &Vec3, [k, l]: [usize; 2]| [k, l].into_iter().find(|&k| v[k].abs() < NO_SIGN);
         let (unclear1, unclear2) = (unclear(&axis, [i1, i2]), unclear(&axis2, [j1, j2]));

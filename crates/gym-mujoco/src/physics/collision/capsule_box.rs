@@ -234,7 +234,7 @@ impl Segment {
     }
 }
 
-/// The second number where it is less, else the first.
+/// `b` if it is less than `a`, else `a`.
 fn least(a: f64, b: f64) -> f64 {
     if b < a { b } else { a }
 }

@@ -313,8 +313,8 @@ impl Polytope {
         self.holds_origin(&[c, b, a, c, b, a])
     }
 
-    /// Whether the origin is on the inner side of each face, or on it; a vertex on the inner side is
-    /// given for each.
+    /// Whether the origin is on the inner side of each face, or on it; a vertex on the inner side
+    /// is given for each.
     fn holds_origin(&self, inner: &[usize]) -> Option<()> {
         let holds = |(face, inner): (&Face, &usize)| {
             let [p, q, r] = face.corners.map(|v| self.vertices[v].x);

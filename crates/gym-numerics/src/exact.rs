@@ -1,5 +1,5 @@
-//! The state of any type, including floats that JSON lacks. serde_json writes those as `null`; here
-//! they are written in the [stored form](super).
+//! JSON that keeps every float: the state of any type, including floats that JSON lacks. serde_json
+//! writes those as `null`; here they are `{"$float": "inf"}`.
 
 use serde::Serialize;
 use serde::de::value::{BorrowedStrDeserializer, MapAccessDeserializer};
@@ -7,25 +7,54 @@ use serde::de::{
     DeserializeOwned, DeserializeSeed, Deserializer, Error as _, Expected, MapAccess, SeqAccess,
     Unexpected, Visitor,
 };
-use serde::ser::{self, Serializer};
+use serde::ser::{self, SerializeMap, Serializer};
 use serde_json::{Error, Value as Json};
 
-use super::plain::{float_text, parse_float};
-use super::{FLOAT, tagged};
+/// The key of a float that JSON lacks.
+pub const FLOAT: &str = "$float";
+
+/// The name of a newtype struct whose content is JSON, to be stored unchanged.
+const AS_IT_IS: &str = "$json";
+
+/// The text of a float that JSON lacks.
+pub fn float_text(x: f64) -> Option<String> {
+    (!x.is_finite()).then(|| x.to_string())
+}
+
+/// The float with this text.
+pub fn parse_float(text: &str) -> Option<f64> {
+    text.parse()
+        .ok()
+        .filter(|x| float_text(*x).is_some_and(|own| own == text))
+}
+
+/// Serializes one entry under a key that begins with `$`.
+///
+/// # Errors
+/// The serializer's errors.
+pub fn tagged<S: Serializer>(
+    serializer: S,
+    tag: &str,
+    content: &(impl Serialize + ?Sized),
+) -> Result<S::Ok, S::Error> {
+    let mut map = serializer.serialize_map(Some(1))?;
+    map.serialize_entry(tag, content)?;
+    map.end()
+}
 
 /// State as JSON.
 ///
 /// # Errors
 /// For a map whose keys are not strings.
-pub(crate) fn write<T: Serialize + ?Sized>(state: &T) -> Result<Json, Error> {
+pub fn write<T: Serialize + ?Sized>(state: &T) -> Result<Json, Error> {
     serde_json::to_value(Exact(state))
 }
 
 /// The state that [`write`] stored.
 ///
 /// # Errors
-/// For JSON of something else.
-pub(crate) fn read<T: DeserializeOwned>(json: &Json) -> Result<T, Error> {
+/// For JSON that `write` did not make from this type.
+pub fn read<T: DeserializeOwned>(json: &Json) -> Result<T, Error> {
     T::deserialize(Stored {
         json,
         as_it_is: false,
@@ -151,9 +180,8 @@ hand_on_items! {
 
 /// JSON that is read with all its floats.
 ///
-/// Each method takes the kinds of JSON that its type can come from, and no general one is behind
-/// them: the compiler makes a copy of whatever a type's visitor can reach, for each type of each
-/// crate.
+/// Each method reads only the kinds of JSON that its type can have, without a general method behind
+/// it: the compiler instantiates all that a visitor can reach, for each type in each crate.
 #[derive(Clone, Copy)]
 struct Stored<'de> {
     json: &'de Json,
@@ -162,12 +190,12 @@ struct Stored<'de> {
 }
 
 impl<'de> Stored<'de> {
-    /// A part of this one.
+    /// The reader of a part of this JSON.
     fn part(self, json: &'de Json) -> Self {
         Self { json, ..self }
     }
 
-    /// The number that JSON lacks, if this is one.
+    /// The float in stored form, if `self` is a float that JSON lacks.
     fn float(self) -> Result<Option<f64>, Error> {
         let tagged = self
             .json
@@ -257,7 +285,7 @@ impl<'de> Stored<'de> {
     }
 }
 
-/// Methods that are one of those above.
+/// Methods that call one of the methods above.
 macro_rules! deserialize {
     ($($by:ident { $($method:ident($($arg:ident: $type:ty),*))* })*) => {
         $($(fn $method<V: Visitor<'de>>(self, $($arg: $type,)* visitor: V) -> Result<V::Value, Error> {
@@ -310,7 +338,7 @@ impl<'de> Deserializer<'de> for Stored<'de> {
         visitor: V,
     ) -> Result<V::Value, Error> {
         // a value, or an inner snapshot: already in stored form
-        let as_it_is = self.as_it_is || name == super::AS_IT_IS;
+        let as_it_is = self.as_it_is || name == AS_IT_IS;
         visitor.visit_newtype_struct(Self { as_it_is, ..self })
     }
 
@@ -335,7 +363,7 @@ impl<'de> Deserializer<'de> for Stored<'de> {
     }
 }
 
-/// The items of a list, in turn.
+/// The remaining items of a list.
 struct Items<'de> {
     list: Stored<'de>,
     rest: std::slice::Iter<'de, Json>,
@@ -359,7 +387,7 @@ impl<'de> SeqAccess<'de> for Items<'de> {
     }
 }
 
-/// The entries of a map, in turn.
+/// The remaining entries of a map.
 struct Entries<'de> {
     map: Stored<'de>,
     rest: serde_json::map::Iter<'de>,

@@ -2,14 +2,16 @@
 
 use std::collections::VecDeque;
 
+use gym_core::registry::WrapperConfig;
+use gym_core::vector::parts::flags;
+use gym_core::vector::{Columns, Progress, VectorReset};
+use gym_core::{
+    BoxEnv, Env, Error, Outcome, Reset, Result, Snapshot, Value, VectorEnv, VectorWrapper, Wrapper,
+    WrapperSpec,
+};
 use serde::{Deserialize, Serialize};
 
-use crate::env::{BoxEnv, Env, Outcome};
-use crate::spec::{Reset, WrapperConfig, WrapperSpec};
-use crate::value::{Error, Result, Snapshot, Value};
-use crate::vector::infos::flags;
-use crate::vector::{Columns, Progress, VectorEnv, VectorReset};
-use crate::wrappers::clock::Instant;
+use crate::clock::Instant;
 
 /// Keeps the return, length and duration of each episode, of an environment or of each
 /// sub-environment of a vector.
@@ -19,7 +21,7 @@ use crate::wrappers::clock::Instant;
 /// reset, to the microsecond). The last episodes are kept in [`episodes`](Self::episodes).
 ///
 /// Around a vector, `infos` have these as columns, zero where no episode ended, and the mask
-/// `_episode`. In each [`Autoreset`](crate::vector::Autoreset) mode the entry belongs to the step
+/// `_episode`. In each [`Autoreset`](gym_core::vector::Autoreset) mode the entry belongs to the step
 /// that ended the episode, and is beside `final_info`, not in it. A reset with a mask restarts only
 /// the statistics of those sub-environments. (Gymnasium's loses all.)
 #[derive(Clone, Debug)]
@@ -29,7 +31,7 @@ pub struct RecordEpisodeStatistics<T = BoxEnv> {
     record: Record,
 }
 
-crate::arguments! {
+gym_core::arguments! {
     /// The arguments of [`RecordEpisodeStatistics`].
     pub struct Config {
         /// The number of last episodes to keep, at least 1.
@@ -39,7 +41,7 @@ crate::arguments! {
     }
 }
 
-crate::register_wrapper!(
+gym_core::register_wrapper!(
     "RecordEpisodeStatistics", "adds return, length and seconds of each episode to `info[\"episode\"]`", Config,
     env: RecordEpisodeStatistics::with_config, vector: RecordEpisodeStatistics::with_config
 );
@@ -220,7 +222,7 @@ impl<T> RecordEpisodeStatistics<T> {
         self.record.episodes.iter()
     }
 
-    /// The number of episodes that have ended, including those no longer kept.
+    /// The number of episodes that have ended, including episodes no longer kept.
     pub fn episode_count(&self) -> u64 {
         self.record.episode_count
     }
@@ -231,13 +233,13 @@ impl<T> RecordEpisodeStatistics<T> {
     }
 }
 
-crate::inner!(impl RecordEpisodeStatistics<E>);
+gym_core::inner!(impl RecordEpisodeStatistics<E>);
 
-impl<E: Env> crate::env::Wrapper for RecordEpisodeStatistics<E> {
+impl<E: Env> Wrapper for RecordEpisodeStatistics<E> {
     type Observation = E::Observation;
     type Action = E::Action;
 
-    crate::inner!(E);
+    gym_core::inner!(E);
 
     fn on_reset(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         self.inner.reset_into(reset, observation)?;
@@ -276,14 +278,8 @@ impl<E: Env> crate::env::Wrapper for RecordEpisodeStatistics<E> {
     }
 }
 
-impl<V: VectorEnv> crate::vector::wrapper::VectorWrapper for RecordEpisodeStatistics<V> {
-    fn inner(&self) -> &dyn VectorEnv {
-        &self.inner
-    }
-
-    fn inner_mut(&mut self) -> &mut dyn VectorEnv {
-        &mut self.inner
-    }
+impl<V: VectorEnv> VectorWrapper for RecordEpisodeStatistics<V> {
+    gym_core::inner!(dyn);
 
     fn on_reset(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
         self.record

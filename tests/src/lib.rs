@@ -72,6 +72,7 @@ mod documents {
         ChangingATask: "docs/python/live.md",
         FirstSteps: "docs/first-steps.md",
         Introduction: "docs/README.md",
+        MujocoModels: "docs/mujoco-models.md",
         MujocoVersions: "docs/mujoco-versions.md",
         Minigrid: "docs/minigrid.md",
         Native: "docs/native.md",

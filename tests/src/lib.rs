@@ -71,6 +71,8 @@ mod documents {
     struct FirstSteps;
     #[doc = include_str!(concat!("../../", "docs/README.md"))]
     struct Introduction;
+    #[doc = include_str!(concat!("../../", "docs/mujoco-models.md"))]
+    struct MujocoModels;
     #[doc = include_str!(concat!("../../", "docs/mujoco-versions.md"))]
     struct MujocoVersions;
     #[doc = include_str!(concat!("../../", "docs/minigrid.md"))]

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::physics::spatial::IDENTITY;
-use crate::physics::{Call, Constraints, MAXVAL, Work, rne_post_constraint};
+use crate::physics::{Call, Constraints, MAXVAL, Work, inverse, rne_post_constraint, step1, step2};
 use crate::{Error, Model, Result, forward, step};
 
 /// A state of a model, and the results of the last forward call: MuJoCo's `mjData`.
@@ -31,6 +31,11 @@ pub struct Data {
     pub ctrl: Vec<f64>,
     /// Activations of the actuators (na).
     pub act: Vec<f64>,
+    /// Forces that are applied to the degrees of freedom (nv).
+    pub qfrc_applied: Vec<f64>,
+    /// Forces and torques that are applied at the centres of mass of the bodies, in the world's
+    /// axes.
+    pub xfrc_applied: Vec<[f64; 6]>,
     /// Positions of the mocap bodies.
     pub mocap_pos: Vec<[f64; 3]>,
     /// Orientations of the mocap bodies.
@@ -111,6 +116,8 @@ pub struct Data {
     pub qacc_smooth: Vec<f64>,
     /// Forces of constraints (nv).
     pub qfrc_constraint: Vec<f64>,
+    /// Forces that give `qacc`; current after [`inverse`].
+    pub qfrc_inverse: Vec<f64>,
     /// External force on each body by contacts; current after [`rne_post_constraint`].
     pub cfrc_ext: Vec<[f64; 6]>,
 
@@ -155,6 +162,24 @@ struct State {
     mocap_pos: Vec<[f64; 3]>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     mocap_quat: Vec<[f64; 4]>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    qfrc_applied: Vec<f64>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    xfrc_applied: Vec<[f64; 6]>,
+    /// What the inverse dynamics started from; empty before other calls.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    qacc: Vec<f64>,
+}
+
+/// Does something for each part of a state that is an array.
+macro_rules! for_parts {
+    ($from:expr, $to:expr, $do:ident) => {{
+        let (from, to) = ($from, $to);
+        for_parts!(from to $do: qpos qvel ctrl qacc_warmstart act mocap_pos mocap_quat qfrc_applied xfrc_applied);
+    }};
+    ($from:ident $to:ident $do:ident: $($part:ident)+) => {
+        $($to.$part.$do(&$from.$part);)+
+    };
 }
 
 /// How data is serialised.
@@ -197,7 +222,7 @@ impl<'de> Deserialize<'de> for Data {
             before,
             ..Self::default()
         };
-        data.set(state);
+        data.set(&state);
         Ok(data)
     }
 }
@@ -245,6 +270,16 @@ impl Data {
         data
     }
 
+    /// What a sensor measures.
+    ///
+    /// # Panics
+    /// If the model has no such sensor.
+    #[must_use]
+    pub fn sensor(&self, m: &Model, id: usize) -> &[f64] {
+        let first = m.sensor_adr[id];
+        &self.sensordata[first..first + m.sensor_dim[id]]
+    }
+
     /// Back to the initial configuration: MuJoCo's `mj_resetData`.
     pub fn reset(&mut self, m: &Model) {
         self.clear(m);
@@ -267,6 +302,8 @@ impl Data {
             &mut self.qfrc_smooth,
             &mut self.qacc_smooth,
             &mut self.qfrc_constraint,
+            &mut self.qfrc_applied,
+            &mut self.qfrc_inverse,
             &mut self.actuator_force,
             &mut self.ten_length,
             &mut self.ten_velocity,
@@ -284,6 +321,7 @@ impl Data {
             }
         }
         self.cfrc_ext.fill([0.0; 6]);
+        self.xfrc_applied.fill([0.0; 6]);
         self.contact.clear();
         self.efc.clear();
         self.solver_niter.clear();
@@ -298,44 +336,54 @@ impl Data {
         self.fit(m);
         let Some(last) = self.last else { return };
         let (now, contact_forces) = (self.state(), self.contact_forces);
-        self.set(self.before.clone());
+        let mut before = std::mem::take(&mut self.before);
+        before.qfrc_applied.resize(m.nv(), 0.0);
+        before.xfrc_applied.resize(m.nbody(), [0.0; 6]);
+        self.set(&before);
         match last {
             Call::Forward => forward(m, self),
             Call::Step => step(m, self),
+            Call::Step1 => step1(m, self),
+            Call::Step2 => {
+                step1(m, self);
+                step2(m, self);
+            }
+            Call::Inverse => {
+                self.qacc.copy_from_slice(&before.qacc);
+                inverse(m, self);
+            }
         }
         if contact_forces {
             rne_post_constraint(m, self);
         }
-        self.set(now);
+        self.set(&now);
+        self.qfrc_applied.resize(m.nv(), 0.0);
+        self.xfrc_applied.resize(m.nbody(), [0.0; 6]);
     }
 
     fn state(&self) -> State {
-        State {
-            time: self.time,
-            qpos: self.qpos.clone(),
-            qvel: self.qvel.clone(),
-            ctrl: self.ctrl.clone(),
-            qacc_warmstart: self.qacc_warmstart.clone(),
-            act: self.act.clone(),
-            mocap_pos: self.mocap_pos.clone(),
-            mocap_quat: self.mocap_quat.clone(),
+        let mut state = State::default();
+        self.copy_state(&mut state);
+        state
+    }
+
+    /// Copies the state; nothing for forces of which none is applied.
+    fn copy_state(&self, state: &mut State) {
+        state.time = self.time;
+        for_parts!(self, &mut *state, clone_from);
+        let applied = [&self.qfrc_applied[..], self.xfrc_applied.as_flattened()];
+        if applied
+            .iter()
+            .all(|forces| forces.iter().all(|x| *x == 0.0))
+        {
+            state.qfrc_applied.clear();
+            state.xfrc_applied.clear();
         }
     }
 
-    fn set(&mut self, state: State) {
-        let State {
-            time,
-            qpos,
-            qvel,
-            ctrl,
-            qacc_warmstart,
-            act,
-            mocap_pos,
-            mocap_quat,
-        } = state;
-        self.time = time;
-        (self.qpos, self.qvel, self.ctrl, self.qacc_warmstart) = (qpos, qvel, ctrl, qacc_warmstart);
-        (self.act, self.mocap_pos, self.mocap_quat) = (act, mocap_pos, mocap_quat);
+    fn set(&mut self, state: &State) {
+        self.time = state.time;
+        for_parts!(state, &mut *self, clone_from);
     }
 
     /// Stores the state from which a call starts.
@@ -343,15 +391,27 @@ impl Data {
     pub(crate) fn begin(&mut self, m: &Model, call: Call) {
         self.fit(m);
         (self.last, self.contact_forces) = (Some(call), false);
+        let mut before = std::mem::take(&mut self.before);
+        self.copy_state(&mut before);
+        before.qacc.clear();
+        if call == Call::Inverse {
+            before.qacc.clone_from(&self.qacc);
+        }
+        self.before = before;
+    }
+
+    /// Stores what the second half of a step starts from, beside the first half.
+    pub(crate) fn go_on(&mut self, m: &Model) {
+        if !matches!(self.last, Some(Call::Step1 | Call::Forward)) {
+            return self.begin(m, Call::Step2);
+        }
+        (self.last, self.contact_forces) = (Some(Call::Step2), false);
         let before = &mut self.before;
-        before.time = self.time;
-        before.qpos.copy_from_slice(&self.qpos);
-        before.qvel.copy_from_slice(&self.qvel);
-        before.ctrl.copy_from_slice(&self.ctrl);
-        before.qacc_warmstart.copy_from_slice(&self.qacc_warmstart);
-        before.act.copy_from_slice(&self.act);
-        before.mocap_pos.copy_from_slice(&self.mocap_pos);
-        before.mocap_quat.copy_from_slice(&self.mocap_quat);
+        before.ctrl.clone_from(&self.ctrl);
+        before.act.clone_from(&self.act);
+        before.qacc_warmstart.clone_from(&self.qacc_warmstart);
+        before.qfrc_applied.clone_from(&self.qfrc_applied);
+        before.xfrc_applied.clone_from(&self.xfrc_applied);
     }
 
     /// Checks that this is data of a model, for instance from a snapshot.
@@ -364,22 +424,38 @@ impl Data {
             .into_iter()
             .flatten()
         {
+            let none = state.qfrc_applied.is_empty() && state.xfrc_applied.is_empty();
+            let applied = |length: usize| if none { 0 } else { length };
+            let inverse = self.last == Some(Call::Inverse) && state.qacc.len() == m.nv();
             for (name, numbers, length, most) in [
-                ("qpos", &state.qpos, m.nq(), MAXVAL),
+                ("qpos", &state.qpos[..], m.nq(), MAXVAL),
                 ("qvel", &state.qvel, m.nv(), MAXVAL),
                 ("ctrl", &state.ctrl, m.nu(), f64::from(f32::MAX)),
                 ("qacc_warmstart", &state.qacc_warmstart, m.nv(), MAXVAL),
                 ("act", &state.act, m.na(), MAXVAL),
                 (
                     "mocap_pos",
-                    &state.mocap_pos.as_flattened().to_vec(),
+                    state.mocap_pos.as_flattened(),
                     3 * m.nmocap(),
                     MAXVAL,
                 ),
                 (
                     "mocap_quat",
-                    &state.mocap_quat.as_flattened().to_vec(),
+                    state.mocap_quat.as_flattened(),
                     4 * m.nmocap(),
+                    MAXVAL,
+                ),
+                ("qfrc_applied", &state.qfrc_applied, applied(m.nv()), MAXVAL),
+                (
+                    "xfrc_applied",
+                    state.xfrc_applied.as_flattened(),
+                    applied(6 * m.nbody()),
+                    MAXVAL,
+                ),
+                (
+                    "qacc",
+                    &state.qacc,
+                    if inverse { m.nv() } else { 0 },
                     MAXVAL,
                 ),
             ] {
@@ -416,6 +492,8 @@ impl Data {
             &mut self.qfrc_smooth,
             &mut self.qacc_smooth,
             &mut self.qfrc_constraint,
+            &mut self.qfrc_applied,
+            &mut self.qfrc_inverse,
             &mut self.qld_diag_inv,
         ] {
             vector.resize(nv, 0.0);
@@ -464,7 +542,7 @@ impl Data {
         for axes in [&mut self.cdof, &mut self.cdof_dot] {
             axes.resize(nv, [0.0; 6]);
         }
-        for vectors in [&mut self.cvel, &mut self.cfrc_ext] {
+        for vectors in [&mut self.cvel, &mut self.cfrc_ext, &mut self.xfrc_applied] {
             vectors.resize(nbody, [0.0; 6]);
         }
         self.before.qpos.resize(m.nq(), 0.0);

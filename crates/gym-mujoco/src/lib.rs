@@ -22,7 +22,7 @@ pub mod view;
 pub use data::{Contact, Data};
 pub use error::{Error, Result};
 pub use model::{CompiledModel, Model, Revision};
-pub use physics::{forward, step};
+pub use physics::{forward, step, step1, step2};
 pub use tasks::{
     Ant, HalfCheetah, Hopper, Humanoid, HumanoidStandup, InvertedDoublePendulum, InvertedPendulum,
     Pusher, Reacher, Simulated, Swimmer, Walker2d, simulated, simulated_mut,

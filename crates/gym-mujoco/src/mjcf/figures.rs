@@ -2,9 +2,8 @@
 
 use serde_json::{Map, Value, json};
 
-use super::constants::body_sizes;
 use super::orientation::{EPS, norm};
-use crate::model::{GeomType, JointType, Parameters};
+use crate::model::{GeomType, JointType, Parameters, body_sizes};
 use crate::physics::{com_pos, kinematics};
 use crate::{CompiledModel, Data, Model};
 

@@ -8,7 +8,7 @@
 //! |---|---|
 //! | all | `include`; `default` classes and `childclass`; orientations by quat, axisangle, xyaxes, zaxis and euler |
 //! | `compiler` | angle, eulerseq, autolimits, inertiafromgeom, inertiagrouprange, balanceinertia, boundmass, boundinertia, settotalmass, strippath, coordinate="local" |
-//! | `option` | timestep, gravity, wind, magnetic, density, viscosity, cone, impratio, solver, iterations, ls_iterations, tolerance, integrator (Euler, RK4), `flag` |
+//! | `option` | timestep, gravity, wind, magnetic, density, viscosity, cone, impratio, solver, iterations, ls_iterations, tolerance, noslip_iterations, noslip_tolerance, integrator, `flag` |
 //! | bodies | `body` (mocap, gravcomp), `frame`, `replicate`, `inertial`; all joints with springs, dampers, dry friction, limits; sites, cameras, lights |
 //! | `geom` | plane, sphere, capsule, ellipsoid, cylinder, box; fluidshape; all figures of contacts |
 //! | `contact` | pair, exclude |
@@ -20,12 +20,10 @@
 //!
 //! `asset` gives colours of materials, `statistic` and `size` the figures that MuJoCo takes from
 //! them; `visual`, `custom`, `user`, `group`, textures and skins are read and ignored. Refused are
-//! meshes, height fields as geoms, composites, flexes, plugins, implicit integrators and noslip
-//! iterations.
+//! meshes, height fields as geoms, composites, flexes and plugins.
 
 mod bodies;
 mod compile;
-mod constants;
 mod defaults;
 mod figures;
 mod files;
@@ -89,6 +87,6 @@ impl Model {
         let mut spec = reader::read(&texts.parse()?)?;
         spec.revision = revision;
         let compiled = compile::compile(&spec)?;
-        constants::add_constants(compiled, &spec).map_err(|error| spec.located(error))
+        compile::finish(compiled, &spec).map_err(|error| spec.located(error))
     }
 }

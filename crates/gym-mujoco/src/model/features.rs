@@ -172,6 +172,11 @@ fn unsupported(m: &CompiledModel) -> Result<()> {
         || m.dof_frictionloss.iter().any(|x| *x != 0.0)
         || m.tendon_frictionloss.iter().any(|x| *x != 0.0);
     let pgs = o.solver == Solver::PGS;
+    let turning = m.geom_condim.iter().chain(&m.pair_dim).any(|dim| *dim > 3);
+    let implicit = matches!(
+        o.integrator,
+        Integrator::Implicit | Integrator::ImplicitFast
+    );
     let fast = o.integrator == Integrator::ImplicitFast;
     for (used, what) in [
         (
@@ -182,18 +187,17 @@ fn unsupported(m: &CompiledModel) -> Result<()> {
             pgs && pulls,
             "equality and friction loss with the solver PGS",
         ),
-        (o.noslip_iterations > 0, "noslip iterations"),
         (
-            o.integrator == Integrator::Implicit,
-            "the integrator implicit",
+            o.noslip_iterations > 0 && o.cone == Cone::Elliptic && turning,
+            "noslip iterations with elliptic cones of condim 4 or 6",
         ),
         (
-            fast && (o.density > 0.0 || o.viscosity > 0.0),
-            "a medium with the integrator implicitfast",
+            implicit && (o.density > 0.0 || o.viscosity > 0.0),
+            "a medium with implicit integrators",
         ),
         (
-            fast && m.actuator_gaintype.contains(&GainType::Muscle),
-            "muscles with the integrator implicitfast",
+            implicit && m.actuator_gaintype.contains(&GainType::Muscle),
+            "muscles with implicit integrators",
         ),
         (
             fast && (0..m.nbody()).any(|body| is_free(m, body)),

@@ -1,6 +1,6 @@
 //! Sizes of a model, and objects by their names.
 
-use super::CompiledModel;
+use super::{CompiledModel, ObjectType};
 
 impl CompiledModel {
     /// Number of position coordinates.
@@ -89,59 +89,66 @@ impl CompiledModel {
         self.sensor_dim.iter().sum()
     }
 
+    /// The object of a kind and name: MuJoCo's `mj_name2id`.
+    #[must_use]
+    pub fn id(&self, kind: ObjectType, name: &str) -> Option<usize> {
+        position(self.names_of(kind), name)
+    }
+
+    /// The name of an object: MuJoCo's `mj_id2name`. `None` if it has none, or does not exist.
+    #[must_use]
+    pub fn name(&self, kind: ObjectType, id: usize) -> Option<&str> {
+        self.names_of(kind).get(id)?.as_deref()
+    }
+
+    fn names_of(&self, kind: ObjectType) -> &[Option<String>] {
+        let names = &self.names;
+        match kind {
+            ObjectType::Unknown => &[],
+            ObjectType::Body | ObjectType::XBody => &names.body,
+            ObjectType::Joint => &names.joint,
+            ObjectType::Geom => &names.geom,
+            ObjectType::Site => &names.site,
+            ObjectType::Camera => &names.camera,
+            ObjectType::Tendon => &names.tendon,
+            ObjectType::Actuator => &names.actuator,
+        }
+    }
+}
+
+macro_rules! ids {
+    ($($(#[$doc:meta])* $id:ident: $names:ident;)+) => {
+        impl CompiledModel {
+            $(
+                $(#[$doc])*
+                #[must_use]
+                pub fn $id(&self, name: &str) -> Option<usize> {
+                    position(&self.names.$names, name)
+                }
+            )+
+        }
+    };
+}
+
+ids! {
     /// The body of that name.
-    #[must_use]
-    pub fn body_id(&self, name: &str) -> Option<usize> {
-        position(&self.names.body, name)
-    }
-
+    body_id: body;
     /// The geom of that name.
-    #[must_use]
-    pub fn geom_id(&self, name: &str) -> Option<usize> {
-        position(&self.names.geom, name)
-    }
-
+    geom_id: geom;
     /// The site of that name.
-    #[must_use]
-    pub fn site_id(&self, name: &str) -> Option<usize> {
-        position(&self.names.site, name)
-    }
-
+    site_id: site;
     /// The camera of that name.
-    #[must_use]
-    pub fn camera_id(&self, name: &str) -> Option<usize> {
-        position(&self.names.camera, name)
-    }
-
+    camera_id: camera;
     /// The joint of that name.
-    #[must_use]
-    pub fn joint_id(&self, name: &str) -> Option<usize> {
-        position(&self.names.joint, name)
-    }
-
+    joint_id: joint;
     /// The tendon of that name.
-    #[must_use]
-    pub fn tendon_id(&self, name: &str) -> Option<usize> {
-        position(&self.names.tendon, name)
-    }
-
+    tendon_id: tendon;
     /// The actuator of that name.
-    #[must_use]
-    pub fn actuator_id(&self, name: &str) -> Option<usize> {
-        position(&self.names.actuator, name)
-    }
-
+    actuator_id: actuator;
     /// The sensor of that name.
-    #[must_use]
-    pub fn sensor_id(&self, name: &str) -> Option<usize> {
-        position(&self.names.sensor, name)
-    }
-
+    sensor_id: sensor;
     /// The keyframe of that name.
-    #[must_use]
-    pub fn key_id(&self, name: &str) -> Option<usize> {
-        position(&self.names.key, name)
-    }
+    key_id: key;
 }
 
 fn position(names: &[Option<String>], name: &str) -> Option<usize> {

@@ -15,6 +15,7 @@ macro_rules! ensure {
 
 mod check;
 mod complete;
+mod constants;
 mod drives;
 mod features;
 mod kinds;
@@ -33,6 +34,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::{Error, Result};
 pub use complete::{Fluid, Parameters};
+pub(crate) use constants::{body_sizes, bounding_radius, mark_simple, with_constants};
 pub(crate) use kinds::{About, Stage};
 pub use kinds::{
     BiasType, Cone, DynamicsType, EqualityType, GainType, GeomType, Integrator, JointType,
@@ -46,8 +48,8 @@ pub use types::{Disable, Names, Options, Statistics};
 
 /// A checked [`CompiledModel`], with the engine's precomputed data.
 ///
-/// It dereferences to the figures. They cannot be changed in place, because the engine relies on
-/// them: take them with [`into_compiled`](Self::into_compiled), change them, and make a new model.
+/// It dereferences to the figures. Because the engine relies on them, [`change`](Self::change)
+/// changes them: it checks them, and recomputes what follows from them.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(try_from = "CompiledModel", into = "CompiledModel")]
 pub struct Model {

@@ -39,6 +39,8 @@ pub(crate) struct Plan {
     /// enough.
     pub(crate) pairs: Vec<Pair>,
     pub(crate) reaches: Vec<Reach>,
+    /// Whether the depth of some takes a polytope.
+    pub(crate) deep: bool,
     /// Joints with limits.
     pub(crate) limits: Vec<Limit>,
     /// Constraints of equality, friction and tendons.
@@ -67,7 +69,9 @@ pub(crate) struct Plan {
     pub(crate) damping: Vec<f64>,
     /// Gravity, unless it is switched off.
     pub(crate) gravity: [f64; 3],
-    /// Whether Euler's integrator has damping to treat implicitly.
+    /// Whether Euler's method has damping to treat implicitly.
+    pub(crate) damped: bool,
+    /// Whether it does, as the integrator of the model.
     pub(crate) implicit: bool,
     /// Joints with springs.
     pub(crate) springs: Vec<usize>,
@@ -215,8 +219,7 @@ impl Plan {
             });
         }
         let off = |part: Disable| m.opt.disables(part);
-        let implicit = m.opt.integrator == Integrator::Euler
-            && !off(Disable::EulerDamp)
+        let damped = !off(Disable::EulerDamp)
             && !off(Disable::Damper)
             && m.dof_damping.iter().any(|&damping| damping > 0.0);
         let geoms = (0..m.ngeom()).map(|g| {
@@ -248,6 +251,7 @@ impl Plan {
             trees,
             pairs: Vec::new(),
             reaches: Vec::new(),
+            deep: false,
             limits: Vec::new(),
             plain: {
                 let elliptic = m.opt.cone == Cone::Elliptic;
@@ -278,7 +282,8 @@ impl Plan {
             } else {
                 m.opt.gravity
             },
-            implicit,
+            implicit: damped && m.opt.integrator == Integrator::Euler,
+            damped,
             springs: (0..m.njnt())
                 .filter(|&j| m.jnt_stiffness[j] != 0.0 && !off(Disable::Spring))
                 .collect(),
@@ -294,6 +299,7 @@ impl Plan {
         if constraints && !off(Disable::Contact) {
             plan.pairs = plan.find_pairs(m)?;
         }
+        plan.deep = plan.pairs.iter().any(Pair::is_convex);
         plan.reaches = plan.pairs.iter().map(Reach::new).collect();
         plan.limits = (0..m.njnt())
             .filter(|&j| constraints && !off(Disable::Limit) && m.jnt_limited[j])

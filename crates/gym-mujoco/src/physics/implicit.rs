@@ -1,37 +1,29 @@
-//! The integrator that is implicit in the velocities of dampers and actuators: MuJoCo's
-//! `implicitfast`.
+//! Integrators that are implicit in velocities: MuJoCo's `implicit` and `implicitfast`.
 
 use super::actuation::{disabled, next};
+use super::dense::dot_sparse;
 use super::inertia::factor_damped;
-use crate::model::{BiasType, Disable, GainType};
+use super::spatial::{Vec6, dot6, mul_inertia};
+use super::velocity::joints;
+use crate::model::{BiasType, Disable, GainType, Integrator, JointType};
 use crate::{Data, Model};
 
+type Mat6 = [[f64; 6]; 6];
+
 /// Makes and factors the inertia matrix less the timestep times the derivatives of the forces by
-/// the velocities: the lower half of MuJoCo's `mjd_smooth_vel`.
+/// the velocities, without those of Coriolis and centrifugal forces: for `implicitfast`.
 #[inline(never)]
 pub(super) fn factor(m: &Model, d: &mut Data) {
     let mut slopes = std::mem::take(&mut d.work.qh);
     slopes.clear();
     slopes.resize(d.qm.len(), 0.0);
-    actuators(m, d, &mut slopes);
-    if !m.opt.disables(Disable::Damper) {
-        for i in 0..m.nv() {
-            slopes[m.plan().m_diagonal(i)] -= m.dof_damping[i];
+    let plan = m.plan();
+    smooth(m, d, &mut |row, column, value| {
+        let row = plan.m_row(row);
+        if let Ok(place) = plan.m_colind[row.clone()].binary_search(&column) {
+            slopes[row.start + place] += value;
         }
-        let paths = &m.plan().paths;
-        for (t, row) in paths.rows.iter().enumerate() {
-            let damping = m.tendon_damping[t];
-            if damping != 0.0 {
-                add_square(
-                    m,
-                    &mut slopes,
-                    &paths.columns[row.clone()],
-                    &d.ten_j[row.clone()],
-                    -damping,
-                );
-            }
-        }
-    }
+    });
     for (slope, inertia) in slopes.iter_mut().zip(&d.qm) {
         *slope = inertia + *slope * -m.opt.timestep;
     }
@@ -39,23 +31,101 @@ pub(super) fn factor(m: &Model, d: &mut Data) {
     factor_damped(m, d);
 }
 
-/// Adds `factor J' J` to the lower half of a matrix of the inertia matrix's structure.
-fn add_square(m: &Model, matrix: &mut [f64], columns: &[usize], j: &[f64], factor: f64) {
-    let plan = m.plan();
-    for (&dof, part) in columns.iter().zip(j) {
-        let scale = part * factor;
-        let row = plan.m_row(dof);
-        let known = &plan.m_colind[row.clone()];
-        for (&column, other) in columns.iter().zip(j) {
-            if let Ok(place) = known.binary_search(&column) {
-                matrix[row.start + place] += other * scale;
-            }
+/// What `implicit` computes with.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Buffers {
+    /// The degrees of freedom on the way to the root of each, and those beyond it.
+    columns: Vec<Vec<usize>>,
+    slopes: Vec<f64>,
+    lu: Vec<f64>,
+    /// Derivatives of a body's spatial vectors by each velocity.
+    velocity: Vec<Vec6>,
+    acceleration: Vec<Vec6>,
+    force: Vec<Vec6>,
+    part: Vec<f64>,
+}
+
+impl Buffers {
+    pub(crate) fn new(m: &Model) -> Self {
+        if m.opt.integrator != Integrator::Implicit {
+            return Self::default();
+        }
+        let n = m.nv();
+        let columns = |i| (0..n).filter(|&j| related(m, i, j)).collect();
+        let zeros = vec![[0.0; 6]; m.nbody() * n];
+        Self {
+            columns: (0..n).map(columns).collect(),
+            slopes: vec![0.0; n * n],
+            lu: vec![0.0; n * n],
+            velocity: zeros.clone(),
+            acceleration: zeros.clone(),
+            force: zeros,
+            part: Vec::with_capacity(n),
         }
     }
 }
 
-/// The derivatives of the actuators' forces: MuJoCo's `mjd_actuator_vel`.
-fn actuators(m: &Model, d: &Data, slopes: &mut [f64]) {
+/// The accelerations of `implicit`, of forces `x`, which they replace: MuJoCo's `mj_implicitSkip`.
+#[inline(never)]
+pub(super) fn solve(m: &Model, d: &Data, b: &mut Buffers, x: &mut [f64]) {
+    let n = m.nv();
+    b.slopes.fill(0.0);
+    let slopes = &mut b.slopes;
+    smooth(m, d, &mut |row, column, value| {
+        slopes[row * n + column] += value
+    });
+    subtract_bias(m, d, b);
+    b.lu.fill(0.0);
+    for i in 0..n {
+        let row = m.plan().m_row(i);
+        for (&j, value) in m.plan().m_colind[row.clone()].iter().zip(&d.qm[row]) {
+            (b.lu[i * n + j], b.lu[j * n + i]) = (*value, *value);
+        }
+    }
+    for (lu, slope) in b.lu.iter_mut().zip(&b.slopes) {
+        *lu += slope * -m.opt.timestep;
+    }
+    factor_lu(&mut b.lu, &b.columns);
+    solve_lu(&b.lu, &b.columns, &mut b.part, x);
+}
+
+/// Whether one of two degrees of freedom moves the body of the other.
+fn related(m: &Model, i: usize, j: usize) -> bool {
+    let moves = |i: usize, j: usize| m.plan().chain(m.dof_bodyid[i]).contains(&j);
+    moves(i, j) || moves(j, i)
+}
+
+/// The derivatives of the forces of actuators and dampers: MuJoCo's `mjd_actuator_vel` and
+/// `mjd_passive_vel`.
+fn smooth(m: &Model, d: &Data, add: &mut impl FnMut(usize, usize, f64)) {
+    actuators(m, d, add);
+    if m.opt.disables(Disable::Damper) {
+        return;
+    }
+    for i in 0..m.nv() {
+        add(i, i, -m.dof_damping[i]);
+    }
+    let paths = &m.plan().paths;
+    for (t, row) in paths.rows.iter().enumerate() {
+        let damping = m.tendon_damping[t];
+        if damping != 0.0 {
+            let (columns, j) = (&paths.columns[row.clone()], &d.ten_j[row.clone()]);
+            add_square(columns, j, -damping, add);
+        }
+    }
+}
+
+/// Adds `factor J' J`.
+fn add_square(columns: &[usize], j: &[f64], factor: f64, add: &mut impl FnMut(usize, usize, f64)) {
+    for (&dof, part) in columns.iter().zip(j) {
+        let scale = part * factor;
+        for (&column, other) in columns.iter().zip(j) {
+            add(dof, column, other * scale);
+        }
+    }
+}
+
+fn actuators(m: &Model, d: &Data, add: &mut impl FnMut(usize, usize, f64)) {
     if m.opt.disables(Disable::Actuation) {
         return;
     }
@@ -83,7 +153,203 @@ fn actuators(m: &Model, d: &Data, slopes: &mut [f64]) {
         }
         if slope != 0.0 {
             let (columns, moments) = d.work.moments.row(i);
-            add_square(m, slopes, columns, moments, slope);
+            add_square(columns, moments, slope, add);
         }
+    }
+}
+
+/// Subtracts the derivatives of Coriolis and centrifugal forces: MuJoCo's `mjd_rne_vel`.
+fn subtract_bias(m: &Model, d: &Data, b: &mut Buffers) {
+    let n = m.nv();
+    b.force.fill([0.0; 6]);
+    for body in 1..m.nbody() {
+        let (from, to) = (m.body_parentid[body] * n, body * n);
+        b.velocity.copy_within(from..from + n, to);
+        b.acceleration.copy_within(from..from + n, to);
+        let velocity = &mut b.velocity[to..to + n];
+        let acceleration = &mut b.acceleration[to..to + n];
+        add_axes(m, d, body, velocity, acceleration);
+        let inertia = by_columns(|v| mul_inertia(&d.cinert[body], v));
+        let momentum = mul_inertia(&d.cinert[body], &d.cvel[body]);
+        let turned = product(&force_by_force(&d.cvel[body]), &inertia);
+        let mut both = force_by_velocity(&momentum);
+        for (row, turned) in both.iter_mut().zip(&turned) {
+            add6(row, turned);
+        }
+        for column in 0..n {
+            let mut sum = apply(&acceleration[column], &inertia);
+            add6(&mut sum, &apply(&velocity[column], &both));
+            b.force[to + column] = sum;
+        }
+    }
+    for body in (1..m.nbody()).rev() {
+        let parent = m.body_parentid[body];
+        for column in 0..n {
+            let own = b.force[body * n + column];
+            add6(&mut b.force[parent * n + column], &own);
+        }
+    }
+    for (j, columns) in b.columns.iter().enumerate() {
+        for &column in columns {
+            let force = &b.force[m.dof_bodyid[j] * n + column];
+            b.slopes[j * n + column] -= dot6(force, &d.cdof[j]);
+        }
+    }
+}
+
+/// Adds the axes of a body's joints to the derivatives of its velocity, and their rates and what
+/// these change with to those of its acceleration: MuJoCo's `mjd_comVel_vel`.
+fn add_axes(m: &Model, d: &Data, body: usize, velocity: &mut [Vec6], acceleration: &mut [Vec6]) {
+    for joint in joints(m, body) {
+        let first = m.jnt_dofadr[joint];
+        // the axes of a free joint's translation do not turn
+        let fixed = match m.jnt_type[joint] {
+            JointType::Free => first + 3,
+            _ => first,
+        };
+        let all = first..first + m.jnt_type[joint].nv();
+        for k in first..fixed {
+            add6(&mut velocity[k], &d.cdof[k]);
+            add6(&mut acceleration[k], &d.cdof_dot[k]);
+        }
+        for k in fixed..all.end {
+            add6(&mut acceleration[k], &d.cdof_dot[k]);
+            let by = motion_by_velocity(&d.cdof[k]);
+            for (sum, v) in acceleration.iter_mut().zip(&*velocity) {
+                let rate = apply(v, &by);
+                for k6 in 0..6 {
+                    sum[k6] += rate[k6] * d.qvel[k];
+                }
+            }
+        }
+        for k in fixed..all.end {
+            add6(&mut velocity[k], &d.cdof[k]);
+        }
+    }
+}
+
+fn add6(sum: &mut Vec6, x: &Vec6) {
+    for (sum, x) in sum.iter_mut().zip(x) {
+        *sum += x;
+    }
+}
+
+/// The matrix of a linear function.
+fn by_columns(f: impl Fn(&Vec6) -> Vec6) -> Mat6 {
+    let mut matrix = [[0.0; 6]; 6];
+    for k in 0..6 {
+        let mut unit = [0.0; 6];
+        unit[k] = 1.0;
+        for (row, value) in matrix.iter_mut().zip(f(&unit)) {
+            row[k] = value;
+        }
+    }
+    matrix
+}
+
+/// The product of a matrix with a vector, as MuJoCo makes it with the transposed one.
+fn apply(x: &Vec6, matrix: &Mat6) -> Vec6 {
+    let mut sum = [0.0; 6];
+    for (k, x) in x.iter().enumerate() {
+        if *x != 0.0 {
+            for (sum, row) in sum.iter_mut().zip(matrix) {
+                *sum += row[k] * x;
+            }
+        }
+    }
+    sum
+}
+
+fn product(a: &Mat6, b: &Mat6) -> Mat6 {
+    a.map(|row| {
+        let mut sum = [0.0; 6];
+        for (x, b) in row.iter().zip(b) {
+            if *x != 0.0 {
+                for (sum, b) in sum.iter_mut().zip(b) {
+                    *sum += b * x;
+                }
+            }
+        }
+        sum
+    })
+}
+
+/// The derivative of the product of motions by the first.
+fn motion_by_velocity(v: &Vec6) -> Mat6 {
+    let [a, b, c, x, y, z] = *v;
+    [
+        [0.0, c, -b, 0.0, 0.0, 0.0],
+        [-c, 0.0, a, 0.0, 0.0, 0.0],
+        [b, -a, 0.0, 0.0, 0.0, 0.0],
+        [0.0, z, -y, 0.0, c, -b],
+        [-z, 0.0, x, -c, 0.0, a],
+        [y, -x, 0.0, b, -a, 0.0],
+    ]
+}
+
+/// The derivative of the product of a motion and a force by the motion.
+fn force_by_velocity(f: &Vec6) -> Mat6 {
+    let [a, b, c, x, y, z] = *f;
+    [
+        [0.0, c, -b, 0.0, z, -y],
+        [-c, 0.0, a, -z, 0.0, x],
+        [b, -a, 0.0, y, -x, 0.0],
+        [0.0, z, -y, 0.0, 0.0, 0.0],
+        [-z, 0.0, x, 0.0, 0.0, 0.0],
+        [y, -x, 0.0, 0.0, 0.0, 0.0],
+    ]
+}
+
+/// The same by the force.
+fn force_by_force(v: &Vec6) -> Mat6 {
+    let [a, b, c, x, y, z] = *v;
+    [
+        [0.0, -c, b, 0.0, -z, y],
+        [c, 0.0, -a, z, 0.0, -x],
+        [-b, a, 0.0, -y, x, 0.0],
+        [0.0, 0.0, 0.0, 0.0, -c, b],
+        [0.0, 0.0, 0.0, c, 0.0, -a],
+        [0.0, 0.0, 0.0, -b, a, 0.0],
+    ]
+}
+
+/// Factors a matrix whose rows have these columns: MuJoCo's `mju_factorLUSparse`.
+fn factor_lu(lu: &mut [f64], columns: &[Vec<usize>]) {
+    let n = columns.len();
+    for i in (0..n).rev() {
+        let pivot = lu[i * n + i];
+        // those before are on the way to the root, and so each is among the others' columns
+        let before = &columns[i][..columns[i].partition_point(|&k| k < i)];
+        for &j in before.iter().rev() {
+            let share = lu[j * n + i] / pivot;
+            lu[j * n + i] = share;
+            for &k in before {
+                lu[j * n + k] -= lu[i * n + k] * share;
+            }
+        }
+    }
+}
+
+/// MuJoCo's `mju_solveLUSparse`.
+fn solve_lu(lu: &[f64], columns: &[Vec<usize>], part: &mut Vec<f64>, x: &mut [f64]) {
+    let n = columns.len();
+    let mut sum = |i: usize, columns: &[usize], x: &[f64]| {
+        part.clear();
+        part.extend(columns.iter().map(|&k| lu[i * n + k]));
+        dot_sparse(part, columns, x)
+    };
+    let place = |i: usize| columns[i].partition_point(|&k| k < i);
+    for i in (0..n).rev() {
+        let after = &columns[i][place(i) + 1..];
+        if !after.is_empty() {
+            x[i] -= sum(i, after, x);
+        }
+    }
+    for i in 0..n {
+        let before = &columns[i][..place(i)];
+        if !before.is_empty() {
+            x[i] -= sum(i, before, x);
+        }
+        x[i] /= lu[i * n + i];
     }
 }

@@ -77,17 +77,24 @@ fn dot6_of_four(a: &[Lanes; 6], b: &Vec6) -> Lanes {
 pub fn factor_m(m: &Model, d: &mut Data) {
     d.qld.copy_from_slice(&d.qm);
     if m.plan().implicit {
+        add_damping(m, d);
         let work = &mut d.work;
-        work.qh.copy_from_slice(&d.qm);
-        for i in 0..m.nv() {
-            work.qh[m.plan().m_diagonal(i)] += m.opt.timestep * m.dof_damping[i];
-        }
         // a row waits for the divisions of those before: of two matrices in turn, one computes
         // while the other waits
         let damped = (&mut work.qh[..], &mut work.qh_diag_inv[..]);
         factor(m, [(&mut d.qld, &mut d.qld_diag_inv), damped]);
     } else {
         factor(m, [(&mut d.qld, &mut d.qld_diag_inv)]);
+    }
+}
+
+/// The inertia matrix that damping changes.
+#[inline(always)]
+pub(super) fn add_damping(m: &Model, d: &mut Data) {
+    let work = &mut d.work;
+    work.qh.copy_from_slice(&d.qm);
+    for i in 0..m.nv() {
+        work.qh[m.plan().m_diagonal(i)] += m.opt.timestep * m.dof_damping[i];
     }
 }
 

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::actuation::advance;
-use super::inertia::solve;
+use super::inertia::{add_damping, factor_damped, solve};
 use super::spatial::{InTurn, Pairwise, Vec3, add_scaled, cross, dot, quat_integrate, scale};
 use super::{evaluate, implicit};
 use crate::libm::{self, wide};
@@ -52,15 +52,29 @@ pub fn euler(m: &Model, d: &mut Data) {
 fn semi_implicit(m: &Model, d: &mut Data) {
     let dt = m.opt.timestep;
     let fast = m.opt.integrator == Integrator::ImplicitFast;
+    // the second half of a step stands in for Runge and Kutta's method by this one
+    let late = m.opt.integrator == Integrator::RK4 && m.plan().damped;
     if fast {
         implicit::factor(m, d);
     }
-    if fast || m.plan().implicit {
-        let work = &mut d.work;
+    if late {
+        add_damping(m, d);
+        factor_damped(m, d);
+    }
+    let whole = m.opt.integrator == Integrator::Implicit;
+    if fast || late || whole || m.plan().implicit {
         for i in 0..m.nv() {
-            work.acc_sum[i] = d.qfrc_smooth[i] + d.qfrc_constraint[i];
+            d.work.acc_sum[i] = d.qfrc_smooth[i] + d.qfrc_constraint[i];
         }
-        solve(m, &work.qh, &work.qh_diag_inv, &mut work.acc_sum);
+        if whole {
+            let mut sum = std::mem::take(&mut d.work.acc_sum);
+            let mut buffers = std::mem::take(&mut d.work.implicit);
+            implicit::solve(m, d, &mut buffers, &mut sum);
+            (d.work.acc_sum, d.work.implicit) = (sum, buffers);
+        } else {
+            let work = &mut d.work;
+            solve(m, &work.qh, &work.qh_diag_inv, &mut work.acc_sum);
+        }
     } else {
         d.work.acc_sum.copy_from_slice(&d.qacc);
     }

@@ -19,9 +19,17 @@ pub fn rne_post_constraint(m: &Model, d: &mut Data) {
     }
 }
 
-/// The forces of contacts on bodies, about the centres of mass of their trees.
+/// The forces that are applied to bodies and those of contacts, about the centres of mass of their trees.
 fn contacts(m: &Model, d: &mut Data) {
     d.cfrc_ext.fill([0.0; 6]);
+    for b in 1..m.nbody() {
+        let [x, y, z, roll, pitch, yaw] = d.xfrc_applied[b];
+        if d.xfrc_applied[b] != [0.0; 6] {
+            let offset = sub(d.subtree_com[m.body_rootid[b]], d.xipos[b]);
+            let force = [x, y, z];
+            d.cfrc_ext[b] = join(sub([roll, pitch, yaw], cross(offset, force)), force);
+        }
+    }
     for contact in &d.contact {
         if contact.efc_address < 0 {
             continue;

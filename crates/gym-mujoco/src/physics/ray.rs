@@ -34,7 +34,7 @@ pub fn ray(
 
 /// The distance at which a ray meets a shape, with MuJoCo's number of it; -1 if it does not:
 /// MuJoCo's `mju_rayGeom`.
-pub(super) fn ray_shape(
+pub(crate) fn ray_shape(
     shape: u8,
     (pos, mat): (Vec3, &Mat3),
     size: Vec3,

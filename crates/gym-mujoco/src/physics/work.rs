@@ -2,6 +2,7 @@
 
 use super::collision::Polytope;
 use super::dense::{self, Lanes};
+use super::implicit;
 use super::solver::{Island, buffers, pgs};
 use super::transmission::Moments;
 use crate::Model;
@@ -10,7 +11,7 @@ use crate::Model;
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Work {
     /// Sizes of the model that they are for.
-    sizes: Option<[usize; 11]>,
+    sizes: Option<[usize; 15]>,
     /// Composite inertias.
     pub(crate) crb: Vec<[f64; 10]>,
     /// Motion axes by components, of four degrees of freedom each.
@@ -50,6 +51,7 @@ pub(crate) struct Work {
     pub(crate) islands: Vec<Island>,
     pub(crate) newton: buffers::Buffers,
     pub(crate) pgs: pgs::Buffers,
+    pub(crate) implicit: implicit::Buffers,
 
     /// `M + dt damping`, then its factors.
     pub(crate) qh: Vec<f64>,
@@ -62,7 +64,7 @@ pub(crate) struct Work {
     pub(crate) qvel_start: Vec<f64>,
 }
 
-fn sizes(m: &Model) -> [usize; 11] {
+fn sizes(m: &Model) -> [usize; 15] {
     let plan = m.plan();
     [
         m.nq(),
@@ -76,6 +78,10 @@ fn sizes(m: &Model) -> [usize; 11] {
         m.na(),
         m.nsensordata(),
         plan.paths.columns.len(),
+        m.ntendon(),
+        m.ntree(),
+        m.opt.integrator as usize,
+        usize::from(m.plan().deep),
     ]
 }
 
@@ -84,7 +90,6 @@ impl Work {
         let nv = m.nv();
         let bounds = m.plan().bounds();
         let trees = m.ntree();
-        let deep = m.plan().pairs.iter().any(crate::model::Pair::is_convex);
         Self {
             tree_island: Vec::with_capacity(trees),
             tree_least: Vec::with_capacity(trees),
@@ -93,7 +98,8 @@ impl Work {
             island_blocks: Vec::with_capacity(bounds.blocks),
             islands: Vec::with_capacity(trees),
             newton: buffers::Buffers::new(nv, bounds.rows, bounds.blocks),
-            pgs: pgs::Buffers::new(m.opt.solver, nv, &bounds),
+            pgs: pgs::Buffers::new(m, &bounds),
+            implicit: implicit::Buffers::new(m),
             sizes: Some(sizes(m)),
             crb: vec![[0.0; 10]; m.nbody()],
             axes: vec![[[0.0; 4]; 6]; dense::groups(nv)],
@@ -109,7 +115,7 @@ impl Work {
             tendon_sums: vec![0.0; m.ntendon()],
             act_sum: vec![0.0; m.na()],
             act_start: vec![0.0; m.na()],
-            polytope: if deep {
+            polytope: if m.plan().deep {
                 Polytope::new()
             } else {
                 Polytope::default()

@@ -32,7 +32,7 @@ impl Simulation {
         arguments.check()?;
         let model = load(&arguments.xml_file, arguments.mujoco)?;
         let dt = model.opt.timestep * arguments.frame_skip as f64;
-        let view = View::new(&model, arguments)?;
+        let view = View::of_task(&model, arguments)?;
         let xml_file = arguments.xml_file.clone();
         Ok(Self {
             model,
@@ -50,7 +50,7 @@ impl Simulation {
     }
 
     /// Applies an action for the timesteps of a step.
-    pub(super) fn step(&self, data: &mut Data, action: &Array) {
+    pub fn step(&self, data: &mut Data, action: &Array) {
         for (ctrl, a) in data.ctrl.iter_mut().zip(action.iter_f64()) {
             *ctrl = a;
         }
@@ -80,14 +80,31 @@ impl Simulation {
     }
 
     /// A body that the task cannot do without.
-    pub(super) fn body(&self, name: &str) -> Result<usize> {
-        self.model
-            .body_id(name)
-            .ok_or_else(|| Error::argument("xml_file", format!("the model has no body {name:?}")))
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] if the model has none of that name.
+    pub fn body(&self, name: &str) -> Result<usize> {
+        self.known("body", name, self.model.body_id(name))
+    }
+
+    /// A site that the task cannot do without.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] if the model has none of that name.
+    pub fn site(&self, name: &str) -> Result<usize> {
+        self.known("site", name, self.model.site_id(name))
+    }
+
+    fn known(&self, kind: &str, name: &str, id: Option<usize>) -> Result<usize> {
+        let missing = || format!("the model has no {kind} {name:?}");
+        id.ok_or_else(|| Error::argument("xml_file", missing()))
     }
 
     /// Refuses a model with too few elements for the task.
-    pub(super) fn needs(&self, what: &str, there_are: usize, at_least: usize) -> Result<()> {
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] with the numbers.
+    pub fn needs(&self, what: &str, there_are: usize, at_least: usize) -> Result<()> {
         if there_are >= at_least {
             return Ok(());
         }
@@ -143,14 +160,18 @@ pub fn models() -> impl Iterator<Item = (&'static str, &'static str)> {
     MODELS.iter().map(|built_in| (built_in.name, built_in.text))
 }
 
-/// A built-in model by name, or a file by a path that begins with `.`, `/` or `~`, for the engine
-/// of a revision.
+/// A built-in model by name, a file by a path that begins with `.`, `/` or `~`, or the text of a
+/// model, which begins with `<`; for the engine of a revision.
 ///
 /// # Errors
 /// [`Error::InvalidArgument`] for an unknown name, a file that cannot be read, and one that is not
 /// a model.
 pub fn load(xml_file: &str, revision: Revision) -> Result<Arc<Model>> {
     let wrong = |error: crate::Error| Error::argument("xml_file", error.to_string());
+    if xml_file.starts_with('<') {
+        let model = Model::from_xml_with(xml_file, revision);
+        return model.map(Arc::new).map_err(wrong);
+    }
     if xml_file.starts_with(['.', '/', '~']) {
         let path = match (xml_file.strip_prefix("~/"), std::env::home_dir()) {
             (Some(rest), Some(home)) => home.join(rest),

@@ -1,6 +1,7 @@
 //! Pictures of a model: a camera, and shaded shapes on a canvas.
 
 mod camera;
+mod depth;
 mod floor;
 mod shapes;
 mod solids;
@@ -77,7 +78,7 @@ impl CameraConfig {
 
 /// The viewpoint of a model's pictures.
 #[derive(Clone, Debug)]
-pub(crate) struct View {
+pub struct View {
     mount: Mount,
     max_geom: usize,
 }
@@ -122,10 +123,20 @@ const AZIMUTH: f64 = 90.0;
 const ELEVATION: f64 = -45.0;
 
 impl View {
-    pub(crate) fn new(model: &Model, arguments: &Common) -> Result<Self> {
-        let mut data = Data::new(model);
-        kinematics(model, &mut data);
-        com_pos(model, &mut data);
+    /// The view of a free camera.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for a body that does not exist, and for numbers that are not
+    /// finite.
+    pub fn new(model: &Model, camera: &CameraConfig) -> Result<Self> {
+        Ok(Self {
+            mount: free(model, &initial(model), camera)?,
+            max_geom: usize::MAX,
+        })
+    }
+
+    pub(crate) fn of_task(model: &Model, arguments: &Common) -> Result<Self> {
+        let data = initial(model);
         let own = match (&arguments.camera_name, arguments.camera_id) {
             (Some(name), _) => Some(model.camera_id(name).ok_or_else(|| {
                 let names: Vec<&str> = model
@@ -199,22 +210,12 @@ impl View {
         }
     }
 
-    pub(crate) fn draw(
-        &self,
-        model: &Model,
-        data: &Data,
-        size: (u32, u32),
-        canvas: &mut dyn Canvas,
-    ) {
+    /// Draws a state.
+    pub fn draw(&self, model: &Model, data: &Data, size: (u32, u32), canvas: &mut dyn Canvas) {
         let camera = self.camera(data, size);
         let geoms = (0..model.ngeom()).take(self.max_geom);
-        // the lowest plane is the floor; other planes are not shown
-        let floor = geoms
-            .clone()
-            .filter(|g| model.geom_type[*g] == GeomType::Plane && data.geom_xmat[*g][8] > 0.99)
-            .min_by(|a, b| data.geom_xpos[*a][2].total_cmp(&data.geom_xpos[*b][2]));
         floor::sky(&camera, canvas);
-        if let Some(g) = floor {
+        if let Some(g) = floor_of(model, data, self.max_geom) {
             let height = data.geom_xpos[g][2];
             floor::draw(
                 &camera,
@@ -248,6 +249,22 @@ impl View {
             );
         }
     }
+}
+
+/// The lowest plane is the floor; other planes are not shown.
+fn floor_of(model: &Model, data: &Data, max_geom: usize) -> Option<usize> {
+    (0..model.ngeom())
+        .take(max_geom)
+        .filter(|g| model.geom_type[*g] == GeomType::Plane && data.geom_xmat[*g][8] > 0.99)
+        .min_by(|a, b| data.geom_xpos[*a][2].total_cmp(&data.geom_xpos[*b][2]))
+}
+
+/// The initial configuration.
+fn initial(model: &Model) -> Data {
+    let mut data = Data::new(model);
+    kinematics(model, &mut data);
+    com_pos(model, &mut data);
+    data
 }
 
 /// The colour of a geom: its own, or else its material's.

@@ -1,6 +1,7 @@
 //! Tests of the crate from outside: one program, which is linked once.
 
 mod adversarial;
+mod changes;
 mod common;
 mod episodes;
 mod features;

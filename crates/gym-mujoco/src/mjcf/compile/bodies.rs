@@ -7,7 +7,7 @@ use crate::mjcf::inertia::{self, Inertia};
 use crate::mjcf::orientation::{EPS, from_z, unit, within};
 use crate::mjcf::spec::{Body, Frame, Geom, Inertial, Joint, Moments, Spec};
 use crate::mjcf::xml::Place;
-use crate::model::{CompiledModel, Fluid, GeomType, JointType};
+use crate::model::{CompiledModel, Fluid, GeomType, JointType, bounding_radius};
 use crate::physics::spatial::rotate_quat;
 
 const IDENTITY: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
@@ -322,14 +322,7 @@ fn add_geom(m: &mut CompiledModel, spec: &Spec, body: usize, geom: &Geom) -> Res
     m.geom_condim.push(geom.condim);
     m.geom_priority.push(geom.priority);
     m.geom_size.push(size);
-    m.geom_rbound.push(match shape {
-        GeomType::Plane => 0.0,
-        GeomType::Sphere => size[0],
-        GeomType::Capsule => size[0] + size[1],
-        GeomType::Cylinder => (size[0] * size[0] + size[1] * size[1]).sqrt(),
-        GeomType::Ellipsoid => size[0].max(size[1]).max(size[2]),
-        GeomType::Box => (size[0] * size[0] + size[1] * size[1] + size[2] * size[2]).sqrt(),
-    });
+    m.geom_rbound.push(bounding_radius(*shape, size));
     m.geom_fluid.push(if geom.fluid_ellipsoid {
         Fluid(fluid::coefficients(*shape, size, geom.fluid))
     } else {

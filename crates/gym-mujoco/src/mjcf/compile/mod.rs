@@ -7,11 +7,11 @@ mod relations;
 use std::collections::HashSet;
 
 use super::inertia::MINVAL;
-use super::orientation::{EPS, norm, within};
-use super::spec::Spec;
+use super::orientation::within;
+use super::spec::{Spec, Statistic};
 use super::xml::Place;
-use crate::Result;
-use crate::model::{CompiledModel, JointType};
+use crate::model::{CompiledModel, mark_simple, with_constants};
+use crate::{Model, Result};
 
 /// The most bodies, geoms and degrees of freedom, as the engine's matrices are dense; and the most
 /// of everything that is looked up by its name.
@@ -31,7 +31,6 @@ pub(super) fn compile(spec: &Spec) -> Result<Box<CompiledModel>> {
     }
     scale_mass(&mut m, spec.compiler.total_mass);
     check_mass(&m, spec)?;
-    add_subtree_masses(&mut m);
     mark_simple(&mut m);
     add_looks(&mut m, spec)?;
     relations::add_excludes(&mut m, spec)?;
@@ -43,6 +42,46 @@ pub(super) fn compile(spec: &Spec) -> Result<Box<CompiledModel>> {
     relations::add_keys(&mut m, spec)?;
     check_names(spec)?;
     Ok(m)
+}
+
+/// The model, with the figures that follow from others, and with those that the text states in
+/// their place.
+pub(super) fn finish(m: Box<CompiledModel>, spec: &Spec) -> Result<Model> {
+    let mut m = with_constants(m)?;
+    state_statistics(&mut m, &spec.statistic);
+    add_spring_dampers(&mut m, spec);
+    Model::new(m)
+}
+
+/// Stiffness and damping of joints whose time constant and damping ratio are given: MuJoCo's
+/// `AutoSpringDamper`.
+fn add_spring_dampers(m: &mut CompiledModel, spec: &Spec) {
+    let joints = spec.bodies.iter().flat_map(|body| &body.joints);
+    for (j, joint) in joints.enumerate() {
+        let [time, ratio] = joint.spring_damper;
+        if time <= 0.0 || ratio <= 0.0 {
+            continue;
+        }
+        let dofs = m.jnt_dofadr[j]..m.jnt_dofadr[j] + m.jnt_type[j].nv();
+        let weights: f64 = m.dof_invweight0[dofs.clone()].iter().sum();
+        let inertia = dofs.len() as f64 / weights.max(MINVAL);
+        m.jnt_stiffness[j] = inertia / (time * time * ratio * ratio).max(MINVAL);
+        m.dof_damping[dofs].fill(2.0 * inertia / time.max(MINVAL));
+    }
+}
+
+/// Numbers that the model states replace computed ones.
+fn state_statistics(m: &mut CompiledModel, stated: &Statistic) {
+    let stat = &mut m.stat;
+    for (value, stated) in [
+        (&mut stat.meaninertia, stated.meaninertia),
+        (&mut stat.meanmass, stated.meanmass),
+        (&mut stat.meansize, stated.meansize),
+        (&mut stat.extent, stated.extent),
+    ] {
+        *value = stated.unwrap_or(*value);
+    }
+    stat.center = stated.center.unwrap_or(stat.center);
 }
 
 fn scale_mass(m: &mut CompiledModel, total: Option<f64>) {
@@ -74,49 +113,6 @@ fn check_mass(m: &CompiledModel, spec: &Spec) -> Result<()> {
         }
     }
     Ok(())
-}
-
-fn add_subtree_masses(m: &mut CompiledModel) {
-    m.body_subtreemass.clone_from(&m.body_mass);
-    for b in (1..m.nbody()).rev() {
-        m.body_subtreemass[m.body_parentid[b]] += m.body_subtreemass[b];
-    }
-}
-
-/// Marks bodies whose part of the inertia matrix is diagonal: without children, directly in the
-/// world or in a fixed child of it, with the inertial frame in the body's, moved along coordinate
-/// axes and then turned about at most one.
-fn mark_simple(m: &mut CompiledModel) {
-    for b in 0..m.nbody() {
-        let own_frame = norm(&m.body_ipos[b]) < EPS && norm(&m.body_iquat[b][1..]) < EPS;
-        let parent = m.body_parentid[b];
-        let rooted = parent == 0 || (m.body_parentid[parent] == 0 && m.body_jntnum[parent] == 0);
-        m.body_simple.push(u8::from(own_frame && rooted));
-        m.body_simple[parent] &= u8::from(parent == 0);
-        let (mut turns, mut slides) = (false, 0);
-        let first = usize::try_from(m.body_jntadr[b]).unwrap_or(0);
-        for j in first..first + m.body_jntnum[b] {
-            let aligned = m.jnt_axis[j].iter().filter(|x| x.abs() > EPS).count() == 1;
-            if turns || norm(&m.jnt_pos[j]) >= EPS || !aligned {
-                m.body_simple[b] = 0;
-            }
-            turns |= matches!(m.jnt_type[j], JointType::Hinge | JointType::Ball);
-            slides += usize::from(m.jnt_type[j] == JointType::Slide);
-        }
-        if m.body_simple[b] == 1 && slides > 0 && slides == m.body_jntnum[b] {
-            m.body_simple[b] = 2;
-        }
-    }
-    m.dof_simplenum = vec![0; m.nv()];
-    let mut count = 0;
-    for i in (0..m.nv()).rev() {
-        count = if m.body_simple[m.dof_bodyid[i]] > 0 {
-            count + 1
-        } else {
-            0
-        };
-        m.dof_simplenum[i] = count;
-    }
 }
 
 fn add_looks(m: &mut CompiledModel, spec: &Spec) -> Result<()> {

@@ -6,6 +6,7 @@ mod conjugate;
 mod law;
 mod line_search;
 mod newton;
+mod noslip;
 pub(crate) mod pgs;
 
 use std::ops::Range;
@@ -31,6 +32,9 @@ pub fn fwd_constraint(m: &Model, d: &mut Data) {
     match m.opt.solver {
         Solver::PGS => pgs::solve(m, d),
         _ => newton::solve(m, d),
+    }
+    if m.opt.noslip_iterations > 0 {
+        noslip::solve(m, d);
     }
 }
 
@@ -62,6 +66,38 @@ fn islands(m: &Model, d: &mut Data) {
 pub(crate) struct Island {
     trees: Range<usize>,
     blocks: Range<usize>,
+}
+
+/// The rows' forces at `qacc`: MuJoCo's `mj_constraintUpdate`.
+pub(super) fn forces_at(m: &Model, d: &mut Data) {
+    let (efc, b) = (&mut d.efc, &mut d.work.newton);
+    b.jar.resize(efc.nefc(), 0.0);
+    residuals(m, efc, &d.qacc, &mut d.work.dofs, &mut b.jar);
+    let law = law::Law {
+        blocks: &efc.blocks,
+        d: &efc.d,
+        r: &efc.r,
+        loss: &efc.loss,
+        contacts: &d.contact,
+        revision: m.revision,
+    };
+    b.states.resize(b.jar.len(), law::State::Satisfied);
+    law.update(&b.jar, &mut efc.force, &mut b.states, &mut b.cones);
+}
+
+/// `qfrc_constraint`: the forces of all rows on the degrees of freedom.
+#[inline(always)]
+pub(super) fn add_forces(m: &Model, d: &mut Data) {
+    let sum = &mut d.work.dofs;
+    sum.fill([0.0; 4]);
+    let rows = d.efc.jacobian().chunks_exact(d.efc.stride().max(1));
+    for (row, &force) in rows.zip(&d.efc.force) {
+        if force != 0.0 {
+            dense::add_scaled(sum, row, force);
+        }
+    }
+    d.qfrc_constraint
+        .copy_from_slice(&sum.as_flattened()[..m.nv()]);
 }
 
 /// `jar = J qacc - aref`, for all rows; `x` is a buffer.

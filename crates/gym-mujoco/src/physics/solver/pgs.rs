@@ -3,7 +3,7 @@
 //! It stops long before it converges. So order and number of iterations are part of the answer, and
 //! both are repeated.
 
-use super::{dense, residuals};
+use super::{add_forces, dense, residuals};
 use crate::model::{Bounds, Solver};
 use crate::physics::dense::{Lanes, add_scaled, dot, times};
 use crate::physics::inertia;
@@ -15,13 +15,13 @@ pub(crate) struct Buffers {
     /// `(J L^-1 D^-1/2)'`: for each degree of freedom its number in every row.
     half: Vec<Lanes>,
     /// `J M^-1 J' + R`, row by row.
-    ar: Vec<Lanes>,
+    pub(super) ar: Vec<Lanes>,
     /// The terms of a row of `ar`: where a row of `half` starts, and its factor.
     terms: Vec<(usize, f64)>,
     /// Where the rows of `half` start that are not zero, the last first.
     moving: Vec<usize>,
     jar: Vec<f64>,
-    force: Vec<Lanes>,
+    pub(super) force: Vec<Lanes>,
     product: Vec<Lanes>,
     /// The rows of an island; the vectors below have their order.
     rows: Vec<usize>,
@@ -44,9 +44,9 @@ struct Step {
 
 impl Buffers {
     /// Buffers that need not grow; for another solver they stay empty.
-    pub(crate) fn new(solver: Solver, nv: usize, bounds: &Bounds) -> Self {
-        let mut buffers = Self::default();
-        if solver != Solver::PGS {
+    pub(crate) fn new(m: &Model, bounds: &Bounds) -> Self {
+        let (nv, mut buffers) = (m.nv(), Self::default());
+        if m.opt.solver != Solver::PGS && m.opt.noslip_iterations == 0 {
             return buffers;
         }
         let (rows, groups) = (bounds.rows, dense::groups(bounds.rows));
@@ -117,31 +117,24 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
     d.work.islands = islands;
     d.efc.force.copy_from_slice(&s.force.as_flattened()[..nefc]);
 
-    let sum = &mut d.work.dofs;
-    sum.fill([0.0; 4]);
-    for (row, &force) in d
-        .efc
-        .jacobian()
-        .chunks_exact(d.efc.stride())
-        .zip(&d.efc.force)
-    {
-        if force != 0.0 {
-            add_scaled(sum, row, force);
-        }
-    }
-    d.qfrc_constraint
-        .copy_from_slice(&sum.as_flattened()[..m.nv()]);
+    d.work.pgs = s;
+    finish(m, d);
+}
+
+/// `qfrc_constraint` and `qacc` from the rows' forces: MuJoCo's `mj_dualFinish`.
+#[inline(always)]
+pub(super) fn finish(m: &Model, d: &mut Data) {
+    add_forces(m, d);
     d.qacc.copy_from_slice(&d.qfrc_constraint);
     inertia::solve(m, &d.qld, &d.qld_diag_inv, &mut d.qacc);
     for (a, smooth) in d.qacc.iter_mut().zip(&d.qacc_smooth) {
         *a += smooth;
     }
-    d.work.pgs = s;
 }
 
 /// `J M^-1 J' + R`: MuJoCo's `mj_projectConstraint`.
 #[inline(always)]
-fn project(m: &Model, d: &Data, s: &mut Buffers) {
+pub(super) fn project(m: &Model, d: &Data, s: &mut Buffers) {
     let (plan, nv, nefc) = (m.plan(), m.nv(), d.efc.nefc());
     let stride = dense::groups(nefc);
     s.half.clear();
@@ -235,7 +228,7 @@ impl Pcg32 {
 
 /// The inertia against which an island's improvement is measured: before 3.17 the model's, in the
 /// initial configuration; from then on the island's, in the current one.
-fn inertia_of(m: &Model, d: &Data, trees: &[usize]) -> f64 {
+pub(super) fn inertia_of(m: &Model, d: &Data, trees: &[usize]) -> f64 {
     let plan = m.plan();
     match m.revision {
         Revision::V3_12 => m.stat.meaninertia * m.nv().max(1) as f64,

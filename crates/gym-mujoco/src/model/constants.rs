@@ -1,23 +1,63 @@
-//! Figures that follow from the inertia matrix in the initial configuration: MuJoCo's
-//! `mj_setConst`.
+//! Figures that follow from others: masses of subtrees, and what the inertia matrix in the initial
+//! configuration gives: MuJoCo's `mj_setConst`.
 
-use super::orientation::norm;
-use super::spec::{Spec, Statistic};
-use crate::model::{EqualityType, JointType, ObjectType};
+use super::{CompiledModel, EqualityType, GeomType, JointType, Model, ObjectType, Revision};
 use crate::physics::dense::dot_slices;
 use crate::physics::spatial::{
-    InTurn, MINVAL, Pairwise, add, cross, mul_quat, normalize_quat, rotate, rotate_back, sub,
+    InTurn, MINVAL, Pairwise, add, cross, mul_quat, norm, normalize_quat, rotate, rotate_back, sub,
 };
 use crate::physics::{com_pos, crb, factor_m, kinematics, solve_m, tendon, transmission};
-use crate::{CompiledModel, Data, Model, Result, Revision};
+use crate::{Data, Result};
 
-/// The finished model.
-pub(super) fn add_constants(mut m: Box<CompiledModel>, spec: &Spec) -> Result<Model> {
+/// Lengths below this count as zero: MuJoCo's `mjEPS`.
+const EPS: f64 = 1e-14;
+
+impl Model {
+    /// Changes figures, and recomputes what follows from them: MuJoCo's `mj_setConst`. Where the
+    /// new figures are refused, the model stays as it was.
+    ///
+    /// Recomputed are the masses of subtrees, inverse weights and inertias, lengths of tendons and
+    /// actuators, anchors of equality constraints, and `stat`. The bounding radii of geoms and the
+    /// marks of simple bodies follow too, which MuJoCo's function leaves. Whoever wants none of
+    /// this, as after a mere write to MuJoCo's `mjModel`, takes the figures with
+    /// [`into_compiled`](Self::into_compiled) and gives them to [`new`](Self::new).
+    ///
+    /// ```
+    /// use gym_mujoco::Model;
+    ///
+    /// let text = r#"<mujoco><worldbody><body name="ball"><freejoint/><geom size="0.1"/></body></worldbody></mujoco>"#;
+    /// let mut m = Model::from_xml(text)?;
+    /// let ball = m.body_id("ball").expect("the ball");
+    /// m.change(|figures| {
+    ///     figures.opt.gravity[2] = -1.62;
+    ///     figures.body_mass[ball] *= 2.0;
+    /// })?;
+    /// assert_eq!(m.body_subtreemass[0], m.body_mass[ball]);
+    /// # Ok::<(), gym_mujoco::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// The errors of `new`.
+    pub fn change(&mut self, change: impl FnOnce(&mut CompiledModel)) -> Result<()> {
+        let mut figures = Box::new(self.compiled.clone());
+        change(&mut figures);
+        // lengths and ids are sound before anything is computed from them
+        let mut figures = Box::new(boxed(*figures)?.into_compiled());
+        bound_geoms(&mut figures);
+        mark_simple(&mut figures);
+        *self = Self::new(with_constants(figures)?)?;
+        Ok(())
+    }
+}
+
+/// The figures with those that follow from others.
+pub(crate) fn with_constants(mut m: Box<CompiledModel>) -> Result<CompiledModel> {
+    add_subtree_masses(&mut m);
     let mut d = add_inertia(&mut m)?;
     let model = boxed(*m)?;
     d.fit(&model);
     factor_inertia(&model, &mut d);
-    Model::new(with_figures(&model, &mut d, spec))
+    Ok(with_figures(&model, &mut d))
 }
 
 // A model and its data take several kilobytes each, and where nothing is optimised, each move of one
@@ -25,6 +65,69 @@ pub(super) fn add_constants(mut m: Box<CompiledModel>, spec: &Spec) -> Result<Mo
 
 fn boxed(m: CompiledModel) -> Result<Box<Model>> {
     Model::new(m).map(Box::new)
+}
+
+/// The radius of the ball around a shape; 0 for a plane.
+pub(crate) fn bounding_radius(shape: GeomType, size: [f64; 3]) -> f64 {
+    match shape {
+        GeomType::Plane => 0.0,
+        GeomType::Sphere => size[0],
+        GeomType::Capsule => size[0] + size[1],
+        GeomType::Cylinder => (size[0] * size[0] + size[1] * size[1]).sqrt(),
+        GeomType::Ellipsoid => size[0].max(size[1]).max(size[2]),
+        GeomType::Box => (size[0] * size[0] + size[1] * size[1] + size[2] * size[2]).sqrt(),
+    }
+}
+
+fn bound_geoms(m: &mut CompiledModel) {
+    for g in 0..m.ngeom() {
+        m.geom_rbound[g] = bounding_radius(m.geom_type[g], m.geom_size[g]);
+    }
+}
+
+fn add_subtree_masses(m: &mut CompiledModel) {
+    m.body_subtreemass.clone_from(&m.body_mass);
+    for b in (1..m.nbody()).rev() {
+        m.body_subtreemass[m.body_parentid[b]] += m.body_subtreemass[b];
+    }
+}
+
+/// Marks bodies whose part of the inertia matrix is diagonal: without children, directly in the
+/// world or in a fixed child of it, with the inertial frame in the body's, moved along coordinate
+/// axes and then turned about at most one.
+pub(crate) fn mark_simple(m: &mut CompiledModel) {
+    m.body_simple.clear();
+    for b in 0..m.nbody() {
+        let [_, x, y, z] = m.body_iquat[b];
+        let own_frame = norm(m.body_ipos[b]) < EPS && norm([x, y, z]) < EPS;
+        let parent = m.body_parentid[b];
+        let rooted = parent == 0 || (m.body_parentid[parent] == 0 && m.body_jntnum[parent] == 0);
+        m.body_simple.push(u8::from(own_frame && rooted));
+        m.body_simple[parent] &= u8::from(parent == 0);
+        let (mut turns, mut slides) = (false, 0);
+        let first = usize::try_from(m.body_jntadr[b]).unwrap_or(0);
+        for j in first..first + m.body_jntnum[b] {
+            let aligned = m.jnt_axis[j].iter().filter(|x| x.abs() > EPS).count() == 1;
+            if turns || norm(m.jnt_pos[j]) >= EPS || !aligned {
+                m.body_simple[b] = 0;
+            }
+            turns |= matches!(m.jnt_type[j], JointType::Hinge | JointType::Ball);
+            slides += usize::from(m.jnt_type[j] == JointType::Slide);
+        }
+        if m.body_simple[b] == 1 && slides > 0 && slides == m.body_jntnum[b] {
+            m.body_simple[b] = 2;
+        }
+    }
+    m.dof_simplenum = vec![0; m.nv()];
+    let mut count = 0;
+    for i in (0..m.nv()).rev() {
+        count = if m.body_simple[m.dof_bodyid[i]] > 0 {
+            count + 1
+        } else {
+            0
+        };
+        m.dof_simplenum[i] = count;
+    }
 }
 
 /// `dof_M0` and `meaninertia`, and the data in the initial configuration.
@@ -66,7 +169,7 @@ fn factor_inertia(m: &Model, d: &mut Data) {
 }
 
 /// The model with what follows from the factored inertia.
-fn with_figures(model: &Model, d: &mut Data, spec: &Spec) -> CompiledModel {
+fn with_figures(model: &Model, d: &mut Data) -> CompiledModel {
     let mut m = CompiledModel::clone(model);
     add_dof_weights(&mut m, model, d);
     add_body_weights(&mut m, model, d);
@@ -74,9 +177,7 @@ fn with_figures(model: &Model, d: &mut Data, spec: &Spec) -> CompiledModel {
     add_tendons(&mut m, model, d);
     add_actuators(&mut m, model, d);
     add_statistics(&mut m, d);
-    state_statistics(&mut m, &spec.statistic);
     add_springs(&mut m, model, d);
-    add_spring_dampers(&mut m, spec);
     m
 }
 
@@ -253,27 +354,10 @@ fn add_springs(m: &mut CompiledModel, model: &Model, d: &mut Data) {
     }
 }
 
-/// Stiffness and damping of joints whose time constant and damping ratio are given: MuJoCo's
-/// `AutoSpringDamper`.
-fn add_spring_dampers(m: &mut CompiledModel, spec: &Spec) {
-    let joints = spec.bodies.iter().flat_map(|body| &body.joints);
-    for (j, joint) in joints.enumerate() {
-        let [time, ratio] = joint.spring_damper;
-        if time <= 0.0 || ratio <= 0.0 {
-            continue;
-        }
-        let dofs = m.jnt_dofadr[j]..m.jnt_dofadr[j] + m.jnt_type[j].nv();
-        let weights: f64 = m.dof_invweight0[dofs.clone()].iter().sum();
-        let inertia = dofs.len() as f64 / weights.max(MINVAL);
-        m.jnt_stiffness[j] = inertia / (time * time * ratio * ratio).max(MINVAL);
-        m.dof_damping[dofs].fill(2.0 * inertia / time.max(MINVAL));
-    }
-}
-
 /// How far each body reaches from its centre of mass: to its joints and around its geoms.
-pub(super) fn body_sizes(m: &CompiledModel, d: &Data) -> Vec<f64> {
+pub(crate) fn body_sizes(m: &CompiledModel, d: &Data) -> Vec<f64> {
     const LEAST: f64 = 1e-5;
-    let distance = |a: [f64; 3], b: [f64; 3]| norm(&[a[0] - b[0], a[1] - b[1], a[2] - b[2]]);
+    let distance = |a: [f64; 3], b: [f64; 3]| norm(sub(a, b));
     let mut size = vec![LEAST; m.nbody()];
     for j in 0..m.njnt() {
         let b = m.jnt_bodyid[j];
@@ -332,18 +416,4 @@ fn add_statistics(m: &mut CompiledModel, d: &Data) {
     } else {
         (2.0, [0.0; 3])
     };
-}
-
-/// Numbers that the model states replace computed ones.
-fn state_statistics(m: &mut CompiledModel, stated: &Statistic) {
-    let stat = &mut m.stat;
-    for (value, stated) in [
-        (&mut stat.meaninertia, stated.meaninertia),
-        (&mut stat.meanmass, stated.meanmass),
-        (&mut stat.meansize, stated.meansize),
-        (&mut stat.extent, stated.extent),
-    ] {
-        *value = stated.unwrap_or(*value);
-    }
-    stat.center = stated.center.unwrap_or(stat.center);
 }

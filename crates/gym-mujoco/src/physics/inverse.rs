@@ -1,0 +1,17 @@
+//! Inverse dynamics: the forces that give the accelerations that there are.
+
+use super::inertia::mul_m;
+use super::solver;
+use crate::{Data, Model};
+
+/// The constraints' forces at `qacc`, then `qfrc_inverse`, the sum of all forces that are missing.
+pub(super) fn forces(m: &Model, d: &mut Data) {
+    solver::forces_at(m, d);
+    solver::add_forces(m, d);
+    let mut sum = std::mem::take(&mut d.qfrc_inverse);
+    mul_m(m, d, &d.qacc, &mut sum);
+    for i in 0..m.nv() {
+        sum[i] = d.qfrc_bias[i] + (sum[i] - d.qfrc_passive[i] - d.qfrc_constraint[i]);
+    }
+    d.qfrc_inverse = sum;
+}

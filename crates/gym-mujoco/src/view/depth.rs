@@ -1,0 +1,118 @@
+//! How far what a picture shows is from the camera.
+
+use super::camera::{Camera, NEAR};
+use super::{View, color_of, floor_of};
+use crate::model::GeomType;
+use crate::physics::ray_shape;
+use crate::physics::spatial::{Vec3, add_scaled, dot, sub};
+use crate::{Data, Model};
+
+/// What lies farther is not shown, in extents of the model: MuJoCo's `zfar`.
+const FAR: f64 = 50.0;
+
+impl View {
+    /// The depths of a picture, row by row from the top: how far the surface that each pixel shows
+    /// is from the camera, along the direction in which the camera looks, in metres. Where a pixel
+    /// shows no surface, this is 50 times the model's extent, MuJoCo's far plane.
+    ///
+    /// The surfaces are those of the geoms that [`draw`](Self::draw) shows; markers of sites are
+    /// none.
+    #[must_use]
+    pub fn depth(&self, model: &Model, data: &Data, (width, height): (u32, u32)) -> Vec<f32> {
+        let camera = self.camera(data, (width, height));
+        let far = (FAR * model.stat.extent) as f32;
+        let (columns, rows) = (width as usize, height as usize);
+        let mut depths = vec![far; columns * rows];
+        let floor = floor_of(model, data, self.max_geom);
+        for g in (0..model.ngeom()).take(self.max_geom) {
+            let plane = model.geom_type[g] == GeomType::Plane;
+            if (plane && floor != Some(g)) || color_of(model, g).a == 0 {
+                continue;
+            }
+            let [across, down] = if plane {
+                [0..columns, 0..rows]
+            } else {
+                bounds(&camera, data.geom_xpos[g], model.geom_rbound[g])
+            };
+            let place = (data.geom_xpos[g], &data.geom_xmat[g]);
+            for y in down {
+                for x in across.clone() {
+                    let along = direction(&camera, [x, y]);
+                    let kind = model.geom_type[g].into();
+                    let depth = ray_shape(kind, place, model.geom_size[g], camera.pos, along);
+                    let least = &mut depths[y * columns + x];
+                    if depth > NEAR && (depth as f32) < *least {
+                        *least = depth as f32;
+                    }
+                }
+            }
+        }
+        depths
+    }
+}
+
+/// The direction to the middle of a pixel, as long as it takes to get a metre ahead.
+fn direction(camera: &Camera, [x, y]: [usize; 2]) -> Vec3 {
+    let [width, height] = camera.size;
+    let right = (x as f64 + 0.5 - width / 2.0) / camera.focal;
+    let up = (height / 2.0 - (y as f64 + 0.5)) / camera.focal;
+    add_scaled(add_scaled(camera.ahead, camera.right, right), camera.up, up)
+}
+
+/// Columns and rows of pixels that a ball can cover.
+fn bounds(camera: &Camera, centre: Vec3, radius: f64) -> [std::ops::Range<usize>; 2] {
+    let from = sub(centre, camera.pos);
+    let ahead = dot(from, camera.ahead);
+    let range = |along: f64, length: f64| {
+        if ahead - radius <= NEAR {
+            return 0..length as usize;
+        }
+        let slope = along / ahead;
+        let middle = length / 2.0 + camera.focal * slope;
+        let reach = camera.focal * radius * (1.0 + slope.abs()) / (ahead - radius) + 1.0;
+        let pixel = |x: f64| x.clamp(0.0, length) as usize;
+        pixel(middle - reach)..pixel(middle + reach + 1.0)
+    };
+    [
+        range(dot(from, camera.right), camera.size[0]),
+        range(-dot(from, camera.up), camera.size[1]),
+    ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::forward;
+    use crate::view::CameraConfig;
+
+    #[test]
+    fn depths_are_distances_ahead() {
+        let text = r#"<mujoco><worldbody><geom type="plane" size="0 0 1"/>
+            <geom type="sphere" size="0.5" pos="0 0 2"/><geom type="box" size="0.2 0.2 0.2" pos="1.5 0 1"/></worldbody></mujoco>"#;
+        let model = Model::from_xml(text).unwrap();
+        let mut data = Data::new(&model);
+        forward(&model, &mut data);
+        // from above
+        let camera = CameraConfig::at([0.0, 0.0, 0.0], 6.0, 90.0, -90.0);
+        let view = View::new(&model, &camera).unwrap();
+        let (width, height) = (201, 101);
+        let depths = view.depth(&model, &data, (width, height));
+        let at = |x: u32, y: u32| f64::from(depths[(y * width + x) as usize]);
+        assert!((at(100, 50) - 3.5).abs() < 1e-6, "the top of the sphere");
+        assert!((at(2, 2) - 6.0).abs() < 1e-5, "the floor, in a corner too");
+        let focal = 50.5 / (22.5f64).to_radians().tan();
+        let right = 100.0 + focal * 1.5 / 4.8;
+        assert!(
+            (at(right as u32, 50) - 4.8).abs() < 1e-5,
+            "the top of the box"
+        );
+        let ahead = CameraConfig::at([0.0, 0.0, 1.0], 6.0, 90.0, 0.0);
+        let view = View::new(&model, &ahead).unwrap();
+        let depths = view.depth(&model, &data, (width, height));
+        assert_eq!(
+            f64::from(depths[0]),
+            f64::from((50.0 * model.stat.extent) as f32),
+            "the sky"
+        );
+    }
+}

@@ -8,7 +8,7 @@ use super::spec::{Body, Geom, Inertial, Joint, Moments, Spec};
 use super::xml::Place;
 use crate::Result;
 use crate::model::{CompiledModel, GeomType, JointType};
-use crate::physics::spatial::{InTurn, normalize_quat};
+use crate::physics::spatial::{InTurn, Order};
 
 /// The most bodies, geoms and degrees of freedom, as the engine's matrices are dense; and the most
 /// of everything that is looked up by its name.
@@ -629,7 +629,7 @@ fn normalize_quaternions(m: &CompiledModel, qpos: &mut [f64]) {
     for j in (0..m.njnt()).filter(|j| m.jnt_type[*j] == JointType::Free) {
         let start = m.jnt_qposadr[j] + 3;
         let quat = std::array::from_fn(|k| qpos[start + k]);
-        qpos[start..start + 4].copy_from_slice(&normalize_quat::<InTurn>(unit(quat).0));
+        qpos[start..start + 4].copy_from_slice(&InTurn::normalize_quat((), unit(quat).0));
     }
 }
 

@@ -1,7 +1,7 @@
 //! Orientations: the forms in which MJCF gives them, as quaternions `w, x, y, z`.
 
 use super::xml::Element;
-use crate::physics::spatial::{InTurn, Quat, axis_angle, cross, mul_quat};
+use crate::physics::spatial::{InTurn, Order, Quat, axis_angle, cross};
 use crate::{Result, libm};
 
 const IDENTITY: Quat = [1.0, 0.0, 0.0, 0.0];
@@ -103,7 +103,7 @@ impl Orientation {
         match &self.other {
             None => unit(self.quat).0,
             Some(Form::AxisAngle([x, y, z, angle])) => {
-                axis_angle(unit([*x, *y, *z]).0, radians(*angle))
+                axis_angle((), unit([*x, *y, *z]).0, radians(*angle))
             }
             Some(Form::Euler(angles)) => {
                 let mut quat = IDENTITY;
@@ -111,7 +111,7 @@ impl Orientation {
                     .into_iter()
                     .zip(angles)
                 {
-                    quat = compose(quat, axis_angle(axis, radians(*angle)));
+                    quat = compose(quat, axis_angle((), axis, radians(*angle)));
                 }
                 unit(quat).0
             }
@@ -143,7 +143,7 @@ pub(super) fn unit<const N: usize>(v: [f64; N]) -> ([f64; N], f64) {
 
 /// The rotation `a`, after the rotation `b` in its frame: MuJoCo's `mjuu_mulquat`.
 pub(super) fn compose(a: Quat, b: Quat) -> Quat {
-    unit(mul_quat::<InTurn>(a, b)).0
+    unit(InTurn::mul_quat(a, b)).0
 }
 
 /// The shortest rotation that turns the z axis to a direction of length 1; by half a turn about x
@@ -218,7 +218,6 @@ pub(super) fn norm(v: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::spatial::quat_to_mat;
 
     /// Turns by about half a turn have no positive trace, and go by the largest of their axes.
     #[test]
@@ -233,9 +232,9 @@ mod tests {
                     s * axis[1] / length,
                     s * axis[2] / length,
                 ];
-                let m = quat_to_mat::<InTurn>(quat);
+                let m = InTurn::quat_to_mat(quat);
                 let column = |k: usize| [m[k], m[3 + k], m[6 + k]];
-                let again = quat_to_mat::<InTurn>(from_columns(column(0), column(1), column(2)));
+                let again = InTurn::quat_to_mat(from_columns(column(0), column(1), column(2)));
                 for (a, b) in again.iter().zip(m) {
                     assert!(
                         (a - b).abs() < 1e-12,

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::evaluate;
 use super::inertia::solve;
-use super::spatial::{InTurn, Pairwise, Vec3, add_scaled, cross, dot, quat_integrate, scale};
+use super::spatial::{InTurn, Order, Pairwise, Vec3, add_scaled, cross, dot, scale};
 use crate::libm::{self, wide};
 use crate::model::JointType;
 use crate::{Data, Model, Revision};
@@ -21,8 +21,8 @@ pub fn integrate_pos(m: &Model, qpos: &mut [f64], qvel: &[f64], dt: f64) {
             let quat = [q[0], q[1], q[2], q[3]];
             let velocity = [qvel[v + 3], qvel[v + 4], qvel[v + 5]];
             let turned = match m.revision {
-                Revision::V3_12 => quat_integrate::<InTurn>(quat, velocity, dt),
-                Revision::V4_0 => quat_integrate::<Pairwise>(quat, velocity, dt),
+                Revision::V3_12 => InTurn::quat_integrate(quat, velocity, dt),
+                Revision::V4_0 => Pairwise::quat_integrate(quat, velocity, dt),
             };
             q.copy_from_slice(&turned);
         } else {

@@ -48,6 +48,7 @@ pub(crate) mod dense;
 mod inertia;
 mod integrate;
 mod kinematics;
+pub(crate) mod number;
 mod passive;
 mod post_constraint;
 mod solver;

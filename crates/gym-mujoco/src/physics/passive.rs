@@ -3,8 +3,8 @@
 use std::f64::consts::PI;
 
 use super::spatial::{
-    InTurn, Pairwise, add, cross, dot, normalize_quat, rotate, rotate_back, rotation, scale, sub,
-    sub_quat, translation, velocity_at,
+    InTurn, Order, Pairwise, add, cross, dot, rotate, rotate_back, rotation, scale, sub,
+    translation, velocity_at,
 };
 use crate::model::JointType;
 use crate::{Data, Model, Revision};
@@ -24,8 +24,8 @@ pub fn passive(m: &Model, d: &mut Data) {
             let quat = |q: &[f64]| [q[p + 3], q[p + 4], q[p + 5], q[p + 6]];
             let (now, rest) = (quat(&d.qpos), quat(&m.qpos_spring));
             let turned = match m.revision {
-                Revision::V3_12 => sub_quat::<InTurn>(normalize_quat::<InTurn>(now), rest),
-                Revision::V4_0 => sub_quat::<Pairwise>(normalize_quat::<Pairwise>(now), rest),
+                Revision::V3_12 => InTurn::sub_quat(InTurn::normalize_quat((), now), rest),
+                Revision::V4_0 => Pairwise::sub_quat(Pairwise::normalize_quat((), now), rest),
             };
             for (force, turned) in d.qfrc_passive[i + 3..i + 6].iter_mut().zip(turned) {
                 *force = turned * -stiffness;

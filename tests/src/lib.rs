@@ -73,6 +73,7 @@ mod documents {
         FirstSteps: "docs/first-steps.md",
         Introduction: "docs/README.md",
         MujocoVersions: "docs/mujoco-versions.md",
+        Minigrid: "docs/minigrid.md",
         Native: "docs/native.md",
         Planning: "docs/planning.md",
         Plugins: "docs/plugins.md",

@@ -16,7 +16,7 @@ mod web;
 
 use std::env;
 use std::ffi::OsString;
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitCode};
 
@@ -95,9 +95,13 @@ fn start(build: &Build, arguments: &[OsString]) -> Result<ExitCode, String> {
         .map_or(ExitCode::FAILURE, ExitCode::from))
 }
 
-/// Prints a line; `println!` panics where the output cannot be written.
+/// Prints a line; `println!` panics where the output cannot be written. A closed pipe ends the
+/// printing, not the work.
 fn say(line: std::fmt::Arguments<'_>) -> Result<(), String> {
-    writeln!(std::io::stdout(), "{line}").map_err(|error| format!("standard output: {error}"))
+    match writeln!(std::io::stdout(), "{line}") {
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+        written => written.map_err(|error| format!("standard output: {error}")),
+    }
 }
 
 /// The settings with which a command is built.

@@ -68,13 +68,15 @@ impl Options {
                 Some("--port") => {
                     let port = value()?;
                     let number = port.to_str().and_then(|port| port.parse().ok());
-                    options.port =
-                        Some(number.ok_or(format!("`--port {}` is not a port", port.display()))?);
+                    options.port = Some(number.ok_or(format!(
+                        "`--port {}` is not a port",
+                        port.to_string_lossy().escape_debug()
+                    ))?);
                 }
                 _ => {
                     return Err(format!(
                         "unexpected argument `{}`\n\n{USAGE}",
-                        argument.display()
+                        argument.to_string_lossy().escape_debug()
                     ));
                 }
             }

@@ -141,7 +141,19 @@ impl Recording {
         if self.start != other.start {
             return Some("the start".to_owned());
         }
-        (0..self.ops.len()).find_map(|i| {
+        let lists = [
+            self.ram.len(),
+            self.screen.len(),
+            self.gray.len(),
+            self.rgb.len(),
+            self.reward.len(),
+            self.lives.len(),
+            self.over.len(),
+            self.frame.len(),
+        ];
+        // an answer to no operation differs from nothing
+        let longest = lists.into_iter().fold(self.ops.len(), usize::max);
+        (0..longest).find_map(|i| {
             let parts = [
                 ("RAM", self.ram.get(i) == other.ram.get(i)),
                 ("picture", self.screen.get(i) == other.screen.get(i)),

@@ -63,12 +63,14 @@ pub(crate) fn write(value: &Value, out: &mut Vec<u8>) {
         }
         Value::Graph(graph) => {
             out.push(GRAPH);
-            write_array(&graph.nodes, out);
-            for part in [&graph.edges, &graph.edge_links] {
-                match part {
-                    Some(array) => write_array(array, out),
-                    None => out.push(NULL),
-                }
+            write(&graph.nodes, out);
+            match &graph.edges {
+                Some(edges) => write(edges, out),
+                None => out.push(NULL),
+            }
+            match &graph.edge_links {
+                Some(links) => write_array(links, out),
+                None => out.push(NULL),
             }
         }
         Value::OneOf(index, value) => {
@@ -235,10 +237,14 @@ impl<'a, R: BufRead> Reader<'a, R> {
             (GRAPH, value) => {
                 let mut part = || match inner(self)? {
                     Value::Null => Some(None),
-                    Value::Array(array) => Some(Some(array)),
-                    _ => None,
+                    value => Some(Some(value)),
                 };
-                let (nodes, edges, edge_links) = (part()??, part()?, part()?);
+                let (nodes, edges) = (part()??, part()?);
+                let edge_links = match part()? {
+                    None => None,
+                    Some(Value::Array(links)) => Some(links),
+                    Some(_) => return None,
+                };
                 *value = Value::Graph(Box::new(GraphInstance {
                     nodes,
                     edges,
@@ -280,8 +286,8 @@ mod tests {
 
     fn samples() -> Vec<Value> {
         let graph = GraphInstance {
-            nodes: [1.0f64, 2.0].into(),
-            edges: None,
+            nodes: Value::Array([1.0f64, 2.0].into()),
+            edges: Some(Value::Tuple(vec![Value::Text("a".into())])),
             edge_links: None,
         };
         vec![

@@ -342,14 +342,40 @@ def element(out, space, kind, value):
         out.append(GRAPH)
         if value.nodes is None:
             raise NoForm("it has no nodes")
-        array(out, np.asarray(value.nodes, space.node_space.dtype))
-        for part in (value.edges, value.edge_links):
-            plain(out, part if part is None else np.asarray(part))
+        batch(out, space.node_space, value.nodes)
+        if value.edges is None:
+            out.append(NULL)
+        else:
+            batch(out, space.edge_space, value.edges)
+        plain(out, value.edge_links if value.edge_links is None else np.asarray(value.edge_links))
     else:
         index, item = value
         out.append(ONE_OF)
         out += U32.pack(int(index))
         element(out, space.spaces[index], kind_of(space.spaces[index]), item)
+
+
+def batch(out, space, value):
+    """Several elements of a space as one value, as `batch_space` of Gymnasium has them."""
+    kind = kind_of(space)
+    if kind == "Tuple":
+        out.append(TUPLE)
+        out += U32.pack(len(space.spaces))
+        for member, part in zip(space.spaces, value, strict=True):
+            batch(out, member, part)
+    elif kind == "Dict":
+        out.append(DICT)
+        out += U32.pack(len(space.spaces))
+        for key, member in space.spaces.items():
+            text(out, key)
+            batch(out, member, value[key])
+    elif kind in ("Box", "Discrete", "MultiDiscrete", "MultiBinary"):
+        array(out, np.asarray(value, space.dtype))
+    else:
+        out.append(TUPLE)
+        out += U32.pack(len(value))
+        for item in value:
+            element(out, space, kind, item)
 
 
 def action_of(space, value):
@@ -452,6 +478,13 @@ class Server:
         self.kind = kind_of(self.observation_space)
         return [describe(self.observation_space), describe(self.action_space)]
 
+    def look_again(self):
+        """The spaces after a step may be other objects, but no other spaces: agents read them once in an episode."""
+        before = self.observation_space, self.action_space
+        if not alike(self.look(), self.spaces):
+            after = f"{self.observation_space} and {self.action_space}"
+            raise Refused(f"the spaces changed in a step: they are {after}, and were {before[0]} and {before[1]}. Change them in `reset`.")
+
     def make(self, out, config):
         if config["module"] is not None:
             load_module(config["module"])
@@ -516,6 +549,9 @@ class Server:
             shown = shortened(repr, result)
             raise Refused(f"`step` returned {shown}: it must return observation, reward, terminated, truncated and info")
         observation, reward, terminated, truncated, info = result
+        env = self.env
+        if env.action_space is not self.action_space or env.observation_space is not self.observation_space:
+            self.look_again()
         out += F64.pack(number_of("reward", reward))
         out += bytes(flag_of(name, flag) for name, flag in (("terminated", terminated), ("truncated", truncated)))
         self.observed(out, observation)

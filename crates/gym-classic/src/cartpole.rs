@@ -315,13 +315,12 @@ impl Task for CartPoleDynamics {
                 ("gravity", gravity),
                 ("masscart", config.masscart),
                 ("masspole", masspole),
-                ("total_mass", total_mass),
-                ("length", length),
                 ("polemass_length", polemass_length),
                 ("force_mag", force_mag),
                 ("tau", tau),
             ],
         )?;
+        constants::divisors(Self::NAME, [("total_mass", total_mass), ("length", length)])?;
         constants::limits(
             Self::NAME,
             [

@@ -11,6 +11,20 @@ pub(crate) fn finite<const N: usize>(env: &str, constants: [(&str, f64); N]) -> 
     within(env, constants, -LIMIT)
 }
 
+/// Refuses lengths and masses by which the equations divide, if they are 0 or nearly so: the results
+/// would not be finite.
+pub(crate) fn divisors<const N: usize>(env: &str, constants: [(&str, f64); N]) -> Result<()> {
+    finite(env, constants)?;
+    for (name, value) in constants {
+        if value.abs() < 1.0 / LIMIT {
+            let least = 1.0 / LIMIT;
+            let reason = format!("{name} is {value:?}: it must be at least {least:?}");
+            return Err(Error::argument(env, reason));
+        }
+    }
+    Ok(())
+}
+
 /// Refuses limits that are NaN or negative.
 pub(crate) fn limits<const N: usize>(env: &str, limits: [(&str, f64); N]) -> Result<()> {
     within(env, limits, 0.0)

@@ -246,7 +246,8 @@ impl Task for PendulumDynamics {
             max_torque,
             dt,
         } = config;
-        constants::finite(Self::NAME, [("g", g), ("m", m), ("l", l), ("dt", dt)])?;
+        constants::finite(Self::NAME, [("g", g), ("dt", dt)])?;
+        constants::divisors(Self::NAME, [("m", m), ("l", l)])?;
         constants::limits(
             Self::NAME,
             [("max_speed", max_speed), ("max_torque", max_torque)],

@@ -446,7 +446,7 @@ fn what_cannot_differ_is_refused() {
     assert!(error("gravity", [1.0].into()).contains("there are 1 values for 2 environments"));
     assert!(error("gravity", (3.0..1.0).into()).contains("the lower one first"));
     assert!(error("gravity", [1.0, 1e9].into()).contains("gravity is 1000000000.0"));
-    // either end of a range
+    // the upper and the lower end of a range
     assert!(error("gravity", (1.0..1e9).into()).contains("gravity is 1000000000.0"));
     assert!(error("gravity", (-1e9..1.0).into()).contains("gravity is -1000000000.0"));
     assert!(
@@ -483,8 +483,8 @@ fn what_cannot_differ_is_refused() {
     );
 }
 
-/// Numbers that were drawn from wider ranges, from either side, are refused, and so are those of
-/// another number of environments or arguments. What is refused changes nothing.
+/// A vector refuses a snapshot whose numbers lie below or above its ranges, and one of another
+/// number of environments or of other arguments. A refused snapshot changes nothing.
 #[test]
 fn numbers_drawn_outside_of_the_ranges_are_refused() {
     let make = |n: usize, ranges: &[(&str, f64, f64)]| {
@@ -517,9 +517,9 @@ fn numbers_drawn_outside_of_the_ranges_are_refused() {
         assert!(error.contains("cannot restore"), "{n}, {ranges:?}: {error}");
         assert_eq!(envs.snapshot().unwrap(), before, "{n}, {ranges:?}");
     }
-    // narrower ranges lie inside
+    // a snapshot of narrower ranges fits
     envs.restore(&stored(N, &[("length", 0.52, 0.58)])).unwrap();
-    // and so do numbers that equal the ends
+    // numbers that equal the ends of a range fit
     let native = envs
         .layer::<gym_native::NativeVectorEnv<gym_classic::cartpole::CartPoleDynamics>>()
         .unwrap();

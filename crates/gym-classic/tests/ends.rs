@@ -60,17 +60,20 @@ fn what_starts_and_ends_beyond_the_thresholds_is_stored_and_restored() {
     }
 }
 
-/// Without mass, the numbers are infinite after one step and NaN after two.
+/// With the longest steps and the largest force, the numbers grow until they are infinite, and then
+/// NaN.
 #[test]
 fn a_state_that_is_not_finite_is_stored_and_restored() {
     let mut env = CartPole::new(Config {
-        total_mass: Some(0.0),
+        tau: 1e6,
+        force_mag: 1e6,
         ..Config::default()
     })
     .unwrap();
     env.reset(0).unwrap();
-    for _ in 0..3 {
-        env.step(&Action::Left).unwrap();
+    let mut observation = [0.0_f32; 4];
+    for _ in 0..15 {
+        observation = env.step(&Action::Left).unwrap().observation;
         let stored = serde_json::to_string(&env.snapshot().unwrap()).unwrap();
         env.restore(&serde_json::from_str(&stored).unwrap())
             .unwrap();
@@ -79,6 +82,7 @@ fn a_state_that_is_not_finite_is_stored_and_restored() {
             stored
         );
     }
+    assert!(observation.iter().any(|x| x.is_nan()), "{observation:?}");
 }
 
 #[test]

@@ -19,7 +19,7 @@ const IDS: [&str; 5] = [
     "Pendulum-v1",
 ];
 
-/// The number of FMA instructions in a function, by register: 8, 4 or 1 numbers.
+/// The number of FMA instructions in a function, by the count of numbers in a register: 8, 4 or 1.
 #[derive(Clone, Debug, Default)]
 struct Function {
     name: String,

@@ -91,8 +91,9 @@ fn results_depend_on_no_machine() {
     assert_eq!(fingerprints, expected);
 }
 
-/// A reset by a mask has no info of those left out, and no `episode`, whether their episodes have
-/// ended or not: in each mode, and whether the vector is wrapped or each sub-environment is.
+/// After a reset by a mask, info has nothing of the environments that the mask leaves out, nor an
+/// `episode`, whether their episodes are over or not. This holds in each autoreset mode, and with
+/// the wrapper around the vector or around each sub-environment.
 #[test]
 fn a_masked_reset_tells_nothing_of_those_left_out() {
     const N: usize = 40;
@@ -121,7 +122,7 @@ fn a_masked_reset_tells_nothing_of_those_left_out() {
             let mut columns = envs.columns().unwrap();
             let actions = Value::from([1_i64; N]);
             envs.reset_into(&0.into(), &mut columns).unwrap();
-            // those of the last block begin two steps later
+            // the environments of the last block begin their episodes two steps later
             for step in 0..4 {
                 if step == 2 {
                     let late: Vec<bool> = (0..N).map(|i| i >= 32).collect();
@@ -138,7 +139,7 @@ fn a_masked_reset_tells_nothing_of_those_left_out() {
                 _ => "episode",
             };
             assert!(envs.infos(&columns).contains_key(place), "{what}");
-            // of those that are over every second one, and of the others too
+            // the mask has every second environment: some whose episode is over, and others
             let mask: Vec<bool> = (0..N).map(|i| i % 2 == 1).collect();
             envs.reset_into(&VectorReset::default().mask(mask), &mut columns)
                 .unwrap();

@@ -23,7 +23,7 @@ pub(crate) struct Arguments {
     /// The environments; by default those that this workspace registers.
     ids: Vec<String>,
     /// Sizes of the vectors.
-    #[arg(long, value_delimiter = ',', default_values_t = [1, 64, 1024, 16384])]
+    #[arg(long, value_delimiter = ',', default_values_t = [1, 64, 1024, 16384], value_parser = parse_num_envs)]
     num_envs: Vec<usize>,
     /// The kinds to measure; all by default.
     #[arg(long, value_enum, value_delimiter = ',')]
@@ -44,6 +44,11 @@ pub(crate) struct Arguments {
     /// Only takes this many steps of one environment, kind and size; used to count instructions.
     #[arg(long, hide = true)]
     only_steps: Option<u64>,
+}
+
+fn parse_num_envs(text: &str) -> Result<usize, String> {
+    let number = text.parse().ok().filter(|number| *number > 0);
+    number.ok_or_else(|| "the number of sub-environments is a whole number from 1".to_owned())
 }
 
 fn parse_seconds(text: &str) -> Result<f64, String> {

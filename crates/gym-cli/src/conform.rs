@@ -57,7 +57,13 @@ pub(crate) fn conform(arguments: &Arguments, workspace: &Workspace) -> Result<Ex
         Progress::Begins { .. } if format != Format::Text => (),
         progress => tell!("{progress}"),
     })?;
-    output::write(format_args!("{}", format.write(&reports)))?;
+    let text = format.write(&reports);
+    if format == Format::Text {
+        output::text(&text)?;
+    } else {
+        // for programs, which read it as it is
+        output::write(format_args!("{text}"))?;
+    }
     match reports.iter().filter(|report| !report.passes()).count() {
         0 => Ok(ExitCode::SUCCESS),
         broken => Err(Error::custom(format!(

@@ -27,7 +27,7 @@ pub(crate) struct Arguments {
     #[arg(long, default_value = "target/demo")]
     out: PathBuf,
     /// The largest number of frames in a GIF.
-    #[arg(long, default_value_t = 200)]
+    #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..))]
     max_frames: u64,
     /// All versions of each task instead of the newest, and those on rapier2d.
     #[arg(long)]

@@ -1,8 +1,13 @@
-//! What several commands take: seeds, arguments of environments, files.
+//! What several commands take: seeds, JSON, files.
 
+use std::fmt;
+use std::fs;
 use std::path::{Path, PathBuf};
 
-use gym::{Kwargs, Result};
+use gym::{Error, Kwargs, Result};
+use serde::Deserialize;
+use serde::de::{Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
+use serde_json::{Map, Value as Json};
 
 /// A seed on the command line.
 pub(crate) fn parse_seed(text: &str) -> Result<u64, String> {
@@ -11,8 +16,82 @@ pub(crate) fn parse_seed(text: &str) -> Result<u64, String> {
 }
 
 /// Arguments of an environment, as JSON on the command line.
-pub(crate) fn parse_kwargs(json: &str) -> Result<Kwargs, String> {
-    serde_json::from_str(json).map_err(|error| format!("not a JSON object: {error}"))
+pub(crate) fn parse_kwargs(text: &str) -> Result<Kwargs, String> {
+    match parse_json(text) {
+        Ok(Json::Object(kwargs)) => Ok(kwargs),
+        Ok(other) => Err(format!("not a JSON object: {other}")),
+        Err(error) => Err(format!("not a JSON object: {error}")),
+    }
+}
+
+/// JSON on the command line. A key that stands twice in an object is an error.
+pub(crate) fn parse_json(text: &str) -> Result<Json, String> {
+    serde_json::from_str(text)
+        .map(|Unique(json)| json)
+        .map_err(|error| error.to_string())
+}
+
+/// JSON whose objects have each key once.
+struct Unique(Json);
+
+impl<'de> Deserialize<'de> for Unique {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
+        deserializer.deserialize_any(UniqueVisitor).map(Self)
+    }
+}
+
+struct UniqueVisitor;
+
+impl<'de> Visitor<'de> for UniqueVisitor {
+    type Value = Json;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("JSON")
+    }
+
+    fn visit_unit<E>(self) -> std::result::Result<Json, E> {
+        Ok(Json::Null)
+    }
+
+    fn visit_bool<E>(self, value: bool) -> std::result::Result<Json, E> {
+        Ok(value.into())
+    }
+
+    fn visit_i64<E>(self, value: i64) -> std::result::Result<Json, E> {
+        Ok(value.into())
+    }
+
+    fn visit_u64<E>(self, value: u64) -> std::result::Result<Json, E> {
+        Ok(value.into())
+    }
+
+    fn visit_f64<E>(self, value: f64) -> std::result::Result<Json, E> {
+        Ok(value.into())
+    }
+
+    fn visit_str<E>(self, value: &str) -> std::result::Result<Json, E> {
+        Ok(value.into())
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> std::result::Result<Json, A::Error> {
+        let mut all = Vec::new();
+        while let Some(Unique(json)) = list.next_element()? {
+            all.push(json);
+        }
+        Ok(all.into())
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> std::result::Result<Json, A::Error> {
+        let mut all = Map::new();
+        while let Some(key) = map.next_key::<String>()? {
+            if all.contains_key(&key) {
+                return Err(A::Error::custom(format!("the key `{key}` stands twice")));
+            }
+            let Unique(json) = map.next_value()?;
+            all.insert(key, json);
+        }
+        Ok(all.into())
+    }
 }
 
 /// Fails early if a file cannot be written.
@@ -20,20 +99,45 @@ pub(crate) fn check_writable(path: &Path) -> Result<()> {
     gym::render::file::AtomicFile::create(path).map(drop)
 }
 
-/// Whether two paths name one file, which need not exist yet.
+/// Fails early if two options name one file: its second content would replace the first.
+pub(crate) fn check_distinct<const N: usize>(files: [(&str, &Option<PathBuf>); N]) -> Result<()> {
+    for (i, (second, path)) in files.iter().enumerate() {
+        for (first, other) in &files[..i] {
+            if let (Some(path), Some(other)) = (path, other)
+                && is_one_file(path, other)
+            {
+                return Err(Error::custom(format!(
+                    "`{first}` and `{second}` name one file: the second would replace the first"
+                )));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Whether what is written to two paths is written to one file, which need not exist yet. Devices
+/// and pipes take both.
 pub(crate) fn is_one_file(a: &Path, b: &Path) -> bool {
-    let resolved = |path: &Path| -> std::io::Result<PathBuf> {
+    let is_device = |path: &Path| fs::metadata(path).is_ok_and(|found| !found.is_file());
+    !is_device(a) && (a == b || written(a).is_some_and(|a| written(b) == Some(a)))
+}
+
+/// The file that is replaced where a path is written to: links are followed, also to a file that
+/// does not exist yet.
+fn written(path: &Path) -> Option<PathBuf> {
+    const MAX_LINKS: usize = 40; // as Linux
+    let mut path = path.to_owned();
+    for _ in 0..=MAX_LINKS {
         let folder = path
             .parent()
             .filter(|folder| *folder != Path::new(""))
             .unwrap_or(Path::new("."));
-        path.canonicalize().or_else(|_| {
-            Ok(folder
-                .canonicalize()?
-                .join(path.file_name().unwrap_or_default()))
-        })
-    };
-    a == b || resolved(a).is_ok_and(|a| resolved(b).is_ok_and(|b| a == b))
+        let Ok(target) = fs::read_link(&path) else {
+            return Some(folder.canonicalize().ok()?.join(path.file_name()?));
+        };
+        path = folder.join(target);
+    }
+    None
 }
 
 /// An id as part of a file name.
@@ -53,5 +157,57 @@ mod tests {
                 && is_one("/nonexistent/a", "/nonexistent/a")
         );
         assert!(!is_one("x.svg", "src/x.svg") && !is_one("/nonexistent/a", "/nonexistent/b"));
+    }
+
+    /// Links to files that exist or not, to links, by whole and relative paths, both ways round.
+    #[cfg(unix)]
+    #[test]
+    fn a_link_and_its_target_are_one_file() {
+        use std::os::unix::fs::symlink;
+
+        let folder = std::env::temp_dir().join(format!("gym-cli-links-{}", std::process::id()));
+        let _ = fs::remove_dir_all(&folder);
+        fs::create_dir_all(folder.join("inner")).unwrap();
+        let path = |name: &str| folder.join(name);
+        fs::write(path("old"), "").unwrap();
+        symlink("old", path("to-old")).unwrap();
+        symlink(path("new"), path("to-new")).unwrap();
+        symlink("../to-new", path("inner/twice")).unwrap();
+        symlink("inner", path("outer")).unwrap();
+        symlink("round", path("round")).unwrap();
+        for (a, b) in [
+            ("old", "to-old"),
+            ("new", "to-new"),
+            ("new", "inner/twice"),
+            ("to-new", "outer/twice"),
+            ("inner/x", "outer/x"),
+        ] {
+            assert!(is_one_file(&path(a), &path(b)), "{a} {b}");
+            assert!(is_one_file(&path(b), &path(a)), "{b} {a}");
+        }
+        for (a, b) in [("old", "new"), ("to-old", "to-new"), ("round", "old")] {
+            assert!(!is_one_file(&path(a), &path(b)), "{a} {b}");
+        }
+        fs::remove_dir_all(&folder).unwrap();
+        assert!(!is_one_file(Path::new("/dev/null"), Path::new("/dev/null")));
+    }
+
+    #[test]
+    fn a_key_stands_once() {
+        for twice in [
+            r#"{"a": 1, "a": 2}"#,
+            r#"{"a": 1, "\u0061": 1}"#,
+            r#"{"b": [{"a": {"c": 1, "c": 1}}]}"#,
+        ] {
+            let error = parse_kwargs(twice).unwrap_err();
+            assert!(error.contains("stands twice"), "{error}");
+        }
+        let text =
+            r#"{"a": [1, -2, 0.1, 1e300, 18446744073709551615, true, null, "x"], "b": {"a": {}}}"#;
+        let expected: Kwargs = serde_json::from_str(text).unwrap();
+        assert_eq!(parse_kwargs(text).unwrap(), expected);
+        for wrong in ["[]", "1", "{", "{} {}", ""] {
+            assert!(parse_kwargs(wrong).is_err(), "{wrong}");
+        }
     }
 }

@@ -69,13 +69,13 @@ pub(crate) fn describe(keys: &Keys) -> String {
     keys.join(", ")
 }
 
-/// `Key0` to `Key9` for the first actions of a discrete space.
+/// `0` to `9` for the first actions of a discrete space.
 fn digits(space: &Space) -> Json {
     let Space::Discrete(space) = space else {
         return json!({});
     };
     (0..space.n().min(10))
-        .map(|i| (format!("Key{i}"), json!(space.start() + i)))
+        .map(|i| (i.to_string(), json!(space.start() + i)))
         .collect()
 }
 
@@ -132,6 +132,6 @@ mod tests {
             "{error}"
         );
         let digits = Keys::new(digits(&Space::discrete(3)));
-        assert_eq!(action(&digits, &down(&["Key2"])), Some(json!(2)));
+        assert_eq!(action(&digits, &down(&["2"])), Some(json!(2)));
     }
 }

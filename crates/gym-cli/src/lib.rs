@@ -16,8 +16,9 @@
 //! that names no environment serves those that the workspace registers; every linked one can be
 //! named.
 //!
-//! `conform` counts allocations. Its allocator would slow down every other command, so `conform` is
-//! a build of its own, with the feature `conform`: the command builds it with the profile `dev`,
+//! `conform` counts allocations, with an allocator that takes 17 ns for a small piece of memory where
+//! the system's takes 10. Other commands would be slower, and `bench` would measure it, so `conform`
+//! is a build of its own, with the feature `conform`: the command builds it with the profile `dev`,
 //! which checks arithmetic for overflows too.
 
 // they panic where the output cannot be written
@@ -118,10 +119,19 @@ fn start(package: &str, book: Option<&Book>) -> ExitCode {
     log::set_logger(&Stderr)
         .map(|()| log::set_max_level(log::LevelFilter::Warn))
         .ok();
+    // without a handler Ctrl+C would leave the files that are being written, under temporary names
+    let interrupted = || {
+        gym::render::file::remove_unfinished();
+        std::process::exit(130); // as shells say of it
+    };
+    ctrlc::set_handler(interrupted).ok();
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => return ExitCode::from(output::refuse(&error)),
+    };
     let workspace = Workspace::of(Path::new(package));
-    match command(Arguments::parse().command, &workspace, book) {
+    match command(arguments.command, &workspace, book) {
         Ok(code) => code,
-        Err(error) if output::reader_left(&error) => ExitCode::SUCCESS,
         Err(error) => {
             tell!("error: {error}");
             ExitCode::FAILURE

@@ -14,7 +14,7 @@ pub(crate) struct Arguments {
 
 pub(crate) fn list(arguments: &Arguments) -> Result<()> {
     if !arguments.long {
-        return output::write(format_args!("{}", registry::pretty(3)));
+        return output::text(&registry::pretty(3));
     }
     for registration in workspace::without_needy(registry::all()) {
         use gym::Env;

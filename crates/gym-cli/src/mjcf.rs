@@ -14,7 +14,7 @@ pub(crate) struct Arguments {
 
 pub(crate) fn mjcf(arguments: &Arguments) -> Result<()> {
     let model =
-        Model::from_xml_file(&arguments.file).map_err(|error| Error::custom(error.to_string()))?;
+        Model::from_path(&arguments.file).map_err(|error| Error::custom(error.to_string()))?;
     let figures = model.figures();
     for (name, size) in figures["sizes"].as_object().into_iter().flatten() {
         say!("{name:9} {size}")?;

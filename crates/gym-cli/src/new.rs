@@ -75,7 +75,9 @@ const ROCKET: [(&str, &str); 2] = [
 
 pub(crate) fn new(arguments: &Arguments, workspace: &Workspace) -> Result<()> {
     let Arguments { name, path, native } = arguments;
-    check_name(name)?;
+    let lock = workspace.folder().join("Cargo.lock");
+    let lock = fs::read_to_string(&lock).map_err(|error| Error::io(&lock, error))?;
+    check_name(name, &lock)?;
     let folder = path.clone().unwrap_or_else(|| name.into());
     if folder.symlink_metadata().is_ok() {
         return Err(Error::custom(format!(
@@ -85,12 +87,8 @@ pub(crate) fn new(arguments: &Arguments, workspace: &Workspace) -> Result<()> {
     }
     let source = Source::of(workspace)?;
     // under a temporary name until it is complete
-    let file_name = folder
-        .file_name()
-        .unwrap_or(name.as_ref())
-        .to_string_lossy();
-    let unfinished = folder.with_file_name(format!(".{file_name}-{}.tmp", process::id()));
-    let written = write_all(&unfinished, arguments, &source, workspace)
+    let unfinished = folder.with_file_name(format!(".{name}-{}.tmp", process::id()));
+    let written = write_all(&unfinished, arguments, &source, &lock)
         .and_then(|()| fs::rename(&unfinished, &folder).map_err(|error| Error::io(&folder, error)));
     if written.is_err() {
         // Nothing more can be done if this fails too.
@@ -108,14 +106,18 @@ pub(crate) fn new(arguments: &Arguments, workspace: &Workspace) -> Result<()> {
     Ok(())
 }
 
-/// A name that is valid for a package, a crate and a namespace.
-fn check_name(name: &str) -> Result<()> {
-    /// Reserved words, and crates that the new one depends on.
+/// Checks that a name is valid for a package, a crate and a namespace. `lock` lists the packages
+/// that the new one is built with.
+fn check_name(name: &str, lock: &str) -> Result<()> {
+    /// Reserved words, and crates of every program.
     const TAKEN: &str = "abstract as async await become box break const continue crate do dyn else enum extern false \
-                         final fn for gen gym gym_conform gym_core gym_native gym_render if impl in let loop macro match mod move mut override \
+                         final fn for gen if impl in let loop macro match mod move mut override \
                          priv pub ref return self serde static std struct super test trait true try type typeof \
-                         unsafe unsized use virtual where while yield core alloc proc_macro";
-    let refuse = |reason: &str| Err(Error::argument("NAME", format!("`{name}` {reason}")));
+                         unsafe unsized use virtual where while yield alloc core proc_macro xtask";
+    let refuse = |reason: &str| {
+        let name: String = name.chars().take(80).collect();
+        Err(Error::argument("NAME", format!("`{name}` {reason}")))
+    };
     let is_word = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_';
     if !name.starts_with(|c: char| c.is_ascii_lowercase())
         || !name.chars().all(is_word)
@@ -127,6 +129,14 @@ fn check_name(name: &str) -> Result<()> {
     }
     if TAKEN.split_whitespace().any(|taken| taken == name) {
         return refuse("is taken: choose another name");
+    }
+    let is_there = |name: &str| lock.contains(&format!("\nname = \"{name}\"\n"));
+    if name == "gym"
+        || name.starts_with("gym_")
+        || is_there(name)
+        || is_there(&name.replace('_', "-"))
+    {
+        return refuse("is a crate that the new one may be built with: choose another name");
     }
     Ok(())
 }
@@ -146,12 +156,7 @@ fn task(native: bool) -> (&'static str, &'static str) {
     }
 }
 
-fn write_all(
-    folder: &Path,
-    arguments: &Arguments,
-    source: &Source,
-    workspace: &Workspace,
-) -> Result<()> {
+fn write_all(folder: &Path, arguments: &Arguments, source: &Source, lock: &str) -> Result<()> {
     let Arguments { name, native, .. } = arguments;
     let (task, what) = task(*native);
     for (file, text) in FILES
@@ -180,7 +185,31 @@ fn write_all(
         gym::render::file::write(&path, text.as_bytes())?;
     }
     // the versions that are there already
-    let lock = workspace.folder().join("Cargo.lock");
-    fs::copy(&lock, folder.join("Cargo.lock")).map_err(|error| Error::io(&lock, error))?;
-    Ok(())
+    gym::render::file::write(folder.join("Cargo.lock"), lock.as_bytes())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_of_packages_that_are_there_are_taken() {
+        let lock = "version = 4\n\n[[package]]\nname = \"serde_json\"\nversion = \"1.0.0\"\n\n\
+                    [[package]]\nname = \"x11-dl\"\nversion = \"1.0.0\"\n";
+        for name in [
+            "serde_json",
+            "x11_dl",
+            "gym",
+            "gym_toytext",
+            "gym_new",
+            "xtask",
+            "fn",
+        ] {
+            let error = check_name(name, lock).unwrap_err().to_string();
+            assert!(error.contains("choose another name"), "{error}");
+        }
+        for name in ["my_envs", "json", "x11", "gymnast", "serde_jso"] {
+            check_name(name, lock).unwrap();
+        }
+    }
 }

@@ -1,41 +1,93 @@
-//! Text for the terminal. `println!` panics where the output cannot be written; here that is an
-//! error.
+//! Text for the terminal. `println!` panics where the output cannot be written.
+//!
+//! A reader such as `head` may close the pipe when it has seen enough. That ends the printing: the
+//! command goes on, writes its files and gives its own exit status.
 
 use std::fmt::Arguments;
-use std::io::{ErrorKind, Write, stderr, stdout};
+use std::io::{self, ErrorKind, Write, stderr, stdout};
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
 
-use gym::{Error, Result};
+use gym::{Error, Result, printable};
 
 /// The name of the standard output in errors.
 const NAME: &str = "standard output";
 
-/// Prints a line, as `println!`, and gives an error where it cannot be written.
+/// Whether the reader of the standard output has closed it.
+static READER_LEFT: AtomicBool = AtomicBool::new(false);
+
+/// Prints a line, as `println!`, and gives an error where it cannot be written. Control characters
+/// are escaped.
 macro_rules! say {
-    ($($text:tt)*) => { $crate::output::write(format_args!("{}\n", format_args!($($text)*))) };
+    ($($text:tt)*) => { $crate::output::line(&format!($($text)*)) };
 }
 
-/// Prints a line to the standard error, as `eprintln!`. An error of writing is ignored.
+/// Prints a line to the standard error, as `eprintln!`. Control characters are escaped. An error of
+/// writing is ignored.
 macro_rules! tell {
-    ($($text:tt)*) => { $crate::output::write_error(format_args!("{}\n", format_args!($($text)*))) };
+    ($($text:tt)*) => { $crate::output::error_line(&format!($($text)*)) };
 }
 
 pub(crate) use {say, tell};
 
-/// Writes to the standard output, at once.
+/// Writes to the standard output, at once, as it is.
 pub(crate) fn write(text: Arguments<'_>) -> Result<()> {
+    if READER_LEFT.load(Ordering::Relaxed) {
+        return Ok(());
+    }
     let mut stdout = stdout().lock();
-    stdout
-        .write_fmt(text)
-        .and_then(|()| stdout.flush())
-        .map_err(|error| Error::io(Path::new(NAME), error))
+    match stdout.write_fmt(text).and_then(|()| stdout.flush()) {
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => {
+            READER_LEFT.store(true, Ordering::Relaxed);
+            Ok(())
+        }
+        written => written.map_err(|error| Error::io(Path::new(NAME), error)),
+    }
 }
 
-pub(crate) fn write_error(text: Arguments<'_>) {
-    let _ = stderr().lock().write_fmt(text);
+/// Writes lines of text to the standard output. Control characters are escaped.
+pub(crate) fn text(text: &str) -> Result<()> {
+    write(format_args!("{}", Lines(text)))
 }
 
-/// Whether a command ended because its reader, such as `head`, closed the pipe.
-pub(crate) fn reader_left(error: &Error) -> bool {
-    matches!(error, Error::Io { path, source } if path == NAME && source.kind() == ErrorKind::BrokenPipe)
+/// For [`say!`].
+pub(crate) fn line(text: &str) -> Result<()> {
+    write(format_args!("{}\n", Lines(text)))
+}
+
+/// For [`tell!`]. Lines that quote something huge are cut.
+pub(crate) fn error_line(text: &str) {
+    const MAX_LENGTH: usize = 2000;
+    let cut = |line: &str| match line.char_indices().nth(MAX_LENGTH) {
+        Some((end, _)) => format!("{}...", &line[..end]),
+        None => line.to_owned(),
+    };
+    let lines: Vec<_> = text.split('\n').map(cut).collect();
+    let _ = writeln!(stderr().lock(), "{}", Lines(&lines.join("\n")));
+}
+
+/// Prints the message of a command line that is refused, or the help; gives the exit status.
+pub(crate) fn refuse(error: &clap::Error) -> u8 {
+    if error.use_stderr() {
+        // it may quote what was typed
+        error_line(error.render().to_string().trim_end());
+    } else {
+        let _: io::Result<()> = error.print();
+    }
+    u8::try_from(error.exit_code()).unwrap_or(1)
+}
+
+/// Lines of text, each [`printable`].
+struct Lines<'a>(&'a str);
+
+impl std::fmt::Display for Lines<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        for (i, line) in self.0.split('\n').enumerate() {
+            if i > 0 {
+                f.write_str("\n")?;
+            }
+            f.write_str(&printable(line))?;
+        }
+        Ok(())
+    }
 }

@@ -19,7 +19,7 @@ pub(crate) struct Arguments {
     /// The environment.
     id: String,
     /// Seeds the first episode.
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true, value_parser = inputs::parse_seed)]
     seed: Option<u64>,
     /// Arguments of the environment, as a JSON object.
     #[arg(long, value_parser = inputs::parse_kwargs, default_value = "{}")]
@@ -40,7 +40,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_parser = parse_json)]
     idle: Option<Json>,
     /// Stops after this number of episodes.
-    #[arg(long)]
+    #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
     episodes: Option<u64>,
     /// Records the frames to this file: .gif, .png (animated) or .mp4.
     #[arg(long)]
@@ -51,7 +51,7 @@ pub(crate) struct Arguments {
 }
 
 fn parse_json(text: &str) -> Result<Json, String> {
-    serde_json::from_str(text).map_err(|error| format!("not JSON: {error}"))
+    inputs::parse_json(text).map_err(|error| format!("not JSON: {error}"))
 }
 
 fn parse_key(text: &str) -> Result<(String, Json), String> {
@@ -69,10 +69,14 @@ pub(crate) fn play(arguments: &Arguments) -> Result<()> {
     }
     let mut session = Session::start(arguments)?;
     let mut keys = keys::of(&session.trace.id, &session.env)?;
-    arguments
-        .keys
-        .iter()
-        .for_each(|(key, action)| keys::set(&mut keys, key, action.clone()));
+    for (i, (key, action)) in arguments.keys.iter().enumerate() {
+        let is_it = |(other, _): &(String, Json)| other.eq_ignore_ascii_case(key);
+        if arguments.keys[..i].iter().any(is_it) {
+            let reason = format!("`{key}` has two actions: give it one");
+            return Err(Error::argument("--key", reason));
+        }
+        keys::set(&mut keys, key, action.clone());
+    }
     match &arguments.idle {
         None => {}
         Some(Json::Null) => keys.idle = Idle::Wait,
@@ -116,6 +120,11 @@ impl Session {
             .render_size(width * arguments.zoom, height * arguments.zoom)
             .build()?;
         let fps = arguments.fps.unwrap_or(env.metadata().render_fps);
+        let files = [
+            ("--record", &arguments.record),
+            ("--trace", &arguments.trace),
+        ];
+        inputs::check_distinct(files)?;
         if let Some(path) = &arguments.trace {
             inputs::check_writable(path)?;
         }

@@ -36,7 +36,7 @@ pub(crate) fn replay(arguments: &Arguments) -> Result<()> {
         };
         match outcome {
             Ok(None) => {}
-            Ok(Some(equal)) => say!("{}: {equal}, equal", path.display())?,
+            Ok(Some(equal)) => say!("{}: {equal}", path.display())?,
             Err(error) => {
                 match error {
                     Error::Io { .. } => tell!("{error}"), // it names the file
@@ -114,7 +114,7 @@ fn parse(text: &str) -> Result<Trace> {
     serde_json::from_str(text).map_err(|error| Error::custom(format!("not a trace: {error}")))
 }
 
-/// The compared parts.
+/// What is compared and equal, and what is not compared, in words.
 fn compare(path: &Path) -> Result<String> {
     let text = read(path)?;
     #[cfg(feature = "families")]
@@ -122,15 +122,23 @@ fn compare(path: &Path) -> Result<String> {
         return frames::compare(&recorded);
     }
     let recorded = parse(&text)?;
-    if recorded.events.is_empty() {
+    let (parts, facts) = recorded.compared();
+    if parts.is_empty() {
         return Err(Error::custom(
-            "it has no events, so there is nothing to compare",
+            "no event has an answer, so there is nothing to compare",
         ));
     }
-    match recorded.first_difference(&recorded.replay()?) {
-        Some(difference) => Err(Error::custom(difference)),
-        None => Ok(format!("{} events", recorded.events.len())),
+    if let Some(difference) = recorded.first_difference(&recorded.replay()?) {
+        return Err(Error::custom(difference));
     }
+    let (events, names) = (recorded.events.len(), [parts, facts].concat().join(", "));
+    Ok(match &recorded.not_compared()[..] {
+        [] => format!("{events} events ({names}), equal"),
+        notes => format!(
+            "{events} events ({names}), equal; not compared: {}",
+            notes.join(", ")
+        ),
+    })
 }
 
 /// Replaces the answers, and keeps the other parts of the file, such as its policy.
@@ -150,6 +158,15 @@ fn write_answers(path: &Path, to: &Path) -> Result<()> {
         None => {
             let answers = parse(&text)?.replay()?;
             rest.remove("events");
+            let (_, facts) = answers.compared();
+            for name in facts {
+                rest.extend(
+                    answers
+                        .about
+                        .get_key_value(name)
+                        .map(|(name, fact)| (name.clone(), fact.clone())),
+                );
+            }
             serde_json::to_vec(&Answers {
                 rest,
                 events: &answers.events,
@@ -216,7 +233,7 @@ mod frames {
         }
         match recorded.first_difference(&replay(recorded)?) {
             Some(difference) => Err(Error::custom(difference)),
-            None => Ok(format!("{} frames", recorded.ops.len())),
+            None => Ok(format!("{} frames, equal", recorded.ops.len())),
         }
     }
 }

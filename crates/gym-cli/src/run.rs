@@ -50,13 +50,7 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     if let Some(path) = &arguments.plot {
         plots::check_name(path)?;
     }
-    if let (Some(json), Some(plot)) = (&arguments.json, &arguments.plot)
-        && inputs::is_one_file(json, plot)
-    {
-        return Err(Error::custom(
-            "`--json` and `--plot` name one file: the second would replace the first",
-        ));
-    }
+    inputs::check_distinct([("--json", &arguments.json), ("--plot", &arguments.plot)])?;
     for path in arguments.json.iter().chain(&arguments.plot) {
         inputs::check_writable(path)?;
     }

@@ -45,9 +45,9 @@ impl Workspace {
         own.retain(is_own);
         if own.is_empty() {
             return Err(Error::custom(format!(
-                "no environment is registered in {}: put `gym_core::register!(...)` at the top level of a module, name the \
-                 crate in the program of `cargo xtask` (`use my_envs as _;`), and let there be one gym-core in `cargo tree \
-                 --duplicates`",
+                "no environment is registered in {}: put `gym_core::register!(...)` at the top level of a module, make its \
+                 crate a member of that workspace, name it in the program of `cargo xtask` (`use my_envs as _;`), and let \
+                 there be one gym-core in `cargo tree --duplicates`",
                 self.folder.display()
             )));
         }
@@ -72,10 +72,21 @@ impl Workspace {
     }
 }
 
-/// Whether an environment is of this workspace. Cargo gives the compiler paths from the workspace's
-/// folder for the crates in it, and whole paths for all others.
+/// Whether an environment is of this workspace.
 fn is_own(registration: &Registration) -> bool {
-    Path::new(registration.source.file).is_relative()
+    is_in_workspace(registration.source.file)
+}
+
+/// Whether the source file of a registration is of this workspace. Cargo gives the compiler paths
+/// from the workspace's folder for all that is in it, and whole paths for the rest.
+fn is_in_workspace(file: &str) -> bool {
+    let file = file.replace('\\', "/");
+    // Cargo's own folder may be in the workspace too
+    let is_downloaded = |folder: &str| file.contains(folder);
+    Path::new(&file).is_relative()
+        && !["registry/src/", "git/checkouts/"]
+            .into_iter()
+            .any(is_downloaded)
 }
 
 /// The environments without external requirements; reports the others.
@@ -107,5 +118,37 @@ fn left_out(group: &[Registration]) -> String {
             let (n, name) = (group.len(), group[0].source.package);
             format!("left out {n} ids of {name}: they need {needed}{there}; name an id to use it")
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn environments_of_the_workspace_are_told_from_others() {
+        for own in [
+            "src/lib.rs",
+            "crates/my-envs/src/corridor.rs",
+            "crates\\my\\src\\a.rs",
+        ] {
+            assert!(is_in_workspace(own), "{own}");
+        }
+        for other in [
+            "/home/me/gym/crates/gym-classic/src/cartpole.rs",
+            ".cargo/registry/src/index-1/gym-classic-0.1.0/src/cartpole.rs",
+            ".cargo/git/checkouts/gym-1/abc/crates/gym-classic/src/cartpole.rs",
+        ] {
+            assert!(!is_in_workspace(other), "{other}");
+        }
+    }
+
+    #[test]
+    fn the_folder_of_the_workspace_has_the_lock_file() {
+        let package = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let workspace = Workspace::of(package);
+        assert_eq!(workspace.manifest(), package.join("Cargo.toml"));
+        assert!(workspace.folder().join("Cargo.lock").exists());
+        assert!(package.starts_with(workspace.folder()));
     }
 }

@@ -42,7 +42,7 @@ pub(crate) fn validated(subject: &Subject<'_>) -> Verdict {
 
 pub(crate) fn refusal(subject: &Subject<'_>) -> Verdict {
     subject.repeatable()?;
-    // at the start of an episode, and within
+    // at the start of an episode, and after some steps
     for (seed, steps) in SEEDS.into_iter().zip([0, 5, 5]) {
         let (mut env, mut other) = (subject.after(seed, steps)?, subject.after(seed, steps)?);
         let space = env.action_space();

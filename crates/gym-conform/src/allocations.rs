@@ -29,7 +29,7 @@ pub(crate) fn none(subject: &Subject<'_>) -> Verdict {
             env.reset_into(&().into(), &mut observation)?;
         }
     }
-    // the same episode begins again and again, so its buffers have grown by then
+    // equal seeds give equal episodes: by then their buffers have grown
     let mut begin = |times: u32| -> Result<i64> {
         let mut result = Ok(());
         let resets =
@@ -37,7 +37,7 @@ pub(crate) fn none(subject: &Subject<'_>) -> Verdict {
         let kept = allocation_counter::measure(resets).bytes_current;
         result.map(|()| kept)
     };
-    // a buffer that doubles from time to time doubles again before it has twice its size
+    // a buffer that doubles its size does so at most once more in twice as many resets
     begin(WARM)?;
     let kept = begin(WARM + 2)?;
     if kept > 0 {

@@ -27,7 +27,7 @@ pub(crate) fn refused(subject: &Subject<'_>) -> Verdict {
     Ok(())
 }
 
-/// Each bool and number among the arguments changes something, if only together with another.
+/// Checks that each bool and number among the arguments has an effect, alone or with another one.
 pub(crate) fn matter(subject: &Subject<'_>) -> Verdict {
     let Some((spec, kwargs)) = subject.arguments() else {
         return skipped("it is not registered");
@@ -45,7 +45,7 @@ pub(crate) fn matter(subject: &Subject<'_>) -> Verdict {
         let set = |other: &Json| {
             let changed = (name.clone(), other.clone());
             move |around: &Variant| {
-                // the switch itself is not a surrounding
+                // a variant in which `name` itself is changed is not a surrounding
                 let is_other = around.spec.kwargs.get(name).is_none_or(|now| now == value);
                 is_other.then(|| around.clone().with_arguments([changed.clone()]))
             }
@@ -60,7 +60,7 @@ pub(crate) fn matter(subject: &Subject<'_>) -> Verdict {
     Ok(())
 }
 
-/// The default, and the default with each switch the other way.
+/// Returns the default variant, and the default with each bool inverted.
 pub(crate) fn surroundings(spec: &EnvSpec, kwargs: &Kwargs) -> Vec<Variant> {
     let default = Variant {
         spec: spec.clone(),
@@ -73,7 +73,7 @@ pub(crate) fn surroundings(spec: &EnvSpec, kwargs: &Kwargs) -> Vec<Variant> {
     std::iter::once(default.clone()).chain(flipped).collect()
 }
 
-/// Other values of a bool or a number.
+/// Returns other values of a bool or a number.
 pub(crate) fn others(value: &Json) -> Vec<Json> {
     match value {
         Json::Bool(is) => vec![json!(!is)],
@@ -93,7 +93,7 @@ pub(crate) fn others(value: &Json) -> Vec<Json> {
     }
 }
 
-/// An environment with one argument out of the ordinary, which it may refuse.
+/// An environment with one unusual argument. The environment may refuse it.
 pub(crate) struct Odd {
     pub(crate) spec: EnvSpec,
     name: String,
@@ -106,7 +106,7 @@ impl fmt::Display for Odd {
     }
 }
 
-/// Each argument with values at the ends of its range and beyond.
+/// Iterates over values at the ends of each argument's range, and beyond.
 pub(crate) fn odd(subject: &Subject<'_>) -> impl Iterator<Item = Odd> {
     subject.arguments().into_iter().flat_map(|(spec, kwargs)| {
         kwargs.into_iter().flat_map(move |(name, default)| {
@@ -120,7 +120,7 @@ pub(crate) fn odd(subject: &Subject<'_>) -> impl Iterator<Item = Odd> {
                         json!(5e-324),
                     ]
                 }
-                // large sizes are honest requests to fill the memory
+                // no large sizes: the environment may rightly allocate what they ask for
                 Json::Number(_) => vec![json!(0), json!(-1), json!(1)],
                 Json::Bool(value) => vec![json!(!value)],
                 Json::String(_) => vec![json!(""), json!("no such value")],

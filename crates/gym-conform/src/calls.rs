@@ -3,7 +3,7 @@
 use gym_core::canvas::{Align, Canvas, Color, Point, Segment, Shape, Transform};
 use gym_core::{BoxEnv, Env};
 
-/// The calls of a drawing, exactly.
+/// The calls of a drawing as text, with every digit.
 #[derive(Default)]
 pub(crate) struct Calls {
     pub(crate) text: String,
@@ -30,7 +30,7 @@ impl Calls {
     }
 }
 
-/// The numbers that make a shape.
+/// Returns the coordinates and sizes of `shape`.
 fn numbers(shape: &Shape<'_>) -> Vec<f64> {
     match *shape {
         Shape::Polygon(points) | Shape::Polyline(points) => points.as_flattened().to_vec(),

@@ -1,4 +1,4 @@
-//! The check that no clock decides.
+//! The check that episodes do not depend on a clock.
 
 use std::thread;
 use std::time::{Duration, Instant};
@@ -26,13 +26,13 @@ impl Paused {
     }
 }
 
-/// An episode goes on after a pause as it does without, and a new one is the same later.
+/// Checks that a pause does not change the rest of an episode, nor a later episode.
 pub(crate) fn unread(subject: &Subject<'_>) -> Verdict {
-    /// The seconds of a clock have changed after this time.
+    /// A clock that counts seconds changes within this time.
     const PAUSE: Duration = Duration::from_millis(1050);
     subject.repeatable()?;
     let Paused { env, rest, since } = subject.paused()?;
-    // the other checks have taken most of the time, or all
+    // the other checks have taken most of this time
     thread::sleep(PAUSE.saturating_sub(since.elapsed()));
     let later = carry_on(&mut env.clone(), SEEDS[0], STEPS)?;
     same(rest, &later, "an episode that goes on after a pause")?;

@@ -4,12 +4,12 @@ use crate::subject::{SEEDS, STEPS, Shown, Subject, roll_out, same};
 use crate::verdict::{Verdict, broken};
 use gym_core::{Env, Result};
 
-/// `close`, once and again, leaves other environments as they are. An environment that can be reset
-/// after it begins as a new one does, however often it was closed.
+/// Checks that one or two calls of `close` do not change other environments. If an environment can
+/// be reset after `close`, its episode equals that of a new environment.
 pub(crate) fn harmless(subject: &Subject<'_>) -> Verdict {
     let seed = SEEDS[0];
     let mut beside = subject.after(seed, 5)?;
-    // played before anything was closed
+    // played before any environment was closed
     let first = subject.first_run()?;
     let played = roll_out(&mut subject.make()?, seed, STEPS)?;
     let closed = |times: u32| -> Result<Vec<Shown>> {
@@ -31,10 +31,10 @@ pub(crate) fn harmless(subject: &Subject<'_>) -> Verdict {
                 "`reset` after one `close` succeeds, and after two it does not: {error}"
             ));
         }
-        // it may refuse all calls
+        // a closed environment may refuse all calls
         (Err(_), _) => (),
     }
-    // closed before its first reset
+    // an environment that is closed before its first reset
     subject.make()?.close();
     let what = "a new environment after others were closed";
     let again = roll_out(&mut subject.make()?, seed, STEPS)?;

@@ -12,7 +12,7 @@ pub(crate) fn clone_apart(subject: &Subject<'_>) -> Verdict {
     for seed in SEEDS {
         let (mut env, mut other) = (subject.midway(seed)?, subject.midway(seed)?);
         let (mut clone, mut idle) = (env.clone(), env.clone());
-        // independently of the clone
+        // `env` must not depend on what happens to `clone`
         let _ = carry_on(&mut clone, seed + 1, 20);
         let what = "an environment whose clone was used";
         same_face(&other, &env, what)?;
@@ -21,7 +21,7 @@ pub(crate) fn clone_apart(subject: &Subject<'_>) -> Verdict {
         clone.close();
         clone.close();
         same_face(&other, &env, what)?;
-        // a clone that differs from the start is the finding of another check
+        // if a clone differs at once, the check clone-continues reports it
         let copied = carry_on(&mut subject.midway(seed)?.clone(), seed, STEPS);
         let untouched = carry_on(&mut other, seed, STEPS)?;
         same(&untouched, &carry_on(&mut env, seed, STEPS)?, what)?;
@@ -33,7 +33,7 @@ pub(crate) fn clone_apart(subject: &Subject<'_>) -> Verdict {
             same(&untouched, &carry_on(&mut idle, seed, STEPS)?, what)?;
         }
     }
-    // state that clones share may show late
+    // shared state may have an effect only after many steps
     let (seed, long) = (SEEDS[0], subject.long()?);
     let (mut env, mut other) = (subject.midway(seed)?, subject.midway(seed)?);
     carry_on(&mut env.clone(), seed + 1, long)?;
@@ -45,7 +45,7 @@ pub(crate) fn clone_apart(subject: &Subject<'_>) -> Verdict {
     )
 }
 
-/// Whether two environments show the same without a step.
+/// Compares what two environments show without a step.
 fn same_face(a: &BoxEnv, b: &BoxEnv, what: &str) -> Verdict {
     let face = |env: &BoxEnv| {
         let spaces = [env.observation_space(), env.action_space()];
@@ -95,10 +95,10 @@ pub(crate) fn snapshot_continues(subject: &Subject<'_>) -> Verdict {
     with_odd_arguments(subject)
 }
 
-/// Each state of some episodes has a snapshot, from which the next events are the same. Some states
-/// are rare.
+/// Checks, in each state of some episodes, that a snapshot can be taken and that the next events
+/// are equal after it is restored. Faults in rare states show only here.
 fn in_every_state(subject: &Subject<'_>) -> Verdict {
-    /// The events that are compared after each state.
+    /// The number of events that are compared after each state.
     const AFTER: usize = 4;
     // large states take long to store
     let (events, every) = if subject.few()? < 20 {
@@ -131,7 +131,7 @@ fn in_every_state(subject: &Subject<'_>) -> Verdict {
     }
     let mut other = subject.midway(7)?;
     for (i, (event, snapshot)) in states.into_iter().enumerate() {
-        // now and then into the middle of an episode, and never so late that it counts
+        // `other` is mostly within an episode when it is restored; the reset keeps its age small
         if i % 16 == 0 {
             other.reset(7)?;
         }
@@ -151,7 +151,7 @@ fn in_every_state(subject: &Subject<'_>) -> Verdict {
     Ok(())
 }
 
-/// A step, or without an action a reset.
+/// Takes a step, or resets `env` if there is no action.
 fn go_on(env: &mut BoxEnv, action: Option<&Value>) -> Result<Shown> {
     match action {
         Some(action) => {
@@ -165,7 +165,7 @@ fn go_on(env: &mut BoxEnv, action: Option<&Value>) -> Result<Shown> {
     }
 }
 
-/// `into` with the state of `env`, by way of a text.
+/// Restores `into` from the snapshot of `env`, which is written as text and read again.
 fn restored(env: &BoxEnv, mut into: BoxEnv) -> Result<BoxEnv> {
     let stored = |error: serde_json::Error| Error::Snapshot(error.to_string());
     let text = serde_json::to_string(&env.snapshot()?).map_err(stored)?;
@@ -173,7 +173,7 @@ fn restored(env: &BoxEnv, mut into: BoxEnv) -> Result<BoxEnv> {
     Ok(into)
 }
 
-/// An environment at the end of an episode, if that is not too far.
+/// Returns an environment at the end of an episode, or after 300 steps.
 fn ended(subject: &Subject<'_>) -> Result<BoxEnv> {
     let mut env = subject.reset(7)?;
     let mut actions = env.action_sampler(7)?;
@@ -185,7 +185,7 @@ fn ended(subject: &Subject<'_>) -> Result<BoxEnv> {
     Ok(env)
 }
 
-/// A snapshot from before the first reset makes a used environment as good as new.
+/// Checks that a used environment equals a new one once it is restored from a new one's snapshot.
 fn unused(subject: &Subject<'_>) -> Verdict {
     let (mut new, mut used) = (subject.make()?, subject.midway(0)?);
     let Ok(snapshot) = new.snapshot() else {
@@ -206,7 +206,7 @@ fn unused(subject: &Subject<'_>) -> Verdict {
     )
 }
 
-/// Numbers that no ordinary episode reaches are stored and restored too.
+/// Checks that environments with unusual arguments accept their own snapshots.
 fn with_odd_arguments(subject: &Subject<'_>) -> Verdict {
     for odd in arguments::odd(subject) {
         let played = || -> Result<BoxEnv> {
@@ -215,7 +215,7 @@ fn with_odd_arguments(subject: &Subject<'_>) -> Verdict {
             carry_on(&mut env, 0, 20)?;
             Ok(env)
         };
-        // it may refuse the argument, or the steps
+        // the environment may refuse the argument, or steps with it
         let Ok(env) = played() else { continue };
         if let Err(error) = restored(&env, env.clone()) {
             return broken(format!(
@@ -226,15 +226,15 @@ fn with_odd_arguments(subject: &Subject<'_>) -> Verdict {
     Ok(())
 }
 
-/// A way to copy an environment, with its name.
+/// The name of a way to copy an environment, and the function that copies.
 type Copying<'a> = (&'a str, &'a dyn Fn(&BoxEnv) -> Result<BoxEnv>);
 
-/// Whether copies taken in the middle of an episode continue like an original that was not copied.
+/// Checks that copies taken in an episode continue like an environment that was not copied.
 fn continues(subject: &Subject<'_>, copies: &[Copying<'_>]) -> Verdict {
     let long = subject.long()?;
     let [early, other, late] = SEEDS;
     let first = copies.first().map_or("a copy", |(what, _)| what);
-    // copies taken early that run long, and some taken late
+    // two copies are taken early, of which one is played for long, and one is taken late
     for (seed, before, after) in [(early, 5, long), (other, 5, STEPS), (late, long / 2, STEPS)] {
         let mut env = subject.after(seed, before)?;
         let untouched = carry_on(&mut subject.after(seed, before)?, seed, after)?;
@@ -253,7 +253,7 @@ fn continues(subject: &Subject<'_>, copies: &[Copying<'_>]) -> Verdict {
     Ok(())
 }
 
-/// The same of a copy taken at the end of an episode, where it begins another.
+/// Checks that a copy taken at the end of an episode begins the next episode like the original.
 fn continues_after_the_end(
     subject: &Subject<'_>,
     what: &str,
@@ -273,7 +273,7 @@ fn continues_after_the_end(
     same(&left, &copied, what)
 }
 
-/// Content that no environment writes is refused, and a refusal changes nothing.
+/// Checks that `restore` refuses content that no environment writes, and changes nothing then.
 pub(crate) fn snapshot_refused(subject: &Subject<'_>) -> Verdict {
     let seed = SEEDS[0];
     let state = |snapshot: &Snapshot| snapshot.get::<Json>();
@@ -305,8 +305,8 @@ pub(crate) fn snapshot_refused(subject: &Subject<'_>) -> Verdict {
     )
 }
 
-/// A snapshot of an environment with another argument is refused, or goes on as that environment
-/// does.
+/// Checks that `restore` refuses a snapshot of an environment with another argument, or continues
+/// as that environment does.
 fn of_other_arguments(subject: &Subject<'_>) -> Verdict {
     const AFTER: usize = 20;
     let Some((spec, kwargs)) = subject.arguments() else {
@@ -323,7 +323,7 @@ fn of_other_arguments(subject: &Subject<'_>) -> Verdict {
                 roll_out(&mut env, seed, 5)?;
                 Ok(env)
             };
-            // it may refuse the argument, or have no snapshots
+            // the environment may refuse the argument, or have no snapshots
             let Ok(mut env) = midway() else { continue };
             let Ok(snapshot) = env.snapshot() else {
                 continue;
@@ -334,7 +334,7 @@ fn of_other_arguments(subject: &Subject<'_>) -> Verdict {
             let mut actions = own.action_sampler(seed)?;
             for _ in 0..AFTER {
                 let action = actions.sample();
-                // which actions there are may depend on the argument
+                // an action may be valid with one of the arguments only
                 let (Ok(a), Ok(b)) = (env.step(&action), own.step(&action)) else {
                     break;
                 };
@@ -354,7 +354,7 @@ fn of_other_arguments(subject: &Subject<'_>) -> Verdict {
     Ok(())
 }
 
-/// `restore` accepts only states that the environment can reach.
+/// Checks that `restore` accepts only states that the environment can reach.
 pub(crate) fn snapshot_legal(subject: &Subject<'_>) -> Verdict {
     subject.damaged()?.illegal()
 }

@@ -1,20 +1,20 @@
-//! Snapshots with one part that they should not have.
+//! Damaged snapshots: one part is replaced.
 
 use std::collections::BTreeMap;
 
 use serde_json::{Map, Value as Json, json};
 
-/// A way to a part: keys of objects and indices of arrays.
+/// The keys of objects and indices of arrays that lead to a part.
 type Path = Vec<String>;
 
-/// One part of a snapshot, and its replacements.
+/// One part of a snapshot, and its replacement.
 pub(crate) struct Damage {
     pointer: String,
     other: Json,
 }
 
 impl Damage {
-    /// Shows `f` the snapshot with the damage, and mends it again.
+    /// Calls `f` with the damaged snapshot, and restores the part.
     pub(crate) fn done_to<R>(&self, snapshot: &mut Json, f: impl FnOnce(&Json) -> R) -> R {
         let mut other = self.other.clone();
         let mut swap = |snapshot: &mut Json| {
@@ -28,12 +28,12 @@ impl Damage {
         result
     }
 
-    /// The place of the part.
+    /// Returns the JSON pointer to the part.
     pub(crate) fn place(&self) -> &str {
         &self.pointer
     }
 
-    /// The value and its place.
+    /// Describes the replacement, the replaced value and its place.
     pub(crate) fn difference(&self, good: &Json) -> String {
         let Self { pointer, other } = self;
         let short = |json: &Json| json.to_string().chars().take(60).collect::<String>();
@@ -44,7 +44,7 @@ impl Damage {
         )
     }
 
-    /// Whether two snapshots have the same at that place.
+    /// Returns whether two snapshots have equal parts at this place.
     pub(crate) fn is_same(&self, one: &Json, other: &Json) -> bool {
         one.pointer(&self.pointer) == other.pointer(&self.pointer)
     }
@@ -54,7 +54,7 @@ impl Damage {
 /// element of a long array. A large snapshot, which takes long to read, gets a few kinds for each
 /// field.
 pub(crate) fn damages(good: &Json) -> Vec<Damage> {
-    /// More parts are a large world's.
+    /// A snapshot with more parts counts as large.
     const MANY: usize = 200;
     let representatives = representatives(good);
     let is_large = representatives.len() > MANY;
@@ -69,7 +69,7 @@ pub(crate) fn damages(good: &Json) -> Vec<Damage> {
             (Place::Last, false) => (3, 0),
             (Place::Last, true) => (1, 0),
         };
-        // the first ones are near, and of the far ones each has its turn
+        // all near replacements, and one far replacement after the other
         let (close, rest) = others.split_at(near.min(others.len()));
         turn += far;
         close
@@ -96,13 +96,13 @@ fn damages_by(
     damages.flatten().collect()
 }
 
-/// Other numbers and switches of the same kind, near and far, with which a snapshot may still be of
-/// use.
+/// Returns replacements of the same type that may give another valid state: numbers near and far,
+/// and inverted bools.
 pub(crate) fn moves(good: &Json) -> Vec<Damage> {
     let others = |part: &Json, _| match part {
         Json::Bool(is) => vec![json!(!is)],
         Json::Number(number) => match (number.as_i64(), number.as_f64()) {
-            // a number may encode several, such as row, column and passenger
+            // one integer may encode several, such as row, column and passenger
             (Some(int), _) => (0..10)
                 .flat_map(|power| [1 << power, -(1 << power)])
                 .map(|by| json!(int.saturating_add(by)))
@@ -117,7 +117,7 @@ pub(crate) fn moves(good: &Json) -> Vec<Damage> {
     damages_by(good, representatives(good), others)
 }
 
-/// The replacements: a value of another kind, of another size, or slightly off.
+/// Returns the replacements of a part: of another type, of another size, or with a near value.
 fn others(part: &Json) -> Vec<Json> {
     let mut others = match part {
         Json::Number(number) => {
@@ -167,17 +167,17 @@ fn others(part: &Json) -> Vec<Json> {
 /// The place of a part.
 #[derive(Clone, Copy)]
 enum Place {
-    /// In no long array.
+    /// Not within a long array.
     Field,
-    /// In a long array, and the first of its kind.
+    /// The first part of its kind in a long array.
     First,
-    /// The last of its kind.
+    /// The last part of its kind.
     Last,
 }
 
-/// Every part once; of a long array only the first and the last element.
+/// Returns the path of every part; of a long array only those in its first and last element.
 fn representatives(json: &Json) -> Vec<(Path, Place)> {
-    /// Longer arrays count as lists of similar elements.
+    /// The elements of longer arrays count as one kind.
     const TUPLE: usize = 4;
     let mut kinds: BTreeMap<String, Vec<Path>> = BTreeMap::new();
     for path in paths(json) {
@@ -186,7 +186,7 @@ fn representatives(json: &Json) -> Vec<(Path, Place)> {
             let items = json
                 .pointer(&pointer(&path[..depth]))
                 .and_then(Json::as_array);
-            // tuples have few elements with different meanings
+            // the elements of a short array may differ in meaning
             kind.push(if items.is_some_and(|items| items.len() > TUPLE) {
                 "*"
             } else {
@@ -210,7 +210,7 @@ fn representatives(json: &Json) -> Vec<(Path, Place)> {
     chosen
 }
 
-/// The paths to all parts, containers before their contents.
+/// Returns the paths of all parts, each container before its contents.
 fn paths(json: &Json) -> Vec<Path> {
     fn walk(json: &Json, path: &mut Path, paths: &mut Vec<Path>) {
         paths.push(path.clone());

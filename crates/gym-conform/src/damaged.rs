@@ -1,4 +1,4 @@
-//! The reaction of an environment to damaged snapshots, each tried once for all checks.
+//! What an environment does with damaged snapshots. Each snapshot is tried once, for all checks.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -9,7 +9,7 @@ use crate::look::{glance, look};
 use crate::verdict::{Verdict, broken, message};
 use gym_core::{BoxEnv, Env, EnvExt, Result, Snapshot, Space, Step, Value};
 
-/// The first of each kind of fault.
+/// The first fault of each kind.
 #[derive(Default)]
 pub(crate) struct Damaged {
     changed: Option<String>,
@@ -18,17 +18,17 @@ pub(crate) struct Damaged {
 }
 
 impl Damaged {
-    /// Damages the snapshot of an environment in the middle of an episode in every way, and plays
-    /// some steps from each that it accepts.
+    /// Restores `env` from each damaged version of its snapshot. If `restore` accepts one, takes at
+    /// most `steps` steps.
     pub(crate) fn try_all(env: &BoxEnv, steps: usize) -> Result<Self> {
         let space = env.observation_space();
         let whole = env.snapshot()?;
         let good = whole.get::<Json>()?;
         let mut stored = good.clone();
         let mut faults = Self::default();
-        // other checks report failures without damage
+        // other checks report faults without damage
         let steps = sound_steps(env.clone(), &space, steps)?;
-        // the state after a refusal depends on how far the snapshot was read
+        // whether a refusal changes the state depends on the place, not on the replacement
         let mut looked_at = String::new();
         for damage in damages(&good) {
             let snapshot = damage.done_to(&mut stored, Snapshot::of)?;
@@ -68,7 +68,7 @@ impl Damaged {
         Ok(faults)
     }
 
-    /// Plays on after a damaged snapshot was accepted.
+    /// Takes some steps after `restore` accepted a damaged snapshot.
     fn go_on(
         &mut self,
         env: &mut BoxEnv,
@@ -79,7 +79,7 @@ impl Damaged {
         glance(env);
         let mut actions = env.action_sampler(0)?;
         for _ in 0..steps {
-            // a state in which no step can be taken does no harm
+            // a state in which `step` fails is no fault
             let Ok(step) = env.step(&actions.sample()) else {
                 break;
             };
@@ -117,7 +117,7 @@ impl Damaged {
     }
 }
 
-/// The number of steps without a fault, up to a limit.
+/// Returns the number of steps without a fault, at most `limit`.
 fn sound_steps(mut env: BoxEnv, space: &Space, limit: usize) -> Result<usize> {
     let mut actions = env.action_sampler(0)?;
     for steps in 0..limit {
@@ -131,7 +131,7 @@ fn sound_steps(mut env: BoxEnv, space: &Space, limit: usize) -> Result<usize> {
     Ok(limit)
 }
 
-/// Results that no valid state can give.
+/// Describes what is wrong with a step from an invalid state.
 fn fault(step: &Step<Value>, space: &Space) -> Option<String> {
     match space.check(&step.observation) {
         Err(error) => Some(error.to_string()),

@@ -7,7 +7,7 @@ use gym_core::render::{RenderMode, Rendered, painter};
 use gym_core::wrappers::Render;
 use gym_core::{BoxEnv, Env, EnvExt};
 
-/// The largest frame that [`Render`] makes.
+/// The largest width and height of a frame of [`Render`].
 const MAX_SIDE: u32 = 16384;
 
 pub(crate) fn metadata_complete(subject: &Subject<'_>) -> Verdict {
@@ -130,7 +130,7 @@ pub(crate) fn render_modes(subject: &Subject<'_>) -> Verdict {
             continue;
         }
         if mode == RenderMode::Human {
-            // opens a window, which shows the frames of rgb_array
+            // this mode opens a window, and shows the frames of rgb_array
             if !metadata.render_modes.contains(&RenderMode::RgbArray) {
                 return broken(
                     "`render_modes` names human without rgb_array, though both show the same drawing",

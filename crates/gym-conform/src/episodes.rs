@@ -1,4 +1,4 @@
-//! Checks of how episodes begin and end.
+//! Checks of the start and the end of episodes.
 
 use crate::inputs::corners;
 use crate::subject::{SEEDS, Subject};
@@ -18,7 +18,8 @@ pub(crate) fn reset_needed(subject: &Subject<'_>) -> Verdict {
     }
 }
 
-/// No episode is truncated at once, none lasts beyond its limit, and no step begins the next one.
+/// Checks that no first step truncates an episode, no episode exceeds its limit, and no step begins
+/// the next episode.
 pub(crate) fn time_limit(subject: &Subject<'_>) -> Verdict {
     let mut limited = Limited::new(subject)?;
     for seed in SEEDS {
@@ -29,7 +30,7 @@ pub(crate) fn time_limit(subject: &Subject<'_>) -> Verdict {
             actions.sample()
         })?;
     }
-    // one action held makes long episodes in some environments
+    // in some environments episodes are long only if one action is held
     for action in corners(&gym_core::Env::action_space(&limited.env)) {
         let place = format!("{action} held");
         limited.episode(Some(SEEDS[0]), &place, || action.clone())?;
@@ -37,15 +38,15 @@ pub(crate) fn time_limit(subject: &Subject<'_>) -> Verdict {
     limited.always_early()
 }
 
-/// An environment whose episodes are played to their end, and the ends so far.
+/// An environment whose episodes are played to their end, and their lengths.
 struct Limited {
     env: BoxEnv,
     limit: Option<u32>,
-    /// Whether no additional wrapper is around it, which may truncate for reasons of its own.
+    /// Whether it has no additional wrapper. A wrapper may truncate episodes.
     is_bare: bool,
-    /// The steps that are left to play.
+    /// The number of steps that may still be taken.
     budget: u32,
-    /// The lengths of episodes that something truncated before the limit.
+    /// The lengths of episodes that were truncated before their limit.
     early: Vec<u32>,
     /// The length of the longest episode.
     longest: u32,
@@ -57,7 +58,7 @@ impl Limited {
         const MAX_STEPS: u32 = 2000;
         let env = subject.make()?;
         let spec = subject.spec.as_ref();
-        // a stack around an environment without a registration has no spec, and perhaps a limit
+        // without a registration there is no spec, but there may be a `TimeLimit`
         let limit = match spec {
             Some(spec) => spec.max_episode_steps,
             None => count(&env).map(|count| count.max_episode_steps),
@@ -72,7 +73,7 @@ impl Limited {
         })
     }
 
-    /// Plays an episode, as far as the budget goes.
+    /// Plays an episode, at most `budget` steps.
     fn episode(
         &mut self,
         seed: Option<u64>,
@@ -120,7 +121,7 @@ impl Limited {
         Ok(())
     }
 
-    /// What the count of the time limit tells of a step, whichever wrappers are around it.
+    /// Compares the counts of the `TimeLimit` before and after a step.
     fn counted(
         &self,
         before: StepCount,
@@ -144,10 +145,10 @@ impl Limited {
         Ok(())
     }
 
-    /// Episodes that are truncated after one number of steps, whatever happens in them, have
-    /// another limit than the one that is known.
+    /// Reports a limit that is unknown: if several episodes with other actions are truncated after
+    /// the same number of steps, the wrapper that truncates them counts steps.
     fn always_early(&self) -> Verdict {
-        /// Fewer episodes may have one length by chance.
+        /// Fewer episodes may have equal lengths by chance.
         const MANY: usize = 4;
         match self.early[..] {
             [first, ref others @ ..]
@@ -165,7 +166,7 @@ impl Limited {
     }
 }
 
-/// The count of the outermost time limit.
+/// Returns the count of the `TimeLimit` that is reached first.
 fn count(env: &BoxEnv) -> Option<StepCount> {
     env.layer::<StepCount>().copied()
 }

@@ -11,7 +11,7 @@ use serde::Serialize;
 pub enum Severity {
     /// A rule that users rely on is broken.
     Error,
-    /// It works, and is harder to use than it has to be.
+    /// The environment works, but is harder to use.
     Warning,
 }
 
@@ -25,7 +25,7 @@ pub struct Finding {
     pub severity: Severity,
     /// The observed fault, and its place.
     pub message: String,
-    /// Why it matters.
+    /// The reason for the rule.
     pub why: &'static str,
     /// The remedy.
     pub mend: &'static str,

@@ -24,7 +24,8 @@ pub(crate) fn consistent(subject: &Subject<'_>) -> Verdict {
     })
 }
 
-/// Vectors collect entries in columns: each has one type, and is present after every step.
+/// Checks that each entry has one type and is present after every step, as vectors collect entries
+/// in columns.
 pub(crate) fn constant(subject: &Subject<'_>) -> Verdict {
     let mut forms: BTreeMap<String, String> = BTreeMap::new();
     let mut keys: [Option<BTreeSet<String>>; 2] = [None, None];
@@ -33,7 +34,7 @@ pub(crate) fn constant(subject: &Subject<'_>) -> Verdict {
             Shown::Reset(_, info) => (0, "reset", info),
             Shown::Step(_, info) => (1, "step", info),
         };
-        // a wrapper adds it at the end of an episode
+        // `RecordEpisodeStatistics` adds this entry at the end of an episode
         let info = || info.iter().filter(|(key, _)| *key != "episode");
         let now: BTreeSet<String> = info().map(|(key, _)| key.clone()).collect();
         let before = keys[kind].get_or_insert_with(|| now.clone());
@@ -55,13 +56,13 @@ pub(crate) fn constant(subject: &Subject<'_>) -> Verdict {
         Ok(())
     };
     each_event(subject, &mut check)?;
-    // rare entries
+    // some entries appear only in a long run
     let late = subject.first_run()?.iter().enumerate();
     late.into_iter()
         .try_for_each(|(i, shown)| check(shown, &format!("a long run, event {i}")))
 }
 
-/// Loggers take means, and one NaN makes NaN of all.
+/// Checks that no entry is NaN, as the mean of a logger would be NaN, too.
 pub(crate) fn no_nan(subject: &Subject<'_>) -> Verdict {
     each_event(subject, |shown, place| {
         let (Shown::Reset(_, info) | Shown::Step(_, info)) = shown;
@@ -82,7 +83,7 @@ fn has_nan(value: &Value) -> bool {
     }
 }
 
-/// The kind of a value, with the type and shape of arrays.
+/// Describes the type of a value; for arrays with dtype and shape.
 fn form(value: &Value) -> String {
     match value {
         Value::Null => "nothing".into(),
@@ -107,7 +108,7 @@ fn form(value: &Value) -> String {
     }
 }
 
-/// The entries, without wall-clock time.
+/// Returns the entries without `episode`, which holds wall-clock time.
 fn entries(env: &BoxEnv) -> Vec<(String, Value)> {
     let mut entries = Vec::new();
     env.info(&mut |key, value| {

@@ -1,10 +1,9 @@
-//! Actions inside, at the edge of, beyond and beside a space.
+//! Actions: elements of a space, its corners, and values outside of it.
 
 use gym_core::spaces::BoxSpace;
 use gym_core::{Array, DType, Data, Space, Value};
 
-/// The first and last elements of a space of numbers, and mixtures of both if it has several
-/// numbers.
+/// Returns the first and last elements of a space of numbers; of a box also two mixed corners.
 pub(crate) fn corners(space: &Space) -> Vec<Value> {
     const FIRST: i64 = 8;
     match space {
@@ -32,7 +31,7 @@ pub(crate) fn corners(space: &Space) -> Vec<Value> {
     }
 }
 
-/// Four corners of a box: all lows, all highs, and both alternating.
+/// Returns one of four corners of a box: all low, all high, or alternating.
 fn corner(space: &BoxSpace, which: usize) -> Option<Value> {
     let is_high = |i: usize| {
         if i.is_multiple_of(2) {
@@ -52,7 +51,7 @@ fn corner(space: &BoxSpace, which: usize) -> Option<Value> {
         .map(Value::Array)
 }
 
-/// Finite actions beyond a box.
+/// Returns finite actions beyond the bounds of a box.
 pub(crate) fn huge(space: &Space) -> Vec<Value> {
     let Space::Box(numbers) = space else {
         return Vec::new();
@@ -64,7 +63,7 @@ pub(crate) fn huge(space: &Space) -> Vec<Value> {
         .collect()
 }
 
-/// The same number throughout a box.
+/// Returns an array of the shape of a box whose numbers are all `x`.
 pub(crate) fn uniform(space: &Space, x: f64) -> Option<Value> {
     let Space::Box(space) = space else {
         return None;
@@ -73,8 +72,8 @@ pub(crate) fn uniform(space: &Space, x: f64) -> Option<Value> {
     Array::new(space.shape(), data).ok().map(Value::Array)
 }
 
-/// Values of another kind or shape than the elements of a space, out of any discrete range, or not
-/// numbers.
+/// Returns invalid actions: of another type or shape, out of the range of a discrete space, or not
+/// finite.
 pub(crate) fn invalid(space: &Space, valid: &Value) -> Vec<Value> {
     let mut actions = vec![
         Value::Null,
@@ -89,7 +88,7 @@ pub(crate) fn invalid(space: &Space, valid: &Value) -> Vec<Value> {
         Value::Dict(vec![("a".into(), Value::Int(0))]),
         Value::OneOf(usize::MAX, Box::new(Value::Null)),
     ];
-    // a box may take numbers of another precision
+    // an environment may convert these for a box
     if !matches!(space, Space::Box(_)) {
         actions.push(Value::Array([0.5f64, 0.5].into()));
     }
@@ -111,14 +110,14 @@ pub(crate) fn invalid(space: &Space, valid: &Value) -> Vec<Value> {
         ];
         actions.extend(others.into_iter().flatten().map(Value::Array));
     }
-    // elements of the space are valid
+    // some of these may be elements of the space
     actions.retain(|action| !space.contains(action));
     actions
 }
 
-/// The array with a single element that no action has there.
+/// Returns copies of `valid` in which one element is invalid.
 fn wrong_elements(space: &Space, valid: &Array) -> Vec<Value> {
-    /// Images have thousands, all treated the same.
+    /// The number of elements that are tried; an image has thousands.
     const MAX: usize = 16;
     let (dtype, shape) = (valid.dtype(), valid.shape());
     let elements = 0..valid.len().min(MAX);

@@ -19,15 +19,25 @@
 //!
 //! This crate replaces the program's allocator by one that counts, so make it a dev-dependency.
 //!
-//! Some faults no check sees, and a test of your own should: an action that is refused in states
-//! that neither random nor held actions lead to; a clock that is read, as all checks of an
-//! environment take moments; a step that begins the next episode by itself, which looks like a
-//! jump; a wrapper that truncates early, which some have reason to; an observation that a refused
-//! step has written to, as after an error it may be anything; memory that grows outside of the
-//! environment, in a static variable, or only after hundreds of steps. Where an environment says
-//! that it is nondeterministic, episodes are not compared, nor its copies. Without a registration,
-//! the limit of a stack is known where a `TimeLimit` is around a `BoxEnv`. The result of a step
-//! after the end of an episode is unspecified, as in Gymnasium.
+//! Some faults no check sees. Test them yourself:
+//!
+//! - a fault in states that neither random nor held actions reach within some 1,500 steps, such as
+//!   a refused action, a wrong snapshot, or an entry of `info` that is missing there;
+//! - a clock that changes less than once a second, such as the date: an episode is compared after a
+//!   pause of a second, and no longer;
+//! - a wrapper that truncates early now and then, which some have reason to: only where several
+//!   episodes end after one number of steps, and their `TimeLimit` has not been reached, the wrapper
+//!   is a finding. A wrapper that begins episodes within a step is seen by the count of a
+//!   `TimeLimit`, so not in a stack that has none;
+//! - an option that is kept over episodes without a seed, if the environment does not lend its
+//!   [`generator`](gym_core::Env::generator);
+//! - an observation that a refused step has written to: after an error it may be anything;
+//! - memory that grows outside of the environment, in a static variable, or only after hundreds of
+//!   steps;
+//! - the result of a step after the end of an episode, which is unspecified, as in Gymnasium.
+//!
+//! Where an environment says that it is nondeterministic, episodes are not compared, nor its
+//! copies.
 //!
 //! Each [`Finding`] names the fault, its place, its consequence and the remedy. An environment that
 //! must break a rule says so, with the reason, in

@@ -1,4 +1,4 @@
-//! Longer runs than the compared ones: late states, one action held, and unusual actions.
+//! Long runs: late states, one action held, and unusual actions.
 
 use crate::calls::Calls;
 use crate::inputs::{corners, huge};
@@ -6,7 +6,7 @@ use crate::look::look;
 use crate::verdict::{Verdict, broken};
 use gym_core::{BoxEnv, Env, EnvExt, Result, Space, Step, Value};
 
-/// The first of each kind of fault.
+/// The first fault of each kind.
 pub(crate) struct LongRuns {
     space: Space,
     refused: Option<String>,
@@ -17,7 +17,7 @@ pub(crate) struct LongRuns {
 }
 
 impl LongRuns {
-    /// Plays an environment, best one without a time limit, so that much can go wrong.
+    /// Plays `env`. Without a time limit more states are reached.
     pub(crate) fn play(mut env: BoxEnv) -> Result<Self> {
         const RANDOM: usize = 1500;
         const HELD: usize = 200;
@@ -40,7 +40,7 @@ impl LongRuns {
             runs.run(&mut env, &format!("{action} held"), HELD, || action.clone())?;
         }
         for action in huge(&space) {
-            // actions beyond the space may be refused
+            // the environment may refuse actions beyond the space
             if env.reset(1).is_ok() && env.step(&action).is_ok() {
                 runs.run(
                     &mut env,
@@ -53,7 +53,7 @@ impl LongRuns {
         Ok(runs)
     }
 
-    /// An episode after the other, until an action is refused.
+    /// Plays episodes until `steps` steps are taken or an action is refused.
     fn run(
         &mut self,
         env: &mut BoxEnv,
@@ -82,7 +82,7 @@ impl LongRuns {
                     .get_or_insert_with(|| format!("{what}, step {i}: the reward is {reward}"));
             }
             if terminated || truncated {
-                // the last state is shown as well
+                // wrappers and recorders look at the last state, too
                 look(env);
                 if let Some(fault) = Calls::of(env).fault {
                     self.drawing

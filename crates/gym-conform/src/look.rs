@@ -1,15 +1,15 @@
-//! Every call that only looks.
+//! The calls that must not change an environment.
 
 use gym_core::canvas::Blank;
 use gym_core::{BoxEnv, Env, EnvExt};
 
-/// Asks an environment for all that it shows.
+/// Makes every call that must not change `env`.
 pub(crate) fn look(env: &BoxEnv) {
     glance(env);
     let _ = env.snapshot();
 }
 
-/// Asks for all but the snapshot, which takes long in a large world.
+/// Makes these calls without `snapshot`, which takes long in a large world.
 pub(crate) fn glance(env: &BoxEnv) {
     let _ = (
         env.observation_space(),

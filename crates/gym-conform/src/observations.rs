@@ -27,7 +27,7 @@ pub(crate) fn dtype(subject: &Subject<'_>) -> Verdict {
     })
 }
 
-/// The type of an array that the space names, and the one it has, if they differ.
+/// Returns the dtype of a space and that of an array in `value`, if they differ.
 fn other_dtype(space: &Space, value: &Value) -> Option<(DType, DType)> {
     match (space, value) {
         (Space::Tuple(space), Value::Tuple(items)) => space
@@ -92,10 +92,10 @@ pub(crate) fn whole(subject: &Subject<'_>) -> Verdict {
     Ok(())
 }
 
-/// A number that few observations have.
+/// A number that few observations contain.
 const OTHER: f64 = 77.0;
 
-/// The same value with other numbers. Where there are only whole numbers, NaN is 0.
+/// Replaces all numbers by `number`. Arrays of integers get 0 for NaN.
 fn filled(value: Value, number: f64) -> Value {
     match value {
         Value::Int(_) => Value::Int(number as i64),
@@ -118,7 +118,7 @@ fn filled(value: Value, number: f64) -> Value {
     }
 }
 
-/// A buffer that was used for another space: of another length, type, or kind.
+/// Returns a buffer of another form, as if it had been used for another space.
 fn misfit(value: Value) -> Value {
     match value {
         Value::Array(array) if array.len() % 2 == 1 => Value::Text("old".into()),

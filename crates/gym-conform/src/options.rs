@@ -8,10 +8,10 @@ use crate::variation::{Effect, Search, Variant};
 use crate::verdict::{Verdict, broken, skipped};
 use gym_core::{BoxEnv, Env, EnvExt, Generator, Reset, Result};
 
-/// Resets without a seed in which an option must change something.
+/// The number of resets without a seed of which an option must change at least one.
 const UNSEEDED: usize = 20;
 
-/// The options with their examples.
+/// Returns the options with their examples.
 fn examples(subject: &Subject<'_>) -> Verdict<Vec<(&'static str, Json)>> {
     let named = subject
         .registration
@@ -30,8 +30,8 @@ fn examples(subject: &Subject<'_>) -> Verdict<Vec<(&'static str, Json)>> {
     named.iter().map(read).collect()
 }
 
-/// An option that is not named is refused where some are, and ignored elsewhere. Where nothing is
-/// registered, as around an environment with options, both are right.
+/// Checks an unknown option: an environment that names options refuses it, any other ignores it.
+/// Without a registration both are right.
 pub(crate) fn unknown(subject: &Subject<'_>) -> Verdict {
     let plain = subject.make()?.reset(3)?;
     let knows_options = subject
@@ -56,7 +56,7 @@ pub(crate) fn unknown(subject: &Subject<'_>) -> Verdict {
     }
 }
 
-/// Each named option accepts its example, and refuses unlike values.
+/// Checks that each named option accepts its example and refuses a value of another type.
 pub(crate) fn accepted(subject: &Subject<'_>) -> Verdict {
     for (name, example) in examples(subject)? {
         if let Err(error) = subject
@@ -81,7 +81,7 @@ pub(crate) fn accepted(subject: &Subject<'_>) -> Verdict {
     Ok(())
 }
 
-/// Each named option changes something, if only together with an argument.
+/// Checks that each named option has an effect, alone or with an argument.
 pub(crate) fn matter(subject: &Subject<'_>) -> Verdict {
     let examples = examples(subject)?;
     let Some((spec, kwargs)) = subject.arguments() else {
@@ -101,13 +101,13 @@ pub(crate) fn matter(subject: &Subject<'_>) -> Verdict {
                 json!(tried)
             ));
         }
-        // a number far beyond every range is refused, or must have an effect
+        // a huge number must be refused or have an effect
         let is_plain = |value: &Json| -> Result<bool> {
             Ok(with_option(subject, Some((name, value)))? == with_option(subject, None)?)
         };
         let example_is_plain = is_plain(&example)?;
         counts_again(subject, name, &example, example_is_plain)?;
-        // an option that shows only together with an argument has nothing to be compared with
+        // if the option has an effect only with an argument, these episodes do not show it
         if example.is_number() && !example_is_plain {
             for beyond in [json!(1e300), json!(-1e300)] {
                 if is_plain(&beyond).unwrap_or(false) {
@@ -121,12 +121,12 @@ pub(crate) fn matter(subject: &Subject<'_>) -> Verdict {
     Ok(())
 }
 
-/// An episode that starts with an option, or without, in a new environment.
+/// Plays an episode of a new environment that starts with or without an option.
 fn with_option(subject: &Subject<'_>, option: Option<(&str, &Json)>) -> Result<Vec<Shown>> {
     started(&mut subject.make()?, Reset::seed(SEEDS[0]), option)
 }
 
-/// An episode that starts with an option, or without.
+/// Plays an episode that starts with or without an option.
 fn started(env: &mut BoxEnv, plain: Reset, option: Option<(&str, &Json)>) -> Result<Vec<Shown>> {
     let observation = env.reset(match option {
         Some((name, value)) => plain.option(name, value.clone()),
@@ -137,7 +137,7 @@ fn started(env: &mut BoxEnv, plain: Reset, option: Option<(&str, &Json)>) -> Res
     Ok(shown)
 }
 
-/// An option counts as much in a used environment as in a new one, and without a seed as with one.
+/// Checks that an option has the same effect in a used environment, and an effect without a seed.
 fn counts_again(subject: &Subject<'_>, name: &str, example: &Json, is_plain: bool) -> Verdict {
     let option = Some((name, example));
     let new = with_option(subject, option)?;
@@ -159,7 +159,7 @@ fn counts_again(subject: &Subject<'_>, name: &str, example: &Json, is_plain: boo
         return Ok(());
     }
     let (mut with, mut without) = (subject.midway(SEEDS[0])?, subject.midway(SEEDS[0])?);
-    // by chance some episodes begin as the option asks
+    // some episodes begin by chance as the option asks
     for _ in 0..UNSEEDED {
         if started(&mut with, Reset::default(), option)?
             != started(&mut without, Reset::default(), None)?
@@ -172,14 +172,14 @@ fn counts_again(subject: &Subject<'_>, name: &str, example: &Json, is_plain: boo
     ))
 }
 
-/// An option holds for one episode.
+/// Checks that an option holds for one episode only.
 pub(crate) fn forgotten(subject: &Subject<'_>) -> Verdict {
     let Ok(examples) = examples(subject) else {
         return Ok(());
     };
     for (name, example) in examples {
         let mut env = subject.make()?;
-        // whether it is accepted is another rule
+        // the check options-accepted reports a refusal
         if env
             .reset(Reset::seed(SEEDS[1]).option(name, example.clone()))
             .is_err()
@@ -192,7 +192,7 @@ pub(crate) fn forgotten(subject: &Subject<'_>) -> Verdict {
         forgotten_with_the_seed(subject, name, &example)?;
         forgotten_without_a_seed(subject, name, &example)?;
     }
-    // nor is it kept outside of the environment
+    // an option must not be kept outside of the environment either
     let first = subject.first_run()?;
     let again = roll_out(&mut subject.make()?, SEEDS[0], STEPS)?;
     same(
@@ -202,7 +202,7 @@ pub(crate) fn forgotten(subject: &Subject<'_>) -> Verdict {
     )
 }
 
-/// A seed gives the same after a reset with it and an option.
+/// Checks that a reset with a seed does not depend on an earlier reset with this seed and an option.
 fn forgotten_with_the_seed(subject: &Subject<'_>, name: &str, example: &Json) -> Verdict {
     let option = Some((name, example));
     let mut env = subject.make()?;
@@ -216,8 +216,8 @@ fn forgotten_with_the_seed(subject: &Subject<'_>, name: &str, example: &Json) ->
     )
 }
 
-/// Without a seed the generator decides alone, so that one generator gives the same episodes after
-/// an option and without.
+/// Checks that episodes without a seed do not depend on an earlier option. Both environments get
+/// the same generator before each of these episodes.
 fn forgotten_without_a_seed(subject: &Subject<'_>, name: &str, example: &Json) -> Verdict {
     const EPISODES: u64 = 5;
     let after = |first: Reset| -> Result<Option<Vec<Shown>>> {
@@ -237,7 +237,7 @@ fn forgotten_without_a_seed(subject: &Subject<'_>, name: &str, example: &Json) -
     let (Some(plain), Some(other)) = (after(seeded(0))?, after(seeded(1))?) else {
         return Ok(());
     };
-    // where more than the generator decides there is nothing to compare
+    // if more than the generator decides, episodes cannot be compared
     if same(&plain, &other, "").is_err() {
         return Ok(());
     }
@@ -248,7 +248,7 @@ fn forgotten_without_a_seed(subject: &Subject<'_>, name: &str, example: &Json) -
     same(&plain, &with, &what)
 }
 
-/// Resets that are refused for a value that no option has; whether all were refused.
+/// Resets `env` with invalid values of its options. Returns whether it refused all of them.
 pub(crate) fn refused(env: &mut BoxEnv, subject: &Subject<'_>) -> bool {
     let nothing_like_it = json!({"no": ["such", "value"]});
     examples(subject)

@@ -1,4 +1,4 @@
-//! Checks that nothing a caller does makes an environment panic.
+//! The check that no call makes an environment panic.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -59,7 +59,7 @@ pub(crate) fn none(subject: &Subject<'_>) -> Verdict {
             carry_on(&mut env, 0, 5).map(drop)
         })?;
     }
-    // an environment without snapshots has no damaged ones
+    // an environment without snapshots is not damaged
     if let Ok(damaged) = subject.damaged() {
         damaged.panicked()?;
     }
@@ -74,7 +74,7 @@ fn attempt(what: &str, f: impl FnOnce() -> Result<()>) -> Verdict {
     }
 }
 
-/// Every call, on an environment that is in no episode.
+/// Makes every call on an environment that is not in an episode.
 fn out_of_order(env: &mut BoxEnv) -> Result<()> {
     look(env);
     let _ = env.render();
@@ -104,7 +104,7 @@ fn beyond_the_end(env: &mut BoxEnv) -> Result<()> {
     Ok(())
 }
 
-/// Actions inside, at the edge of, beyond and beside the space.
+/// Returns unusual actions: the corners of the space, huge numbers, and invalid actions.
 fn odd_actions(env: &BoxEnv) -> Result<Vec<Value>> {
     let space = env.action_space();
     let valid = env.action_sampler(0)?.sample();
@@ -119,7 +119,7 @@ fn odd_actions(env: &BoxEnv) -> Result<Vec<Value>> {
     Ok(actions)
 }
 
-/// The options that the registration names, and some that it does not, with unexpected values.
+/// Iterates over named and unnamed options with unexpected values.
 fn odd_options(subject: &Subject<'_>) -> impl Iterator<Item = (&'static str, Json)> {
     let values = [
         json!(null),
@@ -140,7 +140,7 @@ fn odd_options(subject: &Subject<'_>) -> impl Iterator<Item = (&'static str, Jso
         .flat_map(move |name| values.clone().map(|value| (name, value)))
 }
 
-/// An episode with each argument out of the ordinary.
+/// Plays an episode with each unusual argument.
 fn odd_arguments(subject: &Subject<'_>) -> Verdict {
     for odd in arguments::odd(subject) {
         attempt(&format!("with the argument {odd}"), || {

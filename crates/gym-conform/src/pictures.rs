@@ -9,7 +9,7 @@ use gym_core::{Env, EnvExt, Value};
 use crate::subject::{SEEDS, Subject, alike};
 use crate::verdict::{Verdict, broken, skipped};
 
-/// Frames that are looked at for each seed.
+/// The number of frames for each seed.
 const FRAMES: usize = 30;
 
 pub(crate) fn visible(subject: &Subject<'_>) -> Verdict {
@@ -41,8 +41,8 @@ pub(crate) fn follows(subject: &Subject<'_>) -> Verdict {
     }
 }
 
-/// Calls `visit` with the frames of some steps, each with its observation and its place, until it
-/// breaks off.
+/// Calls `visit` with the frame, the observation and the place of each of some steps, until it
+/// breaks.
 fn each_frame(
     subject: &Subject<'_>,
     mut visit: impl FnMut(&Frame, &Value, &str) -> Verdict<ControlFlow<()>>,

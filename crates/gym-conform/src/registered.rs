@@ -28,7 +28,7 @@ pub(crate) fn described(subject: &Subject<'_>) -> Verdict {
     }
 }
 
-/// Whether a description is the id over again, or yet to be written.
+/// Returns whether a description only repeats the id, or is not written yet.
 fn says_nothing(id: &str, about: &str) -> bool {
     let name = id.rsplit('/').next().unwrap_or(id);
     let stem = name.rsplit_once("-v").map_or(name, |(stem, _)| stem);

@@ -29,7 +29,7 @@ pub struct Report {
 pub struct Excused {
     /// The name of the check.
     pub check: &'static str,
-    /// Why.
+    /// The reason.
     pub reason: &'static str,
 }
 
@@ -44,7 +44,7 @@ pub struct Skipped {
 }
 
 impl Report {
-    /// Whether nothing worse than a warning was found.
+    /// Returns whether there is no finding, or only warnings.
     pub fn passes(&self) -> bool {
         self.findings
             .iter()
@@ -91,7 +91,7 @@ impl FromStr for Format {
 }
 
 impl Format {
-    /// The reports in this format.
+    /// Writes `reports` in this format.
     pub fn write(self, reports: &[Report]) -> String {
         let mut out = String::new();
         // Writing to a string does not fail.

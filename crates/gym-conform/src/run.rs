@@ -116,8 +116,8 @@ impl fmt::Display for Slow {
     }
 }
 
-/// The spec of the environment without the wrappers that hide its faults, if its spec makes only
-/// the stack of `make`.
+/// Returns the spec without the wrappers that hide faults, if the environment has no wrappers but
+/// those of its spec.
 fn bare(make: &dyn Fn() -> Result<BoxEnv>) -> Option<EnvSpec> {
     // the first check makes an environment again, and reports a panic
     let stacks = catch_unwind(AssertUnwindSafe(|| {
@@ -129,7 +129,7 @@ fn bare(make: &dyn Fn() -> Result<BoxEnv>) -> Option<EnvSpec> {
     stacks.ok().flatten().map(|spec| bare_spec(&spec))
 }
 
-/// Does some work, and calls `tell` if it is not over after a time.
+/// Calls `work`, and meanwhile `tell` once `time` has passed.
 fn watched<R>(time: Duration, tell: impl FnOnce() + Send, work: impl FnOnce() -> R) -> R {
     let (working, ended) = mpsc::channel::<()>();
     thread::scope(|scope| {
@@ -138,7 +138,7 @@ fn watched<R>(time: Duration, tell: impl FnOnce() + Send, work: impl FnOnce() ->
                 tell();
             }
         };
-        // without a thread to watch it the work is the same
+        // without a second thread the work is still done
         let _ = thread::Builder::new().spawn_scoped(scope, watch);
         let result = work();
         drop(working);
@@ -146,10 +146,10 @@ fn watched<R>(time: Duration, tell: impl FnOnce() + Send, work: impl FnOnce() ->
     })
 }
 
-/// The findings, and the skipped checks with their reasons. Calls `tell` during and after each
-/// check that takes long.
+/// Returns the findings, and the skipped checks with their reasons. Calls `tell` during and after
+/// each check that takes long.
 fn run(subject: &Subject<'_>, tell: impl Fn(&Long) + Sync) -> (Vec<Finding>, Vec<Skipped>) {
-    // the check of equal seeds sees the panic again, and reports it
+    // a panic occurs again in a check, which reports it
     let _ = catch_unwind(AssertUnwindSafe(|| {
         subject.first_run().is_ok() && subject.paused().is_ok()
     }));
@@ -207,8 +207,8 @@ fn run(subject: &Subject<'_>, tell: impl Fn(&Long) + Sync) -> (Vec<Finding>, Vec
                     continue;
                 }
                 Err(Trouble::Skipped(reason)) => {
-                    // a check without a finding does not block others, but where chance decides
-                    // there is nothing to compare
+                    // a skipped check does not block others, unless episodes of a nondeterministic
+                    // environment would be compared
                     if !(REPEATABLE.contains(&check.name) && subject.is_nondeterministic()) {
                         passed.push(check.name);
                     }
@@ -227,7 +227,7 @@ fn run(subject: &Subject<'_>, tell: impl Fn(&Long) + Sync) -> (Vec<Finding>, Vec
         };
         panics.push((check, panicked));
     }
-    // A panic anywhere breaks one and the same rule.
+    // Every panic breaks the rule no-panic.
     if let (Some((check, panicked)), Some(no_panic)) = (panics.first(), CHECKS.last())
         && findings
             .iter()
@@ -238,7 +238,7 @@ fn run(subject: &Subject<'_>, tell: impl Fn(&Long) + Sync) -> (Vec<Finding>, Vec
             format!("during {}: {panicked}", check.name),
         ));
     }
-    // The check of a call reports its failure; calls without a check are reported here.
+    // An error may be the consequence of a finding; without one it is reported here.
     let is_explained = findings
         .iter()
         .any(|finding| finding.severity == Severity::Error);
@@ -259,16 +259,16 @@ fn run(subject: &Subject<'_>, tell: impl Fn(&Long) + Sync) -> (Vec<Finding>, Vec
 /// `OrderEnforcing` and `PassiveEnvChecker`, which would hide its own behaviour.
 ///
 /// # Errors
-/// An error about an id. A broken rule is not an error but part of a report.
+/// The errors of an unknown id. A broken rule is not an error but part of a report.
 pub fn reports(ids: &[String]) -> Result<Vec<Report>> {
     reports_with(ids, |_| ())
 }
 
-/// As [`reports`], and reports its progress, which shows the environment that is slow, hangs or
-/// aborts.
+/// Like [`reports`], and calls `tell` with the progress, which names an environment that is slow,
+/// hangs or aborts.
 ///
 /// # Errors
-/// The faults of an id.
+/// The errors of [`reports`].
 pub fn reports_with(ids: &[String], tell: impl Fn(Progress<'_>) + Sync) -> Result<Vec<Report>> {
     let specs = ids
         .iter()
@@ -277,8 +277,8 @@ pub fn reports_with(ids: &[String], tell: impl Fn(Progress<'_>) + Sync) -> Resul
     let workers = thread::available_parallelism()
         .map_or(1, usize::from)
         .min(specs.len().max(1));
-    // A free thread takes the next one: some take a hundred times as long as others. It takes the
-    // last one, because those in a namespace, such as `rapier/CarRacing-v3`, take longest.
+    // Each thread takes the last spec that is left. Some take a hundred times as long as others,
+    // and those in a namespace, such as `rapier/CarRacing-v3`, take longest.
     let queue = Mutex::new(specs.iter().enumerate());
     let take = || {
         queue
@@ -317,7 +317,7 @@ pub fn reports_with(ids: &[String], tell: impl Fn(Progress<'_>) + Sync) -> Resul
     Ok(reports.into_iter().map(|(_, report)| report).collect())
 }
 
-/// The environment without the wrappers that hide faults.
+/// Returns the spec without the wrappers that hide faults.
 fn bare_spec(spec: &EnvSpec) -> EnvSpec {
     EnvSpec {
         order_enforce: false,
@@ -337,7 +337,7 @@ fn report(spec: &EnvSpec, tell: impl Fn(&Long) + Sync) -> Report {
         excused.extend(reason.map(|reason| Excused { check, reason }));
         reason.is_none()
     });
-    // those of single arguments, which their check leaves out
+    // exceptions for single arguments, which the check has left out
     let exceptions = subject
         .registration
         .as_ref()
@@ -359,13 +359,13 @@ mod tests {
     #[test]
     fn work_that_takes_long_is_told_while_it_goes_on() {
         let (told, hears) = mpsc::channel();
-        // it ends when it was told, and not before
+        // the work ends only after `tell` was called
         watched(
             Duration::ZERO,
             || told.send(()).unwrap(),
             || hears.recv().unwrap(),
         );
-        // it ends at once, without waiting for the time to pass
+        // the work ends before `time` has passed
         let answer = watched(Duration::MAX, || panic!("told"), || 3);
         assert_eq!(answer, 3);
     }

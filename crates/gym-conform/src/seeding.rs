@@ -5,9 +5,9 @@ use crate::subject::{SEEDS, STEPS, Shown, Subject, carry_on, info, roll_out, sam
 use crate::verdict::{Verdict, broken, skipped};
 use gym_core::{BoxEnv, Env, EnvExt, Error, Generator, Reset, Result, Seed};
 
-/// The number of seeds or resets that must give different episodes.
+/// The number of seeds or resets of which at least two must give different episodes.
 const TRIES: u64 = 20;
-/// Most episodes that differ do so within these steps.
+/// The number of steps within which most episodes differ.
 const SOON: usize = 5;
 
 pub(crate) fn resets(subject: &Subject<'_>) -> Verdict {
@@ -27,7 +27,7 @@ pub(crate) fn resets(subject: &Subject<'_>) -> Verdict {
             return broken(format!("`reset` {what}: {error}"));
         }
     }
-    // and the first time without a seed
+    // the first reset may have no seed
     match subject.make()?.reset(()) {
         Ok(_) => Ok(()),
         Err(error) => broken(format!("the first `reset` without a seed: {error}")),
@@ -58,7 +58,7 @@ pub(crate) fn same_seed(subject: &Subject<'_>) -> Verdict {
     )
 }
 
-/// Episodes after an abandoned seeded one, and after one that was not begun.
+/// Plays episodes after a seeded episode that was abandoned, and after one without steps.
 fn interrupted(subject: &Subject<'_>, seed: u64) -> Result<Vec<Shown>> {
     let mut env = subject.midway(seed)?;
     env.reset(())?;
@@ -71,13 +71,13 @@ pub(crate) fn reset_forgets(subject: &Subject<'_>) -> Verdict {
 }
 
 fn forgets(subject: &Subject<'_>) -> Verdict {
-    /// Resets before an episode that must be as the first.
+    /// The number of resets before the episode that is compared.
     const MANY: u64 = 100;
     subject.repeatable()?;
     let mut env = subject.make()?;
     for seed in SEEDS {
         let first = roll_out(&mut env, seed, STEPS)?;
-        // abandon it in the middle of another episode
+        // an episode of another seed is abandoned after 7 steps
         roll_out(&mut env, seed + 1, 7)?;
         let second = roll_out(&mut env, seed, STEPS)?;
         same(
@@ -86,7 +86,7 @@ fn forgets(subject: &Subject<'_>) -> Verdict {
             "a used environment with the same seed and actions",
         )?;
     }
-    // counters that continue over episodes or resets show late
+    // a counter that no reset sets back may have an effect late
     let (seed, steps) = (SEEDS[0], subject.longest()?);
     let first = roll_out(&mut subject.make()?, seed, STEPS)?;
     carry_on(&mut env, seed, steps)?;
@@ -105,12 +105,12 @@ fn forgets(subject: &Subject<'_>) -> Verdict {
     )
 }
 
-/// An episode of fixed actions, so that two differ only by the environment's own randomness.
+/// Plays an episode with fixed actions: episodes then differ only by the environment's randomness.
 fn episode(env: &mut BoxEnv, reset: Reset) -> Result<Vec<Shown>> {
     episode_of(env, reset, STEPS)
 }
 
-/// Its first steps.
+/// Plays the first `steps` steps of such an episode.
 fn episode_of(env: &mut BoxEnv, reset: Reset, steps: usize) -> Result<Vec<Shown>> {
     let observation = env.reset(reset)?;
     let mut shown = vec![Shown::Reset(observation, env.info_map())];
@@ -134,7 +134,7 @@ pub(crate) fn other_seed(subject: &Subject<'_>) -> Verdict {
     ))
 }
 
-/// Every bit of a seed decides, and without a seed chance does.
+/// Checks that every bit of a seed counts, and that the first reset without a seed is random.
 fn seeds_count(subject: &Subject<'_>, env: &mut BoxEnv) -> Verdict {
     let seeded = |env: &mut BoxEnv, seed: u64, steps| episode_of(env, Reset::seed(seed), steps);
     let other = |env: &mut BoxEnv, seed: u128, steps| {
@@ -148,7 +148,7 @@ fn seeds_count(subject: &Subject<'_>, env: &mut BoxEnv) -> Verdict {
             steps,
         )
     };
-    // the highest bits, the remainder of powers of 10, and two hashes
+    // high bits, and remainders of a power of 10 and of two primes
     let bits = [16, 24, 31, 32, 48, 53, 63, 64, 100].map(|bit| (1u128 << bit, format!("2^{bit}")));
     let others = [10u128.pow(18), (1 << 31) - 1, (1 << 32) - 1].map(|by| (by, by.to_string()));
     for (by, name) in bits.into_iter().chain(others) {
@@ -157,7 +157,7 @@ fn seeds_count(subject: &Subject<'_>, env: &mut BoxEnv) -> Verdict {
             other(env, by + u128::from(seed), steps)
         })?;
     }
-    // numbers of floating point cut the lowest bits of a large seed
+    // a seed that is stored as a float loses its lowest bits
     for bit in [30, 60, 100] {
         let what = format!("a seed above 2^{bit} and the next always give the same episode");
         let large =
@@ -180,7 +180,7 @@ fn seeds_count(subject: &Subject<'_>, env: &mut BoxEnv) -> Verdict {
     not_always_true(env, what, seeded, fresh)
 }
 
-/// Whether episodes differ though the actions are the same, by seed or without one.
+/// Returns whether episodes with equal actions differ, with other seeds or without one.
 fn is_random(env: &mut BoxEnv) -> Result<bool> {
     let first = episode(env, Reset::seed(0))?;
     for seed in 1..TRIES {
@@ -191,8 +191,8 @@ fn is_random(env: &mut BoxEnv) -> Result<bool> {
     Ok(false)
 }
 
-/// Whether `other` is for each seed the same episode as `plain`, though seeds tell most episodes
-/// apart.
+/// Reports `what` if `other` and `plain` give equal episodes for every seed, although most seeds
+/// give different episodes.
 fn not_always(
     env: &mut BoxEnv,
     what: &str,
@@ -200,13 +200,13 @@ fn not_always(
     other: impl Fn(&mut BoxEnv, u64, usize) -> Result<Vec<Shown>>,
 ) -> Verdict {
     not_always_true(env, what, &plain, |env, seed| {
-        // most differ soon
+        // most differ within few steps
         Ok(other(env, seed, SOON)? == plain(env, seed, SOON)?
             && other(env, seed, STEPS)? == plain(env, seed, STEPS)?)
     })
 }
 
-/// Whether something holds for each seed, though seeds tell most episodes apart.
+/// Reports `what` if `holds` is true for every seed, although most seeds give different episodes.
 fn not_always_true(
     env: &mut BoxEnv,
     what: &str,
@@ -218,10 +218,10 @@ fn not_always_true(
         if !holds(env, seed)? {
             return Ok(());
         }
-        // not the next one, which may be the one that is alike
+        // not with the next seed, whose episode may be equal by the fault
         distinct += u64::from(plain(env, seed + 3, STEPS)? != plain(env, seed, STEPS)?);
     }
-    // if few episodes differ, it is chance
+    // if few episodes differ at all, equal ones prove nothing
     if distinct * 2 > TRIES {
         broken(what)
     } else {
@@ -253,7 +253,7 @@ pub(crate) fn carries_on(subject: &Subject<'_>) -> Verdict {
     ))
 }
 
-/// Whether resets without a seed give more than a few episodes in turn.
+/// Checks that resets without a seed do not give the same one or two episodes in turn.
 fn never_alternates(env: &mut BoxEnv) -> Verdict {
     let mut is_periodic = |resets: u64, steps: usize| -> Result<bool> {
         env.reset(0)?;
@@ -267,14 +267,14 @@ fn never_alternates(env: &mut BoxEnv) -> Verdict {
                 .all(|(a, b)| a == b)
         }))
     };
-    // few starts may seem to take turns by chance
+    // a few episodes may alternate by chance
     if is_periodic(6, SOON)? && is_periodic(2 * TRIES, STEPS)? {
         return broken("resets without a seed give the same few episodes in turn, again and again");
     }
     Ok(())
 }
 
-/// A reset without a seed and fixed actions, at most to the end of the episode.
+/// Resets without a seed and takes fixed actions, at most to the end of the episode.
 fn one_episode(env: &mut BoxEnv, steps: usize) -> Result<Vec<Shown>> {
     let mut shown = vec![Shown::Reset(env.reset(())?, info(env))];
     let mut actions = env.action_sampler(0)?;
@@ -324,7 +324,7 @@ pub(crate) fn generator_lent(subject: &Subject<'_>) -> Verdict {
     }
 }
 
-/// It is lent after every step, at the end of an episode too.
+/// Checks that the generator is lent after every step, also after the last one of an episode.
 fn lent_always(subject: &Subject<'_>) -> Verdict {
     let mut env = subject.reset(0)?;
     let mut actions = env.action_sampler(0)?;

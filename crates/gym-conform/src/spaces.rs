@@ -4,10 +4,10 @@ use crate::subject::{STEPS, Subject, tour};
 use crate::verdict::{Trouble, Verdict, broken};
 use gym_core::{BoxEnv, Env, Space};
 
-/// The longest side of an action that counts as normalised.
+/// The largest bound of an action that counts as normalised.
 const NORMAL: f64 = 1.0;
 
-/// Calls `visit` with both spaces and each inner space, and its place.
+/// Calls `visit` with the place of each space and inner space, and the space.
 fn each(subject: &Subject<'_>, mut visit: impl FnMut(&str, &Space) -> Verdict) -> Verdict {
     let env = subject.make()?;
     within(
@@ -88,7 +88,7 @@ pub(crate) fn bounded(subject: &Subject<'_>) -> Verdict {
     })
 }
 
-/// Gymnasium asks this of vectors alone.
+/// Checks bounds of action spaces with one axis, as Gymnasium does.
 pub(crate) fn action_normalised(subject: &Subject<'_>) -> Verdict {
     let Space::Box(space) = subject.make()?.action_space() else {
         return Ok(());

@@ -1,4 +1,4 @@
-//! The subject of the checks: its episodes, and their comparison.
+//! The environment under test, its episodes, and their comparison.
 
 use std::cell::OnceCell;
 
@@ -11,22 +11,22 @@ use gym_core::{
     Value, registry,
 };
 
-/// Episodes are compared over this many steps, through several resets if they are short.
+/// The number of steps that are compared, over several episodes if they are short.
 pub(crate) const STEPS: usize = 150;
 pub(crate) const SEEDS: [u64; 3] = [0, 1, 123_456_789];
 
 /// The environment under test.
 pub(crate) struct Subject<'a> {
     make: &'a dyn Fn() -> Result<BoxEnv>,
-    /// A long run, played before anything else is.
+    /// A long run, played before all other calls.
     first_run: OnceCell<Vec<Shown>>,
-    /// An episode that waits for its end.
+    /// An episode that is interrupted until the last checks.
     paused: OnceCell<Paused>,
-    /// An episode for each seed, played once for all checks that only look.
+    /// The events of each seed, played once for several checks.
     events: OnceCell<Vec<(u64, Vec<Shown>)>>,
-    /// The longer runs, also played once.
+    /// The faults of long runs, also played once.
     long_runs: OnceCell<LongRuns>,
-    /// The results of restoring damaged snapshots.
+    /// The faults of damaged snapshots, also tried once.
     damaged: OnceCell<Damaged>,
     /// The spec and the registration, if any.
     pub(crate) spec: Option<EnvSpec>,
@@ -42,7 +42,7 @@ impl<'a> Subject<'a> {
         Self::with(make, spec, registration)
     }
 
-    /// The result of `make` for a spec.
+    /// A subject whose `make` makes the environment of `spec`.
     pub(crate) fn of_spec(make: &'a dyn Fn() -> Result<BoxEnv>, spec: EnvSpec) -> Self {
         let registration = registry::find(&spec.id).ok();
         Self::with(make, Some(spec), registration)
@@ -67,16 +67,16 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// A fresh environment.
+    /// Makes a new environment.
     pub(crate) fn make(&self) -> Result<BoxEnv> {
         (self.make)()
     }
 
-    /// A new environment without a time limit, if it can be identified: its snapshots contain only
-    /// its own state.
+    /// Makes a new environment without a time limit, if it is registered: its snapshots then contain
+    /// only its own state.
     pub(crate) fn unlimited(&self) -> Result<BoxEnv> {
         match &self.spec {
-            // the wrapped environment may need the limit
+            // a wrapper may need the limit
             Some(spec) if self.registration.is_some() => EnvSpec {
                 max_episode_steps: None,
                 ..spec.clone()
@@ -87,26 +87,27 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// A fresh environment, reset.
+    /// Makes a new environment and resets it.
     pub(crate) fn reset(&self, seed: u64) -> Result<BoxEnv> {
         let mut env = self.make()?;
         env.reset(seed)?;
         Ok(env)
     }
 
-    /// A fresh environment some steps into an episode.
+    /// Makes a new environment and takes some steps.
     pub(crate) fn midway(&self, seed: u64) -> Result<BoxEnv> {
         self.after(seed, 5)
     }
 
-    /// A new environment that many steps after its first reset, with resets after episodes.
+    /// Makes a new environment and takes `steps` steps, with resets after episodes.
     pub(crate) fn after(&self, seed: u64, steps: usize) -> Result<BoxEnv> {
         let mut env = self.make()?;
         roll_out(&mut env, seed, steps)?;
         Ok(env)
     }
 
-    /// The number of steps of a long comparison: to the time limit, within reason.
+    /// Returns the number of steps of a long comparison: the time limit, if it is neither short nor
+    /// long.
     pub(crate) fn long(&self) -> Result<usize> {
         let limit = self
             .spec
@@ -120,7 +121,7 @@ impl<'a> Subject<'a> {
         })
     }
 
-    /// Hundreds of pictures fill the memory.
+    /// Returns whether observations are pictures, of which hundreds fill the memory.
     fn shows_pictures(&self) -> Result<bool> {
         const PICTURE: usize = 10_000;
         Ok(match self.make()?.observation_space() {
@@ -129,20 +130,20 @@ impl<'a> Subject<'a> {
         })
     }
 
-    /// The steps of the longest comparisons.
+    /// Returns the number of steps of the longest comparisons.
     pub(crate) fn longest(&self) -> Result<usize> {
         Ok(self
             .long()?
             .max(if self.shows_pictures()? { 0 } else { 1000 }))
     }
 
-    /// The steps from each of many states.
+    /// Returns the number of steps that are taken from each of many states.
     pub(crate) fn few(&self) -> Result<usize> {
         Ok(if self.shows_pictures()? { 5 } else { 20 })
     }
 
-    /// A long run of the first seed, played first, before any state outside the environment has
-    /// counted steps.
+    /// Returns a long run of the first seed. It is played first, before static variables can have
+    /// changed.
     pub(crate) fn first_run(&self) -> Result<&[Shown]> {
         if let Some(run) = self.first_run.get() {
             return Ok(run);
@@ -151,7 +152,7 @@ impl<'a> Subject<'a> {
         Ok(self.first_run.get_or_init(|| run))
     }
 
-    /// An episode that was begun before the other checks.
+    /// Returns an episode that was begun before the other checks.
     pub(crate) fn paused(&self) -> Result<&Paused> {
         if let Some(paused) = self.paused.get() {
             return Ok(paused);
@@ -160,7 +161,7 @@ impl<'a> Subject<'a> {
         Ok(self.paused.get_or_init(|| paused))
     }
 
-    /// An episode of each seed.
+    /// Returns the events of each seed.
     fn events(&self) -> Result<&[(u64, Vec<Shown>)]> {
         if let Some(events) = self.events.get() {
             return Ok(events);
@@ -173,7 +174,7 @@ impl<'a> Subject<'a> {
         Ok(self.events.get_or_init(|| events))
     }
 
-    /// The faults of long and unusual runs.
+    /// Returns the faults of long and unusual runs.
     pub(crate) fn long_runs(&self) -> Result<&LongRuns> {
         if let Some(runs) = self.long_runs.get() {
             return Ok(runs);
@@ -182,7 +183,7 @@ impl<'a> Subject<'a> {
         Ok(self.long_runs.get_or_init(|| runs))
     }
 
-    /// The arguments that are set when none is given, if it is registered.
+    /// Returns the spec, and all arguments with their default values, if it is registered.
     pub(crate) fn arguments(&self) -> Option<(EnvSpec, Kwargs)> {
         let (spec, registration) = (self.spec.as_ref()?, self.registration.as_ref()?);
         let table = registration.arguments().ok()?.into_iter();
@@ -193,7 +194,7 @@ impl<'a> Subject<'a> {
         Some((spec.clone(), kwargs))
     }
 
-    /// The results of damaged snapshots, taken some steps into an episode.
+    /// Returns the faults of damaged snapshots, which are taken after some steps.
     pub(crate) fn damaged(&self) -> Result<&Damaged> {
         if let Some(damaged) = self.damaged.get() {
             return Ok(damaged);
@@ -204,7 +205,7 @@ impl<'a> Subject<'a> {
         Ok(self.damaged.get_or_init(|| damaged))
     }
 
-    /// The reason why the registration allows a check to fail.
+    /// Returns the reason for which the registration allows `check` to fail.
     pub(crate) fn exception(&self, check: &str) -> Option<&'static str> {
         let exceptions = self.registration.as_ref()?.exceptions;
         exceptions
@@ -212,7 +213,7 @@ impl<'a> Subject<'a> {
             .find_map(|(name, reason)| (*name == check).then_some(*reason))
     }
 
-    /// Whether the same seed may give different episodes.
+    /// Returns whether the same seed may give different episodes.
     pub(crate) fn is_nondeterministic(&self) -> bool {
         self.spec.as_ref().is_some_and(|spec| spec.nondeterministic)
     }
@@ -227,7 +228,7 @@ impl<'a> Subject<'a> {
     }
 }
 
-/// The results of one reset or step.
+/// The result of one reset or step.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Shown {
     Reset(Value, Info),
@@ -242,7 +243,7 @@ impl Shown {
     }
 }
 
-/// Random actions for `steps` steps, with unseeded resets after episodes.
+/// Resets with `seed` and takes `steps` random actions, with unseeded resets after episodes.
 pub(crate) fn roll_out(env: &mut BoxEnv, seed: u64, steps: usize) -> Result<Vec<Shown>> {
     let observation = env.reset(seed)?;
     let mut shown = vec![Shown::Reset(observation, info(env))];
@@ -250,7 +251,7 @@ pub(crate) fn roll_out(env: &mut BoxEnv, seed: u64, steps: usize) -> Result<Vec<
     Ok(shown)
 }
 
-/// As [`roll_out`], from the current state.
+/// Like [`roll_out`], from the current state.
 pub(crate) fn carry_on(env: &mut BoxEnv, action_seed: u64, steps: usize) -> Result<Vec<Shown>> {
     let mut actions = env.action_sampler(action_seed)?;
     let mut shown = Vec::with_capacity(steps);
@@ -266,7 +267,7 @@ pub(crate) fn carry_on(env: &mut BoxEnv, action_seed: u64, steps: usize) -> Resu
     Ok(shown)
 }
 
-/// Calls `visit` after each reset and each random step, at the last state of an episode too.
+/// Calls `visit` after each reset and each random step, including the last step of an episode.
 pub(crate) fn tour(
     env: &mut BoxEnv,
     seed: u64,
@@ -287,7 +288,7 @@ pub(crate) fn tour(
     Ok(())
 }
 
-/// The entries of `info` without wall-clock time.
+/// Returns the entries of `info` without wall-clock time.
 pub(crate) fn info(env: &BoxEnv) -> Info {
     let mut info = env.info_map();
     if let Some(Value::Dict(episode)) = info.get_mut("episode") {
@@ -296,7 +297,7 @@ pub(crate) fn info(env: &BoxEnv) -> Info {
     info
 }
 
-/// Calls `visit` with each event of an episode for each seed, and the place to name it by.
+/// Calls `visit` with each event of each seed, and its place.
 pub(crate) fn each_event(
     subject: &Subject<'_>,
     mut visit: impl FnMut(&Shown, &str) -> Verdict,
@@ -309,8 +310,7 @@ pub(crate) fn each_event(
     Ok(())
 }
 
-/// The first difference of two histories. NaN counts as equal to itself, as another check reports
-/// it.
+/// Reports the first difference of two histories. NaN equals NaN, as another check reports it.
 pub(crate) fn same(a: &[Shown], b: &[Shown], what: &str) -> Verdict {
     match a.iter().zip(b).position(|(a, b)| !alike(a, b)) {
         None => Ok(()),
@@ -325,8 +325,8 @@ pub(crate) fn alike<T: PartialEq + std::fmt::Debug>(a: &T, b: &T) -> bool {
     a == b || format!("{a:?}") == format!("{b:?}")
 }
 
-/// A reset and the steps after it through [`Env::reset_into`] and [`Env::step_into`], into buffers
-/// that `buffer` made from the last observation.
+/// Plays with [`Env::reset_into`] and [`Env::step_into`]. `buffer` turns the last observation into
+/// the next buffer.
 pub(crate) fn roll_out_into(
     env: &mut BoxEnv,
     seed: u64,

@@ -5,7 +5,7 @@ use gym_core::{Error, registry};
 use crate::report::{Format, Report};
 use crate::run::{Progress, reports_with};
 
-/// The ids that a crate registers at link time, whether it is named `my-envs` or `my_envs`.
+/// Returns the ids that a crate registers at link time; `my-envs` and `my_envs` are the same name.
 pub fn ids_of(crate_name: &str) -> Vec<String> {
     let underscored = crate_name.replace('-', "_");
     let all = registry::all();
@@ -34,7 +34,7 @@ pub fn assert_conforms(crate_name: &str) {
     };
     let reports = reports_with(&ids, long).unwrap_or_else(|error: Error| panic!("{error}"));
     let text = Format::Text.write(&reports);
-    // once, whether it passes or not
+    // the text is printed once: by the panic, or below
     assert!(reports.iter().all(Report::passes), "{text}");
     println!("{text}");
 }
@@ -51,7 +51,7 @@ pub fn assert_conforms(crate_name: &str) {
 #[macro_export]
 macro_rules! suite {
     ($name:ident) => {
-        // a crate that is not named is not linked
+        // Cargo links only crates that are named
         use $name as _;
 
         #[test]

@@ -37,7 +37,7 @@ pub(crate) fn any_thread(subject: &Subject<'_>) -> Verdict {
     Ok(())
 }
 
-/// A panic over there is one here.
+/// Returns the result of a thread, or continues its panic.
 fn join<T>(handle: thread::ScopedJoinHandle<'_, T>) -> T {
     handle
         .join()

@@ -1,4 +1,4 @@
-//! Whether a change of arguments or options has any effect.
+//! The search for an effect of a change of arguments or options.
 
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
@@ -19,7 +19,7 @@ pub(crate) struct Variant {
 }
 
 impl Variant {
-    /// The same with other arguments.
+    /// Returns this variant with other arguments.
     pub(crate) fn with_arguments(
         mut self,
         arguments: impl IntoIterator<Item = (String, Json)>,
@@ -28,7 +28,7 @@ impl Variant {
         self
     }
 
-    /// The same with a reset option.
+    /// Returns this variant with a reset option.
     pub(crate) fn with_option(mut self, name: &str, value: Json) -> Self {
         self.options.insert(name.to_owned(), value);
         self
@@ -38,19 +38,19 @@ impl Variant {
 /// The result of a [`Search`].
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) enum Effect {
-    /// No such change is accepted.
+    /// The environment refuses every change.
     Refused,
-    /// A value is accepted, but no value has an effect.
+    /// The environment accepts a change, but no change has an effect.
     None,
     Seen,
 }
 
-/// Looks for the effect of a change, cheapest first.
+/// Looks for an effect of a change, first where it is cheap to see.
 pub(crate) struct Search {
     /// The default, and the default with each switch inverted: a switch may hide the effect of
     /// others.
     surroundings: Vec<Variant>,
-    /// Episodes of the surroundings by their seeds, each played once for all changes.
+    /// The episodes of each surrounding and seed, played once for all changes.
     plays: BTreeMap<(usize, u64), Result<Play>>,
     long: usize,
     few: usize,
@@ -66,7 +66,7 @@ impl Search {
         })
     }
 
-    /// The effect of some changes, each of which makes a variant of a surrounding, or none.
+    /// Returns the effect of `changes`, each of which turns a surrounding into a variant, or into none.
     pub(crate) fn effect(&mut self, changes: &[impl Fn(&Variant) -> Option<Variant>]) -> Effect {
         let mut effect = Effect::Refused;
         let [seed, others @ ..] = SEEDS;
@@ -101,12 +101,12 @@ impl Search {
     }
 }
 
-/// Episodes of random actions, played lazily.
+/// Episodes of random actions, played as far as they are compared.
 struct Play {
     env: BoxEnv,
     actions: Sampler,
     options: Kwargs,
-    /// The constant parts: spaces, metadata and the first drawing.
+    /// The spaces, the metadata and the first drawing.
     look: String,
     shown: Vec<Shown>,
 }
@@ -136,7 +136,7 @@ impl Play {
         })
     }
 
-    /// The visible results of a reset or step.
+    /// Returns the result of a reset or step.
     fn event(&mut self, i: usize) -> Result<&Shown> {
         while self.shown.len() <= i {
             let shown = match self.shown.last() {
@@ -157,7 +157,7 @@ impl Play {
         Ok(&self.shown[i])
     }
 
-    /// Whether two plays differ within some events, the last drawing included.
+    /// Returns whether two plays differ within `events` events, or in the last drawing.
     fn differs(&mut self, other: &mut Self, events: usize) -> bool {
         if self.look != other.look {
             return true;
@@ -169,7 +169,7 @@ impl Play {
                 _ => return true,
             }
         }
-        // the play that is kept may have gone further
+        // a play that is used again may be longer
         self.shown.len() == other.shown.len() && drawing(&self.env) != drawing(&other.env)
     }
 }
@@ -178,11 +178,11 @@ fn drawing(env: &BoxEnv) -> String {
     format!("{} {:?}", Calls::of(env).text, env.ansi())
 }
 
-/// Whether two variants that were equal so far differ in states that random actions do not reach:
-/// from snapshots with a number or a switch changed.
+/// Returns whether two variants differ in states that random actions do not reach: in snapshots in
+/// which one number or bool is changed.
 fn differ_elsewhere(a: &Variant, b: &Variant, seed: u64, steps: usize) -> Result<bool> {
     const START: usize = 5;
-    /// Snapshots of large models have hundreds of numbers.
+    /// The number of changes that are tried; large models have hundreds of numbers.
     const MAX: usize = 100;
     let [mut a, mut b] = [Play::start(a, seed)?, Play::start(b, seed)?];
     for play in [&mut a, &mut b] {
@@ -192,7 +192,7 @@ fn differ_elsewhere(a: &Variant, b: &Variant, seed: u64, steps: usize) -> Result
         a.env.snapshot()?.get::<Json>()?,
         b.env.snapshot()?.get::<Json>()?,
     ];
-    // the difference is the change itself
+    // a part in which the snapshots differ is the change itself
     let moves = moves(&at_a)
         .into_iter()
         .filter(|to| to.is_same(&at_a, &at_b));

@@ -11,9 +11,9 @@ pub(crate) type Verdict<T = ()> = std::result::Result<T, Trouble>;
 pub(crate) enum Trouble {
     /// The rule is broken: the fault, and its place.
     Broken(String),
-    /// There was nothing to check, or nothing to check it with.
+    /// There was nothing to check, or a crate that the check needs is not linked.
     Skipped(String),
-    /// A call failed that another check is about.
+    /// A call failed that another check reports.
     Error(Error),
 }
 
@@ -31,7 +31,7 @@ pub(crate) fn skipped<T>(reason: impl Into<String>) -> Verdict<T> {
     Err(Trouble::Skipped(reason.into()))
 }
 
-/// The message of a panic.
+/// Returns the message of a panic.
 pub(crate) fn message(payload: &(dyn Any + Send)) -> String {
     let text = payload.downcast_ref::<&str>().copied();
     let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str));

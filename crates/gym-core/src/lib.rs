@@ -48,7 +48,7 @@ pub use spaces::{Sampler, Space};
 pub use spec::{Argument, ArgumentType, Arguments, EnvSpec, Kwargs, Reset, WrapperSpec, arguments};
 pub use value::{
     Array, Continuous, DType, Data, Element, Error, GraphInstance, Info, Precision, Result,
-    Snapshot, Value, array,
+    Snapshot, Value, array, printable,
 };
 pub use vector::{BoxVector, VectorEnv, VectorEnvExt, wrapper::VectorWrapper};
 

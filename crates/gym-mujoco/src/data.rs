@@ -29,6 +29,12 @@ pub struct Data {
     pub qvel: Vec<f64>,
     /// Controls (nu), not clamped: the engine clamps a copy.
     pub ctrl: Vec<f64>,
+    /// Activations of the actuators (na).
+    pub act: Vec<f64>,
+    /// Positions of the mocap bodies.
+    pub mocap_pos: Vec<[f64; 3]>,
+    /// Orientations of the mocap bodies.
+    pub mocap_quat: Vec<[f64; 4]>,
     /// The solver's starting point: the accelerations of the previous step (nv).
     pub qacc_warmstart: Vec<f64>,
     /// Accelerations (nv).
@@ -68,6 +74,26 @@ pub struct Data {
     pub cvel: Vec<[f64; 6]>,
     /// Time derivative of `cdof`.
     pub cdof_dot: Vec<[f64; 6]>,
+    /// Changes of the activations per second (na).
+    pub act_dot: Vec<f64>,
+    /// What the sensors measure, in their order.
+    pub sensordata: Vec<f64>,
+    /// Potential and kinetic energy, for models with the flag `energy` or sensors of energy.
+    pub energy: [f64; 2],
+    /// Velocities of the centres of mass of bodies with their descendants, for sensors of it.
+    pub subtree_linvel: Vec<[f64; 3]>,
+    /// Angular momentum about these centres.
+    pub subtree_angmom: Vec<[f64; 3]>,
+    /// Accelerations of the bodies, with gravity; current after [`rne_post_constraint`].
+    pub cacc: Vec<[f64; 6]>,
+    /// Forces between bodies and their parents; current after [`rne_post_constraint`].
+    pub cfrc_int: Vec<[f64; 6]>,
+    /// Lengths of the actuators, for models that need them.
+    pub actuator_length: Vec<f64>,
+    /// Velocities of the actuators, for models that need them.
+    pub actuator_velocity: Vec<f64>,
+    /// Jacobians of the tendons: rows with the degrees of freedom that move them.
+    pub ten_j: Vec<f64>,
     /// Lengths of the tendons.
     pub ten_length: Vec<f64>,
     /// Velocities of the tendons.
@@ -123,6 +149,12 @@ struct State {
     qvel: Vec<f64>,
     ctrl: Vec<f64>,
     qacc_warmstart: Vec<f64>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    act: Vec<f64>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    mocap_pos: Vec<[f64; 3]>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    mocap_quat: Vec<[f64; 4]>,
 }
 
 /// How data is serialised.
@@ -238,8 +270,18 @@ impl Data {
             &mut self.actuator_force,
             &mut self.ten_length,
             &mut self.ten_velocity,
+            &mut self.act,
+            &mut self.act_dot,
+            &mut self.actuator_length,
+            &mut self.actuator_velocity,
+            &mut self.sensordata,
         ] {
             vector.fill(0.0);
+        }
+        for b in 0..m.nbody() {
+            if let Ok(id) = usize::try_from(m.body_mocapid[b]) {
+                (self.mocap_pos[id], self.mocap_quat[id]) = (m.body_pos[b], m.body_quat[b]);
+            }
         }
         self.cfrc_ext.fill([0.0; 6]);
         self.contact.clear();
@@ -274,6 +316,9 @@ impl Data {
             qvel: self.qvel.clone(),
             ctrl: self.ctrl.clone(),
             qacc_warmstart: self.qacc_warmstart.clone(),
+            act: self.act.clone(),
+            mocap_pos: self.mocap_pos.clone(),
+            mocap_quat: self.mocap_quat.clone(),
         }
     }
 
@@ -284,9 +329,13 @@ impl Data {
             qvel,
             ctrl,
             qacc_warmstart,
+            act,
+            mocap_pos,
+            mocap_quat,
         } = state;
         self.time = time;
         (self.qpos, self.qvel, self.ctrl, self.qacc_warmstart) = (qpos, qvel, ctrl, qacc_warmstart);
+        (self.act, self.mocap_pos, self.mocap_quat) = (act, mocap_pos, mocap_quat);
     }
 
     /// Stores the state from which a call starts.
@@ -300,6 +349,9 @@ impl Data {
         before.qvel.copy_from_slice(&self.qvel);
         before.ctrl.copy_from_slice(&self.ctrl);
         before.qacc_warmstart.copy_from_slice(&self.qacc_warmstart);
+        before.act.copy_from_slice(&self.act);
+        before.mocap_pos.copy_from_slice(&self.mocap_pos);
+        before.mocap_quat.copy_from_slice(&self.mocap_quat);
     }
 
     /// Checks that this is data of a model, for instance from a snapshot.
@@ -317,6 +369,19 @@ impl Data {
                 ("qvel", &state.qvel, m.nv(), MAXVAL),
                 ("ctrl", &state.ctrl, m.nu(), f64::from(f32::MAX)),
                 ("qacc_warmstart", &state.qacc_warmstart, m.nv(), MAXVAL),
+                ("act", &state.act, m.na(), MAXVAL),
+                (
+                    "mocap_pos",
+                    &state.mocap_pos.as_flattened().to_vec(),
+                    3 * m.nmocap(),
+                    MAXVAL,
+                ),
+                (
+                    "mocap_quat",
+                    &state.mocap_quat.as_flattened().to_vec(),
+                    4 * m.nmocap(),
+                    MAXVAL,
+                ),
             ] {
                 if numbers.len() != length {
                     let have = numbers.len();
@@ -357,6 +422,25 @@ impl Data {
         }
         self.ctrl.resize(m.nu(), 0.0);
         self.actuator_force.resize(m.nu(), 0.0);
+        for vector in [&mut self.act, &mut self.act_dot, &mut self.before.act] {
+            vector.resize(m.na(), 0.0);
+        }
+        for positions in [&mut self.mocap_pos, &mut self.before.mocap_pos] {
+            positions.resize(m.nmocap(), [0.0; 3]);
+        }
+        for quats in [&mut self.mocap_quat, &mut self.before.mocap_quat] {
+            quats.resize(m.nmocap(), [1.0, 0.0, 0.0, 0.0]);
+        }
+        self.actuator_length.resize(m.nu(), 0.0);
+        self.actuator_velocity.resize(m.nu(), 0.0);
+        self.sensordata.resize(m.nsensordata(), 0.0);
+        self.ten_j.resize(m.plan().paths.columns.len(), 0.0);
+        for vectors in [&mut self.subtree_linvel, &mut self.subtree_angmom] {
+            vectors.resize(nbody, [0.0; 3]);
+        }
+        for vectors in [&mut self.cacc, &mut self.cfrc_int] {
+            vectors.resize(nbody, [0.0; 6]);
+        }
         self.ten_length.resize(m.ntendon(), 0.0);
         self.ten_velocity.resize(m.ntendon(), 0.0);
         for matrix in [&mut self.qm, &mut self.qld] {

@@ -12,13 +12,13 @@ pub enum Error {
     Model(String),
     /// Two geoms that can touch, and whose contacts are not supported.
     #[error(
-        "geoms {first} and {second} can touch, but contacts of {kinds} are not supported: a cylinder touches planes and capsules \
-         only (exclude the bodies, or change contype and conaffinity)"
+        "geoms {first} and {second} can touch, but contacts of {kinds} are not supported (exclude the bodies, or change contype \
+         and conaffinity)"
     )]
     Pair {
         /// A geom.
         first: usize,
-        /// The other one, a cylinder.
+        /// The other one.
         second: usize,
         /// Their shapes.
         kinds: String,

@@ -74,12 +74,9 @@ pub(crate) fn to_python<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'
             dict.into_any()
         }
         Value::Graph(graph) => {
-            let part = |part: &Option<Array>| part.as_ref().map(|numbers| array(py, numbers));
-            let fields = (
-                array(py, &graph.nodes),
-                part(&graph.edges),
-                part(&graph.edge_links),
-            );
+            let edges = graph.edges.as_ref().map(|edges| to_python(py, edges));
+            let links = graph.edge_links.as_ref().map(|links| array(py, links));
+            let fields = (to_python(py, &graph.nodes)?, edges.transpose()?, links);
             py.import("gymnasium.spaces")?
                 .getattr("GraphInstance")?
                 .call1(fields)?
@@ -230,20 +227,22 @@ pub(crate) fn from_python(space: &Space, object: &Bound<'_, PyAny>) -> PyResult<
             items.collect::<PyResult<_>>().map(Value::Tuple)
         }
         Space::Graph(space) => {
-            let part = |name: &str, dtype: Option<DType>| -> PyResult<Option<Array>> {
-                let numbers = object.getattr(name)?;
-                match dtype {
-                    Some(dtype) if !numbers.is_none() => {
-                        read_array(&numbers, dtype, None).map(Some)
-                    }
-                    _ => Ok(None),
-                }
+            let part = |name: &str| {
+                object
+                    .getattr(name)
+                    .map(|part| (!part.is_none()).then_some(part))
             };
-            let nodes = part("nodes", space.node_space().dtype())?;
+            let nodes =
+                part("nodes")?.ok_or_else(|| PyTypeError::new_err("a graph needs nodes"))?;
+            let edges = match (part("edges")?, space.edge_space()) {
+                (Some(edges), Some(space)) => Some(batch_from_python(space, &edges)?),
+                _ => None,
+            };
+            let links = part("edge_links")?.map(|links| read_array(&links, DType::I32, None));
             Ok(Value::Graph(Box::new(GraphInstance {
-                nodes: nodes.ok_or_else(|| PyTypeError::new_err("a graph needs nodes"))?,
-                edges: part("edges", space.edge_space().and_then(Space::dtype))?,
-                edge_links: part("edge_links", Some(DType::I32))?,
+                nodes: batch_from_python(space.node_space(), &nodes)?,
+                edges,
+                edge_links: links.transpose()?,
             })))
         }
         Space::OneOf(space) => {
@@ -260,6 +259,34 @@ pub(crate) fn from_python(space: &Space, object: &Bound<'_, PyAny>) -> PyResult<
                 Box::new(from_python(chosen, &items[1])?),
             ))
         }
+    }
+}
+
+/// A Python object as any number of elements of a space in one value, as a graph has its nodes.
+fn batch_from_python(space: &Space, object: &Bound<'_, PyAny>) -> PyResult<Value> {
+    match space {
+        Space::Tuple(space) => {
+            let items = members(object, space.spaces().len())?;
+            let items = space.spaces().iter().zip(&items);
+            let items = items.map(|(space, item)| batch_from_python(space, item));
+            items.collect::<PyResult<_>>().map(Value::Tuple)
+        }
+        Space::Dict(space) => {
+            let entries = space.spaces().iter().map(|(key, space)| {
+                Ok((
+                    key.clone(),
+                    batch_from_python(space, &object.get_item(key)?)?,
+                ))
+            });
+            entries.collect::<PyResult<_>>().map(Value::Dict)
+        }
+        _ => match space.dtype() {
+            Some(dtype) => read_array(object, dtype, None).map(Value::Array),
+            None => {
+                let items = object.try_iter()?.map(|item| from_python(space, &item?));
+                items.collect::<PyResult<_>>().map(Value::Tuple)
+            }
+        },
     }
 }
 

@@ -385,8 +385,14 @@ impl Env {
     /// The arguments as they are, as JSON; those it was made with, where they cannot be set.
     fn arguments(&self, py: Python<'_>) -> PyResult<String> {
         let core = self.lock(py)?;
-        let arguments = core.env.inspect().map(Inspect::arguments);
-        Ok(arguments.map_or_else(|| self.kwargs.clone(), |arguments| arguments.to_string()))
+        let Some(Json::Object(mut arguments)) = core.env.inspect().map(Inspect::arguments) else {
+            return Ok(self.kwargs.clone());
+        };
+        // an id may be of a version that lacks some
+        if let Ok(known) = find(&self.id).and_then(|registration| registration.arguments()) {
+            arguments.retain(|name, _| known.iter().any(|argument| argument.name == name));
+        }
+        Ok(Json::Object(arguments).to_string())
     }
 
     /// Sets an argument: a JSON object of its name and value.

@@ -16,6 +16,7 @@ mod error;
 #[cfg(feature = "faults")]
 mod faults;
 mod fork;
+mod infos;
 mod mujoco;
 mod peek;
 mod registry;

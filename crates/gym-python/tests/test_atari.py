@@ -307,3 +307,19 @@ def test_the_wrappers_of_single_files() -> None:
     for _ in range(200):
         actions = rng.integers(4, size=2)
         assert_same(ours.step(actions)[:4], theirs.step(actions)[:4])
+
+
+@pytest.mark.parametrize(
+    ("setting", "kind"),
+    [
+        ({"obs_type": "foo"}, ValueError),
+        ({"frameskip": 0}, ValueError),
+        ({"frameskip": (5, 2)}, ValueError),
+        ({"mode": 77}, RuntimeError),
+        ({"difficulty": 9}, RuntimeError),
+    ],
+)
+def test_bad_settings_raise_what_ale_py_raises(setting: dict[str, object], kind: type[Exception]) -> None:
+    for expected in (gymnasium.error.Error, kind):
+        with pytest.raises(expected, match=next(iter(setting))):
+            rustgym.make("ALE/Pong-v5", **setting)

@@ -83,7 +83,7 @@ def test_an_action_of_another_shape(action):
 def test_mujocos_own_objects_follow(env_id, monkeypatch, tmp_path):
     mujoco = pytest.importorskip("mujoco")
     monkeypatch.chdir(tmp_path)  # where MuJoCo logs its warnings
-    env = made(env_id)
+    env = made(env_id, mujoco=mujoco.__version__)
     env.reset(seed=3)
     for _ in range(5):
         env.step(env.action_space.sample())

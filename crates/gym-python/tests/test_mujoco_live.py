@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import pickle
+import sys
 from collections.abc import Callable
 from typing import Any
 
@@ -156,7 +157,7 @@ def test_a_hand_over_is_warned_of_once() -> None:
 def test_another_version_refuses(monkeypatch: pytest.MonkeyPatch) -> None:
     env = ours("Hopper-v5")
     env.reset(seed=1)
-    monkeypatch.setattr(mujoco, "__version__", "2.3.7")
+    monkeypatch.setattr(sys.modules["rustgym.envs.mujoco"], "_installed", lambda: "2.3.7")
     env.data.xfrc_applied[1, 0] = 1.0
     with pytest.raises(gymnasium.error.Error, match=r"data was changed: .* 2.3.7 is installed"):
         env.step(env.action_space.sample())

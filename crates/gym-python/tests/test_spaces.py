@@ -24,6 +24,8 @@ SPACES: dict[str, spaces.Space[Any]] = {
     "Dict": spaces.Dict(a=spaces.Discrete(3), b=spaces.MultiBinary(2)),
     "Sequence": spaces.Sequence(spaces.Box(0.0, 1.0, (2,))),
     "Graph": spaces.Graph(spaces.Box(0.0, 1.0, (2,)), spaces.Discrete(4)),
+    "Graph of texts": spaces.Graph(spaces.Text(3, min_length=1), None),
+    "Graph of dicts": spaces.Graph(spaces.Dict(a=spaces.Discrete(3), b=spaces.Text(2)), spaces.Tuple([spaces.MultiBinary(2)])),
     "OneOf": spaces.OneOf([spaces.Discrete(3), spaces.Box(0.0, 1.0, (2,))]),
 }
 

@@ -5,7 +5,7 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use gym_core::{Error, Result};
 
@@ -29,10 +29,23 @@ pub struct AtomicFile {
 #[derive(Debug)]
 struct TemporaryPath(PathBuf);
 
+/// The temporary files of this program.
+static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+fn unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 impl TemporaryPath {
+    fn new(path: PathBuf) -> Self {
+        unfinished().insert(path.clone());
+        Self(path)
+    }
+
     /// Renames the file.
     fn rename(mut self, to: PathBuf) -> io::Result<()> {
         fs::rename(&self.0, to)?;
+        unfinished().remove(&self.0);
         // another program's file may have the old name by now
         self.0.clear();
         Ok(())
@@ -42,6 +55,15 @@ impl TemporaryPath {
 impl Drop for TemporaryPath {
     fn drop(&mut self) {
         let _ = fs::remove_file(&self.0);
+        unfinished().remove(&self.0);
+    }
+}
+
+/// Removes every temporary file of this program: for the handler of a signal that ends the program,
+/// which drops no [`AtomicFile`].
+pub fn remove_unfinished() {
+    for path in &*unfinished() {
+        let _ = fs::remove_file(path);
     }
 }
 
@@ -148,22 +170,24 @@ fn folder(path: &Path) -> &Path {
 
 /// The suffix of temporary files.
 const SUFFIX: &str = ".gym-partial";
+/// The largest part of a file's name in the name of its temporary file, in bytes.
+const MAX_START: usize = 80;
 
 /// Creates a file with a unique name in the folder of `path`, with the permissions of the file at
 /// `path`.
 fn temporary(path: &Path) -> io::Result<(File, TemporaryPath)> {
     static COUNT: AtomicU64 = AtomicU64::new(0);
     let no_name = || io::Error::new(io::ErrorKind::InvalidInput, "the path has no file name");
-    let name = path.file_name().ok_or_else(no_name)?;
+    let name = path.file_name().ok_or_else(no_name)?.to_string_lossy();
+    // a file name has at most 255 bytes, and on some systems fewer
+    let end = |(at, letter): (usize, char)| at + letter.len_utf8();
+    let ends = name.char_indices().map(end);
+    let end = ends.take_while(|end| *end <= MAX_START).last();
+    let name = &name[..end.unwrap_or(0)];
     remove_leftovers(folder(path));
     loop {
-        let mut hidden = std::ffi::OsString::from(".");
-        hidden.push(name);
-        hidden.push(format!(
-            ".{}{SUFFIX}",
-            COUNT.fetch_add(1, Ordering::Relaxed)
-        ));
-        let hidden = folder(path).join(hidden);
+        let count = COUNT.fetch_add(1, Ordering::Relaxed);
+        let hidden = folder(path).join(format!(".{name}.{count}{SUFFIX}"));
         let file = match OpenOptions::new()
             .read(true)
             .write(true)
@@ -173,7 +197,7 @@ fn temporary(path: &Path) -> io::Result<(File, TemporaryPath)> {
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => continue,
             opened => opened?,
         };
-        let temporary = TemporaryPath(hidden);
+        let temporary = TemporaryPath::new(hidden);
         lock(&file);
         // another program may have removed it as a leftover before it was locked
         if temporary.0.exists() {
@@ -286,6 +310,24 @@ mod tests {
         file.commit().unwrap();
         assert_eq!(fs::read(folder.path().join("a.txt")).unwrap(), b"new");
         assert_eq!(names(&folder), ["a.txt"]);
+    }
+
+    /// Names of every length that a file may have, also of letters of several bytes.
+    #[test]
+    fn long_names_are_written() {
+        let folder = TempDir::new().unwrap();
+        for letter in ["a", "\u{e4}", "\u{1f3b2}"] {
+            for length in (60..100).chain(230..=255) {
+                let name = letter.repeat(length / letter.len());
+                let path = folder.path().join(name);
+                write(&path, b"whole").unwrap();
+                assert_eq!(fs::read(&path).unwrap(), b"whole");
+                fs::remove_file(&path).unwrap();
+            }
+        }
+        let too_long = folder.path().join("a".repeat(256));
+        assert!(write(too_long, b"").is_err());
+        assert_eq!(names(&folder), [""; 0]);
     }
 
     #[test]

@@ -10,7 +10,7 @@ use gym_core::canvas::{Align, Canvas, Color, Point, Shape, Transform};
 use gym_core::render::{Frame, Painter};
 
 use crate::number::Decimal;
-use crate::{Raster, font, write_png, write_svg};
+use crate::{Raster, font, png, write_svg};
 
 /// The width of a plot.
 const WIDTH: u32 = 800;
@@ -197,23 +197,25 @@ impl Plot {
     ///
     /// # Errors
     /// [`Error::Io`](gym_core::Error::Io) if the file cannot be written,
-    /// [`Error::Custom`](gym_core::Error::Custom) if the picture does not fit in memory.
+    /// [`Error::InvalidArgument`](gym_core::Error::InvalidArgument) if there are too many plots for
+    /// a PNG.
     pub fn write_png(&self, path: impl AsRef<Path>) -> Result<()> {
-        let mut picture = Frame::new(WIDTH * PNG_SCALE, self.size().1.saturating_mul(PNG_SCALE))?;
-        let mut rest = picture.pixels_mut();
-        // one frame per plot, because a shape is the slower to draw the larger its frame
-        for plot in self.all() {
-            let mut frame = Frame::new(WIDTH * PNG_SCALE, plot.height() * PNG_SCALE)?;
-            let mut draw = |canvas: &mut dyn Canvas| {
-                canvas.clear(Color::WHITE);
-                plot.draw_one(canvas);
-            };
-            Raster::new().paint((WIDTH, plot.height()), &mut draw, &mut frame);
-            let (own, below) = rest.split_at_mut(frame.pixels().len());
-            own.copy_from_slice(frame.pixels());
-            rest = below;
-        }
-        write_png(path, &picture)
+        let height = self.size().1.saturating_mul(PNG_SCALE);
+        // one frame per plot: a shape is the slower to draw the larger its frame, and a frame of
+        // all plots may not fit in memory
+        let frames = self.all().map(Self::frame);
+        png::write_stack(path.as_ref(), (WIDTH * PNG_SCALE, height), frames)
+    }
+
+    /// Draws this plot alone, at the size of a PNG.
+    fn frame(&self) -> Result<Frame> {
+        let mut frame = Frame::new(WIDTH * PNG_SCALE, self.height().saturating_mul(PNG_SCALE))?;
+        let mut draw = |canvas: &mut dyn Canvas| {
+            canvas.clear(Color::WHITE);
+            self.draw_one(canvas);
+        };
+        Raster::new().paint((WIDTH, self.height()), &mut draw, &mut frame);
+        Ok(frame)
     }
 
     /// Returns the height of this plot alone.
@@ -764,7 +766,7 @@ pop
             let path = folder.path().join(name);
             plot.write_png(&path).unwrap();
             let decoder =
-                png::Decoder::new(std::io::BufReader::new(std::fs::File::open(path).unwrap()));
+                ::png::Decoder::new(std::io::BufReader::new(std::fs::File::open(path).unwrap()));
             let mut reader = decoder.read_info().unwrap();
             let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
             reader.next_frame(&mut pixels).unwrap();

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use crate::file::AtomicFile;
 use gym_core::render::Frame;
 use gym_core::{Error, Result};
-use png::{BitDepth, ColorType, Encoder, EncodingError};
+use png::{BitDepth, ColorType, Compression, Encoder, EncodingError};
 
 /// Pixels between and around the frames of a contact sheet.
 const GAP: u32 = 4;
@@ -26,6 +26,41 @@ pub fn write_png(path: impl AsRef<Path>, frame: &Frame) -> Result<()> {
         EncodingError::IoError(error) => Error::io(path, error),
         other => refused(frame, &other),
     })?;
+    file.commit()
+}
+
+/// Writes frames below each other to one PNG file, each as soon as it is drawn. `size` is the width
+/// of each frame, and the sum of their heights.
+///
+/// # Errors
+/// The errors of [`write_png`], and those of `frames`.
+pub(crate) fn write_stack(
+    path: &Path,
+    size: (u32, u32),
+    frames: impl Iterator<Item = Result<Frame>>,
+) -> Result<()> {
+    let refused = |error| match error {
+        EncodingError::IoError(error) => Error::io(path, error),
+        other => {
+            let (width, height) = size;
+            let reason = format!("{width}x{height} pixels cannot be written as PNG: {other}");
+            Error::argument("write_png", reason)
+        }
+    };
+    let mut file = AtomicFile::create(path)?;
+    let mut encoder = Encoder::new(&mut file, size.0, size.1);
+    encoder.set_color(ColorType::Rgb);
+    encoder.set_depth(BitDepth::Eight);
+    // large areas of one colour become small even so
+    encoder.set_compression(Compression::Fast);
+    let mut writer = encoder.write_header().map_err(refused)?;
+    let mut rows = writer.stream_writer().map_err(refused)?;
+    for frame in frames {
+        rows.write_all(frame?.pixels())
+            .map_err(|error| Error::io(path, error))?;
+    }
+    rows.finish().map_err(refused)?;
+    writer.finish().map_err(refused)?;
     file.commit()
 }
 

@@ -479,7 +479,8 @@ mod tests {
         writer.write(&Frame::new(2, 2).unwrap()).unwrap();
         // remove the folder, so that the final rename fails
         fs::remove_dir_all(folder.path()).unwrap();
-        assert!(matches!(writer.complete(), Err(Error::Io { .. })));
+        let completed = writer.complete().and_then(Output::commit);
+        assert!(matches!(completed, Err(Error::Io { .. })));
         assert!(matches!(
             writer.write(&Frame::new(2, 2).unwrap()),
             Err(Error::Io { .. })

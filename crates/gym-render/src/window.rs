@@ -108,13 +108,21 @@ impl Window {
     }
 
     /// Returns the names of the keys that are down or were pressed since the last call, such as
-    /// `Left`, `Space`, `A` or `Key1`.
+    /// `Left`, `Space`, `A` or `1`.
     pub fn keys(&mut self) -> Vec<String> {
         let mut keys = self.window.get_keys();
         keys.extend(self.pressed.0.take());
         keys.sort_by_key(|key| *key as usize);
         keys.dedup();
-        keys.iter().map(|key| format!("{key:?}")).collect()
+        keys.iter().map(|key| name(&format!("{key:?}"))).collect()
+    }
+}
+
+/// The name of a key from minifb's: `1` for `Key1`, as it stands on the key.
+fn name(key: &str) -> String {
+    match key.strip_prefix("Key") {
+        Some(digit) if digit.len() == 1 => digit.to_owned(),
+        _ => key.to_owned(),
     }
 }
 

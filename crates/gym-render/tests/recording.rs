@@ -261,7 +261,7 @@ fn recording_is_no_part_of_clones_and_snapshots() {
     );
 }
 
-/// Two sub-environments whose first one is recorded.
+/// Returns a vector of two sub-environments that records the first one.
 fn recorded(
     config: RecordVideoConfig,
     mode: Autoreset,

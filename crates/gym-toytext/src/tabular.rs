@@ -84,7 +84,7 @@ impl Table {
         }
     }
 
-    /// The table as [`Inspect::table`](gym_core::Inspect::table) shows it.
+    /// Returns the table in the form of [`Inspect::table`](gym_core::Inspect::table).
     pub(crate) fn to_json(&self, initial: &Distribution) -> Json {
         let row = |state, action| -> Vec<_> {
             let outcomes = self.outcomes(state, action).iter();
@@ -97,11 +97,11 @@ impl Table {
         json!({"P": p, "initial_state_distrib": initial.probabilities()})
     }
 
-    /// Reads a table of the same numbers of states and actions, and a distribution of its initial
-    /// state, from the form of [`to_json`](Self::to_json).
+    /// Reads a table and a distribution of initial states from the form of
+    /// [`to_json`](Self::to_json). `table` must have as many states and actions as `self`.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] with the place that does not fit.
+    /// [`Error::InvalidArgument`], which names the faulty part of `table`.
     pub(crate) fn replaced(&self, table: &Json) -> Result<(Self, Distribution)> {
         let refuse = |reason: String| Error::argument("table", reason);
         type Row = Vec<(f64, usize, f64, bool)>;
@@ -230,8 +230,8 @@ enum Rows {
     /// Each row has a single outcome, so the draw decides nothing.
     Certain(Vec<Ticket>),
     Random(Vec<Row>),
-    /// The outcomes of each row as they are, for tables with more outcomes than [`Row`] or more
-    /// kinds than a [`Ticket`] can tell apart.
+    /// The outcomes of each row, in full. For a table with more outcomes in a row than [`Row`] can
+    /// hold, or with more kinds of outcomes than [`Ticket`] can number.
     Listed(Vec<Vec<Outcome>>),
 }
 
@@ -249,7 +249,7 @@ const MAX_OUTCOMES: usize = 3;
 /// An outcome: its index in `kinds` in the lowest byte, the next state above.
 type Ticket = u32;
 
-/// The largest number of distinct outcomes, next states aside: an index of one byte.
+/// The largest number of outcomes that differ in more than the next state: their index is a byte.
 const MAX_KINDS: usize = 256;
 
 /// The largest number of states.
@@ -459,7 +459,7 @@ impl Distribution {
             .collect();
         let mut possible = (0..probabilities.len()).filter(|&state| probabilities[state] > 0.0);
         let only = match (possible.next(), possible.next()) {
-            // rounding aside, the draw always gives this state
+            // with a probability of exactly 1, every draw gives this state
             (Some(state), None) if probabilities[state] == 1.0 => Some(state),
             _ => None,
         };

@@ -24,8 +24,7 @@
 //! `observation_masked`), which the trace names: `"frame_mask": [[6, 365, 65, 380]]`, as first
 //! column and row, last column and row. A masked checksum replaces the other.
 
-use serde::de::IgnoredAny;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 use serde_json::{Number, Value as Json, json, value::RawValue};
 
 use gym_core::registry::{EnvBuilder, find};
@@ -34,15 +33,14 @@ use gym_core::vector::{
     Autoreset, Columns, Seeds, VectorEnv, VectorEnvExt, VectorKind, VectorReset,
 };
 use gym_core::{
-    BoxEnv, DType, Env, EnvExt, Error, Info, Inspect, Kwargs, Reset, Result, Seed, Value,
+    BoxEnv, DType, Env, EnvExt, EnvSpec, Error, Info, Inspect, Kwargs, Reset, Result, Seed, Value,
     WrapperSpec, builder,
 };
 
 /// The resets and steps of one environment, or of one vector.
 ///
-/// An unknown key is an error, so that a misspelt one is not ignored. Facts about the recorder,
-/// such as `gymnasium` and `numpy`, are accepted and dropped, but for the version of MuJoCo: an
-/// environment with an argument `mujoco` gets it, unless `kwargs` has another.
+/// An unknown key is an error, so that a misspelt one is not ignored. An environment with an
+/// argument `mujoco` gets the recorded version of MuJoCo, unless `kwargs` has another.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(from = "Recorded")]
 pub struct Trace {
@@ -57,7 +55,7 @@ pub struct Trace {
     /// wall-clock time of episode statistics.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub wrappers: Vec<WrapperSpec>,
-    /// The vector that it is a sub-environment of, if it is one.
+    /// The vector around the environment, if the trace is of a vector.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub vector: Option<VectorRequest>,
     /// The render mode, if frames are compared: `rgb_array`.
@@ -66,9 +64,13 @@ pub struct Trace {
     /// Rectangles of the frame to blacken for `frame_masked`: left, top, right, bottom, inclusive.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub frame_mask: Vec<[usize; 4]>,
-    /// The same for `observation_masked`.
+    /// Rectangles of the observation to blacken for `observation_masked`.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub observation_mask: Vec<[usize; 4]>,
+    /// What the recorder notes besides. `observation_space`, `action_space`, `max_episode_steps` and
+    /// `reward_threshold` are compared; notes such as `numpy` and `policy` are not.
+    #[serde(flatten)]
+    pub about: Kwargs,
     /// The events, in order.
     pub events: Vec<Event>,
 }
@@ -78,7 +80,6 @@ macro_rules! recorded {
     ($($about:ident)*) => {
         #[derive(Deserialize)]
         #[serde(deny_unknown_fields)]
-        #[expect(dead_code, reason = "a recorder's notes are read and not used")]
         struct Recorded {
             id: String,
             #[serde(default)]
@@ -94,51 +95,72 @@ macro_rules! recorded {
             observation_mask: Vec<[usize; 4]>,
             events: Vec<Event>,
             $(
-                #[serde(default)]
-                $about: IgnoredAny,
+                #[serde(default, deserialize_with = "noted")]
+                $about: Option<Json>,
             )*
+        }
+
+        impl From<Recorded> for Trace {
+            fn from(recorded: Recorded) -> Self {
+                let about = [
+                    $((stringify!($about), recorded.$about),)*
+                ];
+                let about = about.into_iter().filter_map(|(name, note)| {
+                    Some((name.trim_start_matches("r#").to_owned(), note?))
+                });
+                Self {
+                    id: recorded.id,
+                    kwargs: recorded.kwargs,
+                    mujoco: recorded.mujoco,
+                    wrappers: recorded.wrappers,
+                    vector: recorded.vector,
+                    render_mode: recorded.render_mode,
+                    frame_mask: recorded.frame_mask,
+                    observation_mask: recorded.observation_mask,
+                    about: about.collect(),
+                    events: recorded.events,
+                }
+            }
         }
     };
 }
 
 recorded! {
-    // the programs that answered
+    // versions of the programs that were recorded
     ale_py backend backend_version gymnasium module numpy pygame_ce
-    // how they were asked
-    action_seed deep info_left_out max_episode_steps md5 note policy rom seed smoothscale
-    // the environment
-    action_space dt frame_skip observation_space render_fps render_modes reward_threshold shape start types
+    // how the recorder called the environment
+    action_seed deep info_left_out md5 note policy rom seed smoothscale
+    // the environment; see `FACTS`
+    action_space dt frame_skip max_episode_steps observation_space render_fps render_modes reward_threshold
+    shape start types
     // facts about the whole episode
     emulated first_contact frame horizon horizons info_same_twice length r#return same_twice tolerance
 }
 
-impl From<Recorded> for Trace {
-    fn from(recorded: Recorded) -> Self {
-        let Recorded {
-            id,
-            kwargs,
-            mujoco,
-            wrappers,
-            vector,
-            render_mode,
-            frame_mask,
-            observation_mask,
-            events,
-            ..
-        } = recorded;
-        Self {
-            id,
-            kwargs,
-            mujoco,
-            wrappers,
-            vector,
-            render_mode,
-            frame_mask,
-            observation_mask,
-            events,
-        }
-    }
+/// A note that is there, which may be `null`.
+fn noted<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> std::result::Result<Option<Json>, D::Error> {
+    Json::deserialize(deserializer).map(Some)
 }
+
+/// What a recording notes of its environment and what is compared: a name in [`Trace::about`], and
+/// the fact here, from the spaces of observations and actions and the spec, if there is one.
+type Fact = (
+    &'static str,
+    fn(&[String; 2], Option<&EnvSpec>) -> Option<Json>,
+);
+
+const FACTS: [Fact; 4] = [
+    ("observation_space", |spaces, _| Some(json!(spaces[0]))),
+    ("action_space", |spaces, _| Some(json!(spaces[1]))),
+    ("max_episode_steps", |_, spec| {
+        Some(json!(spec?.max_episode_steps))
+    }),
+    ("reward_threshold", |_, spec| {
+        Some(json!(spec?.reward_threshold))
+    }),
+];
 
 /// The vector of a trace.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -189,7 +211,7 @@ pub struct Event {
     /// CRC-32 of the frame's bytes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frame: Option<Json>,
-    /// The same of the masked frame.
+    /// CRC-32 of the masked frame's bytes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frame_masked: Option<Json>,
     /// The checksum of the frame without images that Gymnasium loads from a file. It is read, and
@@ -199,7 +221,7 @@ pub struct Event {
     /// CRC-32 of an observation's bytes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub observation_crc32: Option<Json>,
-    /// The same of the masked observation.
+    /// CRC-32 of the masked observation's bytes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub observation_masked: Option<Json>,
 }
@@ -285,16 +307,31 @@ impl Trace {
     /// # Errors
     /// The environment's error, with its event.
     pub fn replay(&self) -> Result<Self> {
-        let events = if self.vector.is_some() {
+        let mut env = self.make()?;
+        let (events, spaces) = if self.vector.is_some() {
             let mut envs = self.make_vector()?;
             let mut columns = envs.columns()?;
-            self.replay_events(|event| event.replay_vector(&mut envs, &mut columns))
+            let spaces = [envs.observation_space()?, envs.action_space()?];
+            let replay = |event: &Event| event.replay_vector(&mut envs, &mut columns);
+            (self.replay_events(replay)?, spaces)
         } else {
-            let mut env = self.make()?;
-            self.replay_events(|event| event.replay(self, &mut env))
+            let spaces = [env.observation_space(), env.action_space()];
+            let replay = |event: &Event| event.replay(self, &mut env);
+            (self.replay_events(replay)?, spaces)
         };
+        let mut about = self.about.clone();
+        let spaces = spaces.map(|space| space.to_string());
+        let spec = env.spec();
+        for (name, fact) in FACTS {
+            if about.remove(name).is_some()
+                && let Some(fact) = fact(&spaces, spec.as_ref())
+            {
+                about.insert(name.to_owned(), fact);
+            }
+        }
         Ok(Self {
-            events: events?,
+            about,
+            events,
             ..self.clone()
         })
     }
@@ -366,11 +403,23 @@ impl Trace {
             .fold(builder, EnvBuilder::wrap)
     }
 
-    /// The first difference from another trace of the same calls: the event, the part of it, and
-    /// both answers. Numbers are compared to the last bit.
+    /// The first difference from another trace of the same calls: a fact about the environment, or
+    /// the event, the part of it, the place in that part, and both answers. Numbers are compared to
+    /// the last bit.
     ///
-    /// A part of the answers that no event of this trace records, such as `info`, is not compared.
+    /// What [`compared`](Self::compared) leaves out is not compared.
     pub fn first_difference(&self, other: &Self) -> Option<String> {
+        let fact = FACTS.iter().find_map(|(name, _)| {
+            let noted = self.about.get(*name)?;
+            let Some(here) = other.about.get(*name) else {
+                return Some(format!("{name}: nothing for {}", start_of(noted)));
+            };
+            difference(&one_line(noted), &one_line(here))
+                .map(|difference| format!("{name}{difference}"))
+        });
+        if fact.is_some() {
+            return fact;
+        }
         if self.events.len() != other.events.len() {
             return Some(format!(
                 "{} events for {}",
@@ -378,9 +427,45 @@ impl Trace {
                 self.events.len()
             ));
         }
+        let parts = self.parts();
+        self.events
+            .iter()
+            .zip(&other.events)
+            .enumerate()
+            .find_map(|(i, (a, b))| {
+                parts.iter().find_map(|(name, part)| {
+                    let [a, b] = [a, b].map(|event| part(event).unwrap_or(&Json::Null));
+                    difference(a, b).map(|difference| format!("event {i}, {name}{difference}"))
+                })
+            })
+    }
+
+    /// The names of what [`first_difference`](Self::first_difference) compares: parts of answers
+    /// that some event of this trace records, and facts about the environment. Without a part of an
+    /// answer, equality proves nothing.
+    pub fn compared(&self) -> (Vec<&'static str>, Vec<&'static str>) {
+        let parts = self.parts().into_iter().map(|(name, _)| name).collect();
+        let facts = FACTS.iter().map(|(name, _)| *name);
+        let facts = facts.filter(|name| self.about.contains_key(*name));
+        (parts, facts.collect())
+    }
+
+    /// The names of what this trace records and nothing compares.
+    pub fn not_compared(&self) -> Vec<&str> {
+        let notes = self.about.keys().map(String::as_str);
+        let notes = notes.filter(|name| FACTS.iter().all(|(fact, _)| fact != name));
+        let (parts, _) = self.compared();
+        let recorded = PARTS.iter().chain(&[FRAME_PLAIN]).filter(|(name, part)| {
+            !parts.contains(name) && self.events.iter().any(|event| part(event).is_some())
+        });
+        notes.chain(recorded.map(|(name, _)| *name)).collect()
+    }
+
+    /// The parts of answers that are compared.
+    fn parts(&self) -> Vec<Part> {
         let mut recorded = PARTS.to_vec();
         recorded.retain(|(_, part)| self.events.iter().any(|event| part(event).is_some()));
-        // a masked checksum counts instead of the other
+        // where a masked checksum is recorded, the whole picture's is not compared
         for (masked, plain) in [
             ("frame_masked", "frame"),
             ("observation_masked", "observation_crc32"),
@@ -389,16 +474,16 @@ impl Trace {
                 recorded.retain(|(name, _)| *name != plain);
             }
         }
-        self.events
-            .iter()
-            .zip(&other.events)
-            .enumerate()
-            .find_map(|(i, (a, b))| {
-                recorded.iter().find_map(|(name, part)| {
-                    let [a, b] = [a, b].map(|event| part(event).unwrap_or(&Json::Null));
-                    (!same(a, b)).then(|| format!("event {i}, {name}: {b} for {a}"))
-                })
-            })
+        recorded
+    }
+}
+
+/// A text with single spaces, since numpy aligns numbers in columns and breaks lines; any other JSON
+/// as it is.
+fn one_line(json: &Json) -> Json {
+    match json {
+        Json::String(text) => text.split_whitespace().collect::<Vec<_>>().join(" ").into(),
+        other => other.clone(),
     }
 }
 
@@ -528,6 +613,9 @@ fn masked(pixels: &[u8], width: usize, rectangles: &[[usize; 4]]) -> Option<Json
     (!rectangles.is_empty()).then(|| json!(crc32fast::hash(&pixels)))
 }
 
+/// The part of an event that is read, and not compared.
+const FRAME_PLAIN: Part = ("frame_plain", |event| event.frame_plain.as_ref());
+
 fn not_an_event() -> Error {
     Error::custom("an event is either a `reset` or a `step`")
 }
@@ -545,20 +633,46 @@ fn remove_clock(info: &mut Json) {
     }
 }
 
-/// Equality of JSON data to the last bit, where `1` and `1.0` are the same number, and `0.0` and
-/// `-0.0` are not.
-fn same(a: &Json, b: &Json) -> bool {
+/// The place in two pieces of JSON data where they first differ, and both values there: `[3]: 1 for
+/// 2`. Numbers are compared to the last bit; `1` and `1.0` are the same number, and `0.0` and `-0.0`
+/// are not.
+fn difference(a: &Json, b: &Json) -> Option<String> {
+    let inside = |place: String, a: &Json, b: &Json| {
+        difference(a, b).map(|difference| format!("{place}{difference}"))
+    };
     match (a, b) {
-        (Json::Number(x), Json::Number(y)) => same_number(x, y),
-        (Json::Array(x), Json::Array(y)) => {
-            x.len() == y.len() && x.iter().zip(y).all(|(x, y)| same(x, y))
+        (Json::Number(x), Json::Number(y)) if same_number(x, y) => None,
+        (Json::Array(x), Json::Array(y)) if x.len() == y.len() => {
+            let mut pairs = x.iter().zip(y).enumerate();
+            pairs.find_map(|(i, (x, y))| inside(format!("[{i}]"), x, y))
         }
         (Json::Object(x), Json::Object(y)) => {
-            x.len() == y.len()
-                && x.iter()
-                    .all(|(key, x)| y.get(key).is_some_and(|y| same(x, y)))
+            let of_both = x.iter().find_map(|(key, x)| match y.get(key) {
+                Some(y) => inside(format!(".{key}"), x, y),
+                None => Some(format!(".{key}: nothing for {}", start_of(x))),
+            });
+            let surplus = || y.iter().find(|(key, _)| !x.contains_key(*key));
+            of_both.or_else(|| {
+                surplus().map(|(key, y)| format!(".{key}: {} for nothing", start_of(y)))
+            })
         }
-        _ => a == b,
+        _ if a == b && !a.is_number() => None,
+        _ => Some(format!(": {} for {}", start_of(b), start_of(a))),
+    }
+}
+
+/// The start of a value as JSON.
+fn start_of(json: &Json) -> String {
+    const MAX_LENGTH: usize = 100;
+    if let Json::Array(list) = json
+        && list.len() > 20
+    {
+        return format!("a list of {}", list.len());
+    }
+    let text = json.to_string();
+    match text.char_indices().nth(MAX_LENGTH) {
+        Some((end, _)) => format!("{}...", &text[..end]),
+        None => text,
     }
 }
 
@@ -572,13 +686,13 @@ fn same_number(x: &Number, y: &Number) -> bool {
     match (integer(x), integer(y)) {
         (Some(x), Some(y)) => x == y,
         (None, None) => real(x).to_bits() == real(y).to_bits(),
-        // an integer beyond 2^53 need not be the number that it rounds to
+        // an integer above 2^53 may differ from the real number that it rounds to
         (Some(i), None) => is_integer(real(y), i),
         (None, Some(i)) => is_integer(real(x), i),
     }
 }
 
-/// Whether a real number is just this integer. `-0.0` is none.
+/// Whether a real number equals an integer exactly. `-0.0` equals none.
 fn is_integer(x: f64, i: i128) -> bool {
     x.to_bits() == (i as f64).to_bits() && x as i128 == i
 }
@@ -590,10 +704,8 @@ mod tests {
     #[test]
     fn numbers_are_compared_to_the_last_bit() {
         let same = |a: &str, b: &str| {
-            same(
-                &serde_json::from_str(a).unwrap(),
-                &serde_json::from_str(b).unwrap(),
-            )
+            let [a, b] = [a, b].map(|text| serde_json::from_str(text).unwrap());
+            difference(&a, &b).is_none()
         };
         for (a, b) in [
             ("1", "1.0"),
@@ -612,6 +724,7 @@ mod tests {
             ("18446744073709551615", "18446744073709551614"),
             ("0.1", "0.10000000000000002"),
             ("{}", "{\"surplus\": 1}"),
+            ("{}", "{\"surplus\": null}"),
             ("[1]", "[1, 1]"),
             ("true", "1"),
         ] {
@@ -662,6 +775,75 @@ mod tests {
             both[1][part] = json!("surplus");
             assert!(recorded.first_difference(&trace(both)).is_some(), "{part}");
         }
+    }
+
+    #[test]
+    fn a_difference_has_a_place_and_no_more_numbers_than_it_needs() {
+        let of = |a: Json, b: Json| difference(&a, &b).unwrap();
+        let many: Vec<f64> = (0..1_000_000).map(f64::from).collect();
+        let mut other = many.clone();
+        other[654_321] = -1.0;
+        assert_eq!(of(json!(many), json!(other)), "[654321]: -1.0 for 654321.0");
+        assert_eq!(
+            of(json!(many), json!([1, 2])),
+            ": [1,2] for a list of 1000000"
+        );
+        assert_eq!(
+            of(json!({"a": [1, {"b": 2}]}), json!({"a": [1, {"b": 3}]})),
+            ".a[1].b: 3 for 2"
+        );
+        assert_eq!(of(json!({"a": null}), json!({})), ".a: nothing for null");
+        assert_eq!(of(json!({}), json!({"a": 1})), ".a: 1 for nothing");
+        let long = "x".repeat(1_000_000);
+        assert!(of(json!(long), json!("y")).len() < 200);
+    }
+
+    /// Facts about the environment are compared, `null` too, and the other notes are named.
+    #[test]
+    fn facts_in_the_head_are_compared_and_notes_named() {
+        let head = json!({ "id": "None-v0", "numpy": "2.4.6", "policy": "random", "return": 1.0,
+            "observation_space": "Box([0.  1.],\n [1. 2.])", "action_space": "Discrete(2)",
+            "max_episode_steps": null, "reward_threshold": 195.0,
+            "events": [{ "step": 0, "reward": 1.0, "frame_plain": 3 }] });
+        let read = |json: &Json| serde_json::from_value::<Trace>(json.clone()).unwrap();
+        let recorded = read(&head);
+        assert_eq!(recorded.first_difference(&recorded), None);
+        assert_eq!(
+            recorded.not_compared(),
+            ["numpy", "policy", "return", "frame_plain"]
+        );
+        let facts = FACTS.map(|(name, _)| name);
+        assert_eq!(recorded.compared(), (vec!["reward"], facts.to_vec()));
+        for (name, value) in [
+            ("observation_space", json!("Box([0. 1.], [1. 3.])")),
+            ("action_space", json!("Discrete(3)")),
+            ("max_episode_steps", json!(200)),
+            ("reward_threshold", json!(null)),
+        ] {
+            let mut other = head.clone();
+            other[name] = value;
+            let difference = recorded.first_difference(&read(&other)).unwrap();
+            assert!(difference.starts_with(name), "{difference}");
+            other.as_object_mut().unwrap().remove(name);
+            let difference = recorded.first_difference(&read(&other)).unwrap();
+            assert!(difference.contains("nothing for"), "{difference}");
+            assert_eq!(
+                read(&other).first_difference(&recorded),
+                None,
+                "it is not recorded"
+            );
+        }
+        // columns and lines of numpy's text
+        let mut other = head.clone();
+        other["observation_space"] = json!("Box([0. 1.], [1. 2.])");
+        assert_eq!(recorded.first_difference(&read(&other)), None);
+        // the notes stay in what is written
+        assert_eq!(serde_json::to_value(&recorded).unwrap()["numpy"], "2.4.6");
+        assert_eq!(
+            trace(json!([{ "step": 0 }])).compared(),
+            (vec![], vec![]),
+            "an event without answers proves nothing"
+        );
     }
 
     /// The masked checksum, if present, replaces the whole frame's.

@@ -1,6 +1,7 @@
 // Starts the page and shows the part that the address names:
 //   #/                    the gallery        #/CartPole-v1?seed=7&policy=good   an environment
 //   #/learn/FrozenLake-v1 a lesson
+import { parse } from "./address.js";
 import { h, icon } from "./dom.js";
 import { Engine } from "./engine.js";
 import { gallery } from "./gallery.js";
@@ -17,12 +18,6 @@ function fail(error) {
   main.replaceChildren(h("section", { class: "card failure", role: "alert" }, h("h1", {}, "That did not work"), h("p", {}, error.message), h("p", {}, h("a", { href: "#/" }, "Back to the gallery"))));
 }
 
-// The part and its parameters.
-function address() {
-  const [path, query] = location.hash.replace(/^#\/?/, "").split("?");
-  return { path: decodeURIComponent(path), parameters: new URLSearchParams(query) };
-}
-
 // Takes another list of environments: one more can be played.
 function refresh(list, again = true) {
   environments = list;
@@ -32,13 +27,13 @@ function refresh(list, again = true) {
 async function show() {
   leave();
   leave = () => {};
-  const { path, parameters } = address();
-  const part = path.startsWith("learn") ? "learn" : "gallery";
-  for (const link of document.querySelectorAll("[data-part]")) {
-    if (link.dataset.part === part) link.setAttribute("aria-current", "page");
-    else link.removeAttribute("aria-current");
-  }
   try {
+    const { path, parameters } = parse(location.hash);
+    const part = /^learn(\/|$)/.test(path) ? "learn" : "gallery";
+    for (const link of document.querySelectorAll("[data-part]")) {
+      if (link.dataset.part === part) link.setAttribute("aria-current", "page");
+      else link.removeAttribute("aria-current");
+    }
     if (path === "") [document.title, leave] = ["Gymnasium's environments, live", gallery(main, engine, environments)];
     else if (part === "learn") [document.title, leave] = ["Learn: reinforcement learning, live", await lessons(main, path.slice("learn/".length), environments)];
     else [document.title, leave] = [`${path}, live`, await play(main, engine, environments, path, parameters, refresh)];

@@ -3,7 +3,7 @@ import { h, prose } from "./dom.js";
 
 const same = (a, b) => JSON.stringify(a) === JSON.stringify(b);
 
-// A form; `apply(kwargs)` gets the arguments that differ from the default values, and fails with an error in words.
+// Makes a form. `apply(kwargs)` gets the arguments that differ from their default values; the form shows its errors.
 export function argumentsForm(list, kwargs, apply) {
   const status = h("p", { class: "quiet", role: "status" });
   const fields = list.map(({ name, value, kind = "", unit = "", meaning = "" }) => {

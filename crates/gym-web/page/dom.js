@@ -11,10 +11,10 @@ export function h(tag, attributes = {}, ...children) {
   return element;
 }
 
-// Documentation's text: what stands between backticks as code.
+// Turns text with backticks into nodes, with code between the backticks.
 export const prose = (text) => text.split("`").map((part, at) => (at % 2 ? h("code", {}, part) : part));
 
-// An icon of the page's own, 24 units wide: paths alone.
+// The paths of the icons, each 24 units wide.
 const ICONS = {
   play: "M7 4.5v15l12-7.5z",
   pause: "M6.5 4.5h4v15h-4zM13.5 4.5h4v15h-4z",
@@ -37,19 +37,19 @@ export function icon(name) {
   return svg;
 }
 
-// A button with an icon, whose label is for screen readers and for the tooltip.
+// Makes a button with an icon. The label is its tooltip, and is read by screen readers.
 export function iconButton(name, label, onclick, attributes = {}) {
   return h("button", { class: "icon-button", type: "button", title: label, "aria-label": label, onclick, ...attributes }, icon(name));
 }
 
-// Copies a text and says so on the button for a moment.
+// Copies a text, and shows the result on the button for a moment.
 export async function copy(text, button) {
   const before = button.textContent;
   try {
     await navigator.clipboard.writeText(text);
     button.textContent = "Copied";
   } catch {
-    // without permission, or from a file
+    // without permission, or if the page was opened as a file
     const area = h("textarea", { readonly: true, class: "visually-hidden" });
     area.value = text;
     document.body.append(area);
@@ -69,7 +69,7 @@ export function download(bytes, type, name) {
   setTimeout(() => URL.revokeObjectURL(url), 60_000);
 }
 
-// A number for people: at most four significant digits, and no more than fit.
+// Formats a number with about four significant digits.
 export function number(x) {
   if (typeof x === "string") return x.replace("inf", "∞");
   if (Number.isInteger(x)) return String(x).replace("-", "−");

@@ -3,7 +3,7 @@
 const single = globalThis.GYM_SINGLE;
 const here = (name) => new URL(name, import.meta.url);
 
-// The bytes of a gzipped file beside the page, or of one within it.
+// Returns the unzipped bytes of a file beside the page, or within it.
 async function unzipped(name) {
   const bytes = single
     ? Uint8Array.from(atob(single[name]), (c) => c.charCodeAt(0))
@@ -57,7 +57,7 @@ export class Engine {
     if (data.frame) this.handle("shown", { env: data.loop });
   }
 
-  // A panic ends an instance: what was open is gone, and whoever waits is told.
+  // A panic ends an instance: starts another one, and rejects all pending requests.
   #restart(reason) {
     this.#worker.terminate();
     for (const { reject } of this.#pending.values()) reject(new Error(reason));
@@ -76,19 +76,19 @@ export class Engine {
     });
   }
 
-  // Answers a request of the module.
+  // Sends a request to the module.
   async request(request, bytes) {
     await this.ready;
     return this.#post({ request, bytes });
   }
 
-  // Calls one of the worker's handlers.
+  // Calls a handler of the worker.
   async handle(handler, request) {
     await this.ready;
     return this.#post({ handler, request });
   }
 
-  // Opens an environment that plays; `listener` gets its pictures, states and ends of episodes.
+  // Opens an environment that plays. `listener` gets its pictures, its states and the ends of its episodes.
   async open(options, listener) {
     const env = this.#next++;
     this.#loops.set(env, listener);
@@ -105,7 +105,7 @@ export class Engine {
     return this.handle("close", { env }).catch(() => {});
   }
 
-  // Provides a ROM, also to instances to come; gives the name of its game.
+  // Sends a ROM to this instance, and to later ones. Returns the name of its game.
   async rom(bytes) {
     const title = await this.request({ do: "rom" }, bytes);
     this.#roms.push(bytes);
@@ -117,7 +117,7 @@ export class Engine {
   }
 }
 
-// Draws pixels on a canvas, which takes their size.
+// Draws pixels on a canvas, and gives the canvas their size.
 export function paint(canvas, { width, height }, pixels) {
   if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
   canvas.getContext("2d").putImageData(new ImageData(new Uint8ClampedArray(pixels.buffer), width, height), 0, 0);

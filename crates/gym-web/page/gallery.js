@@ -2,18 +2,20 @@
 import { h } from "./dom.js";
 import { paint } from "./engine.js";
 
-// Tiles are smaller than pictures: drawings are vectors, and a small one costs less.
+const BOOK = "https://github.com/gym-rust/gym/blob/main/docs/README.md";
+
+// The size of a tile's picture. Drawings are vectors, and a small one takes less time.
 const TILE = 300;
 
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 
-// The families of this project come in this order, those of a plugin before them.
+// The order of this project's families. Those of a plugin come first.
 const ORDER = ["Classic control", "Toy text", "Box2D", "MuJoCo", "Atari"];
 
-// A name that may break between its words.
+// Returns a name that may break between its words.
 export const words = (name) => name.split(/(?<=[a-z0-9])(?=[A-Z])/).flatMap((word, i) => (i ? [h("wbr"), word] : [word]));
 
-// Families, each with its tasks: the newest version of a name stands for it.
+// Groups environments by family and by name, the newest version of a name first.
 export function families(environments) {
   const rank = ({ family }) => ORDER.indexOf(family);
   environments = [...environments].sort((a, b) => rank(a) - rank(b));
@@ -52,7 +54,7 @@ export function gallery(main, engine, environments) {
     return element;
   }
 
-  // Plays while it is seen; with reduced motion it shows one picture.
+  // Plays a tile while it is visible; with reduced motion it shows one picture.
   function live(canvas, environment) {
     let open = null;
     let frames = 0;
@@ -62,7 +64,7 @@ export function gallery(main, engine, environments) {
         if (error) return console.error(`${environment.id}: ${error}`);
         if (!frame) return;
         paint(canvas, frame, pixels);
-        // the picture's first pixel goes on around it
+        // the background continues the first pixel of the picture
         if (frames === 0) canvas.parentElement.style.background = `rgb(${pixels.slice(0, 3).join(" ")})`;
         frames += 1;
         if (still.matches && frames === 1) open?.then((env) => env && engine.handle("set", { env: env.env, paused: true }));
@@ -81,7 +83,7 @@ export function gallery(main, engine, environments) {
   const sections = [...groups].map(([family, tasks]) => {
     const all = [...tasks.values()];
     const lacking = all.filter(([newest]) => newest.missing);
-    // ids from before there were namespaces
+    // ids of ale-py from before it had a namespace
     const isOld = ([newest]) => !newest.name.includes("/") && all.some(([other]) => other.name.includes("/"));
     const list = h("ul", { class: "tiles" }, all.filter((task) => !task[0].missing && !isOld(task)).map(([newest, ...older]) => tile(newest, older)));
     const chips = (tasks) => h("ul", { class: "chips" }, tasks.map(([{ id, name }]) => h("li", {}, h("a", { href: link(id) }, name.replace(/^[^/]*\//, "")))));
@@ -114,7 +116,8 @@ export function gallery(main, engine, environments) {
     h("section", { class: "hero" },
       h("div", {},
         h("h1", {}, "Gymnasium's environments, live"),
-        h("p", {}, "Watch a good policy, take over with the keyboard, see what the agent sees, and train one of your own. Nothing to install.")),
+        h("p", {}, h("a", { href: "https://gymnasium.farama.org" }, "Gymnasium"), " is the usual interface between agents that learn and the tasks that they learn: an agent sees an observation, chooses an action and gets a reward. These are its tasks, written in Rust and compiled for the browser, as ", h("a", { href: BOOK }, "the book"), " explains."),
+        h("p", {}, "Watch a good policy, take over yourself, see what the agent sees, and ", h("a", { href: "#/learn" }, "train an agent"), ". Nothing to install.")),
       search),
     ...sections.map(({ element }) => element),
     none);

@@ -1,13 +1,13 @@
-// Which keys are down, and the action that they are.
+// The keys that are down, and their action.
 
-// The name of a key as the registry has it: `Left`, `Space`, `A`, `Key1`.
+// Returns the registry's name of a key: `Left`, `Space`, `A`, `1`.
 export function keyName({ code }) {
-  return code.replace(/^Arrow/, "").replace(/^Key(?=[A-Z]$)/, "").replace(/^Digit|^Numpad(?=\d$)/, "Key").replace(/^NumpadEnter$/, "Enter");
+  return code.replace(/^Arrow/, "").replace(/^Key(?=[A-Z]$)/, "").replace(/^Digit|^Numpad(?=\d$)/, "").replace(/^NumpadEnter$/, "Enter");
 }
 
 export const SYMBOLS = { Left: "←", Right: "→", Up: "↑", Down: "↓" };
 
-// Keys and their actions. `changed(action)` hears the action of the keys that are down, or null; `pressed(action)` each new key.
+// Keys and their actions. `changed(action)` gets the action of the keys that are down, or null; `pressed(action)` that of each new key.
 export class Keys {
   #down = new Set();
   #actions;
@@ -44,7 +44,7 @@ export class Keys {
     this.changed(null);
   }
 
-  // Vectors of several keys add up; of numbers the last key counts.
+  // Returns the sum of the keys' actions if they are vectors, else the action of the last key.
   action() {
     const actions = [...this.#down].map((name) => this.#actions.get(name));
     if (actions.length === 0) return null;
@@ -61,7 +61,7 @@ export class Keys {
   }
 }
 
-// Whether a key means something where it was pressed: text, a slider, a list, or Space and Enter on a button.
+// Returns whether the focused element uses keys: a text, a slider or a list.
 function typing(target) {
   return target.matches?.("input, textarea, select, [contenteditable]");
 }

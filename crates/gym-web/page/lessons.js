@@ -1,12 +1,12 @@
-// Lessons: an agent learns in a worker of its own while its policy plays, and what it knows is drawn over the picture.
+// Lessons: an agent learns in its own worker while its policy plays, and the page draws the learned values.
 import { h, number } from "./dom.js";
 import { Engine, paint } from "./engine.js";
 import { plot, smooth } from "./plot.js";
 
-// A grid in a picture: its borders as parts of the picture, and which way each action goes.
+// Describes a grid: its borders as shares of the picture, and the direction of each action.
 const grid = (rows, columns, moves, { left = 0, top = 0, right = 1, bottom = 1 } = {}) => ({ rows, columns, moves, left, top, right, bottom });
 
-const LESSONS = [
+export const LESSONS = [
   {
     id: "FrozenLake-v1", title: "FrozenLake", method: "tabular", kwargs: { is_slippery: false },
     options: [{ name: "is_slippery", label: "Slippery ice" }],
@@ -14,6 +14,8 @@ const LESSONS = [
     state: (row, column) => row * 4 + column,
     text: "The agent starts knowing nothing. The only reward is at the goal, so the first success comes by luck; from then on values spread back from the goal, one step for each visit. On slippery ice the best action is often to walk against the wall.",
     defaults: { step_size: 0.2, epsilon_decay: 0.995 },
+    // at the usual pace the first success takes many seconds
+    pace: 100,
   },
   {
     id: "CliffWalking-v1", title: "CliffWalking", method: "tabular", kwargs: {},
@@ -25,7 +27,7 @@ const LESSONS = [
   },
   {
     id: "Taxi-v4", title: "Taxi", method: "tabular", kwargs: {}, options: [],
-    // streets with grass around them
+    // grass surrounds the grid
     map: grid(5, 5, ["down", "up", "right", "left", "pick up", "drop off"], { left: 28 / 536, top: 28 / 456, right: 508 / 536, bottom: 428 / 456 }),
     state: (row, column, now) => (row * 5 + column) * 20 + (now % 20),
     text: "500 states: 25 places, times 5 of the passenger, times 4 destinations. The drawing shows the values for the passenger and the destination of the episode that is played now.",
@@ -36,6 +38,7 @@ const LESSONS = [
     names: ["position", "velocity", "angle", "angular velocity", "constant"],
     text: "A policy search: each generation tries a population of random weights, and the best few decide where the next generation looks. The policy is linear: the weights times what is seen. Pushing right is better where their sum is positive.",
     defaults: {},
+    pace: 100,
   },
 ];
 
@@ -49,28 +52,45 @@ const TABULAR = [
   { name: "initial_value", label: "First values", low: -1, high: 1, step: 0.1, value: 0, text: "great ones make the agent try everything", fresh: true },
 ];
 const CROSS_ENTROPY = [
-  { name: "population", label: "Population", low: 4, high: 100, step: 1, value: 20, text: "policies in a generation" },
+  { name: "population", label: "Population", low: 4, high: 100, step: 1, value: 40, text: "policies in a generation" },
   { name: "elite", label: "Elite", low: 0.05, high: 0.6, step: 0.05, value: 0.2, text: "the share that makes the next one" },
   { name: "spread", label: "First spread", low: 0.1, high: 3, step: 0.1, value: 1, text: "standard deviation of the first weights", fresh: true },
-  { name: "noise", label: "Extra noise", low: 0, high: 1, step: 0.05, value: 0.2, text: "keeps the search from ending too soon" },
+  { name: "noise", label: "Extra noise", low: 0, high: 1, step: 0.05, value: 0.5, text: "added to the variance of the first generations, so that the search does not end too soon" },
   { name: "episodes", label: "Episodes each", low: 1, high: 5, step: 1, value: 1 },
 ];
 // episodes a second; the last is as fast as the machine is
 const PACES = [1, 5, 20, 100, 500, Infinity];
+const PACE = 20;
+
+const parametersOf = (lesson) => (lesson.method === "tabular" ? TABULAR : CROSS_ENTROPY);
+
+// Returns the first parameters of a lesson.
+export function firstValues(lesson) {
+  return Object.fromEntries(parametersOf(lesson).map(({ name, value }) => [name, lesson.defaults[name] ?? value]));
+}
+
+// Returns the lesson of an id, or without an id the first lesson of this gallery.
+function find(id, environments) {
+  const there = LESSONS.filter((lesson) => environments.some((environment) => environment.id === lesson.id));
+  if (!there.length) throw new Error("This gallery has none of the environments that the lessons are about.");
+  if (!id) return there[0];
+  const lesson = there.find((lesson) => lesson.id === id);
+  if (!lesson) throw new Error(`There is no lesson “${id}”: the lessons are ${there.map((lesson) => lesson.id).join(", ")}.`);
+  return lesson;
+}
 
 export async function lessons(main, id, environments) {
-  const lesson = LESSONS.find((lesson) => lesson.id === id) ?? LESSONS.find(({ id }) => environments.some((e) => e.id === id));
-  if (!lesson || !environments.some((environment) => environment.id === lesson.id)) throw new Error("This gallery has none of the environments that the lessons are about.");
+  const lesson = find(id, environments);
   const engine = new Engine();
-  const list = lesson.method === "tabular" ? TABULAR : CROSS_ENTROPY;
-  const values = Object.fromEntries(list.map(({ name, value }) => [name, lesson.defaults[name] ?? value]));
+  const list = parametersOf(lesson);
+  const values = firstValues(lesson);
   const kwargs = { ...lesson.kwargs };
   const learner = 1;
   let env = null;
   let running = false;
   let returns = [];
   let lengths = [];
-  let pace = PACES[2];
+  let pace = lesson.pace ?? PACE;
   let over = false;
   let now = 0;
 
@@ -97,7 +117,7 @@ export async function lessons(main, id, environments) {
   };
   const forget = h("button", { type: "button", onclick: () => open() }, "Forget everything");
 
-  // Learns in slices, in step with the clock.
+  // Trains in slices, at the chosen pace.
   async function run() {
     running = true;
     showRunning();
@@ -181,11 +201,11 @@ export async function lessons(main, id, environments) {
     h("section", { class: "hero" }, h("div", {}, h("h1", {}, "See an agent learn"), h("p", {}, "It learns here, in your browser, from nothing. Move a slider and watch what changes."))),
     h("nav", { class: "lesson-tabs", "aria-label": "Lessons" }, LESSONS.filter(({ id }) => environments.some((e) => e.id === id)).map(({ id, title }) => h("a", { href: `#/learn/${id}`, "aria-current": id === lesson.id ? "page" : null }, title))),
     h("div", { class: "lesson" },
-      h("div", { class: "lesson-column" }, stage, status,
+      h("div", { class: "lesson-column" }, h("div", { class: "lesson-first" }, stage, status),
         h("section", { class: "card" }, h("p", {}, lesson.text)),
         lesson.map ? h("section", { class: "card" }, h("h2", {}, "How to read the map"), h("p", { class: "quiet" }, "Each triangle is an action: the stronger its violet, the more it is worth, between the worst and the best place of the map. The arrow is the best one. A place without an arrow was never tried.")) : h("section", { class: "card" }, h("h2", {}, "Weights of pushing right, less those of pushing left"), weights)),
       h("div", { class: "lesson-column" },
-        h("section", { class: "card" },
+        h("section", { class: "card lesson-start" },
           h("div", { class: "buttons" }, runButton, forget, paceSelect),
           options.length ? h("div", { class: "buttons" }, options) : null),
         h("section", { class: "card" }, h("h2", {}, "Return of each episode, and its mean"), chart,
@@ -225,7 +245,7 @@ function control({ name, label, low, high, step, values: choices, text, fresh },
 
 const TURNS = { up: [0, -1], down: [0, 1], left: [-1, 0], right: [1, 0] };
 
-// Triangles of action values and the arrow of the best one, place by place.
+// Draws the action values of each place as triangles, and the best action as an arrow.
 function drawValues(canvas, lesson, learned, actions, now) {
   const ratio = devicePixelRatio || 1;
   const [width, height] = [canvas.clientWidth, canvas.clientHeight];
@@ -242,7 +262,7 @@ function drawValues(canvas, lesson, learned, actions, now) {
       cells.push({ row, column, values: learned.subarray(state * actions, (state + 1) * actions) });
     }
   }
-  // the colours lie between the worst and the best place; worse actions, such as a fall, have none
+  // the colours range from the worst to the best place; worse actions, such as a fall, have no colour
   const worth = cells.filter(({ values }) => values.some((value) => value !== values[0])).map(({ values }) => Math.max(...values));
   const [least, most] = [Math.min(...worth), Math.max(...worth)];
   const share = (value) => (least === most ? Number(value >= most) : Math.max(0, Math.min(1, (value - least) / (most - least))));
@@ -292,7 +312,7 @@ function arrow(pen, x, y, [dx, dy], length) {
   pen.stroke();
 }
 
-// The weights of the second action less those of the first.
+// Draws the differences between the weights of the second action and those of the first.
 function drawWeights(element, lesson, learned, { inputs }) {
   const row = inputs + 1;
   const difference = Array.from({ length: row }, (_, i) => learned[row + i] - learned[i]);

@@ -1,11 +1,11 @@
-// The observation as names, bars and numbers; or as the picture that it is.
+// Shows an observation as names, bars and numbers, or as a picture.
 import { h, number } from "./dom.js";
 import { paint } from "./engine.js";
 
 const MOST_BARS = 64;
 const SPARK = 120; // values in the line over time
 
-// An element that shows observations of a space, and `update(observation)`.
+// Makes an element for observations of a space, and `update(observation)`.
 export function observationView(space, names) {
   if (space.kind === "Box" && space.shape.length >= 2) return pictureView(space);
   if (space.kind === "Box") return barsView(space, names);
@@ -45,7 +45,7 @@ function barsView(space, names) {
     return { element, bar, line, value };
   });
   const element = h("div", { class: "bars" }, rows.map((row) => row.element), count > shown ? h("p", { class: "quiet" }, `and ${count - shown} more`) : null);
-  // bars grow from zero; without a bound, towards the greatest number that was seen
+  // a full bar is the bound, or without a bound the greatest number so far
   const update = (observation) => {
     for (let i = 0; i < shown; i++) {
       const x = Number(observation[i]);

@@ -1,8 +1,8 @@
-// The book's page on an environment: what its observations and actions are called, and its text.
+// The book's page on an environment: the names of its observations and actions, and its text.
 import { docs } from "./engine.js";
 import { h } from "./dom.js";
 
-// The page on an environment, if the book has one: the first whose table of ids has it.
+// Returns the page of an environment: the first one whose table of ids has its id.
 export async function page(id) {
   for (const [name, text] of Object.entries(await docs())) {
     if (section(text, "Ids").includes(`\`${id}\``)) return { name, text };
@@ -10,19 +10,19 @@ export async function page(id) {
   return null;
 }
 
-// The text under a heading of the second level.
+// Returns the text under a heading of the second level.
 export function section(text, title) {
   const [, after = ""] = text.split(`\n## ${title}\n`);
   return after.split("\n## ")[0].trim();
 }
 
-// The rows of the first table in a text, without its heading.
+// Returns the rows of the first table in a text, without the heading.
 export function rows(text) {
   const lines = text.split("\n").filter((line) => line.startsWith("|"));
   return lines.slice(2).map((line) => line.replace(/^\||\|$/g, "").split(/(?<!\\)\|/).map((cell) => cell.trim()));
 }
 
-// What the numbers of an observation are called: the rows `0, 1` or `3` or `5 to 9` of the page's table.
+// Returns the names of an observation's numbers, from rows such as `0, 1`, `3` or `5 to 9` of the page's table.
 export function names(text, count) {
   const list = listedNames(text, count);
   for (const [numbers, name, unit = ""] of rows(section(text, "Observation"))) {
@@ -37,7 +37,7 @@ export function names(text, count) {
   return list;
 }
 
-// The same from the first table, where the row `observation` has just as many parts: `cart position (m), cart velocity (m/s)`.
+// Returns the names in the row `observation` of the first table, if their number is `count`: `cart position (m), cart velocity (m/s)`.
 function listedNames(text, count) {
   const row = rows(text).find(([name]) => name === "observation");
   const parts = plain(row?.[1] ?? "").split(";")[0].split(/,\s+(?![^(]*\))/);
@@ -48,7 +48,7 @@ function listedNames(text, count) {
   });
 }
 
-// The names of discrete actions, by number.
+// Returns the names of discrete actions, by number.
 export function actions(text) {
   const named = new Map();
   for (const [number, name, meaning = ""] of rows(section(text, "Actions"))) named.set(Number(number), { name: plain(name), meaning: plain(meaning) });
@@ -57,7 +57,7 @@ export function actions(text) {
 
 export const plain = (text) => text.replace(/\[([^\]]+)\]\([^)]+\)/g, "$1").replace(/[`*]/g, "");
 
-// Markdown of the book as elements: paragraphs, tables, lists, code.
+// Converts the book's Markdown to elements: paragraphs, tables, lists, code.
 export function markdown(text) {
   const blocks = [];
   for (const block of text.split(/\n{2,}/)) {
@@ -75,7 +75,7 @@ export function markdown(text) {
   return blocks;
 }
 
-// Code, emphasis and the text of links: the book's own links lead nowhere here.
+// Converts code, emphasis and links. Of a link only the text remains, as the book's pages are not part of this page.
 function inline(text) {
   return text.split(/(`[^`]+`|\*\*[^*]+\*\*|\*[^*]+\*|\[[^\]]+\]\([^)]+\))/).map((part) => {
     if (/^`/.test(part)) return h("code", {}, part.slice(1, -1));

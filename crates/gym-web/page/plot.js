@@ -2,7 +2,7 @@
 
 const colour = (element, name) => getComputedStyle(element).getPropertyValue(name).trim();
 
-// Round numbers between two bounds.
+// Returns round numbers between two bounds.
 export function ticks(low, high, count) {
   const raw = (high - low) / count;
   const size = 10 ** Math.floor(Math.log10(raw));
@@ -24,7 +24,7 @@ export function plot(canvas, series, { from = 1, line = null } = {}) {
   const pen = canvas.getContext("2d");
   pen.scale(ratio, ratio);
   pen.font = "11px system-ui, sans-serif";
-  // the scale leaves out the most extreme hundredth of each series, and a tenth of what is in the background
+  // the scale ignores the most extreme hundredth of each series, and a tenth of a series in the background
   let [low, high] = [Infinity, -Infinity];
   for (const { values, background } of series) {
     const stride = Math.ceil(values.length / 4000);
@@ -77,7 +77,7 @@ export function plot(canvas, series, { from = 1, line = null } = {}) {
     pen.lineJoin = "round";
     pen.beginPath();
     let drawn = false;
-    // more values than pixels: in the background the least and the greatest of each column, else its last
+    // if there are more values than pixels: the last value of each column, or in the background the least and the greatest
     const every = Math.max(1, Math.floor(values.length / (right - left)));
     for (let i = 0; i < values.length; i += every) {
       const part = every > 1 ? values.slice(i, i + every).filter(Number.isFinite) : [values[i]];
@@ -101,7 +101,7 @@ export function plot(canvas, series, { from = 1, line = null } = {}) {
   pen.restore();
 }
 
-// The mean over the last `width` values, at each of them.
+// Returns for each value the mean of the last `width` values.
 export function smooth(values, width) {
   const means = new Array(values.length);
   let sum = 0;

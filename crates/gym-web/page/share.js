@@ -1,4 +1,4 @@
-// Actions of an episode in an address: JSON, deflated, in the letters that an address may have.
+// The actions of an episode as a part of an address: JSON, deflated, in base64 for URLs.
 
 async function through(bytes, stream) {
   return new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(stream)).arrayBuffer());

@@ -1,5 +1,5 @@
-// Runs the environments beside the page: requests of the page one by one, and the loops of those that play.
-// A classic script without imports, so that it also starts from a Blob of a page that was opened as a file.
+// Runs the environments outside of the page's thread: answers requests, and steps the environments that play.
+// It is a classic script without imports, so that a page that was opened as a file can start it from a Blob.
 "use strict";
 
 let gym = null;
@@ -11,7 +11,7 @@ function start(module) {
   const { exports } = new WebAssembly.Instance(module, {});
   exports.__wasm_call_ctors();
   exports.start();
-  // memory may have moved: a view of it serves once
+  // each call may move the memory, so a view is used once
   const view = (at, length) => new Uint8Array(exports.memory.buffer, at, length);
   return {
     call(request, bytes) {
@@ -39,8 +39,8 @@ function start(module) {
 const call = (request, bytes) => gym.call(request, bytes).answer;
 
 // Environments that play by themselves, by number.
-//   by: "good", "random", "learner", "none"    idle: null (wait) or an action    held: the action of keys that are down
-//   last: whether no held action means the last one again    script: actions to take first
+//   by: "good", "random", "learner", "none"    idle: null (wait) or an action    held: the action of the keys that are down
+//   repeats: whether the last held action is repeated    script: actions to take first
 const loops = new Map();
 const END = 900; // milliseconds that the end of an episode is shown
 let timer = null;
@@ -68,7 +68,7 @@ function tick() {
   schedule();
 }
 
-// Takes the steps that are due, within bounds, and shows the last state.
+// Takes the steps that are due, and shows the last state.
 function advance(loop, now) {
   const period = 1000 / (loop.fps * loop.speed);
   if (loop.done) {
@@ -79,7 +79,7 @@ function advance(loop, now) {
     }
   } else {
     const steps = Math.min(Math.floor((now - loop.due) / period) + 1, Math.max(1, Math.ceil(loop.speed * 4)));
-    // what was not reached in time is given up, not made up for
+    // if no step was taken in time, the missed steps are dropped
     if (!take(loop, steps, now)) {
       if (loop.paused) show(loop, now);
       loop.due = now + 30;
@@ -88,11 +88,11 @@ function advance(loop, now) {
   }
   loop.due = Math.max(loop.due + period, now - period);
   if (loop.done) loop.due = now + END;
-  // pictures no faster than a screen shows them
+  // shows at most one picture per interval
   if (loop.done || loop.paused || now - loop.shown >= loop.interval) show(loop, now);
 }
 
-// Takes up to so many steps; says whether it took any.
+// Takes up to `steps` steps. Returns whether it took any.
 function take(loop, steps, now) {
   const until = now + 12;
   let taken = false;
@@ -102,7 +102,7 @@ function take(loop, steps, now) {
     let action = null;
     let count = steps;
     if (loop.script && at >= loop.script.length) {
-      // what was recorded ends here; whoever plays goes on if the page says so
+      // the recorded actions end here; the page decides whether the episode goes on
       loop.script = null;
       loop.paused = true;
       postMessage({ loop: loop.env, scriptEnded: true });
@@ -134,7 +134,7 @@ function reset(loop, seed) {
   Object.assign(loop, { seed, done: false, told: false, lastHeld: null, nextSeed: String(BigInt(seed) + 1n) });
 }
 
-// Sends picture and state; the next one waits until the page has shown this one.
+// Sends picture and state. The next picture waits until the page has shown this one.
 function show(loop, now = performance.now()) {
   const { answer, attachment } = gym.call({ do: "frame", env: loop.env });
   const message = { loop: loop.env, state: loop.state, seed: loop.seed, frame: answer, pixels: attachment };
@@ -153,7 +153,7 @@ function show(loop, now = performance.now()) {
 }
 
 const handlers = {
-  // Opens an environment, resets it and shows it; it plays unless it is paused.
+  // Opens an environment, resets it and shows it. It plays unless it is paused.
   open({ env, id, kwargs, fit = null, seed, ...options }) {
     const description = call({ do: "make", env, id, kwargs, fit });
     const loop = {
@@ -167,7 +167,7 @@ const handlers = {
     show(loop);
     return description;
   },
-  // Changes how it plays.
+  // Changes the options of an environment that plays.
   set({ env, ...options }) {
     const loop = loops.get(env);
     if (!loop) return null;
@@ -177,12 +177,12 @@ const handlers = {
     if (paused && !loop.paused) loop.due = performance.now();
     return null;
   },
-  // Shows the state once more.
+  // Shows the state again.
   show({ env }) {
     show(loops.get(env));
     return null;
   },
-  // The page has shown the last picture.
+  // The page has shown the last picture: the next one may be sent.
   shown({ env }) {
     const loop = loops.get(env);
     if (loop) loop.waiting = false;
@@ -199,7 +199,7 @@ const handlers = {
     show(loop);
     return null;
   },
-  // One step by itself: of an action, or of whoever plays.
+  // Takes one step, with `action` or with the action of the current player.
   step({ env, action = null }) {
     const loop = loops.get(env);
     if (loop.done) return null;

@@ -5,10 +5,10 @@ use gym::registry::EnvId;
 use gym::{Array, Registration, Result, Space, Value};
 use serde_json::{Value as Json, json};
 
-/// Bounds and observations of more numbers than these are told by their shape.
+/// Of larger bounds and observations only the shape is sent.
 const MOST_NUMBERS: usize = 512;
 
-/// One line of the list of environments.
+/// Describes an environment for the list.
 pub(crate) fn entry(registration: &Registration) -> Json {
     let id: Option<EnvId> = registration.id().parse().ok();
     json!({
@@ -22,14 +22,14 @@ pub(crate) fn entry(registration: &Registration) -> Json {
     })
 }
 
-/// The missing requirement of this environment, such as the ROM of its game.
+/// Returns the requirement that is missing, such as the ROM of a game.
 fn missing(registration: &Registration) -> Option<&'static str> {
     let need = registration.needs?;
     let is_there = need.is_met() && gym::make(registration.id()).is_ok();
     (!is_there).then_some(need.what)
 }
 
-/// The heading of a crate's environments.
+/// Returns the heading of a crate's environments.
 fn family(crate_name: &str) -> &str {
     match crate_name {
         "gym-classic" => "Classic control",
@@ -41,7 +41,7 @@ fn family(crate_name: &str) -> &str {
     }
 }
 
-/// The arguments of an environment, each with its value under this id.
+/// Describes the arguments of an environment with their values under this id.
 pub(crate) fn arguments(registration: &Registration) -> Result<Json> {
     let argument = |argument: &Argument| {
         json!({
@@ -55,7 +55,7 @@ pub(crate) fn arguments(registration: &Registration) -> Result<Json> {
     Ok(registration.arguments()?.iter().map(argument).collect())
 }
 
-/// A space: its kind and what the page needs of it, with Gymnasium's text.
+/// Describes a space: its kind, Gymnasium's text, and the fields that the page uses.
 pub(crate) fn space(space: &Space) -> Json {
     let mut description = match space {
         Space::Discrete(space) => {
@@ -88,7 +88,7 @@ pub(crate) fn space(space: &Space) -> Json {
     description
 }
 
-/// The numbers of an array, if there are not too many. Numbers that JSON lacks become text.
+/// Returns the numbers of an array, if there are not too many. Numbers that JSON lacks become text.
 fn numbers(array: &Array) -> Option<Vec<Json>> {
     let number = |x: f64| {
         if x.is_finite() {
@@ -100,7 +100,7 @@ fn numbers(array: &Array) -> Option<Vec<Json>> {
     (array.len() <= MOST_NUMBERS).then(|| array.iter_f64().map(number).collect())
 }
 
-/// An observation or an action: its numbers, or the shape of a large array.
+/// Returns the numbers of an observation or action, or the shape of a large array.
 pub(crate) fn value(value: &Value) -> Json {
     match value {
         Value::Array(array) if array.len() > MOST_NUMBERS => {
@@ -117,7 +117,7 @@ pub(crate) fn value(value: &Value) -> Json {
     }
 }
 
-/// Writes a picture of 3 bytes or 1 byte a pixel as the 4 bytes a pixel that a canvas takes.
+/// Converts a picture of 3 bytes or 1 byte per pixel to RGBA, as a canvas needs it.
 pub(crate) fn to_rgba(pixels: &[u8], bytes_per_pixel: usize, rgba: &mut Vec<u8>) {
     rgba.resize(pixels.len() / bytes_per_pixel * 4, 255);
     for (pixel, rgba) in pixels

@@ -1,4 +1,4 @@
-//! Learners, which train in slices, so that the page can show their progress.
+//! Learners. They train in slices, so that the page can show their progress.
 
 use gym::{Error, Kwargs, Result, Seed, Value};
 use serde::Deserialize;
@@ -25,9 +25,9 @@ pub(crate) enum Learner {
 }
 
 impl Learner {
-    /// A new learner.
+    /// Makes a new learner.
     pub(crate) fn new(id: &str, kwargs: Kwargs, seed: u64, lesson: Lesson) -> Result<Self> {
-        // the page's way of showing changes nothing in the learner
+        // the learner needs no checks of its observations
         let env = gym::builder(id)
             .args(kwargs)
             .disable_env_checker(true)
@@ -43,7 +43,7 @@ impl Learner {
         })
     }
 
-    /// Goes on with other parameters.
+    /// Changes the parameters.
     pub(crate) fn tune(&mut self, lesson: Lesson) -> Result<()> {
         match (self, lesson) {
             (Self::Tabular(learner), Lesson::Tabular(parameters)) => {
@@ -61,8 +61,8 @@ impl Learner {
         Ok(())
     }
 
-    /// Learns until this many episodes have ended or steps were taken; returns the episodes that
-    /// ended.
+    /// Trains until `episodes` episodes have ended or `steps` steps were taken. Returns the episodes
+    /// that ended.
     pub(crate) fn train(&mut self, episodes: u32, steps: u32) -> Result<Vec<Episode>> {
         match self {
             Self::Tabular(learner) => learner.train(episodes, steps),
@@ -70,7 +70,7 @@ impl Learner {
         }
     }
 
-    /// The action that seems best.
+    /// Returns the action with the highest value.
     pub(crate) fn act(&self, observation: &Value) -> Result<Value> {
         match self {
             Self::Tabular(learner) => learner.act(observation),
@@ -78,7 +78,7 @@ impl Learner {
         }
     }
 
-    /// The table, or the weights.
+    /// Returns the action values, or the weights.
     pub(crate) fn learned(&self) -> &[f64] {
         match self {
             Self::Tabular(learner) => learner.values(),
@@ -86,7 +86,7 @@ impl Learner {
         }
     }
 
-    /// The meaning of the numbers of [`learned`](Self::learned).
+    /// Describes the numbers of [`learned`](Self::learned).
     pub(crate) fn describe(&self) -> Json {
         match self {
             Self::Tabular(learner) => {

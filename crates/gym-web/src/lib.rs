@@ -1,18 +1,17 @@
 //! The environments as a WebAssembly module without imports, for the gallery in `page/`.
 //!
-//! A call goes through two buffers. JavaScript calls [`input`] for a buffer, writes a request in
-//! JSON and perhaps bytes behind it, and calls [`call`]. The answer in JSON is then at [`output`];
-//! bytes, such as a frame, are at [`attachment`]. [`Session::call`] lists the requests. Memory may
-//! move in a call, so JavaScript makes its views of it anew after each.
+//! A call uses two buffers. JavaScript calls [`input`] for a buffer, writes a request in JSON and,
+//! for some requests, bytes after it, and calls [`call`]. The answer in JSON is then at [`output`],
+//! and bytes, such as a frame, are at [`attachment`]. [`Session::call`] lists the requests. A call
+//! may move the memory, so JavaScript makes its views of the memory anew after each call.
 //!
 //! `cargo xtask web` builds it as a `cdylib` with link-time optimisation. Without it, the linker
 //! drops the registrations of crates that are not called.
 //!
-//! A panic traps and ends the instance: its text lies at [`panic_text`], and the page starts
-//! another instance.
+//! A panic ends the instance. Its text is at [`panic_text`], and the page starts another instance.
 //!
-//! The page's JavaScript neither computes nor draws environments. One call with JSON in and out,
-//! and bytes beside it, is the whole interface: there are no generated bindings.
+//! The page's JavaScript neither computes nor draws environments. The interface is one function,
+//! with JSON and bytes as arguments and results, so there are no generated bindings.
 
 mod describe;
 mod episode;
@@ -39,7 +38,7 @@ thread_local! {
     static PANIC: RefCell<String> = const { RefCell::new(String::new()) };
 }
 
-/// Makes panics leave their text. To be called once, after `__wasm_call_ctors`.
+/// Stores the text of panics. Call it once, after `__wasm_call_ctors`.
 #[expect(unsafe_code, reason = "JavaScript calls it by name")]
 #[unsafe(no_mangle)]
 pub extern "C" fn start() {
@@ -48,7 +47,7 @@ pub extern "C" fn start() {
     }));
 }
 
-/// Room for a request of that many bytes.
+/// Returns the address of a buffer of `length` bytes for a request.
 #[expect(unsafe_code, reason = "JavaScript calls it by name")]
 #[unsafe(no_mangle)]
 pub extern "C" fn input(length: usize) -> *mut u8 {
@@ -59,7 +58,7 @@ pub extern "C" fn input(length: usize) -> *mut u8 {
     })
 }
 
-/// Answers the request, whose first `json` bytes are JSON; gives the length of the answer.
+/// Answers the request, whose first `json` bytes are JSON. Returns the length of the answer.
 #[expect(unsafe_code, reason = "JavaScript calls it by name")]
 #[unsafe(no_mangle)]
 pub extern "C" fn call(json: usize) -> usize {
@@ -78,35 +77,35 @@ pub extern "C" fn call(json: usize) -> usize {
     )
 }
 
-/// The address of the answer.
+/// Returns the address of the answer.
 #[expect(unsafe_code, reason = "JavaScript calls it by name")]
 #[unsafe(no_mangle)]
 pub extern "C" fn output() -> *const u8 {
     BUFFERS.with_borrow(|buffers| buffers.output.as_ptr())
 }
 
-/// The address of the bytes that came with the answer.
+/// Returns the address of the bytes of the answer.
 #[expect(unsafe_code, reason = "JavaScript calls it by name")]
 #[unsafe(no_mangle)]
 pub extern "C" fn attachment() -> *const u8 {
     BUFFERS.with_borrow(|buffers| buffers.attachment.as_ptr())
 }
 
-/// The number of bytes that came with the answer.
+/// Returns the number of these bytes.
 #[expect(unsafe_code, reason = "JavaScript calls it by name")]
 #[unsafe(no_mangle)]
 pub extern "C" fn attachment_length() -> usize {
     BUFFERS.with_borrow(|buffers| buffers.attachment.len())
 }
 
-/// The address of the text of the last panic.
+/// Returns the address of the text of the last panic.
 #[expect(unsafe_code, reason = "JavaScript calls it by name")]
 #[unsafe(no_mangle)]
 pub extern "C" fn panic_text() -> *const u8 {
     PANIC.with_borrow(|text| text.as_ptr())
 }
 
-/// The length in bytes of the text of the last panic.
+/// Returns the length of the text of the last panic in bytes.
 #[expect(unsafe_code, reason = "JavaScript calls it by name")]
 #[unsafe(no_mangle)]
 pub extern "C" fn panic_length() -> usize {

@@ -1,4 +1,4 @@
-//! One environment that is being played: its episode so far, and the way back through it.
+//! One environment and its episode, in which the page can go back to earlier steps.
 
 use std::collections::VecDeque;
 
@@ -16,13 +16,14 @@ use crate::describe;
 
 /// The number of steps between stored states.
 const MARK_EVERY: usize = 16;
-/// The number of states that are kept. Earlier steps are reached from the start of the episode.
+/// The number of stored states. Steps before the first stored state are reached from the start of
+/// the episode.
 const MARKS: usize = 40;
 
 /// The source of a step's action.
 #[derive(Clone, Debug)]
 pub(crate) enum By {
-    /// The action space at random.
+    /// A random action.
     Random,
     /// The good policy.
     Good,
@@ -30,7 +31,7 @@ pub(crate) enum By {
     Action(Value),
 }
 
-/// An environment with the episode it is in.
+/// An environment and its current episode.
 pub(crate) struct Player {
     env: BoxEnv,
     id: String,
@@ -39,8 +40,8 @@ pub(crate) struct Player {
     sampler: Option<Sampler<Value>>,
     /// The good policy's state in this episode, once it has acted.
     controller: Option<Controller>,
-    /// The actions of the episode, and the sum of rewards after each. Those beyond `position` were
-    /// taken back.
+    /// The actions of the episode, and the sum of rewards after each. The page has gone back from
+    /// those after `position`.
     actions: Vec<Value>,
     returns: Vec<f64>,
     position: usize,
@@ -53,7 +54,7 @@ pub(crate) struct Player {
 }
 
 impl Player {
-    /// Makes the environment. Its pictures have their own size, or fit into a square.
+    /// Makes the environment. If `fit` is given, its pictures fit into a square of that size.
     pub(crate) fn new(id: &str, kwargs: &Kwargs, fit: Option<u32>) -> Result<Self> {
         let builder = gym::builder(id)
             .args(kwargs.clone())
@@ -84,7 +85,7 @@ impl Player {
         })
     }
 
-    /// Spaces, and how its pictures are shown.
+    /// Describes the spaces, the size and rate of the pictures, and the keys.
     pub(crate) fn describe(&self) -> Json {
         let metadata = self.env.metadata();
         json!({
@@ -99,8 +100,8 @@ impl Player {
         })
     }
 
-    /// The keys with their actions, and what happens while none is down: `"wait"`, `"repeat"` or
-    /// `{"action": ...}`.
+    /// Describes the keys with their actions, and what happens while no key is down: `"wait"`,
+    /// `"repeat"` or `{"action": ...}`.
     fn keys(&self) -> Option<Json> {
         let Keys { actions, idle } = (registry::find(&self.id).ok()?.keys?)(&self.env);
         let idle = match idle {
@@ -156,7 +157,7 @@ impl Player {
         Ok(())
     }
 
-    /// The action of the good policy.
+    /// Returns the action of the good policy.
     fn good(&mut self) -> Result<Value> {
         let missing = || {
             Error::custom(format!(
@@ -181,7 +182,7 @@ impl Player {
         })
     }
 
-    /// Steps the environment alone.
+    /// Steps the environment, without recording the action.
     fn apply(&mut self, action: &Value) -> Result<()> {
         let outcome = self.env.step_into(action, &mut self.observation)?;
         (self.reward, self.terminated, self.truncated) =
@@ -189,10 +190,10 @@ impl Player {
         Ok(())
     }
 
-    /// Goes to the state after that many steps of the episode, back or forth again.
+    /// Goes back or forward to the state after `step` steps of the episode.
     pub(crate) fn seek(&mut self, position: usize) -> Result<()> {
         let position = position.min(self.actions.len());
-        // one step at least is taken anew, so that observation, reward and info are those of it
+        // at least one step is repeated, for its observation, reward and info
         let mark = self.marks.iter().rev().find(|(at, _)| *at < position);
         let from = match mark {
             Some((at, snapshot)) => {
@@ -215,29 +216,29 @@ impl Player {
         Ok(())
     }
 
-    /// Whether the episode is over.
+    /// Returns whether the episode is over.
     pub(crate) fn done(&self) -> bool {
         self.terminated || self.truncated
     }
 
-    /// The sum of rewards so far.
+    /// Returns the sum of rewards so far.
     pub(crate) fn episode_return(&self) -> f64 {
         self.position
             .checked_sub(1)
             .map_or(0.0, |last| self.returns[last])
     }
 
-    /// The observation.
+    /// Returns the observation.
     pub(crate) fn observation(&self) -> &Value {
         &self.observation
     }
 
-    /// An action from JSON.
+    /// Reads an action from JSON.
     pub(crate) fn action(&self, json: &Json) -> Result<Value> {
         self.env.action_space().from_json(json)
     }
 
-    /// The data shown beside the picture.
+    /// Describes the state: the data that the page shows beside the picture.
     pub(crate) fn state(&self) -> Json {
         let info = self.env.info_map();
         let info: serde_json::Map<_, _> = info
@@ -257,7 +258,7 @@ impl Player {
         })
     }
 
-    /// Turns the camera by degrees and multiplies its distance, where there is one to turn.
+    /// Turns the camera by degrees and multiplies its distance, if there is a camera.
     #[cfg(feature = "families")]
     pub(crate) fn turn(&mut self, [azimuth, elevation, zoom]: [f64; 3]) {
         if let Some(env) = gym::mujoco::simulated_mut(&mut self.env) {
@@ -268,7 +269,7 @@ impl Player {
     #[cfg(not(feature = "families"))]
     pub(crate) fn turn(&mut self, _: [f64; 3]) {}
 
-    /// Draws the state; gives width and height.
+    /// Draws the state. Returns width and height.
     pub(crate) fn frame(&mut self, rgba: &mut Vec<u8>) -> Result<Json> {
         self.env.render_into(&mut self.picture)?;
         let Rendered::Frame(frame) = &self.picture else {
@@ -278,7 +279,7 @@ impl Player {
         Ok(json!({"width": frame.width(), "height": frame.height()}))
     }
 
-    /// The observation as a picture, if it is one.
+    /// Converts the observation to RGBA, if it is a picture.
     pub(crate) fn sight(&self, rgba: &mut Vec<u8>) -> Json {
         let picture = self
             .observation
@@ -297,7 +298,7 @@ impl Player {
         }
     }
 
-    /// The actions of the episode so far.
+    /// Returns the actions of the episode so far.
     pub(crate) fn actions(&self) -> Result<Json> {
         let space = self.env.action_space();
         self.actions[..self.position]
@@ -306,7 +307,7 @@ impl Player {
             .collect()
     }
 
-    /// The episode as a trace, which `cargo xtask replay` compares.
+    /// Returns the episode as a trace for `cargo xtask replay`.
     pub(crate) fn trace(&self) -> Result<Trace> {
         let seed = self.seed.clone().ok_or(Error::ResetNeeded("step"))?;
         let space = self.env.action_space();
@@ -337,7 +338,7 @@ impl Player {
         asked.replay()
     }
 
-    /// The episode so far as a GIF of at most `frames` pictures, the first ones.
+    /// Returns the first `frames` pictures of the episode as a GIF.
     pub(crate) fn gif(&self, frames: usize) -> Result<Vec<u8>> {
         let mut player = Self::new(&self.id, &self.kwargs, None)?;
         player.reset(self.seed.clone().ok_or(Error::ResetNeeded("step"))?)?;
@@ -362,7 +363,7 @@ impl Player {
     }
 }
 
-/// Whether the environment has a camera that can be turned.
+/// Returns whether the environment has a camera that can be turned.
 #[cfg(feature = "families")]
 fn turns(env: &BoxEnv) -> bool {
     gym::mujoco::simulated(env).is_some()

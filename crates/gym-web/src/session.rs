@@ -11,34 +11,33 @@ use crate::describe;
 use crate::learn::{Learner, Lesson};
 use crate::player::{By, Player};
 
-/// Everything that is open: environments being played, and learners, each under a number that the
-/// page chooses.
+/// The open environments and learners, each under a number that the page chooses.
 #[derive(Default)]
 pub struct Session {
     players: BTreeMap<u32, Player>,
     learners: BTreeMap<u32, Learner>,
 }
 
-/// A request. Where it names `env`, that is the number of an open environment; `learner` likewise.
+/// A request. `env` is the number of an open environment, `learner` that of an open learner.
 #[derive(Deserialize)]
 #[serde(tag = "do", rename_all = "snake_case", deny_unknown_fields)]
 enum Request {
-    /// Every environment.
+    /// Lists all environments.
     List,
-    /// The arguments of an environment.
+    /// Lists the arguments of an environment.
     Arguments { id: String },
-    /// Opens an environment, whose pictures fit into a square of that many pixels.
+    /// Opens an environment. Its pictures fit into a square of `fit` pixels.
     Make {
         env: u32,
         id: String,
         kwargs: Kwargs,
         fit: Option<u32>,
     },
-    /// Closes it.
+    /// Closes an environment.
     Close { env: u32 },
-    /// Starts an episode from a seed, in decimal digits of any number.
+    /// Starts an episode from a seed, given in any number of decimal digits.
     Reset { env: u32, seed: String },
-    /// Takes up to `count` steps, which end with the episode.
+    /// Takes `count` steps, fewer if the episode ends.
     Step {
         env: u32,
         by: Who,
@@ -46,25 +45,25 @@ enum Request {
         learner: Option<u32>,
         count: u32,
     },
-    /// Takes these actions, one after the other, while the episode lasts.
+    /// Takes these actions in order, until the episode ends.
     Act { env: u32, actions: Vec<Json> },
-    /// Goes to the state after that many steps of the episode.
+    /// Goes to the state after `step` steps of the episode.
     Seek { env: u32, step: usize },
-    /// Turns the camera: azimuth and elevation by degrees, and what the distance is multiplied by.
+    /// Turns the camera: degrees of azimuth and elevation, and the factor of the distance.
     Turn { env: u32, by: [f64; 3] },
-    /// The picture, attached as RGBA.
+    /// Draws the state, attached as RGBA.
     Frame { env: u32 },
-    /// The observation as a picture, attached as RGBA, if it is one.
+    /// Attaches the observation as RGBA, if it is a picture.
     Sight { env: u32 },
-    /// The actions of the episode.
+    /// Lists the actions of the episode.
     Actions { env: u32 },
-    /// The episode as a trace, attached as text: JavaScript would change the digits of its numbers.
+    /// Attaches the episode as a trace. It is text, as JavaScript would change digits of its numbers.
     Trace { env: u32 },
-    /// The episode as a GIF, attached.
+    /// Attaches the episode as a GIF.
     Gif { env: u32, frames: usize },
-    /// Compares a recorded trace, whose text is attached, with what the environment answers here.
+    /// Compares a recorded trace, whose text is attached, with the environment.
     Replay,
-    /// Provides an Atari ROM, whose bytes are attached.
+    /// Stores an Atari ROM, whose bytes are attached.
     Rom,
     /// Opens a learner.
     Learn {
@@ -76,13 +75,13 @@ enum Request {
     },
     /// Changes the parameters of a learner.
     Tune { learner: u32, lesson: Lesson },
-    /// Learns for that many episodes or steps, whichever comes first.
+    /// Trains for `episodes` episodes or `steps` steps, whichever ends first.
     Train {
         learner: u32,
         episodes: u32,
         steps: u32,
     },
-    /// The learned numbers, attached as `f64`.
+    /// Attaches the learned numbers as `f64`.
     Learned { learner: u32 },
 }
 
@@ -257,7 +256,7 @@ impl Session {
     }
 }
 
-/// Takes in a ROM; gives the name of its game.
+/// Stores a ROM. Returns the name of its game.
 #[cfg(feature = "families")]
 fn provide(bytes: &[u8]) -> Result<Json> {
     let rom = gym::atari::rom::Rom::from_bytes(bytes)?;

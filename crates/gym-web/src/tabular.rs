@@ -12,7 +12,7 @@ use crate::episode::Episode;
 pub(crate) struct Parameters {
     /// The kind of target of an update.
     update: Update,
-    /// The step size alpha: how much of a temporal-difference error one update mends.
+    /// The step size alpha: the share of a temporal-difference error that one update corrects.
     step_size: f64,
     /// The discount gamma of future rewards.
     discount: f64,
@@ -22,7 +22,7 @@ pub(crate) struct Parameters {
     epsilon_decay: f64,
     /// The least epsilon.
     epsilon_min: f64,
-    /// The value of an action before it was tried.
+    /// The value of an action before its first update.
     initial_value: f64,
 }
 
@@ -37,13 +37,13 @@ enum Update {
     ExpectedSarsa,
 }
 
-/// A table of action values, and the environment that fills it.
+/// A table of action values, and the environment from which it is learned.
 #[derive(Debug)]
 pub(crate) struct Tabular {
     pub(crate) parameters: Parameters,
     env: BoxEnv,
     rng: Generator,
-    /// Seeds the first episode; later ones carry the environment's generator on.
+    /// The seed of the first episode; later episodes continue the environment's generator.
     seed: Option<Seed>,
     states: usize,
     actions: usize,
@@ -100,7 +100,7 @@ impl Tabular {
         self.epsilon
     }
 
-    /// The values, state by state.
+    /// Returns the values, state by state.
     pub(crate) fn values(&self) -> &[f64] {
         &self.values
     }
@@ -181,7 +181,7 @@ impl Tabular {
         })
     }
 
-    /// The value of a state whose next action is known.
+    /// Returns the value of a state whose next action is known.
     fn value(&self, state: usize, action: usize) -> f64 {
         let row = self.row(state);
         let greatest = row[best(row)];
@@ -195,8 +195,8 @@ impl Tabular {
         }
     }
 
-    /// The best action, or with probability epsilon any; among equally good ones, each as likely as
-    /// the others.
+    /// Draws the best action, or with probability epsilon any action. Equally good actions are equally
+    /// likely.
     fn choose(&mut self, state: usize) -> usize {
         if self.rng.random() < self.epsilon {
             return self.rng.choice(self.actions);
@@ -227,7 +227,7 @@ impl Tabular {
     }
 }
 
-/// The first action of the greatest value.
+/// Returns the first action with the greatest value.
 fn best(row: &[f64]) -> usize {
     let better = |best: usize, other: usize| if row[other] > row[best] { other } else { best };
     (0..row.len()).reduce(better).unwrap_or_default()
@@ -247,7 +247,7 @@ mod tests {
         let parameters = serde_json::from_str(parameters).unwrap();
         let mut learner = Tabular::new(env.clone(), Seed::from(0), parameters).unwrap();
         let mut episodes = Vec::new();
-        // slices of any size are one training
+        // the size of the slices does not change the training
         while episodes.len() < 500 {
             episodes.extend(learner.train(7, 100).unwrap());
         }

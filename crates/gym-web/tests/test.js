@@ -1,5 +1,7 @@
 // What a person would check, in a real browser: `cargo xtask web --test` opens this and prints what is posted.
 import { Engine, docs } from "/engine.js";
+import { hint } from "/hands.js";
+import { LESSONS, firstValues } from "/lessons.js";
 import { pack, unpack } from "/share.js";
 
 const post = (result) => fetch("/result", { method: "POST", body: JSON.stringify(result) });
@@ -342,6 +344,88 @@ await test("speed", async () => {
     await env.ask("close");
   }
   return `steps with pictures a second: ${rows.join(", ")}`;
+});
+
+// The mean return of the last episodes at which a lesson counts as learned, and the most episodes until then.
+const LEARNED = {
+  "FrozenLake-v1": { last: 100, mean: 0.8, most: 20_000 },
+  "CliffWalking-v1": { last: 100, mean: -70, most: 20_000 },
+  "Taxi-v4": { last: 100, mean: 4, most: 20_000 },
+  "CartPole-v1": { last: 40, mean: 400, most: 2400 },
+};
+
+for (const lesson of LESSONS) {
+  await testOf(lesson.id, `the lesson ${lesson.title} learns with each of 200 seeds`, async () => {
+    const { last, mean, most } = LEARNED[lesson.id];
+    let longest = 0;
+    for (let seed = 0; seed < 200; seed++) {
+      const learner = 50;
+      await engine.request({ do: "learn", learner, id: lesson.id, kwargs: lesson.kwargs, seed, lesson: { method: lesson.method, ...firstValues(lesson) } });
+      const returns = [];
+      const now = () => returns.slice(-last).reduce((sum, x) => sum + x, 0) / last;
+      while (returns.length < last || now() < mean) {
+        check(returns.length < most, `seed ${seed}: the mean return is ${now()} after ${returns.length} episodes`);
+        const ended = await engine.request({ do: "train", learner, episodes: last, steps: 100_000 });
+        returns.push(...ended.map((episode) => episode.return));
+      }
+      longest = Math.max(longest, returns.length);
+    }
+    return `within ${longest} episodes`;
+  });
+}
+
+await testOf("CartPole-v1", "addresses that cannot be are told in words", async () => {
+  const isTold = async (hash, place, words) => {
+    const before = complaints.length;
+    await open(hash, place);
+    await until(() => words.test(text(place)), `${words} for ${hash}, in place of “${text(place)}”`);
+    complaints.splice(before);
+  };
+  await isTold("#/%E0%A4%A", ".failure", /damaged escape/);
+  await isTold("#/learn/Nope", ".failure", /no lesson “Nope”.*CartPole-v1/);
+  await isTold("#/Nope-v1", ".failure", /no environment “Nope-v1”/);
+  await isTold("#/CartPole-v1?policy=evil", ".message.error", /no policy “evil” here: choose good, random, none/);
+  await isTold("#/CartPole-v1?args=%7Boops", ".message.error", /arguments in this link are damaged/);
+  await isTold("#/CartPole-v1?seed=-1", ".message.error", /“-1” is not a seed/);
+  await isTold("#/CartPole-v1?speed=fast", ".message.error", /“fast” is not a speed/);
+  // it plays as if nothing had been asked for
+  await until(() => Number(text(".steps")) > 0, "a step");
+});
+
+await test("labels of observations are shown whole", async () => {
+  for (const id of ["Humanoid-v5", "BipedalWalker-v3", "LunarLander-v3", "CartPole-v1"].filter(has)) {
+    for (const width of [360, 1200]) {
+      frame.width = width;
+      await open(`#/${id}`, ".bar-name");
+      const labels = [...frame.contentDocument.querySelectorAll(".play-side .bar-name")];
+      const cut = labels.find((label) => label.scrollWidth > label.clientWidth + 1 || label.scrollHeight > label.clientHeight + 1);
+      check(!cut, `${id}, ${width} pixels wide: “${cut?.textContent}” is cut`);
+      check(new Set(labels.map((label) => label.textContent)).size === labels.length, `${id}: two labels are equal`);
+    }
+  }
+  frame.width = 1200;
+});
+
+await test("on a phone the button to learn is in sight, and no text speaks of a keyboard", async () => {
+  const [width, height] = [frame.width, frame.height];
+  [frame.width, frame.height] = [360, 640];
+  for (const { id } of LESSONS.filter(({ id }) => has(id))) {
+    await open(`#/learn/${id}`, ".lesson .primary");
+    await sleep(300);
+    const { bottom } = find(".lesson .primary").getBoundingClientRect();
+    check(bottom < 640, `${id}: the button ends at ${bottom} of 640`);
+  }
+  [frame.width, frame.height] = [width, height];
+  for (const bits of Array(16).keys()) {
+    const [hasKeys, isBox, isYou, waits] = [1, 2, 4, 8].map((bit) => (bits & bit) !== 0);
+    check(!/key|press/i.test(hint({ hasKeys, isBox, isYou, waits }, true)), `the hint ${bits} speaks of keys`);
+  }
+});
+
+await test("the start page says what Gymnasium is, and leads to the book", async () => {
+  await open("#/", ".hero");
+  check(/Gymnasium is .* interface between agents .* and the tasks/.test(text(".hero")), text(".hero"));
+  check(/written in Rust/.test(text(".hero")) && find(".hero a[href*='docs/README.md']"), "there is no link to the book");
 });
 
 await test("the page complained about nothing", async () => check(complaints.length === 0, complaints.join("; ")));

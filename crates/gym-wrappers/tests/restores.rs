@@ -3,6 +3,7 @@
 
 use gym_core::spaces::BoxSpace;
 use gym_core::vector::{Autoreset, SyncVectorEnv, VectorReset};
+use gym_core::wrappers::TimeLimit;
 use gym_core::{
     Array, BoxEnv, DType, Env, EnvExt, Error, Generator, Outcome, Reset, Result, Snapshot, Space,
     Step, Value, VectorEnv, VectorEnvExt,
@@ -381,6 +382,22 @@ fn discounted_returns_start_anew() {
         );
         assert_eq!(returns(mode, 9, Some([true, true])), [0.0, 0.0], "{mode:?}");
     }
+    // so do episodes that are truncated, which no step shows in the other modes
+    let truncated = |mode| {
+        let limited = || TimeLimit::new(Squares::new(9), 2).unwrap();
+        let envs = SyncVectorEnv::new([limited(), limited()]).unwrap();
+        let mut envs = NormalizeReward::new(envs.with_autoreset(mode), 1.0).unwrap();
+        envs.reset(0).unwrap();
+        for _ in 0..2 {
+            envs.step(&Value::from([0_i64, 0])).unwrap();
+        }
+        type Stored = (Snapshot, (RunningMeanStd, bool, Array));
+        let (_, (_, _, returns)) = envs.snapshot().unwrap().get::<Stored>().unwrap();
+        returns.iter_f64().collect::<Vec<_>>()
+    };
+    assert_eq!(truncated(Autoreset::SameStep), [0.0, 0.0]);
+    assert_eq!(truncated(Autoreset::NextStep), [3.0, 3.0]);
+    assert_eq!(truncated(Autoreset::Disabled), [3.0, 3.0]);
     // a terminated step keeps nothing of those before it, and SameStep nothing at all
     assert_eq!(returns(Autoreset::NextStep, 2, None), [2.0, 2.0]);
     assert_eq!(returns(Autoreset::SameStep, 2, None), [0.0, 0.0]);

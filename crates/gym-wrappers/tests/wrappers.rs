@@ -163,8 +163,8 @@ fn what_is_not_finite_is_seen_anywhere() {
     let graph = |node: f64, edge: f64| {
         let links = Array::new([1, 2], Data::I64(vec![0, 0])).unwrap();
         Value::Graph(Box::new(GraphInstance {
-            nodes: Array::from([1.0, node]),
-            edges: Some(Array::from([edge])),
+            nodes: Value::from([1.0, node]),
+            edges: Some(Value::from([edge])),
             edge_links: Some(links),
         }))
     };

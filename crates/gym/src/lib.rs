@@ -34,6 +34,8 @@ pub use gym_classic as classic;
 #[cfg(feature = "conform")]
 pub use gym_conform as conform;
 pub use gym_core::*;
+#[cfg(feature = "minigrid")]
+pub use gym_minigrid as minigrid;
 #[cfg(feature = "mujoco")]
 pub use gym_mujoco as mujoco;
 #[cfg(feature = "toytext")]

@@ -1,4 +1,4 @@
-//! What lies beyond Gymnasium's interface, of every environment: state, arguments and table.
+//! `Inspect` in every environment: state, arguments and table.
 
 use gym::registry::{self, VectorKind};
 use gym::vector::VectorEnvExt;
@@ -17,8 +17,8 @@ const IDS: [&str; 9] = [
     "Taxi-v4",
 ];
 
-/// Every environment that needs nothing else shows its arguments, which are those of its id, and
-/// refuses what does not fit.
+/// `Inspect` shows the arguments of the id, and refuses unknown arguments, states and tables. Tests
+/// every environment that needs no ROM and no Python.
 #[test]
 fn arguments_are_those_of_the_id() {
     let mut seen = 0;
@@ -26,13 +26,13 @@ fn arguments_are_those_of_the_id() {
         let id = registration.id();
         let mut env = gym::make(id).unwrap();
         let Some(inspect) = env.inspect() else {
-            // (a worker process holds GymV26Environment, the other is made for tests)
+            // GymV26Environment runs in a worker process, and one environment is made for tests
             continue;
         };
         seen += 1;
         let arguments = inspect.arguments();
         for argument in registration.arguments().unwrap() {
-            // (a random choice is filled in)
+            // where the default is null, the environment draws the value
             assert!(
                 arguments[argument.name] == argument.default || argument.default.is_null(),
                 "{id}: {} is {} for {}",
@@ -49,7 +49,7 @@ fn arguments_are_those_of_the_id() {
     assert!(seen >= 40, "{seen} environments can be inspected");
 }
 
-/// A state that is set to itself changes nothing, and one of another episode continues that one.
+/// An environment that is given the state and the generator of another one steps as the other does.
 #[test]
 fn states_can_be_set() {
     let tasks = ["Hopper-v5", "Ant-v5", "Reacher-v5"];
@@ -97,7 +97,7 @@ fn an_argument_that_is_set_counts_from_the_next_step() {
     }
 }
 
-/// The table of the tabular tasks, as it is and replaced.
+/// A table set to itself changes no step; another table takes effect; a faulty one is refused.
 #[test]
 fn tables_can_be_replaced() {
     for id in ["FrozenLake-v1", "CliffWalking-v1", "Taxi-v4"] {
@@ -119,7 +119,7 @@ fn tables_can_be_replaced() {
             }
         }
 
-        // four outcomes, more than any row of Gymnasium's has, with a draw that gives the third
+        // no row of Gymnasium's tables has four outcomes; every draw gives the third
         let inspect = same.inspect_mut().unwrap();
         let mut other = table.clone();
         let outcome = |p: f64, next: u64| json!([p, next, 2.5, false]);
@@ -165,7 +165,7 @@ fn tables_can_be_replaced() {
     }
 }
 
-/// Sub-environments show the same in every kind of vector, and take a state by index.
+/// Every kind of vector shows the same states and arguments by index, and sets a state by index.
 #[test]
 fn vectors_are_inspected_by_index() {
     for id in IDS {
@@ -179,7 +179,7 @@ fn vectors_are_inspected_by_index() {
                 envs.inspect(index, &mut |env| shown.push((env.state(), env.arguments())))
                     .unwrap();
             }
-            // the state of the last becomes that of the first
+            // give sub-environment 0 the state of sub-environment 2
             let last = shown[2].0.clone().unwrap();
             envs.inspect(0, &mut |env| env.set_state(last.clone()).unwrap())
                 .unwrap();

@@ -243,6 +243,9 @@ fn new_refuses_bad_names_and_leaves_nothing() {
         "a-b",
         "a b",
         "gym_core",
+        "gym_toytext",
+        "serde_json",
+        "flate2",
         "test",
         "../x",
         "a/b",
@@ -400,4 +403,97 @@ fn seconds_of_a_benchmark_are_a_time() {
         prints(&[&of_cartpole[..], &["--gif"]].concat())
             .contains("a GIF of 500 frames of CartPole-v1")
     );
+}
+
+/// What was typed comes back without what changes a terminal, and in short.
+#[test]
+fn messages_quote_what_was_typed_safely() {
+    let huge = "CartPole".repeat(12_500);
+    let names = [
+        "\u{1b}[2J\u{1b}]0;title\u{7}",
+        "Cart\u{202e}Pole-v1",
+        "my\u{9b}envs/X\u{2066}-v0",
+        &huge,
+    ];
+    for name in names {
+        let kwargs = serde_json::json!({ name: 1 }).to_string();
+        for arguments in [
+            &["run", name][..],
+            &["gif", name],
+            &["play", "--terminal", name],
+            &["bench", name],
+            &["soak", name],
+            &["run", "CartPole-v1", "--kwargs", &kwargs],
+            &["run", "CartPole-v1", "--seeds", name],
+            &["run", "CartPole-v1", "--policy", name],
+            &["run", "CartPole-v1", "--plot", name],
+            &["replay", name],
+            &["new", name],
+            &[name],
+        ] {
+            let start = std::time::Instant::now();
+            let said = fails(arguments);
+            assert!(start.elapsed().as_secs() < 3, "{:?}", &arguments[..1]);
+            let hidden = |c: char| (c.is_control() && c != '\n') || "\u{202e}\u{2066}".contains(c);
+            assert!(!said.contains(hidden), "{arguments:?}: {said:?}");
+            assert!(said.len() < 8000, "{}: {}", arguments[0], said.len());
+        }
+    }
+}
+
+#[test]
+fn numbers_that_no_command_can_use_are_refused_in_its_own_words() {
+    for arguments in [
+        ["gif", "CartPole-v1", "--max-frames"],
+        ["demo", "--episodes=1", "--max-frames"],
+        ["play", "CartPole-v1", "--episodes"],
+        ["play", "CartPole-v1", "--fps"],
+        ["bench", "CartPole-v1", "--num-envs"],
+        ["soak", "CartPole-v1", "--steps"],
+    ] {
+        let error = fails(&[&arguments[..], &["0"]].concat());
+        let option = arguments[2];
+        assert!(
+            error.contains(&format!("invalid value '0' for '{option}")),
+            "{error}"
+        );
+    }
+}
+
+#[test]
+fn arguments_of_an_environment_are_taken_as_they_stand_or_refused() {
+    for (kwargs, message) in [
+        (
+            r#"{"gravity": 1, "gravity": 2}"#,
+            "the key `gravity` stands twice",
+        ),
+        (
+            r#"{"max_episode_steps": -5}"#,
+            "max_episode_steps is -5: it must be at least 1",
+        ),
+        (
+            r#"{"max_episode_steps": 0}"#,
+            "max_episode_steps is 0: it must be at least 1",
+        ),
+        (
+            r#"{"length": 5e-324}"#,
+            "length is 5e-324: it must be at least 1e-6",
+        ),
+        (
+            r#"{"length": 0}"#,
+            "length is 0.0: it must be at least 1e-6",
+        ),
+    ] {
+        let error = fails(&["run", "CartPole-v1", "--kwargs", kwargs]);
+        assert!(error.contains(message), "{error}");
+    }
+    let limits = |kwargs: &str| {
+        let text = prints(&["run", "Pendulum-v1", "--seeds=0..1", "--kwargs", kwargs]);
+        text.lines()
+            .nth(1)
+            .and_then(|row| row.split_whitespace().nth(2).map(str::to_owned))
+    };
+    assert_eq!(limits(r#"{"max_episode_steps": 3}"#).as_deref(), Some("3"));
+    let error = fails(&["play", "Taxi-v4", "--terminal", "--key=A=0", "--key=a=1"]);
+    assert!(error.contains("`a` has two actions"), "{error}");
 }

@@ -193,6 +193,147 @@ fn an_output_that_cannot_be_written_is_no_panic() {
     );
 }
 
+/// A reader that has seen enough ends the printing. The work goes on: files are written, and the exit
+/// status is that of the work.
+#[test]
+fn a_closed_pipe_ends_the_printing_alone() {
+    use std::io::Write;
+    use std::process::Stdio;
+
+    let out = folder("closed-pipe");
+    let path = |name: &str| out.join(name).to_str().unwrap().to_owned();
+    let run = |arguments: &[&str]| {
+        let (reader, writer) = std::io::pipe().unwrap();
+        drop(reader);
+        let mut child = program()
+            .args(arguments)
+            .stdin(Stdio::piped())
+            .stdout(writer)
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let keys = child.stdin.take().unwrap().write_all(b"Right\nq\n");
+        let output = child.wait_with_output().unwrap();
+        let said = String::from_utf8(output.stderr).unwrap();
+        assert!(!said.contains("panic"), "{arguments:?}: {said}");
+        drop(keys);
+        (output.status.code(), said)
+    };
+    let (episodes, plot) = (path("episodes.json"), path("episodes.svg"));
+    let options = ["--seeds", "0..7", "--json", &episodes, "--plot", &plot];
+    let (code, said) = run(&[&["run", "CartPole-v1"], &options[..]].concat());
+    assert_eq!((code, &*said), (Some(0), ""));
+    assert_eq!(
+        json(&out.join("episodes.json")).as_array().unwrap().len(),
+        7
+    );
+    let (gif, trace, bench) = (path("a.gif"), path("trace.json"), path("bench.json"));
+    run(&["gif", "CartPole-v1", "--max-frames", "3", "--out", &gif]);
+    run(&["play", "FrozenLake-v1", "--terminal", "--trace", &trace]);
+    run(&[
+        "bench",
+        "CartPole-v1",
+        "--kind=make",
+        "--seconds=0",
+        "--json",
+        &bench,
+    ]);
+    for file in [&plot, &gif, &trace, &bench] {
+        assert!(
+            std::fs::metadata(file).is_ok_and(|file| file.len() > 50),
+            "{file}"
+        );
+    }
+    assert_eq!(
+        json(&out.join("trace.json"))["events"]
+            .as_array()
+            .unwrap()
+            .len(),
+        2
+    );
+
+    let recorded = std::fs::read_to_string(&trace).unwrap();
+    let bad = path("bad.json");
+    std::fs::write(
+        &bad,
+        recorded.replace(r#""step":2,"observation":"#, r#""step":2,"observation":1"#),
+    )
+    .unwrap();
+    for traces in [[&*trace, &bad], [&bad, &trace]] {
+        let (code, said) = run(&["replay", traces[0], traces[1]]);
+        assert!(
+            code == Some(1) && said.contains("1 of 2 traces failed"),
+            "{said}"
+        );
+    }
+    assert_eq!(run(&["replay", &trace, &trace]).0, Some(0));
+    // a thing that is not there is an error as ever
+    assert_eq!(run(&["run", "CartPoleee-v1"]).0, Some(1));
+}
+
+/// One file by two names, where each leads to the other by links, and the file is not there yet.
+#[cfg(unix)]
+#[test]
+fn two_results_go_to_two_files() {
+    let out = folder("links");
+    let path = |name: &str| out.join(name).to_str().unwrap().to_owned();
+    std::os::unix::fs::symlink("b.svg", out.join("a.svg")).unwrap();
+    for names in [["a.svg", "b.svg"], ["b.svg", "a.svg"]] {
+        let [json, plot] = names.map(path);
+        let error = fails(&["run", "CartPole-v1", "--json", &json, "--plot", &plot]);
+        assert!(
+            error.contains("`--json` and `--plot` name one file"),
+            "{error}"
+        );
+    }
+    std::os::unix::fs::symlink("t.gif", out.join("u.gif")).unwrap();
+    let [record, trace] = ["t.gif", "u.gif"].map(path);
+    let arguments = [
+        "play",
+        "Taxi-v4",
+        "--terminal",
+        "--record",
+        &record,
+        "--trace",
+        &trace,
+    ];
+    let error = fails(&arguments);
+    assert!(
+        error.contains("`--record` and `--trace` name one file"),
+        "{error}"
+    );
+    assert!(!out.join("b.svg").exists() && !out.join("t.gif").exists());
+}
+
+#[test]
+fn file_names_of_every_length_are_written() {
+    let out = folder("long-names");
+    for length in [200, 244, 250, 255] {
+        let path = |extension: &str| {
+            let name = "n".repeat(length - extension.len()) + extension;
+            out.join(name).to_str().unwrap().to_owned()
+        };
+        let (json, plot) = (path(".json"), path(".svg"));
+        prints(&[
+            "run",
+            "CartPole-v1",
+            "--seeds=0..1",
+            "--json",
+            &json,
+            "--plot",
+            &plot,
+        ]);
+        let gif = path(".gif");
+        prints(&["gif", "CartPole-v1", "--max-frames=2", "--out", &gif]);
+        for file in [json, plot, gif] {
+            assert!(
+                std::fs::metadata(&file).is_ok_and(|file| file.len() > 50),
+                "{file}"
+            );
+        }
+    }
+}
+
 #[test]
 fn run_refuses_names_before_it_plays() {
     let out = folder("run-names");
@@ -253,5 +394,60 @@ fn a_plot_has_the_format_of_its_name() {
             "{name}: {:?}",
             &bytes[..bytes.len().min(40)]
         );
+    }
+}
+
+/// Ctrl+C in the middle of a recording leaves no part of a file.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_command_leaves_no_partial_file() {
+    use std::process::{Command, Stdio};
+    use std::time::{Duration, Instant};
+
+    let out = folder("interrupted");
+    let gif = out.join("a.gif");
+    let demo = ["demo", "--episodes=100000", "--out", out.to_str().unwrap()];
+    let frames = [
+        "gif",
+        "BipedalWalker-v3",
+        "--max-frames=100000000",
+        "--out",
+        gif.to_str().unwrap(),
+    ];
+    for arguments in [&demo[..], &frames] {
+        let mut child = program()
+            .args(arguments)
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let names = || -> Vec<_> {
+            let entries = std::fs::read_dir(&out).unwrap();
+            entries
+                .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+                .collect()
+        };
+        let is_partial = |name: &String| name.ends_with(".gym-partial");
+        let start = Instant::now();
+        while !names().iter().any(is_partial) {
+            assert!(
+                start.elapsed() < Duration::from_secs(60),
+                "nothing is written"
+            );
+            assert!(
+                child.try_wait().unwrap().is_none(),
+                "it has ended by itself"
+            );
+        }
+        let pid = child.id().to_string();
+        assert!(
+            Command::new("kill")
+                .args(["-INT", &pid])
+                .status()
+                .unwrap()
+                .success()
+        );
+        assert_eq!(child.wait().unwrap().code(), Some(130));
+        assert!(!names().iter().any(is_partial), "{:?}", names());
     }
 }

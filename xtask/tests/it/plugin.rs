@@ -4,6 +4,7 @@ use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use serde_json::Value as Json;
 
@@ -11,6 +12,13 @@ use super::{folder, prints, said};
 
 /// The crate of a third party.
 const GOOD: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/plugins/good");
+
+/// Lets one test after the other use the folder of what is built, as the programs of all plugins have
+/// one name there.
+fn alone() -> MutexGuard<'static, ()> {
+    static ALONE: Mutex<()> = Mutex::new(());
+    ALONE.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// Cargo in a folder outside of this workspace. Everything is built there anew, in less time than
 /// tests of this workspace are.
@@ -42,6 +50,7 @@ fn xtask(folder: &Path, arguments: &[&str]) -> String {
 /// From nothing to a crate that conforms and draws, and whose faults are found.
 #[test]
 fn new_makes_a_plugin_that_works() {
+    let _alone = alone();
     let folder = folder("new").join("my_envs");
     prints(&["new", "my_envs", "--path", folder.to_str().unwrap()]);
     let tests = said(&run(&folder, &["test", "--tests"]), &["test"]);
@@ -69,9 +78,28 @@ fn new_makes_a_plugin_that_works() {
     assert_eq!(reports[0]["findings"][0]["check"], "reward-finite");
 }
 
+#[test]
+fn new_makes_a_native_vector_that_works() {
+    let _alone = alone();
+    let folder = folder("new-native").join("rockets");
+    let path = folder.to_str().unwrap();
+    prints(&["new", "rockets", "--native", "--path", path]);
+    let tests = said(&run(&folder, &["test", "--lib"]), &["test"]);
+    assert!(
+        tests.contains("native_vectors_equal_single_environments ... ok"),
+        "{tests}"
+    );
+    let text = xtask(&folder, &["list", "--long"]);
+    assert!(
+        text.contains("rockets/Rocket-v0") && text.contains("limit   500"),
+        "{text}"
+    );
+}
+
 /// Every command works over the environments of a crate that this workspace does not know.
 #[test]
 fn commands_serve_a_plugin() {
+    let _alone = alone();
     let good = Path::new(GOOD);
     let id = "sutton/WindyGridworld-v0";
     let list = xtask(good, &["list"]);
@@ -110,6 +138,7 @@ fn commands_serve_a_plugin() {
 /// The checks are a build of their own, with pictures and the allocator that counts.
 #[test]
 fn conform_serves_a_plugin() {
+    let _alone = alone();
     let good = Path::new(GOOD);
     let id = "sutton/WindyGridworld-v0";
     assert!(xtask(good, &["conform"]).contains("0 broken"));
@@ -149,6 +178,7 @@ fn conform_serves_a_plugin() {
 /// Pages and the Python package of its own, in a copy of the crate.
 #[test]
 fn a_plugin_has_pages_and_a_python_package() {
+    let _alone = alone();
     let copy = folder("plugin-copy").join("sutton");
     copy_crate(Path::new(GOOD), &copy);
     xtask(&copy, &["docs", "--measure"]);

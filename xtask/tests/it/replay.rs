@@ -147,3 +147,75 @@ fn endless_files_are_refused() {
     assert!(fails(&["replay", "/dev/zero"]).contains("larger than a recording can be"));
     assert!(fails(&["mjcf", "/dev/zero"]).contains("the limit is"));
 }
+
+/// What a recording says of its environment is compared as well, and the rest is named.
+#[test]
+fn replay_compares_the_head_and_names_the_rest() {
+    let out = folder("replay-head");
+    let head = serde_json::json!({
+        "id": "FrozenLake-v1", "kwargs": {"is_slippery": false}, "policy": "by hand", "numpy": "2.4.6",
+        "observation_space": "Discrete(16)", "action_space": "Discrete(4)", "max_episode_steps": 100,
+        "reward_threshold": 0.7,
+        "events": [{"reset": {"seed": 1, "options": null}, "observation": 0, "info": {"prob": 1}}]
+    });
+    let trace = out.join("trace.json");
+    let path = trace.to_str().unwrap();
+    let write = |json: &Json| std::fs::write(&trace, json.to_string()).unwrap();
+    write(&head);
+    let text = prints(&["replay", path]);
+    for part in [
+        "observation, info, observation_space",
+        "equal; not compared: numpy, policy",
+    ] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+    for (name, value, message) in [
+        (
+            "max_episode_steps",
+            500.into(),
+            "max_episode_steps: 100 for 500",
+        ),
+        (
+            "max_episode_steps",
+            Json::Null,
+            "max_episode_steps: 100 for null",
+        ),
+        (
+            "reward_threshold",
+            0.8.into(),
+            "reward_threshold: 0.7 for 0.8",
+        ),
+        (
+            "observation_space",
+            "Discrete(17)".into(),
+            "observation_space: \"Discrete(16)\" for \"Discrete(17)\"",
+        ),
+        ("action_space", "Discrete(5)".into(), "action_space"),
+    ] {
+        let mut other = head.clone();
+        other[name] = value;
+        write(&other);
+        let error = fails(&["replay", path]);
+        assert!(error.contains(message), "{error}");
+    }
+    // neither an answer nor an event proves anything
+    for events in [
+        serde_json::json!([]),
+        serde_json::json!([{"reset": {"seed": 1}}, {"step": 2}]),
+    ] {
+        let mut other = head.clone();
+        other["events"] = events;
+        write(&other);
+        assert!(fails(&["replay", path]).contains("nothing to compare"));
+    }
+    let mut other = head.clone();
+    other["events"] =
+        serde_json::json!([{"reset": {"seed": 1}, "observation": vec![0; 1_000_000]}]);
+    write(&other);
+    let error = fails(&["replay", path]);
+    assert!(
+        error.contains("0 for a list of 1000000") && error.len() < 1000,
+        "{}",
+        error.len()
+    );
+}

@@ -268,7 +268,7 @@ pub(crate) fn bytes(shape: &[usize]) -> Space {
     Space::Box(BoxSpace::uniform(0.0, 255.0, shape, DType::U8).expect("a box of bytes"))
 }
 
-/// The state is the console's RAM, 128 bytes, and the lives left. It is not set this way: a
+/// The state is the console's RAM, 128 bytes, and the number of lives. It cannot be set: only a
 /// snapshot holds the whole console.
 impl Inspect for AtariEnv {
     fn state(&self) -> Option<Json> {

@@ -545,8 +545,8 @@ fn a_snapshot_of_another_rom_is_refused() {
     env.restore(&serde_json::from_str(&text).unwrap()).unwrap();
 }
 
-/// A stick that is not a number is refused in every part, and so is an action of the other kind.
-/// What is refused plays no frame; a stick beyond its bounds is played.
+/// An environment refuses a stick with a NaN or an infinity in any part, and an action of the other
+/// kind. A refused action plays no frame. A stick outside of its bounds is played.
 #[test]
 fn sticks_that_are_no_numbers_are_refused() {
     use gym_atari::AtariAction::{Index, Stick};

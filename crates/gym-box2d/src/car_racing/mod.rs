@@ -297,7 +297,7 @@ impl CarRacing {
         let Options { randomize } = reset.options("CarRacing")?;
         let colors = match &self.episode {
             _ if self.config.domain_randomize && randomize => Colors::random(&mut rng),
-            // those of the last episode, which may have been set
+            // the colours of the last episode: `Inspect` may have set them
             Some(episode) => episode.colors,
             None if !self.config.domain_randomize => Colors::DEFAULT,
             // the constructor's colours, drawn from the constructor's own generator

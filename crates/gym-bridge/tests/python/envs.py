@@ -17,6 +17,9 @@ SPACES = {
     "dict": spaces.Dict({"b": spaces.Discrete(2), "a": spaces.Box(0.0, 1.0, (1,), np.float32)}),
     "sequence": spaces.Sequence(spaces.Discrete(4)),
     "graph": spaces.Graph(spaces.Box(0.0, 1.0, (2,), np.float32), spaces.Discrete(3)),
+    "graph_of_dicts": spaces.Graph(
+        spaces.Dict({"b": spaces.Discrete(2), "a": spaces.Text(5)}), spaces.Tuple((spaces.Box(0.0, 1.0, (2,), np.float64), spaces.Text(3)))
+    ),
     "one_of": spaces.OneOf((spaces.Discrete(2), spaces.Box(0.0, 1.0, (2,), np.float32))),
 }
 
@@ -187,10 +190,17 @@ class Widens(gymnasium.Env):
             self.observation_space = spaces.Box(0.0, 9.0, (1,), np.float32)
         if options and "actions" in options:
             self.action_space = spaces.Discrete(3)
+        self.late = (options or {}).get("late")
         return self.told()
 
     def step(self, action):
         self.steps += 1
+        if self.late == "equal":
+            self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
+        if self.late == "actions" and self.steps == self.start + 2:
+            self.action_space = spaces.Box(-1.0, 0.5, (2,), np.float32)
+        if self.late == "observations" and self.steps == self.start + 2:
+            self.observation_space = spaces.Box(0.0, 2.0, (1,), np.float32)
         observation, info = self.told()
         return observation, 0.0, False, False, info
 

@@ -9,6 +9,7 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 
 use crate::drawing::canvas::Canvas;
+use crate::value::error::quoted;
 use crate::value::{DType, Data, Error, Result};
 
 /// Render modes, under Gymnasium's names.
@@ -81,7 +82,7 @@ impl FromStr for RenderMode {
                 let names = Self::ALL.map(Self::name).join(", ");
                 Error::argument(
                     "render_mode",
-                    format!("unknown mode `{text}`: the modes are {names}"),
+                    format!("unknown mode `{}`: the modes are {names}", quoted(text)),
                 )
             })
     }

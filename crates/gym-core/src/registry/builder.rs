@@ -206,8 +206,13 @@ impl EnvSpec {
         self.max_episode_steps = match self.take::<i64>("max_episode_steps")? {
             None => self.max_episode_steps,
             Some(-1) => None,
-            // a limit that is not positive is refused by the wrapper
-            Some(steps) => Some(steps.clamp(0, u32::MAX.into()) as u32),
+            Some(steps @ ..=0) => {
+                let reason = format!(
+                    "max_episode_steps is {steps}: it must be at least 1, or -1 for no limit"
+                );
+                return Err(Error::argument(format!("`{}`", self.id), reason));
+            }
+            Some(steps) => Some(u32::try_from(steps).unwrap_or(u32::MAX)),
         };
         Ok(())
     }

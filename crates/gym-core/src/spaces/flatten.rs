@@ -1,6 +1,6 @@
 //! Elements as one row of numbers: Gymnasium's `flatten` and `unflatten`.
 
-use super::batch::{concatenate, iterate_array};
+use super::batch::{concatenate, iterate};
 use super::{MultiBinary, Space};
 use crate::value::array::Array;
 use crate::value::fault::{Fault, expect_array};
@@ -281,14 +281,13 @@ impl Space {
                 let Value::Graph(graph) = value else {
                     return Err(refuse(Fault::kind("a graph", value)));
                 };
-                let rows = |space: &Self, from: &Self, to: &Self, rows: &Array| -> Result<Array> {
-                    let rows = iterate_array(from, rows).map_err(refuse)?;
+                let rows = |space: &Self, from: &Self, to: &Self, rows: &Value| -> Result<Value> {
+                    let rows = iterate(from, rows).map_err(refuse)?;
                     let rows = rows
                         .iter()
                         .map(|row| map(space, row))
                         .collect::<Result<Vec<_>>>()?;
-                    let rows = concatenate(to, &rows.iter().collect::<Vec<_>>()).map_err(refuse)?;
-                    Ok(rows.as_array().cloned().unwrap_or_default())
+                    concatenate(to, &rows.iter().collect::<Vec<_>>()).map_err(refuse)
                 };
                 let nodes = rows(
                     space.node_space(),

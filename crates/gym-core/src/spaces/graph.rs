@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use gym_numerics::Seed;
 use serde::{Deserialize, Serialize};
 
 use crate::value::array::Array;
@@ -9,7 +10,7 @@ use crate::value::number::Number;
 use crate::value::{Error, GraphInstance, Result, Value};
 
 use super::Space;
-use super::batch::{batch_space, iterate_array};
+use super::batch::{batch_space, iterate};
 use super::sampler::Streams;
 use super::selection::Selection;
 use super::weight::Weight;
@@ -25,8 +26,8 @@ use crate::value::fault::Fault;
 /// # Ok::<(), gym_core::Error>(())
 /// ```
 ///
-/// An element is a [`GraphInstance`]: the nodes in one array, the edges in another, and the pairs
-/// of nodes that the edges link. A sample has 10 nodes and fewer than 90 edges unless the
+/// An element is a [`GraphInstance`]: the nodes as one value, the edges as another, and the pairs of
+/// nodes that the edges link. A sample has 10 nodes and fewer than 90 edges unless the
 /// [`Selection`] says otherwise; without an edge space it has no edges.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "Description")]
@@ -42,17 +43,11 @@ impl GraphSpace {
     /// The graphs of such nodes and edges.
     ///
     /// # Errors
-    /// [`Error::InvalidSpace`] unless the spaces are `Box`, `Discrete`, `MultiDiscrete` or
-    /// `MultiBinary`.
+    /// [`Error::InvalidSpace`] for a space that does not [batch](Space::batch).
     pub fn new(node_space: impl Into<Space>, edge_space: Option<Space>) -> Result<Self> {
         let node_space = node_space.into();
         for space in std::iter::once(&node_space).chain(&edge_space) {
-            if space.dtype().is_none() {
-                let kinds = "Box, Discrete, MultiDiscrete or MultiBinary";
-                return Err(Error::InvalidSpace(format!(
-                    "{space} cannot be a space of nodes or edges: choose {kinds}"
-                )));
-            }
+            space.batch(1)?;
         }
         Ok(Self {
             node_space: Box::new(node_space),
@@ -141,29 +136,73 @@ impl GraphSpace {
     }
 }
 
-/// As in Gymnasium, all rows are drawn with a copy of the generator; the original advances by one
-/// number.
+/// As in Gymnasium, all rows are drawn with a copy of the generators; the original of the space
+/// itself advances by one number, those of its members by none.
 fn draw_rows<T: Weight>(
     space: &Space,
     streams: &mut Streams,
     selection: &Selection<T>,
     n: usize,
-) -> Array {
-    let mut out = Value::Null;
-    if let Ok(batch) = batch_space(space, n) {
-        batch.draw(&mut streams.clone(), selection, &mut out);
-    }
+) -> Value {
+    let rows = draw_batch(space, &mut streams.clone(), selection, n);
     streams.own.random();
-    if let Value::Array(rows) = out {
-        rows
-    } else {
-        Array::default()
+    rows
+}
+
+/// Draws an element of Gymnasium's `batch_space(space, n)`: elements that do not batch into arrays
+/// are drawn one by one, each with a seed of its own.
+fn draw_batch<T: Weight>(
+    space: &Space,
+    streams: &mut Streams,
+    selection: &Selection<T>,
+    n: usize,
+) -> Value {
+    /// The largest of Gymnasium's seeds, plus one.
+    const SEEDS: i64 = 100_000_000;
+    let mut out = Value::Null;
+    match space {
+        Space::Tuple(space) => {
+            let members = space.spaces().iter().zip(&mut streams.members);
+            let any = &Selection::<T>::Any;
+            Value::Tuple(
+                members
+                    .map(|(space, streams)| draw_batch(space, streams, any, n))
+                    .collect(),
+            )
+        }
+        Space::Dict(space) => {
+            let members = space.spaces().iter().zip(&mut streams.members);
+            let any = &Selection::<T>::Any;
+            Value::Dict(
+                members
+                    .map(|((key, space), streams)| {
+                        (key.clone(), draw_batch(space, streams, any, n))
+                    })
+                    .collect(),
+            )
+        }
+        _ if space.dtype().is_some() => {
+            if let Ok(batch) = batch_space(space, n) {
+                batch.draw(streams, selection, &mut out);
+            }
+            out
+        }
+        _ => {
+            let seeds: Vec<i64> = (0..n).map(|_| streams.own.integers(0, SEEDS)).collect();
+            let rows = seeds.into_iter().map(|seed| {
+                let mut streams = Streams::new(space, &Seed::from(seed as u64));
+                let mut row = Value::Null;
+                space.draw(&mut streams, &Selection::<T>::Any, &mut row);
+                row
+            });
+            Value::Tuple(rows.collect())
+        }
     }
 }
 
-/// Checks that each row of an array is an element of a space, and counts them.
-fn check_rows(space: &Space, array: &Array) -> Result<usize, Fault> {
-    let rows = iterate_array(space, array)?;
+/// Checks that each row is an element of a space, and counts them.
+fn check_rows(space: &Space, rows: &Value) -> Result<usize, Fault> {
+    let rows = iterate(space, rows)?;
     for (i, row) in rows.iter().enumerate() {
         space.check_value(row).map_err(|fault| fault.at(i))?;
     }
@@ -230,7 +269,7 @@ impl TryFrom<Description> for GraphSpace {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::spaces::TupleSpace;
+    use crate::spaces::{DictSpace, TextSpace, TupleSpace};
 
     fn space() -> GraphSpace {
         GraphSpace::new(Space::discrete(5), Some(Space::discrete(3))).unwrap()
@@ -238,21 +277,62 @@ mod tests {
 
     fn graph(nodes: &[i64], edges: &[i64], links: &[i32]) -> Value {
         Value::Graph(Box::new(GraphInstance {
-            nodes: nodes.to_vec().into(),
-            edges: Some(edges.to_vec().into()),
+            nodes: Value::Array(nodes.to_vec().into()),
+            edges: Some(Value::Array(edges.to_vec().into())),
             edge_links: Array::from(links.to_vec())
                 .reshape([links.len() / 2, 2])
                 .ok(),
         }))
     }
 
+    /// Nodes of texts and edges of dicts, drawn as Gymnasium 1.4.0 draws them with seed 3.
     #[test]
-    fn refuses_spaces_that_do_not_batch() {
-        let text = GraphSpace::new(TupleSpace::new([]), None)
-            .unwrap_err()
-            .to_string();
-        assert!(text.contains("choose Box, Discrete, MultiDiscrete or MultiBinary"));
-        assert!(GraphSpace::new(Space::discrete(2), Some(TupleSpace::new([]).into())).is_err());
+    fn nodes_and_edges_may_be_of_any_kind() {
+        let text = || {
+            Space::from(
+                TextSpace::new(1, 3)
+                    .unwrap()
+                    .with_charset("abcdef")
+                    .unwrap(),
+            )
+        };
+        let pair = TupleSpace::new([Space::discrete(5), text()]);
+        let dict = DictSpace::new([("a", Space::discrete(3)), ("b", text())]).unwrap();
+        let space: Space = GraphSpace::new(pair, Some(dict.into())).unwrap().into();
+        let mut sampler = space.sampler(3);
+        let mut seen = |links: [i32; 6]| {
+            let graph = sampler.sample_graph(2, Some(3)).unwrap();
+            space.check_value(&graph).unwrap();
+            assert_eq!(space.from_json(&graph.to_json()).unwrap(), graph);
+            let texts = |texts: &[&str]| Value::Tuple(texts.iter().map(|&t| t.into()).collect());
+            let expected = GraphInstance {
+                nodes: Value::Tuple(vec![Value::Array([1i64, 1].into()), texts(&["abf", "c"])]),
+                edges: Some(Value::from([
+                    ("a", Value::Array([2i64, 1, 2].into())),
+                    ("b", texts(&["e", "be", "dfd"])),
+                ])),
+                edge_links: Array::from(links).reshape([3, 2]).ok(),
+            };
+            assert_eq!(graph, Value::Graph(Box::new(expected)));
+        };
+        seen([1, 0, 0, 0, 0, 1]);
+        // as there: only the links differ, because the generators of members stay where they are
+        seen([1, 1, 0, 0, 0, 0]);
+        let wrong = GraphInstance {
+            nodes: Value::Tuple(vec![
+                Value::Array([1i64].into()),
+                Value::Tuple(vec!["a".into(), "b".into()]),
+            ]),
+            edges: None,
+            edge_links: None,
+        };
+        let fault = space
+            .check_value(&Value::Graph(Box::new(wrong)))
+            .unwrap_err();
+        assert!(
+            fault.to_string().contains("different numbers of elements"),
+            "{fault}"
+        );
     }
 
     #[test]

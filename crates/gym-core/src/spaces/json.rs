@@ -2,14 +2,13 @@
 
 use serde_json::{Map, Value as Json, json};
 
-use crate::value::array::Array;
 use crate::value::number::Number;
 use crate::value::stored::plain::{
     check_length, list, read_array, read_number, rows, write_number,
 };
 use crate::value::{DType, GraphInstance, Result, Value};
 
-use super::batch::{concatenate, iterate_array};
+use super::batch::{concatenate, iterate};
 use super::{DictSpace, MultiBinary, Space, TupleSpace};
 use crate::value::fault::{Fault, expect_array};
 
@@ -94,10 +93,10 @@ impl Space {
                 let Value::Graph(graph) = value else {
                     return Err(Fault::kind("a graph", value));
                 };
-                iterate_array(space.node_space(), &graph.nodes)
+                iterate(space.node_space(), &graph.nodes)
                     .map_err(|fault| fault.within(".nodes"))?;
                 match (space.edge_space(), &graph.edges) {
-                    (Some(space), Some(edges)) => iterate_array(space, edges)
+                    (Some(space), Some(edges)) => iterate(space, edges)
                         .map(|_| ())
                         .map_err(|fault| fault.within(".edges")),
                     (None, Some(_)) => Err(Fault::new("there are edges, but the space has none")),
@@ -140,12 +139,7 @@ impl Space {
                 let part = |key: &str| json.get(key).filter(|part| !part.is_null());
                 let rows = |space: &Self, key: &str| {
                     let read = |json| space.read_stacked(json).map_err(|fault| fault.under(key));
-                    Ok::<_, Fault>(
-                        part(key)
-                            .map(read)
-                            .transpose()?
-                            .and_then(|rows| rows.as_array().cloned()),
-                    )
+                    part(key).map(read).transpose()
                 };
                 let Some(nodes) = rows(space.node_space(), "nodes")? else {
                     return Err(Fault::new("the key \"nodes\" is missing"));
@@ -253,8 +247,9 @@ impl Value {
                 .map(|(key, value)| (key.clone(), value.to_json()))
                 .collect(),
             Self::Graph(graph) => {
-                let part = |array: &Option<Array>| array.as_ref().map(rows);
-                json!({ "nodes": rows(&graph.nodes), "edges": part(&graph.edges), "edge_links": part(&graph.edge_links) })
+                let edges = graph.edges.as_ref().map(Self::to_json);
+                let links = graph.edge_links.as_ref().map(rows);
+                json!({ "nodes": graph.nodes.to_json(), "edges": edges, "edge_links": links })
             }
             Self::OneOf(index, value) => json!([index, value.to_json()]),
         }

@@ -30,7 +30,7 @@ mod zero;
 use std::fmt;
 
 use gym_numerics::Seed;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::value::array::{Array, MAX_AXES, element_count as count};
 use crate::value::error::shortened;
@@ -81,9 +81,10 @@ use weight::Weight;
 /// ```
 ///
 /// It prints as Gymnasium prints it, and its stored form is JSON such as
-/// `{"type":"Discrete","n":3,"start":0,"dtype":"int64"}`, checked when it is read.
+/// `{"type":"Discrete","n":3,"start":0,"dtype":"int64"}`, checked when it is read. Spaces nested so
+/// deep that readers of JSON would refuse them have no stored form: to serialise one is an error.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "type")]
+#[serde(tag = "type", remote = "Self")]
 #[expect(missing_docs, reason = "the variants are the structs they hold")]
 pub enum Space {
     Box(BoxSpace),
@@ -97,6 +98,45 @@ pub enum Space {
     Sequence(SequenceSpace),
     Graph(GraphSpace),
     OneOf(OneOfSpace),
+}
+
+/// The levels of lists and objects in the stored form of a space. `serde_json` reads 128, and what
+/// holds the space needs some.
+const MAX_LEVELS: usize = 112;
+
+impl Space {
+    /// Whether the stored form has at most `levels` of lists and objects within each other.
+    fn fits_levels(&self, levels: usize) -> bool {
+        let (own, members): (usize, Vec<&Self>) = match self {
+            Self::Tuple(space) => (2, space.spaces().iter().collect()),
+            Self::OneOf(space) => (2, space.spaces().iter().collect()),
+            Self::Dict(space) => (3, space.spaces().iter().map(|(_, space)| space).collect()),
+            Self::Sequence(space) => (1, vec![space.feature_space()]),
+            // a graph holds no spaces that hold others
+            _ => return levels >= 4 + self.shape().map_or(0, <[usize]>::len),
+        };
+        levels
+            .checked_sub(own)
+            .is_some_and(|left| members.into_iter().all(|space| space.fits_levels(left)))
+    }
+}
+
+impl Serialize for Space {
+    fn serialize<S: Serializer>(&self, serializer: S) -> std::result::Result<S::Ok, S::Error> {
+        if !self.fits_levels(MAX_LEVELS) {
+            return Err(serde::ser::Error::custom(format!(
+                "spaces are nested too deep to be stored: their JSON has more than {MAX_LEVELS} levels, \
+                 and could not be read"
+            )));
+        }
+        Self::serialize(self, serializer)
+    }
+}
+
+impl<'de> Deserialize<'de> for Space {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
+        Self::deserialize(deserializer)
+    }
 }
 
 macro_rules! from {

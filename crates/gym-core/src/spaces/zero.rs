@@ -53,10 +53,7 @@ impl Space {
             }
             Self::Sequence(_) => Value::Tuple(Vec::new()),
             Self::Graph(space) => {
-                let row = |space: &Self| -> Result<Array> {
-                    let zero = space.batch(1)?.zero()?;
-                    Ok(zero.as_array().cloned().unwrap_or_default())
-                };
+                let row = |space: &Self| space.batch(1)?.zero();
                 let edges = space.edge_space().map(row).transpose()?;
                 let edge_links = edges
                     .as_ref()

@@ -7,6 +7,7 @@ use serde::{Serialize, de::DeserializeOwned};
 use serde_json::Value as Json;
 
 use crate::spec::Kwargs;
+use crate::value::error::quoted;
 use crate::value::{Error, Result};
 
 /// A struct of arguments, such as an environment's `Config`. Write it with
@@ -139,9 +140,15 @@ fn check_names(
             .join(", ")
         {
             none if none.is_empty() => {
-                format!("unknown argument `{unknown}`: it takes no arguments")
+                format!(
+                    "unknown argument `{}`: it takes no arguments",
+                    quoted(unknown)
+                )
             }
-            all => format!("unknown argument `{unknown}`{near} (known are {all})"),
+            all => format!(
+                "unknown argument `{}`{near} (known are {all})",
+                quoted(unknown)
+            ),
         },
     )
 }

@@ -2,6 +2,7 @@
 
 use crate::spec::Kwargs;
 use crate::spec::nearest;
+use crate::value::error::quoted;
 use crate::value::{Error, Result};
 
 /// The reset options of an environment, each with an example as JSON; empty if the registration
@@ -25,7 +26,8 @@ impl ResetOptions {
             .collect::<Vec<_>>()
             .join(", ");
         let reason = format!(
-            "unknown option `{unknown}`{} (known are {known})",
+            "unknown option `{}`{} (known are {known})",
+            quoted(unknown),
             near.unwrap_or_default()
         );
         Err(Error::argument(format!("reset options of `{id}`"), reason))

@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 
 use crate::spec::{EnvSpec, WrapperSpec};
+use crate::value::error::quoted;
 use crate::value::{Error, Result};
 
 /// When the sub-environments of a vector are reset after their episodes have ended.
@@ -71,7 +72,10 @@ impl FromStr for VectorKind {
                 let names = Self::ALL.map(Self::name).join(", ");
                 Error::argument(
                     "kind",
-                    format!("unknown kind of vector `{text}`: the kinds are {names}"),
+                    format!(
+                        "unknown kind of vector `{}`: the kinds are {names}",
+                        quoted(text)
+                    ),
                 )
             })
     }

@@ -20,12 +20,13 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 pub enum Error {
     /// The id does not follow the grammar `[namespace/]name[-vN]`.
     #[error(
-        "malformed environment id `{0}`: ids have the form [namespace/]name[-vN], as in `CartPole-v1`"
+        "malformed environment id `{}`: ids have the form [namespace/]name[-vN], as in `CartPole-v1`",
+        quoted(.0)
     )]
     MalformedId(String),
 
     /// No environment of that namespace is linked.
-    #[error("namespace `{namespace}` not found{hint}")]
+    #[error("namespace `{}` not found{hint}", quoted(namespace))]
     NamespaceNotFound {
         /// The namespace asked for.
         namespace: String,
@@ -34,7 +35,7 @@ pub enum Error {
     },
 
     /// No environment of that name is linked.
-    #[error("unknown environment `{id}`{hint}")]
+    #[error("unknown environment `{}`{hint}", quoted(id))]
     NameNotFound {
         /// The id asked for.
         id: String,
@@ -76,7 +77,7 @@ pub enum Error {
     },
 
     /// A runtime registration that the registry refuses.
-    #[error("cannot register `{id}`: {reason}")]
+    #[error("cannot register `{}`: {reason}", quoted(id))]
     Registration {
         /// The id.
         id: String,
@@ -98,7 +99,11 @@ pub enum Error {
     InvalidSpace(String),
 
     /// A value does not belong to a space.
-    #[error("{reason}: {value} is not an element of {space}")]
+    #[error(
+        "{reason}: {} is not an element of {}",
+        shortened(value),
+        shortened(space)
+    )]
     NotInSpace {
         /// The value, printed.
         value: String,
@@ -128,7 +133,7 @@ pub enum Error {
     Closed(&'static str),
 
     /// A seed that is not a whole number of zero or more.
-    #[error("invalid seed `{0}`: a seed is a whole number, zero or greater")]
+    #[error("invalid seed `{}`: a seed is a whole number, zero or greater", quoted(.0))]
     InvalidSeed(String),
 
     /// A render mode that the environment does not have, or was not made with.
@@ -237,6 +242,38 @@ pub(crate) fn shortened(text: &str) -> Cow<'_, str> {
     }
 }
 
+/// A name of any length, as messages quote it: its start, [`printable`].
+pub(crate) fn quoted(name: &str) -> String {
+    printable(&shortened(name)).into_owned()
+}
+
+/// Escapes control characters and marks of text direction, with which a text changes how a terminal
+/// shows the text around it.
+///
+/// ```
+/// assert_eq!(gym_core::printable("a\u{1b}[2J\u{202e}b"), "a\\u{1b}[2J\\u{202e}b");
+/// assert_eq!(gym_core::printable("Zürich"), "Zürich");
+/// ```
+pub fn printable(text: &str) -> Cow<'_, str> {
+    let is_hidden = |c: char| {
+        c.is_control()
+            || matches!(c, '\u{61c}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}')
+            || matches!(c, '\u{2060}'..='\u{2069}' | '\u{feff}')
+    };
+    if !text.contains(is_hidden) {
+        return Cow::Borrowed(text);
+    }
+    let mut printed = String::with_capacity(text.len());
+    for c in text.chars() {
+        if is_hidden(c) {
+            printed.extend(c.escape_unicode());
+        } else {
+            printed.push(c);
+        }
+    }
+    Cow::Owned(printed)
+}
+
 impl From<SeedError> for Error {
     fn from(error: SeedError) -> Self {
         match error {
@@ -261,6 +298,35 @@ mod tests {
     use std::path::Path;
 
     use super::*;
+
+    #[test]
+    fn names_are_quoted_in_short_and_without_control_characters() {
+        let huge = "x".repeat(100_000);
+        let names = ["a\u{1b}]0;title\u{7}", "a\u{202e}b\u{2066}", "a\nb", &huge];
+        for name in names.map(str::to_owned) {
+            let errors = [
+                Error::MalformedId(name.clone()),
+                Error::InvalidSeed(name.clone()),
+                Error::NamespaceNotFound {
+                    namespace: name.clone(),
+                    hint: String::new(),
+                },
+                Error::NameNotFound {
+                    id: name.clone(),
+                    hint: String::new(),
+                },
+                Error::Registration {
+                    id: name.clone(),
+                    reason: String::new(),
+                },
+            ];
+            for error in errors {
+                let text = error.to_string();
+                assert!(text.len() < 400, "{text}");
+                assert_eq!(printable(&text), text);
+            }
+        }
+    }
 
     #[test]
     fn a_full_disk_says_what_to_do() {

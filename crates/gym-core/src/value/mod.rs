@@ -21,7 +21,7 @@ use array::Scalar;
 pub use array::{Array, DType, Data};
 pub use continuous::{Continuous, Precision};
 pub use element::Element;
-pub use error::{Error, Result};
+pub use error::{Error, Result, printable};
 pub use snapshot::Snapshot;
 
 /// The entries of [`Env::info`](crate::Env::info) by name.
@@ -102,10 +102,11 @@ impl Clone for Value {
 /// An element of a `Graph` space.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GraphInstance {
-    /// One row per node.
-    pub nodes: Array,
-    /// One row per edge; `None` if edges have no features.
-    pub edges: Option<Array>,
+    /// The nodes as one value, in the form of the node space's [batch](crate::Space::batch): an
+    /// array with a row per node, or a tuple or dict of such.
+    pub nodes: Value,
+    /// The edges as one value; `None` if edges have no features.
+    pub edges: Option<Value>,
     /// Shape `(edges, 2)`: source and target node of each edge; `None` exactly if `edges` is.
     pub edge_links: Option<Array>,
 }
@@ -188,7 +189,7 @@ impl Value {
             Self::Tuple(items) => items.iter().all(Self::is_finite),
             Self::Dict(entries) => entries.iter().all(|(_, value)| value.is_finite()),
             Self::Graph(graph) => {
-                graph.nodes.is_finite() && graph.edges.as_ref().is_none_or(Array::is_finite)
+                graph.nodes.is_finite() && graph.edges.as_ref().is_none_or(Self::is_finite)
             }
             Self::OneOf(_, value) => value.is_finite(),
             Self::Null | Self::Bool(_) | Self::Int(_) | Self::Text(_) => true,

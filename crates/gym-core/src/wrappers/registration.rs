@@ -2,6 +2,7 @@
 
 use crate::env::BoxEnv;
 use crate::spec::{Argument, Kwargs, WrapperConfig, WrapperSpec, arguments};
+use crate::value::error::quoted;
 use crate::value::{Error, Result};
 use crate::vector::VectorEnv;
 
@@ -152,7 +153,7 @@ impl WrapperSpec {
                 of,
                 format!(
                     "unknown wrapper `{}`: known are {}",
-                    self.name,
+                    quoted(&self.name),
                     names.join(", ")
                 ),
             )

@@ -3,7 +3,9 @@
 
 use gym_core::registry::NoArguments;
 use gym_core::render::{Metadata, RenderMode, Rendered};
-use gym_core::spaces::{Mask, Probabilities, TextSpace};
+use gym_core::spaces::{
+    DictSpace, Mask, OneOfSpace, Probabilities, SequenceSpace, TextSpace, TupleSpace,
+};
 use gym_core::vector::{AsyncVectorEnv, Autoreset, SyncVectorEnv, VectorReset};
 use gym_core::wrappers::{
     OrderEnforcing, RecordEpisodeStatistics, Render, RenderCollection, TimeLimit,
@@ -442,4 +444,116 @@ fn a_mask_of_no_character_gives_the_empty_text() {
         let sample = sampler.sample_masked(&mask(Some(length), [1, 1, 1]));
         assert!(matches!(sample, Ok(Value::Text(text)) if text.len() == length));
     }
+}
+
+/// Whatever depth a space has that can be stored, it is read again; deeper ones say that they
+/// cannot be.
+#[test]
+fn every_space_that_is_stored_is_read_again() {
+    type Nest = fn(Space) -> Space;
+    let nests: [Nest; 4] = [
+        |space| TupleSpace::new([space]).into(),
+        |space| DictSpace::new([("a", space)]).unwrap().into(),
+        |space| OneOfSpace::new([space]).unwrap().into(),
+        |space| SequenceSpace::new(space).into(),
+    ];
+    for nest in nests {
+        let mut space = Space::boxed([0.0], [1.0]);
+        let mut deepest = 0;
+        for depth in 1..200 {
+            space = nest(space);
+            match serde_json::to_string(&space) {
+                Ok(text) => {
+                    // it may stand in something else
+                    let within = format!("[[[[{text}]]]]");
+                    let read: [[[[Space; 1]; 1]; 1]; 1] = serde_json::from_str(&within)
+                        .unwrap_or_else(|error| panic!("{depth}: {error}"));
+                    assert_eq!(read[0][0][0][0], space);
+                    deepest = depth;
+                }
+                Err(error) => {
+                    assert!(error.to_string().contains("nested too deep"), "{error}");
+                    break;
+                }
+            }
+        }
+        assert!((30..199).contains(&deepest), "{deepest}");
+    }
+}
+
+/// The stored form of a value is read back as the same value, of every kind.
+#[test]
+fn values_are_read_from_their_stored_form() {
+    for value in [
+        Value::Null,
+        Value::Bool(true),
+        Value::Int(i64::MIN),
+        Value::Float(f64::NEG_INFINITY),
+        Value::Text("$float".into()),
+        Value::from([0.5_f32, f32::INFINITY]),
+        Value::from([7_i64; 40]),
+        Value::Tuple(vec![Value::Int(1), Value::Tuple(vec![])]),
+        Value::Dict(vec![("b".into(), Value::Int(1)), ("a".into(), Value::Null)]),
+        Value::Dict(vec![("$key".into(), Value::Float(0.0))]),
+        Value::OneOf(3, Box::new(Value::Int(1))),
+    ] {
+        let text = serde_json::to_string(&value).unwrap();
+        assert_eq!(
+            serde_json::from_str::<Value>(&text).unwrap(),
+            value,
+            "{text}"
+        );
+    }
+    for text in [
+        "18446744073709551615",
+        r#"{"$float": "much"}"#,
+        r#"{"$unknown": 1}"#,
+    ] {
+        assert!(serde_json::from_str::<Value>(text).is_err(), "{text}");
+    }
+}
+
+/// A batch has the form of its space in every part: kind, type, shape, number of rows, and keys.
+#[test]
+fn a_batch_of_another_form_is_none() {
+    let line = || Space::boxed([0.0], [1.0]);
+    let dict = |second: &str| -> Space {
+        DictSpace::new([("a", line()), (second, Space::discrete(3))])
+            .unwrap()
+            .into()
+    };
+    let space = dict("b");
+    let batch = space.empty_batch(2).unwrap();
+    assert!(space.is_batch(&batch, 2));
+    space.check_batch(&batch, 2).unwrap();
+    let tuple = |members: Vec<Space>| Space::from(TupleSpace::new(members));
+    for (other, n) in [
+        (dict("c"), 2),
+        (space.clone(), 3),
+        (DictSpace::new([("a", line())]).unwrap().into(), 2),
+        (tuple(vec![line(), Space::discrete(3)]), 2),
+        (
+            DictSpace::new([
+                ("a", Space::boxed([0.0; 2], [1.0; 2])),
+                ("b", Space::discrete(3)),
+            ])
+            .unwrap()
+            .into(),
+            2,
+        ),
+    ] {
+        let other = other.empty_batch(n).unwrap();
+        assert!(!space.is_batch(&other, 2), "{other}");
+        assert!(space.check_batch(&other, 2).is_err(), "{other}");
+        let element = space.zero().unwrap();
+        assert!(
+            space.write_row(&mut other.clone(), 2, &element).is_err(),
+            "{other}"
+        );
+    }
+    let members = tuple(vec![line(), Space::discrete(3)]);
+    let fewer = tuple(vec![line()]).empty_batch(2).unwrap();
+    assert!(!members.is_batch(&fewer, 2));
+    let floats = Value::from([0.0_f64; 2]);
+    assert!(!Space::discrete(3).is_batch(&floats, 2));
 }

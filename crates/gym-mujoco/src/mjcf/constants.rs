@@ -2,15 +2,17 @@
 //! `mj_setConst`.
 
 use super::orientation::norm;
-use super::spec::Statistic;
-use crate::model::JointType;
+use super::spec::{Spec, Statistic};
+use crate::model::{EqualityType, JointType, ObjectType};
 use crate::physics::dense::dot_slices;
-use crate::physics::spatial::cross;
-use crate::physics::{com_pos, crb, factor_m, kinematics, solve_m};
-use crate::{CompiledModel, Data, Model, Result};
+use crate::physics::spatial::{
+    InTurn, MINVAL, Order, Pairwise, add, cross, rotate, rotate_back, sub,
+};
+use crate::physics::{com_pos, crb, factor_m, kinematics, solve_m, tendon, transmission};
+use crate::{CompiledModel, Data, Model, Result, Revision};
 
 /// The finished model.
-pub(super) fn add_constants(mut m: CompiledModel, stated: &Statistic) -> Result<Model> {
+pub(super) fn add_constants(mut m: CompiledModel, spec: &Spec) -> Result<Model> {
     // the engine takes the inertia of simple bodies from what is yet to be computed
     m.dof_invweight0 = vec![0.0; m.nv()];
     m.dof_m0 = vec![0.0; m.nv()];
@@ -32,12 +34,18 @@ pub(super) fn add_constants(mut m: CompiledModel, stated: &Statistic) -> Result<
         m.dof_m0.iter().sum::<f64>() / m.nv() as f64
     };
     let model = Model::new(m)?;
+    d.fit(&model);
     factor_inertia(&model, &mut d);
     let mut m = model.clone().into_compiled();
     add_dof_weights(&mut m, &model, &d);
     add_body_weights(&mut m, &model, &d);
+    add_equalities(&mut m, &d);
+    add_tendons(&mut m, &model, &mut d);
+    add_actuators(&mut m, &model, &d);
     add_statistics(&mut m, &d);
-    state_statistics(&mut m, stated);
+    state_statistics(&mut m, &spec.statistic);
+    add_springs(&mut m, &model, &mut d);
+    add_spring_dampers(&mut m, spec);
     Model::new(m)
 }
 
@@ -67,12 +75,16 @@ fn add_dof_weights(m: &mut CompiledModel, model: &Model, d: &Data) {
     }
     for j in 0..m.njnt() {
         let first = m.jnt_dofadr[j];
-        if m.jnt_type[j] == JointType::Free {
-            for three in [first, first + 3] {
-                let mean = m.dof_invweight0[three..three + 3].iter().sum::<f64>() / 3.0;
-                m.dof_invweight0[three..three + 3].fill(mean);
-            }
-        } else if m.body_simple[m.jnt_bodyid[j]] == 2 {
+        let threes: &[usize] = match m.jnt_type[j] {
+            JointType::Free => &[0, 3],
+            JointType::Ball => &[0],
+            _ => &[],
+        };
+        for three in threes.iter().map(|three| first + three) {
+            let mean = m.dof_invweight0[three..three + 3].iter().sum::<f64>() / 3.0;
+            m.dof_invweight0[three..three + 3].fill(mean);
+        }
+        if threes.is_empty() && m.body_simple[m.jnt_bodyid[j]] == 2 {
             m.dof_invweight0[first] = 1.0 / m.body_mass[m.jnt_bodyid[j]];
         }
     }
@@ -83,7 +95,7 @@ fn add_dof_weights(m: &mut CompiledModel, model: &Model, d: &Data) {
 fn add_body_weights(m: &mut CompiledModel, model: &Model, d: &Data) {
     let (mut row, mut solved) = (vec![0.0; m.nv()], vec![0.0; m.nv()]);
     for b in 1..m.nbody() {
-        if m.body_weldid[b] == 0 {
+        if model.plan().chain(b).is_empty() {
             continue;
         }
         if m.body_simple[b] == 2 {
@@ -112,6 +124,132 @@ fn add_body_weights(m: &mut CompiledModel, model: &Model, d: &Data) {
             }
             m.body_invweight0[b][kind] = trace / 3.0;
         }
+    }
+}
+
+/// The second anchor of points that are joined, and the pose of welded bodies where none is given.
+fn add_equalities(m: &mut CompiledModel, d: &Data) {
+    for i in 0..m.neq() {
+        if m.eq_objtype[i] != ObjectType::Body {
+            if m.eq_type[i] == EqualityType::Connect {
+                m.eq_data[i] = [0.0; 11];
+            }
+            continue;
+        }
+        let ids = [m.eq_obj1id[i], m.eq_obj2id[i]].map(|id| usize::try_from(id).unwrap_or(0));
+        let data = &mut m.eq_data[i];
+        let weld = match m.eq_type[i] {
+            EqualityType::Connect => false,
+            EqualityType::Weld => true,
+            EqualityType::Joint | EqualityType::Tendon => continue,
+        };
+        if weld && data[6..10].iter().any(|x| *x != 0.0) {
+            let given = [data[6], data[7], data[8], data[9]];
+            let quat = match m.revision {
+                Revision::V3_12 => InTurn::normalize_quat((), given),
+                Revision::V4_0 => Pairwise::normalize_quat((), given),
+            };
+            data[6..10].copy_from_slice(&quat);
+            continue;
+        }
+        let [from, to] = if weld { [ids[1], ids[0]] } else { ids };
+        let anchor = rotate(&d.xmat[from], [data[0], data[1], data[2]]);
+        let anchor = sub(add(anchor, d.xpos[from]), d.xpos[to]);
+        data[3..6].copy_from_slice(&rotate_back(&d.xmat[to], anchor));
+        if weld {
+            let [w, x, y, z] = d.xquat[ids[0]];
+            let (back, quat) = ([w, -x, -y, -z], d.xquat[ids[1]]);
+            let pose = match m.revision {
+                Revision::V3_12 => InTurn::mul_quat(back, quat),
+                Revision::V4_0 => Pairwise::mul_quat(back, quat),
+            };
+            data[6..10].copy_from_slice(&pose);
+        }
+    }
+}
+
+/// Lengths and inverse inertias of the tendons, and lengths and moments of the actuators.
+fn add_tendons(m: &mut CompiledModel, model: &Model, d: &mut Data) {
+    tendon(model, d);
+    transmission(model, d);
+    m.tendon_length0.clone_from(&d.ten_length);
+    m.actuator_length0.clone_from(&d.actuator_length);
+    let paths = &model.plan().paths;
+    for (t, row) in paths.rows.iter().enumerate() {
+        let columns = &paths.columns[row.clone()];
+        let (along, solved) = response(model, d, columns, &d.ten_j[row.clone()]);
+        m.tendon_invweight0[t] = dot_slices(&along, &solved);
+    }
+}
+
+/// A sparse vector of the degrees of freedom as a dense one, and the accelerations by these forces.
+fn response(model: &Model, d: &Data, columns: &[usize], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
+    let mut dense = vec![0.0; model.nv()];
+    for (&dof, value) in columns.iter().zip(values) {
+        dense[dof] = *value;
+    }
+    let mut solved = dense.clone();
+    solve_m(model, d, &mut solved);
+    (dense, solved)
+}
+
+/// `actuator_acc0`, and the damping of servos that is given as a ratio.
+fn add_actuators(m: &mut CompiledModel, model: &Model, d: &Data) {
+    for i in 0..m.nu() {
+        let (columns, moments) = d.work.moments.row(i);
+        let (dense, solved) = response(model, d, columns, moments);
+        m.actuator_acc0[i] = dot_slices(&solved, &solved).sqrt();
+        let kp = m.actuator_gainprm[i].0[0];
+        let bias = &mut m.actuator_biasprm[i].0;
+        if kp != -bias[1] || bias[2] <= 0.0 {
+            continue;
+        }
+        let mass = match m.revision {
+            Revision::V3_12 => {
+                let mut mass = 0.0;
+                for (&dof, moment) in columns.iter().zip(moments) {
+                    let square = moment.abs() * moment.abs();
+                    if square > MINVAL {
+                        mass += m.dof_m0[dof] / square;
+                    }
+                }
+                mass
+            }
+            // the inertia that the actuator feels
+            Revision::V4_0 => 1.0 / dot_slices(&dense, &solved).max(MINVAL),
+        };
+        bias[2] = -(bias[2] * 2.0 * (kp * mass).sqrt());
+    }
+}
+
+/// The lengths of slack springs of tendons where the joints' springs are at rest: MuJoCo's
+/// `setSpring`.
+fn add_springs(m: &mut CompiledModel, model: &Model, d: &mut Data) {
+    d.qpos.copy_from_slice(&model.qpos_spring);
+    kinematics(model, d);
+    com_pos(model, d);
+    tendon(model, d);
+    for (spring, length) in m.tendon_lengthspring.iter_mut().zip(&d.ten_length) {
+        if *spring == [-1.0; 2] {
+            *spring = [*length; 2];
+        }
+    }
+}
+
+/// Stiffness and damping of joints whose time constant and damping ratio are given: MuJoCo's
+/// `AutoSpringDamper`.
+fn add_spring_dampers(m: &mut CompiledModel, spec: &Spec) {
+    let joints = spec.bodies.iter().flat_map(|body| &body.joints);
+    for (j, joint) in joints.enumerate() {
+        let [time, ratio] = joint.spring_damper;
+        if time <= 0.0 || ratio <= 0.0 {
+            continue;
+        }
+        let dofs = m.jnt_dofadr[j]..m.jnt_dofadr[j] + m.jnt_type[j].nv();
+        let weights: f64 = m.dof_invweight0[dofs.clone()].iter().sum();
+        let inertia = dofs.len() as f64 / weights.max(MINVAL);
+        m.jnt_stiffness[j] = inertia / (time * time * ratio * ratio).max(MINVAL);
+        m.dof_damping[dofs].fill(2.0 * inertia / time.max(MINVAL));
     }
 }
 

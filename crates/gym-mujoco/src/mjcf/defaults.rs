@@ -1,7 +1,9 @@
 //! Classes of default values.
 
 use super::compile::MOST;
-use super::spec::{Geom, Joint, Motor, Site};
+use super::spec::{
+    ACTUATORS, Actuator, Camera, Equality, Geom, Joint, Light, Material, Pair, Site, Tendon,
+};
 use super::xml::Element;
 use crate::Result;
 
@@ -12,7 +14,13 @@ pub(super) struct Class {
     pub(super) joint: Joint,
     pub(super) geom: Geom,
     pub(super) site: Site,
-    pub(super) motor: Motor,
+    pub(super) camera: Camera,
+    pub(super) light: Light,
+    pub(super) material: Material,
+    pub(super) pair: Pair,
+    pub(super) equality: Equality,
+    pub(super) tendon: Tendon,
+    pub(super) actuator: Actuator,
 }
 
 /// All classes; the first is the one that holds where no class is named.
@@ -91,11 +99,20 @@ impl Classes {
                 "joint" => values.joint.read(&mut child)?,
                 "geom" => values.geom.read(&mut child)?,
                 "site" => values.site.read(&mut child)?,
-                "motor" => values.motor.read(&mut child)?,
+                "camera" => values.camera.read(&mut child)?,
+                "light" => values.light.read(&mut child)?,
+                "material" => values.material.read(&mut child)?,
+                "pair" => values.pair.read(&mut child)?,
+                "equality" => values.equality.read_common(&mut child)?,
+                "tendon" => values.tendon.read(&mut child)?,
+                // meshes are refused where they are used
+                "mesh" => child.ignore(&["scale", "maxhullvert", "inertia"]),
+                name if ACTUATORS.contains(&name) => values.actuator.read(&mut child)?,
                 _ => {
-                    return Err(
-                        section.unsupported(&child, &["joint", "geom", "site", "motor", "default"])
-                    );
+                    let mut known = vec!["joint", "geom", "site", "camera", "light", "material"];
+                    known.extend(["pair", "equality", "tendon", "mesh", "default"]);
+                    known.extend(ACTUATORS);
+                    return Err(section.unsupported(&child, &known));
                 }
             }
             child.finish_without_children()?;

@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 
 use super::orientation::{compose, unit};
 use crate::Revision;
+use crate::libm;
 use crate::model::GeomType;
 pub(super) use crate::physics::spatial::MINVAL;
 use crate::physics::spatial::{InTurn, Mat3, Order, Quat, inertia_at};
@@ -18,20 +19,41 @@ pub(super) struct Inertia {
     pub(super) moments: [f64; 3],
 }
 
-/// The volume of a shape.
-pub(super) fn volume(shape: GeomType, [r, half, _]: [f64; 3]) -> f64 {
+/// The volume of a shape, or of a `shell` its surface.
+pub(super) fn volume(shape: GeomType, [r, half, z]: [f64; 3], shell: bool) -> f64 {
     let height = 2.0 * half;
-    match shape {
-        GeomType::Plane => 0.0,
-        GeomType::Sphere => 4.0 * PI * r * r * r / 3.0,
-        GeomType::Capsule => PI * (r * r * height + 4.0 * r * r * r / 3.0),
-        GeomType::Cylinder => PI * r * r * height,
+    match (shape, shell) {
+        (GeomType::Plane, _) => 0.0,
+        (GeomType::Sphere, false) => 4.0 * PI * r * r * r / 3.0,
+        (GeomType::Sphere, true) => 4.0 * PI * r * r,
+        (GeomType::Capsule, false) => PI * (r * r * height + 4.0 * r * r * r / 3.0),
+        (GeomType::Capsule, true) => 4.0 * PI * r * r + 2.0 * PI * r * height,
+        (GeomType::Cylinder, false) => PI * r * r * height,
+        (GeomType::Cylinder, true) => 2.0 * PI * r * r + 2.0 * PI * r * height,
+        (GeomType::Ellipsoid, false) => 4.0 * PI * r * half * z / 3.0,
+        (GeomType::Ellipsoid, true) => {
+            // Thomsen's approximation
+            const P: f64 = 1.6075;
+            let sum = libm::pow(r * half, P) + libm::pow(half * z, P) + libm::pow(z * r, P);
+            4.0 * PI * libm::pow(sum / 3.0, 1.0 / P)
+        }
+        (GeomType::Box, false) => r * half * z * 8.0,
+        (GeomType::Box, true) => 8.0 * (r * half + half * z + z * r),
     }
 }
 
-/// The principal moments of inertia of a shape of that mass, about its own axes.
-pub(super) fn moments(shape: GeomType, mass: f64, [r, half, _]: [f64; 3]) -> [f64; 3] {
+/// The principal moments of inertia of a shape of that mass, about its own axes; of a `shell`, with
+/// the mass on the surface.
+pub(super) fn moments(shape: GeomType, mass: f64, size: [f64; 3], shell: bool) -> [f64; 3] {
+    if mass == 0.0 {
+        return [0.0; 3];
+    }
+    if shell {
+        return shell_moments(shape, mass, size);
+    }
+    let [r, half, _] = size;
     let height = 2.0 * half;
+    let [xx, yy, zz] = size.map(|x| x * x);
     match shape {
         GeomType::Plane => [0.0; 3],
         GeomType::Sphere => [2.0 * mass * r * r / 5.0; 3],
@@ -46,6 +68,69 @@ pub(super) fn moments(shape: GeomType, mass: f64, [r, half, _]: [f64; 3]) -> [f6
             let across = tube * (3.0 * r * r + height * height) / 12.0
                 + (ball_moment + ball * height * (3.0 * r + 2.0 * height) / 8.0);
             [across, across, tube * r * r / 2.0 + ball_moment]
+        }
+        GeomType::Ellipsoid => [yy + zz, xx + zz, xx + yy].map(|x| mass * x / 5.0),
+        GeomType::Box => [yy + zz, xx + zz, xx + yy].map(|x| mass * x / 3.0),
+    }
+}
+
+fn shell_moments(shape: GeomType, mass: f64, size: [f64; 3]) -> [f64; 3] {
+    let [r, half, _] = size;
+    let height = 2.0 * half;
+    match shape {
+        GeomType::Plane => [0.0; 3],
+        GeomType::Sphere => [2.0 * mass * r * r / 3.0; 3],
+        GeomType::Capsule => {
+            let (balls, tube) = (4.0 * PI * r * r, 2.0 * PI * r * height);
+            let ball = mass * balls / (balls + tube);
+            let tube = mass - ball;
+            let ball_moment = 2.0 * ball * r * r / 3.0;
+            let com = r / 2.0;
+            let place = half + com;
+            let across = tube * (6.0 * r * r + height * height) / 12.0
+                + (ball_moment + ball * (place * place - com * com));
+            [across, across, tube * r * r + ball_moment]
+        }
+        GeomType::Cylinder => {
+            let (disk, tube) = (PI * r * r, 2.0 * PI * r * height);
+            let disk = mass * disk / (2.0 * disk + tube);
+            let tube = mass - 2.0 * disk;
+            let (disk_x, disk_z) = (disk * r * r / 4.0 + disk * half * half, disk * r * r / 2.0);
+            let across = tube * (6.0 * r * r + height * height) / 12.0 + 2.0 * disk_x;
+            [across, across, tube * r * r + 2.0 * disk_z]
+        }
+        GeomType::Ellipsoid => {
+            // the difference of two ellipsoids
+            let solid = |size: [f64; 3]| volume(GeomType::Ellipsoid, size, false);
+            let outer = size.map(|x| x + 1e-6);
+            let (inside, outside) = (solid(size), solid(outer));
+            let density = mass / (outside - inside);
+            let less = moments(GeomType::Ellipsoid, inside * density, size, false);
+            let more = moments(GeomType::Ellipsoid, outside * density, outer, false);
+            std::array::from_fn(|k| more[k] - less[k])
+        }
+        GeomType::Box => {
+            let [lx, ly, lz] = size.map(|x| 2.0 * x);
+            let [xx, yy, zz] = size.map(|x| x * x);
+            let (a0, a1, a2) = (lx * ly, ly * lz, lz * lx);
+            let total = 2.0 * (a0 + a1 + a2);
+            let [m0, m1, m2] = [a0, a1, a2].map(|area| mass * area / total);
+            let x = m0 * zz
+                + m2 * yy
+                + m0 * ly * ly / 12.0
+                + m1 * (ly * ly + lz * lz) / 12.0
+                + m2 * lz * lz / 12.0;
+            let y = m0 * zz
+                + m1 * xx
+                + m0 * lx * lx / 12.0
+                + m1 * lz * lz / 12.0
+                + m2 * (lx * lx + lz * lz) / 12.0;
+            let z = m1 * xx
+                + m2 * yy
+                + m0 * (lx * lx + ly * ly) / 12.0
+                + m1 * ly * ly / 12.0
+                + m2 * lx * lx / 12.0;
+            [2.0 * x, 2.0 * y, 2.0 * z]
         }
     }
 }

@@ -4,43 +4,44 @@
 //! into figures. Whatever is outside of the supported part is an error that names element,
 //! attribute and line; nothing is skipped silently.
 //!
-//! | element | attributes |
+//! | section | supported |
 //! |---|---|
-//! | `compiler` | angle, coordinate="local", inertiafromgeom, settotalmass, autolimits |
-//! | `option` | timestep, gravity, wind, density, viscosity, integrator (Euler, RK4), solver (Newton, PGS), iterations, ls_iterations, tolerance, cone="pyramidal", jacobian, impratio="1" |
-//! | `default` | class; of joint, geom, motor, site |
-//! | `body` | name, pos, orientation, childclass |
-//! | `inertial` | pos, orientation, mass, diaginertia, fullinertia |
-//! | `joint`, `freejoint` | name, class, type (free, slide, hinge), pos, axis, range, limited, ref, springref, stiffness, damping, armature, margin, solreflimit, solimplimit |
-//! | `geom` | name, class, type (plane, sphere, capsule, cylinder), size, pos, orientation, fromto, density, mass, friction, condim (1, 3), contype, conaffinity, margin, gap, priority, solmix, solref, solimp, rgba, material |
-//! | `site`, `camera`, `light` | for pictures |
-//! | `actuator/motor` | name, class, joint, gear, ctrlrange, ctrllimited |
-//! | `tendon/fixed` | name; of joint, coef |
-//! | `contact/exclude` | body1, body2 |
-//! | `keyframe/key` | time, qpos, qvel, ctrl |
+//! | all | `include`; `default` classes and `childclass`; orientations by quat, axisangle, xyaxes, zaxis and euler |
+//! | `compiler` | angle, eulerseq, autolimits, inertiafromgeom, inertiagrouprange, balanceinertia, boundmass, boundinertia, settotalmass, strippath, coordinate="local" |
+//! | `option` | timestep, gravity, wind, magnetic, density, viscosity, cone, impratio, solver, iterations, ls_iterations, tolerance, integrator (Euler, RK4), `flag` |
+//! | bodies | `body` (mocap, gravcomp), `frame`, `replicate`, `inertial`; all joints with springs, dampers, dry friction, limits; sites, cameras, lights |
+//! | `geom` | plane, sphere, capsule, ellipsoid, cylinder, box; fluidshape; all figures of contacts |
+//! | `contact` | pair, exclude |
+//! | `equality` | connect, weld, joint, tendon |
+//! | `tendon` | fixed, spatial (sites, pulleys, spheres and cylinders with side sites) |
+//! | `actuator` | general, motor, position, velocity, intvelocity, damper, cylinder, muscle; on joints, tendons and sites |
+//! | `sensor` | those of joints, tendons, actuators, sites, frames, subtrees, and the clock; touch, rangefinder, magnetometer |
+//! | `keyframe` | key |
 //!
-//! An orientation is one of quat, axisangle, euler. `asset` gives colours of materials, `statistic`
-//! and `size` the figures that MuJoCo takes from them; `visual`, `custom`, `user` and `group` are
-//! read and ignored.
+//! `asset` gives colours of materials, `statistic` and `size` the figures that MuJoCo takes from
+//! them; `visual`, `custom`, `user`, `group`, textures and skins are read and ignored. Refused are
+//! meshes, height fields as geoms, composites, flexes, plugins, implicit integrators and noslip
+//! iterations.
 
+mod bodies;
 mod compile;
 mod constants;
 mod defaults;
 mod figures;
+mod files;
+mod fluid;
 mod inertia;
 mod orientation;
 mod reader;
 mod spec;
 mod xml;
 
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
 
 use crate::{Error, Model, Result, Revision};
 
 impl Model {
-    /// Compiles a model from a text in MJCF.
+    /// Compiles a model from a text in MJCF, which includes no files.
     ///
     /// # Errors
     /// [`Error::Mjcf`] for text that is not XML, for anything outside the supported part of MJCF,
@@ -54,39 +55,40 @@ impl Model {
     /// # Errors
     /// The errors of `from_xml`.
     pub fn from_xml_with(text: &str, revision: Revision) -> Result<Self> {
-        let mut spec = reader::read(text)?;
+        Self::from_texts(&files::Texts::of(text)?, revision)
+    }
+
+    /// Compiles a model from a file in MJCF and the files that it includes. Their names are
+    /// relative to the folder of this file, or else to that of the including file.
+    ///
+    /// # Errors
+    /// [`Error::File`] if a file cannot be read, is missing or is included twice, or with the error
+    /// of [`from_xml`](Self::from_xml).
+    pub fn from_path(path: impl AsRef<Path>) -> Result<Self> {
+        Self::from_path_with(path, Revision::default())
+    }
+
+    /// As [`from_path`](Self::from_path), for the engine of a revision.
+    ///
+    /// # Errors
+    /// The errors of `from_path`.
+    pub fn from_path_with(path: impl AsRef<Path>, revision: Revision) -> Result<Self> {
+        let path = path.as_ref();
+        let texts = files::Texts::of_file(path);
+        let model = texts.and_then(|texts| Self::from_texts(&texts, revision));
+        model.map_err(|error| match error {
+            Error::File { .. } => error,
+            error => Error::File {
+                path: path.display().to_string(),
+                reason: error.to_string(),
+            },
+        })
+    }
+
+    fn from_texts(texts: &files::Texts, revision: Revision) -> Result<Self> {
+        let mut spec = reader::read(&texts.parse()?)?;
         spec.revision = revision;
         let compiled = compile::compile(&spec)?;
-        constants::add_constants(compiled, &spec.statistic).map_err(|error| spec.located(error))
-    }
-
-    /// Compiles a model from a file in MJCF.
-    ///
-    /// # Errors
-    /// [`Error::File`] if the file cannot be read, or with the error of
-    /// [`from_xml`](Self::from_xml).
-    pub fn from_xml_file(path: impl AsRef<Path>) -> Result<Self> {
-        Self::from_xml_file_with(path, Revision::default())
-    }
-
-    /// As [`from_xml_file`](Self::from_xml_file), for the engine of a revision.
-    ///
-    /// # Errors
-    /// The errors of `from_xml_file`.
-    pub fn from_xml_file_with(path: impl AsRef<Path>, revision: Revision) -> Result<Self> {
-        let path = path.as_ref();
-        let in_file = |reason: String| Error::File {
-            path: path.display().to_string(),
-            reason,
-        };
-        let mut text = String::new();
-        let file = File::open(path).map_err(|error| in_file(error.to_string()))?;
-        // one byte more than is read, which `from_xml` refuses: a device such as `/dev/zero` never
-        // ends
-        let read = file
-            .take(reader::MAX_LEN as u64 + 1)
-            .read_to_string(&mut text);
-        read.map_err(|error| in_file(error.to_string()))?;
-        Self::from_xml_with(&text, revision).map_err(|error| in_file(error.to_string()))
+        constants::add_constants(compiled, &spec).map_err(|error| spec.located(error))
     }
 }

@@ -1,7 +1,8 @@
 //! Orientations: the forms in which MJCF gives them, as quaternions `w, x, y, z`.
 
+use super::spec::{Compiler, Frame};
 use super::xml::Element;
-use crate::physics::spatial::{InTurn, Order, Quat, axis_angle, cross};
+use crate::physics::spatial::{InTurn, Order, Quat, add, axis_angle, cross, rotate};
 use crate::{Result, libm};
 
 const IDENTITY: Quat = [1.0, 0.0, 0.0, 0.0];
@@ -35,17 +36,16 @@ impl Default for Orientation {
 }
 
 impl Orientation {
-    /// Reads `quat`, `axisangle` and `euler`.
+    /// That of some Euler angles.
+    pub(super) fn of_euler(angles: [f64; 3]) -> Self {
+        Self {
+            other: Some(Form::Euler(angles)),
+            ..Self::default()
+        }
+    }
+
+    /// Reads the forms, of which one may be given.
     pub(super) fn read(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
-        self.read_forms(element, false)
-    }
-
-    /// Reads these and `xyaxes` and `zaxis`, which are for cameras.
-    pub(super) fn read_of_camera(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
-        self.read_forms(element, true)
-    }
-
-    fn read_forms(&mut self, element: &mut Element<'_, '_>, axes: bool) -> Result<()> {
         let mut given = Vec::new();
         if let Some(quat) = element.numbers::<4>("quat")? {
             if norm(&quat) < EPS {
@@ -65,23 +65,21 @@ impl Orientation {
             self.other = Some(Form::Euler(euler));
             given.push("euler");
         }
-        if axes {
-            if let Some(xyaxes) = element.numbers::<6>("xyaxes")? {
-                if plane_of(&xyaxes).is_none() {
-                    return Err(element
-                        .place()
-                        .attribute("xyaxes", "the axes are zero or parallel"));
-                }
-                self.other = Some(Form::XyAxes(xyaxes));
-                given.push("xyaxes");
+        if let Some(xyaxes) = element.numbers::<6>("xyaxes")? {
+            if plane_of(&xyaxes).is_none() {
+                return Err(element
+                    .place()
+                    .attribute("xyaxes", "the axes are zero or parallel"));
             }
-            if let Some(zaxis) = element.numbers::<3>("zaxis")? {
-                if norm(&zaxis) < EPS {
-                    return Err(element.place().attribute("zaxis", "the axis is zero"));
-                }
-                self.other = Some(Form::ZAxis(zaxis));
-                given.push("zaxis");
+            self.other = Some(Form::XyAxes(xyaxes));
+            given.push("xyaxes");
+        }
+        if let Some(zaxis) = element.numbers::<3>("zaxis")? {
+            if norm(&zaxis) < EPS {
+                return Err(element.place().attribute("zaxis", "the axis is zero"));
             }
+            self.other = Some(Form::ZAxis(zaxis));
+            given.push("zaxis");
         }
         match given[..] {
             [_, second, ..] => Err(element
@@ -91,8 +89,9 @@ impl Orientation {
         }
     }
 
-    /// The quaternion; angles are in degrees where `degree`.
-    pub(super) fn resolve(&self, degree: bool) -> Quat {
+    /// The quaternion, with the compiler's unit and order of angles.
+    pub(super) fn resolve(&self, compiler: &Compiler) -> Quat {
+        let degree = compiler.degree;
         let radians = |angle: f64| {
             if degree {
                 angle / 180.0 * std::f64::consts::PI
@@ -107,11 +106,15 @@ impl Orientation {
             }
             Some(Form::Euler(angles)) => {
                 let mut quat = IDENTITY;
-                for (axis, angle) in [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
-                    .into_iter()
-                    .zip(angles)
-                {
-                    quat = compose(quat, axis_angle((), axis, radians(*angle)));
+                for ((axis, fixed), angle) in compiler.euler.into_iter().zip(angles) {
+                    let mut direction = [0.0; 3];
+                    direction[axis] = 1.0;
+                    let turn = axis_angle((), direction, radians(*angle));
+                    quat = if fixed {
+                        compose(turn, quat)
+                    } else {
+                        compose(quat, turn)
+                    };
                 }
                 unit(quat).0
             }
@@ -139,6 +142,15 @@ pub(super) fn unit<const N: usize>(v: [f64; N]) -> ([f64; N], f64) {
         },
         length,
     )
+}
+
+/// A frame that is given in another one: MuJoCo's `mjuu_frameaccumChild`.
+pub(super) fn within(frame: Option<Frame>, (pos, quat): Frame) -> Frame {
+    let Some((origin, turn)) = frame else {
+        return (pos, quat);
+    };
+    let moved = add(origin, rotate(&InTurn::quat_to_mat(turn), pos));
+    (moved, compose(turn, quat))
 }
 
 /// The rotation `a`, after the rotation `b` in its frame: MuJoCo's `mjuu_mulquat`.

@@ -1,25 +1,17 @@
 //! From text to [`Spec`]: the sections of a model and the tree of its bodies.
 
-use roxmltree::{Document, ParsingOptions};
-
+use super::bodies::Bodies;
 use super::defaults::Classes;
+use super::files::Files;
 use super::spec::{
-    Body, Camera, Exclude, Geom, Inertial, Joint, Key, Light, Material, Motor, Site, Spec, Tendon,
+    ACTUATORS, Actuator, Body, EQUALITIES, Equality, Exclude, Key, Material, Pair, Sensor, Spec,
+    Tendon,
 };
-use super::xml::{Element, Lines};
-use crate::model::{Integrator, Solver};
-use crate::{Error, Result};
+use super::xml::Element;
+use crate::Result;
+use crate::model::{Cone, Disable, Integrator, SensorType, Solver};
 
-/// The longest text that is read, in bytes.
-pub(super) const MAX_LEN: usize = 8 << 20;
-/// The most nodes (elements, texts and comments) that are read.
-const MAX_NODES: u32 = 200_000;
-/// The most attributes of an element, and the most namespaces: the parser compares each with all
-/// others.
-const MAX_ATTRIBUTES: usize = 1000;
-const MAX_NAMESPACES: usize = 10;
-
-const SECTIONS: [&str; 13] = [
+const SECTIONS: [&str; 15] = [
     "compiler",
     "option",
     "size",
@@ -30,35 +22,16 @@ const SECTIONS: [&str; 13] = [
     "asset",
     "worldbody",
     "contact",
+    "equality",
     "tendon",
     "actuator",
+    "sensor",
     "keyframe",
 ];
 
 /// Reads a model. Sections may come in any order and repeat.
-pub(super) fn read(text: &str) -> Result<Spec> {
-    let not_xml = |line: u32, reason: String| Error::Mjcf {
-        line,
-        element: "mujoco".into(),
-        attribute: None,
-        reason,
-    };
-    if text.len() > MAX_LEN {
-        return Err(not_xml(
-            1,
-            format!("the text is too long: the limit is {MAX_LEN} bytes"),
-        ));
-    }
-    check_tags(text).map_err(|(line, reason)| not_xml(line, reason))?;
-    let options = ParsingOptions {
-        allow_dtd: false,
-        nodes_limit: MAX_NODES,
-        ..ParsingOptions::default()
-    };
-    let document = Document::parse_with_options(text, options)
-        .map_err(|error| not_xml(error.pos().row, format!("the text is not XML: {error}")))?;
-    let lines = Lines::of(text);
-    let mut root = Element::new(document.root_element(), &lines);
+pub(super) fn read(files: &Files<'_>) -> Result<Spec> {
+    let mut root = Element::root(files);
     if root.name() != "mujoco" {
         return Err(root.error("not supported: the outermost element is <mujoco>"));
     }
@@ -75,43 +48,9 @@ pub(super) fn read(text: &str) -> Result<Spec> {
     Ok(spec)
 }
 
-/// Refuses texts that the parser would read slowly; the error names the line.
-fn check_tags(text: &str) -> std::result::Result<(), (u32, String)> {
-    let mut rest = text;
-    let mut namespaces = 0;
-    while let Some(start) = rest.find('<') {
-        rest = &rest[start + 1..];
-        if let Some(comment) = rest.strip_prefix("!--") {
-            rest = comment.find("-->").map_or("", |end| &comment[end..]);
-            continue;
-        }
-        let tag = &rest[..rest.find('<').unwrap_or(rest.len())];
-        namespaces += tag.matches("xmlns").count();
-        let reason = if tag.matches('=').count() > MAX_ATTRIBUTES {
-            format!("an element has more than {MAX_ATTRIBUTES} attributes")
-        } else if namespaces > MAX_NAMESPACES {
-            format!("the text has more than {MAX_NAMESPACES} namespaces")
-        } else {
-            continue;
-        };
-        let before = &text[..text.len() - rest.len()];
-        return Err((before.matches('\n').count() as u32 + 1, reason));
-    }
-    Ok(())
-}
-
 struct Reader<'s> {
     spec: &'s mut Spec,
     classes: Classes,
-}
-
-/// A body whose parts are being read.
-struct OpenBody<'a, 'input> {
-    element: Element<'a, 'input>,
-    children: std::vec::IntoIter<Element<'a, 'input>>,
-    id: usize,
-    /// The class of the parts that name none.
-    class: usize,
 }
 
 impl Reader<'_> {
@@ -144,10 +83,12 @@ impl Reader<'_> {
         for section in root.children()? {
             match section.name() {
                 "asset" => self.read_asset(section)?,
-                "worldbody" => self.read_bodies(section)?,
+                "worldbody" => Bodies::new(self.spec, &self.classes).read(section)?,
                 "contact" => self.read_contact(section)?,
+                "equality" => self.read_equalities(section)?,
                 "tendon" => self.read_tendons(section)?,
                 "actuator" => self.read_actuators(section)?,
+                "sensor" => self.read_sensors(section)?,
                 "keyframe" => self.read_keys(section)?,
                 _ => {}
             }
@@ -176,13 +117,22 @@ impl Reader<'_> {
         if let Some(viscosity) = element.non_negative("viscosity")? {
             option.viscosity = viscosity;
         }
-        let integrators = [("Euler", Integrator::Euler), ("RK4", Integrator::RK4)];
+        let integrators = [
+            ("Euler", Integrator::Euler),
+            ("RK4", Integrator::RK4),
+            ("implicit", Integrator::Implicit),
+            ("implicitfast", Integrator::ImplicitFast),
+        ];
         if let Some(integrator) = element.keyword("integrator", &integrators)? {
             option.integrator = integrator;
         }
         if let Some(solver) = element.keyword(
             "solver",
-            &[("Newton", Solver::Newton), ("PGS", Solver::PGS)],
+            &[
+                ("Newton", Solver::Newton),
+                ("PGS", Solver::PGS),
+                ("CG", Solver::CG),
+            ],
         )? {
             option.solver = solver;
         }
@@ -195,18 +145,103 @@ impl Reader<'_> {
         if let Some(tolerance) = element.non_negative("tolerance")? {
             option.tolerance = tolerance;
         }
-        element.keyword("cone", &[("pyramidal", ())])?;
+        if let Some(tolerance) = element.non_negative("ls_tolerance")? {
+            option.ls_tolerance = tolerance;
+        }
+        let cones = [("pyramidal", Cone::Pyramidal), ("elliptic", Cone::Elliptic)];
+        if let Some(cone) = element.keyword("cone", &cones)? {
+            option.cone = cone;
+        }
         // how the Jacobian is stored in MuJoCo; the results are the same
         if let Some(jacobian) =
             element.keyword("jacobian", &[("dense", 0), ("sparse", 1), ("auto", 2)])?
         {
             option.jacobian = jacobian;
         }
-        if element
-            .number("impratio")?
-            .is_some_and(|ratio| ratio != 1.0)
-        {
-            return Err(place.attribute("impratio", "only 1 is supported"));
+        if let Some(ratio) = element.positive("impratio")? {
+            option.impratio = ratio;
+        }
+        if let Some(iterations) = element.integer("noslip_iterations")? {
+            option.noslip_iterations = iterations;
+        }
+        if let Some(tolerance) = element.non_negative("noslip_tolerance")? {
+            option.noslip_tolerance = tolerance;
+        }
+        if let Some(magnetic) = element.numbers("magnetic")? {
+            option.magnetic = magnetic;
+        }
+        if let Some(groups) = element.list("actuatorgroupdisable")? {
+            for group in groups {
+                if !(0.0..31.0).contains(&group) {
+                    return Err(place.attribute("actuatorgroupdisable", "groups are 0 to 30"));
+                }
+                option.disableactuator |= 1 << group as u32;
+            }
+        }
+        // of what is not supported, or not on
+        element.ignore(&[
+            "o_margin",
+            "o_solref",
+            "o_solimp",
+            "o_friction",
+            "sdf_iterations",
+            "sdf_initpoints",
+            "sleep_tolerance",
+        ]);
+        for child in element.children()? {
+            if child.name() != "flag" {
+                return Err(element.unsupported(&child, &["flag"]));
+            }
+            self.read_flags(child)?;
+        }
+        element.finish()
+    }
+
+    fn read_flags(&mut self, mut element: Element<'_, '_>) -> Result<()> {
+        const DISABLES: [(&str, Disable); 20] = [
+            ("constraint", Disable::Constraint),
+            ("equality", Disable::Equality),
+            ("frictionloss", Disable::FrictionLoss),
+            ("limit", Disable::Limit),
+            ("contact", Disable::Contact),
+            ("spring", Disable::Spring),
+            ("damper", Disable::Damper),
+            ("gravity", Disable::Gravity),
+            ("clampctrl", Disable::ClampCtrl),
+            ("warmstart", Disable::WarmStart),
+            ("filterparent", Disable::FilterParent),
+            ("actuation", Disable::Actuation),
+            ("refsafe", Disable::RefSafe),
+            ("sensor", Disable::Sensor),
+            ("midphase", Disable::MidPhase),
+            ("eulerdamp", Disable::EulerDamp),
+            ("autoreset", Disable::AutoReset),
+            ("nativeccd", Disable::NativeCcd),
+            ("island", Disable::Island),
+            ("multiccd", Disable::MultiCcd),
+        ];
+        /// MuJoCo's `mjENBL_ENERGY`.
+        const ENERGY: u32 = 1 << 1;
+        let words = [("disable", false), ("enable", true)];
+        let option = &mut self.spec.option;
+        for (name, part) in DISABLES {
+            match element.keyword(name, &words)? {
+                Some(true) => option.disableflags &= !(part as u32),
+                Some(false) => option.disableflags |= part as u32,
+                None => {}
+            }
+        }
+        match element.keyword("energy", &words)? {
+            Some(true) => option.enableflags |= ENERGY,
+            Some(false) => option.enableflags &= !ENERGY,
+            None => {}
+        }
+        // these concern comparisons and inverse dynamics
+        for name in ["fwdinv", "invdiscrete"] {
+            element.keyword(name, &words)?;
+        }
+        for name in ["override", "sleep", "diagexact"] {
+            element.keyword(name, &[("disable", ())])?;
         }
         element.finish_without_children()
     }
@@ -248,175 +283,107 @@ impl Reader<'_> {
         for mut child in section.children()? {
             match child.name() {
                 "material" => {
-                    let name = child.required_text("name")?;
-                    let rgba = child.numbers("rgba")?.unwrap_or([1.0; 4]);
-                    self.spec.materials.push(Material { name, rgba });
+                    let class = self.classes.named(&mut child, "class", 0)?;
+                    let mut material = Material {
+                        name: child.required_text("name")?,
+                        ..self.classes.get(class).material.clone()
+                    };
+                    material.read(&mut child)?;
+                    self.spec.materials.push(material);
                 }
-                "texture" => {}
-                _ => return Err(section.unsupported(&child, &["material", "texture"])),
+                "texture" | "skin" | "hfield" => {}
+                _ => {
+                    return Err(
+                        section.unsupported(&child, &["material", "texture", "skin", "hfield"])
+                    );
+                }
             }
         }
         section.finish()
     }
 
-    /// Reads the bodies of the world, each after its parent and before its children. Not by
-    /// recursion, which deep nesting would lead beyond the end of the stack.
-    fn read_bodies(&mut self, world: Element<'_, '_>) -> Result<()> {
-        let children = world.children()?.into_iter();
-        let mut open = vec![OpenBody {
-            element: world,
-            children,
-            id: 0,
-            class: 0,
-        }];
-        while let Some(body) = open.last_mut() {
-            match body.children.next() {
-                Some(child) if child.name() == "body" => {
-                    let (parent, class) = (body.id, body.class);
-                    open.push(self.open_body(child, parent, class)?);
-                }
-                Some(child) => self.read_part(child, body)?,
-                None => {
-                    if let Some(body) = open.pop() {
-                        body.element.finish()?;
-                    }
-                }
-            }
-        }
-        Ok(())
-    }
-
-    /// Reads the attributes of a body.
-    fn open_body<'a, 'input>(
-        &mut self,
-        mut element: Element<'a, 'input>,
-        parent: usize,
-        class: usize,
-    ) -> Result<OpenBody<'a, 'input>> {
-        let mut body = Body {
-            place: element.place(),
-            name: element.text("name"),
-            parent,
-            ..Body::default()
-        };
-        if let Some(pos) = element.numbers("pos")? {
-            body.pos = pos;
-        }
-        body.orientation.read(&mut element)?;
-        let class = self.classes.named(&mut element, "childclass", class)?;
-        element.ignore(&["user"]);
-        self.spec.bodies.push(body);
-        Ok(OpenBody {
-            children: element.children()?.into_iter(),
-            element,
-            id: self.spec.bodies.len() - 1,
-            class,
-        })
-    }
-
-    /// Reads an element of a body that is not a body.
-    fn read_part(&mut self, mut child: Element<'_, '_>, body: &OpenBody<'_, '_>) -> Result<()> {
-        const IN_BODIES: [&str; 8] = [
-            "body",
-            "geom",
-            "joint",
-            "freejoint",
-            "inertial",
-            "site",
-            "camera",
-            "light",
-        ];
-        const IN_THE_WORLD: [&str; 5] = ["body", "geom", "site", "camera", "light"];
-        let OpenBody {
-            ref element,
-            id,
-            class,
-            ..
-        } = *body;
-        let supported = if id == 0 {
-            &IN_THE_WORLD[..]
-        } else {
-            &IN_BODIES
-        };
-        if !supported.contains(&child.name()) {
-            return Err(element.unsupported(&child, supported));
-        }
-        let parts = &mut self.spec.bodies[id];
-        match child.name() {
-            "geom" => {
-                let class = self.classes.named(&mut child, "class", class)?;
-                let mut geom = Geom {
-                    name: child.text("name"),
-                    ..self.classes.get(class).geom.clone()
-                };
-                geom.read(&mut child)?;
-                child.finish_without_children()?;
-                parts.geoms.push(geom);
-            }
-            "joint" => {
-                let class = self.classes.named(&mut child, "class", class)?;
-                let mut joint = Joint {
-                    name: child.text("name"),
-                    ..self.classes.get(class).joint.clone()
-                };
-                joint.read(&mut child)?;
-                child.finish_without_children()?;
-                parts.joints.push(joint);
-            }
-            "freejoint" => parts.joints.push(Joint::read_free(child)?),
-            "inertial" if parts.inertial.is_some() => {
-                return Err(child.error("the body has one already"));
-            }
-            "inertial" => parts.inertial = Some(Inertial::read(child)?),
-            "site" => {
-                let class = self.classes.named(&mut child, "class", class)?;
-                let mut site = Site {
-                    name: child.text("name"),
-                    ..self.classes.get(class).site.clone()
-                };
-                site.read(&mut child)?;
-                child.finish_without_children()?;
-                parts.sites.push(site);
-            }
-            "camera" => parts.cameras.push(Camera::read(child)?),
-            _ => parts.lights.push(Light::read(child)?),
-        }
-        Ok(())
-    }
-
     fn read_contact(&mut self, section: Element<'_, '_>) -> Result<()> {
-        for child in section.children()? {
+        for mut child in section.children()? {
             match child.name() {
                 "exclude" => self.spec.excludes.push(Exclude::read(child)?),
-                _ => return Err(section.unsupported(&child, &["exclude"])),
+                "pair" => {
+                    let class = self.classes.named(&mut child, "class", 0)?;
+                    let mut pair = Pair {
+                        name: child.text("name"),
+                        ..self.classes.get(class).pair.clone()
+                    };
+                    pair.read(&mut child)?;
+                    child.finish_without_children()?;
+                    self.spec.pairs.push(pair);
+                }
+                _ => return Err(section.unsupported(&child, &["exclude", "pair"])),
             }
+        }
+        section.finish()
+    }
+
+    fn read_equalities(&mut self, section: Element<'_, '_>) -> Result<()> {
+        for mut child in section.children()? {
+            let kinds = EQUALITIES.map(|(name, ..)| name);
+            let Some((_, kind, names)) = EQUALITIES.iter().find(|(name, ..)| *name == child.name())
+            else {
+                return Err(section.unsupported(&child, &kinds));
+            };
+            let class = self.classes.named(&mut child, "class", 0)?;
+            let mut equality = Equality {
+                name: child.text("name"),
+                ..self.classes.get(class).equality.clone()
+            };
+            equality.read(&mut child, *kind, *names)?;
+            child.finish_without_children()?;
+            self.spec.equalities.push(equality);
         }
         section.finish()
     }
 
     fn read_tendons(&mut self, section: Element<'_, '_>) -> Result<()> {
-        for child in section.children()? {
-            match child.name() {
-                "fixed" => self.spec.tendons.push(Tendon::read(child)?),
-                _ => return Err(section.unsupported(&child, &["fixed"])),
+        for mut child in section.children()? {
+            if !["fixed", "spatial"].contains(&child.name()) {
+                return Err(section.unsupported(&child, &["fixed", "spatial"]));
             }
+            let class = self.classes.named(&mut child, "class", 0)?;
+            let mut tendon = Tendon {
+                name: child.text("name"),
+                ..self.classes.get(class).tendon.clone()
+            };
+            tendon.read(&mut child)?;
+            tendon.read_path(&child)?;
+            child.finish()?;
+            self.spec.tendons.push(tendon);
         }
         section.finish()
     }
 
     fn read_actuators(&mut self, section: Element<'_, '_>) -> Result<()> {
         for mut child in section.children()? {
-            if child.name() != "motor" {
-                return Err(section.unsupported(&child, &["motor"]));
+            if !ACTUATORS.contains(&child.name()) {
+                return Err(section.unsupported(&child, &ACTUATORS));
             }
             let class = self.classes.named(&mut child, "class", 0)?;
-            let mut motor = Motor {
+            let mut actuator = Actuator {
                 name: child.text("name"),
-                ..self.classes.get(class).motor.clone()
+                ..self.classes.get(class).actuator.clone()
             };
-            motor.read(&mut child)?;
+            actuator.read(&mut child)?;
             child.finish_without_children()?;
-            self.spec.motors.push(motor);
+            self.spec.actuators.push(actuator);
+        }
+        section.finish()
+    }
+
+    fn read_sensors(&mut self, section: Element<'_, '_>) -> Result<()> {
+        for child in section.children()? {
+            let kinds = SensorType::ALL;
+            let Some((_, kind)) = kinds.iter().find(|(name, _)| *name == child.name()) else {
+                let known: Vec<&str> = kinds.iter().map(|(name, _)| *name).collect();
+                return Err(section.unsupported(&child, &known));
+            };
+            self.spec.sensors.push(Sensor::read(child, *kind)?);
         }
         section.finish()
     }

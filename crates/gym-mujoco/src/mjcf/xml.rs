@@ -3,6 +3,7 @@
 
 use roxmltree::{Attribute, Node};
 
+use super::files::Files;
 use crate::{Error, Result};
 
 /// An element of a model's text, and those of its attributes that were not read yet.
@@ -10,7 +11,9 @@ pub(super) struct Element<'a, 'input> {
     node: Node<'a, 'input>,
     unread: Vec<Attribute<'a, 'input>>,
     known: Vec<&'static str>,
-    lines: &'a Lines,
+    files: &'a Files<'input>,
+    /// The number of the file that has the element.
+    file: usize,
     line: u32,
     depth: usize,
 }
@@ -29,7 +32,7 @@ impl Lines {
     }
 
     /// The line of a position in the text, counted from 1.
-    fn at(&self, position: usize) -> u32 {
+    pub(super) fn at(&self, position: usize) -> u32 {
         self.0.partition_point(|start| *start <= position) as u32
     }
 }
@@ -40,44 +43,66 @@ const MAX_DEPTH: usize = 200;
 /// Where something stands in the text, for errors that are found after reading.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Place {
+    /// The included file that has it; empty for the text itself.
+    file: String,
     line: u32,
     element: String,
 }
 
 impl Place {
-    /// An error about an attribute of this element.
-    pub(super) fn attribute(&self, attribute: &str, reason: impl Into<String>) -> Error {
-        let (line, element, attribute) =
-            (self.line, self.element.clone(), Some(attribute.to_owned()));
-        Error::Mjcf {
+    /// An element of a file on a line.
+    pub(super) fn new(file: &str, line: u32, element: &str) -> Self {
+        let (file, element) = (file.to_owned(), element.to_owned());
+        Self {
+            file,
             line,
             element,
-            attribute,
-            reason: reason.into(),
         }
+    }
+
+    /// An error about an attribute of this element.
+    pub(super) fn attribute(&self, attribute: &str, reason: impl Into<String>) -> Error {
+        self.fault(Some(attribute.to_owned()), reason.into())
     }
 
     /// An error about this element.
     pub(super) fn error(&self, reason: impl Into<String>) -> Error {
-        Error::Mjcf {
-            line: self.line,
-            element: self.element.clone(),
-            attribute: None,
-            reason: reason.into(),
+        self.fault(None, reason.into())
+    }
+
+    fn fault(&self, attribute: Option<String>, reason: String) -> Error {
+        let (line, element) = (self.line, self.element.clone());
+        let fault = Error::Mjcf {
+            line,
+            element,
+            attribute,
+            reason,
+        };
+        if self.file.is_empty() {
+            return fault;
+        }
+        Error::File {
+            path: self.file.clone(),
+            reason: fault.to_string(),
         }
     }
 }
 
 impl<'a, 'input> Element<'a, 'input> {
-    pub(super) fn new(node: Node<'a, 'input>, lines: &'a Lines) -> Self {
-        let line = lines.at(node.range().start);
+    /// The outermost element of the text.
+    pub(super) fn root(files: &'a Files<'input>) -> Self {
+        Self::new(files.root(0), files, 0, 0)
+    }
+
+    fn new(node: Node<'a, 'input>, files: &'a Files<'input>, file: usize, depth: usize) -> Self {
         Self {
             node,
             unread: node.attributes().collect(),
             known: Vec::new(),
-            lines,
-            line,
-            depth: 0,
+            files,
+            file,
+            line: files.line(file, node.range().start),
+            depth,
         }
     }
 
@@ -88,40 +113,41 @@ impl<'a, 'input> Element<'a, 'input> {
 
     /// Where it stands.
     pub(super) fn place(&self) -> Place {
-        Place {
-            line: self.line,
-            element: self.name().to_owned(),
-        }
+        Place::new(self.files.name(self.file), self.line, self.name())
     }
 
-    /// The elements within.
+    /// The elements within; of an included file, those of its outermost element. Texts and comments
+    /// say nothing.
     ///
     /// # Errors
-    /// If there is text between them, an element of another namespace, or too deep a nesting.
+    /// If there is an element of another namespace, or too deep a nesting.
     pub(super) fn children(&self) -> Result<Vec<Self>> {
         let mut children = Vec::new();
-        for node in self.node.children() {
-            if node.is_element() {
-                let child = Self {
-                    depth: self.depth + 1,
-                    ..Self::new(node, self.lines)
-                };
-                if child.depth > MAX_DEPTH {
-                    return Err(child.error(format!("elements are nested deeper than {MAX_DEPTH}")));
-                }
-                if node.tag_name().namespace() != self.node.tag_name().namespace() {
-                    return Err(child.error("an element of another namespace is not part of MJCF"));
-                }
-                children.push(child);
-            } else if let Some(text) = node
-                .text()
-                .filter(|text| node.is_text() && !text.trim().is_empty())
-            {
-                let excerpt: String = text.trim().chars().take(20).collect();
-                return Err(self.error(format!("text is not allowed within it: {excerpt:?}")));
+        self.add_children(self.node, self.file, &mut children)?;
+        Ok(children)
+    }
+
+    /// By recursion only for included files, of which there are few.
+    fn add_children(
+        &self,
+        parent: Node<'a, 'input>,
+        file: usize,
+        children: &mut Vec<Self>,
+    ) -> Result<()> {
+        for node in parent.children().filter(Node::is_element) {
+            let child = Self::new(node, self.files, file, self.depth + 1);
+            if child.depth > MAX_DEPTH {
+                return Err(child.error(format!("elements are nested deeper than {MAX_DEPTH}")));
+            }
+            if node.tag_name().namespace() != parent.tag_name().namespace() {
+                return Err(child.error("an element of another namespace is not part of MJCF"));
+            }
+            match self.files.included(file, node) {
+                Some(within) => self.add_children(self.files.root(within), within, children)?,
+                None => children.push(child),
             }
         }
-        Ok(children)
+        Ok(())
     }
 
     /// Refuses elements within, and attributes that were not read.
@@ -166,7 +192,7 @@ impl<'a, 'input> Element<'a, 'input> {
     }
 
     fn at(&self, attribute: &Attribute<'_, '_>, reason: impl Into<String>) -> Error {
-        let line = self.lines.at(attribute.range().start);
+        let line = self.files.line(self.file, attribute.range().start);
         Place {
             line,
             ..self.place()
@@ -182,6 +208,11 @@ impl<'a, 'input> Element<'a, 'input> {
             .iter()
             .position(|a| a.name() == name && a.namespace().is_none())?;
         Some(self.unread.swap_remove(index))
+    }
+
+    /// Whether an attribute is there that was not read yet.
+    pub(super) fn has(&self, name: &str) -> bool {
+        self.unread.iter().any(|attribute| attribute.name() == name)
     }
 
     /// Takes out attributes that have no effect here.
@@ -290,6 +321,15 @@ impl<'a, 'input> Element<'a, 'input> {
     pub(super) fn number(&mut self, name: &'static str) -> Result<Option<f64>> {
         self.numbers(name)
             .map(|numbers| numbers.map(|[x]: [f64; 1]| x))
+    }
+
+    /// Takes out a number that must be positive.
+    pub(super) fn positive(&mut self, name: &'static str) -> Result<Option<f64>> {
+        let number = self.number(name)?;
+        if number.is_some_and(|x| x <= 0.0) {
+            return Err(self.place().attribute(name, "must be positive"));
+        }
+        Ok(number)
     }
 
     /// Takes out a number that must not be negative.

@@ -1,6 +1,6 @@
 //! Refuses figures on which the engine would go wrong.
 
-use super::{CompiledModel, GeomType, JointType};
+use super::{CompiledModel, GeomType, JointType, features};
 use crate::{Error, Result};
 
 /// Checks lengths, ids, order and ranges of everything that the engine reads.
@@ -10,6 +10,7 @@ pub(super) fn check(m: &CompiledModel) -> Result<()> {
     joints(m)?;
     geoms(m)?;
     others(m)?;
+    features::check(m)?;
     numbers(m)
 }
 
@@ -46,18 +47,28 @@ fn lengths(m: &CompiledModel) -> Result<()> {
     same_length!(m, m.nq(), qpos_spring);
     same_length!(m, m.nbody(), body_rootid body_weldid body_treeid body_jntnum body_jntadr body_dofnum body_dofadr
         body_geomnum body_geomadr body_simple body_pos body_quat body_ipos body_iquat body_mass body_subtreemass
-        body_inertia body_invweight0);
+        body_inertia body_invweight0 body_mocapid body_gravcomp);
     same_length!(m, m.njnt(), jnt_qposadr jnt_dofadr jnt_bodyid jnt_limited jnt_pos jnt_axis jnt_range jnt_margin
-        jnt_stiffness jnt_solref jnt_solimp);
-    same_length!(m, m.nv(), dof_jntid dof_parentid dof_treeid dof_simplenum dof_armature dof_damping dof_invweight0 dof_m0);
+        jnt_stiffness jnt_solref jnt_solimp jnt_actfrclimited jnt_actfrcrange jnt_actgravcomp);
+    same_length!(m, m.nv(), dof_frictionloss dof_solref dof_solimp dof_jntid dof_parentid dof_treeid dof_simplenum dof_armature dof_damping dof_invweight0 dof_m0);
     same_length!(m, m.ngeom(), geom_bodyid geom_contype geom_conaffinity geom_condim geom_priority geom_size geom_rbound
-        geom_pos geom_quat geom_friction geom_solmix geom_solref geom_solimp geom_margin geom_gap geom_rgba geom_matid);
+        geom_pos geom_quat geom_friction geom_solmix geom_solref geom_solimp geom_margin geom_gap geom_rgba geom_matid geom_fluid);
     same_length!(m, m.nsite(), site_pos site_quat site_type site_size site_rgba);
     same_length!(m, m.cam_bodyid.len(), cam_mode cam_targetbodyid cam_pos cam_quat cam_fovy);
-    same_length!(m, m.nu(), actuator_gear actuator_ctrllimited actuator_ctrlrange);
-    same_length!(m, m.ntendon(), tendon_num);
-    same_length!(m, m.wrap_objid.len(), wrap_prm);
-    same_length!(m, m.key_time.len(), key_qpos key_qvel key_ctrl);
+    same_length!(m, m.nu(), actuator_trntype actuator_gear actuator_dyntype actuator_gaintype actuator_biastype
+        actuator_dynprm actuator_gainprm actuator_biasprm actuator_ctrllimited actuator_ctrlrange actuator_forcelimited
+        actuator_forcerange actuator_actlimited actuator_actrange actuator_actadr actuator_actearly actuator_group
+        actuator_lengthrange actuator_length0 actuator_acc0);
+    same_length!(m, m.ntendon(), tendon_num tendon_limited tendon_range tendon_margin tendon_stiffness tendon_damping
+        tendon_frictionloss tendon_lengthspring tendon_length0 tendon_invweight0 tendon_actfrclimited tendon_actfrcrange
+        tendon_solref_lim tendon_solimp_lim tendon_solref_fri tendon_solimp_fri);
+    same_length!(m, m.wrap_objid.len(), wrap_type wrap_prm);
+    same_length!(m, m.neq(), eq_objtype eq_obj1id eq_obj2id eq_active0 eq_solref eq_solimp eq_data);
+    same_length!(m, m.nsensor(), sensor_objtype sensor_objid sensor_reftype sensor_refid sensor_dim sensor_adr
+        sensor_cutoff sensor_noise);
+    same_length!(m, m.pair_dim.len(), pair_geom1 pair_geom2 pair_solref pair_solreffriction pair_solimp pair_margin
+        pair_gap pair_friction);
+    same_length!(m, m.key_time.len(), key_qpos key_qvel key_ctrl key_act key_mpos key_mquat);
     Ok(())
 }
 
@@ -84,7 +95,12 @@ fn bodies(m: &CompiledModel) -> Result<()> {
             "body_rootid[{b}] is {}, expected {root}",
             m.body_rootid[b]
         );
-        let weld = if b == 0 || m.body_jntnum[b] > 0 {
+        let mocap = m.body_mocapid[b] >= 0;
+        ensure!(
+            !mocap || (b > 0 && parent == 0 && m.body_jntnum[b] == 0),
+            "body {b} is a mocap body, but not a child of the world without joints"
+        );
+        let weld = if b == 0 || mocap || m.body_jntnum[b] > 0 {
             b
         } else {
             m.body_weldid[parent]
@@ -145,10 +161,7 @@ fn joints(m: &CompiledModel) -> Result<()> {
             m.jnt_qposadr[j] == qpos && m.jnt_dofadr[j] == dof,
             "joint {j} does not follow the joint before it"
         );
-        let (nq, nv) = match m.jnt_type[j] {
-            JointType::Free => (7, 6),
-            JointType::Slide | JointType::Hinge => (1, 1),
-        };
+        let (nq, nv) = (m.jnt_type[j].nq(), m.jnt_type[j].nv());
         let free = m.jnt_type[j] == JointType::Free;
         ensure!(
             !free || (m.body_jntnum[body] == 1 && m.body_parentid[body] == 0),
@@ -243,22 +256,19 @@ fn geoms(m: &CompiledModel) -> Result<()> {
             "geom_bodyid[{g}] is {body}, which lacks the geom"
         );
         ensure!(
-            matches!(m.geom_condim[g], 1 | 3),
-            "geom_condim[{g}] is {}: 1 and 3 are supported",
+            matches!(m.geom_condim[g], 1 | 3 | 4 | 6),
+            "geom_condim[{g}] is {}: use 1, 3, 4 or 6",
             m.geom_condim[g]
         );
         let needed = match m.geom_type[g] {
             GeomType::Plane => 0,
             GeomType::Sphere => 1,
             GeomType::Capsule | GeomType::Cylinder => 2,
+            GeomType::Ellipsoid | GeomType::Box => 3,
         };
         ensure!(
             m.geom_size[g][..needed].iter().all(|&s| s > 0.0),
             "geom_size[{g}] must be positive"
-        );
-        ensure!(
-            m.geom_solref[g][0] > 0.0 && m.geom_solref[g][1] > 0.0,
-            "geom_solref[{g}] must be positive"
         );
         ensure!(
             m.geom_friction[g].iter().all(|&f| f >= 0.0),
@@ -279,32 +289,14 @@ fn others(m: &CompiledModel) -> Result<()> {
     };
     body("site_bodyid", &m.site_bodyid)?;
     body("cam_bodyid", &m.cam_bodyid)?;
-    let scalar = |j: usize| m.jnt_type.get(j).is_some_and(|&t| t != JointType::Free);
-    for (i, id) in m.actuator_trnid.iter().enumerate() {
-        ensure!(
-            usize::try_from(id[0]).is_ok_and(scalar),
-            "actuator_trnid[{i}] is {}, which is no slide or hinge joint",
-            id[0]
-        );
-    }
-    for t in 0..m.ntendon() {
-        let end = m.tendon_adr[t].checked_add(m.tendon_num[t]);
-        ensure!(
-            end.is_some_and(|end| end <= m.wrap_objid.len()),
-            "tendon {t} has terms beyond the last"
-        );
-    }
-    for (i, &j) in m.wrap_objid.iter().enumerate() {
-        ensure!(
-            scalar(j),
-            "wrap_objid[{i}] is {j}, which is no slide or hinge joint"
-        );
-    }
     for k in 0..m.key_time.len() {
         ensure!(
             m.key_qpos[k].len() == m.nq()
                 && m.key_qvel[k].len() == m.nv()
-                && m.key_ctrl[k].len() == m.nu(),
+                && m.key_ctrl[k].len() == m.nu()
+                && m.key_act[k].len() == m.na()
+                && m.key_mpos[k].len() == 3 * m.nmocap()
+                && m.key_mquat[k].len() == 4 * m.nmocap(),
             "keyframe {k} has another size than the model"
         );
     }
@@ -336,11 +328,16 @@ fn numbers(m: &CompiledModel) -> Result<()> {
         };
     }
     all_finite!(
-        flat: qpos0 qpos_spring body_mass body_subtreemass jnt_margin jnt_stiffness dof_armature dof_damping dof_invweight0
+        flat: body_gravcomp dof_frictionloss tendon_margin tendon_stiffness tendon_damping tendon_frictionloss
+            tendon_length0 tendon_invweight0 actuator_length0 actuator_acc0 sensor_cutoff sensor_noise pair_margin
+            pair_gap qpos0 qpos_spring body_mass body_subtreemass jnt_margin jnt_stiffness dof_armature dof_damping dof_invweight0
             dof_m0 geom_rbound geom_solmix geom_margin geom_gap wrap_prm;
         rows: body_pos body_quat body_ipos body_iquat body_inertia body_invweight0 jnt_pos jnt_axis jnt_range jnt_solref
             jnt_solimp geom_size geom_pos geom_quat geom_friction geom_solref geom_solimp site_pos site_quat actuator_gear
-            actuator_ctrlrange
+            actuator_ctrlrange actuator_forcerange actuator_actrange actuator_lengthrange jnt_actfrcrange dof_solref
+            dof_solimp tendon_range tendon_actfrcrange tendon_lengthspring tendon_solref_lim
+            tendon_solimp_lim tendon_solref_fri tendon_solimp_fri eq_solref eq_solimp eq_data pair_solref
+            pair_solreffriction pair_solimp pair_friction
     );
     finite(
         "opt",
@@ -360,11 +357,19 @@ fn numbers(m: &CompiledModel) -> Result<()> {
     };
     range("jnt_range", &m.jnt_range)?;
     range("actuator_ctrlrange", &m.actuator_ctrlrange)?;
-    for (j, solref) in m.jnt_solref.iter().enumerate() {
-        ensure!(
-            solref[0] > 0.0 && solref[1] > 0.0,
-            "jnt_solref[{j}] must be positive"
-        );
+    for (name, solrefs) in [
+        ("jnt", &m.jnt_solref),
+        ("geom", &m.geom_solref),
+        ("dof", &m.dof_solref),
+        ("eq", &m.eq_solref),
+        ("pair", &m.pair_solref),
+    ] {
+        for (i, solref) in solrefs.iter().enumerate() {
+            ensure!(
+                (solref[0] > 0.0) == (solref[1] > 0.0),
+                "{name}_solref[{i}] has one positive number: both must be, or none"
+            );
+        }
     }
     Ok(())
 }

@@ -5,6 +5,15 @@
 //! one; the engine accepts only this.
 
 mod check;
+mod complete;
+mod drives;
+mod features;
+mod kinds;
+mod laws;
+mod lookup;
+mod mix;
+mod pairs;
+mod paths;
 mod plan;
 mod revision;
 mod types;
@@ -14,9 +23,17 @@ use std::ops::Deref;
 use serde::{Deserialize, Serialize};
 
 use crate::{Error, Result};
-pub(crate) use plan::{Bounds, Pair, Placed, Plan, Reach, Softness};
+pub use complete::{Fluid, Parameters};
+pub(crate) use kinds::{About, Stage};
+pub use kinds::{
+    BiasType, Cone, DynamicsType, EqualityType, GainType, GeomType, Integrator, JointType,
+    ObjectType, SensorType, Solver, TransmissionType, WrapType,
+};
+pub(crate) use laws::{Equality, Scalar};
+pub(crate) use pairs::{Pair, Reach};
+pub(crate) use plan::{Bounds, Limit, Placed, Plan, Softness};
 pub use revision::Revision;
-pub use types::{GeomType, Integrator, JointType, Names, Options, Solver, Statistics};
+pub use types::{Disable, Names, Options, Statistics};
 
 /// A checked [`CompiledModel`], with the engine's precomputed data.
 ///
@@ -36,7 +53,8 @@ impl Model {
     /// [`Error::Model`] if arrays have different lengths, ids point nowhere, numbers are not
     /// finite, or the model needs an unsupported feature; the message names the array and the
     /// element.
-    pub fn new(compiled: CompiledModel) -> Result<Self> {
+    pub fn new(mut compiled: CompiledModel) -> Result<Self> {
+        compiled.complete();
         check::check(&compiled)?;
         let plan = Plan::new(&compiled)?;
         Ok(Self { compiled, plan })
@@ -141,6 +159,10 @@ pub struct CompiledModel {
     /// Mean inverse inertia at the centre of mass in the initial configuration: of translation, of
     /// rotation.
     pub body_invweight0: Vec<[f64; 2]>,
+    /// The number of a mocap body, which moves as its `mocap_pos` says; -1 for others.
+    pub body_mocapid: Vec<i32>,
+    /// The part of its weight that is lifted.
+    pub body_gravcomp: Vec<f64>,
 
     /// The joint's degrees of freedom.
     pub jnt_type: Vec<JointType>,
@@ -166,6 +188,12 @@ pub struct CompiledModel {
     pub jnt_solref: Vec<[f64; 2]>,
     /// Impedance of the limit: dmin, dmax, width, midpoint, power.
     pub jnt_solimp: Vec<[f64; 5]>,
+    /// Whether `jnt_actfrcrange` applies.
+    pub jnt_actfrclimited: Vec<bool>,
+    /// Least and greatest force of all actuators together.
+    pub jnt_actfrcrange: Vec<[f64; 2]>,
+    /// Whether actuators, and not passive forces, lift weights.
+    pub jnt_actgravcomp: Vec<bool>,
 
     /// The degree of freedom's body.
     pub dof_bodyid: Vec<usize>,
@@ -181,6 +209,12 @@ pub struct CompiledModel {
     pub dof_armature: Vec<f64>,
     /// Damping.
     pub dof_damping: Vec<f64>,
+    /// Force of dry friction.
+    pub dof_frictionloss: Vec<f64>,
+    /// Reference of dry friction: time constant, damping ratio.
+    pub dof_solref: Vec<[f64; 2]>,
+    /// Impedance of dry friction: dmin, dmax, width, midpoint, power.
+    pub dof_solimp: Vec<[f64; 5]>,
     /// Diagonal of the inverse inertia matrix in the initial configuration, averaged over three for
     /// a free joint.
     pub dof_invweight0: Vec<f64>,
@@ -225,6 +259,9 @@ pub struct CompiledModel {
     pub geom_rgba: Vec<[f64; 4]>,
     /// Material; -1 if there is none.
     pub geom_matid: Vec<i32>,
+    /// How the medium acts on an ellipsoid: whether it does, five coefficients, virtual masses and
+    /// moments.
+    pub geom_fluid: Vec<Fluid>,
 
     /// The site's body.
     pub site_bodyid: Vec<usize>,
@@ -262,23 +299,145 @@ pub struct CompiledModel {
     /// Colours of the materials: red, green, blue, opacity.
     pub mat_rgba: Vec<[f64; 4]>,
 
-    /// The joint that the motor drives.
+    /// What the actuator acts on.
+    pub actuator_trntype: Vec<TransmissionType>,
+    /// The joint, tendon or site; then the site of reference, or -1.
     pub actuator_trnid: Vec<[i32; 2]>,
-    /// Force or torque for a control of 1: the first number.
+    /// Force or torque for a force of 1, along the axes of joint or site.
     pub actuator_gear: Vec<[f64; 6]>,
+    /// How the activation changes.
+    pub actuator_dyntype: Vec<DynamicsType>,
+    /// How force follows from control or activation.
+    pub actuator_gaintype: Vec<GainType>,
+    /// The force without control.
+    pub actuator_biastype: Vec<BiasType>,
+    /// Numbers of the dynamics.
+    pub actuator_dynprm: Vec<Parameters>,
+    /// Numbers of the gain.
+    pub actuator_gainprm: Vec<Parameters>,
+    /// Numbers of the bias.
+    pub actuator_biasprm: Vec<Parameters>,
     /// Whether `actuator_ctrlrange` holds.
     pub actuator_ctrllimited: Vec<bool>,
     /// Least and greatest control.
     pub actuator_ctrlrange: Vec<[f64; 2]>,
+    /// Whether `actuator_forcerange` holds.
+    pub actuator_forcelimited: Vec<bool>,
+    /// Least and greatest force.
+    pub actuator_forcerange: Vec<[f64; 2]>,
+    /// Whether `actuator_actrange` holds.
+    pub actuator_actlimited: Vec<bool>,
+    /// Least and greatest activation.
+    pub actuator_actrange: Vec<[f64; 2]>,
+    /// The activation in `act`; -1 if there is none.
+    pub actuator_actadr: Vec<i32>,
+    /// Whether the force follows from the next activation.
+    pub actuator_actearly: Vec<bool>,
+    /// Group, which can be switched off.
+    pub actuator_group: Vec<i32>,
+    /// Least and greatest length, which muscles refer to.
+    pub actuator_lengthrange: Vec<[f64; 2]>,
+    /// Length in the initial configuration.
+    pub actuator_length0: Vec<f64>,
+    /// Acceleration by a force of 1 in the initial configuration.
+    pub actuator_acc0: Vec<f64>,
 
-    /// First term of the fixed tendon in the `wrap_*` arrays.
+    /// First part of the tendon in the `wrap_*` arrays.
     pub tendon_adr: Vec<usize>,
-    /// Number of terms.
+    /// Number of parts.
     pub tendon_num: Vec<usize>,
-    /// Joints of the tendons' terms.
-    pub wrap_objid: Vec<usize>,
-    /// Coefficients of the tendons' terms.
+    /// Whether `tendon_range` applies.
+    pub tendon_limited: Vec<bool>,
+    /// Least and greatest length.
+    pub tendon_range: Vec<[f64; 2]>,
+    /// Distance at which a limit becomes active.
+    pub tendon_margin: Vec<f64>,
+    /// Stiffness of the spring.
+    pub tendon_stiffness: Vec<f64>,
+    /// Damping.
+    pub tendon_damping: Vec<f64>,
+    /// Force of dry friction.
+    pub tendon_frictionloss: Vec<f64>,
+    /// Lengths between which the spring is slack.
+    pub tendon_lengthspring: Vec<[f64; 2]>,
+    /// Length in the initial configuration.
+    pub tendon_length0: Vec<f64>,
+    /// Inverse inertia along the tendon in the initial configuration.
+    pub tendon_invweight0: Vec<f64>,
+    /// Whether `tendon_actfrcrange` applies.
+    pub tendon_actfrclimited: Vec<bool>,
+    /// Least and greatest force of all actuators together.
+    pub tendon_actfrcrange: Vec<[f64; 2]>,
+    /// Reference of the limit: time constant, damping ratio.
+    pub tendon_solref_lim: Vec<[f64; 2]>,
+    /// Impedance of the limit: dmin, dmax, width, midpoint, power.
+    pub tendon_solimp_lim: Vec<[f64; 5]>,
+    /// Reference of dry friction.
+    pub tendon_solref_fri: Vec<[f64; 2]>,
+    /// Impedance of dry friction.
+    pub tendon_solimp_fri: Vec<[f64; 5]>,
+    /// Kinds of the tendons' parts.
+    pub wrap_type: Vec<WrapType>,
+    /// Joints, sites and geoms of the tendons' parts; -1 for a pulley.
+    pub wrap_objid: Vec<i32>,
+    /// Coefficients of joints, divisors of pulleys, and the sites on whose side geoms are passed,
+    /// or -1.
     pub wrap_prm: Vec<f64>,
+
+    /// Kinds of the equality constraints.
+    pub eq_type: Vec<EqualityType>,
+    /// Kinds of their objects.
+    pub eq_objtype: Vec<ObjectType>,
+    /// The first object.
+    pub eq_obj1id: Vec<i32>,
+    /// The second object; -1 if there is none.
+    pub eq_obj2id: Vec<i32>,
+    /// Whether the constraint holds at first.
+    pub eq_active0: Vec<bool>,
+    /// Reference: time constant, damping ratio.
+    pub eq_solref: Vec<[f64; 2]>,
+    /// Impedance: dmin, dmax, width, midpoint, power.
+    pub eq_solimp: Vec<[f64; 5]>,
+    /// Anchors, relative poses and polynomials.
+    pub eq_data: Vec<[f64; 11]>,
+
+    /// Kinds of the sensors.
+    pub sensor_type: Vec<SensorType>,
+    /// Kinds of the objects that they are about.
+    pub sensor_objtype: Vec<ObjectType>,
+    /// These objects; -1 if there is none.
+    pub sensor_objid: Vec<i32>,
+    /// Kinds of the objects whose frames they refer to.
+    pub sensor_reftype: Vec<ObjectType>,
+    /// These objects; -1 for the world.
+    pub sensor_refid: Vec<i32>,
+    /// How many numbers they give.
+    pub sensor_dim: Vec<usize>,
+    /// Their first numbers in `sensordata`.
+    pub sensor_adr: Vec<usize>,
+    /// Bounds of their numbers; 0 for none.
+    pub sensor_cutoff: Vec<f64>,
+    /// Their noise, as it is declared: it is not added.
+    pub sensor_noise: Vec<f64>,
+
+    /// Dimensions of the contacts of declared pairs.
+    pub pair_dim: Vec<u8>,
+    /// The first geom.
+    pub pair_geom1: Vec<usize>,
+    /// The second geom.
+    pub pair_geom2: Vec<usize>,
+    /// Reference of the contacts.
+    pub pair_solref: Vec<[f64; 2]>,
+    /// Reference of their friction; 0 for that of the contacts.
+    pub pair_solreffriction: Vec<[f64; 2]>,
+    /// Impedance of the contacts.
+    pub pair_solimp: Vec<[f64; 5]>,
+    /// Distance at which a contact becomes active.
+    pub pair_margin: Vec<f64>,
+    /// Further distance within which a contact is listed, without force.
+    pub pair_gap: Vec<f64>,
+    /// Friction: slide twice, spin, roll twice.
+    pub pair_friction: Vec<[f64; 5]>,
 
     /// Pairs of bodies whose geoms never collide: `(smaller id << 16) + greater id`.
     pub exclude_signature: Vec<u32>,
@@ -291,90 +450,12 @@ pub struct CompiledModel {
     pub key_time: Vec<f64>,
     /// Controls of the keyframes.
     pub key_ctrl: Vec<Vec<f64>>,
-}
-
-impl CompiledModel {
-    /// Number of position coordinates.
-    #[must_use]
-    pub fn nq(&self) -> usize {
-        self.qpos0.len()
-    }
-
-    /// Number of degrees of freedom.
-    #[must_use]
-    pub fn nv(&self) -> usize {
-        self.dof_bodyid.len()
-    }
-
-    /// Number of controls.
-    #[must_use]
-    pub fn nu(&self) -> usize {
-        self.actuator_trnid.len()
-    }
-
-    /// Number of bodies, with the world.
-    #[must_use]
-    pub fn nbody(&self) -> usize {
-        self.body_parentid.len()
-    }
-
-    /// Number of joints.
-    #[must_use]
-    pub fn njnt(&self) -> usize {
-        self.jnt_type.len()
-    }
-
-    /// Number of geoms.
-    #[must_use]
-    pub fn ngeom(&self) -> usize {
-        self.geom_type.len()
-    }
-
-    /// Number of sites.
-    #[must_use]
-    pub fn nsite(&self) -> usize {
-        self.site_bodyid.len()
-    }
-
-    /// Number of tendons.
-    #[must_use]
-    pub fn ntendon(&self) -> usize {
-        self.tendon_adr.len()
-    }
-
-    /// Number of kinematic trees that can move.
-    #[must_use]
-    pub fn ntree(&self) -> usize {
-        self.dof_treeid.last().map_or(0, |tree| tree + 1)
-    }
-
-    /// The body of that name.
-    #[must_use]
-    pub fn body_id(&self, name: &str) -> Option<usize> {
-        position(&self.names.body, name)
-    }
-
-    /// The geom of that name.
-    #[must_use]
-    pub fn geom_id(&self, name: &str) -> Option<usize> {
-        position(&self.names.geom, name)
-    }
-
-    /// The site of that name.
-    #[must_use]
-    pub fn site_id(&self, name: &str) -> Option<usize> {
-        position(&self.names.site, name)
-    }
-
-    /// The camera of that name.
-    #[must_use]
-    pub fn camera_id(&self, name: &str) -> Option<usize> {
-        position(&self.names.camera, name)
-    }
-}
-
-fn position(names: &[Option<String>], name: &str) -> Option<usize> {
-    names.iter().position(|n| n.as_deref() == Some(name))
+    /// Activations of the keyframes.
+    pub key_act: Vec<Vec<f64>>,
+    /// Positions of the mocap bodies.
+    pub key_mpos: Vec<Vec<f64>>,
+    /// Orientations of the mocap bodies.
+    pub key_mquat: Vec<Vec<f64>>,
 }
 
 #[cfg(test)]

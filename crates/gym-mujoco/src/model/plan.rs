@@ -1,13 +1,13 @@
-//! Facts that the engine computes from a model once: sparsity of the inertia matrix, and pairs of
-//! geoms that can touch.
+//! Facts that the engine computes from a model once, such as the sparsity of the inertia matrix.
 
 use std::ops::Range;
 
-use super::{CompiledModel, GeomType, Integrator, JointType};
-use crate::{Error, Result};
+use super::laws::Laws;
+use super::pairs::{Pair, Reach, most_contacts};
+use super::paths::Paths;
+use super::{CompiledModel, Cone, Disable, Integrator, JointType, Options, Stage};
+use crate::Result;
 
-/// Friction below this counts as this: MuJoCo's `mjMINMU`.
-const MIN_FRICTION: f64 = 1e-5;
 /// Impedances are kept within these: MuJoCo's `mjMINIMP` and `mjMAXIMP`.
 const IMPEDANCE: [f64; 2] = [1e-4, 0.9999];
 
@@ -41,12 +41,38 @@ pub(crate) struct Plan {
     pub(crate) reaches: Vec<Reach>,
     /// Joints with limits.
     pub(crate) limits: Vec<Limit>,
+    /// Constraints of equality, friction and tendons.
+    pub(crate) laws: Laws,
+    /// Whether all rows push only, so that no row needs to say what it is.
+    pub(crate) plain: bool,
+    /// The tendons.
+    pub(crate) paths: Paths,
+    /// Whether all actuators are motors of slides and hinges, without anything else.
+    pub(crate) motors: bool,
+    /// Whether lengths and velocities of actuators are needed.
+    pub(crate) transmits: bool,
+    /// The periods of setpoints that are angles about any axis; 0 for others.
+    pub(crate) periods: Vec<f64>,
+    /// Whether the forces of actuators on a tendon are limited.
+    pub(crate) tendon_forces: bool,
+    /// Whether weights are lifted.
+    pub(crate) gravcomp: bool,
+    /// Whether there are sensors or energies.
+    pub(crate) measures: bool,
+    /// Whether forces between bodies are needed.
+    pub(crate) internal: bool,
+    /// Whether there are passive forces at all.
+    pub(crate) passive: bool,
+    /// The damping of each degree of freedom, unless it is switched off.
+    pub(crate) damping: Vec<f64>,
+    /// Gravity, unless it is switched off.
+    pub(crate) gravity: [f64; 3],
     /// Whether Euler's integrator has damping to treat implicitly.
     pub(crate) implicit: bool,
     /// Joints with springs.
     pub(crate) springs: Vec<usize>,
     /// In a medium, the bodies with mass, and the edges of the box of equal inertia.
-    pub(crate) boxes: Vec<(usize, [f64; 3])>,
+    pub(crate) boxes: Vec<(usize, Option<[f64; 3]>)>,
     /// How each body is placed in its parent's frame, its principal axes of inertia in its own, and
     /// each site in its body's.
     pub(crate) bodies: Vec<Placed>,
@@ -94,6 +120,9 @@ pub(crate) struct Bounds {
 /// A limited joint.
 #[derive(Clone, Debug)]
 pub(crate) struct Limit {
+    pub(crate) joint: usize,
+    /// Whether it bounds the angle of a ball.
+    pub(crate) ball: bool,
     pub(crate) qpos: usize,
     pub(crate) dof: usize,
     pub(crate) tree: usize,
@@ -101,69 +130,6 @@ pub(crate) struct Limit {
     pub(crate) margin: f64,
     pub(crate) diag: f64,
     pub(crate) softness: Softness,
-}
-
-/// Two geoms that can touch, and everything about their contacts that does not depend on the state.
-#[derive(Clone, Debug)]
-pub(crate) struct Pair {
-    /// The geoms; the first has the lower type.
-    pub(crate) geom: [usize; 2],
-    pub(crate) kind: (GeomType, GeomType),
-    /// Contacts are listed below this distance: margins and gaps.
-    pub(crate) margin: f64,
-    /// Contacts act below this distance.
-    pub(crate) includemargin: f64,
-    /// Nothing can touch where centres are further apart; from a plane, where the centre is higher.
-    pub(crate) reach: f64,
-    pub(crate) dim: u8,
-    pub(crate) friction: [f64; 5],
-    pub(crate) solref: [f64; 2],
-    pub(crate) solimp: [f64; 5],
-    pub(crate) softness: Softness,
-    /// Sum of the bodies' inverse weights.
-    pub(crate) diag: f64,
-    /// The degrees of freedom that move one of the bodies and not the other, ascending, with the
-    /// sign of the motion of the second body against the first.
-    pub(crate) columns: Vec<Column>,
-    /// The groups of four degrees of freedom up to the last of these.
-    pub(crate) groups: usize,
-    /// The trees of the bodies, if they can move.
-    pub(crate) trees: [Option<usize>; 2],
-}
-
-/// How near two geoms must be before they can touch. It is apart from the [`Pair`], which few pairs
-/// need.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Reach {
-    pub(crate) geom: [usize; 2],
-    pub(crate) plane: bool,
-    /// The height of the second one's centre above a plane, or the square of the distance of the
-    /// centres.
-    pub(crate) most: f64,
-}
-
-impl Reach {
-    fn new(pair: &Pair) -> Self {
-        let plane = pair.kind.0 == GeomType::Plane;
-        Self {
-            geom: pair.geom,
-            plane,
-            most: if plane {
-                pair.reach
-            } else {
-                pair.reach * pair.reach
-            },
-        }
-    }
-}
-
-/// A degree of freedom that moves one of two bodies.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Column {
-    pub(crate) dof: usize,
-    /// The root of its body's tree.
-    pub(crate) root: usize,
-    pub(crate) sign: f64,
 }
 
 /// Impedance and reference acceleration of a constraint, as functions of its position.
@@ -179,14 +145,27 @@ pub(crate) struct Softness {
 }
 
 impl Softness {
-    fn new(solref: [f64; 2], solimp: [f64; 5], timestep: f64) -> Self {
+    /// MuJoCo's `getsolparam` and the stiffness and damping of `mj_makeImpedance`.
+    pub(crate) fn new(solref: [f64; 2], solimp: [f64; 5], opt: &Options) -> Self {
+        const LEAST: f64 = 1e-15;
         let [dmin, dmax, width, midpoint, power] = solimp;
         let [dmin, dmax, midpoint] =
             [dmin, dmax, midpoint].map(|x| x.clamp(IMPEDANCE[0], IMPEDANCE[1]));
-        let (time, ratio) = (solref[0].max(2.0 * timestep), solref[1]);
+        let [mut time, ratio] = solref;
+        if time > 0.0 && !opt.disables(Disable::RefSafe) {
+            time = time.max(2.0 * opt.timestep);
+        }
         Self {
-            stiffness: 1.0 / f64::max(1e-15, dmax * dmax * time * time * ratio * ratio),
-            damping: 2.0 / f64::max(1e-15, dmax * time),
+            stiffness: if time > 0.0 {
+                1.0 / f64::max(LEAST, dmax * dmax * time * time * ratio * ratio)
+            } else {
+                -time / f64::max(LEAST, dmax * dmax)
+            },
+            damping: if ratio > 0.0 {
+                2.0 / f64::max(LEAST, dmax * time)
+            } else {
+                -ratio / f64::max(LEAST, dmax)
+            },
             dmin,
             dmax,
             width: width.max(0.0),
@@ -235,7 +214,10 @@ impl Plan {
                     .map(|first| first + number - 1),
             });
         }
+        let off = |part: Disable| m.opt.disables(part);
         let implicit = m.opt.integrator == Integrator::Euler
+            && !off(Disable::EulerDamp)
+            && !off(Disable::Damper)
             && m.dof_damping.iter().any(|&damping| damping > 0.0);
         let geoms = (0..m.ngeom()).map(|g| {
             let (b, pos, quat) = (m.geom_bodyid[g], &m.geom_pos[g], &m.geom_quat[g]);
@@ -267,9 +249,38 @@ impl Plan {
             pairs: Vec::new(),
             reaches: Vec::new(),
             limits: Vec::new(),
+            plain: {
+                let elliptic = m.opt.cone == Cone::Elliptic;
+                !elliptic && !Laws::new(m).pull()
+            },
+            laws: Laws::new(m),
+            paths: Paths::default(),
+            motors: super::drives::motors(m),
+            transmits: super::drives::transmits(m),
+            periods: super::drives::periods(m),
+            tendon_forces: m.tendon_actfrclimited.contains(&true),
+            gravcomp: !off(Disable::Gravity)
+                && m.opt.gravity != [0.0; 3]
+                && m.body_gravcomp.iter().any(|part| *part != 0.0),
+            measures: m.nsensor() > 0 || m.opt.enableflags != 0,
+            internal: m
+                .sensor_type
+                .iter()
+                .any(|kind| kind.stage() == Stage::Acceleration),
+            passive: !off(Disable::Spring) || !off(Disable::Damper),
+            damping: if off(Disable::Damper) {
+                vec![0.0; m.nv()]
+            } else {
+                m.dof_damping.clone()
+            },
+            gravity: if off(Disable::Gravity) {
+                [0.0; 3]
+            } else {
+                m.opt.gravity
+            },
             implicit,
             springs: (0..m.njnt())
-                .filter(|&j| m.jnt_stiffness[j] != 0.0)
+                .filter(|&j| m.jnt_stiffness[j] != 0.0 && !off(Disable::Spring))
                 .collect(),
             boxes: boxes(m),
             bodies: Placed::all(&m.body_pos, &m.body_quat),
@@ -278,10 +289,14 @@ impl Plan {
             geoms: geoms.collect(),
             anchored: m.jnt_pos.iter().map(|pos| *pos != [0.0; 3]).collect(),
         };
-        plan.pairs = plan.find_pairs(m)?;
+        plan.paths = Paths::new(m, |body| plan.chain(body));
+        let constraints = !off(Disable::Constraint);
+        if constraints && !off(Disable::Contact) {
+            plan.pairs = plan.find_pairs(m)?;
+        }
         plan.reaches = plan.pairs.iter().map(Reach::new).collect();
         plan.limits = (0..m.njnt())
-            .filter(|&j| m.jnt_limited[j] && m.jnt_type[j] != JointType::Free)
+            .filter(|&j| constraints && !off(Disable::Limit) && m.jnt_limited[j])
             .map(|j| limit(m, j))
             .collect();
         Ok(plan)
@@ -291,22 +306,17 @@ impl Plan {
     pub(crate) fn bounds(&self) -> Bounds {
         // both sides of each limit
         let limits = 2 * self.limits.len();
+        let (blocks, rows) = self.laws.most();
         let mut bounds = Bounds {
             contacts: 0,
-            blocks: limits,
-            rows: limits,
+            blocks: limits + blocks,
+            rows: limits + rows,
         };
         for pair in &self.pairs {
-            let contacts = match pair.kind {
-                (GeomType::Plane, GeomType::Capsule) | (GeomType::Capsule, GeomType::Capsule) => 2,
-                (GeomType::Plane, GeomType::Cylinder) => 4,
-                (GeomType::Capsule, GeomType::Cylinder) => 5,
-                _ => 1,
-            };
-            let rows = if pair.dim == 1 { 1 } else { 4 };
+            let contacts = most_contacts(pair.kind);
             bounds.contacts += contacts;
             bounds.blocks += contacts;
-            bounds.rows += contacts * rows;
+            bounds.rows += contacts * pair.rows;
         }
         // of so many rows hardly any state has all: buffers grow as they are needed
         const MOST_ROWS: usize = 4000;
@@ -346,177 +356,39 @@ impl Plan {
     pub(crate) fn chain(&self, body: usize) -> &[usize] {
         self.last_dof[body].map_or(&[], |dof| &self.m_colind[self.m_row(dof)])
     }
-
-    /// The pairs in the order of MuJoCo's `mj_collision`: by bodies, and within two bodies by the
-    /// pairs' geoms.
-    fn find_pairs(&self, m: &CompiledModel) -> Result<Vec<Pair>> {
-        /// Of all pairs together: a model with more takes gigabytes.
-        const MOST_COLUMNS: usize = 4_000_000;
-        let mut excluded = m.exclude_signature.clone();
-        excluded.sort_unstable();
-        let (mut pairs, mut columns) = (Vec::new(), 0);
-        for b1 in 0..m.nbody() {
-            for b2 in b1 + 1..m.nbody() {
-                if !bodies_collide(m, &excluded, b1, b2) {
-                    continue;
-                }
-                let first = pairs.len();
-                for g1 in geoms(m, b1) {
-                    for g2 in geoms(m, b2) {
-                        let meet = m.geom_contype[g1] & m.geom_conaffinity[g2]
-                            | m.geom_contype[g2] & m.geom_conaffinity[g1];
-                        if meet != 0 {
-                            let pair = self.pair(m, g1, g2)?;
-                            columns += pair.as_ref().map_or(0, |pair| pair.columns.len());
-                            if columns > MOST_COLUMNS {
-                                return Err(Error::Model(format!(
-                                    "too many pairs of geoms can touch, moved by too many degrees of freedom: of all \
-                                     pairs together more than {MOST_COLUMNS} are not supported"
-                                )));
-                            }
-                            pairs.extend(pair);
-                        }
-                    }
-                }
-                pairs[first..].sort_by_key(|pair: &Pair| pair.geom);
-            }
-        }
-        Ok(pairs)
-    }
-
-    /// The pair of two geoms; none for two planes, which never touch.
-    ///
-    /// # Errors
-    /// For shapes whose contacts are not supported.
-    fn pair(&self, m: &CompiledModel, g1: usize, g2: usize) -> Result<Option<Pair>> {
-        let [g1, g2] = if m.geom_type[g1] > m.geom_type[g2] {
-            [g2, g1]
-        } else {
-            [g1, g2]
-        };
-        let kind = (m.geom_type[g1], m.geom_type[g2]);
-        match kind {
-            (GeomType::Plane, GeomType::Plane) => return Ok(None),
-            (GeomType::Sphere | GeomType::Cylinder, GeomType::Cylinder) => {
-                return Err(Error::Pair {
-                    first: g1,
-                    second: g2,
-                    kinds: format!("{:?} and {:?}", kind.0, kind.1),
-                });
-            }
-            _ => {}
-        }
-        let (b1, b2) = (m.geom_bodyid[g1], m.geom_bodyid[g2]);
-        let includemargin = m.geom_margin[g1] + m.geom_margin[g2];
-        let margin = includemargin + (m.geom_gap[g1] + m.geom_gap[g2]);
-
-        let (priority1, priority2) = (m.geom_priority[g1], m.geom_priority[g2]);
-        let (dim, friction, solref, solimp) = if priority1 == priority2 {
-            let weight = mix(m.geom_solmix[g1], m.geom_solmix[g2]);
-            let blend = |a: f64, b: f64| weight * a + (1.0 - weight) * b;
-            (
-                m.geom_condim[g1].max(m.geom_condim[g2]),
-                std::array::from_fn(|k| m.geom_friction[g1][k].max(m.geom_friction[g2][k])),
-                std::array::from_fn(|k| blend(m.geom_solref[g1][k], m.geom_solref[g2][k])),
-                std::array::from_fn(|k| blend(m.geom_solimp[g1][k], m.geom_solimp[g2][k])),
-            )
-        } else {
-            let g = if priority1 > priority2 { g1 } else { g2 };
-            (
-                m.geom_condim[g],
-                m.geom_friction[g],
-                m.geom_solref[g],
-                m.geom_solimp[g],
-            )
-        };
-        let [slide, spin, roll]: [f64; 3] = friction.map(|f| f.max(MIN_FRICTION));
-        let tree = |b: usize| usize::try_from(m.body_treeid[b]).ok();
-        let columns = self.columns(m, b1, b2);
-        Ok(Some(Pair {
-            geom: [g1, g2],
-            kind,
-            margin,
-            includemargin,
-            reach: m.geom_rbound[g1] + m.geom_rbound[g2] + margin,
-            dim,
-            friction: [slide, slide, spin, roll, roll],
-            solref,
-            solimp,
-            softness: Softness::new(solref, solimp, m.opt.timestep),
-            diag: m.body_invweight0[b1][0] + m.body_invweight0[b2][0],
-            groups: columns.last().map_or(0, |column| column.dof / 4 + 1),
-            columns,
-            trees: [tree(b1), tree(b2)],
-        }))
-    }
-
-    fn columns(&self, m: &CompiledModel, b1: usize, b2: usize) -> Vec<Column> {
-        let (c1, c2) = (self.chain(b1), self.chain(b2));
-        let of = |chain: &[usize], other: &[usize], b: usize, sign: f64| {
-            let alone = chain.iter().filter(|dof| !other.contains(dof));
-            alone
-                .map(|&dof| Column {
-                    dof,
-                    root: m.body_rootid[b],
-                    sign,
-                })
-                .collect::<Vec<_>>()
-        };
-        let mut columns = of(c1, c2, b1, -1.0);
-        columns.extend(of(c2, c1, b2, 1.0));
-        columns.sort_by_key(|column| column.dof);
-        columns
-    }
 }
 
-/// The boxes on which a medium acts: MuJoCo's `mj_inertiaBoxFluidModel`.
-fn boxes(m: &CompiledModel) -> Vec<(usize, [f64; 3])> {
+/// The boxes on which a medium acts, by their edges; none where it acts on the geoms of the body.
+fn boxes(m: &CompiledModel) -> Vec<(usize, Option<[f64; 3]>)> {
     const LEAST: f64 = 1e-15;
     let medium = m.opt.density > 0.0 || m.opt.viscosity > 0.0;
     let heavy = (1..m.nbody()).filter(|&b| medium && m.body_mass[b] >= LEAST);
     let of = |b: usize| {
+        if geoms(m, b).any(|g| m.geom_fluid[g].0[0] > 0.0) {
+            return (b, None);
+        }
         let ([i, j, k], mass) = (m.body_inertia[b], m.body_mass[b]);
         let edge = |a: f64, b: f64, c: f64| (f64::max(LEAST, a + b - c) / mass * 6.0).sqrt();
-        (b, [edge(j, k, i), edge(i, k, j), edge(i, j, k)])
+        (b, Some([edge(j, k, i), edge(i, k, j), edge(i, j, k)]))
     };
     heavy.map(of).collect()
 }
 
-/// The weight of the first of two geoms: MuJoCo's `mix` of `solmix`.
-fn mix(s1: f64, s2: f64) -> f64 {
-    const LEAST: f64 = 1e-15;
-    match (s1 >= LEAST, s2 >= LEAST) {
-        (true, true) => s1 / (s1 + s2),
-        (false, false) => 0.5,
-        (first, _) => f64::from(u8::from(first)),
-    }
-}
-
-/// `excluded` is sorted.
-fn bodies_collide(m: &CompiledModel, excluded: &[u32], b1: usize, b2: usize) -> bool {
-    let (w1, w2) = (m.body_weldid[b1], m.body_weldid[b2]);
-    let parent = |w: usize| m.body_weldid[m.body_parentid[w]];
-    let related = w1 != 0 && w2 != 0 && (w1 == parent(w2) || w2 == parent(w1));
-    w1 != w2
-        && !related
-        && excluded
-            .binary_search(&(((b1 as u32) << 16) + b2 as u32))
-            .is_err()
-}
-
-fn geoms(m: &CompiledModel, body: usize) -> Range<usize> {
+pub(super) fn geoms(m: &CompiledModel, body: usize) -> Range<usize> {
     usize::try_from(m.body_geomadr[body]).map_or(0..0, |first| first..first + m.body_geomnum[body])
 }
 
 fn limit(m: &CompiledModel, joint: usize) -> Limit {
     let dof = m.jnt_dofadr[joint];
     Limit {
+        joint,
+        ball: m.jnt_type[joint] == JointType::Ball,
         qpos: m.jnt_qposadr[joint],
         dof,
         tree: m.dof_treeid[dof],
         range: m.jnt_range[joint],
         margin: m.jnt_margin[joint],
         diag: m.dof_invweight0[dof],
-        softness: Softness::new(m.jnt_solref[joint], m.jnt_solimp[joint], m.opt.timestep),
+        softness: Softness::new(m.jnt_solref[joint], m.jnt_solimp[joint], &m.opt),
     }
 }

@@ -1,6 +1,8 @@
-//! Options, kinds and names of a compiled model.
+//! Options, statistics and names of a compiled model.
 
 use serde::{Deserialize, Serialize};
+
+use super::kinds::{Cone, Integrator, Solver};
 
 /// How a model is simulated: MuJoCo's `mjOption`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -28,6 +30,22 @@ pub struct Options {
     pub tolerance: f64,
     /// Tolerance of the line search, relative to `tolerance`.
     pub ls_tolerance: f64,
+    /// The form of the cones of friction.
+    pub cone: Cone,
+    /// How much stiffer elliptic cones are against sliding than along the normal.
+    pub impratio: f64,
+    /// Iterations that remove slip afterwards.
+    pub noslip_iterations: usize,
+    /// Improvement below which these stop.
+    pub noslip_tolerance: f64,
+    /// The magnetic field.
+    pub magnetic: [f64; 3],
+    /// What is switched off: bits of MuJoCo's `mjtDisableBit`, see [`Disable`].
+    pub disableflags: u32,
+    /// What is switched on: bits of MuJoCo's `mjtEnableBit`.
+    pub enableflags: u32,
+    /// Groups of actuators that are switched off, as bits.
+    pub disableactuator: u32,
     /// How MuJoCo stores Jacobians (0 dense, 1 sparse, 2 as it sees fit); without effect here.
     pub jacobian: u8,
 }
@@ -46,8 +64,71 @@ impl Default for Options {
             ls_iterations: 50,
             tolerance: 1e-8,
             ls_tolerance: 0.01,
+            cone: Cone::Pyramidal,
+            impratio: 1.0,
+            noslip_iterations: 0,
+            noslip_tolerance: 1e-6,
+            magnetic: [0.0, -0.5, 0.0],
+            disableflags: 0,
+            enableflags: 0,
+            disableactuator: 0,
             jacobian: 2,
         }
+    }
+}
+
+/// Parts of a simulation that can be switched off, as bits of [`Options::disableflags`]: MuJoCo's
+/// `mjtDisableBit`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Disable {
+    /// All constraints.
+    Constraint = 1,
+    /// Equality constraints.
+    Equality = 1 << 1,
+    /// Friction loss of joints and tendons.
+    FrictionLoss = 1 << 2,
+    /// Limits of joints and tendons.
+    Limit = 1 << 3,
+    /// Contacts.
+    Contact = 1 << 4,
+    /// Springs.
+    Spring = 1 << 5,
+    /// Dampers.
+    Damper = 1 << 6,
+    /// Gravity.
+    Gravity = 1 << 7,
+    /// Ranges of controls.
+    ClampCtrl = 1 << 8,
+    /// Warm starts of the solver.
+    WarmStart = 1 << 9,
+    /// The rule that a body does not collide with its parent.
+    FilterParent = 1 << 10,
+    /// Actuators.
+    Actuation = 1 << 11,
+    /// The least time constant of a constraint, twice the timestep.
+    RefSafe = 1 << 12,
+    /// Sensors.
+    Sensor = 1 << 13,
+    /// A search that changes no result.
+    MidPhase = 1 << 14,
+    /// The implicit treatment of damping by Euler's integrator.
+    EulerDamp = 1 << 15,
+    /// Resets of states that diverge.
+    AutoReset = 1 << 16,
+    /// MuJoCo's own routine for convex shapes.
+    NativeCcd = 1 << 17,
+    /// Islands.
+    Island = 1 << 18,
+    /// Further contacts of convex shapes.
+    MultiCcd = 1 << 19,
+}
+
+impl Options {
+    /// Whether a part is switched off.
+    #[must_use]
+    pub fn disables(&self, part: Disable) -> bool {
+        self.disableflags & part as u32 != 0
     }
 }
 
@@ -85,84 +166,10 @@ pub struct Names {
     pub actuator: Vec<Option<String>>,
     /// Tendons.
     pub tendon: Vec<Option<String>>,
-}
-
-/// An enum that is serialised as the number that MuJoCo gives it.
-macro_rules! numbered {
-    ($(#[$doc:meta])* $name:ident, $what:literal { $($(#[$variant_doc:meta])* $variant:ident = $number:literal),+ $(,)? }) => {
-        $(#[$doc])*
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
-        #[serde(try_from = "u8", into = "u8")]
-        #[non_exhaustive]
-        pub enum $name {
-            $($(#[$variant_doc])* $variant = $number,)+
-        }
-
-        impl TryFrom<u8> for $name {
-            type Error = String;
-
-            fn try_from(number: u8) -> Result<Self, String> {
-                match number {
-                    $($number => Ok(Self::$variant),)+
-                    _ => Err(format!(
-                        concat!("unsupported ", $what, " {}: supported are ", $(stringify!($number), " (", stringify!($variant), ") ",)+),
-                        number
-                    )),
-                }
-            }
-        }
-
-        impl From<$name> for u8 {
-            fn from(value: $name) -> u8 {
-                value as u8
-            }
-        }
-    };
-}
-
-numbered! {
-    /// The kinds of joint: MuJoCo's `mjtJoint`.
-    JointType, "joint type" {
-        /// Any motion: 7 positions (position, quaternion), 6 velocities (linear in the world's
-        /// frame, angular in the body's).
-        Free = 0,
-        /// Translation along an axis.
-        Slide = 2,
-        /// Rotation about an axis.
-        Hinge = 3,
-    }
-}
-
-numbered! {
-    /// The shape of a geom: MuJoCo's `mjtGeom`.
-    GeomType, "geom type" {
-        /// An infinite plane, with the z axis as its normal.
-        Plane = 0,
-        /// A sphere.
-        Sphere = 2,
-        /// A cylinder along z with half spheres at its ends.
-        Capsule = 3,
-        /// A cylinder along z.
-        Cylinder = 5,
-    }
-}
-
-numbered! {
-    /// How velocities and positions follow from accelerations: MuJoCo's `mjtIntegrator`.
-    Integrator, "integrator" {
-        /// Semi-implicit Euler, implicit in joint damping.
-        Euler = 0,
-        /// Runge-Kutta of fourth order.
-        RK4 = 1,
-    }
-}
-
-numbered! {
-    /// How constraint forces are found: MuJoCo's `mjtSolver`.
-    Solver, "solver" {
-        /// Projected Gauss-Seidel.
-        PGS = 0,
-        /// Newton's method.
-        Newton = 2,
-    }
+    /// Sensors.
+    pub sensor: Vec<Option<String>>,
+    /// Equality constraints.
+    pub equality: Vec<Option<String>>,
+    /// Keyframes.
+    pub key: Vec<Option<String>>,
 }

@@ -96,6 +96,13 @@ pub(crate) fn com_pos_of<N: Number>(m: &Model, at: N::Place, numbers: Inertias<'
                     put(at, join(axis, cross(axis, offset)), &mut cdof[i + 3 + k]);
                 }
             }
+            JointType::Ball => {
+                let (mat, offset) = (get(at, &numbers.xmat[b]), offset());
+                for k in 0..3 {
+                    let axis = column(&mat, k);
+                    put(at, join(axis, cross(axis, offset)), &mut cdof[i + k]);
+                }
+            }
             JointType::Slide => {
                 put(at, join(number::of(at, [0.0; 3]), axis()), &mut cdof[i]);
             }
@@ -105,28 +112,4 @@ pub(crate) fn com_pos_of<N: Number>(m: &Model, at: N::Place, numbers: Inertias<'
             }
         }
     }
-}
-
-/// Lengths of the tendons: MuJoCo's `mj_tendon`, for fixed tendons.
-pub fn tendon(m: &Model, d: &mut Data) {
-    for t in 0..m.ntendon() {
-        d.ten_length[t] = terms(m, t)
-            .map(|(j, coef)| coef * d.qpos[m.jnt_qposadr[j]])
-            .sum();
-    }
-}
-
-/// Velocities of the tendons.
-pub fn tendon_velocity(m: &Model, d: &mut Data) {
-    for t in 0..m.ntendon() {
-        d.ten_velocity[t] = terms(m, t)
-            .map(|(j, coef)| coef * d.qvel[m.jnt_dofadr[j]])
-            .sum();
-    }
-}
-
-/// The joints of a tendon and their coefficients.
-fn terms(m: &Model, tendon: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
-    (m.tendon_adr[tendon]..m.tendon_adr[tendon] + m.tendon_num[tendon])
-        .map(|w| (m.wrap_objid[w], m.wrap_prm[w]))
 }

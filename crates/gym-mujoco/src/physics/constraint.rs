@@ -6,10 +6,12 @@
 //! the normal and the two tangents. Rows are dense, because libmujoco sums over zeros too; see
 //! [`dense`](super::dense).
 
+use super::bias;
 use super::dense::{self, Lanes};
+use super::rows;
 use super::spatial::{Vec3, add, cross, dot, rotate, sub};
 use crate::libm;
-use crate::model::{Bounds, Pair, Softness};
+use crate::model::{Bounds, Cone, Pair, Softness};
 use crate::{Contact, Data, Model};
 
 /// The constraints of the last forward call: MuJoCo's `efc_*` arrays.
@@ -43,20 +45,24 @@ pub struct Constraints {
     pub b: Vec<f64>,
     /// Force.
     pub force: Vec<f64>,
+    /// Force of dry friction, up to the last row that has it.
+    pub loss: Vec<f64>,
     /// The island of each row.
     pub island: Vec<usize>,
     /// Number of islands.
     pub nisland: usize,
 }
 
-/// A limit or a contact.
+/// The rows of a constraint.
 #[derive(Clone, Debug)]
 pub(crate) struct Block {
-    /// Joint or contact.
+    /// What it is of.
     pub(crate) source: Source,
+    /// What its rows do.
+    pub(crate) kind: Kind,
     /// First row.
     pub(crate) row: usize,
-    /// Number of rows: 1 or 4.
+    /// Number of rows.
     pub(crate) rows: usize,
     /// Beyond so many groups the rows' Jacobians are zero.
     pub(crate) groups: usize,
@@ -65,10 +71,32 @@ pub(crate) struct Block {
     pub(crate) island: usize,
 }
 
+/// What the rows of a block do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// They push and pull.
+    Equality,
+    /// They push and pull up to the force of dry friction.
+    Friction,
+    /// They push.
+    Limit,
+    /// They push within an elliptic cone.
+    Cone,
+}
+
 /// The meaning of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Source {
-    Limit,
+    /// An equality constraint.
+    Equality(usize),
+    /// Dry friction of a degree of freedom.
+    DofFriction(usize),
+    /// Dry friction of a tendon.
+    TendonFriction(usize),
+    /// The limit of a joint.
+    Limit(usize),
+    /// The limit of a tendon.
+    TendonLimit(usize),
     Contact(usize),
 }
 
@@ -114,6 +142,7 @@ impl Constraints {
             column.clear();
         }
         self.kbip.clear();
+        self.loss.clear();
         self.island.clear();
         self.nisland = 0;
     }
@@ -122,6 +151,12 @@ impl Constraints {
     #[inline]
     pub(crate) fn jacobian(&self) -> &[Lanes] {
         &self.jac
+    }
+
+    /// The same, to be changed.
+    #[inline]
+    pub(super) fn jacobian_mut(&mut self) -> &mut [Lanes] {
+        &mut self.jac
     }
 
     /// How many groups a row has.
@@ -163,7 +198,12 @@ pub(crate) fn mul_jacobian(
 #[inline(always)]
 pub fn make_constraint(m: &Model, d: &mut Data) {
     d.efc.clear();
+    if m.plan().laws.pull() {
+        rows::equality(m, d);
+        rows::friction(m, d);
+    }
     limits(m, d);
+    rows::tendon_limits(m, d);
     contacts(m, d);
     islands(m, d);
 }
@@ -172,13 +212,26 @@ pub fn make_constraint(m: &Model, d: &mut Data) {
 #[inline(always)]
 fn limits(m: &Model, d: &mut Data) {
     for limit in &m.plan().limits {
+        if limit.ball {
+            rows::ball_limit(m, d, limit);
+            continue;
+        }
         let q = d.qpos[limit.qpos];
         for (side, dist) in [(1.0, q - limit.range[0]), (-1.0, limit.range[1] - q)] {
             if dist < limit.margin {
                 let efc = &mut d.efc;
-                let row = push_block(efc, Source::Limit, 1, limit.dof / 4 + 1, limit.tree);
-                efc.jac[row * efc.stride..].as_flattened_mut()[limit.dof] = side;
-                push_rows(efc, &limit.softness, dist, limit.margin, limit.diag, None);
+                let source = Source::Limit(limit.joint);
+                let groups = limit.dof / 4 + 1;
+                let row = push_block(efc, source, Kind::Limit, 1, groups, limit.tree);
+                set_row(efc, row, limit.dof, side);
+                push_rows(
+                    efc,
+                    &limit.softness,
+                    (dist, dist),
+                    limit.margin,
+                    limit.diag,
+                    1,
+                );
             }
         }
     }
@@ -186,9 +239,10 @@ fn limits(m: &Model, d: &mut Data) {
 
 /// Adds a block without numbers, and returns its first row.
 #[inline(always)]
-fn push_block(
+pub(super) fn push_block(
     efc: &mut Constraints,
     source: Source,
+    kind: Kind,
     rows: usize,
     groups: usize,
     tree: usize,
@@ -196,6 +250,7 @@ fn push_block(
     let row = efc.nefc();
     efc.blocks.push(Block {
         source,
+        kind,
         row,
         rows,
         groups,
@@ -204,6 +259,12 @@ fn push_block(
     });
     efc.jac.resize((row + rows) * efc.stride, [0.0; 4]);
     row
+}
+
+/// Sets an element of the Jacobian.
+#[inline(always)]
+pub(super) fn set_row(efc: &mut Constraints, row: usize, dof: usize, value: f64) {
+    efc.jac[row * efc.stride..].as_flattened_mut()[dof] = value;
 }
 
 /// Rows of the contacts that act: MuJoCo's `mj_instantiateContact`.
@@ -220,10 +281,16 @@ fn contacts(m: &Model, d: &mut Data) {
         };
         let efc = &mut d.efc;
         contact.efc_address = efc.nefc() as i32;
+        if contact.dim > 3 || m.opt.cone == Cone::Elliptic || m.opt.impratio != 1.0 {
+            let place = (index, pair, tree);
+            rows::contact(m, &d.cdof, &d.subtree_com, efc, contact, place);
+            continue;
+        }
         let rows = if contact.dim == 1 { 1 } else { 4 };
         let mu = if rows == 1 { 0.0 } else { contact.friction[0] };
         contact.mu = mu;
-        let row = push_block(efc, Source::Contact(index), rows, pair.groups, tree);
+        let source = Source::Contact(index);
+        let row = push_block(efc, source, Kind::Limit, rows, pair.groups, tree);
         let jac = &mut efc.jac[row * efc.stride..];
         contact_jacobian(
             pair,
@@ -233,15 +300,18 @@ fn contacts(m: &Model, d: &mut Data) {
             jac.as_flattened_mut(),
             4 * efc.stride,
         );
-        let mu = (rows > 1).then_some(mu);
-        push_rows(
-            efc,
-            &pair.softness,
-            contact.dist,
-            contact.includemargin,
-            pair.diag,
-            mu,
-        );
+        let (dist, margin) = (contact.dist, contact.includemargin);
+        if rows == 1 {
+            push_rows(efc, &pair.softness, (dist, dist), margin, pair.diag, 1);
+            continue;
+        }
+        let diag = pair.diag + mu * mu * pair.diag;
+        let softness = &pair.softness;
+        push_rows(efc, softness, (dist, dist), margin, diag, 4);
+        // a pyramid as soft as the cone within it
+        let r = 2.0 * mu * mu * efc.r[row];
+        efc.r[row..].fill(r);
+        efc.d[row..].fill(1.0 / r);
     }
 }
 
@@ -274,23 +344,19 @@ fn contact_jacobian(
     }
 }
 
-/// Rows at some distance: MuJoCo's `mj_makeImpedance`. Of the edges of a pyramid with friction `mu`
-/// each is a row.
+/// Equal rows at a position, with the impedance at a distance: MuJoCo's `mj_makeImpedance`.
 #[inline(always)]
-fn push_rows(
+pub(super) fn push_rows(
     efc: &mut Constraints,
     softness: &Softness,
-    pos: f64,
+    (pos, distance): (f64, f64),
     margin: f64,
     diag: f64,
-    mu: Option<f64>,
+    rows: usize,
 ) {
-    let (impedance, slope) = softness.impedance(pos, margin);
-    let diag = mu.map_or(diag, |mu| diag + mu * mu * diag);
+    let (impedance, slope) = softness.impedance(distance, margin);
     let r = f64::max(1e-15, (1.0 - impedance) * diag / impedance);
-    // a pyramid as soft as the cone within it
-    let r = mu.map_or(r, |mu| 2.0 * mu * mu * r);
-    let rows = efc.pos.len() + if mu.is_some() { 4 } else { 1 };
+    let rows = efc.pos.len() + rows;
     for (column, value) in
         columns!(efc)
             .into_iter()
@@ -375,6 +441,9 @@ pub fn reference_constraint(m: &Model, d: &mut Data) {
         let [stiffness, damping, impedance, _] = efc.kbip[i];
         efc.aref[i] = -damping * efc.vel[i] - stiffness * impedance * (efc.pos[i] - efc.margin[i]);
     }
+    if !m.plan().laws.equalities.is_empty() {
+        bias::subtract(m, d);
+    }
 }
 
 /// Sets of trees that constraints join: MuJoCo's `mj_island`.
@@ -402,11 +471,24 @@ fn islands(m: &Model, d: &mut Data) {
         tree
     }
     for block in &d.efc.blocks {
-        if let Source::Contact(index) = block.source
-            && let [Some(t1), Some(t2)] = m.plan().pairs[d.contact[index].pair].trees
-        {
-            let (a, b) = (find(least, t1), find(least, t2));
-            least[a.max(b)] = a.min(b);
+        match block.source {
+            Source::Contact(index) => {
+                if let [Some(t1), Some(t2)] = m.plan().pairs[d.contact[index].pair].trees {
+                    let (a, b) = (find(least, t1), find(least, t2));
+                    least[a.max(b)] = a.min(b);
+                }
+            }
+            Source::Limit(_) | Source::DofFriction(_) => {}
+            _ => {
+                let rows = block.row * d.efc.stride..(block.row + block.rows) * d.efc.stride;
+                for row in d.efc.jac[rows].chunks(d.efc.stride) {
+                    let numbers = row.as_flattened()[..m.nv()].iter().enumerate();
+                    for (dof, _) in numbers.filter(|(_, x)| **x != 0.0) {
+                        let (a, b) = (find(least, block.tree), find(least, m.dof_treeid[dof]));
+                        least[a.max(b)] = a.min(b);
+                    }
+                }
+            }
         }
     }
     // islands in the order of their smallest trees

@@ -132,6 +132,12 @@ pub fn factor_m(m: &Model, d: &mut Data) {
     }
 }
 
+/// Factors the matrix that implicit integrators made.
+pub(super) fn factor_damped(m: &Model, d: &mut Data) {
+    let work = &mut d.work;
+    factor(m, [(&mut work.qh[..], &mut work.qh_diag_inv[..])]);
+}
+
 /// Replaces matrices of the inertia matrix's structure by `L' D L`, and gives the inverses of the
 /// diagonals: MuJoCo's `mj_factorI`.
 #[inline(always)]

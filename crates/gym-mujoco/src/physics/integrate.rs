@@ -2,24 +2,29 @@
 
 use std::f64::consts::PI;
 
-use super::evaluate;
+use super::actuation::advance;
 use super::inertia::solve;
 use super::spatial::{InTurn, Order, Pairwise, Vec3, add_scaled, cross, dot, scale};
+use super::{evaluate, implicit};
 use crate::libm::{self, wide};
-use crate::model::JointType;
+use crate::model::{Integrator, JointType};
 use crate::{Data, Model, Revision};
 
 /// Moves positions along velocities for some time: MuJoCo's `mj_integratePos`.
 pub fn integrate_pos(m: &Model, qpos: &mut [f64], qvel: &[f64], dt: f64) {
     for j in 0..m.njnt() {
-        let (p, v) = (m.jnt_qposadr[j], m.jnt_dofadr[j]);
-        if m.jnt_type[j] == JointType::Free {
+        let (mut p, mut v) = (m.jnt_qposadr[j], m.jnt_dofadr[j]);
+        let free = m.jnt_type[j] == JointType::Free;
+        if free {
             for k in 0..3 {
                 qpos[p + k] += dt * qvel[v + k];
             }
-            let q = &mut qpos[p + 3..p + 7];
+            (p, v) = (p + 3, v + 3);
+        }
+        if free || m.jnt_type[j] == JointType::Ball {
+            let q = &mut qpos[p..p + 4];
             let quat = [q[0], q[1], q[2], q[3]];
-            let velocity = [qvel[v + 3], qvel[v + 4], qvel[v + 5]];
+            let velocity = [qvel[v], qvel[v + 1], qvel[v + 2]];
             let turned = match m.revision {
                 Revision::V3_12 => InTurn::quat_integrate(quat, velocity, dt),
                 Revision::V4_0 => Pairwise::quat_integrate(quat, velocity, dt),
@@ -46,7 +51,11 @@ pub fn euler(m: &Model, d: &mut Data) {
 #[inline(always)]
 fn semi_implicit(m: &Model, d: &mut Data) {
     let dt = m.opt.timestep;
-    if m.plan().implicit {
+    let fast = m.opt.integrator == Integrator::ImplicitFast;
+    if fast {
+        implicit::factor(m, d);
+    }
+    if fast || m.plan().implicit {
         let work = &mut d.work;
         for i in 0..m.nv() {
             work.acc_sum[i] = d.qfrc_smooth[i] + d.qfrc_constraint[i];
@@ -54,6 +63,11 @@ fn semi_implicit(m: &Model, d: &mut Data) {
         solve(m, &work.qh, &work.qh_diag_inv, &mut work.acc_sum);
     } else {
         d.work.acc_sum.copy_from_slice(&d.qacc);
+    }
+    if m.na() > 0 {
+        let rates = std::mem::take(&mut d.act_dot);
+        advance(m, d, &rates);
+        d.act_dot = rates;
     }
     for i in 0..m.nv() {
         d.qvel[i] += dt * d.work.acc_sum[i];
@@ -77,6 +91,8 @@ pub fn runge_kutta(m: &Model, d: &mut Data) {
     d.work.qvel_start.copy_from_slice(&d.qvel);
     d.work.vel_sum.fill(0.0);
     d.work.acc_sum.fill(0.0);
+    d.work.act_start.copy_from_slice(&d.act);
+    d.work.act_sum.fill(0.0);
     // the time from the start to the stage
     let mut way = 0.0;
     for (weight, part) in WEIGHTS.into_iter().zip(PARTS) {
@@ -85,6 +101,9 @@ pub fn runge_kutta(m: &Model, d: &mut Data) {
             d.work.vel_sum[i] += weight * d.work.rates[i];
             d.work.acc_sum[i] += weight * d.qacc[i];
         }
+        for (sum, rate) in d.work.act_sum.iter_mut().zip(&d.act_dot) {
+            *sum += weight * rate;
+        }
         if part > 0.0 {
             d.qpos.copy_from_slice(&d.work.qpos_start);
             way = part * dt;
@@ -92,9 +111,18 @@ pub fn runge_kutta(m: &Model, d: &mut Data) {
             for i in 0..nv {
                 d.qvel[i] = d.work.qvel_start[i] + way * d.qacc[i];
             }
+            for i in 0..m.na() {
+                d.act[i] = d.work.act_start[i] + way * d.act_dot[i];
+            }
             d.time = start + way;
             evaluate(m, d);
         }
+    }
+    if m.na() > 0 {
+        d.act.copy_from_slice(&d.work.act_start);
+        let rates = std::mem::take(&mut d.work.act_sum);
+        advance(m, d, &rates);
+        d.work.act_sum = rates;
     }
     d.qpos.copy_from_slice(&d.work.qpos_start);
     for i in 0..nv {
@@ -119,12 +147,16 @@ fn rates(m: &Model, qvel: &[f64], way: f64, rates: &mut [f64]) {
         return;
     }
     for j in 0..m.njnt() {
-        let v = m.jnt_dofadr[j];
-        if m.jnt_type[j] == JointType::Free {
-            let turn = [rates[v + 3], rates[v + 4], rates[v + 5]].map(|rate| rate * way);
+        let mut v = m.jnt_dofadr[j];
+        let free = m.jnt_type[j] == JointType::Free;
+        if free {
             rates[v..v + 3].copy_from_slice(&qvel[v..v + 3]);
-            let velocity = [qvel[v + 3], qvel[v + 4], qvel[v + 5]];
-            rates[v + 3..v + 6].copy_from_slice(&rate_of_turn(turn, velocity));
+            v += 3;
+        }
+        if free || m.jnt_type[j] == JointType::Ball {
+            let turn = [rates[v], rates[v + 1], rates[v + 2]].map(|rate| rate * way);
+            let velocity = [qvel[v], qvel[v + 1], qvel[v + 2]];
+            rates[v..v + 3].copy_from_slice(&rate_of_turn(turn, velocity));
         } else {
             rates[v] = qvel[v];
         }

@@ -11,6 +11,8 @@ use crate::{Data, Model, Revision};
 /// The numbers that this stage reads and writes, of one world or of several.
 pub(crate) struct Frames<'a, C> {
     pub(crate) qpos: &'a [C],
+    pub(crate) mocap_pos: &'a [[C; 3]],
+    pub(crate) mocap_quat: &'a [[C; 4]],
     pub(crate) xpos: &'a mut [[C; 3]],
     pub(crate) xquat: &'a mut [[C; 4]],
     pub(crate) xmat: &'a mut [[C; 9]],
@@ -29,6 +31,8 @@ pub(crate) struct Frames<'a, C> {
 pub fn kinematics(m: &Model, d: &mut Data) {
     let frames = Frames {
         qpos: &d.qpos,
+        mocap_pos: &d.mocap_pos,
+        mocap_quat: &d.mocap_quat,
         xpos: &mut d.xpos,
         xquat: &mut d.xquat,
         xmat: &mut d.xmat,
@@ -93,7 +97,10 @@ fn in_order<N: Number, O: Order>(m: &Model, at: N::Place, frames: Frames<'_, N::
             put(at, number::of::<N, 3>(at, axes[j]), &mut xaxis[j]);
         } else {
             let parent = parents[b];
-            if parent > 0 {
+            if let Ok(mocap) = usize::try_from(m.body_mocapid[b]) {
+                pos = get(at, &f.mocap_pos[mocap]);
+                quat = O::normalize_quat(at, get(at, &f.mocap_quat[mocap]));
+            } else if parent > 0 {
                 let parent_quat = get::<N, 4>(at, &xquat[parent]);
                 pos = add(
                     rotate(&get::<N, 9>(at, &xmat[parent]), body_pos[b]),
@@ -118,8 +125,17 @@ fn in_order<N: Number, O: Order>(m: &Model, at: N::Place, frames: Frames<'_, N::
                 let moved = N::get(at, &qpos[addresses[j]]) - qpos0[addresses[j]];
                 match types[j] {
                     JointType::Slide => pos = add_scaled(pos, axis, moved),
-                    _ => {
-                        quat = O::mul_quat(quat, axis_angle(at, axes[j], moved));
+                    other => {
+                        let turn = if other == JointType::Ball {
+                            let q = std::array::from_fn(
+                                #[inline(always)]
+                                |k| N::get(at, &qpos[addresses[j] + k]),
+                            );
+                            O::normalize_quat(at, q)
+                        } else {
+                            axis_angle(at, axes[j], moved)
+                        };
+                        quat = O::mul_quat(quat, turn);
                         if anchored[j] {
                             pos = sub(anchor, rotate_quat(origins[j], quat));
                         }

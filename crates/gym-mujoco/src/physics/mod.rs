@@ -3,14 +3,16 @@
 //! | file | stage |
 //! |---|---|
 //! | `kinematics` | frames of bodies, geoms and sites |
-//! | `com` | inertias and motion axes about the trees' centres of mass, tendons |
+//! | `com` | inertias and motion axes about the trees' centres of mass |
+//! | `tendon`, `wrap`, `transmission` | lengths and moment arms of tendons and actuators |
 //! | `inertia` | the inertia matrix and its factors |
 //! | `collision` | contacts |
-//! | `constraint` | rows of limits and contacts, islands |
+//! | `constraint`, `rows` | rows of constraints, islands |
 //! | `velocity` | velocities of bodies, bias forces |
 //! | `passive` | springs, dampers, fluid |
-//! | `actuation` | motors |
+//! | `actuation`, `muscle` | actuators |
 //! | `solver` | constraint forces: Newton's method, projected Gauss-Seidel |
+//! | `sensor`, `ray`, `energy`, `post_constraint` | sensors, and what they need |
 //! | `integrate` | Euler, Runge-Kutta |
 //!
 //! Stages are compiled as one function, for the processor at hand. What several of them call is
@@ -41,31 +43,51 @@
 //! ```
 
 mod actuation;
+mod bias;
 mod collision;
 mod com;
 mod constraint;
+mod contact_force;
 pub(crate) mod dense;
+mod energy;
+mod fluid;
+mod implicit;
 mod inertia;
 mod integrate;
+mod jacobian;
 mod kinematics;
+#[cfg(test)]
+mod lanes;
+mod muscle;
 pub(crate) mod number;
 mod passive;
 mod post_constraint;
+mod ray;
+mod rows;
+mod sensor;
 mod solver;
 pub(crate) mod spatial;
+mod tendon;
+mod transmission;
 mod velocity;
 mod work;
+mod wrap;
 
 pub use actuation::fwd_actuation;
 pub use collision::collision;
-pub use com::{com_pos, tendon, tendon_velocity};
+pub use com::com_pos;
 pub use constraint::{Constraints, make_constraint, reference_constraint};
+pub use contact_force::contact_force;
 pub use inertia::{crb, factor_m, full_m, mul_m, solve_m};
 pub use integrate::{euler, integrate_pos, runge_kutta};
 pub use kinematics::kinematics;
 pub use passive::passive;
 pub use post_constraint::rne_post_constraint;
+pub use ray::ray;
+pub use sensor::sensors;
 pub use solver::fwd_constraint;
+pub use tendon::{tendon, tendon_velocity};
+pub use transmission::{transmission, transmission_velocity};
 pub use velocity::{com_vel, rne};
 pub(crate) use work::Work;
 
@@ -100,9 +122,10 @@ pub fn step(m: &Model, d: &mut Data) {
         d.clear(m);
         evaluate(m, d);
     }
+    measure(m, d);
     match m.opt.integrator {
-        Integrator::Euler => euler(m, d),
         Integrator::RK4 => runge_kutta(m, d),
+        _ => euler(m, d),
     }
 }
 
@@ -113,6 +136,16 @@ pub fn step(m: &Model, d: &mut Data) {
 pub fn forward(m: &Model, d: &mut Data) {
     d.begin(m, Call::Forward);
     evaluate(m, d);
+    measure(m, d);
+}
+
+/// What a forward call computes and nothing else depends on: sensors and energy.
+#[inline]
+fn measure(m: &Model, d: &mut Data) {
+    if m.plan().measures {
+        energy::energy(m, d);
+        sensors(m, d);
+    }
 }
 
 /// A forward call, or one of those that a step consists of.
@@ -145,6 +178,9 @@ fn fwd_position(m: &Model, d: &mut Data) {
     factor_m(m, d);
     collision(m, d);
     make_constraint(m, d);
+    if m.plan().transmits {
+        transmission(m, d);
+    }
 }
 
 /// Everything that depends on velocities too: MuJoCo's `mj_fwdVelocity`.
@@ -152,6 +188,9 @@ fn fwd_position(m: &Model, d: &mut Data) {
 fn fwd_velocity(m: &Model, d: &mut Data) {
     com_vel(m, d);
     tendon_velocity(m, d);
+    if m.plan().transmits {
+        transmission_velocity(m, d);
+    }
     passive(m, d);
     reference_constraint(m, d);
     rne(m, d);

@@ -2,6 +2,8 @@
 
 use std::f64::consts::PI;
 
+use super::fluid::ellipsoids;
+use super::jacobian::apply;
 use super::spatial::{
     InTurn, Order, Pairwise, add, cross, dot, rotate, rotate_back, rotation, scale, sub,
     translation, velocity_at,
@@ -9,33 +11,40 @@ use super::spatial::{
 use crate::model::JointType;
 use crate::{Data, Model, Revision};
 
-/// `qfrc_passive`: MuJoCo's `mj_passive`, springs, then dampers, then the medium.
+/// `qfrc_passive`: MuJoCo's `mj_passive`, springs, then dampers, then the medium, then lifted
+/// weights.
 #[inline(always)]
 pub fn passive(m: &Model, d: &mut Data) {
     let plan = m.plan();
     d.qfrc_passive.fill(0.0);
+    if !plan.passive {
+        return;
+    }
     for &j in &plan.springs {
         let stiffness = m.jnt_stiffness[j];
         let (p, i) = (m.jnt_qposadr[j], m.jnt_dofadr[j]);
-        if m.jnt_type[j] == JointType::Free {
-            for k in 0..3 {
-                d.qfrc_passive[i + k] = (d.qpos[p + k] - m.qpos_spring[p + k]) * -stiffness;
+        match m.jnt_type[j] {
+            JointType::Free => {
+                for k in 0..3 {
+                    d.qfrc_passive[i + k] += (d.qpos[p + k] - m.qpos_spring[p + k]) * -stiffness;
+                }
+                turned_spring(m, d, p + 3, i + 3, stiffness);
             }
-            let quat = |q: &[f64]| [q[p + 3], q[p + 4], q[p + 5], q[p + 6]];
-            let (now, rest) = (quat(&d.qpos), quat(&m.qpos_spring));
-            let turned = match m.revision {
-                Revision::V3_12 => InTurn::sub_quat(InTurn::normalize_quat((), now), rest),
-                Revision::V4_0 => Pairwise::sub_quat(Pairwise::normalize_quat((), now), rest),
-            };
-            for (force, turned) in d.qfrc_passive[i + 3..i + 6].iter_mut().zip(turned) {
-                *force = turned * -stiffness;
-            }
-        } else {
-            d.qfrc_passive[i] = -(d.qpos[p] - m.qpos_spring[p]) * stiffness;
+            JointType::Ball => turned_spring(m, d, p, i, stiffness),
+            _ => d.qfrc_passive[i] = -(d.qpos[p] - m.qpos_spring[p]) * stiffness,
         }
     }
-    for ((force, velocity), damping) in d.qfrc_passive.iter_mut().zip(&d.qvel).zip(&m.dof_damping) {
-        *force += -velocity * damping;
+    if plan.paths.elastic.is_empty() {
+        let dampers = d.qvel.iter().zip(&plan.damping);
+        for (force, (velocity, damping)) in d.qfrc_passive.iter_mut().zip(dampers) {
+            *force += if *damping == 0.0 {
+                0.0
+            } else {
+                -velocity * damping
+            };
+        }
+    } else {
+        elastic_tendons(m, d);
     }
     if !plan.boxes.is_empty() {
         d.work.fluid.fill(0.0);
@@ -44,15 +53,93 @@ pub fn passive(m: &Model, d: &mut Data) {
             *force += fluid;
         }
     }
+    if plan.gravcomp {
+        lift(m, d);
+    }
 }
 
-/// Adds the forces of the medium on each body, as if it were the box of equal inertia: MuJoCo's
-/// `mj_inertiaBoxFluidModel`.
+/// The spring of an orientation.
+fn turned_spring(m: &Model, d: &mut Data, p: usize, i: usize, stiffness: f64) {
+    let quat = |q: &[f64]| [q[p], q[p + 1], q[p + 2], q[p + 3]];
+    let (now, rest) = (quat(&d.qpos), quat(&m.qpos_spring));
+    let turned = match m.revision {
+        Revision::V3_12 => InTurn::sub_quat(InTurn::normalize_quat((), now), rest),
+        Revision::V4_0 => Pairwise::sub_quat(Pairwise::normalize_quat((), now), rest),
+    };
+    for (force, turned) in d.qfrc_passive[i..i + 3].iter_mut().zip(turned) {
+        *force += turned * -stiffness;
+    }
+}
+
+/// Adds springs of tendons to those of joints, and then all dampers.
+#[inline(never)]
+fn elastic_tendons(m: &Model, d: &mut Data) {
+    let plan = m.plan();
+    let damper = &mut d.work.damper;
+    for (i, force) in damper.iter_mut().enumerate() {
+        let damping = plan.damping[i];
+        *force = if damping == 0.0 {
+            0.0
+        } else {
+            -d.qvel[i] * damping
+        };
+    }
+    for &(t, stiffness, damping) in &plan.paths.elastic {
+        let (length, [lower, upper]) = (d.ten_length[t], m.tendon_lengthspring[t]);
+        let x = if length > upper {
+            length - upper
+        } else if length < lower {
+            length - lower
+        } else {
+            0.0
+        };
+        let (spring, damp) = (-x * stiffness, -d.ten_velocity[t] * damping);
+        if spring == 0.0 && damp == 0.0 {
+            continue;
+        }
+        let row = plan.paths.rows[t].clone();
+        for (&dof, j) in plan.paths.columns[row.clone()].iter().zip(&d.ten_j[row]) {
+            d.qfrc_passive[dof] += j * spring;
+            damper[dof] += j * damp;
+        }
+    }
+    for (force, damper) in d.qfrc_passive.iter_mut().zip(damper) {
+        *force += *damper;
+    }
+}
+
+/// The forces that lift weights, added unless actuators lift them: MuJoCo's `mj_gravcomp`.
+#[inline(never)]
+fn lift(m: &Model, d: &mut Data) {
+    let mut forces = std::mem::take(&mut d.work.gravcomp);
+    forces.fill(0.0);
+    for b in 1..m.nbody() {
+        let part = m.body_gravcomp[b];
+        if part != 0.0 {
+            let force = scale(m.opt.gravity, -(m.body_mass[b] * part));
+            apply(m, d, force, [0.0; 3], (b, d.xipos[b]), &mut forces);
+        }
+    }
+    for (i, force) in forces.iter().enumerate() {
+        if !m.jnt_actgravcomp[m.dof_jntid[i]] {
+            d.qfrc_passive[i] += force;
+        }
+    }
+    d.work.gravcomp = forces;
+}
+
+/// Adds the forces of the medium on each body, as if it were the box of equal inertia, or its geoms
+/// ellipsoids: MuJoCo's `mj_inertiaBoxFluidModel`.
 #[inline(always)]
 fn fluid(m: &Model, d: &mut Data) {
     let (density, viscosity) = (m.opt.density, m.opt.viscosity);
-    for (b, edges) in &m.plan().boxes {
-        let (b, edges) = (*b, *edges);
+    for &(b, edges) in &m.plan().boxes {
+        let Some(edges) = edges else {
+            let mut forces = std::mem::take(&mut d.work.fluid);
+            ellipsoids(m, d, b, &mut forces);
+            d.work.fluid = forces;
+            continue;
+        };
         let mat = &d.ximat[b];
         let offset = sub(d.xipos[b], d.subtree_com[m.body_rootid[b]]);
         let w = rotate_back(mat, rotation(&d.cvel[b]));

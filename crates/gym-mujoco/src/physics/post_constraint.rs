@@ -1,41 +1,100 @@
-//! Forces of contacts on bodies.
+//! Forces on bodies, and their accelerations, once constraint forces are known.
 
-use super::spatial::{add_to, cross, join, rotate_back, sub};
-use crate::{Data, Model};
+use super::constraint::Source;
+use super::contact_force::contact_force;
+use super::rows;
+use super::spatial::{Vec3, add_to, cross, cross_force, join, mul_inertia, rotate_back, sub};
+use super::velocity::{along, dofs};
+use crate::model::EqualityType;
+use crate::{Data, Model, Revision};
 
-/// Computes `cfrc_ext` from the contacts of the last forward call: the part of MuJoCo's
-/// `mj_rnePostConstraint` that tasks read.
+/// `cfrc_ext` from the contacts of the last forward call, `cacc` and `cfrc_int`: MuJoCo's
+/// `mj_rnePostConstraint`.
 pub fn rne_post_constraint(m: &Model, d: &mut Data) {
     d.contact_forces = true;
+    contacts(m, d);
+    equalities(m, d);
+    if m.plan().internal {
+        internal(m, d);
+    }
+}
+
+/// The forces of contacts on bodies, about the centres of mass of their trees.
+fn contacts(m: &Model, d: &mut Data) {
     d.cfrc_ext.fill([0.0; 6]);
     for contact in &d.contact {
-        let Ok(row) = usize::try_from(contact.efc_address) else {
+        if contact.efc_address < 0 {
             continue;
-        };
-        let f = &d.efc.force;
-        let along = match contact.dim {
-            1 => f.get(row).map(|&n| [n, 0.0, 0.0]),
-            _ => f.get(row..row + 4).map(|f| {
-                let mu = contact.mu;
-                [
-                    f[0] + f[1] + f[2] + f[3],
-                    (f[0] - f[1]) * mu,
-                    (f[2] - f[3]) * mu,
-                ]
-            }),
-        };
-        let Some(along) = along else { continue };
-        let force = rotate_back(&contact.frame, along);
+        }
+        let f = contact_force(m, d, contact);
+        let force = rotate_back(&contact.frame, [f[0], f[1], f[2]]);
+        let torque = rotate_back(&contact.frame, [f[3], f[4], f[5]]);
         for (geom, sign) in [(contact.geom[0], -1.0), (contact.geom[1], 1.0)] {
             let body = m.geom_bodyid[geom];
             if body > 0 {
-                let offset = sub(contact.pos, d.subtree_com[m.body_rootid[body]]);
-                add_to(
-                    &mut d.cfrc_ext[body],
-                    &join(cross(offset, force), force),
-                    sign,
-                );
+                let offset = sub(d.subtree_com[m.body_rootid[body]], contact.pos);
+                let about = sub(torque, cross(offset, force));
+                add_to(&mut d.cfrc_ext[body], &join(about, force), sign);
             }
         }
+    }
+}
+
+/// The forces of joined points and welds on bodies.
+fn equalities(m: &Model, d: &mut Data) {
+    for block in &d.efc.blocks {
+        let Source::Equality(id) = block.source else {
+            continue;
+        };
+        let weld = match m.eq_type[id] {
+            EqualityType::Connect => false,
+            EqualityType::Weld => true,
+            EqualityType::Joint | EqualityType::Tendon => continue,
+        };
+        let three = |first: usize| -> Vec3 { std::array::from_fn(|k| d.efc.force[first + k]) };
+        let force = three(block.row);
+        let torque = if weld { three(block.row + 3) } else { [0.0; 3] };
+        let Some(law) = m.plan().laws.equalities.iter().find(|law| law.id == id) else {
+            continue;
+        };
+        let torque = if weld && m.revision == Revision::V4_0 {
+            rows::weld_torque(m, d, law, torque)
+        } else {
+            torque
+        };
+        let points = rows::anchors(m, d, law);
+        for (k, sign) in [(0, 1.0), (1, -1.0)] {
+            let body = law.bodies[k];
+            if body > 0 {
+                let offset = sub(d.subtree_com[m.body_rootid[body]], points[k]);
+                let about = sub(torque, cross(offset, force));
+                add_to(&mut d.cfrc_ext[body], &join(about, force), sign);
+            }
+        }
+    }
+}
+
+/// The forces between bodies and their parents.
+fn internal(m: &Model, d: &mut Data) {
+    let g = m.plan().gravity;
+    d.cacc[0] = [0.0, 0.0, 0.0, -g[0], -g[1], -g[2]];
+    d.cfrc_int[0] = [0.0; 6];
+    for b in 1..m.nbody() {
+        let own = dofs(m, b);
+        let mut acceleration = d.cacc[m.body_parentid[b]];
+        let parts = [(&d.cdof_dot, &d.qvel), (&d.cdof, &d.qacc)];
+        for (axes, rates) in parts {
+            let sum = along::<f64>((), axes, rates, own.clone());
+            add_to(&mut acceleration, &sum, 1.0);
+        }
+        d.cacc[b] = acceleration;
+        let mut force = mul_inertia(&d.cinert[b], &acceleration);
+        let momentum = mul_inertia(&d.cinert[b], &d.cvel[b]);
+        add_to(&mut force, &cross_force(&d.cvel[b], &momentum), 1.0);
+        d.cfrc_int[b] = std::array::from_fn(|k| force[k] - d.cfrc_ext[b][k]);
+    }
+    for b in (1..m.nbody()).rev() {
+        let force = d.cfrc_int[b];
+        add_to(&mut d.cfrc_int[m.body_parentid[b]], &force, 1.0);
     }
 }

@@ -106,6 +106,12 @@ pub(crate) trait Order {
     /// The sum of the terms of an element on the diagonal of a rotation matrix.
     fn sum_diagonal<N: Number>(terms: [N; 4]) -> N;
 
+    /// The sum of the terms of the second element of the product with an axis.
+    fn axis_first(a: f64, b: f64, c: f64) -> f64;
+
+    /// The sum of the terms of its last element.
+    fn axis_last(a: f64, b: f64, c: f64) -> f64;
+
     /// The rotation `a`, after the rotation `b` in its frame.
     #[inline(always)]
     fn mul_quat<N: Number + Mul<V, Output = N>, V: Copy>(a: [N; 4], b: [V; 4]) -> [N; 4] {
@@ -153,13 +159,7 @@ pub(crate) trait Order {
 
     /// The rotation vector that leads from `b` to `a`, in the frame of `b`: MuJoCo's `mju_subQuat`.
     fn sub_quat(a: Quat, b: Quat) -> Vec3 {
-        let d = Self::mul_quat([b[0], -b[1], -b[2], -b[3]], a);
-        let (axis, sine) = normalize([d[1], d[2], d[3]]);
-        let mut angle = 2.0 * libm::atan2(sine, d[0]);
-        if angle > std::f64::consts::PI {
-            angle -= 2.0 * std::f64::consts::PI;
-        }
-        scale(axis, angle)
+        quat_to_velocity(Self::mul_quat([b[0], -b[1], -b[2], -b[3]], a))
     }
 
     /// The quaternion moved by an angular velocity, in its own frame, for some time: MuJoCo's
@@ -192,6 +192,16 @@ impl Order for InTurn {
     fn sum_diagonal<N: Number>(terms: [N; 4]) -> N {
         Self::sum(terms)
     }
+
+    #[inline(always)]
+    fn axis_first(a: f64, b: f64, c: f64) -> f64 {
+        a + b + c
+    }
+
+    #[inline(always)]
+    fn axis_last(a: f64, b: f64, c: f64) -> f64 {
+        a + b + c
+    }
 }
 
 impl Order for Pairwise {
@@ -203,6 +213,16 @@ impl Order for Pairwise {
     #[inline(always)]
     fn sum_diagonal<N: Number>([a, b, c, d]: [N; 4]) -> N {
         (a + c) + (b + d)
+    }
+
+    #[inline(always)]
+    fn axis_first(a: f64, b: f64, c: f64) -> f64 {
+        (a + c) + b
+    }
+
+    #[inline(always)]
+    fn axis_last(a: f64, b: f64, c: f64) -> f64 {
+        a + (b + c)
     }
 }
 
@@ -227,6 +247,16 @@ pub(crate) fn rotate_quat<N: Number>(v: Vec3, q: [N; 4]) -> [N; 3] {
     ];
     let c = cross([q[1], q[2], q[3]], t);
     [c[0] * 2.0 + v[0], c[1] * 2.0 + v[1], c[2] * 2.0 + v[2]]
+}
+
+/// The rotation vector of a quaternion: MuJoCo's `mju_quat2Vel` for a time of 1.
+pub(crate) fn quat_to_velocity(d: Quat) -> Vec3 {
+    let (axis, sine) = normalize([d[1], d[2], d[3]]);
+    let mut angle = 2.0 * libm::atan2(sine, d[0]);
+    if angle > std::f64::consts::PI {
+        angle -= 2.0 * std::f64::consts::PI;
+    }
+    scale(axis, angle)
 }
 
 #[inline(always)]
@@ -327,6 +357,20 @@ pub(crate) fn inertia_at<N: Number>(
         d[2] * mass,
         N::of(place, mass),
     ]
+}
+
+/// A motion about another point: MuJoCo's `mju_transformSpatial`.
+#[inline]
+pub(crate) fn transform_motion(v: &Vec6, to: Vec3, from: Vec3) -> Vec6 {
+    let across = cross(sub(to, from), rotation(v));
+    join(rotation(v), sub(translation(v), across))
+}
+
+/// A force about another point: MuJoCo's `mju_transformSpatial`.
+#[inline]
+pub(crate) fn transform_force(f: &Vec6, to: Vec3, from: Vec3) -> Vec6 {
+    let across = cross(sub(to, from), translation(f));
+    join(sub(rotation(f), across), translation(f))
 }
 
 /// The velocity of a point, given the velocity about a reference point and the offset between them.

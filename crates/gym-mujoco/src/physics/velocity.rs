@@ -40,17 +40,21 @@ pub(crate) fn com_vel_of<N: Number>(m: &Model, at: N::Place, motion: Motion<'_, 
     for b in 1..m.nbody() {
         let mut vel = get::<N, 6>(at, &cvel[m.body_parentid[b]]);
         for j in joints(m, b) {
-            let i = m.jnt_dofadr[j];
-            if m.jnt_type[j] == JointType::Free {
+            let mut i = m.jnt_dofadr[j];
+            let free = m.jnt_type[j] == JointType::Free;
+            if free {
                 for dot in &mut cdof_dot[i..i + 3] {
                     put(at, number::of::<N, 6>(at, [0.0; 6]), dot);
                 }
                 add_to(&mut vel, &along::<N>(at, cdof, qvel, i..i + 3), 1.0);
-                for k in i + 3..i + 6 {
+                i += 3;
+            }
+            if free || m.jnt_type[j] == JointType::Ball {
+                for k in i..i + 3 {
                     let dot = cross_motion(&vel, &get(at, &cdof[k]));
                     put(at, dot, &mut cdof_dot[k]);
                 }
-                add_to(&mut vel, &along::<N>(at, cdof, qvel, i + 3..i + 6), 1.0);
+                add_to(&mut vel, &along::<N>(at, cdof, qvel, i..i + 3), 1.0);
             } else {
                 let axis = get(at, &cdof[i]);
                 put(at, cross_motion(&vel, &axis), &mut cdof_dot[i]);
@@ -63,7 +67,7 @@ pub(crate) fn com_vel_of<N: Number>(m: &Model, at: N::Place, motion: Motion<'_, 
 
 /// The sum of axes, each times its velocity, as one motion: MuJoCo's `mju_mulDofVec`.
 #[inline(always)]
-fn along<N: Number>(
+pub(super) fn along<N: Number>(
     at: N::Place,
     axes: &[[N::Cell; 6]],
     velocities: &[N::Cell],
@@ -124,7 +128,7 @@ pub(crate) fn rne_of<N: Number>(m: &Model, at: N::Place, bias: Bias<'_, N::Cell>
     let parents = &m.body_parentid[..n];
     let (cinert, cvel) = (&bias.cinert[..n], &bias.cvel[..n]);
     let (cdof_dot, qvel) = (&bias.cdof_dot[..nv], &bias.qvel[..nv]);
-    let [x, y, z] = m.opt.gravity;
+    let [x, y, z] = m.plan().gravity;
     let falling = number::of::<N, 6>(at, [0.0, 0.0, 0.0, -x, -y, -z]);
     put(at, falling, &mut acc[0]);
     put(at, number::of::<N, 6>(at, [0.0; 6]), &mut force[0]);

@@ -2,15 +2,15 @@
 
 use super::collision::Polytope;
 use super::dense::{self, Lanes};
-use super::solver::{Island, newton, pgs};
+use super::solver::{Island, buffers, pgs};
+use super::transmission::Moments;
 use crate::Model;
-use crate::model::GeomType;
 
 /// Buffers, allocated once.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Work {
     /// Sizes of the model that they are for.
-    sizes: Option<[usize; 8]>,
+    sizes: Option<[usize; 11]>,
     /// Composite inertias.
     pub(crate) crb: Vec<[f64; 10]>,
     /// Motion axes by components, of four degrees of freedom each.
@@ -19,10 +19,23 @@ pub(crate) struct Work {
     pub(crate) acc: Vec<[f64; 6]>,
     /// Forces on bodies.
     pub(crate) body_force: Vec<[f64; 6]>,
+    /// Velocities of bodies at their centres of mass.
+    pub(crate) body_velocity: Vec<[f64; 6]>,
     /// A vector of degrees of freedom.
     pub(crate) dofs: Vec<Lanes>,
-    /// Forces of the medium.
+    /// Forces of the medium, of dampers, and those that lift weights.
     pub(crate) fluid: Vec<f64>,
+    pub(crate) damper: Vec<f64>,
+    pub(crate) gravcomp: Vec<f64>,
+    /// Moment arms of the actuators.
+    pub(crate) moments: Moments,
+    /// Clamped controls.
+    pub(crate) ctrl: Vec<f64>,
+    /// Forces of the actuators on tendons.
+    pub(crate) tendon_sums: Vec<f64>,
+    /// Changes of the activations: their weighted sum over stages.
+    pub(crate) act_sum: Vec<f64>,
+    pub(crate) act_start: Vec<f64>,
 
     pub(crate) polytope: Polytope,
 
@@ -35,7 +48,7 @@ pub(crate) struct Work {
     /// Blocks by island.
     pub(crate) island_blocks: Vec<usize>,
     pub(crate) islands: Vec<Island>,
-    pub(crate) newton: newton::Buffers,
+    pub(crate) newton: buffers::Buffers,
     pub(crate) pgs: pgs::Buffers,
 
     /// `M + dt damping`, then its factors.
@@ -49,7 +62,7 @@ pub(crate) struct Work {
     pub(crate) qvel_start: Vec<f64>,
 }
 
-fn sizes(m: &Model) -> [usize; 8] {
+fn sizes(m: &Model) -> [usize; 11] {
     let plan = m.plan();
     [
         m.nq(),
@@ -60,6 +73,9 @@ fn sizes(m: &Model) -> [usize; 8] {
         m.ngeom(),
         m.nsite(),
         plan.m_colind.len(),
+        m.na(),
+        m.nsensordata(),
+        plan.paths.columns.len(),
     ]
 }
 
@@ -68,11 +84,7 @@ impl Work {
         let nv = m.nv();
         let bounds = m.plan().bounds();
         let trees = m.ntree();
-        let deep = m
-            .plan()
-            .pairs
-            .iter()
-            .any(|pair| pair.kind == (GeomType::Capsule, GeomType::Cylinder));
+        let deep = m.plan().pairs.iter().any(crate::model::Pair::is_convex);
         Self {
             tree_island: Vec::with_capacity(trees),
             tree_least: Vec::with_capacity(trees),
@@ -80,15 +92,23 @@ impl Work {
             island_trees: Vec::with_capacity(trees),
             island_blocks: Vec::with_capacity(bounds.blocks),
             islands: Vec::with_capacity(trees),
-            newton: newton::Buffers::new(nv, bounds.rows, bounds.blocks),
+            newton: buffers::Buffers::new(nv, bounds.rows, bounds.blocks),
             pgs: pgs::Buffers::new(m.opt.solver, nv, &bounds),
             sizes: Some(sizes(m)),
             crb: vec![[0.0; 10]; m.nbody()],
             axes: vec![[[0.0; 4]; 6]; dense::groups(nv)],
             acc: vec![[0.0; 6]; m.nbody()],
             body_force: vec![[0.0; 6]; m.nbody()],
+            body_velocity: Vec::with_capacity(m.nbody()),
             dofs: vec![[0.0; 4]; dense::groups(nv)],
             fluid: vec![0.0; nv],
+            damper: vec![0.0; nv],
+            gravcomp: vec![0.0; nv],
+            moments: Moments::new(m),
+            ctrl: Vec::with_capacity(m.nu()),
+            tendon_sums: vec![0.0; m.ntendon()],
+            act_sum: vec![0.0; m.na()],
+            act_start: vec![0.0; m.na()],
             polytope: if deep {
                 Polytope::new()
             } else {

@@ -156,7 +156,7 @@ pub fn load(xml_file: &str, revision: Revision) -> Result<Arc<Model>> {
             (Some(rest), Some(home)) => home.join(rest),
             _ => xml_file.into(),
         };
-        return Model::from_xml_file_with(path, revision)
+        return Model::from_path_with(path, revision)
             .map(Arc::new)
             .map_err(wrong);
     }

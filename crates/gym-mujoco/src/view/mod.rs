@@ -3,6 +3,7 @@
 mod camera;
 mod floor;
 mod shapes;
+mod solids;
 
 use gym_core::canvas::{Canvas, Color};
 use gym_core::{Error, Result};

@@ -7,13 +7,14 @@ use gym_core::canvas::{Canvas, Color, Point};
 
 use super::camera::{Camera, NEAR};
 use super::floor::blend;
+use super::solids;
 use crate::model::GeomType;
 use crate::physics::spatial::{Vec3, add, add_scaled, column, dot, scale, sub};
 use crate::{Data, Model, libm};
 
 /// Towards the light: from above, and a little from the left and the front of most cameras.
-const LIGHT: Vec3 = [-0.37, -0.46, 0.81];
-const LAYERS: usize = 9;
+pub(super) const LIGHT: Vec3 = [-0.37, -0.46, 0.81];
+pub(super) const LAYERS: usize = 9;
 const ARC: usize = 14;
 
 /// By how much the nearest point of a shape is nearer than its centre.
@@ -22,6 +23,10 @@ pub(super) fn nearness(model: &Model, data: &Data, g: usize, camera: &Camera) ->
     let axis = dot(column(&data.geom_xmat[g], 2), camera.ahead).abs();
     match model.geom_type[g] {
         GeomType::Capsule | GeomType::Cylinder => radius + 0.3 * half * axis,
+        GeomType::Ellipsoid | GeomType::Box => {
+            let [x, y, z] = model.geom_size[g];
+            x.min(y).min(z)
+        }
         _ => radius,
     }
 }
@@ -47,6 +52,8 @@ pub(super) fn draw(
         GeomType::Sphere => round(camera, [center; 2], radius, color, canvas),
         GeomType::Capsule => round(camera, ends, radius, color, canvas),
         GeomType::Cylinder => cylinder(camera, ends, &data.geom_xmat[g], radius, color, canvas),
+        GeomType::Ellipsoid => solids::ellipsoid(camera, model, data, g, color, canvas),
+        GeomType::Box => solids::cuboid(camera, model, data, g, color, canvas),
     }
 }
 
@@ -71,15 +78,11 @@ fn round(camera: &Camera, ends: [Vec3; 2], radius: f64, color: Color, canvas: &m
     let light = camera.flat(LIGHT);
     let centers = ends.map(|end| camera.project(end));
     let radii = ends.map(|end| camera.pixels(radius, end));
-    let (dark, bright) = (
-        blend(color, Color::rgb(16, 18, 34), 0.52),
-        blend(color, Color::WHITE, 0.22),
-    );
     // a line around it sets it off from what is behind
     outline(
         centers,
         radii.map(|r| r + 0.6),
-        blend(dark, Color::BLACK, 0.35),
+        blend(shade(color, 0.0), Color::BLACK, 0.35),
         canvas,
     );
     for layer in 0..LAYERS {
@@ -92,12 +95,7 @@ fn round(camera: &Camera, ends: [Vec3; 2], radius: f64, color: Color, canvas: &m
                 centers[i][1] + light[1] * radii[i] * shift,
             ]
         });
-        let shade = if t < 0.6 {
-            blend(dark, color, (t / 0.6).sqrt())
-        } else {
-            blend(color, bright, (t - 0.6) / 0.4)
-        };
-        outline(moved, radii.map(|r| r * shrink), shade, canvas);
+        outline(moved, radii.map(|r| r * shrink), shade(color, t), canvas);
     }
 }
 
@@ -130,6 +128,30 @@ fn outline([a, b]: [Point; 2], [ra, rb]: [f64; 2], color: Color, canvas: &mut dy
     canvas.polygon(&points, color);
 }
 
+/// A colour on a side that faces in a direction.
+pub(super) fn lit(color: Color, normal: Vec3) -> Color {
+    let facing = dot(normal, LIGHT);
+    let dark = blend(color, Color::rgb(16, 18, 34), 0.5);
+    if facing < 0.4 {
+        blend(dark, color, (facing + 0.4) / 0.8)
+    } else {
+        blend(color, Color::WHITE, (facing - 0.4) / 0.6 * 0.2)
+    }
+}
+
+/// The colour of a layer of a round shape, from 0 outside to 1 within.
+pub(super) fn shade(color: Color, t: f64) -> Color {
+    let (dark, bright) = (
+        blend(color, Color::rgb(16, 18, 34), 0.52),
+        blend(color, Color::WHITE, 0.22),
+    );
+    if t < 0.6 {
+        blend(dark, color, (t / 0.6).sqrt())
+    } else {
+        blend(color, bright, (t - 0.6) / 0.4)
+    }
+}
+
 /// A cylinder: its side in strips, each as bright as it faces the light, then the end that is seen.
 fn cylinder(
     camera: &Camera,
@@ -148,15 +170,7 @@ fn cylinder(
         let (sin, cos) = libm::sin_cos(i as f64 * std::f64::consts::TAU / SIDES as f64);
         add(scale(x, cos), scale(y, sin))
     };
-    let lit = |normal: Vec3| {
-        let facing = dot(normal, LIGHT);
-        let dark = blend(color, Color::rgb(16, 18, 34), 0.5);
-        if facing < 0.4 {
-            blend(dark, color, (facing + 0.4) / 0.8)
-        } else {
-            blend(color, Color::WHITE, (facing - 0.4) / 0.6 * 0.2)
-        }
-    };
+    let lit = |normal: Vec3| lit(color, normal);
     let ring = |end: Vec3| -> [Point; SIDES] {
         std::array::from_fn(|i| camera.project(add_scaled(end, spoke(i), radius)))
     };

@@ -3,6 +3,7 @@
 mod adversarial;
 mod common;
 mod episodes;
+mod features;
 mod mjcf;
 mod models;
 mod recorded;

@@ -56,9 +56,7 @@ fn models_have_mujocos_figures() {
             }
             let revision = recorded["mujoco"].as_str().unwrap().parse().unwrap();
             let model = match recorded["xml"].as_str() {
-                Some(xml) => {
-                    Arc::new(Model::from_xml_file_with(folder.join(xml), revision).unwrap())
-                }
+                Some(xml) => Arc::new(Model::from_path_with(folder.join(xml), revision).unwrap()),
                 None => load(
                     &format!("{}.xml", recorded["model"].as_str().unwrap()),
                     revision,

@@ -23,7 +23,7 @@ const MODELS: [&str; 13] = [
 ];
 
 fn built_in(name: &str) -> Model {
-    Model::from_xml_file(
+    Model::from_path(
         Path::new(env!("CARGO_MANIFEST_DIR"))
             .join("models")
             .join(name)

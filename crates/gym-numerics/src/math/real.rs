@@ -249,6 +249,11 @@ impl<F: Fma> Real for One<F> {
     }
 
     #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self::new(self.x.sqrt())
+    }
+
+    #[inline(always)]
     fn copysign(self, sign: Self) -> Self {
         Self::new(self.x.copysign(sign.x))
     }

@@ -23,6 +23,7 @@ vectors to Stable-Baselines3.
 from __future__ import annotations
 
 import os
+from functools import partial
 from importlib import import_module
 from importlib.util import find_spec
 from typing import Any
@@ -94,7 +95,7 @@ register()
 CLASSES: dict[str, Any] = envs.stand_ins()
 
 for _name in ("make", "make_vec", "pprint_registry", "register", "registry", "spec"):
-    _modules.replace("envs.registration", _name, lambda name=_name: globals()[name])
+    _modules.replace("envs.registration", _name, partial(globals().__getitem__, _name))
 
 _lacking = _modules.forwarder(__name__)
 

@@ -23,7 +23,7 @@ def same(a: Any, b: Any) -> bool:
     if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
         if type(a) is not type(b) or a.dtype != b.dtype or a.shape != b.shape:
             return False
-        return a.dtype != object and a.tobytes() == b.tobytes()
+        return a.dtype != object and bool(a.tobytes() == b.tobytes())
     return type(a) is type(b) and bool(a == b)
 
 
@@ -100,7 +100,7 @@ class Live:
         if is_reset or self._follow is None:
             env._drop(self.name)
         else:
-            value = env._handed[self.name]
+            value = (env._handed or {})[self.name]
             self._follow(env, value)
             env._seen[self.name] = self._copy(value)
 

@@ -32,7 +32,7 @@ def _library() -> Any:
 def _asset(xml_file: str) -> str | None:
     """Gymnasium's own file of a built-in model: the same numbers as ours, with its names, lights and textures."""
     gymnasium = import_module("gymnasium")
-    path = os.path.join(os.path.dirname(gymnasium.__file__), "envs", "mujoco", "assets", xml_file)
+    path = os.path.join(os.path.dirname(str(gymnasium.__file__)), "envs", "mujoco", "assets", xml_file)
     return path if os.path.exists(path) else None
 
 
@@ -87,7 +87,7 @@ class Mirror:
         return (self._options(self._opt), *[span.tobytes() for span in self._spans])
 
     def follow(self, native: Any, is_reset: bool) -> None:
-        """Brings the data to what it is in Gymnasium after a reset or step: that of the engine's last call, of the package's own making."""
+        """Brings the data to what it is in Gymnasium after a reset or step: the package repeats the engine's last call."""
         mujoco, model, data = _library(), self.model, self.data
         calls = native.mujoco_before()
         if is_reset:

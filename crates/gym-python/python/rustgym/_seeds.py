@@ -72,7 +72,7 @@ class Seeds:
             return observations, rewards, terminated, truncated, infos
         last = np.full(n, None, dtype=object)
         for index in indices:
-            last[index] = _row(observations, index)
+            last[index] = _row(observations, int(index))
         final_infos = _only(infos, ended)
         infos = _merged(infos, fresh_infos, ended)
         infos = {"final_obs": last, "_final_obs": ended.copy(), "final_info": final_infos, "_final_info": ended.copy(), **infos}

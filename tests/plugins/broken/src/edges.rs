@@ -1,5 +1,5 @@
-//! Faults that show only at an edge: after `close`, after a pause, in rare states, in buffers that
-//! were used, without a seed. Beside them their sound twins.
+//! Faults that only show at an edge: after `close`, after a pause, in rare states, in used buffers,
+//! without a seed. A twist whose name begins with `none.` comes close to a fault and has none.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -14,9 +14,9 @@ use crate::arguments::Number;
 use crate::twisted::{Mind, Twist, Twisted as Of};
 use crate::twists::{twists, with_seed};
 
-// what clones share
+// state that clones share
 twists! {
-    // tells of the last step of all its clones
+    // its info is of the last step of any clone
     "clone-apart.info" TellsOfItsClones {
         fn copied(env: &Of<Self>) -> Mind {
             Mind { shared: Arc::clone(&env.mind.shared), ..env.mind.clone() }
@@ -45,7 +45,7 @@ twists! {
         }
     }
 
-    // a table that never changes
+    // clones share a table that never changes
     "none.shared-table" SharesATable (Number), reset_options(&[("start", "0.25")]) {
         fn copied(env: &Of<Self>) -> Mind {
             Mind { shared: Arc::clone(&env.mind.shared), ..env.mind.clone() }
@@ -61,7 +61,7 @@ twists! {
         }
     }
 
-    // a copy does not survive the original
+    // closing the original spoils its clones
     "clone-apart.original-closed" NeedsItsOriginal {
         fn copied(env: &Of<Self>) -> Mind {
             Mind { shared: Arc::clone(&env.mind.shared), own: 1, ..env.mind.clone() }
@@ -82,12 +82,12 @@ twists! {
     }
 }
 
-/// How often environments of a kind were closed again.
+/// The number of second calls of `close`, over all environments of the kind.
 static CLOSED_AGAIN: AtomicU64 = AtomicU64::new(0);
 
 // `close`
 twists! {
-    // spoils all others
+    // a second `close` of one environment spoils every other
     "close-harmless" FreesTwice {
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
             env.mind.is_spoilt.set(CLOSED_AGAIN.load(Ordering::Relaxed) > 0);
@@ -147,7 +147,7 @@ twists! {
 
 // resets
 twists! {
-    // until the next seed
+    // the option counts until the next reset with a seed
     "reset-forgets.option-without-a-seed" KeepsAnOptionForLong, reset_options(&[("start", "0.25")]) {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             let until = if reset.seed.is_some() { 0 } else { u64::MAX };
@@ -155,7 +155,7 @@ twists! {
         }
     }
 
-    // for two episodes more
+    // the option counts for the next two episodes, too
     "reset-forgets.option-twice-more" KeepsAnOptionTwice, reset_options(&[("start", "0.25")]) {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             let until = if reset.seed.is_some() { 0 } else { 2 };
@@ -163,7 +163,7 @@ twists! {
         }
     }
 
-    // where a seed has begun once, it begins again
+    // the option counts for each later reset with the same seed
     "reset-forgets.option-by-seed" KeepsTheStartOfASeed, reset_options(&[("start", "0.25")]) {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             let mut options = reset.options.clone();
@@ -179,7 +179,7 @@ twists! {
         }
     }
 
-    // without a step between them
+    // 41 resets without a step between them spoil it
     "reset-forgets.many-resets" CountsResets {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             env.mind.own += 1;
@@ -206,12 +206,12 @@ twists! {
     }
 }
 
-/// A reset option that has an effect.
+/// Returns the start that `option` asks for, if the walk accepts it.
 fn start(option: &Json) -> Option<f64> {
     option.as_f64().filter(|start| start.abs() <= 1.0)
 }
 
-/// A reset with the last `start`, for a number of episodes more.
+/// Resets with the option `start`, and keeps it for the `episodes` resets that follow without one.
 fn with_kept<T: Twist>(
     env: &mut Of<T>,
     reset: &Reset,
@@ -242,7 +242,7 @@ fn with_kept<T: Twist>(
 
 // buffers, snapshots, time
 twists! {
-    // a buffer of finite numbers makes no difference
+    // multiplies the old content of the buffer by zero: only NaN and infinity show
     "observation-whole.multiplied" MultipliesTheOld {
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
             let old = match observation {
@@ -276,7 +276,7 @@ twists! {
         }
     }
 
-    // pays by its number
+    // the argument scales the reward, and the snapshot does not check it
     "snapshot-refused.other-argument" TakesOtherArguments (Number) {
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
             let outcome = env.walk.step_into(action, observation)?;
@@ -292,7 +292,7 @@ twists! {
         }
     }
 
-    // its number is a part of its state
+    // the snapshot stores and restores the argument
     "none.restores-its-argument" RestoresItsArgument (Number), reset_options(&[("start", "0.25")]) {
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
             let outcome = env.walk.step_into(action, observation)?;
@@ -307,7 +307,7 @@ twists! {
         }
     }
 
-    // an episode that takes a second ends otherwise
+    // after a second of real time, an episode goes on otherwise
     "clock-unread" ReadsAClock {
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
             let is_late = env.mind.begun.is_some_and(|begun| begun.elapsed() > Duration::from_secs(1));

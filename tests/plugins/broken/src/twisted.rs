@@ -39,7 +39,7 @@ pub(crate) struct Mind {
     pub(crate) own: u64,
     /// A generator other than the walk's.
     pub(crate) other: Option<Generator>,
-    /// When the episode began.
+    /// The time at which the episode began.
     pub(crate) begun: Option<Instant>,
     /// The walk's observation, if the twist shows another one.
     pub(crate) seen: Value,
@@ -125,7 +125,7 @@ pub(crate) trait Twist: Sized + 'static {
         env.walk.generator()
     }
 
-    /// As [`Env::close`].
+    /// Like [`Env::close`].
     fn close(env: &mut Twisted<Self>) {
         env.walk.close();
     }
@@ -154,12 +154,12 @@ impl<T: Twist> Twisted<T> {
         })
     }
 
-    /// The arguments as data; nothing if there are none.
+    /// Returns the arguments as JSON; null or `{}` if the twist has none.
     fn own_arguments(&self) -> Json {
         serde_json::to_value(&self.arguments).unwrap_or_default()
     }
 
-    /// The state of the walk, and the arguments if there are some.
+    /// Returns a snapshot of the walk, with the arguments if the twist has some.
     pub(crate) fn stored(&self) -> Result<Snapshot> {
         let walk = self.walk.snapshot()?;
         match self.own_arguments() {
@@ -183,7 +183,7 @@ impl<T: Twist> Twisted<T> {
         self.walk.restore(&Snapshot::of(&walk)?)
     }
 
-    /// Returns the walk's [`Self::stored`] and its age.
+    /// Returns a snapshot of [`Self::stored`] and the walk's age.
     pub(crate) fn snapshot_with_age(&self) -> Result<Snapshot> {
         Snapshot::of(&(self.stored()?.get::<Json>()?, self.mind.age))
     }

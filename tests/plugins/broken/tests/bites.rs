@@ -141,22 +141,22 @@ fn a_limit_that_is_lost_on_the_way_is_seen_without_a_registration() {
     assert_eq!(check(false), ["time-limit"]);
 }
 
-/// What a wrapper of one's own does to the end of an episode.
+/// The effect of the wrapper [`Own`] on the ends of episodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Ends {
-    /// Truncates after that many steps.
+    /// Truncates after this number of steps.
     After(u32),
-    /// Truncates where the walk is to the right of that place.
+    /// Truncates where the walk is to the right of this place.
     RightOf(f32),
     /// Begins the next episode in the step that ends one.
     Resets,
-    /// Begins the next episode in place of showing the end.
+    /// Begins the next episode in the step that ends one, and hides the end.
     ResetsInside,
-    /// Repeats each action that many times.
+    /// Repeats each action this number of times.
     Repeats(u32),
 }
 
-/// A wrapper without a stored form, so that nothing but the environment itself tells of its limit.
+/// A wrapper without a stored form: a check can learn its limit only from its episodes.
 #[derive(Clone, Debug)]
 struct Own {
     env: BoxEnv,
@@ -223,8 +223,8 @@ impl gym_core::Wrapper for Own {
     }
 }
 
-/// The count of a time limit shows who ends episodes, in every stack that has one: around what
-/// `make` returns, and around a limit inside or outside of a wrapper.
+/// The count of steps of a `TimeLimit` shows whether it ended an episode or a wrapper did. This
+/// holds for wrappers around the result of `make`, and around one or two limits.
 #[test]
 fn wrappers_that_end_episodes_by_themselves_are_seen() {
     let flagged = |limits: &[u32], ends: Ends| {
@@ -240,7 +240,7 @@ fn wrappers_that_end_episodes_by_themselves_are_seen() {
                 steps: 0,
             }))
         });
-        // the count of its own is restored as it was stored, and a reset within a step allocates
+        // `Own` accepts any stored count, and its reset within a step allocates
         let others = ["snapshot-legal", "no-allocation"];
         let checks = findings.iter().map(|finding| finding.check);
         checks
@@ -250,13 +250,13 @@ fn wrappers_that_end_episodes_by_themselves_are_seen() {
     assert_eq!(flagged(&[9], Ends::After(5)), ["time-limit"]);
     assert_eq!(flagged(&[9], Ends::Resets), ["time-limit"]);
     assert_eq!(flagged(&[9], Ends::ResetsInside), ["time-limit"]);
-    // their sound twins: a reason of its own, a limit that others reach first, fewer outer steps
+    // without a fault: an end for another reason, a limit that is never reached, repeated actions
     assert_eq!(flagged(&[9], Ends::RightOf(0.3)), [""; 0]);
     assert_eq!(flagged(&[5, 9], Ends::After(100)), [""; 0]);
     assert_eq!(flagged(&[9, 5], Ends::After(100)), [""; 0]);
     assert_eq!(flagged(&[9], Ends::Repeats(2)), [""; 0]);
 
-    // what `make` returns is one type for each environment
+    // `make` returns the same type for every environment
     let made = |ends| {
         gym_conform::check(|| {
             let env = gym_core::make("broken/none-v0")?;

@@ -272,7 +272,7 @@ fn infos_are_compared_as_asked() {
     for (a, b, expected) in [
         (Nothing, Nothing, [true, true, true, true]),
         (Nothing, InfoValue, [false, false, true, true]),
-        // the second may have more entries, but not fewer
+        // a superset: the second environment may have more entries, but not fewer
         (Nothing, InfoKey, [false, true, false, true]),
         (InfoKey, Nothing, [false, false, false, false]),
     ] {

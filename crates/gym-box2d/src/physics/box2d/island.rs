@@ -114,7 +114,7 @@ impl Island {
         self.build_joints(world, step);
     }
 
-    /// Ends a time step after the velocity iterations: positions, sleep.
+    /// Runs the part of a time step after the velocity iterations: position iterations, and sleep.
     pub(crate) fn conclude(&mut self, world: &mut Box2d, step: &TimeStep) {
         self.store_impulses(world);
         self.move_on(world, step);

@@ -12,8 +12,9 @@
 //! | info | `slipped`: whether the last step failed |
 
 use gym_core::canvas::{Align, Canvas, Color};
+use gym_core::keys::json;
 use gym_core::render::Metadata;
-use gym_core::{Dynamics, Error, Generator, Registration, Reset, Result, Space, Stateful, Task, Transition, Value};
+use gym_core::{Dynamics, Error, Generator, Keys, Registration, Reset, Result, Space, Stateful, Task, Transition, Value};
 use serde::{Deserialize, Serialize};
 
 /// The environment.
@@ -154,6 +155,8 @@ gym_core::register!(
     Registration::new::<Corridor>("plugin_name/Corridor-v0")
         .description("Find the way out of a dark corridor, on a slippery floor.")
         .max_episode_steps(100)
+        // the keys of `cargo xtask play`: without them, the digits
+        .keys(|_| Keys::new(json!({"Left": 0, "Right": 1})))
 );
 
 #[cfg(test)]

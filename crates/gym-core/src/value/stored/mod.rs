@@ -261,11 +261,15 @@ fn read_tagged(tag: &str, content: &Json, map: &Map<String, Json>) -> Result<Val
         (GRAPH, Json::Array(parts), 1) => {
             let parts = parts.iter().map(|part| match read(part)? {
                 Value::Null => Ok(None),
-                Value::Array(array) => Ok(Some(array)),
-                other => Err(Fault::kind("an array", &other)),
+                value => Ok(Some(value)),
             });
             match <[_; 3]>::try_from(parts.collect::<Result<Vec<_>, Fault>>()?) {
-                Ok([Some(nodes), edges, edge_links]) => {
+                Ok([Some(nodes), edges, links]) => {
+                    let edge_links = match links {
+                        None => None,
+                        Some(Value::Array(links)) => Some(links),
+                        Some(other) => return Err(Fault::kind("an array", &other)),
+                    };
                     Some(Value::Graph(Box::new(GraphInstance {
                         nodes,
                         edges,
@@ -323,8 +327,8 @@ mod tests {
             .reshape([2, 2])
             .unwrap();
         let graph = GraphInstance {
-            nodes: [1i64, 2].into(),
-            edges: None,
+            nodes: Value::Array([1i64, 2].into()),
+            edges: Some(Value::Tuple(vec![Value::Text("a".into())])),
             edge_links: Some([0u8].into()),
         };
         let many: Vec<f64> = (0..33)

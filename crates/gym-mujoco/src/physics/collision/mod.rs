@@ -3,7 +3,11 @@
 //! All pairs that can ever touch are known from the model, in the order of their contacts. A test
 //! of bounding spheres drops most of them; it never changes the result.
 
+mod box_box;
+mod boxes;
+mod capsule_box;
 mod capsule_cylinder;
+mod convex;
 mod epa;
 mod gjk;
 mod on_end;
@@ -11,7 +15,7 @@ mod primitive;
 
 use super::spatial::{Mat3, Vec3, add_scaled, column, cross, dot, norm, normalize, sub};
 use crate::model::{GeomType, Pair, Reach};
-use crate::{Contact, Data, Model};
+use crate::{Contact, Data, Model, Revision};
 pub(crate) use epa::Polytope;
 
 /// A geom in the world.
@@ -74,18 +78,39 @@ pub fn collision(m: &Model, d: &mut Data) {
             (GeomType::Capsule, GeomType::Capsule) => {
                 primitive::capsule_capsule(a, b, pair.margin, m.revision, &mut push);
             }
-            (GeomType::Capsule, GeomType::Cylinder) => {
-                let apart = 1e-3 * m.geom_rbound[pair.geom[0]].min(m.geom_rbound[pair.geom[1]]);
-                capsule_cylinder::capsule_cylinder(
-                    a,
-                    b,
-                    pair.margin,
-                    apart,
-                    (m.revision, polytope),
-                    &mut push,
-                );
+            (GeomType::Plane, GeomType::Box) => boxes::plane_box(a, b, pair.margin, &mut push),
+            (GeomType::Sphere, GeomType::Box) => {
+                boxes::sphere_box((a.pos, a.size[0]), b, pair.margin, &mut push);
             }
-            _ => {} // refused by Model::new
+            (GeomType::Sphere, GeomType::Cylinder) => {
+                boxes::sphere_cylinder(a, b, pair.margin, &mut push);
+            }
+            (GeomType::Capsule, GeomType::Box) => {
+                capsule_box::capsule_box(a, b, pair.margin, &mut push);
+            }
+            (GeomType::Box, GeomType::Box) => box_box::box_box(a, b, pair.margin, &mut push),
+            (GeomType::Plane, GeomType::Ellipsoid) => {
+                convex::plane_ellipsoid(a, b, pair.margin, m.revision, &mut push);
+            }
+            (GeomType::Plane, GeomType::Plane) => {} // never touch
+            (first, second) => {
+                let a = convex::Solid {
+                    kind: first,
+                    shape: a,
+                };
+                let b = convex::Solid {
+                    kind: second,
+                    shape: b,
+                };
+                if (first, second) == (GeomType::Capsule, GeomType::Cylinder)
+                    && m.revision == Revision::V4_0
+                {
+                    capsule_cylinder::contacts(a, b, pair.margin, polytope, &mut push);
+                } else {
+                    let apart = 1e-3 * m.geom_rbound[pair.geom[0]].min(m.geom_rbound[pair.geom[1]]);
+                    convex::contacts(a, b, pair.margin, apart, (m.revision, polytope), &mut push);
+                }
+            }
         }
     }
 }

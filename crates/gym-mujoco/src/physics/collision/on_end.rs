@@ -4,7 +4,7 @@ use super::super::spatial::{
     MINVAL, Vec3, add, add_scaled, cross, dot, normalize, rotate, scale, sub,
 };
 use super::Shape;
-use super::capsule_cylinder::Touch;
+use super::convex::Touch;
 use super::epa::Polytope;
 
 /// The end counts as a polygon with as many sides.

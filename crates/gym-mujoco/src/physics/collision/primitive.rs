@@ -85,27 +85,27 @@ pub(super) fn plane_cylinder(
     let fall = dot(rim, normal);
     let (axis, slope) = (scale(axis, half), slope * half);
 
-    let mut point = |offset: Vec3, dist: f64| {
+    let center = cylinder.pos;
+    let mut point = |place: Vec3, dist: f64| {
         if dist <= margin {
-            let pos = add_scaled(add(cylinder.pos, offset), normal, -0.5 * dist);
             push(Hit {
                 dist,
-                pos,
+                pos: add_scaled(place, normal, -dist * 0.5),
                 normal,
                 tangent: [0.0; 3],
             });
         }
         dist <= margin
     };
-    if !point(add(rim, axis), height + slope + fall) {
+    if !point(add(add(center, rim), axis), height + slope + fall) {
         return;
     }
-    point(sub(rim, axis), height - slope + fall);
+    point(sub(add(center, rim), axis), height - slope + fall);
     let side = scale(normalize(cross(rim, axis)).0, radius * 3.0_f64.sqrt() / 2.0);
-    let opposite = add_scaled(axis, rim, -0.5);
     let dist = height + slope - 0.5 * fall;
-    point(add(opposite, side), dist);
-    point(sub(opposite, side), dist);
+    for beside in [add(center, side), sub(center, side)] {
+        point(add_scaled(add(beside, axis), rim, -0.5), dist);
+    }
 }
 
 pub(super) fn sphere_sphere(a: Shape<'_>, b: Shape<'_>, margin: f64, push: &mut impl FnMut(Hit)) {

@@ -1,5 +1,6 @@
 //! Newton's line search: the exact minimum of a piecewise quadratic function.
 
+use super::law::{Piece, evaluate};
 use crate::physics::spatial::MINVAL;
 
 /// The numbers of a row that a line search reads.
@@ -31,6 +32,8 @@ impl Row {
 /// The cost along a direction, relative to that at its start.
 pub(super) struct Along<'a> {
     pub(super) rows: &'a [Row],
+    /// The rows, where they do more than push.
+    pub(super) pieces: &'a [Piece],
     /// The factors of the length and of its square in the cost of accelerating otherwise than
     /// without constraints.
     pub(super) linear: f64,
@@ -59,6 +62,16 @@ impl Along<'_> {
     #[inline(always)]
     fn at(&mut self, alpha: f64) -> Point {
         self.evaluations += 1;
+        if !self.pieces.is_empty() {
+            let quad = [0.0, self.linear, self.quadratic];
+            let [cost, slope, curvature] = evaluate(self.pieces, alpha, quad);
+            return Point {
+                alpha,
+                cost,
+                slope,
+                curvature: if curvature <= 0.0 { MINVAL } else { curvature },
+            };
+        }
         let (mut cost, mut quad) = (0.0, [0.0, self.linear, self.quadratic]);
         for row in self.rows {
             if row.jar + alpha * row.jv < 0.0 {

@@ -1,8 +1,11 @@
 //! Constraint forces, and the accelerations with them.
 
+pub(crate) mod buffers;
 mod cholesky;
+mod conjugate;
+mod law;
 mod line_search;
-pub(crate) mod newton;
+mod newton;
 pub(crate) mod pgs;
 
 use std::ops::Range;
@@ -26,8 +29,8 @@ pub fn fwd_constraint(m: &Model, d: &mut Data) {
     d.efc.b = b;
     islands(m, d);
     match m.opt.solver {
-        Solver::Newton => newton::solve(m, d),
         Solver::PGS => pgs::solve(m, d),
+        _ => newton::solve(m, d),
     }
 }
 

@@ -4,119 +4,23 @@
 //! Each island is solved for itself, on vectors of its own degrees of freedom and rows: where its
 //! numbers stand decides in which order they are summed.
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "indices are those of the formulas"
+)]
+
 use std::ops::Range;
 
+use super::buffers::{Buffers, Gathered};
+use super::law::{ConeHessian, Law, State};
 use super::line_search::{Along, Row, line_search};
-use super::{cholesky, cost_of_rows, residuals};
+use super::{cholesky, conjugate, cost_of_rows, residuals};
+use crate::model::{Disable, Solver};
 use crate::physics::constraint::{Block, Constraints, mul_jacobian};
 use crate::physics::dense::{self, Lanes, add_scaled, combine, minus, times};
 use crate::physics::inertia::{mul_m_tree, multiply, solve_tree};
 use crate::physics::spatial::MINVAL;
 use crate::{Data, Model};
-
-/// Buffers of the solver.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Buffers {
-    // vectors of degrees of freedom: of the island, but for the first, which is of all
-    ma_start: Vec<f64>,
-    acc: Vec<Lanes>,
-    smooth: Vec<Lanes>,
-    constraint: Vec<Lanes>,
-    ma: Vec<Lanes>,
-    grad: Vec<Lanes>,
-    mgrad: Vec<Lanes>,
-    search: Vec<Lanes>,
-    mv: Vec<Lanes>,
-    row_update: Vec<Lanes>,
-    /// The number of degrees of freedom that these are for.
-    last: usize,
-    /// The Hessian's lower triangle by columns, then its factor.
-    hessian: Vec<Lanes>,
-    /// The Jacobians of the rows that push, and these times their stiffness.
-    pushing: Vec<Lanes>,
-    pushed: Vec<Lanes>,
-    /// The terms of the force on the joints: where rows of the Jacobian start, and their forces.
-    terms: Vec<(usize, f64)>,
-    // vectors of rows
-    jar: Vec<f64>,
-    jv: Vec<f64>,
-    force: Vec<f64>,
-    /// Whether each row pushes.
-    pushes: Vec<bool>,
-    rows: Vec<Row>,
-    /// The rows of an island that is not the whole model.
-    gathered: Gathered,
-}
-
-/// Copies of an island's rows.
-#[derive(Clone, Debug, Default)]
-struct Gathered {
-    blocks: Vec<Block>,
-    jac: Vec<Lanes>,
-    aref: Vec<f64>,
-    d: Vec<f64>,
-}
-
-impl Buffers {
-    /// Buffers that need not grow up to so many degrees of freedom, rows and blocks.
-    pub(crate) fn new(nv: usize, rows: usize, blocks: usize) -> Self {
-        let mut buffers = Self::default();
-        buffers.ma_start.resize(nv, 0.0);
-        let groups = dense::groups(nv);
-        for vector in [
-            &mut buffers.acc,
-            &mut buffers.smooth,
-            &mut buffers.constraint,
-            &mut buffers.ma,
-            &mut buffers.grad,
-            &mut buffers.mgrad,
-            &mut buffers.search,
-            &mut buffers.mv,
-            &mut buffers.row_update,
-        ] {
-            vector.resize(groups, [0.0; 4]);
-        }
-        buffers.hessian.reserve(nv * groups);
-        buffers.pushing.reserve(rows * groups);
-        buffers.pushed.reserve(rows * groups);
-        buffers.terms.reserve(rows);
-        for vector in [
-            &mut buffers.jar,
-            &mut buffers.jv,
-            &mut buffers.force,
-            &mut buffers.gathered.aref,
-            &mut buffers.gathered.d,
-        ] {
-            vector.reserve(rows);
-        }
-        buffers.pushes.reserve(rows);
-        buffers.rows.reserve(rows);
-        buffers.gathered.jac.reserve(rows * groups);
-        buffers.gathered.blocks.reserve(blocks);
-        buffers
-    }
-
-    /// Makes the vectors as long as an island needs them; what is beyond the last element is zero.
-    fn fit(&mut self, n: usize) {
-        for vector in [
-            &mut self.acc,
-            &mut self.smooth,
-            &mut self.constraint,
-            &mut self.ma,
-            &mut self.grad,
-            &mut self.mgrad,
-            &mut self.search,
-            &mut self.mv,
-            &mut self.row_update,
-        ] {
-            if vector.len() != dense::groups(n) || (!n.is_multiple_of(4) && self.last != n) {
-                vector.clear();
-                vector.resize(dense::groups(n), [0.0; 4]);
-            }
-        }
-        self.last = n;
-    }
-}
 
 /// Solves all islands: MuJoCo's `mj_solNewton_island`.
 #[inline(always)]
@@ -128,7 +32,27 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
     b.jar.resize(efc.nefc(), 0.0);
     residuals(m, efc, &d.qacc_warmstart, &mut work.dofs, &mut b.jar);
     multiply(m, &d.qm, &d.qacc_warmstart, &mut b.ma_start);
-    let mut warm = cost_of_rows(&efc.d, &b.jar);
+    let general = !m.plan().plain;
+    let law = Law {
+        blocks: &efc.blocks,
+        d: &efc.d,
+        r: &efc.r,
+        loss: &efc.loss,
+        contacts: &d.contact,
+        revision: m.revision,
+    };
+    let cost = |b: &mut Buffers, jar: &[f64]| {
+        if general {
+            b.force.resize(jar.len(), 0.0);
+            b.states.resize(jar.len(), State::Satisfied);
+            law.update(jar, &mut b.force, &mut b.states, &mut b.cones)
+        } else {
+            cost_of_rows(&efc.d, jar)
+        }
+    };
+    let jar = std::mem::take(&mut b.jar);
+    let mut warm = cost(b, &jar);
+    b.jar = jar;
     for i in 0..m.nv() {
         let (force, a) = (
             b.ma_start[i] - d.qfrc_smooth[i],
@@ -136,7 +60,7 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
         );
         warm += 0.5 * force * a;
     }
-    let cold = warm > cost_of_rows(&efc.d, &efc.b);
+    let cold = warm > cost(b, &efc.b) || m.opt.disables(Disable::WarmStart);
     let start = if cold {
         &d.qacc_smooth
     } else {
@@ -167,6 +91,7 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
             stride: efc.stride(),
             d: &efc.d,
             aref: &efc.aref,
+            law: general.then_some(law),
         };
         let answer = (&mut *d.qacc, &mut *d.qfrc_constraint);
         let iterations = if trees.len() == m.ntree() {
@@ -183,6 +108,14 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
             (problem.blocks, problem.jac, problem.stride) =
                 (&rows.blocks, &rows.jac, dense::groups(n));
             (problem.d, problem.aref) = (&rows.d, &rows.aref);
+            problem.law = general.then_some(Law {
+                blocks: &rows.blocks,
+                d: &rows.d,
+                r: &rows.r,
+                loss: &rows.loss,
+                contacts: &d.contact,
+                revision: m.revision,
+            });
             let iterations = solve_island(&problem, b, answer, false);
             b.gathered = rows;
             let mut forces = b.force.iter();
@@ -202,15 +135,15 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
 }
 
 /// The inputs of an island.
-struct Problem<'a> {
-    m: &'a Model,
+pub(super) struct Problem<'a> {
+    pub(super) m: &'a Model,
     trees: &'a [usize],
     /// The number of degrees of freedom.
-    n: usize,
+    pub(super) n: usize,
     // of all degrees of freedom
     qm: &'a [f64],
-    qld: &'a [f64],
-    qld_diag_inv: &'a [f64],
+    pub(super) qld: &'a [f64],
+    pub(super) qld_diag_inv: &'a [f64],
     qfrc_smooth: &'a [f64],
     // the island's rows
     blocks: &'a [Block],
@@ -218,12 +151,14 @@ struct Problem<'a> {
     stride: usize,
     d: &'a [f64],
     aref: &'a [f64],
+    /// What the rows are, where they do more than push.
+    law: Option<Law<'a>>,
 }
 
 impl Problem<'_> {
     /// The degrees of freedom of the trees: where they stand in the model, and in the island.
     #[inline(always)]
-    fn places(&self) -> impl Iterator<Item = (Range<usize>, Range<usize>)> {
+    pub(super) fn places(&self) -> impl Iterator<Item = (Range<usize>, Range<usize>)> {
         let mut next = 0;
         self.trees.iter().map(
             #[inline(always)]
@@ -267,6 +202,8 @@ fn gather(problem: &Problem<'_>, efc: &Constraints, b: &mut Gathered, blocks: &[
     b.blocks.clear();
     b.jac.clear();
     b.d.clear();
+    b.r.clear();
+    b.loss.clear();
     b.aref.clear();
     for &index in blocks {
         let block = &efc.blocks[index];
@@ -286,6 +223,11 @@ fn gather(problem: &Problem<'_>, efc: &Constraints, b: &mut Gathered, blocks: &[
         }
         let rows = block.row..block.row + block.rows;
         b.d.extend_from_slice(&efc.d[rows.clone()]);
+        if problem.law.is_some() {
+            b.r.extend_from_slice(&efc.r[rows.clone()]);
+            let loss = |row: usize| efc.loss.get(row).copied().unwrap_or(0.0);
+            b.loss.extend(rows.clone().map(loss));
+        }
         b.aref.extend_from_slice(&efc.aref[rows]);
     }
 }
@@ -324,7 +266,12 @@ fn solve_island(
     b.force.resize(nefc, 0.0);
     b.pushes.clear();
     b.pushes.extend(b.jar.iter().map(|jar| *jar < 0.0));
-    let iterations = iterate(problem, b, scale, tolerance);
+    b.states.resize(nefc, State::Satisfied);
+    let iterations = if m.opt.solver == Solver::CG {
+        conjugate::iterate(problem, b, scale, tolerance)
+    } else {
+        iterate(problem, b, scale, tolerance)
+    };
     for (dofs, place) in problem.places() {
         qacc[dofs.clone()].copy_from_slice(&b.acc.as_flattened()[place.clone()]);
         qfrc_constraint[dofs].copy_from_slice(&b.constraint.as_flattened()[place]);
@@ -334,12 +281,12 @@ fn solve_island(
 
 /// [`dense::dot`], as one piece of code for all calls of it.
 #[inline(never)]
-fn dot(a: &[Lanes], b: &[Lanes], n: usize) -> f64 {
+pub(super) fn dot(a: &[Lanes], b: &[Lanes], n: usize) -> f64 {
     dense::dot(a, b, n)
 }
 
 /// The length of a vector of `n` elements: MuJoCo's `mju_norm`.
-fn norm(a: &[Lanes], n: usize) -> f64 {
+pub(super) fn norm(a: &[Lanes], n: usize) -> f64 {
     dot(a, a, n).sqrt()
 }
 
@@ -367,11 +314,20 @@ fn iterate(problem: &Problem<'_>, b: &mut Buffers, scale: f64, tolerance: f64) -
                 return 0;
             }
         }
+        if iteration == 0 && problem.law.is_some() {
+            let states = b.states.iter().zip(&mut b.pushes);
+            states.for_each(|(state, pushes)| *pushes = *state == State::Quadratic);
+        }
         if iteration == 0 || !update_hessian(problem, b) {
             hessian(problem, b);
         }
         b.mgrad.copy_from_slice(&b.grad);
-        cholesky::solve(&b.hessian, n, problem.stride, &mut b.mgrad, m.revision);
+        if problem.law.is_some() && !b.cones.is_empty() {
+            add_cones(problem, b);
+            cholesky::solve(&b.with_cones, n, problem.stride, &mut b.mgrad, m.revision);
+        } else {
+            cholesky::solve(&b.hessian, n, problem.stride, &mut b.mgrad, m.revision);
+        }
         if iteration == m.opt.iterations || ((level || iteration > 0) && decrement(b) < tolerance) {
             return iteration;
         }
@@ -396,14 +352,22 @@ fn iterate(problem: &Problem<'_>, b: &mut Buffers, scale: f64, tolerance: f64) -
 /// Forces of the rows, the resulting forces on the joints, and the gradient: MuJoCo's
 /// `PrimalUpdateConstraint` and `PrimalUpdateGrad`.
 #[inline(always)]
-fn update(problem: &Problem<'_>, b: &mut Buffers) {
+pub(super) fn update(problem: &Problem<'_>, b: &mut Buffers) {
     b.terms.clear();
-    for (row, ((force, &jar), &stiffness)) in
-        b.force.iter_mut().zip(&b.jar).zip(problem.d).enumerate()
-    {
-        *force = if jar < 0.0 { -stiffness * jar } else { 0.0 };
-        if *force != 0.0 {
-            b.terms.push((row * problem.stride, *force));
+    if let Some(law) = &problem.law {
+        law.update(&b.jar, &mut b.force, &mut b.states, &mut b.cones);
+        let forces = b.force.iter().enumerate();
+        let forces = forces.filter(|(_, force)| **force != 0.0);
+        b.terms
+            .extend(forces.map(|(row, force)| (row * problem.stride, *force)));
+    } else {
+        for (row, ((force, &jar), &stiffness)) in
+            b.force.iter_mut().zip(&b.jar).zip(problem.d).enumerate()
+        {
+            *force = if jar < 0.0 { -stiffness * jar } else { 0.0 };
+            if *force != 0.0 {
+                b.terms.push((row * problem.stride, *force));
+            }
         }
     }
     combine(
@@ -472,7 +436,10 @@ fn hessian(problem: &Problem<'_>, b: &mut Buffers) {
 fn update_hessian(problem: &Problem<'_>, b: &mut Buffers) -> bool {
     let mut definite = true;
     for row in 0..b.jar.len() {
-        let pushes = b.jar[row] < 0.0;
+        let pushes = match problem.law {
+            None => b.jar[row] < 0.0,
+            Some(_) => b.states[row] == State::Quadratic,
+        };
         if pushes == b.pushes[row] {
             continue;
         }
@@ -494,10 +461,55 @@ fn update_hessian(problem: &Problem<'_>, b: &mut Buffers) -> bool {
     definite
 }
 
+/// Makes the factor with the second derivatives of the cones: MuJoCo's `HessianCone`.
+#[inline(never)]
+fn add_cones(problem: &Problem<'_>, b: &mut Buffers) {
+    b.with_cones.clear();
+    b.with_cones.extend_from_slice(&b.hessian);
+    for cone in &b.cones {
+        let local = local_factor(cone);
+        for c in 0..cone.dim {
+            b.row_update.fill([0.0; 4]);
+            for r in c..cone.dim {
+                add_scaled(&mut b.row_update, problem.row(cone.row + r), local[r][c]);
+            }
+            cholesky::update(
+                &mut b.with_cones,
+                problem.n,
+                problem.stride,
+                &mut b.row_update,
+                true,
+            );
+        }
+    }
+}
+
+/// The factor `L` of a cone's second derivatives, `L L'`: MuJoCo's `mju_cholFactor`.
+fn local_factor(cone: &ConeHessian) -> [[f64; 6]; 6] {
+    let mut l = cone.matrix;
+    for j in 0..cone.dim {
+        let own = dense::dot_slices(&l[j][..j], &l[j][..j]);
+        let pivot = l[j][j] - own;
+        let diagonal = if pivot < MINVAL { MINVAL } else { pivot }.sqrt();
+        let small = pivot < MINVAL;
+        l[j][j] = diagonal;
+        let inverse = 1.0 / diagonal;
+        for i in j + 1..cone.dim {
+            let product = dense::dot_slices(&l[i][..j], &l[j][..j]);
+            l[i][j] = if small {
+                0.0
+            } else {
+                (l[i][j] - product) * inverse
+            };
+        }
+    }
+    l
+}
+
 /// The length of the step along the search direction, and the improvement; leaves `M search` and `J
 /// search` behind.
 #[inline(always)]
-fn search(problem: &Problem<'_>, b: &mut Buffers, scale: f64) -> (f64, f64) {
+pub(super) fn search(problem: &Problem<'_>, b: &mut Buffers, scale: f64) -> (f64, f64) {
     let (opt, n) = (&problem.m.opt, problem.n);
     let length = norm(&b.search, n);
     if length < MINVAL {
@@ -506,15 +518,20 @@ fn search(problem: &Problem<'_>, b: &mut Buffers, scale: f64) -> (f64, f64) {
     problem.mul_m(&b.search, &mut b.mv);
     problem.mul_jacobian(&b.search, &mut b.jv);
     b.rows.clear();
-    b.rows.extend(
-        b.jar
-            .iter()
-            .zip(&b.jv)
-            .zip(problem.d)
-            .map(|((&jar, &jv), &d)| Row::new(jar, jv, d)),
-    );
+    b.pieces.clear();
+    match &problem.law {
+        Some(law) => law.prepare(&b.jar, &b.jv, &mut b.pieces),
+        None => b.rows.extend(
+            b.jar
+                .iter()
+                .zip(&b.jv)
+                .zip(problem.d)
+                .map(|((&jar, &jv), &d)| Row::new(jar, jv, d)),
+        ),
+    }
     let along = Along {
         rows: &b.rows,
+        pieces: &b.pieces,
         linear: dot(&b.search, &b.ma, n) - dot(&b.smooth, &b.search, n),
         quadratic: 0.5 * dot(&b.search, &b.mv, n),
         evaluations: 0,

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import re
+from functools import partial
 from importlib.util import find_spec
 from typing import Any
 
@@ -25,6 +26,7 @@ from rustgym.envs.classic_control import (
     MountainCarEnv,
     PendulumEnv,
 )
+from rustgym.envs.minigrid import GridEnv
 from rustgym.envs.mujoco import DEPTH_MODES, MODULES, MujocoEnv
 from rustgym.envs.toy_text import BlackjackEnv, CliffWalkingEnv, FrozenLakeEnv, TaxiEnv, generate_random_map
 from rustgym.registration import registry
@@ -92,7 +94,8 @@ def _documented(argument: dict[str, str], defaults: dict[str, Any]) -> str:
 
 def _env_class(name: str, env_id: str) -> type[Env]:
     spec = SPECS[env_id]
-    base = AtariEnv if spec["crate"] == "gym-atari" else _BASES.get(_task(env_id), ClassEnv)
+    of_crate: dict[str, type[Env]] = {"gym-atari": AtariEnv, "gym-minigrid": GridEnv}
+    base = of_crate.get(spec["crate"]) or _BASES.get(_task(env_id), ClassEnv)
     # without its ROM a game cannot be made, and so not described
     metadata = dict(base.metadata) if base is AtariEnv else metadata_from(json.loads(_native.describe(env_id)))
     metadata["render_modes"] = metadata["render_modes"] + _MORE_MODES.get(_task(env_id), [])
@@ -164,17 +167,25 @@ def stand_ins() -> dict[str, Any]:
     return found
 
 
+def _same(made: Any) -> Any:
+    return made
+
+
+def _class(name: str) -> Any:
+    return globals().get(name) or __getattr__(name)
+
+
 def _replace() -> None:
     """Puts our classes into our forms of Gymnasium's modules."""
     for name, made in stand_ins().items():
         module, _, attribute = name.removeprefix("gymnasium.").partition(":")
         if module.count(".") > 1:  # the modules of the families are ours
-            _modules.replace(module, attribute, lambda made=made: made)
+            _modules.replace(module, attribute, partial(_same, made))
     for task, module in MODULES.items():
         for version in (4, 5):
             made_of = f"{task}_v{version}"
             if made_of in _IDS:
-                _modules.replace(f"envs.mujoco.{module}_v{version}", f"{task}Env", lambda name=made_of: globals().get(name) or __getattr__(name))
+                _modules.replace(f"envs.mujoco.{module}_v{version}", f"{task}Env", partial(_class, made_of))
 
 
 _replace()

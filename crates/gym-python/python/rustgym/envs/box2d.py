@@ -63,6 +63,9 @@ def _field(name: str, kind: Callable[[Any], Any], doc: str) -> property:
 class Body:
     """A body of the physics engine. Its velocities can be set; the rest is read-only."""
 
+    _env: Box2DEnv
+    _find: Callable[[dict[str, Any]], int]
+
     def __init__(self, env: Box2DEnv, find: Callable[[dict[str, Any]], int]) -> None:
         self.__dict__.update(_env=env, _find=find)
 
@@ -127,9 +130,10 @@ class Body:
         """Adds an impulse, in N s, at a point of the world."""
 
         def change(body: dict[str, Any]) -> dict[str, Any]:
-            push, arm = np.float32(impulse), np.float32(point) - np.float32(body["sweep"]["c"])
+            push, center = np.asarray(impulse, np.float32), np.asarray(body["sweep"]["c"], np.float32)
+            arm = np.asarray(point, np.float32) - center
             turn = np.float32(body["inv_inertia"]) * (arm[0] * push[1] - arm[1] * push[0])
-            velocity = np.float32(body["velocity"]) + np.float32(body["inv_mass"]) * push
+            velocity = np.asarray(body["velocity"], np.float32) + np.float32(body["inv_mass"]) * push
             return {"velocity": velocity, "angular_velocity": np.float32(body["angular_velocity"]) + turn}
 
         self._add(wake, change)
@@ -166,6 +170,8 @@ class Body:
 class World:
     """The world of the physics engine."""
 
+    _env: Box2DEnv
+
     def __init__(self, env: Box2DEnv) -> None:
         self.__dict__["_env"] = env
 
@@ -178,7 +184,7 @@ class World:
 
     @gravity.setter
     def gravity(self, gravity: Any) -> None:
-        x, y = np.float32(gravity).tolist()
+        x, y = np.asarray(gravity, np.float32).tolist()
 
         def change(episode: dict[str, Any]) -> None:
             (engine,) = episode["world"]["engine"].values()
@@ -201,6 +207,8 @@ class Car:
 
 class Leg(Body):
     """A leg."""
+
+    _index: int
 
     def __init__(self, env: Box2DEnv, find: Callable[[dict[str, Any]], int], index: int) -> None:
         super().__init__(env, find)
@@ -366,7 +374,7 @@ class CarRacing(Box2DEnv):
             self._native.reset(str(entropy()), None)
             self._native.restore(self._native.snapshot(), False)
         color = np.array(self._episode()["colors"][name])
-        return color if self.domain_randomize else color.astype(np.int64)
+        return color if self.arguments["domain_randomize"] else color.astype(np.int64)
 
     def _set_color(self, name: str, color: Any) -> None:
         numbers = np.asarray(color, np.float64)

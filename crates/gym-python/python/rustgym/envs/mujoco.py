@@ -8,12 +8,10 @@ as another model, hands the environment over: from then on the package steps it,
 from __future__ import annotations
 
 import json
-import os
 from functools import cache, cached_property
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
 from importlib.util import find_spec
-from types import MethodType
 from typing import Any
 
 import gymnasium
@@ -21,6 +19,7 @@ import numpy as np
 import numpy.typing as npt
 from gymnasium import logger
 
+from rustgym._borrowed import Borrowed
 from rustgym._live import Live, same
 from rustgym._modules import forwarder
 from rustgym._mujoco import Mirror, OwnData, load
@@ -67,6 +66,10 @@ def _installed() -> str | None:
         return None
 
 
+# whether a version of the package and one that was asked for have the same numbers
+_AGREE: dict[tuple[str, str], bool] = {}
+
+
 def _is_of(installed: str, versions: list[str]) -> bool:
     return installed in versions or ".".join(installed.split(".")[:2]) in versions
 
@@ -93,44 +96,6 @@ def _has_package() -> bool:
     return find_spec("mujoco") is not None
 
 
-class _Borrowed:
-    """A method or property of Gymnasium's task, which works on ``model`` and ``data``.
-
-    Args:
-        writes: Whether it changes the state by MuJoCo's package, which then steps the environment.
-    """
-
-    def __init__(self, writes: bool = False) -> None:
-        self.writes = writes
-
-    def __set_name__(self, owner: type, name: str) -> None:
-        self.name = name
-
-    def replace(self, env: MujocoEnv, value: Any) -> None:
-        """Puts a method of somebody's own in the place of this one."""
-        if isinstance(getattr(env._theirs(), self.name, None), property):
-            raise AttributeError(f"property {self.name!r} of {type(env).__name__!r} object has no setter")
-        env._hand_over(self.name)
-        env.__dict__[self.name] = value
-
-    def __call__(self, env: MujocoEnv, *args: Any, **kwargs: Any) -> Any:
-        return self.__get__(env, type(env))(*args, **kwargs)
-
-    def __get__(self, env: MujocoEnv | None, owner: type[MujocoEnv]) -> Any:
-        if env is None:
-            return self
-        function = None
-        for theirs in owner._theirs().__mro__:
-            if self.name in vars(theirs):
-                function = vars(theirs)[self.name]
-                break
-        if function is None:
-            raise AttributeError(f"{owner.__name__} has no attribute {self.name!r}")
-        if self.writes:
-            env._hand_over(f"{self.name}()")
-        return function.fget(env) if isinstance(function, property) else MethodType(function, env)
-
-
 class MujocoEnv(ClassEnv):
     """A robot that moves by MuJoCo's equations.
 
@@ -144,34 +109,41 @@ class MujocoEnv(ClassEnv):
     _own_data: OwnData | None = None
     _overrides = False
 
-    _get_obs = _Borrowed()
-    _get_rew = _Borrowed()
-    _get_reset_info = _Borrowed()
-    _set_action_space = _Borrowed()
-    _initialize_simulation = _Borrowed()
-    _step_mujoco_simulation = _Borrowed(writes=True)
-    do_simulation = _Borrowed(writes=True)
-    reset_model = _Borrowed(writes=True)
-    control_cost = _Borrowed()
-    contact_cost = _Borrowed()
-    contact_forces = _Borrowed()
-    healthy_reward = _Borrowed()
-    is_healthy = _Borrowed()
-    terminated = _Borrowed()
+    _get_obs = Borrowed()
+    _get_rew = Borrowed()
+    _get_reset_info = Borrowed()
+    _set_action_space = Borrowed()
+    _initialize_simulation = Borrowed()
+    _step_mujoco_simulation = Borrowed(writes=True)
+    do_simulation = Borrowed(writes=True)
+    reset_model = Borrowed(writes=True)
+    control_cost = Borrowed()
+    contact_cost = Borrowed()
+    contact_forces = Borrowed()
+    healthy_reward = Borrowed()
+    is_healthy = Borrowed()
+    terminated = Borrowed()
 
     def __init__(self, *args: Any, **kwargs: Any) -> None:
         if not hasattr(type(self), "_id"):
             self._theirs().__init__(self, *args, **kwargs)
             return
         super().__init__(*args, **kwargs)
-        if (installed := _installed()) is not None:
-            version, versions = self._made_of["mujoco"], self._made_of["versions"]
-            if not _is_of(installed, versions[version]):
-                _tell_other(version, installed, next((name for name in versions if _is_of(installed, versions[name])), None))
+        if (installed := _installed()) is not None and not self._is_of_version(installed):
+            versions = self._made_of["versions"]
+            name = next((name for name in versions if _is_of(installed, versions[name])), None)
+            _tell_other(self._made_of["mujoco"], installed, name)
         own = (vars(cls) for cls in type(self).__mro__[: type(self).__mro__.index(MujocoEnv)])
-        self._overrides = any(isinstance(found, _Borrowed) for names in own for found in map(vars(MujocoEnv).get, names))
+        self._overrides = any(isinstance(found, Borrowed) for names in own for found in map(vars(MujocoEnv).get, names))
         if self._overrides:
             self._hand_over("a method that Gymnasium's task calls", warn=False)
+
+    def _is_of_version(self, installed: str) -> bool:
+        """Whether a version of MuJoCo's package has the numbers of this environment."""
+        key = installed, str(self.arguments.get("mujoco"))
+        if key not in _AGREE:
+            _AGREE[key] = _is_of(installed, self._made_of["versions"][self._made_of["mujoco"]])
+        return _AGREE[key]
 
     @classmethod
     def _theirs(cls) -> Any:
@@ -361,13 +333,13 @@ class MujocoEnv(ClassEnv):
         """From now on MuJoCo's package steps the environment."""
         if self._is_handed:
             return
-        version = str(self.arguments.get("mujoco") or "3.12")
+        version = self._made_of["mujoco"]
         if not _has_package():
             raise gymnasium.error.DependencyNotInstalled(
-                f"{cause} was changed, which needs the package mujoco: run `pip install mujoco=={version}`"
+                f"{cause} was changed, which needs the package mujoco: run `pip install mujoco=={version}.*`"
             )
-        installed = import_module("mujoco").__version__
-        if installed.split(".")[:2] != version.split("."):
+        installed = str(_installed())
+        if not self._is_of_version(installed):
             raise gymnasium.error.Error(
                 f"{cause} was changed: MuJoCo's package would have to step the environment, and {installed} is installed, while "
                 f"this environment computes as {version}: make it with mujoco={'.'.join(installed.split('.')[:2])!r}"
@@ -467,7 +439,7 @@ class MujocoEnv(ClassEnv):
         if name.startswith("_") and name[1:] in arguments:
             self._set_argument(name[1:], value)
             object.__setattr__(self, name, value)
-        elif isinstance(borrowed := vars(MujocoEnv).get(name), _Borrowed) and self._native is not None:
+        elif isinstance(borrowed := vars(MujocoEnv).get(name), Borrowed) and self._native is not None:
             borrowed.replace(self, value)
         elif name in ("mujoco_renderer", "frame_skip"):
             object.__setattr__(self, name, value)
@@ -564,9 +536,9 @@ class MujocoEnv(ClassEnv):
 
     def state_vector(self) -> npt.NDArray[np.float64]:
         """The positions, then the velocities."""
-        arrays = vars(self.data) if self._own_data is not None else self._arrays() if self._mirror is None and self._native else None
-        if arrays is None:
+        if self._native is None or self._mirror is not None or self._own_data is not None:
             return np.concatenate([self.data.qpos.flat, self.data.qvel.flat])
+        arrays = self._arrays()
         return np.concatenate([arrays["qpos"], arrays["qvel"]])
 
     def get_body_com(self, body_name: str) -> npt.NDArray[np.float64]:

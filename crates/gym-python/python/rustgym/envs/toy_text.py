@@ -118,7 +118,7 @@ class TabularEnv(ToyTextEnv):
         return next((whole for whole in actions if np.ndim(action) == 0 and whole == action), action)
 
     def _watched_step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        table = self._handed and self._handed.get("P")
+        table: Any = (self._handed or {}).get("P")
         if table is None or not self._native.is_running():
             return super()._watched_step(action)
         state = self.s
@@ -140,7 +140,7 @@ class TabularEnv(ToyTextEnv):
     def _push_into_vector(self) -> None:
         super()._push_into_vector()
         handed = self._handed or {}
-        table = handed.get("P", self._table[0])
+        table: Any = handed.get("P", self._table[0])
         starts = handed.get("initial_state_distrib", self._table[1])
         if table != self._table[0] or not np.array_equal(starts, self._table[1]):
             rows = [[table[s][a] for a in sorted(table[s])] for s in sorted(table)]
@@ -161,7 +161,7 @@ class TabularEnv(ToyTextEnv):
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """As ``Env.reset``."""
-        starts = self._handed and self._handed.get("initial_state_distrib")
+        starts = (self._handed or {}).get("initial_state_distrib")
         if starts is None or np.array_equal(starts, self._table[1]):
             return super().reset(seed=seed, options=options)
         if seed is None and self._np_random is None:

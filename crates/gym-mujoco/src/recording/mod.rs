@@ -8,6 +8,8 @@
 //! newest is meant. A recording without a `kind` is a table of a compiled model's figures,
 //! and answered with our own.
 
+mod features;
+
 use std::path::Path;
 use std::sync::Arc;
 
@@ -40,7 +42,9 @@ impl State {
 /// Whether this is a recording of an engine or a table of figures, and not one of an environment.
 #[must_use]
 pub fn is_of_engine(recording: &Map<String, Value>) -> bool {
-    recording.contains_key("cases") || recording.contains_key("body_mass")
+    recording.contains_key("cases")
+        || recording.contains_key("body_mass")
+        || features::is_of_features(recording)
 }
 
 /// The results of this engine; `folder` contains the recording.
@@ -48,6 +52,9 @@ pub fn is_of_engine(recording: &Map<String, Value>) -> bool {
 /// # Errors
 /// If it names no model, or a state does not fit the model.
 pub fn answer(recording: &Map<String, Value>, folder: &Path) -> Result<Map<String, Value>> {
+    if features::is_of_features(recording) {
+        return features::answer(recording);
+    }
     let wrong = |what: &str| Error::Data(format!("the recording has {what}"));
     let m = model(recording, folder)?;
     let mut answer = recording.clone();
@@ -95,7 +102,7 @@ fn model(recording: &Map<String, Value>, folder: &Path) -> Result<Arc<Model>> {
         None => Revision::default(),
     };
     match (text("xml"), text("model")) {
-        (Some(xml), _) => Model::from_xml_file_with(folder.join(xml), revision).map(Arc::new),
+        (Some(xml), _) => Model::from_path_with(folder.join(xml), revision).map(Arc::new),
         (None, Some(name)) => {
             let name = name.rsplit('.').next().unwrap_or(name);
             tasks::load(&format!("{name}.xml"), revision)
@@ -159,7 +166,7 @@ fn constraints(m: &Model, d: &Data) -> Value {
             .iter()
             .map(|force| u8::from(*force > 0.0))
             .collect(),
-        Solver::Newton => efc.b.iter().map(|b| u8::from(*b < 0.0)).collect(),
+        _ => efc.b.iter().map(|b| u8::from(*b < 0.0)).collect(),
     };
     json!({
         "efc_pos": efc.pos, "efc_margin": efc.margin, "efc_diagApprox": efc.diag_approx, "efc_R": efc.r, "efc_D": efc.d,

@@ -1,0 +1,151 @@
+//! Kinds of tasks on a grid.
+
+use std::fmt;
+
+use gym_core::spaces::MissionSpace;
+use gym_core::{Generator, Outcome};
+
+use crate::draft::{Draft, Making};
+use crate::{Action, World};
+
+gym_core::arguments! {
+    /// The arguments of every task.
+    #[derive(Eq)]
+    pub struct View {
+        /// The steps after which an episode is truncated; by default the task's own number.
+        pub max_steps: Option<u32>,
+        /// Whether walls do not hide what lies behind; by default as the task has it.
+        pub see_through_walls: Option<bool>,
+        /// The width of the square of cells that the agent sees: an odd number.
+        pub agent_view_size: u32 = 7,
+        /// Whether pictures are lighter where the agent sees.
+        pub highlight: bool = true,
+        /// The width of a cell in pictures.
+        #[unit = "px"]
+        pub tile_size: u32 = 32,
+        /// Whether pictures show what the agent sees instead of the whole grid.
+        pub agent_pov: bool = false,
+        /// The width of the window. It changes nothing here, where a window has the size of the
+        /// picture.
+        #[unit = "px"]
+        pub screen_size: u32 = 640,
+    }
+}
+
+/// The fixed facts of a task with some arguments.
+#[derive(Clone, Debug)]
+pub struct Rules {
+    /// The number of columns.
+    pub width: u32,
+    /// The number of rows.
+    pub height: u32,
+    /// The steps after which an episode is truncated.
+    pub max_steps: u32,
+    /// Whether walls do not hide what lies behind.
+    pub see_through_walls: bool,
+    /// The missions.
+    pub missions: MissionSpace,
+    /// The number of actions; a task may have only the first few.
+    pub actions: u32,
+}
+
+impl Rules {
+    /// A grid of this size, with one mission, and walls that hide what lies behind.
+    pub fn new(width: u32, height: u32, max_steps: u32, mission: &str) -> Self {
+        Self {
+            width,
+            height,
+            max_steps,
+            see_through_walls: false,
+            missions: MissionSpace::new(mission, Vec::<Vec<String>>::new())
+                .unwrap_or_else(|_| MissionSpace::any(mission)),
+            actions: Action::ALL.len() as u32,
+        }
+    }
+
+    /// A square grid, with a limit of so many steps for each cell.
+    pub fn square(size: u32, steps: u32, mission: &str) -> Self {
+        let steps = size.saturating_mul(size).saturating_mul(steps);
+        Self::new(size, size, steps, mission)
+    }
+
+    /// Missions with words in the blanks `{}`.
+    ///
+    /// # Errors
+    /// Why there is no [`MissionSpace`] of them.
+    pub fn missions(
+        self,
+        pattern: &str,
+        words: impl Into<Vec<Vec<&'static str>>>,
+    ) -> Result<Self, String> {
+        let missions =
+            MissionSpace::new(pattern, words.into()).map_err(|error| error.to_string())?;
+        Ok(Self { missions, ..self })
+    }
+
+    /// Walls do not hide what lies behind.
+    #[must_use]
+    pub fn see_through(self) -> Self {
+        Self {
+            see_through_walls: true,
+            ..self
+        }
+    }
+}
+
+/// A kind of task on a grid. It is a struct of arguments, with those of every task: the macro
+/// [`level!`](crate::level!) defines it.
+///
+/// [`GridEnv`](crate::GridEnv) makes an environment of it.
+pub trait Level: AsRef<View> + fmt::Debug + Send + Sync + 'static {
+    /// The name of the environment, without version: by default that of the type.
+    fn name(&self) -> &'static str {
+        let path = std::any::type_name::<Self>();
+        path.rsplit("::").next().unwrap_or(path)
+    }
+
+    /// The facts that follow from the arguments.
+    ///
+    /// # Errors
+    /// Why an argument cannot be used.
+    fn rules(&self) -> Result<Rules, String>;
+
+    /// Makes a level: places walls, objects and the agent on an empty grid, and sets the mission if
+    /// there are several. What decides about the end of the episode can be kept in
+    /// [`World::targets`] and [`World::places`].
+    ///
+    /// # Errors
+    /// [`Stop`](crate::Stop) if chance or the arguments left no room.
+    fn generate(&self, draft: &mut Draft<'_>) -> Making;
+
+    /// Takes a step. By default the episode ends in the goal and in lava.
+    fn step(&self, world: &mut World, action: Action, rng: &mut Generator) -> Outcome {
+        let _ = rng;
+        world.step(action)
+    }
+}
+
+/// Defines a [`Level`]'s struct of arguments, as [`gym_core::arguments!`], with the field `view`
+/// for the arguments of every task. The crate needs `serde`.
+#[macro_export]
+macro_rules! level {
+    ($(#[$doc:meta])* $name:ident { $($arguments:tt)* }) => {
+        $crate::gym_core::arguments! {
+            $(#[$doc])*
+            #[derive(Eq)]
+            pub struct $name {
+                $($arguments)*
+                /// The arguments of every task.
+                #[flatten]
+                pub view: $crate::level::View,
+            }
+        }
+
+        impl AsRef<$crate::level::View> for $name {
+            fn as_ref(&self) -> &$crate::level::View {
+                &self.view
+            }
+        }
+    };
+}
+pub(crate) use level;

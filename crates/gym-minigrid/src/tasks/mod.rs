@@ -1,0 +1,119 @@
+//! MiniGrid's tasks: a module for each.
+
+pub mod blocked_unlock_pickup;
+pub mod crossing;
+pub mod dist_shift;
+pub mod door_key;
+pub mod dynamic_obstacles;
+pub mod empty;
+pub mod fetch;
+pub mod four_rooms;
+pub mod go_to_door;
+pub mod go_to_object;
+pub mod key_corridor;
+pub mod lava_gap;
+pub mod locked_room;
+pub mod memory;
+pub mod multi_room;
+pub mod obstructed_maze;
+pub mod playground;
+pub mod put_near;
+pub mod red_blue_doors;
+pub mod unlock;
+pub mod unlock_pickup;
+
+use gym_core::Outcome;
+
+use crate::draft::Area;
+use crate::{Action, Cell, Color, Draft, Kind, Making, Pos, World};
+
+/// The square of a number, or as much as a `u32` holds.
+pub(crate) fn square(size: u32) -> u32 {
+    size.saturating_mul(size)
+}
+
+/// The first direction of the agent, if it is one.
+pub(crate) fn direction(direction: u32) -> Result<u8, String> {
+    match direction {
+        0..=3 => Ok(direction as u8),
+        _ => Err(format!(
+            "agent_start_dir is {direction}: it is 0 (right), 1 (down), 2 (left) or 3 (up)"
+        )),
+    }
+}
+
+/// Registers the ids of a level, each with its arguments; with `planned`, the planner is their good
+/// policy.
+macro_rules! ids {
+    ($level:ty, $sentence:literal: $($ids:tt)+) => {
+        ids! { @($level, $sentence, None) $($ids)+ }
+    };
+    ($level:ty, $sentence:literal, planned: $($ids:tt)+) => {
+        ids! { @($level, $sentence, Some($crate::planner::POLICY)) $($ids)+ }
+    };
+    (@$facts:tt $($id:literal, $kwargs:literal;)+) => {
+        #[cfg(not(test))]
+        gym_core::register!($(ids! { @one $facts $id, $kwargs }),+);
+    };
+    (@one ($level:ty, $sentence:literal, $policy:expr) $id:literal, $kwargs:literal) => {
+        $crate::env::register::<$level>($id, $sentence, $policy).kwargs($kwargs)
+    };
+}
+pub(crate) use ids;
+
+/// The words for these kinds.
+pub(crate) fn names(kinds: &[Kind]) -> Vec<&'static str> {
+    kinds.iter().map(|kind| kind.name()).collect()
+}
+
+/// `blue ball`.
+pub(crate) fn describe(cell: Cell) -> String {
+    format!("{} {}", cell.color().name(), cell.kind().name())
+}
+
+/// Whether kind and colour are equal.
+pub(crate) fn is_alike(a: Cell, b: Cell) -> bool {
+    (a.kind(), a.color()) == (b.kind(), b.color())
+}
+
+/// A random place within the walls of a room.
+pub(crate) fn inside(draft: &mut Draft<'_>, room: Area) -> Making<Pos> {
+    let end = room.top + room.size - Pos::new(1, 1);
+    let x = draft.int(room.top.x + 1, end.x)?;
+    Ok(Pos::new(x, draft.int(room.top.y + 1, end.y)?))
+}
+
+/// A step of a task that ends when the first target is picked up.
+pub(crate) fn pick_up(world: &mut World, action: Action) -> Outcome {
+    let mut outcome = world.step(action);
+    if action == Action::Pickup && world.carrying == world.target(0) {
+        outcome.reward = world.reward();
+        outcome.terminated = true;
+    }
+    outcome
+}
+
+/// Objects of distinct kinds and colours at random places that `accept` accepts, with their places.
+pub(crate) fn distinct_objects(
+    draft: &mut Draft<'_>,
+    count: u32,
+    accept: impl Fn(&[(Cell, Pos)], Pos) -> bool,
+) -> Making<Vec<(Cell, Pos)>> {
+    let mut objects: Vec<(Cell, Pos)> = Vec::new();
+    while objects.len() < count as usize {
+        let kind = draft.pick(&crate::rooms::KINDS)?;
+        let color = draft.pick(&Color::SORTED)?;
+        if objects
+            .iter()
+            .any(|(cell, _)| (cell.kind(), cell.color()) == (kind, color))
+        {
+            continue;
+        }
+        let cell = draft.object(kind, color);
+        let pos = draft.place_if(cell, draft.whole(), u32::MAX, |_, pos| {
+            accept(&objects, pos)
+        })?;
+        objects.push((cell, pos));
+    }
+    Ok(objects)
+}

@@ -1,0 +1,275 @@
+//! What is made by id: native vectors, snapshots, wrappers and good policies.
+
+use gym_core::vector::{Autoreset, VectorKind};
+use gym_core::{Env, EnvExt, Value, VectorEnv, VectorEnvExt, WrapperSpec, builder, make, registry};
+use gym_minigrid::{Cell, Kind, World};
+use serde_json::json;
+
+/// Also after a snapshot.
+#[test]
+fn native_vectors_equal_scalar_environments() {
+    for id in [
+        "MiniGrid-DoorKey-5x5-v0",
+        "MiniGrid-Dynamic-Obstacles-6x6-v0",
+        "BabyAI-GoToLocal-v0",
+        "BabyAI-PutNextS5N2Carrying-v0",
+    ] {
+        for autoreset in [Autoreset::NextStep, Autoreset::SameStep] {
+            let make = |kind| {
+                let vector = builder(id).vector(9).kind(kind).autoreset(autoreset);
+                vector.build().unwrap()
+            };
+            let [mut native, mut sync] = [VectorKind::Native, VectorKind::Sync].map(make);
+            let [mut fast, mut exact] = [native.columns().unwrap(), sync.columns().unwrap()];
+            let mut actions = native.action_space().unwrap().sampler(7);
+            native.reset_into(&7.into(), &mut fast).unwrap();
+            sync.reset_into(&7.into(), &mut exact).unwrap();
+            assert_eq!(fast, exact, "{id}: reset");
+            for step in 0..300 {
+                if step == 150 {
+                    let snapshot = native.snapshot().unwrap();
+                    native = make(VectorKind::Native);
+                    native.restore(&snapshot).unwrap();
+                }
+                let actions = actions.sample();
+                native.step_into(&actions, &mut fast).unwrap();
+                sync.step_into(&actions, &mut exact).unwrap();
+                assert_eq!(
+                    fast.observations, exact.observations,
+                    "{id}, {autoreset:?}: step {step}"
+                );
+                assert_eq!(
+                    fast.rewards, exact.rewards,
+                    "{id}, {autoreset:?}: step {step}"
+                );
+                assert_eq!(
+                    fast.terminated, exact.terminated,
+                    "{id}, {autoreset:?}: step {step}"
+                );
+                assert_eq!(
+                    fast.truncated, exact.truncated,
+                    "{id}, {autoreset:?}: step {step}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn bad_arguments_are_refused() {
+    for (id, name, value, reason) in [
+        (
+            "MiniGrid-Empty-5x5-v0",
+            "size",
+            json!(2),
+            "the grid has 2 by 2 cells",
+        ),
+        (
+            "MiniGrid-Empty-5x5-v0",
+            "size",
+            json!(4_000_000_000_u32),
+            "from 3 to 255",
+        ),
+        (
+            "MiniGrid-Empty-5x5-v0",
+            "agent_view_size",
+            json!(8),
+            "agent_view_size is 8: it is an odd",
+        ),
+        (
+            "MiniGrid-Empty-5x5-v0",
+            "max_steps",
+            json!(0),
+            "at least one step",
+        ),
+        (
+            "MiniGrid-Empty-5x5-v0",
+            "tile_size",
+            json!(0),
+            "tile_size is 0",
+        ),
+        (
+            "MiniGrid-Empty-5x5-v0",
+            "tile_size",
+            json!(1_000_000),
+            "tile_size is 1000000",
+        ),
+        (
+            "MiniGrid-Empty-5x5-v0",
+            "agent_start_dir",
+            json!(4),
+            "agent_start_dir is 4",
+        ),
+        (
+            "MiniGrid-LavaCrossingS9N1-v0",
+            "size",
+            json!(8),
+            "size is 8: it is an odd number",
+        ),
+        (
+            "MiniGrid-LavaCrossingS9N1-v0",
+            "obstacle_type",
+            json!("water"),
+            "unknown variant",
+        ),
+        (
+            "MiniGrid-KeyCorridorS3R1-v0",
+            "obj_type",
+            json!("wall"),
+            "`key`, `ball` or `box`",
+        ),
+        (
+            "MiniGrid-MultiRoom-N6-v0",
+            "maxRoomSize",
+            json!(3),
+            "from 4 to 255",
+        ),
+        (
+            "MiniGrid-PutNear-6x6-N2-v0",
+            "numObjs",
+            json!(1),
+            "at least 2",
+        ),
+        (
+            "BabyAI-GoToLocal-v0",
+            "room_size",
+            json!(2),
+            "rooms of size 2",
+        ),
+        (
+            "BabyAI-OpenDoorsOrderN2-v0",
+            "num_doors",
+            json!(5),
+            "from 2 to 4",
+        ),
+    ] {
+        let error = builder(id)
+            .arg(name, value)
+            .build()
+            .unwrap_err()
+            .to_string();
+        assert!(error.contains(reason), "{id}: {error}");
+    }
+}
+
+/// minigrid would try for ever.
+#[test]
+fn a_grid_without_room_is_an_error() {
+    for (id, name, value) in [
+        ("MiniGrid-Fetch-5x5-N2-v0", "numObjs", json!(9)),
+        ("MiniGrid-GoToObject-6x6-N2-v0", "numObjs", json!(19)),
+        ("MiniGrid-Empty-5x5-v0", "agent_start_pos", json!([0, 0])),
+        ("BabyAI-GoToLocal-v0", "num_dists", json!(60)),
+        ("BabyAI-OpenDoor-v0", "num_rows", json!(1)),
+    ] {
+        let mut env = builder(id).arg(name, value).build().unwrap();
+        let error = env.reset(0).unwrap_err().to_string();
+        assert!(error.contains("invalid argument"), "{id}: {error}");
+    }
+}
+
+#[test]
+fn good_policies_solve_their_tasks() {
+    let mut count = 0;
+    for registration in registry::all() {
+        let Some(policy) = registration.policy else {
+            continue;
+        };
+        let mut env = make(registration.id()).unwrap();
+        for seed in 0..3 {
+            let mut controller = policy.controller(&env).unwrap().unwrap();
+            let mut observation = env.reset(seed).unwrap();
+            let reward = loop {
+                let action = controller(&env, &observation).unwrap();
+                let step = env.step(&action).unwrap();
+                observation = step.observation;
+                if step.terminated || step.truncated {
+                    break step.reward;
+                }
+            };
+            assert!(reward > 0.3, "{}, seed {seed}: {reward}", registration.id());
+        }
+        count += 1;
+    }
+    assert!(count > 60, "{count}");
+}
+
+fn wrapped(id: &str, name: &str, kwargs: serde_json::Value) -> gym_core::BoxEnv {
+    let serde_json::Value::Object(kwargs) = kwargs else {
+        panic!("the arguments are an object");
+    };
+    let spec = WrapperSpec {
+        name: name.to_owned(),
+        kwargs,
+    };
+    spec.wrap(make(id).unwrap()).unwrap()
+}
+
+/// Spaces hold what wrappers observe, steps after a snapshot are the same, and specs rebuild stacks.
+#[test]
+fn wrappers_keep_the_rules() {
+    for (name, kwargs) in [
+        ("ImgObsWrapper", json!({})),
+        ("OneHotPartialObsWrapper", json!({})),
+        ("FlatObsWrapper", json!({})),
+        ("DictObservationSpaceWrapper", json!({})),
+        ("FullyObsWrapper", json!({})),
+        ("SymbolicObsWrapper", json!({})),
+        ("ViewSizeWrapper", json!({"agent_view_size": 9})),
+        ("RGBImgObsWrapper", json!({"tile_size": 4})),
+        ("RGBImgPartialObsWrapper", json!({})),
+        ("DirectionObsWrapper", json!({"type": "angle"})),
+        ("ActionBonus", json!({})),
+        ("PositionBonus", json!({"scale": 0.5})),
+        (
+            "NoDeath",
+            json!({"no_death_types": ["lava"], "death_cost": -0.5}),
+        ),
+        ("StochasticActionWrapper", json!({"prob": 0.5})),
+        ("ReseedWrapper", json!({"seeds": [3, 4]})),
+    ] {
+        let mut env = wrapped("MiniGrid-LavaCrossingS9N1-v0", name, kwargs);
+        let space = env.observation_space();
+        let mut actions = env.action_space().sampler(1);
+        space.check(&env.reset(5).unwrap()).unwrap();
+        let mut other = env.spec().unwrap().make().unwrap();
+        for step in 0..60 {
+            if step == 20 {
+                other.restore(&env.snapshot().unwrap()).unwrap();
+            }
+            let action = actions.sample();
+            let after = env.step(&action).unwrap();
+            space.check(&after.observation).unwrap();
+            if step >= 20 {
+                assert_eq!(other.step(&action).unwrap(), after, "{name}: step {step}");
+            }
+            if after.done() {
+                let first = env.reset(()).unwrap();
+                if step >= 20 {
+                    assert_eq!(other.reset(()).unwrap(), first, "{name}: step {step}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn a_world_is_found_through_wrappers() {
+    let mut env = wrapped("MiniGrid-Empty-5x5-v0", "ImgObsWrapper", json!({}));
+    assert!(env.layer::<World>().is_none());
+    env.reset(0).unwrap();
+    let world = env.layer::<World>().unwrap();
+    assert_eq!(
+        world
+            .grid
+            .cells()
+            .iter()
+            .filter(|cell| **cell == Cell::GOAL)
+            .count(),
+        1
+    );
+    assert!(world.front().is_empty() && !world.front().is(Kind::Wall));
+    let text = "WGWGWGWGWG\nWG>>    WG\nWG      WG\nWG    GGWG\nWGWGWGWGWG";
+    assert_eq!(world.text(), text);
+    assert_eq!(env.step(&Value::Int(2)).unwrap().reward, 0.0);
+}

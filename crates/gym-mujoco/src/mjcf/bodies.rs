@@ -1,0 +1,340 @@
+//! The tree of bodies: their parts, frames and copies.
+
+use super::compile::MOST;
+use super::defaults::Classes;
+use super::orientation::{Orientation, unit, within};
+use super::spec::{Body, Camera, Frame, Geom, Inertial, Joint, Light, Site, Spec};
+use super::xml::Element;
+use crate::Result;
+use crate::physics::spatial::{InTurn, Order, add, rotate};
+
+/// The most elements of bodies, copies among them.
+const MOST_ELEMENTS: usize = 200_000;
+
+/// Reads the bodies of the world.
+pub(super) struct Bodies<'s> {
+    spec: &'s mut Spec,
+    classes: &'s Classes,
+    elements: usize,
+}
+
+/// A body, frame or replicate whose elements are being read.
+struct Open<'a, 'input> {
+    element: Element<'a, 'input>,
+    children: std::vec::IntoIter<Element<'a, 'input>>,
+    /// The body that has the parts.
+    id: usize,
+    /// The class of the parts that name none.
+    class: usize,
+    /// The frame in which the parts are given.
+    frame: Option<Frame>,
+    /// What is appended to names.
+    suffix: String,
+    copies: Option<Copies>,
+}
+
+/// The copies that an element `replicate` makes.
+struct Copies {
+    count: usize,
+    next: usize,
+    offset: [f64; 3],
+    euler: [f64; 3],
+    separator: String,
+    /// The frame of the next copy but for its orientation, without that around the element.
+    pos: [f64; 3],
+    turn: [f64; 4],
+    step: [f64; 4],
+    /// Frame and suffix around the element.
+    outer: (Option<Frame>, String),
+}
+
+impl<'s> Bodies<'s> {
+    pub(super) fn new(spec: &'s mut Spec, classes: &'s Classes) -> Self {
+        Self {
+            spec,
+            classes,
+            elements: 0,
+        }
+    }
+
+    /// Reads the bodies of the world, each after its parent and before its children. Not by
+    /// recursion, which deep nesting would lead beyond the end of the stack.
+    pub(super) fn read(mut self, world: Element<'_, '_>) -> Result<()> {
+        let children = world.children()?.into_iter();
+        let mut open = vec![Open {
+            element: world,
+            children,
+            id: 0,
+            class: 0,
+            frame: None,
+            suffix: String::new(),
+            copies: None,
+        }];
+        while let Some(around) = open.last_mut() {
+            let Some(child) = around.children.next() else {
+                if self.next_copy(around)? {
+                    self.count(&around.element)?;
+                    continue;
+                }
+                if let Some(done) = open.pop() {
+                    done.element.finish()?;
+                }
+                continue;
+            };
+            self.count(&child)?;
+            match child.name() {
+                "body" => {
+                    let body = self.open_body(child, around)?;
+                    open.push(body);
+                }
+                "frame" => {
+                    let frame = self.open_frame(child, around)?;
+                    open.push(frame);
+                }
+                "replicate" => {
+                    let copies = self.open_copies(child, around)?;
+                    open.push(copies);
+                }
+                _ => self.read_part(child, around)?,
+            }
+        }
+        Ok(())
+    }
+
+    /// Counts an element.
+    fn count(&mut self, element: &Element<'_, '_>) -> Result<()> {
+        self.elements += 1;
+        if self.elements > MOST_ELEMENTS {
+            let reason = format!("more than {MOST_ELEMENTS} elements are not supported");
+            return Err(element.error(reason));
+        }
+        Ok(())
+    }
+
+    /// Reads the attributes of a body.
+    fn open_body<'a, 'input>(
+        &mut self,
+        mut element: Element<'a, 'input>,
+        around: &Open<'_, '_>,
+    ) -> Result<Open<'a, 'input>> {
+        let mut body = Body {
+            place: element.place(),
+            name: named(&mut element, around),
+            parent: around.id,
+            frame: around.frame,
+            ..Body::default()
+        };
+        if let Some(pos) = element.numbers("pos")? {
+            body.pos = pos;
+        }
+        body.orientation.read(&mut element)?;
+        body.mocap = element.flag("mocap")?.unwrap_or(false);
+        body.gravcomp = element.number("gravcomp")?.unwrap_or(0.0);
+        let class = self
+            .classes
+            .named(&mut element, "childclass", around.class)?;
+        element.keyword("sleep", &[("auto", ())])?;
+        element.ignore(&["user"]);
+        self.spec.bodies.push(body);
+        if self.spec.bodies.len() > MOST {
+            return Err(element.error(format!("more than {MOST} bodies are not supported")));
+        }
+        Ok(Open {
+            children: element.children()?.into_iter(),
+            element,
+            id: self.spec.bodies.len() - 1,
+            class,
+            frame: None,
+            suffix: around.suffix.clone(),
+            copies: None,
+        })
+    }
+
+    /// Reads the attributes of a frame: its parts belong to the body around.
+    fn open_frame<'a, 'input>(
+        &mut self,
+        mut element: Element<'a, 'input>,
+        around: &Open<'_, '_>,
+    ) -> Result<Open<'a, 'input>> {
+        let pos = element.numbers("pos")?.unwrap_or_default();
+        let mut orientation = Orientation::default();
+        orientation.read(&mut element)?;
+        let own = (pos, orientation.resolve(&self.spec.compiler));
+        let (pos, quat) = within(around.frame, own);
+        let class = self
+            .classes
+            .named(&mut element, "childclass", around.class)?;
+        element.ignore(&["name"]);
+        Ok(Open {
+            children: element.children()?.into_iter(),
+            element,
+            id: around.id,
+            class,
+            frame: Some((pos, unit(quat).0)),
+            suffix: around.suffix.clone(),
+            copies: None,
+        })
+    }
+
+    /// Reads the attributes of a `replicate`.
+    fn open_copies<'a, 'input>(
+        &mut self,
+        mut element: Element<'a, 'input>,
+        around: &Open<'_, '_>,
+    ) -> Result<Open<'a, 'input>> {
+        let count = element
+            .integer("count")?
+            .ok_or_else(|| element.missing("count"))?;
+        if count > MOST {
+            return Err(element
+                .place()
+                .attribute("count", format!("more than {MOST} copies")));
+        }
+        let (offset, euler) = (element.numbers("offset")?, element.numbers("euler")?);
+        let euler = euler.unwrap_or_default();
+        let step = Orientation::of_euler(euler).resolve(&self.spec.compiler);
+        let class = self
+            .classes
+            .named(&mut element, "childclass", around.class)?;
+        let copies = Copies {
+            count,
+            next: 0,
+            offset: offset.unwrap_or_default(),
+            euler,
+            separator: element.text("sep").unwrap_or_default(),
+            pos: [0.0; 3],
+            turn: [1.0, 0.0, 0.0, 0.0],
+            step,
+            outer: (around.frame, around.suffix.clone()),
+        };
+        Ok(Open {
+            children: Vec::new().into_iter(),
+            element,
+            id: around.id,
+            class,
+            frame: None,
+            suffix: String::new(),
+            copies: Some(copies),
+        })
+    }
+
+    /// Begins the next copy, if there is one.
+    fn next_copy(&self, open: &mut Open<'_, '_>) -> Result<bool> {
+        let Some(copies) = &mut open.copies else {
+            return Ok(false);
+        };
+        if copies.next == copies.count {
+            return Ok(false);
+        }
+        let number = copies.next;
+        copies.next += 1;
+        let euler = copies.euler.map(|angle| number as f64 * angle);
+        let quat = Orientation::of_euler(euler).resolve(&self.spec.compiler);
+        let (pos, quat) = within(copies.outer.0, (copies.pos, quat));
+        open.frame = Some((pos, unit(quat).0));
+        // the frame of the copy after this one: MuJoCo's `mjuu_frameaccum`
+        let moved = rotate(&InTurn::quat_to_mat(copies.turn), copies.offset);
+        copies.pos = add(copies.pos, moved);
+        copies.turn = super::orientation::compose(copies.turn, copies.step);
+        let digits = copies.count.to_string().len();
+        let (separator, outer) = (&copies.separator, &copies.outer.1);
+        open.suffix = format!("{separator}{number:0digits$}{outer}");
+        open.children = open.element.children()?.into_iter();
+        Ok(true)
+    }
+
+    /// Reads an element of a body that contains no bodies.
+    fn read_part(&mut self, mut child: Element<'_, '_>, around: &Open<'_, '_>) -> Result<()> {
+        const IN_BODIES: [&str; 10] = [
+            "body",
+            "frame",
+            "replicate",
+            "geom",
+            "site",
+            "camera",
+            "light",
+            "joint",
+            "freejoint",
+            "inertial",
+        ];
+        let (id, frame) = (around.id, around.frame);
+        // those behind belong to bodies that are not the world
+        let supported = &IN_BODIES[..if id == 0 { 7 } else { 10 }];
+        if !supported.contains(&child.name()) {
+            return Err(around.element.unsupported(&child, supported));
+        }
+        let class = match child.name() {
+            "freejoint" | "inertial" => around.class,
+            _ => self.classes.named(&mut child, "class", around.class)?,
+        };
+        let class = self.classes.get(class);
+        let parts = &mut self.spec.bodies[id];
+        match child.name() {
+            "geom" => {
+                let mut geom = Geom {
+                    name: named(&mut child, around),
+                    frame,
+                    ..class.geom.clone()
+                };
+                geom.read(&mut child)?;
+                parts.geoms.push(geom);
+            }
+            "joint" => {
+                let mut joint = Joint {
+                    name: named(&mut child, around),
+                    frame,
+                    ..class.joint.clone()
+                };
+                joint.read(&mut child)?;
+                parts.joints.push(joint);
+            }
+            "freejoint" => {
+                let name = named(&mut child, around);
+                let joint = Joint::read_free(child)?;
+                parts.joints.push(Joint { name, ..joint });
+                return Ok(());
+            }
+            "inertial" if parts.inertial.is_some() => {
+                return Err(child.error("the body has one already"));
+            }
+            "inertial" => {
+                parts.inertial = Some(Inertial::read(child)?);
+                return Ok(());
+            }
+            "site" => {
+                let mut site = Site {
+                    name: named(&mut child, around),
+                    frame,
+                    ..class.site.clone()
+                };
+                site.read(&mut child)?;
+                parts.sites.push(site);
+            }
+            "camera" => {
+                let mut camera = Camera {
+                    name: named(&mut child, around),
+                    frame,
+                    ..class.camera.clone()
+                };
+                camera.read(&mut child)?;
+                parts.cameras.push(camera);
+            }
+            _ => {
+                let mut light = Light {
+                    name: named(&mut child, around),
+                    frame,
+                    ..class.light.clone()
+                };
+                light.read(&mut child)?;
+                parts.lights.push(light);
+            }
+        }
+        child.finish_without_children()
+    }
+}
+
+/// The name of an element, with the number of its copy.
+fn named(element: &mut Element<'_, '_>, around: &Open<'_, '_>) -> Option<String> {
+    let name = element.text("name")?;
+    Some(name + &around.suffix)
+}

@@ -1,0 +1,186 @@
+//! Actuators and sensors.
+
+use super::relations::{named, scalar_joint};
+use crate::Result;
+use crate::mjcf::spec::{Actuator, Sensor, Spec, Target};
+use crate::model::{
+    About, BiasType, CompiledModel, DynamicsType, GainType, JointType, ObjectType, Parameters,
+    TransmissionType,
+};
+
+pub(super) fn add_actuators(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
+    for actuator in &spec.actuators {
+        let place = &actuator.place;
+        let (kind, ids) = transmission(m, actuator)?;
+        let (mut ctrl_range, mut act_range) = (actuator.ctrl_range, actuator.act_range);
+        if actuator.inherit_range > 0.0 {
+            let servo = actuator.gain == GainType::Fixed
+                && actuator.bias == BiasType::Affine
+                && actuator.gainprm[0] == -actuator.biasprm[1];
+            if servo {
+                let range = inherited(m, actuator, kind, ids[0])?;
+                match actuator.dynamics {
+                    DynamicsType::Integrator => act_range = range,
+                    _ => ctrl_range = range,
+                }
+            }
+        }
+        let limited = |stated, range, names| super::limited(stated, range, spec, place, names);
+        let ctrl = ["ctrlrange", "ctrllimited"];
+        let force = ["forcerange", "forcelimited"];
+        let act = ["actrange", "actlimited"];
+        let ctrl_limited = limited(actuator.ctrl_limited, ctrl_range, ctrl)?;
+        let force_limited = limited(actuator.force_limited, actuator.force_range, force)?;
+        let act_limited = limited(actuator.act_limited, act_range, act)?;
+        let active = actuator.dynamics != DynamicsType::None;
+        if act_limited && !active {
+            return Err(place.attribute("actrange", "there is no activation"));
+        }
+        let muscle = actuator.gain == GainType::Muscle || actuator.bias == BiasType::Muscle;
+        if muscle && actuator.length_range[0] >= actuator.length_range[1] {
+            let reason = "a muscle needs its range: it is not computed";
+            return Err(place.attribute("lengthrange", reason));
+        }
+        m.names.actuator.push(actuator.name.clone());
+        m.actuator_actadr
+            .push(if active { m.na() as i32 } else { -1 });
+        m.actuator_trntype.push(kind);
+        m.actuator_trnid.push(ids);
+        m.actuator_gear.push(actuator.gear);
+        m.actuator_dyntype.push(actuator.dynamics);
+        m.actuator_gaintype.push(actuator.gain);
+        m.actuator_biastype.push(actuator.bias);
+        m.actuator_dynprm.push(Parameters(actuator.dynprm));
+        m.actuator_gainprm.push(Parameters(actuator.gainprm));
+        m.actuator_biasprm.push(Parameters(actuator.biasprm));
+        m.actuator_ctrllimited.push(ctrl_limited);
+        m.actuator_ctrlrange.push(ctrl_range);
+        m.actuator_forcelimited.push(force_limited);
+        m.actuator_forcerange.push(actuator.force_range);
+        m.actuator_actlimited.push(act_limited);
+        m.actuator_actrange.push(act_range);
+        m.actuator_actearly.push(actuator.act_early);
+        m.actuator_group.push(actuator.group);
+        m.actuator_lengthrange.push(actuator.length_range);
+        m.actuator_length0.push(0.0);
+        m.actuator_acc0.push(0.0);
+    }
+    Ok(())
+}
+
+/// What an actuator acts on.
+fn transmission(m: &CompiledModel, actuator: &Actuator) -> Result<(TransmissionType, [i32; 2])> {
+    let place = &actuator.place;
+    let Some((attribute, name)) = &actuator.target else {
+        return Err(place.attribute("joint", "missing: it must be given (or tendon, or site)"));
+    };
+    if actuator.reference_site.is_some() && *attribute != "site" {
+        return Err(place.attribute("refsite", "goes with site only"));
+    }
+    Ok(match *attribute {
+        "tendon" => {
+            let tendon = named(place, attribute, "tendon", &m.names.tendon, name)?;
+            (TransmissionType::Tendon, [tendon as i32, -1])
+        }
+        "site" => {
+            let site = named(place, attribute, "site", &m.names.site, name)?;
+            let reference = match &actuator.reference_site {
+                Some(name) => named(place, "refsite", "site", &m.names.site, name)? as i32,
+                None => -1,
+            };
+            (TransmissionType::Site, [site as i32, reference])
+        }
+        _ => {
+            let joint = named(place, attribute, "joint", &m.names.joint, name)?;
+            let kind = match *attribute {
+                "joint" => TransmissionType::Joint,
+                _ => TransmissionType::JointInParent,
+            };
+            (kind, [joint as i32, -1])
+        }
+    })
+}
+
+/// The range of a servo, as a part of its target's.
+fn inherited(
+    m: &CompiledModel,
+    actuator: &Actuator,
+    kind: TransmissionType,
+    id: i32,
+) -> Result<[f64; 2]> {
+    let id = usize::try_from(id).unwrap_or(0);
+    let range = match kind {
+        TransmissionType::Tendon => m.tendon_range[id],
+        TransmissionType::Joint
+            if matches!(m.jnt_type[id], JointType::Slide | JointType::Hinge) =>
+        {
+            m.jnt_range[id]
+        }
+        _ => [0.0; 2],
+    };
+    if range[0] == range[1] {
+        let reason = "needs a slide, hinge or tendon with a range";
+        return Err(actuator.place.attribute("inheritrange", reason));
+    }
+    let mean = 0.5 * (range[1] + range[0]);
+    let radius = 0.5 * (range[1] - range[0]) * actuator.inherit_range;
+    Ok([mean - radius, mean + radius])
+}
+
+pub(super) fn add_sensors(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
+    for sensor in &spec.sensors {
+        let object = object_of(m, sensor, sensor.object.as_ref())?;
+        let reference = object_of(m, sensor, sensor.reference.as_ref())?;
+        if let (
+            About::Joint,
+            Some(Target {
+                name, attribute, ..
+            }),
+        ) = (sensor.kind.about(), &sensor.object)
+        {
+            scalar_joint(m, &sensor.place, attribute, name)?;
+        }
+        if sensor.kind.about() == About::Ball
+            && m.jnt_type.get(object.1 as usize) != Some(&JointType::Ball)
+        {
+            return Err(sensor.place.attribute("joint", "must be a ball joint"));
+        }
+        m.names.sensor.push(sensor.name.clone());
+        m.sensor_adr.push(m.nsensordata());
+        m.sensor_type.push(sensor.kind);
+        m.sensor_dim.push(sensor.kind.dim());
+        m.sensor_objtype.push(object.0);
+        m.sensor_objid.push(object.1);
+        m.sensor_reftype.push(reference.0);
+        m.sensor_refid.push(reference.1);
+        m.sensor_cutoff.push(sensor.cutoff);
+        m.sensor_noise.push(sensor.noise);
+    }
+    Ok(())
+}
+
+fn object_of(
+    m: &CompiledModel,
+    sensor: &Sensor,
+    target: Option<&Target>,
+) -> Result<(ObjectType, i32)> {
+    let Some(Target {
+        kind,
+        name,
+        attribute,
+    }) = target
+    else {
+        return Ok((ObjectType::Unknown, -1));
+    };
+    let (word, names) = match kind {
+        ObjectType::Joint => ("joint", &m.names.joint),
+        ObjectType::Geom => ("geom", &m.names.geom),
+        ObjectType::Site => ("site", &m.names.site),
+        ObjectType::Camera => ("camera", &m.names.camera),
+        ObjectType::Tendon => ("tendon", &m.names.tendon),
+        ObjectType::Actuator => ("actuator", &m.names.actuator),
+        _ => ("body", &m.names.body),
+    };
+    let id = named(&sensor.place, attribute, word, names, name)?;
+    Ok((*kind, id as i32))
+}

@@ -1,0 +1,252 @@
+//! From a [`Spec`] to the figures of a model: ids, frames, masses.
+
+mod actuators;
+mod bodies;
+mod relations;
+
+use std::collections::HashSet;
+
+use super::inertia::MINVAL;
+use super::orientation::{EPS, norm, within};
+use super::spec::Spec;
+use super::xml::Place;
+use crate::Result;
+use crate::model::{CompiledModel, JointType};
+
+/// The most bodies, geoms and degrees of freedom, as the engine's matrices are dense; and the most
+/// of everything that is looked up by its name.
+pub(super) const MOST: usize = 1000;
+
+/// The figures, but for those that follow from the inertia matrix in the initial configuration.
+pub(super) fn compile(spec: &Spec) -> Result<CompiledModel> {
+    let mut m = CompiledModel {
+        model: spec.name.clone(),
+        revision: spec.revision,
+        opt: spec.option.clone(),
+        ..CompiledModel::default()
+    };
+    check_counts(spec)?;
+    for (id, body) in spec.bodies.iter().enumerate() {
+        bodies::add_body(&mut m, spec, id, body)?;
+    }
+    scale_mass(&mut m, spec.compiler.total_mass);
+    check_mass(&m, spec)?;
+    add_subtree_masses(&mut m);
+    mark_simple(&mut m);
+    add_looks(&mut m, spec)?;
+    relations::add_excludes(&mut m, spec)?;
+    relations::add_pairs(&mut m, spec)?;
+    relations::add_tendons(&mut m, spec)?;
+    relations::add_equalities(&mut m, spec)?;
+    actuators::add_actuators(&mut m, spec)?;
+    actuators::add_sensors(&mut m, spec)?;
+    relations::add_keys(&mut m, spec)?;
+    check_names(spec)?;
+    Ok(m)
+}
+
+fn scale_mass(m: &mut CompiledModel, total: Option<f64>) {
+    let Some(total) = total else { return };
+    let scale = (total / m.body_mass[1..].iter().sum::<f64>().max(MINVAL)).max(MINVAL);
+    m.body_mass[1..].iter_mut().for_each(|mass| *mass *= scale);
+    m.body_inertia[1..]
+        .iter_mut()
+        .flatten()
+        .for_each(|moment| *moment *= scale);
+}
+
+/// Refuses bodies that can move and have no mass: nothing would resist a force on them.
+fn check_mass(m: &CompiledModel, spec: &Spec) -> Result<()> {
+    let mut heavy: Vec<bool> = (0..m.nbody())
+        .map(|b| {
+            m.body_mass[b] >= MINVAL && m.body_inertia[b].iter().all(|moment| *moment >= MINVAL)
+        })
+        .collect();
+    for b in (1..m.nbody()).rev() {
+        if m.body_jntnum[b] > 0 {
+            if !heavy[b] {
+                return Err(spec.bodies[b].place.error(
+                    "it has joints and therefore needs mass and inertia: give it a geom, or an <inertial>",
+                ));
+            }
+        } else {
+            heavy[m.body_parentid[b]] |= heavy[b];
+        }
+    }
+    Ok(())
+}
+
+fn add_subtree_masses(m: &mut CompiledModel) {
+    m.body_subtreemass.clone_from(&m.body_mass);
+    for b in (1..m.nbody()).rev() {
+        m.body_subtreemass[m.body_parentid[b]] += m.body_subtreemass[b];
+    }
+}
+
+/// Marks bodies whose part of the inertia matrix is diagonal: without children, directly in the
+/// world or in a fixed child of it, with the inertial frame in the body's, moved along coordinate
+/// axes and then turned about at most one.
+fn mark_simple(m: &mut CompiledModel) {
+    for b in 0..m.nbody() {
+        let own_frame = norm(&m.body_ipos[b]) < EPS && norm(&m.body_iquat[b][1..]) < EPS;
+        let parent = m.body_parentid[b];
+        let rooted = parent == 0 || (m.body_parentid[parent] == 0 && m.body_jntnum[parent] == 0);
+        m.body_simple.push(u8::from(own_frame && rooted));
+        m.body_simple[parent] &= u8::from(parent == 0);
+        let (mut turns, mut slides) = (false, 0);
+        let first = usize::try_from(m.body_jntadr[b]).unwrap_or(0);
+        for j in first..first + m.body_jntnum[b] {
+            let aligned = m.jnt_axis[j].iter().filter(|x| x.abs() > EPS).count() == 1;
+            if turns || norm(&m.jnt_pos[j]) >= EPS || !aligned {
+                m.body_simple[b] = 0;
+            }
+            turns |= matches!(m.jnt_type[j], JointType::Hinge | JointType::Ball);
+            slides += usize::from(m.jnt_type[j] == JointType::Slide);
+        }
+        if m.body_simple[b] == 1 && slides > 0 && slides == m.body_jntnum[b] {
+            m.body_simple[b] = 2;
+        }
+    }
+    m.dof_simplenum = vec![0; m.nv()];
+    let mut count = 0;
+    for i in (0..m.nv()).rev() {
+        count = if m.body_simple[m.dof_bodyid[i]] > 0 {
+            count + 1
+        } else {
+            0
+        };
+        m.dof_simplenum[i] = count;
+    }
+}
+
+fn add_looks(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
+    for (id, body) in spec.bodies.iter().enumerate() {
+        for camera in &body.cameras {
+            let target = match &camera.target {
+                Some(name) => Some(m.body_id(name).ok_or_else(|| {
+                    camera
+                        .place
+                        .attribute("target", format!("there is no body {name:?}"))
+                })?),
+                None if camera.mode >= 3 => {
+                    return Err(camera
+                        .place
+                        .attribute("target", "missing: this mode needs it"));
+                }
+                None => None,
+            };
+            m.names.camera.push(camera.name.clone());
+            m.cam_mode.push(camera.mode);
+            m.cam_bodyid.push(id);
+            m.cam_targetbodyid.push(target.map_or(-1, |id| id as i32));
+            let own = (camera.pos, camera.orientation.resolve(&spec.compiler));
+            let (pos, quat) = within(camera.frame, own);
+            m.cam_pos.push(pos);
+            m.cam_quat.push(quat);
+            m.cam_fovy.push(camera.fovy);
+        }
+    }
+    for light in spec.bodies.iter().flat_map(|body| &body.lights) {
+        m.light_type.push(u8::from(light.directional));
+        let (pos, _) = within(light.frame, (light.pos, [1.0, 0.0, 0.0, 0.0]));
+        m.light_pos.push(pos);
+        m.light_dir.push(bodies::turned(light.frame, light.dir));
+    }
+    m.mat_rgba = spec
+        .materials
+        .iter()
+        .map(|material| bodies::single(material.rgba))
+        .collect();
+    Ok(())
+}
+
+/// Refuses more of a kind than can be looked up in a moment.
+fn check_counts(spec: &Spec) -> Result<()> {
+    let sections = [
+        ("materials", spec.materials.len()),
+        ("excludes", spec.excludes.len()),
+        ("pairs", spec.pairs.len()),
+        ("equalities", spec.equalities.len()),
+        ("tendons", spec.tendons.len()),
+        ("actuators", spec.actuators.len()),
+        ("sensors", spec.sensors.len()),
+        ("keys", spec.keys.len()),
+        (
+            "parts of tendons",
+            spec.tendons.iter().map(|tendon| tendon.wraps.len()).sum(),
+        ),
+    ];
+    match sections.iter().find(|(_, count)| *count > MOST) {
+        Some((kind, count)) => {
+            let reason = format!("{count} {kind}: more than {MOST} are not supported");
+            Err(spec.bodies[0].place.error(reason))
+        }
+        None => Ok(()),
+    }
+}
+
+/// Refuses two objects of a kind under one name.
+fn check_names(spec: &Spec) -> Result<()> {
+    let mut seen = HashSet::new();
+    let mut check = |kind: &'static str, name: &Option<String>, place: &Place| match name {
+        Some(name) if !seen.insert((kind, name.clone())) => {
+            Err(place.attribute("name", format!("there is a {kind} {name:?} already")))
+        }
+        _ => Ok(()),
+    };
+    for body in &spec.bodies {
+        check("body", &body.name, &body.place)?;
+        body.joints
+            .iter()
+            .try_for_each(|joint| check("joint", &joint.name, &joint.place))?;
+        body.geoms
+            .iter()
+            .try_for_each(|geom| check("geom", &geom.name, &geom.place))?;
+        body.sites
+            .iter()
+            .try_for_each(|site| check("site", &site.name, &site.place))?;
+        body.cameras
+            .iter()
+            .try_for_each(|camera| check("camera", &camera.name, &camera.place))?;
+    }
+    for actuator in &spec.actuators {
+        check("actuator", &actuator.name, &actuator.place)?;
+    }
+    for tendon in &spec.tendons {
+        check("tendon", &tendon.name, &tendon.place)?;
+    }
+    for sensor in &spec.sensors {
+        check("sensor", &sensor.name, &sensor.place)?;
+    }
+    for equality in &spec.equalities {
+        check("equality", &equality.name, &equality.place)?;
+    }
+    for key in &spec.keys {
+        check("key", &key.name, &key.place)?;
+    }
+    Ok(())
+}
+
+/// Whether a range holds, which by default it does where it is given.
+fn limited(
+    stated: Option<bool>,
+    range: [f64; 2],
+    spec: &Spec,
+    place: &Place,
+    [range_name, flag]: [&str; 2],
+) -> Result<bool> {
+    let limited = match stated {
+        Some(limited) => limited,
+        None if range == [0.0; 2] => false,
+        None if spec.compiler.autolimits => true,
+        None => {
+            let reason = format!("needs {flag}=\"true\" here, where autolimits is false");
+            return Err(place.attribute(range_name, reason));
+        }
+    };
+    if limited && range[0] >= range[1] {
+        let reason = "the lower limit must be less than the upper one";
+        return Err(place.attribute(range_name, reason));
+    }
+    Ok(limited)
+}

@@ -1,0 +1,214 @@
+//! The text of a model and those that it includes.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use roxmltree::{Document, Node, ParsingOptions};
+
+use super::xml::{Lines, Place};
+use crate::{Error, Result};
+
+/// The longest text that is read, in bytes: a file, and all files of a model together.
+const MAX_LEN: usize = 8 << 20;
+/// The most nodes (elements, texts and comments) that are read.
+const MAX_NODES: u32 = 200_000;
+/// The most attributes of an element, and the most namespaces: the parser compares each with all
+/// others.
+const MAX_ATTRIBUTES: usize = 1000;
+const MAX_NAMESPACES: usize = 10;
+/// The most files of a model.
+const MAX_FILES: usize = 100;
+
+/// Texts, before they are parsed.
+#[derive(Debug, Default)]
+pub(super) struct Texts {
+    /// The name for errors, which is empty for the model itself, and the text.
+    texts: Vec<(String, String)>,
+    /// The number of the text that an element `include` stands for, by its own text and position.
+    included: BTreeMap<(usize, usize), usize>,
+}
+
+impl Texts {
+    /// A text without files: an `include` is an error.
+    pub(super) fn of(text: &str) -> Result<Self> {
+        Self::load(text.to_owned(), None)
+    }
+
+    /// A file and all that it includes.
+    pub(super) fn of_file(path: &Path) -> Result<Self> {
+        Self::load(read(path)?, Some(path))
+    }
+
+    /// Reads the included files, each once: files that include each other are an error.
+    fn load(text: String, path: Option<&Path>) -> Result<Self> {
+        let folder_of = |path: &Path| path.parent().unwrap_or(Path::new("")).to_owned();
+        let folder = path.map(folder_of);
+        let mut all = Self {
+            texts: vec![(String::new(), text)],
+            ..Self::default()
+        };
+        let mut paths: Vec<PathBuf> = path.map(Path::to_owned).into_iter().collect();
+        let mut next = 0;
+        while next < all.texts.len() {
+            for (position, file, place) in all.includes(next)? {
+                let Some(folder) = &folder else {
+                    return Err(place.attribute(
+                        "file",
+                        "a text has no folder: read the model from its file, with from_path",
+                    ));
+                };
+                let own = folder_of(&paths[next]);
+                let candidates = [folder.join(&file), own.join(&file)];
+                let Some(path) = candidates.iter().find(|path| path.is_file()) else {
+                    let [first, _] = candidates.map(|path| path.display().to_string());
+                    return Err(place.attribute("file", format!("there is no file {first}")));
+                };
+                let same = |other: &PathBuf| match (other.canonicalize(), path.canonicalize()) {
+                    (Ok(other), Ok(path)) => other == path,
+                    _ => other == path,
+                };
+                if paths.iter().any(same) {
+                    let reason = format!("{} is included already", path.display());
+                    return Err(place.attribute("file", reason));
+                }
+                let text = read(path)?;
+                let length: usize = all.texts.iter().map(|(_, text)| text.len()).sum();
+                if paths.len() == MAX_FILES || length + text.len() > MAX_LEN {
+                    let reason =
+                        format!("more than {MAX_FILES} files or {MAX_LEN} bytes are not supported");
+                    return Err(place.attribute("file", reason));
+                }
+                paths.push(path.clone());
+                all.included.insert((next, position), all.texts.len());
+                all.texts.push((path.display().to_string(), text));
+            }
+            next += 1;
+        }
+        Ok(all)
+    }
+
+    /// Position, file and place of each `include` of a text.
+    fn includes(&self, number: usize) -> Result<Vec<(usize, String, Place)>> {
+        let (name, text) = &self.texts[number];
+        if !text.contains("<include") {
+            return Ok(Vec::new());
+        }
+        let (document, lines) = (parse(name, text)?, Lines::of(text));
+        let elements = document.descendants();
+        let includes = elements.filter(|node| node.is_element() && node.has_tag_name("include"));
+        includes
+            .map(|node| {
+                let place = Place::new(name, lines.at(node.range().start), "include");
+                if node.children().any(|child| child.is_element()) {
+                    return Err(place.error("it has no elements within"));
+                }
+                if let Some(other) = node.attributes().find(|a| a.name() != "file") {
+                    return Err(place.attribute(other.name(), "not supported: only file is"));
+                }
+                let file = node
+                    .attribute("file")
+                    .ok_or_else(|| place.attribute("file", "missing: it must be given"))?;
+                Ok((node.range().start, file.to_owned(), place))
+            })
+            .collect()
+    }
+
+    /// The texts as elements.
+    pub(super) fn parse(&self) -> Result<Files<'_>> {
+        let mut files = Files {
+            files: Vec::new(),
+            included: &self.included,
+        };
+        for (name, text) in &self.texts {
+            let (document, lines) = (parse(name, text)?, Lines::of(text));
+            files.files.push((name, document, lines));
+        }
+        Ok(files)
+    }
+}
+
+fn read(path: &Path) -> Result<String> {
+    let in_file = |error: std::io::Error| Error::File {
+        path: path.display().to_string(),
+        reason: error.to_string(),
+    };
+    let mut text = String::new();
+    let file = File::open(path).map_err(in_file)?;
+    // one byte more than is read, which `parse` refuses: a device such as `/dev/zero` never ends
+    let read = file.take(MAX_LEN as u64 + 1).read_to_string(&mut text);
+    read.map_err(in_file)?;
+    Ok(text)
+}
+
+/// The elements of a text.
+fn parse<'input>(name: &str, text: &'input str) -> Result<Document<'input>> {
+    let not_xml = |line: u32, reason: String| Place::new(name, line, "mujoco").error(reason);
+    if text.len() > MAX_LEN {
+        let reason = format!("the text is too long: the limit is {MAX_LEN} bytes");
+        return Err(not_xml(1, reason));
+    }
+    check_tags(text).map_err(|(line, reason)| not_xml(line, reason))?;
+    let options = ParsingOptions {
+        allow_dtd: false,
+        nodes_limit: MAX_NODES,
+        ..ParsingOptions::default()
+    };
+    Document::parse_with_options(text, options)
+        .map_err(|error| not_xml(error.pos().row, format!("the text is not XML: {error}")))
+}
+
+/// Refuses texts that the parser would read slowly; the error names the line.
+fn check_tags(text: &str) -> std::result::Result<(), (u32, String)> {
+    let mut rest = text;
+    let mut namespaces = 0;
+    while let Some(start) = rest.find('<') {
+        rest = &rest[start + 1..];
+        if let Some(comment) = rest.strip_prefix("!--") {
+            rest = comment.find("-->").map_or("", |end| &comment[end..]);
+            continue;
+        }
+        let tag = &rest[..rest.find('<').unwrap_or(rest.len())];
+        namespaces += tag.matches("xmlns").count();
+        let reason = if tag.matches('=').count() > MAX_ATTRIBUTES {
+            format!("an element has more than {MAX_ATTRIBUTES} attributes")
+        } else if namespaces > MAX_NAMESPACES {
+            format!("the text has more than {MAX_NAMESPACES} namespaces")
+        } else {
+            continue;
+        };
+        let before = &text[..text.len() - rest.len()];
+        return Err((before.matches('\n').count() as u32 + 1, reason));
+    }
+    Ok(())
+}
+
+/// Parsed texts.
+pub(super) struct Files<'input> {
+    files: Vec<(&'input str, Document<'input>, Lines)>,
+    included: &'input BTreeMap<(usize, usize), usize>,
+}
+
+impl<'input> Files<'input> {
+    /// The outermost element of a file.
+    pub(super) fn root(&self, file: usize) -> Node<'_, 'input> {
+        self.files[file].1.root_element()
+    }
+
+    /// The name of a file; empty for the model itself.
+    pub(super) fn name(&self, file: usize) -> &str {
+        self.files[file].0
+    }
+
+    /// The line of a position in a file.
+    pub(super) fn line(&self, file: usize, position: usize) -> u32 {
+        self.files[file].2.at(position)
+    }
+
+    /// The file that an element of a file includes.
+    pub(super) fn included(&self, file: usize, node: Node<'_, '_>) -> Option<usize> {
+        let number = self.included.get(&(file, node.range().start));
+        number.copied().filter(|_| node.has_tag_name("include"))
+    }
+}

@@ -1,0 +1,273 @@
+//! Actuators: all kinds are the general one with some of its numbers implied.
+
+use super::{LIMITED, replace, replace_some};
+use crate::Result;
+use crate::mjcf::xml::{Element, Place};
+use crate::model::{BiasType, DynamicsType, GainType};
+
+/// An actuator.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Actuator {
+    pub(crate) place: Place,
+    pub(crate) name: Option<String>,
+    /// The attribute that names what it acts on, and the name.
+    pub(crate) target: Option<(&'static str, String)>,
+    pub(crate) reference_site: Option<String>,
+    pub(crate) gear: [f64; 6],
+    pub(crate) ctrl_range: [f64; 2],
+    pub(crate) ctrl_limited: Option<bool>,
+    pub(crate) force_range: [f64; 2],
+    pub(crate) force_limited: Option<bool>,
+    pub(crate) act_range: [f64; 2],
+    pub(crate) act_limited: Option<bool>,
+    pub(crate) length_range: [f64; 2],
+    /// The part of the target's range that the control's or the activation's is.
+    pub(crate) inherit_range: f64,
+    pub(crate) dynamics: DynamicsType,
+    pub(crate) gain: GainType,
+    pub(crate) bias: BiasType,
+    pub(crate) dynprm: [f64; 10],
+    pub(crate) gainprm: [f64; 10],
+    pub(crate) biasprm: [f64; 10],
+    pub(crate) act_early: bool,
+    pub(crate) group: i32,
+}
+
+/// The elements.
+pub(crate) const KINDS: [&str; 8] = [
+    "general",
+    "motor",
+    "position",
+    "velocity",
+    "intvelocity",
+    "damper",
+    "cylinder",
+    "muscle",
+];
+
+const TARGETS: [&str; 4] = ["joint", "jointinparent", "tendon", "site"];
+
+impl Default for Actuator {
+    fn default() -> Self {
+        let mut one = [0.0; 10];
+        one[0] = 1.0;
+        Self {
+            place: Place::default(),
+            name: None,
+            target: None,
+            reference_site: None,
+            gear: [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+            ctrl_range: [0.0; 2],
+            ctrl_limited: None,
+            force_range: [0.0; 2],
+            force_limited: None,
+            act_range: [0.0; 2],
+            act_limited: None,
+            length_range: [0.0; 2],
+            inherit_range: 0.0,
+            dynamics: DynamicsType::None,
+            gain: GainType::Fixed,
+            bias: BiasType::None,
+            dynprm: one,
+            gainprm: one,
+            biasprm: [0.0; 10],
+            act_early: false,
+            group: 0,
+        }
+    }
+}
+
+impl Actuator {
+    /// Reads an element of one of the [`KINDS`].
+    pub(crate) fn read(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
+        self.place = element.place();
+        for target in TARGETS {
+            if let Some(name) = element.text(target) {
+                self.target = Some((target, name));
+            }
+        }
+        replace_some(&mut self.reference_site, element.text("refsite"));
+        element.up_to("gear", &mut self.gear)?;
+        for (name, range) in [
+            ("ctrlrange", &mut self.ctrl_range),
+            ("forcerange", &mut self.force_range),
+            ("actrange", &mut self.act_range),
+            ("lengthrange", &mut self.length_range),
+        ] {
+            replace(range, element.numbers(name)?);
+        }
+        for (name, limited) in [
+            ("ctrllimited", &mut self.ctrl_limited),
+            ("forcelimited", &mut self.force_limited),
+            ("actlimited", &mut self.act_limited),
+        ] {
+            replace(limited, element.keyword(name, &LIMITED)?);
+        }
+        replace(&mut self.act_early, element.flag("actearly")?);
+        replace(&mut self.group, element.integer("group")?);
+        element.ignore(&["user"]);
+        match element.name() {
+            "general" => self.read_general(element),
+            "motor" => {
+                self.gainprm[0] = 1.0;
+                self.imply(DynamicsType::None, GainType::Fixed, BiasType::None);
+                Ok(())
+            }
+            "position" | "intvelocity" => self.read_servo(element),
+            "velocity" => {
+                let kv = element.number("kv")?.unwrap_or(self.gainprm[0]);
+                self.biasprm = [0.0; 10];
+                (self.gainprm[0], self.biasprm[2]) = (kv, -kv);
+                self.imply(DynamicsType::None, GainType::Fixed, BiasType::Affine);
+                Ok(())
+            }
+            "damper" => self.read_damper(element),
+            "cylinder" => self.read_cylinder(element),
+            _ => self.read_muscle(element),
+        }
+    }
+
+    fn imply(&mut self, dynamics: DynamicsType, gain: GainType, bias: BiasType) {
+        (self.dynamics, self.gain, self.bias) = (dynamics, gain, bias);
+    }
+
+    fn read_general(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
+        let dynamics = [
+            ("none", DynamicsType::None),
+            ("integrator", DynamicsType::Integrator),
+            ("filter", DynamicsType::Filter),
+            ("filterexact", DynamicsType::FilterExact),
+            ("muscle", DynamicsType::Muscle),
+        ];
+        replace(&mut self.dynamics, element.keyword("dyntype", &dynamics)?);
+        let gains = [
+            ("fixed", GainType::Fixed),
+            ("affine", GainType::Affine),
+            ("muscle", GainType::Muscle),
+        ];
+        replace(&mut self.gain, element.keyword("gaintype", &gains)?);
+        let biases = [
+            ("none", BiasType::None),
+            ("affine", BiasType::Affine),
+            ("muscle", BiasType::Muscle),
+        ];
+        replace(&mut self.bias, element.keyword("biastype", &biases)?);
+        element.up_to("dynprm", &mut self.dynprm)?;
+        element.up_to("gainprm", &mut self.gainprm)?;
+        element.up_to("biasprm", &mut self.biasprm)?;
+        Ok(())
+    }
+
+    /// A servo for the position, or for the velocity by an integrated position.
+    fn read_servo(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
+        let kp = element.number("kp")?.unwrap_or(self.gainprm[0]);
+        (self.gainprm[0], self.biasprm[1]) = (kp, -kp);
+        let (kv, ratio) = (
+            element.non_negative("kv")?,
+            element.non_negative("dampratio")?,
+        );
+        match (kv, ratio) {
+            (Some(_), Some(_)) => {
+                return Err(self.place.attribute("dampratio", "does not go with kv"));
+            }
+            (Some(kv), None) => self.biasprm[2] = -kv,
+            (None, Some(ratio)) => self.biasprm[2] = ratio,
+            (None, None) => {}
+        }
+        self.imply(self.dynamics, GainType::Fixed, BiasType::Affine);
+        if let Some(time) = element.non_negative("timeconst")? {
+            self.dynprm[0] = time;
+            self.dynamics = if time == 0.0 {
+                DynamicsType::None
+            } else {
+                DynamicsType::FilterExact
+            };
+        }
+        replace(
+            &mut self.inherit_range,
+            element.non_negative("inheritrange")?,
+        );
+        let integrates = element.name() == "intvelocity";
+        let range = if integrates {
+            self.dynamics = DynamicsType::Integrator;
+            ("actrange", self.act_range)
+        } else {
+            ("ctrlrange", self.ctrl_range)
+        };
+        if self.inherit_range > 0.0 && range.1 != [0.0; 2] {
+            return Err(self
+                .place
+                .attribute("inheritrange", format!("does not go with {}", range.0)));
+        }
+        Ok(())
+    }
+
+    fn read_damper(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
+        let inherited = if self.gain == GainType::Affine {
+            -self.gainprm[2]
+        } else {
+            0.0
+        };
+        let kv = element.non_negative("kv")?.unwrap_or(inherited);
+        self.gainprm = [0.0; 10];
+        self.gainprm[2] = -kv;
+        self.ctrl_limited = Some(true);
+        self.imply(DynamicsType::None, GainType::Affine, BiasType::None);
+        if self.ctrl_range.iter().any(|x| *x < 0.0) {
+            return Err(self
+                .place
+                .attribute("ctrlrange", "must not be negative here"));
+        }
+        Ok(())
+    }
+
+    fn read_cylinder(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
+        replace(&mut self.dynprm[0], element.number("timeconst")?);
+        element.up_to("bias", &mut self.biasprm[..3])?;
+        replace(&mut self.gainprm[0], element.number("area")?);
+        if let Some(diameter) = element.non_negative("diameter")? {
+            self.gainprm[0] = std::f64::consts::PI / 4.0 * diameter * diameter;
+        }
+        self.imply(DynamicsType::Filter, GainType::Fixed, BiasType::Affine);
+        Ok(())
+    }
+
+    fn read_muscle(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
+        // the numbers of other actuators give way to those of a muscle
+        for (k, general, own) in [(0, 1.0, 0.01), (1, 0.0, 0.04)] {
+            if self.dynprm[k] == general {
+                self.dynprm[k] = own;
+            }
+        }
+        let defaults = [0.75, 1.05, -1.0, 200.0, 0.5, 1.6, 1.5, 1.3, 1.2];
+        for (k, (value, own)) in self.gainprm.iter_mut().zip(defaults).enumerate() {
+            let general = if k == 0 { 1.0 } else { 0.0 };
+            if *value == general {
+                *value = own;
+            }
+        }
+        element.up_to("timeconst", &mut self.dynprm[..2])?;
+        replace(&mut self.dynprm[2], element.non_negative("tausmooth")?);
+        element.up_to("range", &mut self.gainprm[..2])?;
+        let names = ["force", "scale", "lmin", "lmax", "vmax", "fpmax", "fvmax"];
+        for (name, value) in names.into_iter().zip(&mut self.gainprm[2..]) {
+            replace(value, element.non_negative(name)?);
+        }
+        let p = &self.gainprm;
+        if p[0] >= p[1] {
+            return Err(self.place.attribute("range", "must rise"));
+        }
+        if p[4] >= 1.0 || p[5] <= 1.0 {
+            return Err(self
+                .place
+                .attribute("lmin", "must be less than 1, and lmax greater"));
+        }
+        if [p[3], p[6], p[7], p[8]].iter().any(|x| *x <= 0.0) {
+            let reason = "scale, vmax, fpmax and fvmax must be positive";
+            return Err(self.place.error(reason));
+        }
+        self.biasprm = self.gainprm;
+        self.imply(DynamicsType::Muscle, GainType::Muscle, BiasType::Muscle);
+        Ok(())
+    }
+}

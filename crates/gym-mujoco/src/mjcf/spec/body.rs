@@ -1,0 +1,193 @@
+//! Bodies, and those of their parts that only pictures and masses need.
+
+use super::{Frame, Geom, Joint, Site, replace};
+use crate::Result;
+use crate::mjcf::orientation::{EPS, Orientation, norm};
+use crate::mjcf::xml::{Element, Place};
+
+/// A body and what belongs to it.
+#[derive(Debug, Default)]
+pub(crate) struct Body {
+    pub(crate) place: Place,
+    pub(crate) name: Option<String>,
+    pub(crate) parent: usize,
+    pub(crate) pos: [f64; 3],
+    pub(crate) orientation: Orientation,
+    pub(crate) frame: Option<Frame>,
+    pub(crate) mocap: bool,
+    pub(crate) gravcomp: f64,
+    pub(crate) inertial: Option<Inertial>,
+    pub(crate) joints: Vec<Joint>,
+    pub(crate) geoms: Vec<Geom>,
+    pub(crate) sites: Vec<Site>,
+    pub(crate) cameras: Vec<Camera>,
+    pub(crate) lights: Vec<Light>,
+}
+
+/// The mass of a body as it is written.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Inertial {
+    pub(crate) place: Place,
+    pub(crate) pos: [f64; 3],
+    pub(crate) orientation: Orientation,
+    pub(crate) mass: f64,
+    pub(crate) moments: Moments,
+}
+
+/// Moments of inertia as they are written.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Moments {
+    /// About the axes of the orientation.
+    Principal([f64; 3]),
+    /// xx, yy, zz, xy, xz, yz.
+    Full([f64; 6]),
+}
+
+impl Inertial {
+    pub(crate) fn read(mut element: Element<'_, '_>) -> Result<Self> {
+        let place = element.place();
+        let pos = element
+            .numbers("pos")?
+            .ok_or_else(|| element.missing("pos"))?;
+        let mass = element
+            .non_negative("mass")?
+            .ok_or_else(|| element.missing("mass"))?;
+        let mut orientation = Orientation::default();
+        orientation.read(&mut element)?;
+        let moments = match (
+            element.numbers("diaginertia")?,
+            element.numbers("fullinertia")?,
+        ) {
+            (Some(_), Some(_)) => {
+                return Err(place.attribute("fullinertia", "only one of diaginertia, fullinertia"));
+            }
+            (_, Some(_)) if orientation != Orientation::default() => {
+                return Err(place.attribute(
+                    "fullinertia",
+                    "does not go with an orientation, which it implies",
+                ));
+            }
+            (_, Some(full)) => Moments::Full(full),
+            (diagonal, None) => Moments::Principal(diagonal.unwrap_or_default()),
+        };
+        element.finish_without_children()?;
+        Ok(Self {
+            place,
+            pos,
+            orientation,
+            mass,
+            moments,
+        })
+    }
+}
+
+/// A camera.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Camera {
+    pub(crate) place: Place,
+    pub(crate) name: Option<String>,
+    pub(crate) mode: u8,
+    pub(crate) target: Option<String>,
+    pub(crate) pos: [f64; 3],
+    pub(crate) orientation: Orientation,
+    pub(crate) frame: Option<Frame>,
+    pub(crate) fovy: f64,
+}
+
+const MODES: [(&str, u8); 5] = [
+    ("fixed", 0),
+    ("track", 1),
+    ("trackcom", 2),
+    ("targetbody", 3),
+    ("targetbodycom", 4),
+];
+
+impl Default for Camera {
+    fn default() -> Self {
+        Self {
+            place: Place::default(),
+            name: None,
+            mode: 0,
+            target: None,
+            pos: [0.0; 3],
+            orientation: Orientation::default(),
+            frame: None,
+            fovy: 45.0,
+        }
+    }
+}
+
+impl Camera {
+    pub(crate) fn read(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
+        self.place = element.place();
+        replace(&mut self.mode, element.keyword("mode", &MODES)?);
+        self.target = element.text("target").or(self.target.take());
+        replace(&mut self.pos, element.numbers("pos")?);
+        replace(&mut self.fovy, element.number("fovy")?);
+        if !(self.fovy > 0.0 && self.fovy < 180.0) {
+            return Err(self
+                .place
+                .attribute("fovy", "must lie between 0 and 180 degrees"));
+        }
+        self.orientation.read(element)?;
+        element.keyword("projection", &[("perspective", ())])?;
+        element.ignore(&["user", "ipd", "resolution", "output"]);
+        Ok(())
+    }
+}
+
+/// A light. Its colours are ignored: pictures have a light of their own.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Light {
+    pub(crate) name: Option<String>,
+    pub(crate) directional: bool,
+    pub(crate) pos: [f64; 3],
+    pub(crate) dir: [f64; 3],
+    pub(crate) frame: Option<Frame>,
+}
+
+impl Default for Light {
+    fn default() -> Self {
+        Self {
+            name: None,
+            directional: false,
+            pos: [0.0; 3],
+            dir: [0.0, 0.0, -1.0],
+            frame: None,
+        }
+    }
+}
+
+impl Light {
+    pub(crate) fn read(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
+        let kind = element.keyword("type", &[("spot", false), ("directional", true)])?;
+        let directional = element.flag("directional")?.or(kind);
+        replace(&mut self.directional, directional);
+        replace(&mut self.pos, element.numbers("pos")?);
+        if let Some(dir) = element.numbers::<3>("dir")? {
+            let length = norm(&dir);
+            if length < EPS {
+                return Err(element.place().attribute("dir", "the direction is zero"));
+            }
+            self.dir = dir.map(|x| x / length);
+        }
+        element.ignore(&[
+            "mode",
+            "target",
+            "castshadow",
+            "active",
+            "ambient",
+            "diffuse",
+            "specular",
+            "attenuation",
+            "cutoff",
+            "exponent",
+            "softness",
+            "bulbradius",
+            "intensity",
+            "range",
+            "texture",
+        ]);
+        Ok(())
+    }
+}

@@ -1,0 +1,241 @@
+//! The elements of a model as written, before anything is computed from them.
+//!
+//! Each kind of element is a struct whose `Default` has MuJoCo's defaults; `read` replaces what an
+//! element gives. An element of a class starts from a clone of the class's struct, so that defaults
+//! need no code of their own.
+
+mod actuator;
+mod body;
+mod parts;
+mod relations;
+mod sensor;
+mod tendon;
+
+pub(crate) use actuator::{Actuator, KINDS as ACTUATORS};
+pub(crate) use body::{Body, Camera, Inertial, Light, Moments};
+pub(crate) use parts::{Frame, Geom, Joint, Site};
+pub(crate) use relations::{EQUALITIES, Equality, Exclude, Key, Pair};
+pub(crate) use sensor::{Sensor, Target};
+pub(crate) use tendon::{Tendon, Wrap};
+
+use super::xml::Element;
+use crate::model::Options;
+use crate::{Error, Result, Revision};
+
+/// A whole model.
+#[derive(Debug, Default)]
+pub(crate) struct Spec {
+    pub(crate) name: String,
+    pub(crate) revision: Revision,
+    pub(crate) compiler: Compiler,
+    pub(crate) option: Options,
+    pub(crate) statistic: Statistic,
+    pub(crate) nkey: usize,
+    pub(crate) materials: Vec<Material>,
+    /// The world, then the others, each after its parent.
+    pub(crate) bodies: Vec<Body>,
+    pub(crate) excludes: Vec<Exclude>,
+    pub(crate) pairs: Vec<Pair>,
+    pub(crate) equalities: Vec<Equality>,
+    pub(crate) tendons: Vec<Tendon>,
+    pub(crate) actuators: Vec<Actuator>,
+    pub(crate) sensors: Vec<Sensor>,
+    pub(crate) keys: Vec<Key>,
+}
+
+impl Spec {
+    /// Says where in the text the cause of an error is that was found in the figures.
+    pub(crate) fn located(&self, error: Error) -> Error {
+        let geom = match error {
+            Error::Pair { second, .. } => {
+                self.bodies.iter().flat_map(|body| &body.geoms).nth(second)
+            }
+            _ => None,
+        };
+        match (geom, self.bodies.first()) {
+            (Some(geom), _) => geom.place.attribute("type", error.to_string()),
+            (None, Some(world)) => world.place.error(error.to_string()),
+            (None, None) => error,
+        }
+    }
+}
+
+/// Settings of the compiler.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Compiler {
+    pub(crate) degree: bool,
+    pub(crate) autolimits: bool,
+    /// `None`: where a body has no `inertial`.
+    pub(crate) inertia_from_geom: Option<bool>,
+    /// The groups of geoms that have mass.
+    pub(crate) inertia_groups: [i32; 2],
+    pub(crate) total_mass: Option<f64>,
+    pub(crate) bound_mass: f64,
+    pub(crate) bound_inertia: f64,
+    pub(crate) balance_inertia: bool,
+    pub(crate) euler: Sequence,
+}
+
+/// The axes of Euler angles: for each angle the axis, and whether it is one that does not turn.
+pub(crate) type Sequence = [(usize, bool); 3];
+
+impl Default for Compiler {
+    fn default() -> Self {
+        Self {
+            degree: true,
+            autolimits: true,
+            inertia_from_geom: None,
+            inertia_groups: [0, 5],
+            total_mass: None,
+            bound_mass: 0.0,
+            bound_inertia: 0.0,
+            balance_inertia: false,
+            euler: [(0, false), (1, false), (2, false)],
+        }
+    }
+}
+
+impl Compiler {
+    pub(crate) fn read(&mut self, mut element: Element<'_, '_>) -> Result<()> {
+        replace(
+            &mut self.degree,
+            element.keyword("angle", &[("degree", true), ("radian", false)])?,
+        );
+        element.keyword("coordinate", &[("local", ())])?;
+        let choices = [("auto", None), ("false", Some(false)), ("true", Some(true))];
+        replace(
+            &mut self.inertia_from_geom,
+            element.keyword("inertiafromgeom", &choices)?,
+        );
+        if let Some(mass) = element.number("settotalmass")? {
+            self.total_mass = (mass > 0.0).then_some(mass);
+        }
+        replace(&mut self.autolimits, element.flag("autolimits")?);
+        replace(&mut self.bound_mass, element.non_negative("boundmass")?);
+        replace(
+            &mut self.bound_inertia,
+            element.non_negative("boundinertia")?,
+        );
+        replace(&mut self.balance_inertia, element.flag("balanceinertia")?);
+        if let Some([first, last]) = element.numbers("inertiagrouprange")? {
+            self.inertia_groups = [first as i32, last as i32];
+        }
+        if let Some(text) = element.text("eulerseq") {
+            self.euler = sequence(&text).ok_or_else(|| {
+                element
+                    .place()
+                    .attribute("eulerseq", "needs three of xyzXYZ")
+            })?;
+        }
+        // of files that are not read, or without effect on the figures
+        element.ignore(&[
+            "assetdir",
+            "meshdir",
+            "texturedir",
+            "strippath",
+            "usethread",
+            "saveinertial",
+        ]);
+        for name in ["fusestatic", "discardvisual", "alignfree", "fitaabb"] {
+            element.keyword(name, &[("false", ())])?;
+        }
+        for child in element.children()? {
+            if child.name() != "lengthrange" {
+                return Err(element.unsupported(&child, &["lengthrange"]));
+            }
+        }
+        element.finish()
+    }
+}
+
+/// Figures that a model may state instead of having them computed.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Statistic {
+    pub(crate) meaninertia: Option<f64>,
+    pub(crate) meanmass: Option<f64>,
+    pub(crate) meansize: Option<f64>,
+    pub(crate) extent: Option<f64>,
+    pub(crate) center: Option<[f64; 3]>,
+}
+
+/// A colour that geoms can refer to.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Material {
+    pub(crate) name: String,
+    pub(crate) rgba: [f64; 4],
+}
+
+impl Default for Material {
+    fn default() -> Self {
+        Self {
+            name: String::new(),
+            rgba: [1.0; 4],
+        }
+    }
+}
+
+impl Material {
+    /// Keeps the colour, and ignores everything else that is only looked at.
+    pub(crate) fn read(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
+        replace(&mut self.rgba, element.numbers("rgba")?);
+        element.ignore(&[
+            "texture",
+            "texrepeat",
+            "texuniform",
+            "emission",
+            "specular",
+            "shininess",
+            "reflectance",
+            "metallic",
+            "roughness",
+        ]);
+        Ok(())
+    }
+}
+
+/// Reads the softness of a constraint: time constant and damping ratio, or MuJoCo's direct form,
+/// both negative.
+fn read_solref(
+    element: &mut Element<'_, '_>,
+    name: &'static str,
+    solref: &mut [f64; 2],
+) -> Result<()> {
+    element.up_to(name, solref)?;
+    let [first, second] = *solref;
+    if (first > 0.0) == (second > 0.0) && first != 0.0 {
+        return Ok(());
+    }
+    let reason = "time constant and damping ratio must be positive, or stiffness and damping both \
+                  not positive";
+    Err(element.place().attribute(name, reason))
+}
+
+/// The axes of a text such as `xyz`, where capital letters name axes that do not turn.
+fn sequence(text: &str) -> Option<Sequence> {
+    let axis = |letter: char| {
+        let small = letter.to_ascii_lowercase();
+        Some(("xyz".find(small)?, letter.is_ascii_uppercase()))
+    };
+    let axes: Option<Vec<_>> = text.chars().map(axis).collect();
+    axes?.try_into().ok()
+}
+
+/// The limits that hold where they are said to, or where there is a range.
+const LIMITED: [(&str, Option<bool>); 3] =
+    [("auto", None), ("false", Some(false)), ("true", Some(true))];
+
+const SOLREF: [f64; 2] = [0.02, 1.0];
+const SOLIMP: [f64; 5] = [0.9, 0.95, 0.001, 0.5, 2.0];
+const GREY: [f64; 4] = [0.5, 0.5, 0.5, 1.0];
+
+fn replace<T>(value: &mut T, given: Option<T>) {
+    if let Some(given) = given {
+        *value = given;
+    }
+}
+
+fn replace_some<T>(value: &mut Option<T>, given: Option<T>) {
+    if given.is_some() {
+        *value = given;
+    }
+}

@@ -1,0 +1,206 @@
+//! What relates bodies, geoms, joints and tendons to each other, and stored states.
+
+use super::{SOLIMP, SOLREF, read_solref, replace, replace_some};
+use crate::Result;
+use crate::mjcf::xml::{Element, Place};
+use crate::model::EqualityType;
+
+/// A pair of bodies that do not collide.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Exclude {
+    pub(crate) place: Place,
+    pub(crate) bodies: [String; 2],
+}
+
+impl Exclude {
+    pub(crate) fn read(mut element: Element<'_, '_>) -> Result<Self> {
+        element.ignore(&["name", "class"]);
+        let bodies = [
+            element.required_text("body1")?,
+            element.required_text("body2")?,
+        ];
+        let exclude = Self {
+            place: element.place(),
+            bodies,
+        };
+        element.finish_without_children()?;
+        Ok(exclude)
+    }
+}
+
+/// A pair of geoms that collide, with figures of their own where they are given.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Pair {
+    pub(crate) place: Place,
+    pub(crate) name: Option<String>,
+    pub(crate) geoms: [Option<String>; 2],
+    pub(crate) condim: Option<u8>,
+    pub(crate) friction: Option<[f64; 5]>,
+    pub(crate) solref: Option<[f64; 2]>,
+    pub(crate) solref_friction: [f64; 2],
+    pub(crate) solimp: Option<[f64; 5]>,
+    pub(crate) margin: Option<f64>,
+    pub(crate) gap: Option<f64>,
+}
+
+impl Pair {
+    pub(crate) fn read(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
+        self.place = element.place();
+        for (name, geom) in ["geom1", "geom2"].into_iter().zip(&mut self.geoms) {
+            replace_some(geom, element.text(name));
+        }
+        if let Some(condim) = element.integer("condim")? {
+            if !matches!(condim, 1 | 3 | 4 | 6) {
+                return Err(self
+                    .place
+                    .attribute("condim", format!("is {condim}: use 1, 3, 4 or 6")));
+            }
+            self.condim = Some(condim);
+        }
+        let mut friction = self.friction.unwrap_or([1.0, 1.0, 0.005, 0.0001, 0.0001]);
+        if element.up_to("friction", &mut friction)? > 0 {
+            self.friction = Some(friction);
+        }
+        let mut solref = self.solref.unwrap_or(SOLREF);
+        if element.has("solref") {
+            read_solref(element, "solref", &mut solref)?;
+            self.solref = Some(solref);
+        }
+        element.up_to("solreffriction", &mut self.solref_friction)?;
+        let mut solimp = self.solimp.unwrap_or(SOLIMP);
+        if element.up_to("solimp", &mut solimp)? > 0 {
+            self.solimp = Some(solimp);
+        }
+        replace_some(&mut self.margin, element.number("margin")?);
+        replace_some(&mut self.gap, element.number("gap")?);
+        Ok(())
+    }
+}
+
+/// An equality constraint.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Equality {
+    pub(crate) place: Place,
+    pub(crate) name: Option<String>,
+    pub(crate) kind: EqualityType,
+    /// Whether the names are of sites, where they could be of bodies.
+    pub(crate) sites: bool,
+    pub(crate) names: [Option<String>; 2],
+    pub(crate) active: bool,
+    pub(crate) solref: [f64; 2],
+    pub(crate) solimp: [f64; 5],
+    pub(crate) data: [f64; 11],
+}
+
+/// The kinds, and the attributes that name their objects.
+pub(crate) const EQUALITIES: [(&str, EqualityType, [&str; 2]); 4] = [
+    ("connect", EqualityType::Connect, ["body1", "body2"]),
+    ("weld", EqualityType::Weld, ["body1", "body2"]),
+    ("joint", EqualityType::Joint, ["joint1", "joint2"]),
+    ("tendon", EqualityType::Tendon, ["tendon1", "tendon2"]),
+];
+
+impl Default for Equality {
+    fn default() -> Self {
+        let mut data = [0.0; 11];
+        (data[1], data[10]) = (1.0, 1.0);
+        Self {
+            place: Place::default(),
+            name: None,
+            kind: EqualityType::Connect,
+            sites: false,
+            names: [None, None],
+            active: true,
+            solref: SOLREF,
+            solimp: SOLIMP,
+            data,
+        }
+    }
+}
+
+impl Equality {
+    /// Reads what all kinds have.
+    pub(crate) fn read_common(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
+        self.place = element.place();
+        replace(&mut self.active, element.flag("active")?);
+        read_solref(element, "solref", &mut self.solref)?;
+        element.up_to("solimp", &mut self.solimp)?;
+        Ok(())
+    }
+
+    /// Reads an element of one of the kinds.
+    pub(crate) fn read(
+        &mut self,
+        element: &mut Element<'_, '_>,
+        kind: EqualityType,
+        [first, second]: [&'static str; 2],
+    ) -> Result<()> {
+        self.read_common(element)?;
+        self.kind = kind;
+        self.names = [element.text(first), element.text(second)];
+        match kind {
+            EqualityType::Connect | EqualityType::Weld => {
+                let sites = [element.text("site1"), element.text("site2")];
+                let anchor = element.numbers::<3>("anchor")?;
+                self.data[1] = 0.0;
+                if kind == EqualityType::Weld {
+                    if let Some(pose) = element.numbers::<7>("relpose")? {
+                        self.data[3..10].copy_from_slice(&pose);
+                    }
+                    replace(&mut self.data[10], element.number("torquescale")?);
+                }
+                if self.names[0].is_none() {
+                    (self.sites, self.names) = (true, sites);
+                    let named = self.names.iter().all(Option::is_some);
+                    if !named {
+                        return Err(element.error("needs body1, or site1 and site2"));
+                    }
+                    return Ok(());
+                }
+                if kind == EqualityType::Connect && anchor.is_none() {
+                    return Err(element.missing("anchor"));
+                }
+                self.data[..3].copy_from_slice(&anchor.unwrap_or_default());
+            }
+            EqualityType::Joint | EqualityType::Tendon => {
+                if self.names[0].is_none() {
+                    return Err(element.missing(first));
+                }
+                element.up_to("polycoef", &mut self.data[..5])?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A stored state; what is not given is that of the initial configuration.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Key {
+    pub(crate) place: Place,
+    pub(crate) name: Option<String>,
+    pub(crate) time: f64,
+    pub(crate) qpos: Option<Vec<f64>>,
+    pub(crate) qvel: Option<Vec<f64>>,
+    pub(crate) act: Option<Vec<f64>>,
+    pub(crate) ctrl: Option<Vec<f64>>,
+    pub(crate) mpos: Option<Vec<f64>>,
+    pub(crate) mquat: Option<Vec<f64>>,
+}
+
+impl Key {
+    pub(crate) fn read(mut element: Element<'_, '_>) -> Result<Self> {
+        let key = Self {
+            place: element.place(),
+            name: element.text("name"),
+            time: element.number("time")?.unwrap_or(0.0),
+            qpos: element.list("qpos")?,
+            qvel: element.list("qvel")?,
+            act: element.list("act")?,
+            ctrl: element.list("ctrl")?,
+            mpos: element.list("mpos")?,
+            mquat: element.list("mquat")?,
+        };
+        element.finish_without_children()?;
+        Ok(key)
+    }
+}

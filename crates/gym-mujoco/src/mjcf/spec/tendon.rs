@@ -1,0 +1,130 @@
+//! Tendons.
+
+use super::{LIMITED, SOLIMP, SOLREF, read_solref, replace};
+use crate::Result;
+use crate::mjcf::xml::{Element, Place};
+
+/// A tendon: a sum of joint positions, or a path through sites and around geoms.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Tendon {
+    pub(crate) place: Place,
+    pub(crate) name: Option<String>,
+    pub(crate) limited: Option<bool>,
+    pub(crate) range: [f64; 2],
+    pub(crate) force_limited: Option<bool>,
+    pub(crate) force_range: [f64; 2],
+    pub(crate) margin: f64,
+    pub(crate) solref: [f64; 2],
+    pub(crate) solimp: [f64; 5],
+    pub(crate) solref_friction: [f64; 2],
+    pub(crate) solimp_friction: [f64; 5],
+    pub(crate) friction_loss: f64,
+    pub(crate) stiffness: f64,
+    pub(crate) damping: f64,
+    /// Lengths between which the spring is slack; -1 where they follow from the initial
+    /// configuration.
+    pub(crate) spring_length: [f64; 2],
+    pub(crate) wraps: Vec<(Place, Wrap)>,
+}
+
+/// A part of a tendon.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Wrap {
+    /// A joint and its coefficient.
+    Joint(String, f64),
+    Site(String),
+    /// A geom, and the site on whose side the tendon passes it.
+    Geom(String, Option<String>),
+    Pulley(f64),
+}
+
+impl Default for Tendon {
+    fn default() -> Self {
+        Self {
+            place: Place::default(),
+            name: None,
+            limited: None,
+            range: [0.0; 2],
+            force_limited: None,
+            force_range: [0.0; 2],
+            margin: 0.0,
+            solref: SOLREF,
+            solimp: SOLIMP,
+            solref_friction: SOLREF,
+            solimp_friction: SOLIMP,
+            friction_loss: 0.0,
+            stiffness: 0.0,
+            damping: 0.0,
+            spring_length: [-1.0; 2],
+            wraps: Vec::new(),
+        }
+    }
+}
+
+impl Tendon {
+    /// Reads the attributes, which the kinds share.
+    pub(crate) fn read(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
+        self.place = element.place();
+        replace(&mut self.limited, element.keyword("limited", &LIMITED)?);
+        replace(&mut self.range, element.numbers("range")?);
+        replace(
+            &mut self.force_limited,
+            element.keyword("actuatorfrclimited", &LIMITED)?,
+        );
+        replace(&mut self.force_range, element.numbers("actuatorfrcrange")?);
+        replace(&mut self.margin, element.number("margin")?);
+        read_solref(element, "solreflimit", &mut self.solref)?;
+        element.up_to("solimplimit", &mut self.solimp)?;
+        read_solref(element, "solreffriction", &mut self.solref_friction)?;
+        element.up_to("solimpfriction", &mut self.solimp_friction)?;
+        replace(
+            &mut self.friction_loss,
+            element.non_negative("frictionloss")?,
+        );
+        replace(&mut self.stiffness, element.non_negative("stiffness")?);
+        replace(&mut self.damping, element.non_negative("damping")?);
+        if element.number("armature")?.is_some_and(|x| x != 0.0) {
+            return Err(self
+                .place
+                .attribute("armature", "armature of tendons is not supported: use 0"));
+        }
+        if element.up_to("springlength", &mut self.spring_length)? == 1 {
+            self.spring_length[1] = self.spring_length[0];
+        }
+        element.ignore(&["user", "group", "rgba", "width", "material"]);
+        Ok(())
+    }
+
+    /// Reads the path.
+    pub(crate) fn read_path(&mut self, element: &Element<'_, '_>) -> Result<()> {
+        let parts: &[&str] = match element.name() {
+            "fixed" => &["joint"],
+            _ => &["site", "geom", "pulley"],
+        };
+        for mut child in element.children()? {
+            let place = child.place();
+            if !parts.contains(&child.name()) {
+                return Err(element.unsupported(&child, parts));
+            }
+            let wrap = match child.name() {
+                "joint" => {
+                    let coef = child.number("coef")?.ok_or_else(|| child.missing("coef"))?;
+                    Wrap::Joint(child.required_text("joint")?, coef)
+                }
+                "site" => Wrap::Site(child.required_text("site")?),
+                "geom" => Wrap::Geom(child.required_text("geom")?, child.text("sidesite")),
+                _ => Wrap::Pulley(
+                    child
+                        .non_negative("divisor")?
+                        .ok_or_else(|| child.missing("divisor"))?,
+                ),
+            };
+            child.finish_without_children()?;
+            self.wraps.push((place, wrap));
+        }
+        if self.wraps.is_empty() {
+            return Err(element.error(format!("needs elements within: {}", parts.join(", "))));
+        }
+        Ok(())
+    }
+}

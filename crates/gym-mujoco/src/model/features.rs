@@ -1,0 +1,222 @@
+//! Ids of the features that refer to other objects, and the features that the engine lacks.
+
+use super::{
+    CompiledModel, Cone, Disable, DynamicsType, EqualityType, GainType, Integrator, JointType,
+    ObjectType, Solver, TransmissionType, WrapType,
+};
+use crate::{Error, Result};
+
+macro_rules! ensure {
+    ($condition:expr, $($text:tt)+) => {
+        if !$condition {
+            return Err(Error::Model(format!($($text)+)));
+        }
+    };
+}
+
+/// Checks ids of actuators, tendons, equality constraints, sensors and pairs, and refuses what the
+/// engine does not compute.
+pub(super) fn check(m: &CompiledModel) -> Result<()> {
+    actuators(m)?;
+    tendons(m)?;
+    equalities(m)?;
+    sensors(m)?;
+    for (i, (&g1, &g2)) in m.pair_geom1.iter().zip(&m.pair_geom2).enumerate() {
+        ensure!(
+            g1 < m.ngeom() && g2 < m.ngeom() && g1 != g2,
+            "pair {i} is of geoms {g1} and {g2}, and there are {}",
+            m.ngeom()
+        );
+    }
+    unsupported(m)
+}
+
+/// How many objects of a kind there are.
+fn count(m: &CompiledModel, kind: ObjectType) -> usize {
+    match kind {
+        ObjectType::Unknown => 0,
+        ObjectType::Body | ObjectType::XBody => m.nbody(),
+        ObjectType::Joint => m.njnt(),
+        ObjectType::Geom => m.ngeom(),
+        ObjectType::Site => m.nsite(),
+        ObjectType::Camera => m.cam_bodyid.len(),
+        ObjectType::Tendon => m.ntendon(),
+        ObjectType::Actuator => m.nu(),
+    }
+}
+
+fn exists(m: &CompiledModel, kind: ObjectType, id: i32) -> bool {
+    usize::try_from(id).is_ok_and(|id| id < count(m, kind))
+}
+
+/// Whether this is a slide or hinge.
+fn scalar(m: &CompiledModel, id: i32) -> bool {
+    let kind = usize::try_from(id).ok().and_then(|id| m.jnt_type.get(id));
+    matches!(kind, Some(JointType::Slide | JointType::Hinge))
+}
+
+fn actuators(m: &CompiledModel) -> Result<()> {
+    let mut activations = 0;
+    for i in 0..m.nu() {
+        let [id, reference] = m.actuator_trnid[i];
+        let kind = match m.actuator_trntype[i] {
+            TransmissionType::Joint | TransmissionType::JointInParent => ObjectType::Joint,
+            TransmissionType::Tendon => ObjectType::Tendon,
+            TransmissionType::Site => ObjectType::Site,
+        };
+        ensure!(
+            exists(m, kind, id),
+            "actuator_trnid[{i}] is {id}, and there are {} of this kind",
+            count(m, kind)
+        );
+        ensure!(
+            reference == -1 || (kind == ObjectType::Site && exists(m, kind, reference)),
+            "actuator_trnid[{i}] refers to {reference}, which is no site of reference"
+        );
+        let active = m.actuator_dyntype[i] != DynamicsType::None;
+        let expected = if active { activations } else { -1 };
+        ensure!(
+            m.actuator_actadr[i] == expected,
+            "actuator_actadr[{i}] is {}, expected {expected}",
+            m.actuator_actadr[i]
+        );
+        activations += i32::from(active);
+    }
+    Ok(())
+}
+
+fn tendons(m: &CompiledModel) -> Result<()> {
+    for t in 0..m.ntendon() {
+        let (first, number) = (m.tendon_adr[t], m.tendon_num[t]);
+        let end = first.checked_add(number);
+        ensure!(
+            number > 0 && end.is_some_and(|end| end <= m.wrap_objid.len()),
+            "tendon {t} has no parts, or parts beyond the last"
+        );
+        let fixed = m.wrap_type[first] == WrapType::Joint;
+        for w in first..first + number {
+            let (kind, id) = (m.wrap_type[w], m.wrap_objid[w]);
+            let fits = match kind {
+                WrapType::Joint => scalar(m, id),
+                WrapType::Pulley => id == -1,
+                WrapType::Site => exists(m, ObjectType::Site, id),
+                WrapType::Sphere | WrapType::Cylinder => exists(m, ObjectType::Geom, id),
+            };
+            ensure!(
+                fits && (kind == WrapType::Joint) == fixed,
+                "wrap_objid[{w}] is {id}, which does not fit its kind or its tendon"
+            );
+        }
+        let path = &m.wrap_type[first..first + number];
+        ensure!(
+            fixed || sound(path),
+            "tendon {t} has a path that leads nowhere"
+        );
+    }
+    Ok(())
+}
+
+/// Whether geoms of a path are between sites, and what follows a pulley begins with a site.
+fn sound(path: &[WrapType]) -> bool {
+    let site = |i: usize| path.get(i) == Some(&WrapType::Site);
+    path.iter().enumerate().all(|(i, part)| match part {
+        WrapType::Site | WrapType::Joint => true,
+        WrapType::Pulley => site(i + 1),
+        WrapType::Sphere | WrapType::Cylinder => i > 0 && site(i - 1) && site(i + 1),
+    })
+}
+
+fn equalities(m: &CompiledModel) -> Result<()> {
+    for i in 0..m.neq() {
+        let (kind, objects) = (m.eq_type[i], m.eq_objtype[i]);
+        let (first, second) = (m.eq_obj1id[i], m.eq_obj2id[i]);
+        let fits = match kind {
+            EqualityType::Connect | EqualityType::Weld => {
+                matches!(objects, ObjectType::Body | ObjectType::Site)
+                    && exists(m, objects, first)
+                    && exists(m, objects, second)
+            }
+            EqualityType::Joint => scalar(m, first) && (second == -1 || scalar(m, second)),
+            EqualityType::Tendon => {
+                let tendon = |id| exists(m, ObjectType::Tendon, id);
+                tendon(first) && (second == -1 || tendon(second))
+            }
+        };
+        ensure!(
+            fits && first != second,
+            "equality constraint {i} relates {first} and {second}, which are not two such objects"
+        );
+    }
+    Ok(())
+}
+
+fn sensors(m: &CompiledModel) -> Result<()> {
+    let mut next = 0;
+    for i in 0..m.nsensor() {
+        for (kind, id) in [
+            (m.sensor_objtype[i], m.sensor_objid[i]),
+            (m.sensor_reftype[i], m.sensor_refid[i]),
+        ] {
+            let none = kind == ObjectType::Unknown && id == -1;
+            ensure!(
+                none || exists(m, kind, id),
+                "sensor {i} refers to {id}, and there are {} of this kind",
+                count(m, kind)
+            );
+        }
+        ensure!(
+            m.sensor_dim[i] == m.sensor_type[i].dim() && m.sensor_adr[i] == next,
+            "sensor_dim[{i}] or sensor_adr[{i}] does not fit the sensor"
+        );
+        next += m.sensor_dim[i];
+    }
+    Ok(())
+}
+
+/// Refuses what the engine does not compute.
+fn unsupported(m: &CompiledModel) -> Result<()> {
+    let o = &m.opt;
+    let pulls = m.neq() > 0
+        || m.dof_frictionloss.iter().any(|x| *x != 0.0)
+        || m.tendon_frictionloss.iter().any(|x| *x != 0.0);
+    let pgs = o.solver == Solver::PGS;
+    let fast = o.integrator == Integrator::ImplicitFast;
+    for (used, what) in [
+        (
+            pgs && o.cone != Cone::Pyramidal,
+            "elliptic cones with the solver PGS",
+        ),
+        (
+            pgs && pulls,
+            "equality and friction loss with the solver PGS",
+        ),
+        (o.noslip_iterations > 0, "noslip iterations"),
+        (
+            o.integrator == Integrator::Implicit,
+            "the integrator implicit",
+        ),
+        (
+            fast && (o.density > 0.0 || o.viscosity > 0.0),
+            "a medium with the integrator implicitfast",
+        ),
+        (
+            fast && m.actuator_gaintype.contains(&GainType::Muscle),
+            "muscles with the integrator implicitfast",
+        ),
+        (
+            fast && (0..m.nbody()).any(|body| is_free(m, body)),
+            "free bodies of their own with the integrator implicitfast",
+        ),
+        (o.disables(Disable::Island), "islands that are switched off"),
+    ] {
+        ensure!(!used, "{what}: not supported");
+    }
+    Ok(())
+}
+
+/// Whether a body has a free joint and no children.
+fn is_free(m: &CompiledModel, body: usize) -> bool {
+    let mut joints = m.jnt_bodyid.iter().zip(&m.jnt_type);
+    joints.any(|(&of, kind)| of == body && *kind == JointType::Free)
+        && !m.body_parentid.contains(&body)
+}

@@ -1,0 +1,149 @@
+//! Sizes of a model, and objects by their names.
+
+use super::CompiledModel;
+
+impl CompiledModel {
+    /// Number of position coordinates.
+    #[must_use]
+    pub fn nq(&self) -> usize {
+        self.qpos0.len()
+    }
+
+    /// Number of degrees of freedom.
+    #[must_use]
+    pub fn nv(&self) -> usize {
+        self.dof_bodyid.len()
+    }
+
+    /// Number of controls.
+    #[must_use]
+    pub fn nu(&self) -> usize {
+        self.actuator_trnid.len()
+    }
+
+    /// Number of bodies, with the world.
+    #[must_use]
+    pub fn nbody(&self) -> usize {
+        self.body_parentid.len()
+    }
+
+    /// Number of joints.
+    #[must_use]
+    pub fn njnt(&self) -> usize {
+        self.jnt_type.len()
+    }
+
+    /// Number of geoms.
+    #[must_use]
+    pub fn ngeom(&self) -> usize {
+        self.geom_type.len()
+    }
+
+    /// Number of sites.
+    #[must_use]
+    pub fn nsite(&self) -> usize {
+        self.site_bodyid.len()
+    }
+
+    /// Number of tendons.
+    #[must_use]
+    pub fn ntendon(&self) -> usize {
+        self.tendon_adr.len()
+    }
+
+    /// Number of kinematic trees that can move.
+    #[must_use]
+    pub fn ntree(&self) -> usize {
+        self.dof_treeid.last().map_or(0, |tree| tree + 1)
+    }
+
+    /// Number of activations.
+    #[must_use]
+    pub fn na(&self) -> usize {
+        let last = self.actuator_actadr.iter().max();
+        last.map_or(0, |adr| (adr + 1) as usize)
+    }
+
+    /// Number of mocap bodies.
+    #[must_use]
+    pub fn nmocap(&self) -> usize {
+        let last = self.body_mocapid.iter().max();
+        last.map_or(0, |id| (id + 1) as usize)
+    }
+
+    /// Number of equality constraints.
+    #[must_use]
+    pub fn neq(&self) -> usize {
+        self.eq_type.len()
+    }
+
+    /// Number of sensors.
+    #[must_use]
+    pub fn nsensor(&self) -> usize {
+        self.sensor_type.len()
+    }
+
+    /// How many numbers all sensors give.
+    #[must_use]
+    pub fn nsensordata(&self) -> usize {
+        self.sensor_dim.iter().sum()
+    }
+
+    /// The body of that name.
+    #[must_use]
+    pub fn body_id(&self, name: &str) -> Option<usize> {
+        position(&self.names.body, name)
+    }
+
+    /// The geom of that name.
+    #[must_use]
+    pub fn geom_id(&self, name: &str) -> Option<usize> {
+        position(&self.names.geom, name)
+    }
+
+    /// The site of that name.
+    #[must_use]
+    pub fn site_id(&self, name: &str) -> Option<usize> {
+        position(&self.names.site, name)
+    }
+
+    /// The camera of that name.
+    #[must_use]
+    pub fn camera_id(&self, name: &str) -> Option<usize> {
+        position(&self.names.camera, name)
+    }
+
+    /// The joint of that name.
+    #[must_use]
+    pub fn joint_id(&self, name: &str) -> Option<usize> {
+        position(&self.names.joint, name)
+    }
+
+    /// The tendon of that name.
+    #[must_use]
+    pub fn tendon_id(&self, name: &str) -> Option<usize> {
+        position(&self.names.tendon, name)
+    }
+
+    /// The actuator of that name.
+    #[must_use]
+    pub fn actuator_id(&self, name: &str) -> Option<usize> {
+        position(&self.names.actuator, name)
+    }
+
+    /// The sensor of that name.
+    #[must_use]
+    pub fn sensor_id(&self, name: &str) -> Option<usize> {
+        position(&self.names.sensor, name)
+    }
+
+    /// The keyframe of that name.
+    #[must_use]
+    pub fn key_id(&self, name: &str) -> Option<usize> {
+        position(&self.names.key, name)
+    }
+}
+
+fn position(names: &[Option<String>], name: &str) -> Option<usize> {
+    names.iter().position(|n| n.as_deref() == Some(name))
+}

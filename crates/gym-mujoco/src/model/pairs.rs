@@ -1,0 +1,311 @@
+//! Pairs of geoms that can touch, and how their contacts are.
+
+use super::mix::Mixed;
+use super::plan::{Plan, Softness, geoms};
+use super::{CompiledModel, Cone, Disable, GeomType};
+use crate::{Error, Result};
+
+/// Friction below this counts as this: MuJoCo's `mjMINMU`.
+const MIN_FRICTION: f64 = 1e-5;
+
+/// Two geoms that can touch, and everything about their contacts that does not depend on the state.
+#[derive(Clone, Debug)]
+pub(crate) struct Pair {
+    /// The geoms; the first has the lower type.
+    pub(crate) geom: [usize; 2],
+    pub(crate) kind: (GeomType, GeomType),
+    /// Contacts are listed below this distance: margins and gaps.
+    pub(crate) margin: f64,
+    /// Contacts act below this distance.
+    pub(crate) includemargin: f64,
+    /// Nothing can touch where centres are further apart; from a plane, where the centre is higher.
+    pub(crate) reach: f64,
+    pub(crate) dim: u8,
+    /// The rows of a contact.
+    pub(crate) rows: usize,
+    pub(crate) friction: [f64; 5],
+    pub(crate) solref: [f64; 2],
+    pub(crate) solimp: [f64; 5],
+    pub(crate) softness: Softness,
+    /// Damping of sliding in elliptic cones.
+    pub(crate) friction_damping: f64,
+    /// The sum of the bodies' inverse weights of translation.
+    pub(crate) diag: f64,
+    /// The degrees of freedom that move one of the bodies and not the other, ascending, with the
+    /// sign of the motion of the second body against the first.
+    pub(crate) columns: Vec<Column>,
+    /// The groups of four degrees of freedom up to the last of these.
+    pub(crate) groups: usize,
+    /// The trees of the bodies, if they can move.
+    pub(crate) trees: [Option<usize>; 2],
+}
+
+impl Pair {
+    /// Whether no closed form gives the contacts.
+    pub(crate) fn is_convex(&self) -> bool {
+        matches!(
+            self.kind,
+            (
+                GeomType::Sphere | GeomType::Capsule | GeomType::Ellipsoid,
+                GeomType::Ellipsoid
+            ) | (
+                GeomType::Capsule | GeomType::Ellipsoid | GeomType::Cylinder,
+                GeomType::Cylinder
+            ) | (GeomType::Ellipsoid | GeomType::Cylinder, GeomType::Box)
+        )
+    }
+}
+
+/// How near two geoms must be before they can touch. It is apart from the [`Pair`], which few pairs
+/// need.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reach {
+    pub(crate) geom: [usize; 2],
+    pub(crate) plane: bool,
+    /// The height of the second one's centre above a plane, or the square of the distance of the
+    /// centres.
+    pub(crate) most: f64,
+}
+
+impl Reach {
+    pub(super) fn new(pair: &Pair) -> Self {
+        let plane = pair.kind.0 == GeomType::Plane;
+        Self {
+            geom: pair.geom,
+            plane,
+            most: if plane {
+                pair.reach
+            } else {
+                pair.reach * pair.reach
+            },
+        }
+    }
+}
+
+/// A degree of freedom that moves one of two bodies.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Column {
+    pub(crate) dof: usize,
+    /// The root of its body's tree.
+    pub(crate) root: usize,
+    pub(crate) sign: f64,
+}
+impl Plan {
+    /// The pairs in the order of MuJoCo's `mj_collision`: by bodies, and within two bodies by the
+    /// pairs' geoms.
+    pub(super) fn find_pairs(&self, m: &CompiledModel) -> Result<Vec<Pair>> {
+        /// Of all pairs together: a model with more takes gigabytes.
+        const MOST_COLUMNS: usize = 4_000_000;
+        let mut excluded = m.exclude_signature.clone();
+        excluded.sort_unstable();
+        let mut stated: Vec<_> = (0..m.pair_dim.len()).collect();
+        stated.sort_by_key(|&i| stated_bodies(m, i));
+        let (mut pairs, mut columns) = (Vec::new(), 0);
+        let mut next = 0;
+        for b1 in 0..m.nbody() {
+            for b2 in b1..m.nbody() {
+                let mut push = |pairs: &mut Vec<Pair>, pair: Option<Pair>| {
+                    columns += pair.as_ref().map_or(0, |pair| pair.columns.len());
+                    if columns > MOST_COLUMNS {
+                        return Err(Error::Model(format!(
+                            "too many pairs of geoms can touch, moved by too many degrees of freedom: of all \
+                             pairs together more than {MOST_COLUMNS} are not supported"
+                        )));
+                    }
+                    pairs.extend(pair);
+                    Ok(())
+                };
+                // pairs that the model states come first, and replace others of these geoms
+                let of_bodies = stated[next..].iter();
+                let count = of_bodies
+                    .take_while(|&&i| stated_bodies(m, i) == [b1, b2])
+                    .count();
+                let of_bodies = &stated[next..next + count];
+                next += count;
+                for &i in of_bodies {
+                    let geoms = [m.pair_geom1[i], m.pair_geom2[i]];
+                    push(&mut pairs, self.pair(m, geoms, &Figures::stated(m, i))?)?;
+                }
+                if b1 == b2 || !bodies_collide(m, &excluded, b1, b2) {
+                    continue;
+                }
+                let first = pairs.len();
+                for g1 in geoms(m, b1) {
+                    for g2 in geoms(m, b2) {
+                        let meet = m.geom_contype[g1] & m.geom_conaffinity[g2]
+                            | m.geom_contype[g2] & m.geom_conaffinity[g1];
+                        let known = of_bodies.iter().any(|&i| {
+                            let geoms = [m.pair_geom1[i], m.pair_geom2[i]];
+                            geoms == [g1, g2] || geoms == [g2, g1]
+                        });
+                        if meet != 0 && !known {
+                            push(
+                                &mut pairs,
+                                self.pair(m, [g1, g2], &Figures::mixed(m, g1, g2))?,
+                            )?;
+                        }
+                    }
+                }
+                pairs[first..].sort_by_key(|pair: &Pair| pair.geom);
+            }
+        }
+        Ok(pairs)
+    }
+
+    /// The pair of two geoms; none for two planes, which never touch.
+    ///
+    /// # Errors
+    /// For shapes whose contacts are not supported.
+    fn pair(
+        &self,
+        m: &CompiledModel,
+        [g1, g2]: [usize; 2],
+        figures: &Figures,
+    ) -> Result<Option<Pair>> {
+        let [g1, g2] = if m.geom_type[g1] > m.geom_type[g2] {
+            [g2, g1]
+        } else {
+            [g1, g2]
+        };
+        let kind = (m.geom_type[g1], m.geom_type[g2]);
+        if kind == (GeomType::Plane, GeomType::Plane) {
+            return Ok(None);
+        }
+        let (b1, b2) = (m.geom_bodyid[g1], m.geom_bodyid[g2]);
+        let Figures {
+            dim,
+            solref,
+            solref_friction,
+            solimp,
+            includemargin,
+            ..
+        } = *figures;
+        let margin = includemargin + figures.gap;
+        let tree = |b: usize| usize::try_from(m.body_treeid[b]).ok();
+        let columns = self.columns(m, b1, b2);
+        let softness = Softness::new(solref, solimp, &m.opt);
+        let friction_damping = if solref_friction == [0.0; 2] {
+            softness.damping
+        } else {
+            Softness::new(solref_friction, solimp, &m.opt).damping
+        };
+        Ok(Some(Pair {
+            geom: [g1, g2],
+            kind,
+            margin,
+            includemargin,
+            reach: m.geom_rbound[g1] + m.geom_rbound[g2] + margin,
+            dim,
+            rows: match (dim, m.opt.cone) {
+                (1, _) => 1,
+                (dim, Cone::Pyramidal) => 2 * (usize::from(dim) - 1),
+                (dim, Cone::Elliptic) => dim.into(),
+            },
+            friction: figures.friction.map(|f| f.max(MIN_FRICTION)),
+            solref,
+            solimp,
+            friction_damping,
+            softness,
+            diag: m.body_invweight0[b1][0] + m.body_invweight0[b2][0],
+            groups: columns.last().map_or(0, |column| column.dof / 4 + 1),
+            columns,
+            trees: [tree(b1), tree(b2)],
+        }))
+    }
+
+    fn columns(&self, m: &CompiledModel, b1: usize, b2: usize) -> Vec<Column> {
+        let (c1, c2) = (self.chain(b1), self.chain(b2));
+        let of = |chain: &[usize], other: &[usize], b: usize, sign: f64| {
+            let alone = chain.iter().filter(|dof| !other.contains(dof));
+            alone
+                .map(|&dof| Column {
+                    dof,
+                    root: m.body_rootid[b],
+                    sign,
+                })
+                .collect::<Vec<_>>()
+        };
+        let mut columns = of(c1, c2, b1, -1.0);
+        columns.extend(of(c2, c1, b2, 1.0));
+        columns.sort_by_key(|column| column.dof);
+        columns
+    }
+}
+
+/// The figures of the contacts of two geoms.
+struct Figures {
+    dim: u8,
+    friction: [f64; 5],
+    solref: [f64; 2],
+    /// That of sliding in elliptic cones; zeros for the same.
+    solref_friction: [f64; 2],
+    solimp: [f64; 5],
+    includemargin: f64,
+    gap: f64,
+}
+
+impl Figures {
+    /// Those of a pair that the model states.
+    fn stated(m: &CompiledModel, i: usize) -> Self {
+        Self {
+            dim: m.pair_dim[i],
+            friction: m.pair_friction[i],
+            solref: m.pair_solref[i],
+            solref_friction: m.pair_solreffriction[i],
+            solimp: m.pair_solimp[i],
+            includemargin: m.pair_margin[i],
+            gap: m.pair_gap[i],
+        }
+    }
+
+    /// Those that follow from the geoms.
+    fn mixed(m: &CompiledModel, g1: usize, g2: usize) -> Self {
+        let Mixed {
+            dim,
+            friction: [slide, spin, roll],
+            solref,
+            solimp,
+        } = m.mixed(g1, g2);
+        Self {
+            dim,
+            friction: [slide, slide, spin, roll, roll],
+            solref,
+            solref_friction: [0.0; 2],
+            solimp,
+            includemargin: m.geom_margin[g1] + m.geom_margin[g2],
+            gap: m.geom_gap[g1] + m.geom_gap[g2],
+        }
+    }
+}
+
+/// The bodies of a pair that the model states, the lower first.
+fn stated_bodies(m: &CompiledModel, i: usize) -> [usize; 2] {
+    let [b1, b2] = [m.pair_geom1[i], m.pair_geom2[i]].map(|g| m.geom_bodyid[g]);
+    [b1.min(b2), b1.max(b2)]
+}
+
+/// The most contacts of two shapes.
+pub(super) fn most_contacts(kind: (GeomType, GeomType)) -> usize {
+    match kind {
+        (GeomType::Plane, GeomType::Capsule) | (GeomType::Capsule, GeomType::Capsule) => 2,
+        (GeomType::Capsule, GeomType::Box) => 2,
+        (GeomType::Plane, GeomType::Cylinder | GeomType::Box) => 4,
+        (GeomType::Box, GeomType::Box) => 8,
+        (GeomType::Capsule | GeomType::Cylinder, GeomType::Cylinder | GeomType::Box) => 5,
+        _ => 1,
+    }
+}
+/// `excluded` is sorted.
+fn bodies_collide(m: &CompiledModel, excluded: &[u32], b1: usize, b2: usize) -> bool {
+    let (w1, w2) = (m.body_weldid[b1], m.body_weldid[b2]);
+    let parent = |w: usize| m.body_weldid[m.body_parentid[w]];
+    let related = !m.opt.disables(Disable::FilterParent)
+        && w1 != 0
+        && w2 != 0
+        && (w1 == parent(w2) || w2 == parent(w1));
+    w1 != w2
+        && !related
+        && excluded
+            .binary_search(&(((b1 as u32) << 16) + b2 as u32))
+            .is_err()
+}

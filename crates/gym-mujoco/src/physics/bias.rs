@@ -1,0 +1,117 @@
+//! Accelerations of joined points and welds that come from velocities alone: MuJoCo's `mj_Jdotv`.
+
+use super::constraint::Source;
+use super::dense::dot_slices;
+use super::rows::{anchors, mul_quat_axis, orientations};
+use super::spatial::{
+    InTurn, Order, Pairwise, Quat, Vec3, add, cross, cross_motion, rotation, sub, transform_motion,
+    translation,
+};
+use crate::model::{Equality, EqualityType, JointType, ObjectType};
+use crate::{Data, Model, Revision};
+
+/// Subtracts them from the reference accelerations.
+#[inline(never)]
+pub(super) fn subtract(m: &Model, d: &mut Data) {
+    for index in 0..d.efc.blocks.len() {
+        let block = &d.efc.blocks[index];
+        let Source::Equality(id) = block.source else {
+            continue;
+        };
+        let row = block.row;
+        let weld = match m.eq_type[id] {
+            EqualityType::Connect => false,
+            EqualityType::Weld => true,
+            EqualityType::Joint | EqualityType::Tendon => continue,
+        };
+        let Some(law) = m.plan().laws.equalities.iter().find(|law| law.id == id) else {
+            continue;
+        };
+        let points = anchors(m, d, law);
+        let [first, second] = [0, 1].map(|k| of_point(m, d, law.bodies[k], points[k]));
+        for k in 0..3 {
+            d.efc.aref[row + k] -= first.0[k] - second.0[k];
+        }
+        if weld {
+            let turning = sub(first.1, second.1);
+            let bias = match m.revision {
+                Revision::V3_12 => turned::<InTurn>(m, d, law, turning),
+                Revision::V4_0 => turned::<Pairwise>(m, d, law, turning),
+            };
+            for (aref, bias) in d.efc.aref[row + 3..row + 6].iter_mut().zip(bias) {
+                *aref -= bias;
+            }
+        }
+    }
+}
+
+/// The accelerations of a point of a body and of its orientation where no degree of freedom
+/// accelerates: MuJoCo's `mj_jacDot` times the velocities.
+fn of_point(m: &Model, d: &Data, body: usize, point: Vec3) -> (Vec3, Vec3) {
+    let mut rows = vec![[0.0; 6]; m.nv()];
+    let com = d.subtree_com[m.body_rootid[body]];
+    let offset = sub(point, com);
+    let velocity = translation(&transform_motion(&d.cvel[body], point, com));
+    for &dof in m.plan().chain(body) {
+        let joint = m.dof_jntid[dof];
+        let quat = match m.jnt_type[joint] {
+            JointType::Ball => true,
+            JointType::Free => dof >= m.jnt_dofadr[joint] + 3,
+            JointType::Slide | JointType::Hinge => false,
+        };
+        let axis = &d.cdof[dof];
+        let change = if quat {
+            cross_motion(&d.cvel[m.dof_bodyid[dof]], axis)
+        } else {
+            d.cdof_dot[dof]
+        };
+        let moved = add(
+            add(translation(&change), cross(rotation(&change), offset)),
+            cross(rotation(axis), velocity),
+        );
+        let [x, y, z] = rotation(&change);
+        rows[dof] = [moved[0], moved[1], moved[2], x, y, z];
+    }
+    let sum = |k: usize| {
+        let row: Vec<f64> = rows.iter().map(|row| row[k]).collect();
+        dot_slices(&row, &d.qvel)
+    };
+    ([sum(0), sum(1), sum(2)], [sum(3), sum(4), sum(5)])
+}
+
+/// How a quaternion changes with an angular velocity in the world: MuJoCo's `mju_derivQuat`.
+fn quat_rate(q: Quat, w: Vec3) -> Quat {
+    [
+        0.5 * (-w[0] * q[1] - w[1] * q[2] - w[2] * q[3]),
+        0.5 * (w[0] * q[0] + w[1] * q[3] - w[2] * q[2]),
+        0.5 * (-w[0] * q[3] + w[1] * q[0] + w[2] * q[1]),
+        0.5 * (w[0] * q[2] - w[1] * q[1] + w[2] * q[0]),
+    ]
+}
+
+/// The part of the rows of a weld's orientation.
+fn turned<O: Order>(m: &Model, d: &Data, law: &Equality, turning: Vec3) -> Vec3 {
+    let (ahead, back) = orientations::<O>(m, d, law);
+    let [w1, w2] = law.bodies.map(|body| rotation(&d.cvel[body]));
+    let relative = sub(w1, w2);
+    let inverse = |[w, x, y, z]: Quat| [w, -x, -y, -z];
+    let [b1, b2] = law.bodies;
+    let (ahead_rate, back_rate) = if m.eq_objtype[law.id] == ObjectType::Body {
+        let data = &m.eq_data[law.id];
+        let pose = [data[6], data[7], data[8], data[9]];
+        (
+            O::mul_quat(quat_rate(d.xquat[b1], w1), pose),
+            inverse(quat_rate(d.xquat[b2], w2)),
+        )
+    } else {
+        (quat_rate(ahead, w1), inverse(quat_rate(inverse(back), w2)))
+    };
+    let around = |before: Quat, axis: Vec3, after: Quat| {
+        O::mul_quat(mul_quat_axis::<O>(before, axis), after)
+    };
+    let first = around(back_rate, relative, ahead);
+    let second = around(back, turning, ahead);
+    let third = around(back, relative, ahead_rate);
+    let torque = m.eq_data[law.id][10];
+    std::array::from_fn(|k| 0.5 * (first[1 + k] + second[1 + k] + third[1 + k]) * torque)
+}

@@ -1,0 +1,344 @@
+//! Two convex shapes: MuJoCo's `mjc_Convex`. Spheres and capsules are first taken as their centres
+//! and axes, whose distance tells a contact as long as these do not enter the other shape; then the
+//! whole shapes are taken apart.
+
+use super::super::spatial::{
+    InTurn, MINVAL, Mat3, Order, Vec3, add, add_scaled, axis_angle, column, dot, norm, normalize,
+    rotate, rotate_back, scale, sub,
+};
+use super::epa::Polytope;
+use super::gjk::{self, Vertex};
+use super::{Hit, Shape, frame};
+use crate::Revision;
+use crate::model::GeomType;
+
+/// By how much shapes are turned to find further contacts, in radians.
+const TURN: f64 = 1e-3;
+
+/// Most contacts of two shapes.
+const MOST: usize = 5;
+
+/// A shape and its kind.
+#[derive(Clone, Copy)]
+pub(super) struct Solid<'a> {
+    pub(super) kind: GeomType,
+    pub(super) shape: Shape<'a>,
+}
+
+impl Solid<'_> {
+    /// The radius around the centre or axis that the shape consists of, if it has one.
+    fn radius(&self) -> Option<f64> {
+        matches!(self.kind, GeomType::Sphere | GeomType::Capsule).then_some(self.shape.size[0])
+    }
+
+    /// Whether further contacts are looked for.
+    fn is_flat(&self) -> bool {
+        !matches!(self.kind, GeomType::Sphere | GeomType::Ellipsoid)
+    }
+
+    /// The point furthest in a direction, and whether it is on the lower end of a cylinder.
+    fn support(&self, direction: Vec3) -> (Vec3, bool) {
+        let shape = self.shape;
+        match self.kind {
+            GeomType::Sphere => {
+                let reach = scale(direction, shape.size[0]);
+                (add(reach, shape.pos), false)
+            }
+            GeomType::Capsule => (capsule_support(shape, direction), false),
+            GeomType::Ellipsoid => (ellipsoid_support(shape, direction), false),
+            GeomType::Cylinder => cylinder_support(shape, direction),
+            _ => {
+                let local = rotate_back(shape.mat, direction);
+                let corner = std::array::from_fn(|k| {
+                    if local[k] >= 0.0 {
+                        shape.size[k]
+                    } else {
+                        -shape.size[k]
+                    }
+                });
+                (add(rotate(shape.mat, corner), shape.pos), false)
+            }
+        }
+    }
+
+    /// The same, of what has a radius around it.
+    fn core(&self, direction: Vec3) -> (Vec3, bool) {
+        match self.kind {
+            GeomType::Sphere => (self.shape.pos, false),
+            GeomType::Capsule => (line_support(self.shape, direction), false),
+            _ => self.support(direction),
+        }
+    }
+}
+
+/// The contact of two shapes, and up to four more, found with the shapes turned a little about it,
+/// as far as they are `apart` from those found before.
+pub(super) fn contacts(
+    a: Solid<'_>,
+    b: Solid<'_>,
+    margin: f64,
+    apart: f64,
+    (revision, polytope): (Revision, &mut Polytope),
+    push: &mut impl FnMut(Hit),
+) {
+    let mut one = |a: Solid<'_>, b: Solid<'_>| {
+        one(a, b, margin, revision, polytope).map(|touch| touch.hit(margin))
+    };
+    let Some(first) = one(a, b) else {
+        return;
+    };
+    push(first);
+    if !a.is_flat() || !b.is_flat() {
+        return;
+    }
+    let mut kept = [first.pos; MOST];
+    let mut number = 1;
+    let frame = frame(first.normal, [0.0; 3]);
+    for tangent in [
+        [frame[3], frame[4], frame[5]],
+        [frame[6], frame[7], frame[8]],
+    ] {
+        for angle in [-TURN, TURN] {
+            let turn = InTurn::quat_to_mat(axis_angle((), tangent, angle));
+            let back = std::array::from_fn(|k| turn[3 * (k % 3) + k / 3]);
+            let (a_pos, a_mat) = turned(a.shape, first.pos, &turn);
+            let (b_pos, b_mat) = turned(b.shape, first.pos, &back);
+            let turned = one(
+                Solid {
+                    shape: Shape {
+                        pos: a_pos,
+                        mat: &a_mat,
+                        ..a.shape
+                    },
+                    ..a
+                },
+                Solid {
+                    shape: Shape {
+                        pos: b_pos,
+                        mat: &b_mat,
+                        ..b.shape
+                    },
+                    ..b
+                },
+            );
+            if let Some(hit) = turned.filter(|hit| {
+                kept[..number]
+                    .iter()
+                    .all(|&pos| norm(sub(pos, hit.pos)) > apart)
+            }) {
+                push(Hit {
+                    dist: first.dist,
+                    ..hit
+                });
+                kept[number] = hit.pos;
+                number += 1;
+            }
+        }
+    }
+}
+
+/// Position and orientation of a shape turned about a point.
+fn turned(shape: Shape<'_>, about: Vec3, turn: &Mat3) -> (Vec3, Mat3) {
+    let columns = [0, 1, 2].map(|k| rotate(turn, column(shape.mat, k)));
+    let offset = sub(about, shape.pos);
+    let moved = sub(rotate(turn, offset), offset);
+    (
+        sub(shape.pos, moved),
+        std::array::from_fn(|k| columns[k % 3][k / 3]),
+    )
+}
+
+/// The deepest points of two shapes.
+pub(super) fn one(
+    a: Solid<'_>,
+    b: Solid<'_>,
+    margin: f64,
+    revision: Revision,
+    polytope: &mut Polytope,
+) -> Option<Touch> {
+    let grown = 0.5 * margin;
+    let grow = |(point, low): (Vec3, bool), direction: Vec3| {
+        if grown > 0.0 {
+            (add_scaled(point, direction, grown), low)
+        } else {
+            (point, low)
+        }
+    };
+    let centers = [a.shape.pos, b.shape.pos];
+    if a.radius().is_some() || b.radius().is_some() {
+        // how far each side is from the surface that it stands for: before 4.0, a shape without a
+        // radius has grown by itself
+        let reach = |solid: Solid<'_>| match (solid.radius(), revision) {
+            (Some(radius), Revision::V3_12) => radius + grown,
+            (Some(radius), Revision::V4_0) => grown + radius,
+            (None, Revision::V3_12) => 0.0,
+            (None, Revision::V4_0) => grown,
+        };
+        let reaches = [reach(a), reach(b)];
+        let core = |solid: Solid<'_>, direction: Vec3| {
+            let point = solid.core(direction);
+            if solid.radius().is_none() && revision == Revision::V3_12 {
+                grow(point, direction)
+            } else {
+                point
+            }
+        };
+        let cores = |direction: Vec3| {
+            let (near, _) = core(a, direction);
+            Vertex::new(near, core(b, scale(direction, -1.0)))
+        };
+        let found = gjk::distance(centers, reaches[0] + reaches[1], revision, &cores);
+        if found.distance > gjk::TOLERANCE {
+            let [w1, w2] = found.nearest;
+            let dist = found.distance - (reaches[0] + reaches[1]);
+            let normal = normalize(sub(w2, w1)).0;
+            let moved = |point: Vec3, by: f64| {
+                if by == 0.0 {
+                    point
+                } else {
+                    add_scaled(point, normal, by)
+                }
+            };
+            return (dist < 0.0).then(|| Touch {
+                dist,
+                points: [moved(w1, reaches[0]), moved(w2, -reaches[1])],
+                low: end(&found.simplex[..found.number]),
+            });
+        }
+    }
+
+    let whole = |direction: Vec3| {
+        let (near, _) = grow(a.support(direction), direction);
+        let back = scale(direction, -1.0);
+        Vertex::new(near, grow(b.support(back), back))
+    };
+    let found = gjk::distance(centers, 0.0, revision, &whole);
+    if found.distance > gjk::TOLERANCE || found.separated {
+        return None;
+    }
+    let overlap = polytope.overlap(&found, revision, &whole)?;
+    (overlap.depth > 0.0).then(|| Touch {
+        dist: -overlap.depth,
+        points: overlap.nearest,
+        low: end(&overlap.corners),
+    })
+}
+
+/// Whether the points of all vertices but the last of four are on the lower end of the cylinder;
+/// `None` where they are on both.
+fn end(simplex: &[Vertex]) -> Option<bool> {
+    let last = simplex.len() - 1;
+    let [a, b, c] = [0, 1, 2].map(|i| simplex[i.min(last)].low);
+    (a == b && b == c).then_some(a)
+}
+
+/// The deepest points of two shapes.
+#[derive(Clone, Copy)]
+pub(super) struct Touch {
+    /// Their distance, without the margin.
+    pub(super) dist: f64,
+    pub(super) points: [Vec3; 2],
+    /// Whether they are on the lower end of the cylinder, if they are on one of the ends.
+    pub(super) low: Option<bool>,
+}
+
+impl Touch {
+    pub(super) fn hit(&self, margin: f64) -> Hit {
+        let [w1, w2] = self.points;
+        Hit {
+            dist: margin + self.dist,
+            pos: scale(add(w1, w2), 0.5),
+            normal: normalize(sub(w1, w2)).0,
+            tangent: [0.0; 3],
+        }
+    }
+}
+
+/// The point of a capsule's axis furthest in a direction.
+fn line_support(capsule: Shape<'_>, direction: Vec3) -> Vec3 {
+    let (axis, half) = (capsule.axis(), capsule.size[1]);
+    add_scaled(
+        capsule.pos,
+        axis,
+        if dot(axis, direction) >= 0.0 {
+            half
+        } else {
+            -half
+        },
+    )
+}
+
+/// The point of a capsule furthest in a direction.
+fn capsule_support(capsule: Shape<'_>, direction: Vec3) -> Vec3 {
+    let &[radius, half, _] = capsule.size;
+    let local = rotate_back(capsule.mat, direction);
+    let mut point = scale(local, radius);
+    point[2] += if local[2] >= 0.0 { half } else { -half };
+    add(rotate(capsule.mat, point), capsule.pos)
+}
+
+/// The point of a cylinder furthest in a direction, and whether it is on the lower end.
+fn cylinder_support(cylinder: Shape<'_>, direction: Vec3) -> (Vec3, bool) {
+    let &[radius, half, _] = cylinder.size;
+    let local = rotate_back(cylinder.mat, direction);
+    let square = local[0] * local[0] + local[1] * local[1];
+    let s = if square >= MINVAL * MINVAL {
+        radius / square.sqrt()
+    } else {
+        0.0
+    };
+    let point = [
+        s * local[0],
+        s * local[1],
+        if local[2] >= 0.0 { half } else { -half },
+    ];
+    (
+        add(rotate(cylinder.mat, point), cylinder.pos),
+        point[2] < 0.0,
+    )
+}
+
+/// The point of an ellipsoid furthest in a direction.
+fn ellipsoid_support(ellipsoid: Shape<'_>, direction: Vec3) -> Vec3 {
+    let &Shape { pos, mat, size } = &ellipsoid;
+    let local = rotate_back(mat, direction);
+    let point: Vec3 = std::array::from_fn(|k| local[k] * size[k]);
+    let square = dot(point, point);
+    if square < MINVAL * MINVAL {
+        return add_scaled(pos, column(mat, 0), size[0]);
+    }
+    let inverse = 1.0 / square.sqrt();
+    let point = std::array::from_fn(|k| point[k] * (inverse * size[k]));
+    add(rotate(mat, point), pos)
+}
+
+/// The lowest point of an ellipsoid above a plane: MuJoCo's `mjc_PlaneConvex`.
+pub(super) fn plane_ellipsoid(
+    plane: Shape<'_>,
+    ellipsoid: Shape<'_>,
+    margin: f64,
+    revision: Revision,
+    push: &mut impl FnMut(Hit),
+) {
+    let normal = plane.axis();
+    let down = scale(normal, -1.0);
+    let lowest = match revision {
+        Revision::V3_12 => {
+            let &Shape { pos, mat, size } = &ellipsoid;
+            let local = rotate_back(mat, down);
+            let on_sphere = normalize(std::array::from_fn(|k| local[k] * size[k])).0;
+            let point = std::array::from_fn(|k| on_sphere[k] * size[k]);
+            add(rotate(mat, point), pos)
+        }
+        Revision::V4_0 => ellipsoid_support(ellipsoid, down),
+    };
+    let dist = dot(normal, sub(lowest, plane.pos));
+    if dist <= margin {
+        push(Hit {
+            dist,
+            pos: add_scaled(lowest, normal, -0.5 * dist),
+            normal,
+            tangent: [0.0; 3],
+        });
+    }
+}

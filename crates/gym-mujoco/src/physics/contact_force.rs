@@ -1,0 +1,35 @@
+//! Forces of contacts from those of their rows.
+
+use crate::model::Cone;
+use crate::{Contact, Data, Model};
+
+/// Force and torque of a contact in its frame: normal, two tangents, and about these: MuJoCo's
+/// `mj_contactForce`. Zero for a contact without rows.
+#[must_use]
+pub fn contact_force(m: &Model, d: &Data, contact: &Contact) -> [f64; 6] {
+    let mut force = [0.0; 6];
+    let dim = usize::from(contact.dim);
+    let elliptic = m.opt.cone == Cone::Elliptic;
+    let rows = if dim == 1 || elliptic {
+        dim
+    } else {
+        2 * (dim - 1)
+    };
+    let Ok(row) = usize::try_from(contact.efc_address) else {
+        return force;
+    };
+    let Some(edges) = d.efc.force.get(row..row + rows) else {
+        return force;
+    };
+    if dim == 1 || elliptic {
+        force[..dim].copy_from_slice(edges);
+        return force;
+    }
+    for edge in edges {
+        force[0] += edge;
+    }
+    for k in 0..dim - 1 {
+        force[k + 1] = (edges[2 * k] - edges[2 * k + 1]) * contact.friction[k];
+    }
+    force
+}

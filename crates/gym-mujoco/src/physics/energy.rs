@@ -1,0 +1,76 @@
+//! Potential and kinetic energy.
+
+use super::inertia::mul_m;
+use super::spatial::{InTurn, Order, Pairwise, Vec3, dot, norm, sub};
+use crate::model::{Disable, JointType};
+use crate::physics::dense::dot_slices;
+use crate::{Data, Model, Revision};
+
+/// The energy of heights and springs: MuJoCo's `mj_energyPos`.
+pub(super) fn potential(m: &Model, d: &Data) -> f64 {
+    let mut energy = 0.0;
+    if !m.opt.disables(Disable::Gravity) {
+        for b in 1..m.nbody() {
+            energy -= m.body_mass[b] * dot(m.opt.gravity, d.xipos[b]);
+        }
+    }
+    let spring = |stiffness: f64, x: f64| 0.5 * stiffness * (x * x);
+    for &j in &m.plan().springs {
+        let (k, p) = (m.jnt_stiffness[j], m.jnt_qposadr[j]);
+        match m.jnt_type[j] {
+            JointType::Free => {
+                let three = |q: &[f64]| -> Vec3 { [q[p], q[p + 1], q[p + 2]] };
+                let moved = sub(three(&d.qpos), three(&m.qpos_spring));
+                energy += spring(k, norm(moved));
+                energy += spring(k, turn(m, d, p + 3));
+            }
+            JointType::Ball => energy += spring(k, turn(m, d, p)),
+            _ => energy += spring(k, d.qpos[p] - m.qpos_spring[p]),
+        }
+    }
+    if !m.opt.disables(Disable::Spring) {
+        for t in 0..m.ntendon() {
+            let (length, [lower, upper]) = (d.ten_length[t], m.tendon_lengthspring[t]);
+            let x = if length > upper {
+                length - upper
+            } else if length < lower {
+                length - lower
+            } else {
+                0.0
+            };
+            energy += spring(m.tendon_stiffness[t], x);
+        }
+    }
+    energy
+}
+
+/// The angle between an orientation and that of its spring.
+fn turn(m: &Model, d: &Data, p: usize) -> f64 {
+    fn angle<O: Order>(now: [f64; 4], rest: [f64; 4]) -> f64 {
+        norm(O::sub_quat(now, rest))
+    }
+    let quat = |q: &[f64]| [q[p], q[p + 1], q[p + 2], q[p + 3]];
+    let (now, rest) = (quat(&d.qpos), quat(&m.qpos_spring));
+    match m.revision {
+        Revision::V3_12 => angle::<InTurn>(now, rest),
+        Revision::V4_0 => angle::<Pairwise>(now, rest),
+    }
+}
+
+/// Half of `v' M v`: MuJoCo's `mj_energyVel`.
+pub(super) fn kinetic(m: &Model, d: &mut Data) -> f64 {
+    let mut momentum = std::mem::take(&mut d.work.acc_sum);
+    mul_m(m, d, &d.qvel, &mut momentum);
+    let energy = 0.5 * dot_slices(&momentum, &d.qvel);
+    d.work.acc_sum = momentum;
+    energy
+}
+
+/// `energy`, where the model asks for it.
+pub(super) fn energy(m: &Model, d: &mut Data) {
+    /// MuJoCo's `mjENBL_ENERGY`.
+    const ENERGY: u32 = 1 << 1;
+    if m.opt.enableflags & ENERGY != 0 {
+        d.energy = [potential(m, d), kinetic(m, d)];
+    }
+}

@@ -1,0 +1,71 @@
+//! How points of bodies move with the degrees of freedom.
+
+use super::spatial::{Vec3, add, cross, rotation, sub, translation};
+use crate::{Data, Model};
+
+/// How a point of a body moves with a degree of freedom that moves the body.
+#[inline]
+pub(super) fn moves_at(
+    m: &Model,
+    cdof: &[[f64; 6]],
+    com: &[Vec3],
+    dof: usize,
+    body: usize,
+    point: Vec3,
+) -> Vec3 {
+    let offset = sub(point, com[m.body_rootid[body]]);
+    let axis = &cdof[dof];
+    add(translation(axis), cross(rotation(axis), offset))
+}
+
+/// Adds to forces on the joints those of a force and a torque at a point of a body: MuJoCo's
+/// `mj_applyFT`.
+pub(super) fn apply(
+    m: &Model,
+    d: &Data,
+    force: Vec3,
+    torque: Vec3,
+    (body, point): (usize, Vec3),
+    out: &mut [f64],
+) {
+    let sum = |moves: Vec3, along: Vec3| {
+        let mut sum = 0.0;
+        for k in 0..3 {
+            if along[k] != 0.0 {
+                sum += moves[k] * along[k];
+            }
+        }
+        sum
+    };
+    for &dof in m.plan().chain(body) {
+        out[dof] += sum(
+            moves_at(m, &d.cdof, &d.subtree_com, dof, body, point),
+            force,
+        );
+        out[dof] += sum(rotation(&d.cdof[dof]), torque);
+    }
+}
+
+impl Data {
+    /// The Jacobian of a point of a body: translation and rotation for each degree of freedom
+    /// (3 rows of nv numbers each): MuJoCo's `mj_jac`.
+    #[must_use]
+    pub fn jac(&self, m: &Model, body: usize, point: [f64; 3]) -> [Vec<f64>; 2] {
+        let nv = m.nv();
+        let mut both = [vec![0.0; 3 * nv], vec![0.0; 3 * nv]];
+        for &dof in m.plan().chain(body) {
+            let moves = moves_at(m, &self.cdof, &self.subtree_com, dof, body, point);
+            for k in 0..3 {
+                both[0][k * nv + dof] = moves[k];
+                both[1][k * nv + dof] = self.cdof[dof][k];
+            }
+        }
+        both
+    }
+
+    /// The Jacobian of a site: MuJoCo's `mj_jacSite`.
+    #[must_use]
+    pub fn jac_site(&self, m: &Model, site: usize) -> [Vec<f64>; 2] {
+        self.jac(m, m.site_bodyid[site], self.site_xpos[site])
+    }
+}

@@ -1,0 +1,102 @@
+//! Muscles: MuJoCo's formulas. The numbers are range (2), force, scale, lmin, lmax, vmax, fpmax and
+//! fvmax; of the dynamics, the time constants of activation and deactivation, and the width of the
+//! transition between them.
+
+use super::spatial::MINVAL;
+
+/// The force on the whole, and the optimal length.
+fn scales(range: [f64; 2], acc0: f64, prm: &[f64; 10]) -> (f64, f64) {
+    let force = if prm[2] < 0.0 {
+        prm[3] / f64::max(MINVAL, acc0)
+    } else {
+        prm[2]
+    };
+    (
+        force,
+        (range[1] - range[0]) / f64::max(MINVAL, prm[1] - prm[0]),
+    )
+}
+
+/// The active force, for an activation of 1: MuJoCo's `mju_muscleGain`.
+pub(super) fn gain(length: f64, velocity: f64, range: [f64; 2], acc0: f64, prm: &[f64; 10]) -> f64 {
+    let (force, optimum) = scales(range, acc0, prm);
+    let [lmin, lmax, vmax, fvmax] = [prm[4], prm[5], prm[6], prm[8]];
+    let l = prm[0] + (length - range[0]) / f64::max(MINVAL, optimum);
+    let v = velocity / f64::max(MINVAL, optimum * vmax);
+    let by_length = length_curve(l, lmin, lmax);
+    let y = fvmax - 1.0;
+    let by_velocity = if v <= -1.0 {
+        0.0
+    } else if v <= 0.0 {
+        (v + 1.0) * (v + 1.0)
+    } else if v <= y {
+        fvmax - (y - v) * (y - v) / f64::max(MINVAL, y)
+    } else {
+        fvmax
+    };
+    -force * by_length * by_velocity
+}
+
+/// Four parabolas between the least and the greatest length, with the maximum at 1.
+fn length_curve(l: f64, lmin: f64, lmax: f64) -> f64 {
+    if !(lmin..=lmax).contains(&l) {
+        return 0.0;
+    }
+    let (a, b) = (0.5 * (lmin + 1.0), 0.5 * (1.0 + lmax));
+    let part = |x: f64, width: f64| x / f64::max(MINVAL, width);
+    if l <= a {
+        let x = part(l - lmin, a - lmin);
+        0.5 * x * x
+    } else if l <= 1.0 {
+        let x = part(1.0 - l, 1.0 - a);
+        1.0 - 0.5 * x * x
+    } else if l <= b {
+        let x = part(l - 1.0, b - 1.0);
+        1.0 - 0.5 * x * x
+    } else {
+        let x = part(lmax - l, lmax - b);
+        0.5 * x * x
+    }
+}
+
+/// The passive force: MuJoCo's `mju_muscleBias`.
+pub(super) fn bias(length: f64, range: [f64; 2], acc0: f64, prm: &[f64; 10]) -> f64 {
+    let (force, optimum) = scales(range, acc0, prm);
+    let (lmax, fpmax) = (prm[5], prm[7]);
+    let l = prm[0] + (length - range[0]) / f64::max(MINVAL, optimum);
+    let b = 0.5 * (1.0 + lmax);
+    let part = |x: f64| x / f64::max(MINVAL, b - 1.0);
+    if l <= 1.0 {
+        0.0
+    } else if l <= b {
+        let x = part(l - 1.0);
+        -force * fpmax * 0.5 * x * x
+    } else {
+        -force * fpmax * (0.5 + part(l - b))
+    }
+}
+
+/// How fast the activation changes: MuJoCo's `mju_muscleDynamics`.
+pub(super) fn dynamics(ctrl: f64, act: f64, prm: &[f64; 10]) -> f64 {
+    let (ctrl, within) = (ctrl.clamp(0.0, 1.0), act.clamp(0.0, 1.0));
+    let on = prm[0] * (0.5 + 1.5 * within);
+    let off = prm[1] / (0.5 + 1.5 * within);
+    let excess = ctrl - act;
+    let width = prm[2];
+    let time = if width < MINVAL {
+        if excess > 0.0 { on } else { off }
+    } else {
+        off + (on - off) * sigmoid(excess / width + 0.5)
+    };
+    excess / f64::max(MINVAL, time)
+}
+
+fn sigmoid(x: f64) -> f64 {
+    if x <= 0.0 {
+        0.0
+    } else if x >= 1.0 {
+        1.0
+    } else {
+        x * x * x * (3.0 * x * (2.0 * x - 5.0) + 10.0)
+    }
+}

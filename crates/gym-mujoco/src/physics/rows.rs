@@ -1,0 +1,419 @@
+//! Constraint rows beside limits of joints and plain contacts: equality, dry friction, limits of
+//! balls and tendons, and contacts with torsion, rolling or elliptic cones.
+
+#![expect(
+    clippy::needless_range_loop,
+    reason = "indices are those of the formulas"
+)]
+
+use super::constraint::{Constraints, Kind, Source, push_block, push_rows, set_row};
+use super::dense::dot_slices;
+use super::jacobian::moves_at;
+use super::spatial::{
+    InTurn, Order, Pairwise, Quat, Vec3, add, dot, normalize, quat_to_velocity, rotate, rotation,
+    scale, sub,
+};
+use crate::model::{Cone, Equality, EqualityType, Limit, ObjectType, Pair, Scalar};
+use crate::{Contact, Data, Model, Revision};
+
+/// Rows of the equality constraints that hold: MuJoCo's `mj_instantiateEquality`.
+#[inline(never)]
+pub(super) fn equality(m: &Model, d: &mut Data) {
+    for law in &m.plan().laws.equalities {
+        match (law.kind, m.revision) {
+            (EqualityType::Connect | EqualityType::Weld, Revision::V3_12) => {
+                bodies::<InTurn>(m, d, law);
+            }
+            (EqualityType::Connect | EqualityType::Weld, Revision::V4_0) => {
+                bodies::<Pairwise>(m, d, law);
+            }
+            (EqualityType::Joint | EqualityType::Tendon, _) => polynomial(m, d, law),
+        }
+    }
+}
+
+/// The points of two bodies that an equality constraint joins: MuJoCo's `mj_equalityAnchors`.
+pub(super) fn anchors(m: &Model, d: &Data, law: &Equality) -> [Vec3; 2] {
+    let ids = [m.eq_obj1id[law.id], m.eq_obj2id[law.id]].map(|id| id as usize);
+    if m.eq_objtype[law.id] == ObjectType::Site {
+        return ids.map(|site| d.site_xpos[site]);
+    }
+    let data = &m.eq_data[law.id];
+    let parts = [[data[0], data[1], data[2]], [data[3], data[4], data[5]]];
+    // of a weld, the first anchor is in the second body
+    let parts = if law.kind == EqualityType::Weld {
+        [parts[1], parts[0]]
+    } else {
+        parts
+    };
+    [0, 1].map(|k| add(rotate(&d.xmat[ids[k]], parts[k]), d.xpos[ids[k]]))
+}
+
+/// The orientation that a weld gives its second body, and the inverse of the one that it has.
+pub(super) fn orientations<O: Order>(m: &Model, d: &Data, law: &Equality) -> (Quat, Quat) {
+    let ids = [m.eq_obj1id[law.id], m.eq_obj2id[law.id]].map(|id| id as usize);
+    let inverse = |[w, x, y, z]: Quat| [w, -x, -y, -z];
+    if m.eq_objtype[law.id] == ObjectType::Body {
+        let data = &m.eq_data[law.id];
+        let pose = [data[6], data[7], data[8], data[9]];
+        (O::mul_quat(d.xquat[ids[0]], pose), inverse(d.xquat[ids[1]]))
+    } else {
+        let [b1, b2] = law.bodies;
+        (
+            O::mul_quat(d.xquat[b1], m.site_quat[ids[0]]),
+            inverse(O::mul_quat(d.xquat[b2], m.site_quat[ids[1]])),
+        )
+    }
+}
+
+/// The torque in the world of a weld's rows of orientation.
+pub(super) fn weld_torque(m: &Model, d: &Data, law: &Equality, rows: Vec3) -> Vec3 {
+    let (ahead, back) = orientations::<Pairwise>(m, d, law);
+    let torque = m.eq_data[law.id][10];
+    std::array::from_fn(|k| {
+        let mut axis = [0.0; 3];
+        axis[k] = 1.0;
+        let turned = Pairwise::mul_quat(mul_quat_axis::<Pairwise>(back, axis), ahead);
+        0.5 * torque * dot([turned[1], turned[2], turned[3]], rows)
+    })
+}
+
+fn bodies<O: Order>(m: &Model, d: &mut Data, law: &Equality) {
+    let points = anchors(m, d, law);
+    let weld = law.kind == EqualityType::Weld;
+    let [b1, b2] = law.bodies;
+    let apart = sub(points[0], points[1]);
+    let mut pos = [0.0; 6];
+    pos[..3].copy_from_slice(&apart);
+    let data = &m.eq_data[law.id];
+    let torque = data[10];
+    let identity: Quat = [1.0, 0.0, 0.0, 0.0];
+    let (mut ahead, mut back) = (identity, identity);
+    if weld {
+        (ahead, back) = orientations::<O>(m, d, law);
+        let error = O::mul_quat(back, ahead);
+        for k in 0..3 {
+            pos[3 + k] = error[1 + k] * torque;
+        }
+    }
+    let rows = law.kind.rows();
+    let (chain1, chain2) = (m.plan().chain(b1), m.plan().chain(b2));
+    let last = chain1.last().max(chain2.last());
+    let Some(&last) = last else { return };
+    let efc = &mut d.efc;
+    let tree = m.dof_treeid[*chain1.last().or(chain2.last()).unwrap_or(&last)];
+    let row = push_block(
+        efc,
+        Source::Equality(law.id),
+        Kind::Equality,
+        rows,
+        last / 4 + 1,
+        tree,
+    );
+    for dof in 0..=last {
+        let (first, second) = (chain1.contains(&dof), chain2.contains(&dof));
+        if !first && !second {
+            continue;
+        }
+        let at = |moved: bool, body: usize, point: Vec3| {
+            if moved {
+                moves_at(m, &d.cdof, &d.subtree_com, dof, body, point)
+            } else {
+                [0.0; 3]
+            }
+        };
+        let shift = sub(at(first, b1, points[0]), at(second, b2, points[1]));
+        for (k, shift) in shift.into_iter().enumerate() {
+            set_row(efc, row + k, dof, shift);
+        }
+        if weld {
+            let axis = rotation(&d.cdof[dof]);
+            let own = |moved: bool| if moved { axis } else { [0.0; 3] };
+            let turn = sub(own(first), own(second));
+            let turned = O::mul_quat(mul_quat_axis::<O>(back, turn), ahead);
+            for k in 0..3 {
+                set_row(efc, row + 3 + k, dof, 0.5 * turned[1 + k] * torque);
+            }
+        }
+    }
+    let distance = dot_slices(&pos[..rows], &pos[..rows]).sqrt();
+    for k in 0..rows {
+        let diag = law.diag[usize::from(k > 2)];
+        push_rows(efc, &law.softness, (pos[k], distance), 0.0, diag, 1);
+    }
+}
+
+/// The product of a quaternion and an axis: MuJoCo's `mju_mulQuatAxis`.
+pub(super) fn mul_quat_axis<O: Order>(q: Quat, a: Vec3) -> Quat {
+    [
+        -q[1] * a[0] - q[2] * a[1] - q[3] * a[2],
+        O::axis_first(q[0] * a[0], q[2] * a[2], -q[3] * a[1]),
+        q[0] * a[1] + q[3] * a[0] - q[1] * a[2],
+        O::axis_last(q[0] * a[2], q[1] * a[1], -q[2] * a[0]),
+    ]
+}
+
+/// A joint or tendon whose position is a polynomial of another one's, or stays.
+fn polynomial(m: &Model, d: &mut Data, law: &Equality) {
+    let joint = law.kind == EqualityType::Joint;
+    let place = |id: usize| {
+        if joint {
+            let p = m.jnt_qposadr[id];
+            (d.qpos[p], m.qpos0[p])
+        } else {
+            (d.ten_length[id], m.tendon_length0[id])
+        }
+    };
+    let data = &m.eq_data[law.id];
+    let (first, second) = (m.eq_obj1id[law.id] as usize, m.eq_obj2id[law.id]);
+    let (now, rest) = place(first);
+    let (mut pos, mut slope) = (now - rest - data[0], 0.0);
+    let second = usize::try_from(second).ok();
+    if let Some(second) = second {
+        let (now2, rest2) = place(second);
+        let x = now2 - rest2;
+        pos = now
+            - rest
+            - data[0]
+            - (data[1] * x + data[2] * x * x + data[3] * x * x * x + data[4] * x * x * x * x);
+        slope = data[1] + 2.0 * data[2] * x + 3.0 * data[3] * x * x + 4.0 * data[4] * x * x * x;
+    }
+    let objects = [Some(first), second];
+    let Some(row) = push_scalar(
+        m,
+        d,
+        joint,
+        &objects,
+        (Source::Equality(law.id), Kind::Equality),
+    ) else {
+        return;
+    };
+    for (object, factor) in objects.into_iter().zip([1.0, -slope]) {
+        let Some(object) = object else { continue };
+        if joint {
+            add_row(&mut d.efc, row, m.jnt_dofadr[object], factor);
+        } else {
+            let paths = &m.plan().paths;
+            let elements = paths.rows[object].clone();
+            for e in elements {
+                add_row(&mut d.efc, row, paths.columns[e], d.ten_j[e] * factor);
+            }
+        }
+    }
+    push_rows(&mut d.efc, &law.softness, (pos, pos), 0.0, law.diag[0], 1);
+}
+
+fn add_row(efc: &mut Constraints, row: usize, dof: usize, value: f64) {
+    let stride = efc.stride();
+    efc.jacobian_mut()[row * stride..].as_flattened_mut()[dof] += value;
+}
+
+/// A block of one row for joints or tendons; `None` where nothing moves them.
+fn push_scalar(
+    m: &Model,
+    d: &mut Data,
+    joint: bool,
+    objects: &[Option<usize>],
+    (source, kind): (Source, Kind),
+) -> Option<usize> {
+    let paths = &m.plan().paths;
+    let (mut last, mut tree) = (None, None);
+    for object in objects.iter().flatten() {
+        let moved = |dof: usize| (Some(dof), Some(m.dof_treeid[dof]));
+        if joint {
+            let (dof, of) = moved(m.jnt_dofadr[*object]);
+            (last, tree) = (last.max(dof), tree.or(of));
+        } else {
+            for e in paths.rows[*object].clone() {
+                if d.ten_j[e] != 0.0 {
+                    let (dof, of) = moved(paths.columns[e]);
+                    (last, tree) = (last.max(dof), tree.or(of));
+                }
+            }
+        }
+    }
+    Some(push_block(
+        &mut d.efc,
+        source,
+        kind,
+        1,
+        last? / 4 + 1,
+        tree?,
+    ))
+}
+
+/// Rows of dry friction: MuJoCo's `mj_instantiateFriction`.
+#[inline(never)]
+pub(super) fn friction(m: &Model, d: &mut Data) {
+    let laws = &m.plan().laws;
+    for law in &laws.dof_frictions {
+        let (dof, tree) = (law.id, m.dof_treeid[law.id]);
+        let source = Source::DofFriction(dof);
+        let row = push_block(&mut d.efc, source, Kind::Friction, 1, dof / 4 + 1, tree);
+        set_row(&mut d.efc, row, dof, 1.0);
+        push_friction(d, law);
+    }
+    for law in &laws.tendon_frictions {
+        let source = (Source::TendonFriction(law.id), Kind::Friction);
+        if let Some(row) = push_scalar(m, d, false, &[Some(law.id)], source) {
+            tendon_row(m, d, row, law.id, 1.0);
+            push_friction(d, law);
+        }
+    }
+}
+
+fn push_friction(d: &mut Data, law: &Scalar) {
+    let efc = &mut d.efc;
+    push_rows(efc, &law.softness, (0.0, 0.0), 0.0, law.diag, 1);
+    let row = efc.nefc() - 1;
+    efc.kbip[row][0] = 0.0;
+    efc.loss.resize(row + 1, 0.0);
+    efc.loss[row] = law.loss;
+}
+
+fn tendon_row(m: &Model, d: &mut Data, row: usize, tendon: usize, factor: f64) {
+    let paths = &m.plan().paths;
+    for e in paths.rows[tendon].clone() {
+        set_row(&mut d.efc, row, paths.columns[e], d.ten_j[e] * factor);
+    }
+}
+
+/// The row of a ball's limit, which bounds the angle to its initial orientation.
+#[inline(never)]
+pub(super) fn ball_limit(m: &Model, d: &mut Data, limit: &Limit) {
+    let p = limit.qpos;
+    let quat = [0, 1, 2, 3].map(|k| d.qpos[p + k]);
+    let quat = match m.revision {
+        Revision::V3_12 => InTurn::normalize_quat((), quat),
+        Revision::V4_0 => Pairwise::normalize_quat((), quat),
+    };
+    let (axis, angle) = normalize(quat_to_velocity(quat));
+    let dist = limit.range[0].max(limit.range[1]) - angle;
+    if dist >= limit.margin {
+        return;
+    }
+    let efc = &mut d.efc;
+    let source = Source::Limit(limit.joint);
+    let groups = (limit.dof + 2) / 4 + 1;
+    let row = push_block(efc, source, Kind::Limit, 1, groups, limit.tree);
+    for (k, x) in scale(axis, -1.0).into_iter().enumerate() {
+        set_row(efc, row, limit.dof + k, x);
+    }
+    push_rows(
+        efc,
+        &limit.softness,
+        (dist, dist),
+        limit.margin,
+        limit.diag,
+        1,
+    );
+}
+
+/// Rows of the limits of tendons that are near.
+#[inline(never)]
+pub(super) fn tendon_limits(m: &Model, d: &mut Data) {
+    for law in &m.plan().laws.tendon_limits {
+        let (t, margin) = (law.id, m.tendon_margin[law.id]);
+        for (side, bound) in [-1.0, 1.0].into_iter().zip(m.tendon_range[t]) {
+            let dist = side * (bound - d.ten_length[t]);
+            if dist >= margin {
+                continue;
+            }
+            let source = (Source::TendonLimit(t), Kind::Limit);
+            if let Some(row) = push_scalar(m, d, false, &[Some(t)], source) {
+                tendon_row(m, d, row, t, -side);
+                push_rows(&mut d.efc, &law.softness, (dist, dist), margin, law.diag, 1);
+            }
+        }
+    }
+}
+
+/// Rows of a contact with torsion and rolling, or of an elliptic cone.
+#[inline(never)]
+pub(super) fn contact(
+    m: &Model,
+    cdof: &[[f64; 6]],
+    com: &[Vec3],
+    efc: &mut Constraints,
+    contact: &mut Contact,
+    (index, pair, tree): (usize, &Pair, usize),
+) {
+    let dim = usize::from(contact.dim);
+    let elliptic = m.opt.cone == Cone::Elliptic && dim > 1;
+    let kind = if elliptic { Kind::Cone } else { Kind::Limit };
+    let source = Source::Contact(index);
+    let row = push_block(efc, source, kind, pair.rows, pair.groups, tree);
+    for column in &pair.columns {
+        let c = &cdof[column.dof];
+        let offset = sub(contact.pos, com[column.root]);
+        let spin = rotation(c);
+        let moves = add([c[3], c[4], c[5]], super::spatial::cross(spin, offset));
+        let frame = &contact.frame;
+        let along = if dim == 1 {
+            [dot([frame[0], frame[1], frame[2]], moves), 0.0, 0.0]
+        } else {
+            rotate(frame, moves)
+        };
+        let about = if dim > 3 {
+            rotate(frame, spin)
+        } else {
+            [0.0; 3]
+        };
+        let all: [f64; 6] =
+            std::array::from_fn(|k| column.sign * if k < 3 { along[k] } else { about[k - 3] });
+        if elliptic || dim == 1 {
+            for (k, value) in all[..dim].iter().enumerate() {
+                set_row(efc, row + k, column.dof, *value);
+            }
+        } else {
+            for k in 1..dim {
+                let slide = all[k] * contact.friction[k - 1];
+                let edge = row + 2 * (k - 1);
+                set_row(efc, edge, column.dof, all[0] + slide);
+                set_row(efc, edge + 1, column.dof, all[0] - slide);
+            }
+        }
+    }
+    let (dist, margin) = (contact.dist, contact.includemargin);
+    if dim == 1 {
+        push_rows(efc, &pair.softness, (dist, dist), margin, pair.diag, 1);
+        return;
+    }
+    let friction = &contact.friction;
+    let tran = pair.diag;
+    let first = if elliptic {
+        tran
+    } else {
+        tran + friction[0] * friction[0] * tran
+    };
+    push_rows(efc, &pair.softness, (dist, dist), margin, first, 1);
+    let normal = efc.r[row];
+    let slide = normal / f64::max(1e-15, m.opt.impratio);
+    contact.mu = friction[0] * (slide / normal).sqrt();
+    for k in 1..pair.rows {
+        if elliptic {
+            push_rows(efc, &pair.softness, (0.0, dist), margin, tran, 1);
+            efc.margin[row + k] = 0.0;
+            let r = if k == 1 {
+                slide
+            } else {
+                slide * friction[0] * friction[0] / (friction[k - 1] * friction[k - 1])
+            };
+            (efc.r[row + k], efc.d[row + k]) = (r, 1.0 / r);
+            efc.kbip[row + k][0] = 0.0;
+            efc.kbip[row + k][1] = pair.friction_damping;
+        } else {
+            push_rows(efc, &pair.softness, (dist, dist), margin, first, 1);
+        }
+    }
+    if !elliptic {
+        let r = 2.0 * contact.mu * contact.mu * normal;
+        efc.r[row..].fill(r);
+        efc.d[row..].fill(1.0 / r);
+    }
+    // the figure from which the stiffness follows
+    for k in row..row + pair.rows {
+        let impedance = efc.kbip[k][2];
+        efc.diag_approx[k] = efc.r[k] * impedance / (1.0 - impedance);
+    }
+}

@@ -1,0 +1,370 @@
+//! Sensors: each kind is one arm that names its formula.
+
+use super::contact_force::contact_force;
+use super::energy::{kinetic, potential};
+use super::post_constraint::rne_post_constraint;
+use super::ray::{ray, ray_shape};
+use super::spatial::{
+    InTurn, MINVAL, Mat3, Order, Pairwise, Quat, Vec3, Vec6, add, column, cross, normalize, rotate,
+    rotate_back, rotation, scale, sub, transform_force, transform_motion, translation,
+};
+use crate::model::{Disable, ObjectType, SensorType, Stage, TransmissionType};
+use crate::physics::constraint::Source;
+use crate::{Data, Model, Revision};
+
+/// `sensordata`: MuJoCo's `mj_sensorPos`, `mj_sensorVel` and `mj_sensorAcc`.
+#[inline(never)]
+pub fn sensors(m: &Model, d: &mut Data) {
+    if m.opt.disables(Disable::Sensor) {
+        return;
+    }
+    let uses = |kinds: &[SensorType]| m.sensor_type.iter().any(|kind| kinds.contains(kind));
+    if uses(&[SensorType::SubtreeLinVel, SensorType::SubtreeAngMom]) {
+        subtree_vel(m, d);
+    }
+    if uses(&[
+        SensorType::Accelerometer,
+        SensorType::Force,
+        SensorType::Torque,
+        SensorType::FrameLinAcc,
+        SensorType::FrameAngAcc,
+    ]) {
+        rne_post_constraint(m, d);
+        d.contact_forces = false;
+    }
+    for i in 0..m.nsensor() {
+        let numbers = match m.sensor_type[i].stage() {
+            Stage::Position => match m.revision {
+                Revision::V3_12 => of_position::<InTurn>(m, d, i),
+                Revision::V4_0 => of_position::<Pairwise>(m, d, i),
+            },
+            Stage::Velocity => of_velocity(m, d, i),
+            Stage::Acceleration => of_acceleration(m, d, i),
+        };
+        let (first, dim, cutoff) = (m.sensor_adr[i], m.sensor_dim[i], m.sensor_cutoff[i]);
+        let kind = m.sensor_type[i];
+        for (out, number) in d.sensordata[first..first + dim].iter_mut().zip(numbers) {
+            *out = if cutoff <= 0.0 || !kind.has_cutoff() {
+                number
+            } else if kind.is_positive() {
+                cutoff.min(number)
+            } else {
+                number.max(-cutoff).min(cutoff)
+            };
+        }
+    }
+}
+
+/// One number.
+fn one(x: f64) -> Quat {
+    [x, 0.0, 0.0, 0.0]
+}
+
+fn three([x, y, z]: Vec3) -> Quat {
+    [x, y, z, 0.0]
+}
+
+/// What the quaternions of sensors are: body and orientation in it.
+fn quat_of<O: Order>(m: &Model, d: &Data, kind: ObjectType, id: usize) -> Quat {
+    let within = |body: usize, quat: Quat| O::mul_quat(d.xquat[body], quat);
+    match kind {
+        ObjectType::Body => within(id, m.body_iquat[id]),
+        ObjectType::Geom => within(m.geom_bodyid[id], m.geom_quat[id]),
+        ObjectType::Site => within(m.site_bodyid[id], m.site_quat[id]),
+        ObjectType::Camera => within(m.cam_bodyid[id], m.cam_quat[id]),
+        _ => d.xquat[id],
+    }
+}
+
+/// Body, place and orientation of an object.
+fn frame_of(m: &Model, d: &Data, kind: ObjectType, id: usize) -> (usize, Vec3, Mat3) {
+    match kind {
+        ObjectType::Body => (id, d.xipos[id], d.ximat[id]),
+        ObjectType::Geom => (m.geom_bodyid[id], d.geom_xpos[id], d.geom_xmat[id]),
+        ObjectType::Site => (m.site_bodyid[id], d.site_xpos[id], d.site_xmat[id]),
+        ObjectType::Camera => {
+            let body = m.cam_bodyid[id];
+            let pos = add(rotate(&d.xmat[body], m.cam_pos[id]), d.xpos[body]);
+            let quat = InTurn::mul_quat(d.xquat[body], m.cam_quat[id]);
+            (body, pos, InTurn::quat_to_mat(quat))
+        }
+        _ => (id, d.xpos[id], d.xmat[id]),
+    }
+}
+
+/// Object and reference of a sensor.
+fn objects(m: &Model, i: usize) -> ((ObjectType, usize), Option<(ObjectType, usize)>) {
+    let id = |id: i32| usize::try_from(id).ok();
+    let object = (m.sensor_objtype[i], id(m.sensor_objid[i]).unwrap_or(0));
+    let reference = id(m.sensor_refid[i]).map(|id| (m.sensor_reftype[i], id));
+    (object, reference)
+}
+
+/// The row of a limit of a joint or of a tendon.
+fn limit_row(d: &Data, source: Source) -> Option<usize> {
+    let blocks = d.efc.blocks.iter();
+    let mut found = blocks.filter(|block| block.source == source);
+    found.next().map(|block| block.row)
+}
+
+fn of_position<O: Order>(m: &Model, d: &Data, i: usize) -> Quat {
+    let ((kind, id), reference) = objects(m, i);
+    match m.sensor_type[i] {
+        SensorType::Magnetometer => three(rotate_back(&d.site_xmat[id], m.opt.magnetic)),
+        SensorType::Rangefinder => {
+            let along = column(&d.site_xmat[id], 2);
+            let found = ray(m, d, d.site_xpos[id], along, Some(m.site_bodyid[id]));
+            one(found.map_or(-1.0, |(distance, _)| distance))
+        }
+        SensorType::JointPos => one(d.qpos[m.jnt_qposadr[id]]),
+        SensorType::TendonPos => one(d.ten_length[id]),
+        SensorType::ActuatorPos => one(d.actuator_length[id]),
+        SensorType::BallQuat => {
+            let p = m.jnt_qposadr[id];
+            O::normalize_quat((), [0, 1, 2, 3].map(|k| d.qpos[p + k]))
+        }
+        SensorType::JointLimitPos => limit_distance(d, Source::Limit(id)),
+        SensorType::TendonLimitPos => limit_distance(d, Source::TendonLimit(id)),
+        SensorType::FramePos => {
+            let (_, pos, _) = frame_of(m, d, kind, id);
+            three(match reference {
+                None => pos,
+                Some((kind, id)) => {
+                    let (_, origin, axes) = frame_of(m, d, kind, id);
+                    rotate_back(&axes, sub(pos, origin))
+                }
+            })
+        }
+        axis @ (SensorType::FrameXAxis | SensorType::FrameYAxis | SensorType::FrameZAxis) => {
+            let (_, _, mat) = frame_of(m, d, kind, id);
+            let axis = column(&mat, axis as usize - SensorType::FrameXAxis as usize);
+            three(match reference {
+                None => axis,
+                Some((kind, id)) => rotate_back(&frame_of(m, d, kind, id).2, axis),
+            })
+        }
+        SensorType::FrameQuat => {
+            let quat = quat_of::<O>(m, d, kind, id);
+            match reference {
+                None => quat,
+                Some((kind, id)) => {
+                    let [w, x, y, z] = quat_of::<O>(m, d, kind, id);
+                    O::mul_quat([w, -x, -y, -z], quat)
+                }
+            }
+        }
+        SensorType::SubtreeCom => three(d.subtree_com[id]),
+        SensorType::EPotential => one(potential(m, d)),
+        _ => one(d.time),
+    }
+}
+
+fn limit_distance(d: &Data, source: Source) -> Quat {
+    one(limit_row(d, source).map_or(0.0, |row| d.efc.pos[row] - d.efc.margin[row]))
+}
+
+fn of_velocity(m: &Model, d: &mut Data, i: usize) -> Quat {
+    let ((kind, id), reference) = objects(m, i);
+    let limit = |source| one(limit_row(d, source).map_or(0.0, |row| d.efc.vel[row]));
+    match m.sensor_type[i] {
+        SensorType::Velocimeter => three(translation(&object_velocity(
+            m,
+            d,
+            ObjectType::Site,
+            id,
+            true,
+        ))),
+        SensorType::Gyro => three(rotation(&object_velocity(m, d, ObjectType::Site, id, true))),
+        SensorType::JointVel => one(d.qvel[m.jnt_dofadr[id]]),
+        SensorType::TendonVel => one(d.ten_velocity[id]),
+        SensorType::ActuatorVel => one(d.actuator_velocity[id]),
+        SensorType::BallAngVel => {
+            let v = m.jnt_dofadr[id];
+            three([d.qvel[v], d.qvel[v + 1], d.qvel[v + 2]])
+        }
+        SensorType::JointLimitVel => limit(Source::Limit(id)),
+        SensorType::TendonLimitVel => limit(Source::TendonLimit(id)),
+        linear @ (SensorType::FrameLinVel | SensorType::FrameAngVel) => {
+            let mut velocity = object_velocity(m, d, kind, id, false);
+            if let Some((ref_kind, ref_id)) = reference {
+                let (_, pos, _) = frame_of(m, d, kind, id);
+                let (_, origin, axes) = frame_of(m, d, ref_kind, ref_id);
+                let other = object_velocity(m, d, ref_kind, ref_id, false);
+                let apart: Vec6 = std::array::from_fn(|k| velocity[k] - other[k]);
+                let turning = cross(sub(pos, origin), rotation(&other));
+                let moving = add(translation(&apart), turning);
+                velocity = super::spatial::join(
+                    rotate_back(&axes, rotation(&apart)),
+                    rotate_back(&axes, moving),
+                );
+            }
+            three(if linear == SensorType::FrameLinVel {
+                translation(&velocity)
+            } else {
+                rotation(&velocity)
+            })
+        }
+        SensorType::SubtreeLinVel => three(d.subtree_linvel[id]),
+        SensorType::SubtreeAngMom => three(d.subtree_angmom[id]),
+        _ => one(kinetic(m, d)),
+    }
+}
+
+fn of_acceleration(m: &Model, d: &Data, i: usize) -> Quat {
+    let ((kind, id), _) = objects(m, i);
+    let between = |site: usize| {
+        let body = m.site_bodyid[site];
+        let com = d.subtree_com[m.body_rootid[body]];
+        let force = transform_force(&d.cfrc_int[body], d.site_xpos[site], com);
+        let mat = &d.site_xmat[site];
+        (
+            rotate_back(mat, rotation(&force)),
+            rotate_back(mat, translation(&force)),
+        )
+    };
+    let limit = |source| one(limit_row(d, source).map_or(0.0, |row| d.efc.force[row]));
+    match m.sensor_type[i] {
+        SensorType::Touch => one(touch(m, d, id)),
+        SensorType::Accelerometer => three(translation(&object_acceleration(
+            m,
+            d,
+            ObjectType::Site,
+            id,
+            true,
+        ))),
+        SensorType::Force => three(between(id).1),
+        SensorType::Torque => three(between(id).0),
+        SensorType::ActuatorFrc => one(d.actuator_force[id]),
+        SensorType::JointActFrc => one(d.qfrc_actuator[m.jnt_dofadr[id]]),
+        SensorType::TendonActFrc => {
+            let pulls = |i: &usize| {
+                m.actuator_trntype[*i] == TransmissionType::Tendon
+                    && m.actuator_trnid[*i][0] as usize == id
+            };
+            let pulling = (0..m.nu()).filter(pulls);
+            one(pulling.fold(0.0, |sum, i| sum + d.actuator_force[i]))
+        }
+        SensorType::JointLimitFrc => limit(Source::Limit(id)),
+        SensorType::TendonLimitFrc => limit(Source::TendonLimit(id)),
+        SensorType::FrameLinAcc => three(translation(&object_acceleration(m, d, kind, id, false))),
+        _ => three(rotation(&object_acceleration(m, d, kind, id, false))),
+    }
+}
+
+/// The sum of the normal forces of contacts within a site.
+fn touch(m: &Model, d: &Data, site: usize) -> f64 {
+    let body = m.site_bodyid[site];
+    let mut sum = 0.0;
+    for contact in d.contact.iter().filter(|contact| contact.efc_address >= 0) {
+        let bodies = contact.geom.map(|g| m.geom_bodyid[g]);
+        if !bodies.contains(&body) {
+            continue;
+        }
+        let normal = contact_force(m, d, contact)[0];
+        if normal <= 0.0 {
+            continue;
+        }
+        let frame = &contact.frame;
+        let (mut along, _) = normalize(scale([frame[0], frame[1], frame[2]], normal));
+        if body == bodies[1] {
+            along = scale(along, -1.0);
+        }
+        let place = (d.site_xpos[site], &d.site_xmat[site]);
+        let shape = m.site_type[site];
+        if ray_shape(shape, place, m.site_size[site], contact.pos, along) >= 0.0 {
+            sum += normal;
+        }
+    }
+    sum
+}
+
+/// Whether no degree of freedom moves a body.
+fn fixed(m: &Model, body: usize) -> bool {
+    m.plan().chain(body).is_empty()
+}
+
+/// The velocity of an object at its place, in the world's axes or its own: MuJoCo's
+/// `mj_objectVelocity`.
+pub(super) fn object_velocity(
+    m: &Model,
+    d: &Data,
+    kind: ObjectType,
+    id: usize,
+    own_axes: bool,
+) -> Vec6 {
+    if fixed(m, frame_of(m, d, kind, id).0) {
+        return [0.0; 6];
+    }
+    of_object(m, d, &d.cvel, (kind, id), own_axes)
+}
+
+fn of_object(
+    m: &Model,
+    d: &Data,
+    motions: &[Vec6],
+    (kind, id): (ObjectType, usize),
+    own_axes: bool,
+) -> Vec6 {
+    let (body, pos, mat) = frame_of(m, d, kind, id);
+    let com = d.subtree_com[m.body_rootid[body]];
+    let motion = transform_motion(&motions[body], pos, com);
+    if own_axes {
+        super::spatial::join(
+            rotate_back(&mat, rotation(&motion)),
+            rotate_back(&mat, translation(&motion)),
+        )
+    } else {
+        motion
+    }
+}
+
+/// The acceleration of an object: MuJoCo's `mj_objectAcceleration`, which from 4.0 on has that of
+/// gravity for bodies that cannot move as well.
+fn object_acceleration(m: &Model, d: &Data, kind: ObjectType, id: usize, own_axes: bool) -> Vec6 {
+    if m.revision == Revision::V3_12 && fixed(m, frame_of(m, d, kind, id).0) {
+        return [0.0; 6];
+    }
+    let acceleration = of_object(m, d, &d.cacc, (kind, id), own_axes);
+    let velocity = of_object(m, d, &d.cvel, (kind, id), own_axes);
+    let turning = cross(rotation(&velocity), translation(&velocity));
+    super::spatial::join(
+        rotation(&acceleration),
+        add(translation(&acceleration), turning),
+    )
+}
+
+/// `subtree_linvel` and `subtree_angmom`: MuJoCo's `mj_subtreeVel`.
+fn subtree_vel(m: &Model, d: &mut Data) {
+    let mut velocities = std::mem::take(&mut d.work.body_velocity);
+    velocities.clear();
+    for b in 0..m.nbody() {
+        let velocity = object_velocity(m, d, ObjectType::Body, b, false);
+        d.subtree_linvel[b] = scale(translation(&velocity), m.body_mass[b]);
+        let local = rotate_back(&d.ximat[b], rotation(&velocity));
+        let local = std::array::from_fn(|k| local[k] * m.body_inertia[b][k]);
+        d.subtree_angmom[b] = rotate(&d.ximat[b], local);
+        velocities.push(velocity);
+    }
+    for b in (0..m.nbody()).rev() {
+        if b > 0 {
+            let parent = m.body_parentid[b];
+            d.subtree_linvel[parent] = add(d.subtree_linvel[parent], d.subtree_linvel[b]);
+        }
+        let mass = f64::max(MINVAL, m.body_subtreemass[b]);
+        d.subtree_linvel[b] = scale(d.subtree_linvel[b], 1.0 / mass);
+    }
+    for b in (1..m.nbody()).rev() {
+        let parent = m.body_parentid[b];
+        // about the body's own centre of mass, then about the parent's
+        let dx = sub(d.xipos[b], d.subtree_com[b]);
+        let dv = sub(translation(&velocities[b]), d.subtree_linvel[b]);
+        let own = cross(dx, scale(dv, m.body_mass[b]));
+        d.subtree_angmom[b] = add(d.subtree_angmom[b], own);
+        d.subtree_angmom[parent] = add(d.subtree_angmom[parent], d.subtree_angmom[b]);
+        let dx = sub(d.subtree_com[b], d.subtree_com[parent]);
+        let dv = sub(d.subtree_linvel[b], d.subtree_linvel[parent]);
+        let moved = cross(dx, scale(dv, m.body_subtreemass[b]));
+        d.subtree_angmom[parent] = add(d.subtree_angmom[parent], moved);
+    }
+    d.work.body_velocity = velocities;
+}

@@ -1,0 +1,127 @@
+//! Buffers of the solvers of accelerations.
+
+use super::law::{ConeHessian, Piece, State};
+use super::line_search::Row;
+use crate::physics::constraint::Block;
+use crate::physics::dense::{self, Lanes};
+
+/// Buffers of the solver.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Buffers {
+    // vectors of degrees of freedom: of the island, but for the first, which is of all
+    pub(super) ma_start: Vec<f64>,
+    pub(super) acc: Vec<Lanes>,
+    pub(super) smooth: Vec<Lanes>,
+    pub(super) constraint: Vec<Lanes>,
+    pub(super) ma: Vec<Lanes>,
+    pub(super) grad: Vec<Lanes>,
+    pub(super) mgrad: Vec<Lanes>,
+    pub(super) search: Vec<Lanes>,
+    pub(super) mv: Vec<Lanes>,
+    pub(super) row_update: Vec<Lanes>,
+    /// The number of degrees of freedom that these are for.
+    pub(super) last: usize,
+    /// The Hessian's lower triangle by columns, then its factor.
+    pub(super) hessian: Vec<Lanes>,
+    /// The Jacobians of the rows that push, and these times their stiffness.
+    pub(super) pushing: Vec<Lanes>,
+    pub(super) pushed: Vec<Lanes>,
+    /// The terms of the force on the joints: where rows of the Jacobian start, and their forces.
+    pub(super) terms: Vec<(usize, f64)>,
+    // vectors of rows
+    pub(super) jar: Vec<f64>,
+    pub(super) jv: Vec<f64>,
+    pub(super) force: Vec<f64>,
+    /// Whether each row pushes.
+    pub(super) pushes: Vec<bool>,
+    pub(super) rows: Vec<Row>,
+    /// For rows that do more than push: their states, their costs along the search direction, the
+    /// second derivatives of cones, and the factor with these.
+    pub(super) states: Vec<State>,
+    pub(super) pieces: Vec<Piece>,
+    pub(super) cones: Vec<ConeHessian>,
+    pub(super) with_cones: Vec<Lanes>,
+    // of conjugate gradients
+    pub(super) grad_before: Vec<Lanes>,
+    pub(super) mgrad_before: Vec<Lanes>,
+    /// The rows of an island that is not the whole model.
+    pub(super) gathered: Gathered,
+}
+
+/// Copies of an island's rows.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Gathered {
+    pub(super) blocks: Vec<Block>,
+    pub(super) jac: Vec<Lanes>,
+    pub(super) aref: Vec<f64>,
+    pub(super) d: Vec<f64>,
+    pub(super) r: Vec<f64>,
+    pub(super) loss: Vec<f64>,
+}
+
+impl Buffers {
+    /// Buffers that need not grow up to so many degrees of freedom, rows and blocks.
+    pub(crate) fn new(nv: usize, rows: usize, blocks: usize) -> Self {
+        let mut buffers = Self::default();
+        buffers.ma_start.resize(nv, 0.0);
+        let groups = dense::groups(nv);
+        for vector in [
+            &mut buffers.acc,
+            &mut buffers.smooth,
+            &mut buffers.constraint,
+            &mut buffers.ma,
+            &mut buffers.grad,
+            &mut buffers.mgrad,
+            &mut buffers.search,
+            &mut buffers.mv,
+            &mut buffers.row_update,
+            &mut buffers.grad_before,
+            &mut buffers.mgrad_before,
+        ] {
+            vector.resize(groups, [0.0; 4]);
+        }
+        buffers.hessian.reserve(nv * groups);
+        buffers.pushing.reserve(rows * groups);
+        buffers.pushed.reserve(rows * groups);
+        buffers.terms.reserve(rows);
+        for vector in [
+            &mut buffers.jar,
+            &mut buffers.jv,
+            &mut buffers.force,
+            &mut buffers.gathered.aref,
+            &mut buffers.gathered.d,
+        ] {
+            vector.reserve(rows);
+        }
+        buffers.pushes.reserve(rows);
+        buffers.states.reserve(rows);
+        buffers.pieces.reserve(rows);
+        buffers.rows.reserve(rows);
+        buffers.gathered.jac.reserve(rows * groups);
+        buffers.gathered.blocks.reserve(blocks);
+        buffers
+    }
+
+    /// Makes the vectors as long as an island needs them; what is beyond the last element is zero.
+    pub(super) fn fit(&mut self, n: usize) {
+        for vector in [
+            &mut self.acc,
+            &mut self.smooth,
+            &mut self.constraint,
+            &mut self.ma,
+            &mut self.grad,
+            &mut self.mgrad,
+            &mut self.search,
+            &mut self.mv,
+            &mut self.row_update,
+            &mut self.grad_before,
+            &mut self.mgrad_before,
+        ] {
+            if vector.len() != dense::groups(n) || (!n.is_multiple_of(4) && self.last != n) {
+                vector.clear();
+                vector.resize(dense::groups(n), [0.0; 4]);
+            }
+        }
+        self.last = n;
+    }
+}

@@ -1,0 +1,535 @@
+//! Rows that do more than push: forces, costs and cost along a direction of equality constraints,
+//! dry friction, limits and elliptic cones together.
+
+#![expect(
+    clippy::needless_range_loop,
+    reason = "indices are those of the formulas"
+)]
+
+use crate::physics::constraint::{Block, Kind, Source};
+use crate::{Contact, Revision};
+
+/// What the rows of an island are, beside their residuals.
+#[derive(Clone, Copy)]
+pub(super) struct Law<'a> {
+    pub(super) blocks: &'a [Block],
+    pub(super) d: &'a [f64],
+    pub(super) r: &'a [f64],
+    /// Forces of dry friction, up to the last row that has one.
+    pub(super) loss: &'a [f64],
+    pub(super) contacts: &'a [Contact],
+    pub(super) revision: Revision,
+}
+
+/// Where a row is on its curve of costs: MuJoCo's `mjtConstraintState`.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum State {
+    #[default]
+    Satisfied,
+    Quadratic,
+    LinearNegative,
+    LinearPositive,
+    Cone,
+}
+
+/// The second derivatives of a cone's cost by its residuals, and its first row.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ConeHessian {
+    pub(super) row: usize,
+    pub(super) dim: usize,
+    pub(super) matrix: [[f64; 6]; 6],
+}
+
+impl Law<'_> {
+    fn contact(&self, block: &Block) -> Option<&Contact> {
+        match block.source {
+            Source::Contact(index) => self.contacts.get(index),
+            _ => None,
+        }
+    }
+
+    /// Forces and states of all rows, and their cost: MuJoCo's `mj_constraintUpdate`.
+    pub(super) fn update(
+        &self,
+        jar: &[f64],
+        force: &mut [f64],
+        states: &mut [State],
+        cones: &mut Vec<ConeHessian>,
+    ) -> f64 {
+        cones.clear();
+        let mut cost = 0.0;
+        for block in self.blocks {
+            let rows = block.row..block.row + block.rows;
+            for i in rows.clone() {
+                force[i] = -self.d[i] * jar[i];
+            }
+            match block.kind {
+                Kind::Equality => {
+                    for i in rows {
+                        cost += 0.5 * self.d[i] * jar[i] * jar[i];
+                        states[i] = State::Quadratic;
+                    }
+                }
+                Kind::Friction => {
+                    let i = block.row;
+                    let (x, r, f) = (jar[i], self.r[i], self.loss[i]);
+                    if x <= -r * f {
+                        cost += -0.5 * r * f * f - f * x;
+                        (force[i], states[i]) = (f, State::LinearNegative);
+                    } else if x >= r * f {
+                        cost += -0.5 * r * f * f + f * x;
+                        (force[i], states[i]) = (-f, State::LinearPositive);
+                    } else {
+                        cost += 0.5 * self.d[i] * x * x;
+                        states[i] = State::Quadratic;
+                    }
+                }
+                Kind::Limit => {
+                    for i in rows {
+                        if jar[i] >= 0.0 {
+                            (force[i], states[i]) = (0.0, State::Satisfied);
+                        } else {
+                            cost += 0.5 * self.d[i] * jar[i] * jar[i];
+                            states[i] = State::Quadratic;
+                        }
+                    }
+                }
+                Kind::Cone => {
+                    let (more, state) = self.cone(block, jar, force, cones);
+                    cost = if state == State::Quadratic {
+                        let terms = rows.clone().map(|i| 0.5 * self.d[i] * jar[i] * jar[i]);
+                        terms.fold(cost, |sum, term| sum + term)
+                    } else {
+                        cost + more
+                    };
+                    states[rows].fill(state);
+                }
+            }
+        }
+        cost
+    }
+
+    fn cone(
+        &self,
+        block: &Block,
+        jar: &[f64],
+        force: &mut [f64],
+        cones: &mut Vec<ConeHessian>,
+    ) -> (f64, State) {
+        let Some(contact) = self.contact(block) else {
+            return (0.0, State::Satisfied);
+        };
+        let (i, dim, mu) = (block.row, block.rows, contact.mu);
+        let friction = &contact.friction;
+        // residuals in the regular dual cone
+        let mut u = [0.0; 6];
+        u[0] = jar[i] * mu;
+        for j in 1..dim {
+            u[j] = jar[i + j] * friction[j - 1];
+        }
+        let (n, t) = (u[0], norm(&u[1..dim]));
+        if n >= mu * t || (t <= 0.0 && n >= 0.0) {
+            force[i..i + dim].fill(0.0);
+            return (0.0, State::Satisfied);
+        }
+        if mu * n + t <= 0.0 || (t <= 0.0 && n < 0.0) {
+            return (0.0, State::Quadratic);
+        }
+        let dm = self.d[i] / (mu * mu * (1.0 + mu * mu));
+        let apart = n - mu * t;
+        force[i] = -dm * apart * mu;
+        let matrix = match self.revision {
+            Revision::V3_12 => {
+                for j in 1..dim {
+                    force[i + j] = -force[i] / t * u[j] * friction[j - 1];
+                }
+                cone_hessian(
+                    &u,
+                    mu / t,
+                    (mu * n / (t * t * t), mu * n / t),
+                    dim,
+                    mu,
+                    friction,
+                    dm,
+                )
+            }
+            Revision::V4_0 => {
+                // with the direction of sliding
+                let u = u.map(|u| u / t);
+                for j in 1..dim {
+                    force[i + j] = -force[i] * u[j] * friction[j - 1];
+                }
+                let bend = mu * (n / t);
+                cone_hessian(&u, mu, (bend, bend), dim, mu, friction, dm)
+            }
+        };
+        cones.push(ConeHessian {
+            row: i,
+            dim,
+            matrix,
+        });
+        (0.5 * dm * apart * apart, State::Cone)
+    }
+}
+
+/// The length of a vector, in the order of MuJoCo's `mju_norm`.
+fn norm(v: &[f64]) -> f64 {
+    crate::physics::dense::dot_slices(v, v).sqrt()
+}
+
+/// The second derivatives, from the direction `u` of sliding, which may have a length, and what
+/// its length makes of the factors: of the first row, of the products, and of the diagonal.
+fn cone_hessian(
+    u: &[f64; 6],
+    first: f64,
+    (bend, straight): (f64, f64),
+    dim: usize,
+    mu: f64,
+    friction: &[f64; 5],
+    dm: f64,
+) -> [[f64; 6]; 6] {
+    let mut h = [[0.0; 6]; 6];
+    h[0][0] = 1.0;
+    for j in 1..dim {
+        h[0][j] = -first * u[j];
+    }
+    for k in 1..dim {
+        for j in k..dim {
+            h[k][j] = bend * u[j] * u[k];
+        }
+    }
+    let factor = mu * mu - straight;
+    for j in 1..dim {
+        h[j][j] += factor;
+    }
+    let scale = |k: usize| if k == 0 { mu } else { friction[k - 1] };
+    for k in 0..dim {
+        let factor = dm * scale(k);
+        for j in k..dim {
+            h[k][j] *= factor * scale(j);
+        }
+    }
+    for k in 0..dim {
+        for j in k + 1..dim {
+            h[j][k] = h[k][j];
+        }
+    }
+    h
+}
+
+/// A block of rows along a direction: MuJoCo's `PrimalPrepare`.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Piece {
+    /// The factors of the length and of its square.
+    Equality([f64; 2]),
+    Friction {
+        start: f64,
+        along: f64,
+        loss: f64,
+        bound: f64,
+        d: f64,
+    },
+    /// The residual and how it changes; the cost by powers of the length.
+    Limit {
+        start: f64,
+        along: f64,
+        quad: [f64; 3],
+    },
+    Cone(Cone),
+}
+
+/// An elliptic cone along a direction.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Cone {
+    quad: [f64; 3],
+    u: f64,
+    v: f64,
+    uu: f64,
+    uv: f64,
+    vv: f64,
+    dm: f64,
+    mu: f64,
+    /// From 4.0 on, the tangential residuals and how they change, one by one.
+    parts: Option<([[f64; 2]; 5], usize)>,
+}
+
+impl Law<'_> {
+    pub(super) fn prepare(&self, jar: &[f64], jv: &[f64], pieces: &mut Vec<Piece>) {
+        pieces.clear();
+        for block in self.blocks {
+            for i in block.row..block.row + block.rows {
+                let force = self.d[i] * jar[i];
+                let quad = [
+                    jar[i] * force * 0.5,
+                    jv[i] * force,
+                    jv[i] * self.d[i] * jv[i] * 0.5,
+                ];
+                pieces.push(match block.kind {
+                    Kind::Equality => Piece::Equality([quad[1], quad[2]]),
+                    Kind::Friction => Piece::Friction {
+                        start: jar[i],
+                        along: jv[i],
+                        loss: self.loss[i],
+                        bound: self.r[i] * self.loss[i],
+                        d: self.d[i],
+                    },
+                    Kind::Limit => Piece::Limit {
+                        start: jar[i],
+                        along: jv[i],
+                        quad,
+                    },
+                    Kind::Cone => {
+                        pieces.extend(self.along_cone(block, jar, jv).map(Piece::Cone));
+                        break;
+                    }
+                });
+            }
+        }
+    }
+
+    fn along_cone(&self, block: &Block, jar: &[f64], jv: &[f64]) -> Option<Cone> {
+        let contact = self.contact(block)?;
+        let (i, mu) = (block.row, contact.mu);
+        let force = self.d[i] * jar[i];
+        let mut quad = [jar[i] * force, jv[i] * force, jv[i] * self.d[i] * jv[i]];
+        let (mut uu, mut uv, mut vv) = (0.0, 0.0, 0.0);
+        let mut parts = [[0.0; 2]; 5];
+        for j in 1..block.rows {
+            let (x, y, d) = (jar[i + j], jv[i + j], self.d[i + j]);
+            let force = d * x;
+            quad = [
+                quad[0] + x * force,
+                quad[1] + y * force,
+                quad[2] + y * d * y,
+            ];
+            let (u, v) = (x * contact.friction[j - 1], y * contact.friction[j - 1]);
+            (uu, uv, vv) = (uu + u * u, uv + u * v, vv + v * v);
+            parts[j - 1] = [u, v];
+        }
+        Some(Cone {
+            quad: [quad[0] * 0.5, quad[1], quad[2] * 0.5],
+            u: jar[i] * mu,
+            v: jv[i] * mu,
+            uu,
+            uv,
+            vv,
+            dm: self.d[i] / ((mu * mu) * (1.0 + mu * mu)),
+            mu,
+            parts: (self.revision == Revision::V4_0).then_some((parts, block.rows - 1)),
+        })
+    }
+}
+
+/// Cost relative to the start, slope and curvature, at a length: MuJoCo's `PrimalEval`. `quad` has
+/// the factors of the cost of the accelerations.
+pub(super) fn evaluate(pieces: &[Piece], alpha: f64, mut quad: [f64; 3]) -> [f64; 3] {
+    let (mut cost, mut slope, mut curvature) = (0.0, 0.0, 0.0);
+    for piece in pieces {
+        match piece {
+            Piece::Equality([linear, square]) => {
+                quad[1] += linear;
+                quad[2] += square;
+            }
+            &Piece::Friction {
+                start,
+                along,
+                loss,
+                bound,
+                d,
+            } => {
+                let x = start + alpha * along;
+                cost += friction_difference(start, x, loss, bound, d);
+                if -bound < x && x < bound {
+                    slope += d * x * along;
+                    curvature += d * along * along;
+                } else if x <= -bound {
+                    slope += -loss * along;
+                } else {
+                    slope += loss * along;
+                }
+            }
+            Piece::Limit {
+                start,
+                along,
+                quad: own,
+            } => {
+                let before = if *start < 0.0 { own[0] } else { 0.0 };
+                if start + alpha * along < 0.0 {
+                    quad[0] += own[0] - before;
+                    quad[1] += own[1];
+                    quad[2] += own[2];
+                } else {
+                    cost -= before;
+                }
+            }
+            Piece::Cone(cone) => {
+                cost += cone.difference(alpha);
+                let [more, bend] = cone.derivatives(alpha);
+                slope += more;
+                curvature += bend;
+            }
+        }
+    }
+    cost += alpha * alpha * quad[2] + alpha * quad[1] + quad[0];
+    slope += 2.0 * alpha * quad[2] + quad[1];
+    curvature += 2.0 * quad[2];
+    [cost, slope, curvature]
+}
+
+/// Where dry friction is linear: -1 below, 1 above, 0 within its bound.
+fn zone(x: f64, bound: f64) -> i8 {
+    if -bound < x && x < bound {
+        0
+    } else if x <= -bound {
+        -1
+    } else {
+        1
+    }
+}
+
+fn friction_cost(x: f64, loss: f64, bound: f64, d: f64) -> f64 {
+    match zone(x, bound) {
+        0 => 0.5 * d * x * x,
+        -1 => loss * (-0.5 * bound - x),
+        _ => loss * (-0.5 * bound + x),
+    }
+}
+
+fn friction_difference(start: f64, x: f64, loss: f64, bound: f64, d: f64) -> f64 {
+    match (zone(start, bound), zone(x, bound)) {
+        (0, 0) => 0.5 * d * (x - start) * (x + start),
+        (-1, -1) => loss * (start - x),
+        (1, 1) => loss * (x - start),
+        _ => friction_cost(x, loss, bound, d) - friction_cost(start, loss, bound, d),
+    }
+}
+
+/// The zones of a cone.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Zone {
+    Top,
+    Bottom,
+    Middle,
+}
+
+impl Cone {
+    /// The zone of a normal part and the square of the tangential one, and this one.
+    fn zone(&self, n: f64, square: f64) -> (Zone, f64) {
+        if square <= 0.0 {
+            let zone = if n < 0.0 { Zone::Bottom } else { Zone::Top };
+            return (zone, 0.0);
+        }
+        let t = square.sqrt();
+        let zone = if n >= self.mu * t {
+            Zone::Top
+        } else if self.mu * n + t <= 0.0 {
+            Zone::Bottom
+        } else {
+            Zone::Middle
+        };
+        (zone, t)
+    }
+
+    /// The normal part and the square of the tangential one.
+    fn at(&self, alpha: f64) -> (f64, f64) {
+        let square = if let Some((parts, number)) = &self.parts {
+            let moved = parts[..*number].iter().map(|[u, v]| u + alpha * v);
+            moved.fold(0.0, |sum, x| sum + x * x)
+        } else {
+            self.uu + alpha * (2.0 * self.uv + alpha * self.vv)
+        };
+        (self.u + alpha * self.v, square)
+    }
+
+    /// How much the square of the tangential part grows.
+    fn growth(&self, alpha: f64) -> f64 {
+        if let Some((parts, number)) = &self.parts {
+            let parts = parts[..*number].iter();
+            parts.fold(0.0, |sum, [u, v]| sum + alpha * v * (u + (u + alpha * v)))
+        } else {
+            alpha * (2.0 * self.uv + alpha * self.vv)
+        }
+    }
+
+    /// MuJoCo's `ellipticCostDif`.
+    fn difference(&self, alpha: f64) -> f64 {
+        let Self { quad, mu, dm, .. } = *self;
+        let (start, t0) = self.zone(self.u, self.uu);
+        let (n, square) = self.at(alpha);
+        let (end, t) = self.zone(n, square);
+        match (start, end) {
+            (Zone::Top, Zone::Top) => 0.0,
+            (Zone::Bottom, Zone::Bottom) => alpha * alpha * quad[2] + alpha * quad[1],
+            (Zone::Middle, Zone::Middle) => {
+                let moved = alpha * self.v - mu * (self.growth(alpha) / (t + t0));
+                let before = self.u - mu * t0;
+                0.5 * dm * moved * (2.0 * before + moved)
+            }
+            (Zone::Middle, Zone::Bottom) => {
+                let boundary = mu * self.u + t0;
+                alpha * (alpha * quad[2] + quad[1]) + 0.5 * dm * boundary * boundary
+            }
+            (Zone::Bottom, Zone::Middle) => {
+                let boundary = mu * n + t;
+                alpha * (alpha * quad[2] + quad[1]) - 0.5 * dm * boundary * boundary
+            }
+            (Zone::Top, Zone::Bottom) => alpha * alpha * quad[2] + alpha * quad[1] + quad[0],
+            (Zone::Top, Zone::Middle) => {
+                let apart = n - mu * t;
+                0.5 * dm * apart * apart
+            }
+            (Zone::Middle, Zone::Top) => {
+                let before = self.u - mu * t0;
+                -0.5 * dm * before * before
+            }
+            (Zone::Bottom, Zone::Top) => -quad[0],
+        }
+    }
+
+    fn derivatives(&self, alpha: f64) -> [f64; 2] {
+        let Self { quad, mu, dm, .. } = *self;
+        let (n, square) = self.at(alpha);
+        match self.zone(n, square) {
+            (Zone::Top, _) => [0.0; 2],
+            (Zone::Bottom, _) => [2.0 * alpha * quad[2] + quad[1], 2.0 * quad[2]],
+            (Zone::Middle, t) if self.parts.is_some() => {
+                let (along, across) = self.slide(alpha, t);
+                let slope = self.v - mu * (along / t);
+                let bend = (n / t - mu) * (across * mu);
+                [dm * (n - mu * t) * slope, dm * (slope * slope - bend)]
+            }
+            (Zone::Middle, t) => {
+                let n1 = self.v;
+                let t1 = (self.uv + alpha * self.vv) / t;
+                let t2 = self.vv / t - (self.uv + alpha * self.vv) * t1 / (t * t);
+                [
+                    dm * (n - mu * t) * (n1 - mu * t1),
+                    dm * ((n1 - mu * t1) * (n1 - mu * t1) + (n - mu * t) * (-mu * t2)),
+                ]
+            }
+        }
+    }
+
+    /// Of the tangential residuals and how they change: their product, and the square of what of
+    /// the change is across the direction of the residuals.
+    fn slide(&self, alpha: f64, length: f64) -> (f64, f64) {
+        let Some((parts, number)) = &self.parts else {
+            return (0.0, 0.0);
+        };
+        let parts = &parts[..*number];
+        let moved = |[u, v]: [f64; 2]| u + alpha * v;
+        let along = parts
+            .iter()
+            .fold(0.0, |sum, &part| sum + moved(part) * part[1]);
+        let mut across = 0.0;
+        for (j, &first) in parts.iter().enumerate() {
+            let direction = moved(first) / length;
+            for &second in &parts[j + 1..] {
+                let other = moved(second) / length;
+                let area = direction * second[1] - first[1] * other;
+                across += area * area;
+            }
+        }
+        (along, across)
+    }
+}

@@ -1,0 +1,142 @@
+//! Lengths, Jacobians and velocities of tendons.
+
+use super::dense::dot_sparse;
+use super::jacobian::moves_at;
+use super::spatial::{Vec3, norm, normalize, sub};
+use super::wrap::{Obstacle, wrap};
+use crate::model::WrapType;
+use crate::{Data, Model};
+
+/// Lengths and Jacobians of the tendons: MuJoCo's `mj_tendon`.
+pub fn tendon(m: &Model, d: &mut Data) {
+    d.ten_j.fill(0.0);
+    for t in 0..m.ntendon() {
+        if m.plan().paths.fixed[t] {
+            fixed(m, d, t);
+        } else {
+            spatial(m, d, t);
+        }
+    }
+}
+
+/// Velocities of the tendons.
+pub fn tendon_velocity(m: &Model, d: &mut Data) {
+    let paths = &m.plan().paths;
+    for (velocity, row) in d.ten_velocity.iter_mut().zip(&paths.rows) {
+        let columns = &paths.columns[row.clone()];
+        *velocity = dot_sparse(&d.ten_j[row.clone()], columns, &d.qvel);
+    }
+}
+
+/// A sum of joint positions, each times its coefficient.
+fn fixed(m: &Model, d: &mut Data, t: usize) {
+    let paths = &m.plan().paths;
+    let row = paths.rows[t].clone();
+    let columns = &paths.columns[row.clone()];
+    let mut length = 0.0;
+    for w in m.tendon_adr[t]..m.tendon_adr[t] + m.tendon_num[t] {
+        let (joint, coefficient) = (m.wrap_objid[w] as usize, m.wrap_prm[w]);
+        length += coefficient * d.qpos[m.jnt_qposadr[joint]];
+        if let Ok(place) = columns.binary_search(&m.jnt_dofadr[joint]) {
+            d.ten_j[row.start + place] += coefficient;
+        }
+    }
+    d.ten_length[t] = length;
+}
+
+/// The length of a path through sites and around geoms. What follows a pulley counts divided.
+fn spatial(m: &Model, d: &mut Data, t: usize) {
+    let (first, number) = (m.tendon_adr[t], m.tendon_num[t]);
+    let part = |j: usize| (m.wrap_type[first + j], m.wrap_objid[first + j]);
+    let (mut divisor, mut length, mut j) = (1.0, 0.0, 0);
+    while j + 1 < number {
+        let ((kind, id), (next_kind, next)) = (part(j), part(j + 1));
+        if kind == WrapType::Pulley || next_kind == WrapType::Pulley {
+            if kind == WrapType::Pulley {
+                divisor = m.wrap_prm[first + j];
+            }
+            j += 1;
+            continue;
+        }
+        let start = id as usize;
+        let begin = (m.site_bodyid[start], d.site_xpos[start]);
+        let geom = next as usize;
+        let around = match next_kind {
+            WrapType::Sphere | WrapType::Cylinder => {
+                let end = d.site_xpos[part(j + 2).1 as usize];
+                let side = m.wrap_prm[first + j + 1].round();
+                let obstacle = Obstacle {
+                    cylinder: next_kind == WrapType::Cylinder,
+                    pos: d.geom_xpos[geom],
+                    mat: &d.geom_xmat[geom],
+                    radius: m.geom_size[geom][0],
+                    side: (side >= 0.0).then(|| d.site_xpos[side as usize]),
+                };
+                j += 2;
+                wrap(begin.1, end, &obstacle, m.revision)
+            }
+            _ => {
+                j += 1;
+                None
+            }
+        };
+        let end = part(j).1 as usize;
+        let end = (m.site_bodyid[end], d.site_xpos[end]);
+        match around {
+            None => {
+                length += distance(begin.1, end.1) / divisor;
+                straight(m, d, t, divisor, [begin, end]);
+            }
+            Some((arc, [enter, leave])) => {
+                let sum = distance(begin.1, enter) + arc + distance(leave, end.1);
+                length += sum / divisor;
+                let body = m.geom_bodyid[geom];
+                straight(m, d, t, divisor, [begin, (body, enter)]);
+                straight(m, d, t, divisor, [(body, leave), end]);
+            }
+        }
+    }
+    d.ten_length[t] = length;
+}
+
+fn distance(a: Vec3, b: Vec3) -> f64 {
+    norm(sub(a, b))
+}
+
+/// Adds to a tendon's Jacobian what a straight part of it between two bodies gives.
+fn straight(
+    m: &Model,
+    d: &mut Data,
+    t: usize,
+    divisor: f64,
+    [(b1, p1), (b2, p2)]: [(usize, Vec3); 2],
+) {
+    if b1 == b2 {
+        return;
+    }
+    let (direction, _) = normalize(sub(p2, p1));
+    let paths = &m.plan().paths;
+    let row = paths.rows[t].clone();
+    let (chain1, chain2) = (m.plan().chain(b1), m.plan().chain(b2));
+    for (&dof, value) in paths.columns[row.clone()].iter().zip(&mut d.ten_j[row]) {
+        let (first, second) = (chain1.contains(&dof), chain2.contains(&dof));
+        if !first && !second {
+            continue;
+        }
+        let at = |moved: bool, body: usize, point: Vec3| {
+            if moved {
+                moves_at(m, &d.cdof, &d.subtree_com, dof, body, point)
+            } else {
+                [0.0; 3]
+            }
+        };
+        let apart = sub(at(second, b2, p2), at(first, b1, p1));
+        let mut along = 0.0;
+        for k in 0..3 {
+            if direction[k] != 0.0 {
+                along += apart[k] * direction[k];
+            }
+        }
+        *value += 1.0 / divisor * along;
+    }
+}

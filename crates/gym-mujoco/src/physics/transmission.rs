@@ -1,0 +1,244 @@
+//! Lengths and moment arms of actuators.
+
+#![expect(
+    clippy::needless_range_loop,
+    reason = "indices are those of the formulas"
+)]
+
+use std::ops::Range;
+
+use super::dense::dot_sparse;
+use super::jacobian::moves_at;
+use super::spatial::{
+    InTurn, Order, Pairwise, Quat, Vec3, dot, quat_to_velocity, rotate, rotate_back, rotate_quat,
+    rotation, sub,
+};
+use crate::model::{JointType, TransmissionType};
+use crate::{Data, Model, Revision};
+
+/// The moment arms of the actuators: for each a row of the degrees of freedom that it moves.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Moments {
+    pub(crate) rows: Vec<Range<usize>>,
+    pub(crate) columns: Vec<usize>,
+    pub(crate) values: Vec<f64>,
+}
+
+impl Moments {
+    /// Room for all actuators.
+    pub(crate) fn new(m: &Model) -> Self {
+        let mut moments = Self::default();
+        if m.plan().transmits {
+            moments.rows.reserve(m.nu());
+            moments.columns.reserve(m.nu() * m.nv());
+            moments.values.reserve(m.nu() * m.nv());
+        }
+        moments
+    }
+
+    fn clear(&mut self) {
+        self.rows.clear();
+        self.columns.clear();
+        self.values.clear();
+    }
+
+    fn push(&mut self, column: usize, value: f64) {
+        self.columns.push(column);
+        self.values.push(value);
+    }
+
+    /// The degrees of freedom of an actuator and its moments.
+    pub(crate) fn row(&self, actuator: usize) -> (&[usize], &[f64]) {
+        let row = self.rows[actuator].clone();
+        (&self.columns[row.clone()], &self.values[row])
+    }
+}
+
+/// `actuator_length` and the moments: MuJoCo's `mj_transmission`.
+pub fn transmission(m: &Model, d: &mut Data) {
+    let mut moments = std::mem::take(&mut d.work.moments);
+    moments.clear();
+    for i in 0..m.nu() {
+        let first = moments.values.len();
+        d.actuator_length[i] = match m.revision {
+            Revision::V3_12 => length::<InTurn>(m, d, i, &mut moments),
+            Revision::V4_0 => length::<Pairwise>(m, d, i, &mut moments),
+        };
+        moments.rows.push(first..moments.values.len());
+    }
+    d.work.moments = moments;
+}
+
+/// `actuator_velocity`.
+pub fn transmission_velocity(m: &Model, d: &mut Data) {
+    for i in 0..m.nu() {
+        let (columns, values) = d.work.moments.row(i);
+        d.actuator_velocity[i] = dot_sparse(values, columns, &d.qvel);
+    }
+}
+
+fn length<O: Order>(m: &Model, d: &Data, i: usize, moments: &mut Moments) -> f64 {
+    let [id, reference] = m.actuator_trnid[i];
+    let (id, gear) = (id as usize, m.actuator_gear[i]);
+    let kind = m.actuator_trntype[i];
+    match kind {
+        TransmissionType::Joint | TransmissionType::JointInParent => joint::<O>(
+            m,
+            d,
+            id,
+            &gear,
+            kind == TransmissionType::JointInParent,
+            moments,
+        ),
+        TransmissionType::Tendon => {
+            let paths = &m.plan().paths;
+            let row = paths.rows[id].clone();
+            for (&column, value) in paths.columns[row.clone()].iter().zip(&d.ten_j[row]) {
+                moments.push(column, value * gear[0]);
+            }
+            d.ten_length[id] * gear[0]
+        }
+        TransmissionType::Site => match usize::try_from(reference) {
+            Ok(reference) => between_sites::<O>(m, d, [id, reference], &gear, moments),
+            Err(_) => {
+                let (push, turn) = halves(&gear);
+                let mat = &d.site_xmat[id];
+                at_site(m, d, id, rotate(mat, push), rotate(mat, turn), moments);
+                0.0
+            }
+        },
+    }
+}
+
+fn halves(gear: &[f64; 6]) -> (Vec3, Vec3) {
+    ([gear[0], gear[1], gear[2]], [gear[3], gear[4], gear[5]])
+}
+
+fn joint<O: Order>(
+    m: &Model,
+    d: &Data,
+    joint: usize,
+    gear: &[f64; 6],
+    in_parent: bool,
+    moments: &mut Moments,
+) -> f64 {
+    let (p, v) = (m.jnt_qposadr[joint], m.jnt_dofadr[joint]);
+    let quat = |p: usize| O::normalize_quat((), [0, 1, 2, 3].map(|k| d.qpos[p + k]));
+    // an axis in the parent's frame, in the body's
+    let turned = |axis: Vec3, q: Quat| {
+        if in_parent {
+            rotate_quat(axis, [q[0], -q[1], -q[2], -q[3]])
+        } else {
+            axis
+        }
+    };
+    let (first, second) = halves(gear);
+    match m.jnt_type[joint] {
+        JointType::Slide | JointType::Hinge => {
+            moments.push(v, gear[0]);
+            d.qpos[p] * gear[0]
+        }
+        JointType::Ball => {
+            let quat = quat(p);
+            let axis = turned(first, quat);
+            for k in 0..3 {
+                moments.push(v + k, axis[k]);
+            }
+            dot(quat_to_velocity(quat), axis)
+        }
+        JointType::Free => {
+            let axis = if in_parent {
+                turned(second, quat(p + 3))
+            } else {
+                second
+            };
+            for k in 0..3 {
+                moments.push(v + k, first[k]);
+            }
+            for k in 0..3 {
+                moments.push(v + 3 + k, axis[k]);
+            }
+            0.0
+        }
+    }
+}
+
+/// `J' f`, where factors of zero add nothing.
+fn along(moves: Vec3, force: Vec3) -> f64 {
+    let mut sum = 0.0;
+    for k in 0..3 {
+        if force[k] != 0.0 {
+            sum += moves[k] * force[k];
+        }
+    }
+    sum
+}
+
+fn push_nonzero(moments: &mut Moments, dof: usize, value: f64) {
+    if value != 0.0 {
+        moments.push(dof, value);
+    }
+}
+
+/// The moments of a force and a torque at a site, in the world's axes.
+fn at_site(m: &Model, d: &Data, site: usize, force: Vec3, torque: Vec3, moments: &mut Moments) {
+    let (body, point) = (m.site_bodyid[site], d.site_xpos[site]);
+    for &dof in m.plan().chain(body) {
+        let moves = moves_at(m, &d.cdof, &d.subtree_com, dof, body, point);
+        let value = along(moves, force) + along(rotation(&d.cdof[dof]), torque);
+        push_nonzero(moments, dof, value);
+    }
+}
+
+/// The place of a site in the frame of another one, along the gear, and its moments.
+fn between_sites<O: Order>(
+    m: &Model,
+    d: &Data,
+    [site, reference]: [usize; 2],
+    gear: &[f64; 6],
+    moments: &mut Moments,
+) -> f64 {
+    let (push, turn) = halves(gear);
+    let mut length = 0.0;
+    let mat = &d.site_xmat[reference];
+    let used = |v: Vec3| v != [0.0; 3];
+    if used(push) {
+        let apart = sub(d.site_xpos[site], d.site_xpos[reference]);
+        length += dot(rotate_back(mat, apart), push);
+    }
+    if used(turn) {
+        let quat = |s: usize| O::mul_quat(m.site_quat[s], d.xquat[m.site_bodyid[s]]);
+        length += dot(O::sub_quat(quat(site), quat(reference)), turn);
+    }
+    let (force, torque) = (rotate(mat, push), rotate(mat, turn));
+    let bodies = [site, reference].map(|s| m.site_bodyid[s]);
+    let chains = bodies.map(|b| m.plan().chain(b));
+    for dof in 0..m.nv() {
+        let [own, other] = chains.map(|chain| chain.contains(&dof));
+        // common degrees of freedom move neither against the other
+        if own == other {
+            continue;
+        }
+        let moves = |at: usize, s: usize| {
+            moves_at(m, &d.cdof, &d.subtree_com, dof, bodies[at], d.site_xpos[s])
+        };
+        let (shift, spin) = if own {
+            (moves(0, site), rotation(&d.cdof[dof]))
+        } else {
+            let negative = |v: Vec3| sub([0.0; 3], v);
+            (
+                negative(moves(1, reference)),
+                negative(rotation(&d.cdof[dof])),
+            )
+        };
+        let mut value = 0.0;
+        if used(push) {
+            value = along(shift, force);
+        }
+        if used(turn) {
+            value += along(spin, torque);
+        }
+        push_nonzero(moments, dof, value);
+    }
+    length
+}

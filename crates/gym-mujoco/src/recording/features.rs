@@ -1,0 +1,175 @@
+//! Recordings of models with one feature each: single steps from given states, and an episode of
+//! random controls, by several versions of MuJoCo.
+//!
+//! `xml` is the text of the model, `seed` that of the controls. `versions` has for each version
+//! `steps` (states, each with what follows `after` a step) and `episode` (what the state is after
+//! some numbers of steps). The answer has the same form, for the versions that the engine has; a
+//! model that is refused is answered with `error`.
+
+use serde::Deserialize;
+use serde_json::{Map, Value, json};
+
+use crate::{Data, Error, Model, Result, Revision, step};
+
+/// A state, as these recordings have it.
+#[derive(Deserialize)]
+struct State {
+    qpos: Vec<f64>,
+    qvel: Vec<f64>,
+    act: Vec<f64>,
+    ctrl: Vec<f64>,
+    qacc_warmstart: Vec<f64>,
+    mocap_pos: Vec<f64>,
+    mocap_quat: Vec<f64>,
+    /// One number.
+    time: Vec<f64>,
+}
+
+impl State {
+    fn into_data(self, m: &Model) -> Result<Data> {
+        let mut d = Data::new(m);
+        (d.qpos, d.qvel, d.act, d.ctrl) = (self.qpos, self.qvel, self.act, self.ctrl);
+        d.qacc_warmstart = self.qacc_warmstart;
+        d.time = self.time.first().copied().unwrap_or(0.0);
+        d.mocap_pos = self.mocap_pos.as_chunks().0.to_vec();
+        d.mocap_quat = self.mocap_quat.as_chunks().0.to_vec();
+        d.check(m)?;
+        Ok(d)
+    }
+}
+
+/// Whether this is such a recording.
+pub(super) fn is_of_features(recording: &Map<String, Value>) -> bool {
+    recording.get("kind").and_then(Value::as_str) == Some("features")
+}
+
+/// What this engine makes of the model.
+pub(super) fn answer(recording: &Map<String, Value>) -> Result<Map<String, Value>> {
+    let wrong = |what: &str| Error::Data(format!("the recording has {what}"));
+    let text = recording
+        .get("xml")
+        .and_then(Value::as_str)
+        .ok_or_else(|| wrong("no text of a model"))?;
+    let versions = recording
+        .get("versions")
+        .and_then(Value::as_object)
+        .ok_or_else(|| wrong("no versions"))?;
+    let seed = recording.get("seed").and_then(Value::as_u64).unwrap_or(0);
+    let mut answers = Map::new();
+    for (version, recorded) in versions {
+        let Ok(revision) = version.parse::<Revision>() else {
+            continue;
+        };
+        let m = match Model::from_xml_with(text, revision) {
+            Ok(m) => m,
+            Err(error) => {
+                let refused = json!({"error": error.to_string()});
+                return Ok(refused.as_object().cloned().unwrap_or_default());
+            }
+        };
+        answers.insert(version.clone(), of_version(&m, recorded, seed as u32)?);
+    }
+    let answer = json!({"versions": answers});
+    Ok(answer.as_object().cloned().unwrap_or_default())
+}
+
+fn of_version(m: &Model, recorded: &Value, seed: u32) -> Result<Value> {
+    let mut steps = Vec::new();
+    for (i, case) in recorded["steps"]
+        .as_array()
+        .into_iter()
+        .flatten()
+        .enumerate()
+    {
+        let state = State::deserialize(case).map_err(|error| {
+            Error::Data(format!(
+                "the recording has a step {i} without a state: {error}"
+            ))
+        })?;
+        let mut d = state.into_data(m)?;
+        step(m, &mut d);
+        steps.push(json!({"after": after(&d)}));
+    }
+    let marks = recorded["episode"].as_object().into_iter().flatten();
+    let mut marks: Vec<usize> = marks.filter_map(|(mark, _)| mark.parse().ok()).collect();
+    marks.sort_unstable();
+    Ok(json!({"steps": steps, "episode": episode(m, &marks, seed)}))
+}
+
+/// The results of a step, with scalars as lists of one.
+fn after(d: &Data) -> Value {
+    json!({
+        "qpos": d.qpos, "qvel": d.qvel, "act": d.act, "qacc": d.qacc, "sensordata": d.sensordata,
+        "ncon": [d.contact.len()], "nefc": [d.efc.nefc()], "efc_force": d.efc.force,
+        "actuator_force": d.actuator_force, "ten_length": d.ten_length, "qfrc_passive": d.qfrc_passive,
+        "time": [d.time],
+    })
+}
+
+/// Steps from the initial configuration with uniform controls; states after some of them.
+fn episode(m: &Model, marks: &[usize], seed: u32) -> Value {
+    let (mut d, mut controls) = (Data::new(m), Controls::new(seed));
+    let (mut states, mut taken) = (Map::new(), 0);
+    for &mark in marks.iter().filter(|mark| **mark <= 10_000) {
+        while taken < mark {
+            for i in 0..m.nu() {
+                let [low, high] = m.actuator_ctrlrange[i];
+                let control = controls.uniform();
+                d.ctrl[i] = if m.actuator_ctrllimited[i] {
+                    low + (control + 1.0) / 2.0 * (high - low)
+                } else {
+                    control
+                };
+            }
+            step(m, &mut d);
+            taken += 1;
+        }
+        let state =
+            json!({"qpos": d.qpos, "qvel": d.qvel, "act": d.act, "sensordata": d.sensordata});
+        states.insert(mark.to_string(), state);
+    }
+    Value::Object(states)
+}
+
+/// `numpy.random.RandomState(seed).uniform(-1, 1)`: the Mersenne Twister of Matsumoto and
+/// Nishimura (1998).
+struct Controls {
+    state: [u32; 624],
+    next: usize,
+}
+
+impl Controls {
+    fn new(seed: u32) -> Self {
+        let mut state = [seed; 624];
+        for i in 1..624 {
+            let before = state[i - 1];
+            state[i] = 1_812_433_253_u32
+                .wrapping_mul(before ^ (before >> 30))
+                .wrapping_add(i as u32);
+        }
+        Self { state, next: 624 }
+    }
+
+    fn word(&mut self) -> u32 {
+        if self.next == 624 {
+            for i in 0..624 {
+                let joined =
+                    (self.state[i] & 0x8000_0000) | (self.state[(i + 1) % 624] & 0x7fff_ffff);
+                let odd = if joined & 1 == 1 { 0x9908_b0df } else { 0 };
+                self.state[i] = self.state[(i + 397) % 624] ^ (joined >> 1) ^ odd;
+            }
+            self.next = 0;
+        }
+        let mut word = self.state[self.next];
+        self.next += 1;
+        word ^= word >> 11;
+        word ^= (word << 7) & 0x9d2c_5680;
+        word ^= (word << 15) & 0xefc6_0000;
+        word ^ (word >> 18)
+    }
+
+    fn uniform(&mut self) -> f64 {
+        let (a, b) = (f64::from(self.word() >> 5), f64::from(self.word() >> 6));
+        -1.0 + 2.0 * ((a * 67_108_864.0 + b) / 9_007_199_254_740_992.0)
+    }
+}

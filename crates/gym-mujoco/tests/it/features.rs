@@ -1,0 +1,163 @@
+//! What the models of feature recordings do, as libmujoco does it, to the last bit.
+
+use std::path::{Path, PathBuf};
+
+use gym_mujoco::{Model, recording};
+use serde_json::{Map, Value};
+
+use crate::common::same;
+
+/// What is not repeated to the last bit, or at all: names and versions.
+const UNLIKE: [(&str, &str); 9] = [
+    // the contacts of cylinders on each other
+    ("cylinders", "4.0.0"),
+    // sums over more than 60 degrees of freedom
+    ("humanoid_CMU-stand", "3.12.0"),
+    ("humanoid_CMU-stand", "4.0.0"),
+    // refused
+    ("quadruped-escape", "3.12.0"),
+    ("quadruped-escape", "4.0.0"),
+    ("implicit", "3.12.0"),
+    ("implicit", "4.0.0"),
+    ("noslip", "3.12.0"),
+    ("noslip", "4.0.0"),
+];
+
+/// The recordings of this crate, and more where `GYM_REFERENCE` names a folder that has them.
+fn recordings() -> Vec<PathBuf> {
+    let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/recorded/features");
+    let more = std::env::var_os("GYM_REFERENCE").map(PathBuf::from);
+    let more = more
+        .iter()
+        .flat_map(|folder| ["features", "features_suite"].map(|name| folder.join(name)));
+    let folders = std::iter::once(own).chain(more.filter(|folder| folder.is_dir()));
+    let entries = folders.flat_map(|folder| std::fs::read_dir(folder).unwrap());
+    let mut paths: Vec<PathBuf> = entries.map(|entry| entry.unwrap().path()).collect();
+    paths.sort();
+    paths
+}
+
+/// The first value of an object that another one has not.
+fn first<'a>(expected: &'a Value, found: &Value) -> Option<&'a str> {
+    let expected = expected.as_object().into_iter().flatten();
+    let mut unlike = expected.filter(|(key, value)| {
+        let found = &found[key.as_str()];
+        // scalars may be lists of one
+        !same(value, found) && !same(&Value::Array(vec![(*value).clone()]), found)
+    });
+    unlike.next().map(|(key, _)| key.as_str())
+}
+
+#[test]
+fn features_are_as_in_libmujoco() {
+    let mut compared = 0;
+    for path in recordings() {
+        let text = std::fs::read_to_string(&path).unwrap();
+        let file: Map<String, Value> = serde_json::from_str(&text).unwrap();
+        let name = file["name"].as_str().unwrap();
+        let answer = recording::answer(&file, Path::new("")).unwrap();
+        for (version, expected) in file["versions"].as_object().unwrap() {
+            if UNLIKE.contains(&(name, version)) {
+                continue;
+            }
+            let error = answer.get("error");
+            assert_eq!(error, None, "{name}, {version}");
+            let found = &answer["versions"][version];
+            let mut unlike = Vec::new();
+            let steps = expected["steps"].as_array().into_iter().flatten();
+            for (i, step) in steps.enumerate() {
+                let fault = first(&step["after"], &found["steps"][i]["after"]);
+                unlike.extend(fault.map(|key| format!("step {i}: {key}")));
+            }
+            for (mark, state) in expected["episode"].as_object().into_iter().flatten() {
+                let fault = first(state, &found["episode"][mark]);
+                unlike.extend(fault.map(|key| format!("after {mark} steps: {key}")));
+            }
+            assert!(unlike.is_empty(), "{name}, {version}: {unlike:?}");
+            compared += 1;
+        }
+    }
+    assert!(compared >= 56, "{compared} compared");
+}
+
+/// A folder with a model in several files, which is removed at the end.
+struct Folder(PathBuf);
+
+impl Folder {
+    fn new(name: &str, files: &[(&str, &str)]) -> Self {
+        let name = format!("gym-mujoco-{name}-{}", std::process::id());
+        let folder = Self(std::env::temp_dir().join(name));
+        for (file, text) in files {
+            let path = folder.0.join(file);
+            std::fs::create_dir_all(path.parent().unwrap()).unwrap();
+            std::fs::write(path, text).unwrap();
+        }
+        folder
+    }
+
+    fn model(&self, file: &str) -> Result<Model, String> {
+        Model::from_path(self.0.join(file)).map_err(|error| error.to_string())
+    }
+}
+
+impl Drop for Folder {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_dir_all(&self.0);
+    }
+}
+
+#[test]
+fn models_include_files() {
+    let folder = Folder::new(
+        "include",
+        &[
+            (
+                "model.xml",
+                "<mujoco><include file=\"parts/options.xml\"/><worldbody><include file=\"parts/body.xml\"/></worldbody></mujoco>",
+            ),
+            (
+                "parts/options.xml",
+                "<mujoco><option timestep=\"0.01\"/></mujoco>",
+            ),
+            (
+                "parts/body.xml",
+                "<any><body name=\"b\"><joint/><geom size=\"0.1\"/></body></any>",
+            ),
+            (
+                "missing.xml",
+                "<mujoco>\n<include file=\"none.xml\"/></mujoco>",
+            ),
+            (
+                "circle.xml",
+                "<mujoco>\n<include file=\"circle.xml\"/></mujoco>",
+            ),
+            (
+                "wrong.xml",
+                "<mujoco><worldbody><include file=\"parts/wrong.xml\"/></worldbody></mujoco>",
+            ),
+            ("parts/wrong.xml", "<any>\n<geom size=\"nan\"/></any>"),
+        ],
+    );
+    let model = folder.model("model.xml").unwrap();
+    assert_eq!((model.opt.timestep, model.nbody()), (0.01, 2));
+    let missing = folder.model("missing.xml").unwrap_err();
+    assert!(missing.contains("none.xml"), "{missing}");
+    let circle = folder.model("circle.xml").unwrap_err();
+    assert!(circle.contains("circle.xml"), "{circle}");
+    // errors name the file that is at fault
+    let wrong = folder.model("wrong.xml").unwrap_err();
+    assert!(
+        wrong.contains("wrong.xml") && wrong.contains("line 2"),
+        "{wrong}"
+    );
+}
+
+#[test]
+fn texts_include_nothing() {
+    let text = "<mujoco>\n<include file=\"x.xml\"/></mujoco>";
+    let error = Model::from_xml(text).unwrap_err().to_string();
+    assert!(
+        error.contains("include") && error.contains("line 2"),
+        "{error}"
+    );
+}

@@ -1,0 +1,49 @@
+"""Methods of Gymnasium's MuJoCo tasks on environments of ours."""
+
+from __future__ import annotations
+
+from types import MethodType
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rustgym.envs.mujoco import MujocoEnv
+
+__all__ = ["Borrowed"]
+
+
+class Borrowed:
+    """A method or property of Gymnasium's task, which works on ``model`` and ``data``.
+
+    Args:
+        writes: Whether it changes the state by MuJoCo's package, which then steps the environment.
+    """
+
+    def __init__(self, writes: bool = False) -> None:
+        self.writes = writes
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self.name = name
+
+    def replace(self, env: MujocoEnv, value: Any) -> None:
+        """Puts a method of somebody's own in the place of this one."""
+        if isinstance(getattr(env._theirs(), self.name, None), property):
+            raise AttributeError(f"property {self.name!r} of {type(env).__name__!r} object has no setter")
+        env._hand_over(self.name)
+        env.__dict__[self.name] = value
+
+    def __call__(self, env: MujocoEnv, *args: Any, **kwargs: Any) -> Any:
+        return self.__get__(env, type(env))(*args, **kwargs)
+
+    def __get__(self, env: MujocoEnv | None, owner: type[MujocoEnv]) -> Any:
+        if env is None:
+            return self
+        function: Any = None
+        for theirs in owner._theirs().__mro__:
+            if self.name in vars(theirs):
+                function = vars(theirs)[self.name]
+                break
+        if function is None:
+            raise AttributeError(f"{owner.__name__} has no attribute {self.name!r}")
+        if self.writes:
+            env._hand_over(f"{self.name}()")
+        return function.fget(env) if isinstance(function, property) else MethodType(function, env)

@@ -1,0 +1,57 @@
+// The address of a part of the page: what it says, and what is wrong with it in words.
+
+// The part and its parameters of a hash such as `#/CartPole-v1?seed=7`.
+export function parse(hash) {
+  const [path, query] = hash.replace(/^#\/?/, "").split("?");
+  try {
+    return { path: decodeURIComponent(path), parameters: new URLSearchParams(query) };
+  } catch {
+    throw new Error(`The address “${path}” has a damaged escape: after each “%” stand two digits from 0 to f. Ask for the link again.`);
+  }
+}
+
+const SPEED = [0.01, 1000];
+
+// What the parameters of an environment's page ask for, and what of it cannot be.
+export function wishes(parameters, environment, policies) {
+  const faults = [];
+  const wish = (name, usual, read) => {
+    const text = parameters.get(name);
+    if (text === null) return usual;
+    try {
+      return read(text);
+    } catch (error) {
+      faults.push(error.message);
+      return usual;
+    }
+  };
+  const usual = environment.policy ? "good" : "random";
+  const known = Object.keys(policies).filter((by) => by !== "good" || environment.policy);
+  const asked = {
+    kwargs: wish("args", {}, (text) => {
+      const kwargs = (() => {
+        try { return JSON.parse(text); } catch { return null; }
+      })();
+      if (kwargs && typeof kwargs === "object" && !Array.isArray(kwargs)) return kwargs;
+      throw new Error(`The arguments in this link are damaged: “${text}” is not an object in JSON.`);
+    }),
+    seed: wish("seed", "0", (text) => {
+      if (/^\d+$/.test(text)) return text;
+      throw new Error(`“${text}” is not a seed: a seed is a whole number, zero or greater.`);
+    }),
+    by: wish("policy", usual, (text) => {
+      if (known.includes(text)) return text;
+      if (text === "good") return usual;
+      throw new Error(`There is no policy “${text}” here: choose ${known.join(", ")}.`);
+    }),
+    speed: wish("speed", 1, (text) => {
+      const speed = Number(text);
+      if (speed >= SPEED[0] && speed <= SPEED[1]) return speed;
+      throw new Error(`“${text}” is not a speed: a speed is a number from ${SPEED[0]} to ${SPEED[1]}.`);
+    }),
+  };
+  return { asked, faults };
+}
+
+// Whether the page is used by touch, without a keyboard and a mouse.
+export const isTouched = () => matchMedia("(hover: none) and (pointer: coarse)").matches;

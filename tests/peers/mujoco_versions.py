@@ -46,7 +46,8 @@ def play(task, version):
 
     def compare(step, a, b):
         nonlocal first
-        equal = same(a[0], b[0]) and a[1:4] == b[1:4]
+        # the observation; of a step, reward and ends too
+        equal = same(a[0], b[0]) and (len(a) == 2 or a[1:4] == b[1:4])
         first = step if first is None and not equal else first
 
     compare(0, theirs.reset(seed=0), ours.reset(seed=0))

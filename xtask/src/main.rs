@@ -1,8 +1,8 @@
 //! `cargo xtask COMMAND`: builds the commands as the one that is asked for needs them, and runs it.
 //!
-//! One build cannot serve all commands, because this workspace takes long to build: with
-//! optimisation five times as long as without, and twice as long with rapier2d. So this program has
-//! next to no dependencies, and builds the program `commands` as the command needs it:
+//! One build cannot serve all commands, because this workspace takes long to build, and longer with
+//! optimisation or with rapier2d. So this program has next to no dependencies, and builds the program
+//! `commands` as the command needs it:
 //! - Commands that play are built with optimisation, and those that measure with all of it; `list`,
 //!   `help` and `new` without any, unless those that play are there.
 //! - The first demo is built in two parts: the GIFs of the small families appear while the others

@@ -673,7 +673,7 @@ impl Env for BipedalWalker {
 impl Lockstep for BipedalWalker {
     type Group = Worlds;
 
-    fn touch(&self) -> u32 {
+    fn prefetch(&self) -> u32 {
         self.episode
             .as_ref()
             .map_or(0, |episode| episode.world.prefetch())

@@ -745,7 +745,7 @@ impl Env for LunarLander {
 impl Lockstep for LunarLander {
     type Group = Worlds;
 
-    fn touch(&self) -> u32 {
+    fn prefetch(&self) -> u32 {
         self.episode
             .as_ref()
             .map_or(0, |episode| episode.world.prefetch())

@@ -120,11 +120,11 @@ fn start(package: &str, book: Option<&Book>) -> ExitCode {
         .map(|()| log::set_max_level(log::LevelFilter::Warn))
         .ok();
     // without a handler Ctrl+C would leave the files that are being written, under temporary names
-    let interrupted = || {
+    ctrlc::set_handler(|| {
         gym::render::file::remove_unfinished();
         std::process::exit(130); // as shells say of it
-    };
-    ctrlc::set_handler(interrupted).ok();
+    })
+    .ok();
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => return ExitCode::from(output::refuse(&error)),

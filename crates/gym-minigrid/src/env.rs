@@ -362,8 +362,8 @@ impl<L: Level + Arguments + Clone> Configure for Of<L> {
 const CLIP: Clip = Clip {
     seeds: 1..2,
     every: 1,
-    frames: 40,
-    size: (160, 160),
+    frames: 24,
+    size: (96, 96),
 };
 
 /// The registration of a level under an id, perhaps with a good policy.
@@ -374,10 +374,24 @@ pub const fn register<L: Level + Arguments + Clone>(
 ) -> Registration {
     let registration = Registration::new::<Of<L>>(id)
         .description(description)
-        .exceptions(&[(
-            "arguments-matter.screen_size",
-            "a window has the size of the picture",
-        )])
+        .exceptions(&[
+            (
+                "arguments-matter.screen_size",
+                "a window has the size of the picture",
+            ),
+            (
+                "arguments-matter.agent_start_dir",
+                "it counts where `agent_start_pos` is given",
+            ),
+            (
+                "arguments-matter.num_rooms_visited",
+                "it sets the limit alone, which is thousands of steps away",
+            ),
+            (
+                "arguments-matter.random_length",
+                "a grid of 7 columns has room for one length",
+            ),
+        ])
         .vector_entry_point(vector::entry_point::<L>)
         .light_step()
         .actions(Action::VARIANTS)

@@ -4,7 +4,9 @@
     pip install minigrid==3.2.0 gymnasium==1.4.0
     python record.py SEEDS STEPS [--all] [WORD] > episodes.txt
     python record.py --pictures > pictures.txt
-    python record.py --wrappers > wrappers.txt
+    NPY_DISABLE_CPU_FEATURES="X86_V4 AVX512_ICL AVX512_SPR" python record.py --wrappers > wrappers.txt
+
+numpy's `arctan2` has another last bit on CPUs with AVX-512; without, it is the C library's.
 
 A line is an id, a seed, and `step:checksum` after some steps (after all of them with `--all`); `f` before a step marks a picture.
 A checksum is the CRC-32 of all that happened so far: direction, picture of cells, mission, reward and flags of each step. An episode

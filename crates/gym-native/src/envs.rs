@@ -155,26 +155,6 @@ impl<D: Native> NativeVectorEnv<D> {
             .then(|| block.state(&self.dynamics, index % LANES))
     }
 
-    /// Continues an environment's episode from another state.
-    ///
-    /// # Errors
-    /// [`Error::ResetNeeded`] before its first reset; [`Error::InvalidArgument`] for a state that
-    /// the task does not have.
-    pub fn set_state(&mut self, index: usize, state: &D::State) -> Result<()> {
-        if self.state(index).is_none() {
-            return Err(Error::ResetNeeded("set_state"));
-        }
-        if !self.dynamics.is_valid(state) {
-            let whose = format!("the state of {}", D::NAME);
-            return Err(Error::argument(whose, format!("{state:?} does not occur")));
-        }
-        let block = &mut self.blocks[index / LANES];
-        self.dynamics
-            .pack(state)
-            .set(&mut block.states, index % LANES);
-        Ok(())
-    }
-
     pub(crate) fn check_open(&self, call: &'static str) -> Result<()> {
         if self.closed {
             Err(Error::Closed(call))
@@ -549,10 +529,14 @@ impl<D: Native> Inspect for OneEnv<'_, D> {
     }
 
     fn set_state(&mut self, state: Json) -> Result<()> {
-        let state = serde_json::from_value(state).map_err(|error| {
-            Error::argument(format!("the state of {}", D::NAME), error.to_string())
-        })?;
-        self.envs.set_state(self.index, &state)
+        let Self { envs, index } = self;
+        if envs.state(*index).is_none() {
+            return Err(Error::ResetNeeded("set_state"));
+        }
+        let state = parts::read_state(&envs.dynamics, state)?;
+        let states = &mut envs.blocks[*index / LANES].states;
+        envs.dynamics.pack(&state).set(states, *index % LANES);
+        Ok(())
     }
 
     fn arguments(&self) -> Json {

@@ -42,6 +42,8 @@ def is_complete(env_id: str) -> bool:
 
 def is_tested(env_id: str) -> bool:
     """Whether an id stands for itself: of the games of Atari a few are enough."""
+    if env_id == "BabyAI-SynthS5R2-v0":
+        return False  # some of its resets find no level: minigrid's search for ever
     of_atari = rustgym._specs.spec_of(env_id)["crate"] == "gym-atari"
     return env_id in ("Pong-v4", "BreakoutNoFrameskip-v4") if of_atari else "/" not in env_id
 

@@ -83,7 +83,7 @@ def test_ids_are_what_they_are(env_id: str) -> None:
     for again in (rustgym.make(env.spec), gymnasium.make(env.spec), env.spec.make()):
         assert again.spec == env.spec and type(again.unwrapped) is type(env.unwrapped)
     assert rustgym.make_vec(env_id, num_envs=2).spec.id == env_id
-    if env_id in gymnasium.registry:
+    if env_id in gymnasium.registry and (env_id != "LunarLander-v3" or importlib.util.find_spec("Box2D")):
         assert str(env) == str(gymnasium.make(env_id))
     assert rustgym.make(f"rustgym/{env_id}").spec.id == f"rustgym/{env_id}"
 

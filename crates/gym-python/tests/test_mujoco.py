@@ -162,6 +162,7 @@ def test_another_installed_version_is_told_once(installed, own, hint, monkeypatc
     mujoco_envs = sys.modules["rustgym.envs.mujoco"]
     mujoco_envs._tell_other.cache_clear()
     monkeypatch.setattr(mujoco_envs, "_installed", lambda: installed)
+    monkeypatch.setattr(gymnasium.logger, "min_level", gymnasium.logger.WARN)
     with pytest.warns(UserWarning, match=f"MuJoCo {own}.*mujoco {installed}: .*{hint}") as told:
         for _ in range(2):
             made("Hopper-v5", mujoco=own)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from importlib import import_module
 from typing import Any
 
 import gymnasium
@@ -32,7 +33,9 @@ FORMS: dict[str, Callable[[Any], Any]] = {
 def pair(env_id: str) -> tuple[gymnasium.Env, gymnasium.Env]:
     if env_id not in CLASSIC:
         pytest.importorskip("Box2D" if env_id in BOX2D else "mujoco")
-    return rustgym.make(env_id), gymnasium.make(env_id)
+    # the engine of the package that Gymnasium plays with
+    kwargs = {"mujoco": import_module("mujoco").__version__} if env_id in MUJOCO else {}
+    return rustgym.make(env_id, **kwargs), gymnasium.make(env_id)
 
 
 def numbers(space: gymnasium.spaces.Box, rng: np.random.Generator) -> Any:

@@ -201,8 +201,8 @@ impl Plot {
     /// a PNG.
     pub fn write_png(&self, path: impl AsRef<Path>) -> Result<()> {
         let height = self.size().1.saturating_mul(PNG_SCALE);
-        // one frame per plot: a shape is the slower to draw the larger its frame, and a frame of
-        // all plots may not fit in memory
+        // one frame per plot: a shape takes longer to draw in a larger frame, and a frame of all
+        // plots may not fit in memory
         let frames = self.all().map(Self::frame);
         png::write_stack(path.as_ref(), (WIDTH * PNG_SCALE, height), frames)
     }

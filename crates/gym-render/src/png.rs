@@ -29,8 +29,8 @@ pub fn write_png(path: impl AsRef<Path>, frame: &Frame) -> Result<()> {
     file.commit()
 }
 
-/// Writes frames below each other to one PNG file, each as soon as it is drawn. `size` is the width
-/// of each frame, and the sum of their heights.
+/// Writes `frames` below each other to one PNG file, each as soon as it is drawn. `size` is the
+/// width of each frame, and the sum of the heights.
 ///
 /// # Errors
 /// The errors of [`write_png`], and those of `frames`.
@@ -51,7 +51,7 @@ pub(crate) fn write_stack(
     let mut encoder = Encoder::new(&mut file, size.0, size.1);
     encoder.set_color(ColorType::Rgb);
     encoder.set_depth(BitDepth::Eight);
-    // large areas of one colour become small even so
+    // the fast compression suffices for large areas of one colour
     encoder.set_compression(Compression::Fast);
     let mut writer = encoder.write_header().map_err(refused)?;
     let mut rows = writer.stream_writer().map_err(refused)?;

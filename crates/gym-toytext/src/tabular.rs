@@ -258,50 +258,33 @@ pub(crate) const MAX_STATES: usize = 1 << 24;
 impl Lottery {
     fn new(outcomes: &[Outcome], rows: &[usize]) -> Self {
         let row_of = |bounds: &[usize]| &outcomes[bounds[0]..bounds[1]];
+        let kind = |outcome: &Outcome| Outcome {
+            next: 0,
+            ..*outcome
+        };
         let mut kinds = Vec::new();
-        let fits = rows
-            .windows(2)
-            .all(|bounds| row_of(bounds).len() <= MAX_OUTCOMES)
-            && outcomes.iter().all(|outcome| {
-                let kind = Outcome {
-                    next: 0,
-                    ..*outcome
-                };
-                if !kinds.contains(&kind) {
-                    kinds.push(kind);
-                }
-                kinds.len() <= MAX_KINDS
-            });
-        if !fits {
+        for kind in outcomes.iter().map(kind) {
+            if !kinds.contains(&kind) {
+                kinds.push(kind);
+            }
+            if kinds.len() > MAX_KINDS {
+                break;
+            }
+        }
+        let fits = |bounds: &[usize]| row_of(bounds).len() <= MAX_OUTCOMES;
+        if kinds.len() > MAX_KINDS || !rows.windows(2).all(fits) {
             let rows = rows.windows(2).map(|bounds| row_of(bounds).to_vec());
             return Self {
                 rows: Rows::Listed(rows.collect()),
                 kinds: Vec::new(),
             };
         }
-        let mut kinds = Vec::new();
-        let mut ticket = |outcome: &Outcome| {
-            let kind = Outcome {
-                next: 0,
-                ..*outcome
-            };
-            let index = kinds
-                .iter()
-                .position(|known| *known == kind)
-                .unwrap_or_else(|| {
-                    kinds.push(kind);
-                    kinds.len() - 1
-                });
-            debug_assert!(
-                outcome.next < MAX_STATES && index < MAX_KINDS,
-                "it does not fit a ticket"
-            );
-            (outcome.next << 8 | index) as Ticket
+        let ticket = |outcome: &Outcome| {
+            debug_assert!(outcome.next < MAX_STATES, "it does not fit a ticket");
+            let index = kinds.iter().position(|known| *known == kind(outcome));
+            (outcome.next << 8 | index.unwrap_or_default()) as Ticket
         };
-        let rows = || {
-            rows.windows(2)
-                .map(|bounds| &outcomes[bounds[0]..bounds[1]])
-        };
+        let rows = || rows.windows(2).map(row_of);
         let rows = if rows().all(|row| row.len() == 1) {
             Rows::Certain(outcomes.iter().map(ticket).collect())
         } else {

@@ -386,8 +386,10 @@ impl Trace {
 
     fn builder(&self) -> EnvBuilder {
         let mut builder = builder(&self.id);
-        let taken = find(&self.id).and_then(|registration| registration.arguments());
-        let takes = |name| taken.is_ok_and(|all| all.iter().any(|argument| argument.name == name));
+        let takes = |name| {
+            let taken = find(&self.id).and_then(|registration| registration.arguments());
+            taken.is_ok_and(|all| all.iter().any(|argument| argument.name == name))
+        };
         if let Some(version) = &self.mujoco
             && takes("mujoco")
         {

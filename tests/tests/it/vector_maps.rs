@@ -105,9 +105,16 @@ fn every_map_serves_vectors() {
     let both = registry::wrappers()
         .into_iter()
         .filter(|wrapper| wrapper.wraps_vectors());
+    // gym-minigrid tests its own
+    let of_grids = [
+        "DictObservationSpaceWrapper",
+        "FlatObsWrapper",
+        "ImgObsWrapper",
+        "OneHotPartialObsWrapper",
+    ];
     let maps: Vec<_> = both
         .map(|wrapper| wrapper.name)
-        .filter(|name| !stateful.contains(name))
+        .filter(|name| !stateful.contains(name) && !of_grids.contains(name))
         .collect();
     assert_eq!(tested, maps);
 }

@@ -229,7 +229,14 @@ fn a_closed_pipe_ends_the_printing_alone() {
     );
     let (gif, trace, bench) = (path("a.gif"), path("trace.json"), path("bench.json"));
     run(&["gif", "CartPole-v1", "--max-frames", "3", "--out", &gif]);
-    run(&["play", "FrozenLake-v1", "--terminal", "--trace", &trace]);
+    run(&[
+        "play",
+        "FrozenLake-v1",
+        "--seed=0",
+        "--terminal",
+        "--trace",
+        &trace,
+    ]);
     run(&[
         "bench",
         "CartPole-v1",

@@ -206,7 +206,7 @@ impl World {
     }
 
     /// Prefetches the memory that a step needs: see
-    /// [`Lockstep::touch`](gym_core::vector::lockstep::Lockstep::touch).
+    /// [`Lockstep::prefetch`](gym_core::vector::lockstep::Lockstep::prefetch).
     pub(crate) fn prefetch(&self) -> u32 {
         match &self.engine {
             Engine::Box2d(world) => world.prefetch(),

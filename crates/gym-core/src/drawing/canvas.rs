@@ -9,11 +9,11 @@
 //! it draws antialiased shapes. `draw` changes nothing; state that advances per frame is updated in
 //! a method of its own.
 
-use gym_numerics::math;
-
 use std::f64::consts::PI;
 use std::fmt::{self, Write};
 use std::ops::Deref;
+
+use gym_numerics::math;
 
 /// A point or a vector: `[x, y]`.
 pub type Point = [f64; 2];

@@ -15,7 +15,7 @@ pub trait Configure: Env {
     /// version and ignore it; an id without a version counts as the newest.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for an argument out of range.
+    /// [`Error::InvalidArgument`](crate::Error::InvalidArgument) for an argument out of range.
     fn configure(config: Self::Config, version: u32) -> Result<Self>;
 
     /// The default arguments for an id of this version, if versions differ.

@@ -315,6 +315,20 @@ impl<D: Dynamics> Stateful<D> {
     }
 }
 
+/// A state of a task from JSON.
+///
+/// # Errors
+/// [`Error::InvalidArgument`] for JSON of another form, and for a state that the task does not have.
+pub fn read_state<T: Task>(task: &T, state: Json) -> Result<T::State> {
+    let refuse = |reason: String| Error::argument(format!("the state of {}", T::NAME), reason);
+    let state = serde_json::from_value(state).map_err(|error| refuse(error.to_string()))?;
+    if task.is_valid(&state) {
+        Ok(state)
+    } else {
+        Err(refuse(format!("{state:?} does not occur")))
+    }
+}
+
 /// An argument that is set counts from the next step on.
 impl<D: Dynamics> Inspect for Stateful<D> {
     fn state(&self) -> Option<Json> {
@@ -322,15 +336,10 @@ impl<D: Dynamics> Inspect for Stateful<D> {
     }
 
     fn set_state(&mut self, state: Json) -> Result<()> {
-        let refuse = |reason: String| Error::argument(format!("the state of {}", D::NAME), reason);
         let Some(episode) = &mut self.episode else {
             return Err(Error::ResetNeeded("set_state"));
         };
-        let state = serde_json::from_value(state).map_err(|error| refuse(error.to_string()))?;
-        if !self.dynamics.is_valid(&state) {
-            return Err(refuse(format!("{state:?} does not occur")));
-        }
-        episode.state = state;
+        episode.state = read_state(&self.dynamics, state)?;
         Ok(())
     }
 

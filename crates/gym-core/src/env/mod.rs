@@ -35,7 +35,7 @@ use crate::value::{Element, Error, Result, Snapshot, Value};
 
 pub use boxed::BoxEnv;
 pub use configure::{Configure, NoArguments};
-pub use dynamics::{Dynamics, Stateful, Task, Transition};
+pub use dynamics::{Dynamics, Stateful, Task, Transition, read_state};
 pub use ext::EnvExt;
 pub use inspect::Inspect;
 pub use wrapper::Wrapper;

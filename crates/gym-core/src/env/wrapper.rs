@@ -131,7 +131,7 @@ pub trait Wrapper: Clone + Send + 'static {
         format!("<{}<{inner}>>", self.name())
     }
 
-    /// As [`Env::layer`]: the wrapper itself, or a layer within.
+    /// As [`Env::any_layer`]: the wrapper itself, or a layer within.
     fn any_layer(&self, layer: TypeId) -> Option<&dyn Any> {
         if layer == TypeId::of::<Self>() {
             Some(self)
@@ -140,7 +140,7 @@ pub trait Wrapper: Clone + Send + 'static {
         }
     }
 
-    /// As [`Env::layer_mut`]: the wrapper itself, or a layer within.
+    /// As [`Env::any_layer_mut`]: the wrapper itself, or a layer within.
     fn any_layer_mut(&mut self, layer: TypeId) -> Option<&mut dyn Any> {
         if layer == TypeId::of::<Self>() {
             Some(self)

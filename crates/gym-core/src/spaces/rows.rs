@@ -411,14 +411,20 @@ impl Space {
                 });
                 Ok(())
             }
+            (Self::Tuple(_) | Self::Dict(_), _) => Err(other_batch()),
             (_, Value::Tuple(items)) if self.dtype().is_none() => {
                 expect_row(items.len(), index)?;
                 items[index].clone_from(element);
                 Ok(())
             }
-            _ => Err(Fault::new("the batch is of another space")),
+            _ => Err(other_batch()),
         }
     }
+}
+
+#[cold]
+fn other_batch() -> Fault {
+    Fault::new("the batch is of another space")
 }
 
 /// Appends the numbers of a value; `None` where there are other things in it.

@@ -20,9 +20,9 @@ pub enum Autoreset {
     #[default]
     NextStep,
     /// On the same step: the observation is the first of the next episode, and the last of the one
-    /// that ended is in [`Columns::final_observations`].
+    /// that ended is in [`Columns::final_observations`](crate::vector::Columns::final_observations).
     SameStep,
-    /// Never: the caller resets with a [mask](VectorReset::mask), and until then a step is an
+    /// Never: the caller resets with a [mask](crate::vector::VectorReset::mask), and until then a step is an
     /// error.
     Disabled,
 }
@@ -32,9 +32,9 @@ pub enum Autoreset {
 #[serde(rename_all = "snake_case")]
 #[non_exhaustive]
 pub enum VectorKind {
-    /// One after the other: [`SyncVectorEnv`].
+    /// One after the other: [`SyncVectorEnv`](crate::vector::SyncVectorEnv).
     Sync,
-    /// On a pool of threads: [`AsyncVectorEnv`].
+    /// On a pool of threads: [`AsyncVectorEnv`](crate::vector::AsyncVectorEnv).
     Async,
     /// All in one SIMD loop: Gymnasium's vector entry point.
     #[serde(alias = "vector_entry_point")]

@@ -1,12 +1,11 @@
 //! The one error type. Each message names the fault and the remedy.
 
-use gym_numerics::SeedError;
-
 use std::borrow::Cow;
 use std::fmt;
 use std::io::ErrorKind;
 use std::sync::Arc;
 
+use gym_numerics::SeedError;
 use thiserror::Error as ThisError;
 
 /// A `Result` whose error is [`enum@Error`].

@@ -44,7 +44,7 @@ pub trait Lockstep: Env {
     /// The CPU then fetches the memory of several environments at once; their steps would wait for
     /// each piece in turn. A vector calls it if it has more environments than fit the cache. It
     /// must not panic, even if a step panicked and left the environment half updated.
-    fn touch(&self) -> u32 {
+    fn prefetch(&self) -> u32 {
         0
     }
 
@@ -73,7 +73,7 @@ pub(crate) trait Ahead<E>: Send {
     fn clear(&mut self);
 
     /// Has the memory of a slot's environment fetched.
-    fn touch(&self, slot: &Slot<E>);
+    fn prefetch(&self, slot: &Slot<E>);
 
     /// Begins the next reset or step of a slot. If that panics, its call returns the error.
     fn begin(&mut self, slot: &mut Slot<E>, ask: &Ask);
@@ -113,8 +113,8 @@ impl<E: Lockstep, W: Env> Ahead<W> for Within<E, W> {
         self.group.clear();
     }
 
-    fn touch(&self, slot: &Slot<W>) {
-        black_box(slot.env.layer::<E>().map(E::touch));
+    fn prefetch(&self, slot: &Slot<W>) {
+        black_box(slot.env.layer::<E>().map(E::prefetch));
     }
 
     fn begin(&mut self, slot: &mut Slot<W>, ask: &Ask) {
@@ -203,7 +203,7 @@ pub(super) fn go_all<E: Env, S: BorrowMut<Slot<E>>, A: Borrow<Ask>>(
         if let Some(ahead) = &mut ahead {
             ahead.clear();
             if !is_cached {
-                slots.iter().for_each(|slot| ahead.touch(slot.borrow()));
+                slots.iter().for_each(|slot| ahead.prefetch(slot.borrow()));
             }
             for (slot, place) in slots.iter_mut().zip(first..) {
                 ahead.begin(slot.borrow_mut(), ask(place).borrow());

@@ -3,7 +3,7 @@
 //! | | |
 //! |---|---|
 //! | observation | `image`: kind, colour and state of the 7 by 7 cells before the agent; `direction`; `mission` |
-//! | action | left, right, forward: the first three of [`Action`](crate::Action) |
+//! | action | left, right, forward: the first three of [`Action`] |
 //! | reward | `1 - 0.9 * steps / max_steps` in the goal; -1 for moving forward against an obstacle; else 0 |
 //! | start | in the top left corner, looking right; at random in the ids with `Random` |
 //! | end | terminated in the goal and against an obstacle |

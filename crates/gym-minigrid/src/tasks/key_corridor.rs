@@ -3,7 +3,7 @@
 //! | | |
 //! |---|---|
 //! | observation | `image`: kind, colour and state of the 7 by 7 cells before the agent; `direction`; `mission` |
-//! | action | [`Action`](crate::Action) |
+//! | action | [`Action`] |
 //! | reward | `1 - 0.9 * steps / max_steps` for the object, else 0 |
 //! | start | three columns of rooms: the key lies in the left one, the object in a locked room of the right one, the agent in the corridor between them |
 //! | end | terminated by picking up the object |

@@ -3,7 +3,7 @@
 //! | | |
 //! |---|---|
 //! | observation | `image`: kind, colour and state of the 7 by 7 cells before the agent; `direction`; `mission` |
-//! | action | [`Action`](crate::Action); `pickup` does what `toggle` does |
+//! | action | [`Action`]; `pickup` does what `toggle` does |
 //! | reward | `1 - 0.9 * steps / max_steps` beside the object of the same kind, else 0 |
 //! | start | in a small room with an object, or in the hallway to the two others, looking right |
 //! | end | terminated beside either object |

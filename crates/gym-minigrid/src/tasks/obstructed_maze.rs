@@ -3,7 +3,7 @@
 //! | | |
 //! |---|---|
 //! | observation | `image`: kind, colour and state of the 7 by 7 cells before the agent; `direction`; `mission` |
-//! | action | [`Action`](crate::Action) |
+//! | action | [`Action`] |
 //! | reward | `1 - 0.9 * steps / max_steps` for the blue ball, else 0 |
 //! | start | two rooms, or three by three with locked doors on the way to the corners; the ball lies in a corner |
 //! | end | terminated by picking up the blue ball |

@@ -3,7 +3,7 @@
 //! | | |
 //! |---|---|
 //! | observation | `image`: kind, colour and state of the 7 by 7 cells before the agent; `direction`; `mission` |
-//! | action | [`Action`](crate::Action) |
+//! | action | [`Action`] |
 //! | reward | `1 - 0.9 * steps / max_steps` for the right object dropped beside the other, else 0 |
 //! | start | objects, none beside another, and the agent at random |
 //! | end | terminated by picking up a wrong object, and by dropping one |

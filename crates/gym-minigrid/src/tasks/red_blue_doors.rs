@@ -3,7 +3,7 @@
 //! | | |
 //! |---|---|
 //! | observation | `image`: kind, colour and state of the 7 by 7 cells before the agent; `direction`; `mission` |
-//! | action | [`Action`](crate::Action) |
+//! | action | [`Action`] |
 //! | reward | `1 - 0.9 * steps / max_steps` for the blue door after the red one, else 0 |
 //! | start | between two walls with a door each, the agent at random |
 //! | end | terminated once the blue door is open, and by opening the red one after the blue one |

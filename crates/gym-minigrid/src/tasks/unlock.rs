@@ -3,7 +3,7 @@
 //! | | |
 //! |---|---|
 //! | observation | `image`: kind, colour and state of the 7 by 7 cells before the agent; `direction`; `mission` |
-//! | action | [`Action`](crate::Action) |
+//! | action | [`Action`] |
 //! | reward | `1 - 0.9 * steps / max_steps` for the open door, else 0 |
 //! | start | the agent and the key in the left of two rooms |
 //! | end | terminated by opening the door |

@@ -296,7 +296,8 @@ pub enum Measure {
     Slope,
     /// The arc tangent of the slope.
     Angle,
-    /// The angle of rows and columns.
+    /// The angle of rows and columns, with the bits of the C library; numpy's last bit may differ
+    /// on CPUs with AVX-512.
     AngleAtan2,
 }
 

@@ -12,45 +12,46 @@ use crate::physics::{com_pos, crb, factor_m, kinematics, solve_m, tendon, transm
 use crate::{CompiledModel, Data, Model, Result, Revision};
 
 /// The finished model.
-pub(super) fn add_constants(mut m: CompiledModel, spec: &Spec) -> Result<Model> {
+pub(super) fn add_constants(mut m: Box<CompiledModel>, spec: &Spec) -> Result<Model> {
+    let mut d = add_inertia(&mut m)?;
+    let model = boxed(*m)?;
+    d.fit(&model);
+    factor_inertia(&model, &mut d);
+    Model::new(with_figures(&model, &mut d, spec))
+}
+
+// A model and its data take several kilobytes each, and where nothing is optimised, each move of one
+// does too. In boxes and in functions of their own they fit on a small stack.
+
+fn boxed(m: CompiledModel) -> Result<Box<Model>> {
+    Model::new(m).map(Box::new)
+}
+
+/// `dof_M0` and `meaninertia`, and the data in the initial configuration.
+fn add_inertia(m: &mut CompiledModel) -> Result<Box<Data>> {
     // the engine takes the inertia of simple bodies from what is yet to be computed
     m.dof_invweight0 = vec![0.0; m.nv()];
     m.dof_m0 = vec![0.0; m.nv()];
     m.body_invweight0 = vec![[0.0; 2]; m.nbody()];
-    let general = Model::new(CompiledModel {
-        dof_simplenum: vec![0; m.nv()],
-        ..m.clone()
-    })?;
-    let mut d = Data::new(&general);
+    let general = without_simple_dofs(m)?;
+    let mut d = Box::new(Data::new(&general));
     initial_inertia(&general, &mut d);
     for i in 0..m.nv() {
         m.dof_m0[i] = d.qm[general.plan().m_row(i).end - 1];
     }
-
-    // again, with the simple bodies' diagonals
     m.stat.meaninertia = if m.nv() == 0 {
         1.0
     } else {
         m.dof_m0.iter().sum::<f64>() / m.nv() as f64
     };
-    let model = Model::new(m)?;
-    d.fit(&model);
-    factor_inertia(&model, &mut d);
-    let mut m = model.clone().into_compiled();
-    add_dof_weights(&mut m, &model, &d);
-    add_body_weights(&mut m, &model, &d);
-    add_equalities(&mut m, &d);
-    add_tendons(&mut m, &model, &mut d);
-    add_actuators(&mut m, &model, &d);
-    add_statistics(&mut m, &d);
-    state_statistics(&mut m, &spec.statistic);
-    add_springs(&mut m, &model, &mut d);
-    add_spring_dampers(&mut m, spec);
-    Model::new(m)
+    Ok(d)
 }
 
-// Functions of their own, because the engine's stages are always inlined: with their variables, a
-// thread's stack would not hold the models above where nothing is optimised.
+fn without_simple_dofs(m: &CompiledModel) -> Result<Box<Model>> {
+    let mut m = m.clone();
+    m.dof_simplenum.fill(0);
+    boxed(m)
+}
 
 fn initial_inertia(m: &Model, d: &mut Data) {
     kinematics(m, d);
@@ -58,9 +59,25 @@ fn initial_inertia(m: &Model, d: &mut Data) {
     crb(m, d);
 }
 
+/// Again, with the simple bodies' diagonals.
 fn factor_inertia(m: &Model, d: &mut Data) {
     crb(m, d);
     factor_m(m, d);
+}
+
+/// The model with what follows from the factored inertia.
+fn with_figures(model: &Model, d: &mut Data, spec: &Spec) -> CompiledModel {
+    let mut m = CompiledModel::clone(model);
+    add_dof_weights(&mut m, model, d);
+    add_body_weights(&mut m, model, d);
+    add_equalities(&mut m, d);
+    add_tendons(&mut m, model, d);
+    add_actuators(&mut m, model, d);
+    add_statistics(&mut m, d);
+    state_statistics(&mut m, &spec.statistic);
+    add_springs(&mut m, model, d);
+    add_spring_dampers(&mut m, spec);
+    m
 }
 
 /// `dof_invweight0`: the diagonal of the inverse inertia matrix, averaged over the three dofs of a

@@ -29,17 +29,17 @@ macro_rules! ensure {
 /// Every array named has the length of its group.
 macro_rules! same_length {
     ($m:ident, $length:expr, $($field:ident)+) => {
-        $(same_length(stringify!($field), $m.$field.len(), $length)?;)+
+        same_length($length, &[$((stringify!($field), $m.$field.len())),+])?;
     };
 }
 
-/// Not part of the macro: a text for each array would take much of a thread's stack where nothing
-/// is optimised.
-fn same_length(name: &str, length: usize, expected: usize) -> Result<()> {
-    ensure!(
-        length == expected,
-        "{name} has {length} elements, expected {expected}"
-    );
+fn same_length(expected: usize, arrays: &[(&str, usize)]) -> Result<()> {
+    for (name, length) in arrays {
+        ensure!(
+            *length == expected,
+            "{name} has {length} elements, expected {expected}"
+        );
+    }
     Ok(())
 }
 

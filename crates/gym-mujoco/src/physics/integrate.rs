@@ -80,7 +80,7 @@ fn semi_implicit(m: &Model, d: &mut Data) {
 /// Runge-Kutta of fourth order: MuJoCo's `mj_RungeKutta`. The forward call of the start is done
 /// already.
 ///
-/// From 4.0 on, angular velocities of free joints are of fourth order too ([`rates`]), and `qacc`
+/// From 4.0 on, angular velocities of free joints are of fourth order too (`rates`), and `qacc`
 /// is left as the mean of the stages; before, it is left as that of the last stage.
 pub fn runge_kutta(m: &Model, d: &mut Data) {
     const WEIGHTS: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];

@@ -52,7 +52,7 @@ fn refused() -> Vec<Refused> {
             "compiler",
             Some("coordinate"),
         ),
-        other("<include file=\"x.xml\"/>", "include", None),
+        other("<include file=\"x.xml\"/>", "include", Some("file")),
         other("<asset><mesh file=\"x.obj\"/></asset>", "mesh", None),
         other("<tendon><spatial/></tendon>", "spatial", None),
         other(
@@ -197,12 +197,9 @@ fn refused() -> Vec<Refused> {
 fn errors_name_line_element_and_attribute() {
     let mut wrong = Vec::new();
     for (text, line, element, attribute) in refused() {
-        let error = match Model::from_xml(&text) {
-            Ok(_) => {
-                wrong.push(format!("{text}\nis read"));
-                continue;
-            }
-            Err(error) => error,
+        let Err(error) = Model::from_xml(&text) else {
+            wrong.push(format!("{text}\nis read"));
+            continue;
         };
         let message = error.to_string();
         let Error::Mjcf {

@@ -376,12 +376,20 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         self._push()
         apart = {"_native": self._native.__copy__(), "_generator": None, "_window": None}
         twin.__dict__.update(self.__dict__, **apart, _handed=None)
-        for name, value in (self._handed or {}).items():
-            attribute: Live = getattr(type(self), name)
-            if attribute.outlives_reset is True:
-                attribute.copy(twin, deepcopy(value))
+        twin._take_lasting(self._lasting())
         twin._watch()
         return twin
+
+    def _lasting(self) -> dict[str, Any]:
+        """Copies of the objects that were handed out and are no part of a snapshot, such as a table."""
+        handed = (self._handed or {}).items()
+        return {name: deepcopy(value) for name, value in handed if getattr(type(self), name).outlives_reset is True}
+
+    def _take_lasting(self, objects: dict[str, Any]) -> None:
+        """Goes by what ``_lasting`` of another returned."""
+        for name, value in objects.items():
+            attribute: Live = getattr(type(self), name)
+            attribute.copy(self, value)
 
     def __getstate__(self) -> Any:
         if self._native is None:

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 
 import gymnasium
 from gymnasium import VectorizeMode, logger
-from gymnasium.envs.registration import EnvSpec, get_env_id, parse_env_id
+from gymnasium.envs.registration import EnvSpec, get_env_id
 from gymnasium.envs.registration import registry as gymnasium_registry
 
 from rustgym._specs import SPECS, entry_point
@@ -55,6 +55,11 @@ class Registry(MutableMapping[str, EnvSpec]):
 
     def __init__(self) -> None:
         self._ours = {env_id: _spec(env_id, env_id, has_vector=True) for env_id in ids()}
+        # the id of the newest version, by the id without one
+        self._latest: dict[str, str] = {}
+        for spec in sorted(self._ours.values(), key=lambda spec: spec.version or 0):
+            if spec.version is not None:
+                self._latest[get_env_id(spec.namespace, spec.name, None)] = spec.id
 
     def __getitem__(self, env_id: str) -> EnvSpec:
         return self._ours[env_id] if env_id in self._ours else gymnasium_registry[env_id]
@@ -78,23 +83,21 @@ class Registry(MutableMapping[str, EnvSpec]):
 
     def find(self, env_id: str) -> EnvSpec | None:
         """Our spec for an id, with or without version; ``None`` where the id is not one of ours. Warns as Gymnasium does."""
-        if ":" in env_id:
-            return None
-        namespace, name, version = parse_env_id(env_id)
-        versions = [v for n, e, v in map(parse_env_id, self._ours) if (n, e) == (namespace, name) and v is not None]
-        if version is None and versions:
-            latest = get_env_id(namespace, name, max(versions))
+        spec = self._ours.get(env_id)
+        if spec is None:
+            if ":" in env_id or (latest := self._latest.get(env_id)) not in self._ours:
+                return None
             logger.warn(
                 f"Using the latest versioned environment `{latest}` instead of the unversioned environment `{env_id}`."
             )
             return self._ours[latest]
-        if env_id not in self._ours:
-            return None
-        if version is not None and max(versions) > version:
+        latest = self._latest.get(get_env_id(spec.namespace, spec.name, None))
+        if latest != env_id and latest in self._ours:
+            version = self._ours[latest].version
             logger.deprecation(
-                f"The environment {env_id} is out of date. You should consider upgrading to version `v{max(versions)}`."
+                f"The environment {env_id} is out of date. You should consider upgrading to version `v{version}`."
             )
-        return self._ours[env_id]
+        return spec
 
 
 #: The registry as ``rustgym.make`` sees it.

@@ -356,6 +356,21 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             env._follow(is_reset)
         self._let_go()
 
+    def __getstate__(self) -> dict[str, Any]:
+        if self._envs is None:
+            return self.__dict__
+        self._push_envs()
+        lasting = [env._lasting() for env in self._envs]
+        return {**self.__dict__, "_envs": None, "_keeps_envs": False, "_lasting": lasting}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        lasting = state.pop("_lasting", ())
+        self.__dict__.update(state)
+        self._is_watched = bool(self._info_types or self._seeds)
+        if any(lasting):
+            for env, objects in zip(self._look_at_envs(), lasting, strict=True):
+                env._take_lasting(objects)
+
     def _let_go(self) -> None:
         """Forgets the environments where nobody holds one of them, or something of one."""
         if not self._keeps_envs and not any(env._is_watched for env in self._envs or ()):

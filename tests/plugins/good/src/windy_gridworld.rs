@@ -20,8 +20,8 @@ use gym_core::policy::reflex;
 use gym_core::registry::Clip;
 use gym_core::render::Metadata;
 use gym_core::{
-    Dynamics, Env, Error, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task,
-    Transition, Value,
+    Dynamics, Env, Error, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful,
+    Task, Transition, Value,
 };
 use serde::{Deserialize, Serialize};
 
@@ -47,7 +47,16 @@ const WIND: [i64; COLUMNS as usize] = [0, 0, 0, 1, 1, 1, 2, 2, 1, 0];
 const START_ROW: i64 = 3;
 const GOAL: [i64; 2] = [3, 7]; // row, column
 /// The rows and columns of each move.
-const MOVES: [[i64; 2]; 8] = [[-1, 0], [1, 0], [0, 1], [0, -1], [-1, 1], [1, 1], [1, -1], [-1, -1]];
+const MOVES: [[i64; 2]; 8] = [
+    [-1, 0],
+    [1, 0],
+    [0, 1],
+    [0, -1],
+    [-1, 1],
+    [1, 1],
+    [1, -1],
+    [-1, -1],
+];
 
 /// The agent's cell, and the last wind.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -91,8 +100,16 @@ impl Task for WindyGridworldDynamics {
     }
 
     fn start(&self, _reset: &Reset, rng: &mut Generator) -> Result<State> {
-        let row = if self.config.stochastic { rng.integers(0, ROWS) } else { START_ROW };
-        Ok(State { row, column: 0, wind: 0 })
+        let row = if self.config.stochastic {
+            rng.integers(0, ROWS)
+        } else {
+            START_ROW
+        };
+        Ok(State {
+            row,
+            column: 0,
+            wind: 0,
+        })
     }
 
     fn is_valid(&self, state: &State) -> bool {
@@ -106,7 +123,10 @@ impl Task for WindyGridworldDynamics {
     }
 
     fn metadata(&self) -> Metadata {
-        Metadata::drawn_and_text(5, ((COLUMNS as f64 * CELL) as u32, (ROWS as f64 * CELL) as u32))
+        Metadata::drawn_and_text(
+            5,
+            ((COLUMNS as f64 * CELL) as u32, (ROWS as f64 * CELL) as u32),
+        )
     }
 
     fn ansi(&self, state: &State) -> Option<String> {
@@ -128,18 +148,38 @@ impl Task for WindyGridworldDynamics {
         canvas.clear(LINE);
         for (column, wind) in (0..COLUMNS).zip(WIND) {
             for row in 0..ROWS {
-                let color = if [row, column] == GOAL { MEADOW } else { SKY[wind as usize] };
-                canvas.rect([column as f64 * CELL + 1.0, row as f64 * CELL + 1.0], [CELL - 2.0; 2], color);
+                let color = if [row, column] == GOAL {
+                    MEADOW
+                } else {
+                    SKY[wind as usize]
+                };
+                canvas.rect(
+                    [column as f64 * CELL + 1.0, row as f64 * CELL + 1.0],
+                    [CELL - 2.0; 2],
+                    color,
+                );
             }
         }
-        let center = [(state.column as f64 + 0.5) * CELL, (state.row as f64 + 0.5) * CELL];
+        let center = [
+            (state.column as f64 + 0.5) * CELL,
+            (state.row as f64 + 0.5) * CELL,
+        ];
         canvas.circle(center, CELL * 0.3, AGENT);
     }
 }
 
 impl Dynamics for WindyGridworldDynamics {
-    fn transition(&self, state: &State, action: &usize, rng: &mut Generator) -> Result<Transition<State>> {
-        let moves = if self.config.king { &MOVES[..] } else { &MOVES[..4] };
+    fn transition(
+        &self,
+        state: &State,
+        action: &usize,
+        rng: &mut Generator,
+    ) -> Result<Transition<State>> {
+        let moves = if self.config.king {
+            &MOVES[..]
+        } else {
+            &MOVES[..4]
+        };
         let Some([down, right]) = moves.get(*action) else {
             return Err(Error::InvalidAction {
                 action: action.to_string(),
@@ -148,10 +188,18 @@ impl Dynamics for WindyGridworldDynamics {
             });
         };
         let mean = WIND[state.column as usize];
-        let wind = if self.config.stochastic && mean > 0 { mean + rng.integers(-1, 2) } else { mean };
+        let wind = if self.config.stochastic && mean > 0 {
+            mean + rng.integers(-1, 2)
+        } else {
+            mean
+        };
         let row = (state.row + down - wind).clamp(0, ROWS - 1);
         let column = (state.column + right).clamp(0, COLUMNS - 1);
-        Ok(Transition { state: State { row, column, wind }, reward: -1.0, terminated: [row, column] == GOAL })
+        Ok(Transition {
+            state: State { row, column, wind },
+            reward: -1.0,
+            terminated: [row, column] == GOAL,
+        })
     }
 
     fn observe(&self, state: &State) -> i64 {
@@ -162,7 +210,11 @@ impl Dynamics for WindyGridworldDynamics {
 const CELL: f64 = 40.0; // pixels
 const LINE: Color = Color::rgb(160, 170, 184);
 /// The colours of the sky by the strength of the wind.
-const SKY: [Color; 3] = [Color::rgb(240, 244, 248), Color::rgb(206, 222, 240), Color::rgb(170, 198, 230)];
+const SKY: [Color; 3] = [
+    Color::rgb(240, 244, 248),
+    Color::rgb(206, 222, 240),
+    Color::rgb(170, 198, 230),
+];
 const MEADOW: Color = Color::rgb(128, 190, 110);
 const AGENT: Color = Color::rgb(210, 84, 60);
 
@@ -187,11 +239,18 @@ const fn gridworld(id: &'static str) -> Registration {
             })),
             _ => Keys::new(json!({"Up": 0, "Down": 1, "Right": 2, "Left": 3})),
         })
-        .policy(Policy::rules("goes around the wind", |_| reflex(around_the_wind)))
+        .policy(Policy::rules("goes around the wind", |_| {
+            reflex(around_the_wind)
+        }))
 }
 
 gym_core::register!(
-    gridworld("sutton/WindyGridworld-v0").clip(Clip { seeds: 0..1, every: 1, frames: 20, size: (200, 140) }),
+    gridworld("sutton/WindyGridworld-v0").clip(Clip {
+        seeds: 0..1,
+        every: 1,
+        frames: 20,
+        size: (200, 140)
+    }),
     gridworld("sutton/WindyGridworldKings-v0")
         .kwargs(r#"{"king": true, "stochastic": true}"#)
         .description("Reach the goal across a wind that varies, with the moves of a king."),

@@ -18,13 +18,13 @@ use crate::model::{CompiledModel, JointType};
 pub(super) const MOST: usize = 1000;
 
 /// The figures, but for those that follow from the inertia matrix in the initial configuration.
-pub(super) fn compile(spec: &Spec) -> Result<CompiledModel> {
-    let mut m = CompiledModel {
+pub(super) fn compile(spec: &Spec) -> Result<Box<CompiledModel>> {
+    let mut m = Box::new(CompiledModel {
         model: spec.name.clone(),
         revision: spec.revision,
         opt: spec.option.clone(),
         ..CompiledModel::default()
-    };
+    });
     check_counts(spec)?;
     for (id, body) in spec.bodies.iter().enumerate() {
         bodies::add_body(&mut m, spec, id, body)?;

@@ -16,8 +16,6 @@ pub(crate) type Vec3 = [f64; 3];
 pub(crate) type Quat = [f64; 4];
 pub(crate) type Mat3 = [f64; 9];
 pub(crate) type Vec6 = [f64; 6];
-/// An inertia about some point: xx, yy, zz, xy, xz, yz, mass times offset (3), mass.
-pub(crate) type Inertia = [f64; 10];
 
 pub(crate) const IDENTITY: Mat3 = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
 
@@ -328,8 +326,8 @@ pub(crate) fn mul_inertia<N: Number>(i: &[N; 10], v: &[N; 6]) -> [N; 6] {
     ]
 }
 
-/// Principal moments about axes `mat`, at an offset from the point of reference: MuJoCo's
-/// `mju_inertCom`.
+/// Principal moments about axes `mat`, at an offset from the point of reference, as an inertia: xx,
+/// yy, zz, xy, xz, yz, mass times offset (3), mass. MuJoCo's `mju_inertCom`.
 #[inline(always)]
 pub(crate) fn inertia_at<N: Number>(
     place: N::Place,

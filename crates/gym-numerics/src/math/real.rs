@@ -41,6 +41,9 @@ pub trait Real:
     /// Returns the magnitudes.
     fn abs(self) -> Self;
 
+    /// Returns the square roots.
+    fn sqrt(self) -> Self;
+
     /// Returns the magnitudes with the signs of `sign`.
     fn copysign(self, sign: Self) -> Self;
 

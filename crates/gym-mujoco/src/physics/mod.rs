@@ -56,8 +56,7 @@ mod inertia;
 mod integrate;
 mod jacobian;
 mod kinematics;
-#[cfg(test)]
-mod lanes;
+pub(crate) mod lanes;
 mod muscle;
 pub(crate) mod number;
 mod passive;

@@ -38,6 +38,9 @@ pub(crate) trait Number:
     /// Writes numbers.
     fn put(self, place: Self::Place, cell: &mut Self::Cell);
 
+    /// The magnitudes.
+    fn abs(self) -> Self;
+
     /// The square roots.
     fn sqrt(self) -> Self;
 
@@ -82,6 +85,11 @@ impl Number for f64 {
     #[inline(always)]
     fn put(self, (): (), cell: &mut f64) {
         *cell = self;
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        f64::abs(self)
     }
 
     #[inline(always)]

@@ -87,8 +87,11 @@ pub(crate) fn rotate<N: Number + Mul<V, Output = N>, V: Copy>(m: &[N; 9], v: [V;
 }
 
 /// `m' v`.
-#[inline]
-pub(crate) fn rotate_back(m: &Mat3, v: Vec3) -> Vec3 {
+#[inline(always)]
+pub(crate) fn rotate_back<N: Number + Mul<V, Output = N>, V: Copy>(
+    m: &[N; 9],
+    v: [V; 3],
+) -> [N; 3] {
     [
         m[0] * v[0] + m[3] * v[1] + m[6] * v[2],
         m[1] * v[0] + m[4] * v[1] + m[7] * v[2],
@@ -162,11 +165,22 @@ pub(crate) trait Order {
 
     /// The quaternion moved by an angular velocity, in its own frame, for some time: MuJoCo's
     /// `mju_quatIntegrate`.
-    fn quat_integrate(q: Quat, velocity: Vec3, time: f64) -> Quat {
-        let (axis, speed) = normalize(velocity);
+    #[inline(always)]
+    fn quat_integrate<N: Number>(
+        place: N::Place,
+        q: [N; 4],
+        velocity: [N; 3],
+        time: f64,
+    ) -> [N; 4] {
+        let speed = dot(velocity, velocity).sqrt();
+        let axis = N::choose(
+            speed.is_below(MINVAL),
+            || number::of(place, [1.0, 0.0, 0.0]),
+            || scale(velocity, speed.inverse()),
+        );
         Self::mul_quat(
-            Self::normalize_quat((), q),
-            axis_angle((), axis, time * speed),
+            Self::normalize_quat(place, q),
+            axis_angle(place, axis, speed * time),
         )
     }
 }
@@ -226,7 +240,11 @@ impl Order for Pairwise {
 
 /// The rotation by `angle` about `axis`, which has length 1.
 #[inline(always)]
-pub(crate) fn axis_angle<N: Number>(place: N::Place, axis: Vec3, angle: N) -> [N; 4] {
+pub(crate) fn axis_angle<N: Number + Mul<V, Output = N>, V: Copy>(
+    place: N::Place,
+    axis: [V; 3],
+    angle: N,
+) -> [N; 4] {
     let turned = || {
         let (s, c) = (angle * 0.5).sin_cos();
         [c, s * axis[0], s * axis[1], s * axis[2]]
@@ -372,7 +390,7 @@ pub(crate) fn transform_force(f: &Vec6, to: Vec3, from: Vec3) -> Vec6 {
 }
 
 /// The velocity of a point, given the velocity about a reference point and the offset between them.
-#[inline]
-pub(crate) fn velocity_at(v: &Vec6, offset: Vec3) -> Vec3 {
+#[inline(always)]
+pub(crate) fn velocity_at<N: Number>(v: &[N; 6], offset: [N; 3]) -> [N; 3] {
     add(translation(v), cross(rotation(v), offset))
 }

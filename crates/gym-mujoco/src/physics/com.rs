@@ -80,14 +80,14 @@ pub(crate) fn com_pos_of<N: Number>(m: &Model, at: N::Place, numbers: Inertias<'
     let cdof = numbers.cdof;
     for j in 0..m.njnt() {
         let (b, i) = (m.jnt_bodyid[j], m.jnt_dofadr[j]);
-        let offset = || {
-            let anchor = get(at, &numbers.xanchor[j]);
-            sub(get::<N, 3>(at, &com[roots[b]]), anchor)
-        };
-        let axis = || get::<N, 3>(at, &numbers.xaxis[j]);
+        let offset = sub(
+            get::<N, 3>(at, &com[roots[b]]),
+            get(at, &numbers.xanchor[j]),
+        );
+        let axis = get::<N, 3>(at, &numbers.xaxis[j]);
         match m.jnt_type[j] {
             JointType::Free => {
-                let (mat, offset) = (get(at, &numbers.xmat[b]), offset());
+                let mat = get(at, &numbers.xmat[b]);
                 for k in 0..3 {
                     let mut slide = [0.0; 6];
                     slide[3 + k] = 1.0;
@@ -97,18 +97,17 @@ pub(crate) fn com_pos_of<N: Number>(m: &Model, at: N::Place, numbers: Inertias<'
                 }
             }
             JointType::Ball => {
-                let (mat, offset) = (get(at, &numbers.xmat[b]), offset());
+                let mat = get(at, &numbers.xmat[b]);
                 for k in 0..3 {
                     let axis = column(&mat, k);
                     put(at, join(axis, cross(axis, offset)), &mut cdof[i + k]);
                 }
             }
             JointType::Slide => {
-                put(at, join(number::of(at, [0.0; 3]), axis()), &mut cdof[i]);
+                put(at, join(number::of(at, [0.0; 3]), axis), &mut cdof[i]);
             }
             JointType::Hinge => {
-                let axis = axis();
-                put(at, join(axis, cross(axis, offset())), &mut cdof[i]);
+                put(at, join(axis, cross(axis, offset)), &mut cdof[i]);
             }
         }
     }

@@ -25,7 +25,10 @@ pub(super) fn integrate_pos_of<N: Number>(
     qvel: &[N::Cell],
     dt: f64,
 ) {
-    let moved = |q: &N::Cell, v: &N::Cell| N::get(at, q) + N::get(at, v) * dt;
+    let (moved,) = (
+        #[inline(always)]
+        |q: &N::Cell, v: &N::Cell| N::get(at, q) + N::get(at, v) * dt,
+    );
     for j in 0..m.njnt() {
         let (mut p, mut v) = (m.jnt_qposadr[j], m.jnt_dofadr[j]);
         let free = m.jnt_type[j] == JointType::Free;

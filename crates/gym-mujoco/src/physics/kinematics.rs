@@ -155,13 +155,16 @@ fn in_order<N: Number, O: Order>(m: &Model, at: N::Place, frames: Frames<'_, N::
         put(at, ipos, &mut xipos[b]);
         put(at, imat, &mut ximat[b]);
     }
-    let body = |b: usize, xpos: &[[N::Cell; 3]], xquat: &[[N::Cell; 4]], xmat: &[[N::Cell; 9]]| {
-        (
-            get::<N, 3>(at, &xpos[b]),
-            get::<N, 4>(at, &xquat[b]),
-            get::<N, 9>(at, &xmat[b]),
-        )
-    };
+    let (body,) = (
+        #[inline(always)]
+        |b: usize, xpos: &[[N::Cell; 3]], xquat: &[[N::Cell; 4]], xmat: &[[N::Cell; 9]]| {
+            (
+                get::<N, 3>(at, &xpos[b]),
+                get::<N, 4>(at, &xquat[b]),
+                get::<N, 9>(at, &xmat[b]),
+            )
+        },
+    );
     let n = m.ngeom();
     let (bodies, placed) = (&m.geom_bodyid[..n], &m.plan().geoms[..n]);
     let (geom_xpos, geom_xmat) = (&mut f.geom_xpos[..n], &mut f.geom_xmat[..n]);

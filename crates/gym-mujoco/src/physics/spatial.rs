@@ -355,11 +355,14 @@ pub(crate) fn inertia_at<N: Number>(
     mass: f64,
 ) -> [N; 10] {
     // the moments multiply the second factor
-    let r = |i: usize, j: usize| {
-        mat[3 * i] * (mat[3 * j] * moments[0])
-            + mat[3 * i + 1] * (mat[3 * j + 1] * moments[1])
-            + mat[3 * i + 2] * (mat[3 * j + 2] * moments[2])
-    };
+    let (r,) = (
+        #[inline(always)]
+        |i: usize, j: usize| {
+            mat[3 * i] * (mat[3 * j] * moments[0])
+                + mat[3 * i + 1] * (mat[3 * j + 1] * moments[1])
+                + mat[3 * i + 2] * (mat[3 * j + 2] * moments[2])
+        },
+    );
     let d = offset;
     [
         r(0, 0) + (d[1] * d[1] + d[2] * d[2]) * mass,

@@ -386,6 +386,16 @@ impl Worlds {
             for _ in 0..steps {
                 self.one_step(m, at, live);
             }
+            simd.vectorize(
+                #[inline(always)]
+                || {
+                    let a = &self.arrays;
+                    let state = [&a.qpos, &a.qvel, &a.warm];
+                    for numbers in state {
+                        self.diverged |= beyond(at, numbers) << first;
+                    }
+                },
+            );
         }
     }
 
@@ -400,7 +410,7 @@ impl Worlds {
         simd.vectorize(
             #[inline(always)]
             || {
-                let bad = within(at, &self.arrays.qacc);
+                let bad = beyond(at, &self.arrays.qacc);
                 self.diverged |= bad << at.1;
             },
         );
@@ -425,7 +435,7 @@ impl Worlds {
     #[inline(always)]
     fn begin<S: Simd>(&mut self, m: &Model, at: Place<S>) {
         let a = &mut self.arrays;
-        let bad = within(at, &a.qpos) | within(at, &a.qvel);
+        let bad = beyond(at, &a.qpos) | beyond(at, &a.qvel);
         for world in worlds(bad, at.1) {
             self.diverged |= 1 << world;
             for (row, x) in a.qpos.iter_mut().zip(&m.qpos0) {
@@ -554,7 +564,7 @@ impl Worlds {
 /// The bits of the worlds, from the first one in the register on, with a number that is not finite
 /// or beyond what a simulation reaches.
 #[inline(always)]
-fn within<S: Simd>(at: Place<S>, numbers: &[Row]) -> u64 {
+fn beyond<S: Simd>(at: Place<S>, numbers: &[Row]) -> u64 {
     let most = same::<S>(at, MAXVAL);
     let mut good = most.le(most);
     for row in numbers {

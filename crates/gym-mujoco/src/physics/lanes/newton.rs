@@ -125,14 +125,17 @@ impl Newton {
         rows.multiply(n, at, &a.qacc_smooth, Some(&rows.aref), &mut self.jv);
         rows.multiply(n, at, &a.warm, Some(&rows.aref), &mut self.jar);
         multiply(m, at, &a.qm, &a.warm, &mut self.ma);
-        let cost = |jar: &[Row]| {
-            let mut cost = zero;
-            for (jar, d) in jar[..rows.used].iter().zip(&rows.d) {
-                let (jar, d): (Lanes<S>, Lanes<S>) = (load(at, jar), load(at, d));
-                cost = cost + Lanes::select(jar.lt(zero), d * 0.5 * jar * jar, zero);
-            }
-            cost
-        };
+        let (cost,) = (
+            #[inline(always)]
+            |jar: &[Row]| {
+                let mut cost = zero;
+                for (jar, d) in jar[..rows.used].iter().zip(&rows.d) {
+                    let (jar, d): (Lanes<S>, Lanes<S>) = (load(at, jar), load(at, d));
+                    cost = cost + Lanes::select(jar.lt(zero), d * 0.5 * jar * jar, zero);
+                }
+                cost
+            },
+        );
         let mut warm = cost(&self.jar);
         for i in 0..n {
             let force = load::<S>(at, &self.ma[i]) - load(at, &a.qfrc_smooth[i]);
@@ -473,26 +476,29 @@ impl Newton {
         let flat = length * (opt.tolerance * opt.ls_tolerance) / scale;
         let least = zero.same(MINVAL);
         // cost, slope and curvature
-        let point = |alpha: Lanes<S>| {
-            let (mut cost, mut quad) = (zero, [zero, linear, quadratic]);
-            for row in 0..rows.used {
-                let [q0, q1, q2, start] = self.costs[row].each_ref().map(
-                    #[inline(always)]
-                    |x| load::<S>(at, x),
-                );
-                let (jar, jv) = (load::<S>(at, &self.jar[row]), load(at, &self.jv[row]));
-                let pushes = (jar + alpha * jv).lt(zero);
-                quad[0] = quad[0] + Lanes::select(pushes, q0 - start, zero);
-                quad[1] = quad[1] + Lanes::select(pushes, q1, zero);
-                quad[2] = quad[2] + Lanes::select(pushes, q2, zero);
-                cost = cost - Lanes::select(pushes, zero, start);
-            }
-            cost = cost + (alpha * alpha * quad[2] + alpha * quad[1] + quad[0]);
-            let curvature = quad[2] * 2.0;
-            let slope = alpha * 2.0 * quad[2] + quad[1];
-            let curvature = Lanes::select(curvature.le(zero), least, curvature);
-            (cost, slope, curvature)
-        };
+        let (point,) = (
+            #[inline(always)]
+            |alpha: Lanes<S>| {
+                let (mut cost, mut quad) = (zero, [zero, linear, quadratic]);
+                for row in 0..rows.used {
+                    let [q0, q1, q2, start] = self.costs[row].each_ref().map(
+                        #[inline(always)]
+                        |x| load::<S>(at, x),
+                    );
+                    let (jar, jv) = (load::<S>(at, &self.jar[row]), load(at, &self.jv[row]));
+                    let pushes = (jar + alpha * jv).lt(zero);
+                    quad[0] = quad[0] + Lanes::select(pushes, q0 - start, zero);
+                    quad[1] = quad[1] + Lanes::select(pushes, q1, zero);
+                    quad[2] = quad[2] + Lanes::select(pushes, q2, zero);
+                    cost = cost - Lanes::select(pushes, zero, start);
+                }
+                cost = cost + (alpha * alpha * quad[2] + alpha * quad[1] + quad[0]);
+                let curvature = quad[2] * 2.0;
+                let slope = alpha * 2.0 * quad[2] + quad[1];
+                let curvature = Lanes::select(curvature.le(zero), least, curvature);
+                (cost, slope, curvature)
+            },
+        );
         let (_, slope, curvature) = point(zero);
         let mut alpha = zero - slope / curvature;
         let (mut cost, mut slope, mut curvature) = point(alpha);
@@ -573,13 +579,16 @@ impl Newton {
         let improvement = load::<S>(at, &control.scale) * load(at, &found[1]);
         store(at, &mut control.improvement, improvement);
         control.iteration += 1;
-        let step = |to: &mut [Row], along: &[Row]| {
-            for (to, along) in to.iter_mut().zip(along) {
-                let before = load::<S>(at, to);
-                let after = before + load::<S>(at, along) * alpha;
-                store(at, to, Lanes::select(active, after, before));
-            }
-        };
+        let (step,) = (
+            #[inline(always)]
+            |to: &mut [Row], along: &[Row]| {
+                for (to, along) in to.iter_mut().zip(along) {
+                    let before = load::<S>(at, to);
+                    let after = before + load::<S>(at, along) * alpha;
+                    store(at, to, Lanes::select(active, after, before));
+                }
+            },
+        );
         step(&mut self.acc, &self.search);
         step(&mut self.ma, &self.mv);
         step(&mut self.jar[..rows.used], &self.jv);

@@ -98,7 +98,10 @@ impl Rows {
         }
         for (index, reach) in plan.reaches.iter().enumerate() {
             let [g1, g2] = reach.geom;
-            let part = |cells: &[Row], k: usize| -> Lanes<S> { load(at, &cells[k]) };
+            let (part,) = (
+                #[inline(always)]
+                |cells: &[Row], k: usize| -> Lanes<S> { load(at, &cells[k]) },
+            );
             let between = [0, 1, 2].map(
                 #[inline(always)]
                 |k| part(&a.geom_xpos[g2], k) - part(&a.geom_xpos[g1], k),

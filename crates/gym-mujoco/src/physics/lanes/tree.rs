@@ -101,7 +101,10 @@ pub(super) fn solve<S: Simd>(
     for i in 1..n {
         let row = plan.m_ancestors(i);
         let (columns, factors) = (&plan.m_colind[row.clone()], &factors[row]);
-        let product = |k: usize| load(at, &factors[k]) * load(at, &x[columns[k]]);
+        let (product,) = (
+            #[inline(always)]
+            |k: usize| load(at, &factors[k]) * load(at, &x[columns[k]]),
+        );
         let whole = columns.len() / 4 * 4;
         // the rest is added one by one
         let mut total = sum(at, whole, product);
@@ -139,7 +142,10 @@ pub(super) fn cholesky<S: Simd>(at: Place<S>, n: usize, matrix: &mut [Row], leas
     for j in 0..n {
         let (before, column) = matrix.split_at_mut(j * n);
         let column = &mut column[..n];
-        let row = |k: usize, i: usize| load(at, &before[k * n + i]);
+        let (row,) = (
+            #[inline(always)]
+            |k: usize, i: usize| load(at, &before[k * n + i]),
+        );
         // two rows at once, so that element j of each column is read once for both
         let mut i = j;
         while i < n {

@@ -70,8 +70,14 @@ pub(crate) fn crb_of<N: Number>(
     mut begin: impl FnMut(usize, &[N; 6], &mut [N::Cell]) -> usize,
 ) {
     let (n, nv, plan) = (m.nbody(), m.nv(), m.plan());
-    let (crb, parents) = (&mut composite.crb[..n], &m.body_parentid[..n]);
-    crb.copy_from_slice(&composite.cinert[..n]);
+    let Composite {
+        cinert,
+        cdof,
+        crb,
+        qm,
+    } = composite;
+    let (crb, parents) = (&mut crb[..n], &m.body_parentid[..n]);
+    crb.copy_from_slice(&cinert[..n]);
     for b in (1..n).rev() {
         let parent = parents[b];
         if parent > 0 {
@@ -82,10 +88,10 @@ pub(crate) fn crb_of<N: Number>(
             put(at, sum, &mut crb[parent]);
         }
     }
-    let cdof = &composite.cdof[..nv];
+    let cdof = &cdof[..nv];
     for i in 0..nv {
         let row = plan.m_row(i);
-        let (columns, row) = (&plan.m_colind[row.clone()], &mut composite.qm[row]);
+        let (columns, row) = (&plan.m_colind[row.clone()], &mut qm[row]);
         let last = row.len() - 1;
         if m.dof_simplenum[i] > 0 {
             row.iter_mut()

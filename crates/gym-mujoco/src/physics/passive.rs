@@ -178,11 +178,19 @@ pub(in crate::physics) fn box_in_medium<N: Number>(
     (b, edges): (usize, [f64; 3]),
     medium: Medium<'_, N::Cell>,
 ) {
+    let Medium {
+        xipos,
+        ximat,
+        subtree_com,
+        cvel,
+        cdof,
+        fluid,
+    } = medium;
     let (density, viscosity) = (m.opt.density, m.opt.viscosity);
-    let mat = &get::<N, 9>(at, &medium.ximat[b]);
-    let com = &medium.subtree_com[m.body_rootid[b]];
-    let offset = sub(get::<N, 3>(at, &medium.xipos[b]), get(at, com));
-    let velocity = get::<N, 6>(at, &medium.cvel[b]);
+    let mat = &get::<N, 9>(at, &ximat[b]);
+    let com = &subtree_com[m.body_rootid[b]];
+    let offset = sub(get::<N, 3>(at, &xipos[b]), get(at, com));
+    let velocity = get::<N, 6>(at, &cvel[b]);
     let w = rotate_back(mat, rotation(&velocity));
     let v = sub(
         rotate_back(mat, velocity_at(&velocity, offset)),
@@ -205,9 +213,9 @@ pub(in crate::physics) fn box_in_medium<N: Number>(
     }
     let (torque, force) = (rotate(mat, torque), rotate(mat, force));
     for &dof in m.plan().chain(b) {
-        let axis = get::<N, 6>(at, &medium.cdof[dof]);
+        let axis = get::<N, 6>(at, &cdof[dof]);
         let moves = add(translation(&axis), cross(rotation(&axis), offset));
-        let sum = N::get(at, &medium.fluid[dof]) + dot(moves, force);
-        (sum + dot(rotation(&axis), torque)).put(at, &mut medium.fluid[dof]);
+        let sum = N::get(at, &fluid[dof]) + dot(moves, force);
+        (sum + dot(rotation(&axis), torque)).put(at, &mut fluid[dof]);
     }
 }

@@ -122,12 +122,22 @@ pub fn rne(m: &Model, d: &mut Data) {
 /// The same for one world or several.
 #[inline(always)]
 pub(crate) fn rne_of<N: Number>(m: &Model, at: N::Place, bias: Bias<'_, N::Cell>) {
+    let Bias {
+        qvel,
+        cinert,
+        cdof,
+        cvel,
+        cdof_dot,
+        acc,
+        force,
+        qfrc_bias,
+    } = bias;
     // slices of one length: an index is checked once for all of them
     let (n, nv) = (m.nbody(), m.nv());
-    let (acc, force) = (&mut bias.acc[..n], &mut bias.force[..n]);
+    let (acc, force) = (&mut acc[..n], &mut force[..n]);
     let parents = &m.body_parentid[..n];
-    let (cinert, cvel) = (&bias.cinert[..n], &bias.cvel[..n]);
-    let (cdof_dot, qvel) = (&bias.cdof_dot[..nv], &bias.qvel[..nv]);
+    let (cinert, cvel) = (&cinert[..n], &cvel[..n]);
+    let (cdof_dot, qvel) = (&cdof_dot[..nv], &qvel[..nv]);
     let [x, y, z] = m.plan().gravity;
     let falling = number::of::<N, 6>(at, [0.0, 0.0, 0.0, -x, -y, -z]);
     put(at, falling, &mut acc[0]);
@@ -153,7 +163,7 @@ pub(crate) fn rne_of<N: Number>(m: &Model, at: N::Place, bias: Bias<'_, N::Cell>
         add_to(&mut sum, &get::<N, 6>(at, &force[b]), 1.0);
         put(at, sum, &mut force[parents[b]]);
     }
-    for ((out, axis), &b) in bias.qfrc_bias.iter_mut().zip(bias.cdof).zip(&m.dof_bodyid) {
+    for ((out, axis), &b) in qfrc_bias.iter_mut().zip(cdof).zip(&m.dof_bodyid) {
         dot6(&get::<N, 6>(at, axis), &get(at, &force[b])).put(at, out);
     }
 }

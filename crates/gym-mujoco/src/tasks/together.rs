@@ -43,6 +43,9 @@ struct Crew {
     len: usize,
     /// Which of them have stepped.
     stepped: Vec<bool>,
+    /// The numbers of rows that worlds had last, and the worlds by these.
+    rows: Vec<usize>,
+    order: Vec<usize>,
 }
 
 /// A world in a group.
@@ -138,6 +141,8 @@ impl Crew {
             records: vec![0.0; worlds * length],
             len: 0,
             stepped: vec![false; worlds],
+            rows: vec![0; worlds],
+            order: Vec::with_capacity(worlds),
         }
     }
 
@@ -170,24 +175,77 @@ impl Crew {
         let (Some(worlds), Some(width)) = (&mut self.worlds, lanes::width(level)) else {
             return;
         };
-        let length = self.length;
+        let (length, rows) = (self.length, &mut self.rows);
         self.stepped[..self.len].fill(false);
-        let records = self.records[..self.len * length].chunks_mut(length * lanes::WORLDS);
-        for (records, stepped) in records.zip(self.stepped.chunks_mut(lanes::WORLDS)) {
+        // worlds with about as many rows together: the solver works for the most of them
+        self.order.clear();
+        self.order.extend(0..self.len);
+        self.order
+            .sort_unstable_by_key(|&world| (rows[world], world));
+        for order in self.order.chunks(lanes::WORLDS) {
             // a rest that fills less than half a register is faster one by one
-            let len = records.len() / length;
-            let rest = len % width;
-            let len = if 2 * rest < width { len - rest } else { len };
-            let records = &mut records[..len * length];
-            for (world, record) in records.chunks(length).enumerate() {
-                worlds.gather(world, record);
+            let rest = order.len() % width;
+            let few = 2 * rest < width;
+            let order = &order[..order.len() - if few { rest } else { 0 }];
+            for (lane, &world) in order.iter().enumerate() {
+                worlds.gather(lane, &self.records[world * length..][..length]);
             }
-            if len == 0 || !worlds.step(&self.model, level, len, self.steps) {
+            if order.is_empty() || !worlds.step(&self.model, level, order.len(), self.steps) {
                 continue;
             }
-            let records = records.chunks_mut(length).zip(stepped);
-            for (world, (record, stepped)) in records.enumerate() {
-                *stepped = worlds.scatter(&self.model, world, &self.reads, record);
+            for (lane, &world) in order.iter().enumerate() {
+                let record = &mut self.records[world * length..][..length];
+                self.stepped[world] = worlds.scatter(&self.model, lane, &self.reads, record);
+                rows[world] = worlds.rows(lane);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use gym_core::vector::lockstep::Lockstep;
+    use gym_core::{Element, Env, EnvExt};
+
+    use super::*;
+    use crate::physics::lanes::tests::levels;
+    use crate::tasks::{HalfCheetah, MujocoEnv, Task, half_cheetah};
+
+    fn is_behind<T: Task>(env: &MujocoEnv<T>) -> bool {
+        env.episode_data().is_some_and(Data::is_behind)
+    }
+
+    /// Nine worlds: eight step together, and the rest of one by itself.
+    #[test]
+    fn whole_registers_step_together() {
+        for level in levels() {
+            let make = || HalfCheetah::new(half_cheetah::Config::default()).unwrap();
+            let mut envs: Vec<HalfCheetah> = (0..9).map(|_| make()).collect();
+            let mut alone = envs.clone();
+            let mut worlds = Worlds::new(level);
+            let mut seen = Array::empty();
+            for (i, env) in envs.iter_mut().chain(&mut alone).enumerate() {
+                env.reset_into(&(i as u64 % 9).into(), &mut seen).unwrap();
+            }
+            let mut sampler = envs[0].action_sampler(4).unwrap();
+            for _ in 0..40 {
+                let actions: Vec<Array> = (0..9).map(|_| sampler.sample().clone()).collect();
+                worlds.clear();
+                for (env, action) in envs.iter_mut().zip(&actions) {
+                    env.begin_step(action, &mut worlds);
+                }
+                worlds.solve();
+                let mut together = 0;
+                for ((env, alone), action) in envs.iter_mut().zip(&mut alone).zip(&actions) {
+                    env.collect(&mut worlds);
+                    let outcome = env.step_into(action, &mut seen).unwrap();
+                    let mut expected = Array::empty();
+                    let other = alone.step_into(action, &mut expected).unwrap();
+                    assert_eq!((outcome, &seen), (other, &expected), "{level:?}");
+                    together += usize::from(is_behind(env));
+                }
+                let expected = lanes::width(level).map_or(0, |_| 8);
+                assert_eq!(together, expected, "{level:?}");
             }
         }
     }

@@ -67,8 +67,8 @@ fn the_bits_are_the_same_on_any_number_of_threads() {
     }
 }
 
-/// The tasks whose worlds step together.
-const TOGETHER: [&str; 9] = [
+/// Tasks whose worlds step together, and one that steps them one by one.
+const TOGETHER: [&str; 10] = [
     "HalfCheetah-v5",
     "Hopper-v4",
     "Walker2d-v5",
@@ -78,6 +78,7 @@ const TOGETHER: [&str; 9] = [
     "Ant-v5",
     "Ant-v3",
     "Hopper-v5",
+    "Reacher-v5",
 ];
 
 /// Steps vectors of each kind by the same calls and compares all that they give.

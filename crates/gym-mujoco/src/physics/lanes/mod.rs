@@ -4,6 +4,11 @@
 //! Every function called under `vectorize` is `#[inline(always)]`: otherwise it is compiled without
 //! the CPU's vector instructions.
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "indices are those of the formulas"
+)]
+
 mod derived;
 mod newton;
 mod rows;
@@ -328,6 +333,11 @@ impl Worlds {
         self.diverged >> world & 1 == 0
     }
 
+    /// The number of rows that a world had last.
+    pub(crate) fn rows(&self, world: usize) -> usize {
+        self.rows.count[world]
+    }
+
     /// The forces of a world's contacts on its bodies.
     fn contact_forces(&mut self, m: &Model, world: usize) {
         let a = &mut self.arrays;
@@ -568,7 +578,7 @@ fn beyond<S: Simd>(at: Place<S>, numbers: &[Row]) -> u64 {
     let most = same::<S>(at, MAXVAL);
     let mut good = most.le(most);
     for row in numbers {
-        good = good & Real::abs(load::<S>(at, row)).le(most);
+        good &= Real::abs(load::<S>(at, row)).le(most);
     }
     !Lanes::<S>::bits(good) & (u64::MAX >> (64 - <Lanes<S> as Real>::LANES))
 }
@@ -751,4 +761,4 @@ impl Arrays {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -162,8 +162,10 @@ impl Newton {
     #[inline(always)]
     fn iterate<S: Simd>(&mut self, m: &Model, at: Place<S>, a: &Arrays, rows: &Rows, has: &Row) {
         let (simd, n) = (at.0, m.nv());
-        let mut control = Control::default();
-        control.active = *has;
+        let mut control = Control {
+            active: *has,
+            ..Control::default()
+        };
         loop {
             let go_on = simd.vectorize(
                 #[inline(always)]
@@ -305,7 +307,7 @@ impl Newton {
         let (scale, zero) = (load::<S>(at, &control.scale), same(at, 0.0));
         let mut small = self.decrement(at, scale).lt(same(at, m.opt.tolerance));
         if control.iteration == 0 {
-            small = small & load::<S>(at, &control.level).gt(zero);
+            small &= load::<S>(at, &control.level).gt(zero);
         }
         for (search, mgrad) in self.search.iter_mut().zip(&self.mgrad) {
             store(at, search, load::<S>(at, mgrad) * -1.0);
@@ -434,7 +436,7 @@ impl Newton {
                 load::<S>(at, &adds).gt(zero),
             );
             let (factor, x) = (&mut self.hessian, &mut self.row_update);
-            indefinite = indefinite | cholesky_update(at, n, factor, x, masks, MINVAL);
+            indefinite |= cholesky_update(at, n, factor, x, masks, MINVAL);
         }
         store(at, again, Lanes::select(indefinite, one, zero));
         Lanes::<S>::any(indefinite)
@@ -522,7 +524,7 @@ impl Newton {
             let done = slope.abs().lt(flat) & cost.lt(zero);
             let open = Lanes::<S>::but_not(walks, done);
             walks = open & (slope * ahead).le(-flat);
-            stuck = stuck | Lanes::<S>::but_not(open, walks);
+            stuck |= Lanes::<S>::but_not(open, walks);
         }
         store(at, &mut found[0], Lanes::select(active, alpha, zero));
         store(at, &mut found[1], -cost);

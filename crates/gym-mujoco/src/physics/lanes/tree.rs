@@ -2,6 +2,11 @@
 //! [`dense`](crate::physics::dense) and [`inertia`](crate::physics::inertia). The models have one
 //! tree.
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "indices are those of the formulas"
+)]
+
 use fearless_simd::Simd;
 use gym_core::math::{Lanes, Real};
 
@@ -32,17 +37,22 @@ pub(super) fn sum<S: Simd>(
     total + rest
 }
 
-/// The product of two vectors.
+/// The product of two vectors: the same sum, of whole vectors.
 #[inline(always)]
 pub(super) fn dot<S: Simd>(at: Place<S>, a: &[Row], b: &[Row]) -> Lanes<S> {
-    let n = a.len().min(b.len());
-    let (a, b) = (&a[..n], &b[..n]);
-    sum(
-        at,
-        n,
-        #[inline(always)]
-        |k| load(at, &a[k]) * load(at, &b[k]),
-    )
+    let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
+    let zero = same(at, 0.0);
+    let mut sums = [zero; 4];
+    for (a, b) in a.iter().zip(b) {
+        for k in 0..4 {
+            sums[k] = sums[k] + load(at, &a[k]) * load(at, &b[k]);
+        }
+    }
+    let mut rest = zero;
+    for (a, b) in a_rest.iter().zip(b_rest) {
+        rest = rest + load(at, a) * load(at, b);
+    }
+    (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
 }
 
 /// Replaces a matrix of the inertia matrix's structure by `L' D L`, and gives the inverse of the
@@ -142,10 +152,6 @@ pub(super) fn cholesky<S: Simd>(at: Place<S>, n: usize, matrix: &mut [Row], leas
     for j in 0..n {
         let (before, column) = matrix.split_at_mut(j * n);
         let column = &mut column[..n];
-        let (row,) = (
-            #[inline(always)]
-            |k: usize, i: usize| load(at, &before[k * n + i]),
-        );
         // two rows at once, so that element j of each column is read once for both
         let mut i = j;
         while i < n {
@@ -156,16 +162,18 @@ pub(super) fn cholesky<S: Simd>(at: Place<S>, n: usize, matrix: &mut [Row], leas
             let mut sums = [[zero; 2]; 4];
             for first in (0..whole).step_by(4) {
                 for k in 0..4 {
-                    let own = row(first + k, j);
-                    sums[k][0] = sums[k][0] + row(first + k, i) * own;
-                    sums[k][1] = sums[k][1] + row(first + k, next) * own;
+                    let other = &before[(first + k) * n..][..n];
+                    let own = load(at, &other[j]);
+                    sums[k][0] = sums[k][0] + load(at, &other[i]) * own;
+                    sums[k][1] = sums[k][1] + load(at, &other[next]) * own;
                 }
             }
             let mut rest = [zero; 2];
             for k in whole..j {
-                let own = row(k, j);
-                rest[0] = rest[0] + row(k, i) * own;
-                rest[1] = rest[1] + row(k, next) * own;
+                let other = &before[k * n..][..n];
+                let own = load(at, &other[j]);
+                rest[0] = rest[0] + load(at, &other[i]) * own;
+                rest[1] = rest[1] + load(at, &other[next]) * own;
             }
             for (r, place) in [i, next].into_iter().enumerate() {
                 if r == 0 || two {
@@ -247,7 +255,7 @@ pub(super) fn cholesky_update<S: Simd>(
         let lkk: Lanes<S> = load(at, &column[k]);
         let square = lkk * lkk + Lanes::select(adds, xk * xk, -xk * xk);
         let small = which & square.lt(square.same(least));
-        indefinite = indefinite | small;
+        indefinite |= small;
         let square = Lanes::select(small, square.same(least), square);
         let r = square.sqrt();
         let c = r / lkk;

@@ -1,6 +1,6 @@
 """Plays a policy that gym-ppo trained in Gymnasium's environment and in ours: every return must be the same to the last bit.
 
-    python tests/peers/policy.py crates/gym-mujoco/policies/half-cheetah.json --episodes 100
+    python tests/peers/policy.py crates/gym-policies/networks/half-cheetah.json --episodes 100
 
 It needs gymnasium, with MuJoCo for its tasks, and rustgym.
 """

@@ -56,33 +56,43 @@ fn read(path: &Path) -> Reference {
 /// Compiles and runs the documents' snippets as doc tests.
 #[cfg(doctest)]
 mod documents {
-    macro_rules! documents {
-        ($($name:ident: $path:literal),* $(,)?) => {$(
-            #[doc = include_str!(concat!("../../", $path))]
-            struct $name;
-        )*};
-    }
-
     // `tests/book.rs` checks that this list is complete
-    documents! {
-        Atari: "docs/atari.md",
-        Bridge: "docs/bridge.md",
-        ComingFromGymnasium: "docs/coming-from-gymnasium.md",
-        Faq: "docs/faq.md",
-        ChangingATask: "docs/python/live.md",
-        FirstSteps: "docs/first-steps.md",
-        Introduction: "docs/README.md",
-        MujocoVersions: "docs/mujoco-versions.md",
-        Minigrid: "docs/minigrid.md",
-        Native: "docs/native.md",
-        Planning: "docs/planning.md",
-        Plugins: "docs/plugins.md",
-        Readme: "README.md",
-        Rendering: "docs/rendering.md",
-        Spaces: "docs/spaces.md",
-        Training: "docs/training.md",
-        Vectors: "docs/vectors.md",
-        Wrappers: "docs/wrappers.md",
-        WritingWrappers: "docs/writing-wrappers.md",
-    }
+    #[doc = include_str!(concat!("../../", "docs/atari.md"))]
+    struct Atari;
+    #[doc = include_str!(concat!("../../", "docs/bridge.md"))]
+    struct Bridge;
+    #[doc = include_str!(concat!("../../", "docs/coming-from-gymnasium.md"))]
+    struct ComingFromGymnasium;
+    #[doc = include_str!(concat!("../../", "docs/faq.md"))]
+    struct Faq;
+    #[doc = include_str!(concat!("../../", "docs/python/live.md"))]
+    struct ChangingATask;
+    #[doc = include_str!(concat!("../../", "docs/first-steps.md"))]
+    struct FirstSteps;
+    #[doc = include_str!(concat!("../../", "docs/README.md"))]
+    struct Introduction;
+    #[doc = include_str!(concat!("../../", "docs/mujoco-versions.md"))]
+    struct MujocoVersions;
+    #[doc = include_str!(concat!("../../", "docs/minigrid.md"))]
+    struct Minigrid;
+    #[doc = include_str!(concat!("../../", "docs/native.md"))]
+    struct Native;
+    #[doc = include_str!(concat!("../../", "docs/planning.md"))]
+    struct Planning;
+    #[doc = include_str!(concat!("../../", "docs/plugins.md"))]
+    struct Plugins;
+    #[doc = include_str!(concat!("../../", "README.md"))]
+    struct Readme;
+    #[doc = include_str!(concat!("../../", "docs/rendering.md"))]
+    struct Rendering;
+    #[doc = include_str!(concat!("../../", "docs/spaces.md"))]
+    struct Spaces;
+    #[doc = include_str!(concat!("../../", "docs/training.md"))]
+    struct Training;
+    #[doc = include_str!(concat!("../../", "docs/vectors.md"))]
+    struct Vectors;
+    #[doc = include_str!(concat!("../../", "docs/wrappers.md"))]
+    struct Wrappers;
+    #[doc = include_str!(concat!("../../", "docs/writing-wrappers.md"))]
+    struct WritingWrappers;
 }

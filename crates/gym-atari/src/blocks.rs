@@ -424,6 +424,13 @@ macro_rules! functions {
             _ => None,
         }
     };
+    // `STA`, `STX` and `STY` to the listed registers
+    (store $kind:ident, $opcode:ident, $case:expr, $register:ident, $($code:literal)*) => {
+        match $register {
+            $($code => functions!($kind, $opcode, $case | $code, case::ANY, 0x84 0x85 0x86),)*
+            _ => None,
+        }
+    };
 }
 
 /// Returns the function of `opcode`, compiled for `case`.
@@ -464,18 +471,10 @@ fn function<K: Kind>(opcode: u8, case: u8) -> Option<Run> {
 /// Returns the function for `STA`, `STX` or `STY` to a register of the TIA.
 #[rustfmt::skip]
 fn store<K: Kind>(opcode: u8, register: u8) -> Option<Run> {
-    macro_rules! registers {
-        ($case:expr, $($register:literal)*) => {
-            match register {
-                $($register => functions!(K, opcode, $case | $register, case::ANY, 0x84 0x85 0x86),)*
-                _ => None,
-            }
-        };
-    }
     // registers whose writes usually change pixels
-    let shown: Option<Run> = registers!(case::TIA,
+    let shown: Option<Run> = functions!(store K, opcode, case::TIA, register,
         0x00 0x01 0x06 0x07 0x08 0x09 0x0d 0x0e 0x0f 0x10 0x11 0x12 0x13 0x14 0x1b 0x1c 0x2a 0x2c);
-    shown.or(registers!(case::TIA_UNSEEN,
+    shown.or(functions!(store K, opcode, case::TIA_UNSEEN, register,
         0x02 0x03 0x04 0x05 0x0a 0x0b 0x0c 0x15 0x16 0x17 0x18 0x19 0x1a 0x1d 0x1e 0x1f
         0x20 0x21 0x22 0x23 0x24 0x25 0x26 0x27 0x28 0x29 0x2b))
 }

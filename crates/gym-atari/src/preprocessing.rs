@@ -91,15 +91,15 @@ impl<E: Env> AtariPreprocessing<E> {
         let Some(atari) = within(&env) else {
             return refuse(format!("{} is not an Atari environment", env.describe()));
         };
-        let stack = env.describe();
-        // `describe` of an environment from `make` contains its id
-        let id = env.spec().map(|spec| spec.id).unwrap_or_default();
-        let mut layers = stack
-            .split(['<', '>'])
-            .filter(|layer| !layer.is_empty() && *layer != id);
-        if let Some(layer) =
-            layers.find(|layer| !OF_MAKE.contains(layer) && *layer != atari.describe())
-        {
+        let (mut other, mut inside) = (None, "");
+        env.visit_layers(&mut |layer| {
+            // the last layer is the environment
+            let outside = std::mem::replace(&mut inside, layer);
+            if !outside.is_empty() && !OF_MAKE.contains(&outside) {
+                other.get_or_insert(outside);
+            }
+        });
+        if let Some(layer) = other {
             return refuse(format!(
                 "the environment is wrapped in {layer}: wrap it in AtariPreprocessing first"
             ));
@@ -243,11 +243,11 @@ impl<E: Env> gym_core::Wrapper for AtariPreprocessing<E> {
         &mut self.env
     }
 
-    fn observation_space(&self) -> Space {
+    fn on_observation_space(&self) -> Space {
         bytes(&self.settings.screen_size)
     }
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut Array) -> Result<()> {
+    fn on_reset(&mut self, reset: &Reset, observation: &mut Array) -> Result<()> {
         self.env.reset_into(reset, &mut self.unused)?;
         let noops = match (self.settings.noop_max, self.env.generator()) {
             (1.., Some(rng)) => rng.integers(1, i64::from(self.settings.noop_max) + 1),
@@ -269,7 +269,7 @@ impl<E: Env> gym_core::Wrapper for AtariPreprocessing<E> {
         Ok(())
     }
 
-    fn step_into(&mut self, action: &AtariAction, observation: &mut Array) -> Result<Outcome> {
+    fn on_step(&mut self, action: &AtariAction, observation: &mut Array) -> Result<Outcome> {
         let atari = within_mut(&mut self.env);
         let command = atari.resolve_for_step(action)?;
         let first_seen = self.settings.frame_skip.saturating_sub(2);
@@ -288,7 +288,7 @@ impl<E: Env> gym_core::Wrapper for AtariPreprocessing<E> {
         Some(self.settings.spec())
     }
 
-    fn snapshot(&self) -> Result<Snapshot> {
+    fn on_snapshot(&self) -> Result<Snapshot> {
         let frames = [0, 1].map(|i| crate::bytes::encode(&self.frames[i]));
         Snapshot::of(&Stored {
             env: self.env.snapshot()?,
@@ -298,7 +298,7 @@ impl<E: Env> gym_core::Wrapper for AtariPreprocessing<E> {
         })
     }
 
-    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+    fn on_restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let Stored {
             env,
             settings,

@@ -1,11 +1,13 @@
 //! Scales gray pictures down like OpenCV's `resize` with `INTER_AREA`, bit for bit.
 //!
-//! Each output pixel is the weighted mean of the source pixels that it covers: first along the
+//! [`AreaResize`] resizes single pictures; this file resizes a sequence of them. Each output pixel is the weighted mean of the source pixels that it covers: first along the
 //! columns of each row, then along the rows, in `f32` and in that order. Most of a picture equals
 //! the previous picture, so all sums are kept, and only sums over changed pixels are computed
 //! again.
 
 use std::ops::Range;
+
+use gym_wrappers::resize_observation::area::{AreaResize, shares};
 
 use crate::screen::{Row, WIDTH};
 
@@ -51,6 +53,9 @@ pub(crate) struct Shrink {
     row: [f32; WIDTH + TAPS],
     /// The sums along rows, for one output row.
     down: Vec<f32>,
+    /// If both sizes shrink by whole factors, of which OpenCV takes means in another order: the
+    /// resizer, and the shades of a picture.
+    whole: Option<(AreaResize, Vec<u8>)>,
 }
 
 impl Shrink {
@@ -80,6 +85,10 @@ impl Shrink {
             changed: vec![true; height],
             row: [0.0; WIDTH + TAPS],
             down: vec![0.0; target.1],
+            whole: (height.is_multiple_of(target.0) && WIDTH.is_multiple_of(target.1)).then(|| {
+                let resize = AreaResize::new((height, WIDTH), target, 1);
+                (resize, vec![0; height * WIDTH])
+            }),
         };
         for y in 0..height {
             shrink.add_across(y, 0..target.1);
@@ -90,6 +99,13 @@ impl Shrink {
 
     /// Scales `picture` to `out`, both row by row.
     pub(crate) fn shrink(&mut self, picture: &[u8], out: &mut [u8]) {
+        if let Some((resize, shades)) = &mut self.whole {
+            for (shade, &byte) in shades.iter_mut().zip(picture) {
+                *shade = self.shades[usize::from(byte)];
+            }
+            resize.resize(shades, out);
+            return;
+        }
         for (y, row) in picture.as_chunks().0.iter().enumerate() {
             self.changed[y] = self.picture[y] != *row;
             if self.changed[y] {
@@ -186,40 +202,24 @@ fn round(shade: f32) -> u8 {
     (shade + 8_388_608.0).to_bits() as u8
 }
 
-/// Returns the cover of each output pixel, without weights below 0.001.
+/// Returns the cover of each output pixel. `None` if `target` is larger than `source`, or more than
+/// 14 times smaller.
 fn covers(source: usize, target: usize) -> Option<Vec<Cover>> {
-    const LEAST: f64 = 1e-3;
     if target == 0 || target > source || source > 14 * target {
         return None;
     }
-    let scale = 1.0 / (target as f64 / source as f64);
-    let cover = |i: usize| {
-        let start = i as f64 * scale;
-        let end = start + scale;
-        let width = scale.min(source as f64 - start);
-        let last = (end.floor() as usize).min(source - 1);
-        let first = (start.ceil() as usize).min(last);
-        let mut cover = Cover {
-            first,
-            shares: [0.0; TAPS],
-            count: 0,
-        };
-        let mut add = |share: f64| {
-            cover.shares[cover.count] = share as f32;
-            cover.count += 1;
-        };
-        let cut = first as f64 - start > LEAST;
-        if cut {
-            add((first as f64 - start) / width);
+    let cover = |covered: Vec<(usize, f32)>| {
+        let mut shares = [0.0; TAPS];
+        for (own, (_, share)) in shares.iter_mut().zip(&covered) {
+            *own = *share;
         }
-        (first..last).for_each(|_| add(1.0 / width));
-        if end - last as f64 > LEAST {
-            add((end - last as f64).min(1.0).min(width) / width);
+        Cover {
+            first: covered.first().map_or(0, |(first, _)| *first),
+            shares,
+            count: covered.len(),
         }
-        cover.first -= usize::from(cut);
-        cover
     };
-    Some((0..target).map(cover).collect())
+    Some(shares(source, target).into_iter().map(cover).collect())
 }
 
 #[cfg(test)]
@@ -256,6 +256,28 @@ mod tests {
         }
         shades
     };
+
+    #[test]
+    fn equals_the_resizer_of_single_pictures() {
+        let noise: Vec<u8> = (0..210 * 160u32)
+            .map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8)
+            .collect();
+        for target in [
+            (84, 84),
+            (64, 80),
+            (100, 33),
+            (15, 12),
+            (105, 80),
+            (70, 40),
+            (210, 160),
+        ] {
+            let [mut out, mut expected] = [(); 2].map(|()| vec![0; target.0 * target.1]);
+            let mut shrink = Shrink::new(210, target, &SAME).expect("smaller");
+            shrink.shrink(&noise, &mut out);
+            AreaResize::new((210, WIDTH), target, 1).resize(&noise, &mut expected);
+            assert!(out == expected, "{target:?}");
+        }
+    }
 
     /// Sums kept from earlier pictures do not change the result.
     #[test]

@@ -46,11 +46,14 @@ use gym_core::{
 use serde::{Deserialize, Serialize};
 use serde_json::{Value as Json, json};
 
-use crate::common::{self, Ahead, Call, Worlds, points, vec2};
 use crate::physics::{
     BodyDef, BodyId, Filter, FixtureDef, FixtureId, JointId, Physics, Place, RevoluteJointDef,
     Shape, Vec2, World,
 };
+use crate::rapier;
+use crate::settings;
+use crate::shapes::{self, points, vec2};
+use crate::worlds::{self, Ahead, Call, Worlds};
 
 use ground::Ground;
 pub use heuristic::Heuristic;
@@ -294,7 +297,7 @@ impl Episode {
             self.world.set_max_motor_torque(joint, torque as f32);
         }
         self.action = *action;
-        common::step(&mut self.world, FPS, worlds)
+        worlds::step(&mut self.world, FPS, worlds)
     }
 
     /// Computes observation, reward and end of the episode from the stepped world.
@@ -410,7 +413,7 @@ impl Episode {
             if x2 >= scroll && x1 <= scroll + VIEWPORT_W / SCALE {
                 let ground =
                     [[x1, y1], [x2, y2], [x2, 0.0], [x1, 0.0]].map(|p| p.map(|x| x * SCALE));
-                common::draw_polygon(canvas, &ground, Color::rgb(102, 153, 76));
+                shapes::draw_polygon(canvas, &ground, Color::rgb(102, 153, 76));
             }
         }
     }
@@ -477,9 +480,9 @@ impl Episode {
     }
 
     fn draw_body(&self, canvas: &mut dyn Canvas, fixture: FixtureId, colors: [(u8, u8, u8); 2]) {
-        let (mut corners, count) = common::pixel_corners(&self.world, fixture, SCALE);
+        let (mut corners, count) = shapes::pixel_corners(&self.world, fixture, SCALE);
         let [fill, outline] = colors.map(|(r, g, b)| Color::rgb(r, g, b));
-        common::draw_polygon(canvas, &corners[..count], fill);
+        shapes::draw_polygon(canvas, &corners[..count], fill);
         canvas.pygame(
             Primitive::Lines {
                 points: &corners[..count],
@@ -521,7 +524,7 @@ impl Inspect for BipedalWalker {
     }
 
     fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
-        self.config = common::assigned(&self.config, name, value, "BipedalWalker")?;
+        self.config = settings::assigned(&self.config, name, value, "BipedalWalker")?;
         Ok(())
     }
 }
@@ -623,7 +626,7 @@ impl Env for BipedalWalker {
             // clouds scroll at half speed
             if right >= scroll / 2.0 && left <= scroll / 2.0 + VIEWPORT_W / SCALE {
                 let cloud = cloud.map(|[x, y]| [x * SCALE + scroll * SCALE / 2.0, y * SCALE]);
-                common::draw_polygon(canvas, &cloud, Color::WHITE);
+                shapes::draw_polygon(canvas, &cloud, Color::WHITE);
             }
         }
         episode.draw_ground(canvas);
@@ -753,7 +756,7 @@ const RAPIER_EXCEPTIONS: &[(&str, &str)] = &[
         "observation-in-space",
         "on impact rapier's joints can turn faster than five times their rated speed",
     ),
-    common::RAPIER_ALLOCATES,
+    rapier::RAPIER_ALLOCATES,
 ];
 
 #[cfg(not(test))]
@@ -769,12 +772,12 @@ gym_core::register!(
     hardcore("BipedalWalkerHardcore-v3")
         .lockstep::<BipedalWalker>()
         .kwargs(r#"{"hardcore": true}"#),
-    common::on_rapier(
+    rapier::on_rapier(
         walker("rapier/BipedalWalker-v3")
             .kwargs(r#"{"physics": "rapier"}"#)
             .exceptions(RAPIER_EXCEPTIONS)
     ),
-    common::on_rapier(
+    rapier::on_rapier(
         hardcore("rapier/BipedalWalkerHardcore-v3")
             .kwargs(r#"{"hardcore": true, "physics": "rapier"}"#)
             .exceptions(RAPIER_EXCEPTIONS)

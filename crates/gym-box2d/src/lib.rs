@@ -21,14 +21,17 @@
 
 pub mod bipedal_walker;
 pub mod car_racing;
-mod common;
-pub use common::Worlds;
 pub mod lunar_lander;
 pub mod physics;
+mod rapier;
+mod settings;
+mod shapes;
+mod worlds;
 
 pub use bipedal_walker::BipedalWalker;
 pub use car_racing::{CarRacing, ScoreGlyphs};
 pub use lunar_lander::LunarLander;
+pub use worlds::Worlds;
 
 /// Compiles and runs the example of the README.
 #[cfg(doctest)]

@@ -41,11 +41,14 @@ use gym_core::{
 use serde::{Deserialize, Serialize};
 use serde_json::{Value as Json, json};
 
-use crate::common::{self, Ahead, Call, Worlds, points, vec2};
 use crate::physics::{
     BodyDef, BodyId, Filter, FixtureDef, FixtureId, Physics, Place, RevoluteJointDef, Shape, Vec2,
     World,
 };
+use crate::rapier;
+use crate::settings;
+use crate::shapes::{self, points, vec2};
+use crate::worlds::{self, Ahead, Call, Worlds};
 use exhaust::Exhaust;
 
 const FPS: f64 = 50.0;
@@ -216,7 +219,7 @@ impl LunarLander {
     /// # Errors
     /// The errors of `new`; [`Error::InvalidArgument`] for a version below 2.
     pub fn with_version(config: Config, version: u32) -> Result<Self> {
-        let version = common::version("LunarLander", version)?;
+        let version = settings::version("LunarLander", version)?;
         Self::check(&config)?;
         Ok(Self {
             config,
@@ -461,7 +464,7 @@ impl Episode {
         }
 
         self.throttles = [m_power, s_power];
-        common::step(&mut self.world, FPS, worlds)
+        worlds::step(&mut self.world, FPS, worlds)
     }
 
     /// Computes observation, reward and end of the episode from the stepped world.
@@ -563,7 +566,7 @@ impl Episode {
             };
             canvas.pygame(pole, Color::WHITE);
             let flag = [[x, top], [x, top - 10.0], [x + 25.0, top - 5.0]];
-            common::draw_polygon(canvas, &flag, Color::rgb(204, 204, 0));
+            shapes::draw_polygon(canvas, &flag, Color::rgb(204, 204, 0));
         }
     }
 }
@@ -580,7 +583,7 @@ impl Inspect for LunarLander {
     }
 
     fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
-        let config = common::assigned(&self.config, name, value, "LunarLander")?;
+        let config = settings::assigned(&self.config, name, value, "LunarLander")?;
         Self::check(&config)?;
         self.config = config;
         Ok(())
@@ -684,7 +687,7 @@ impl Env for LunarLander {
                 [x2, H],
                 [x1, H],
             ];
-            common::draw_polygon(
+            shapes::draw_polygon(
                 canvas,
                 &sky.map(|corner| corner.map(|x| x * SCALE)),
                 Color::BLACK,
@@ -699,9 +702,9 @@ impl Env for LunarLander {
             Episode::draw_flags(canvas);
         }
         for fixture in episode.fixtures {
-            let (corners, count) = common::pixel_corners(&episode.world, fixture, SCALE);
+            let (corners, count) = shapes::pixel_corners(&episode.world, fixture, SCALE);
             let corners = &corners[..count];
-            common::draw_polygon(canvas, corners, Color::rgb(128, 102, 230));
+            shapes::draw_polygon(canvas, corners, Color::rgb(128, 102, 230));
             canvas.pygame(
                 Primitive::AaLines {
                     points: corners,
@@ -867,14 +870,14 @@ gym_core::register!(
     throttled("LunarLanderContinuous-v3")
         .lockstep::<LunarLander>()
         .kwargs(r#"{"continuous": true}"#),
-    common::on_rapier(
+    rapier::on_rapier(
         lander("rapier/LunarLander-v3")
-            .exceptions(&[common::RAPIER_ALLOCATES, SPINS])
+            .exceptions(&[rapier::RAPIER_ALLOCATES, SPINS])
             .kwargs(r#"{"physics": "rapier"}"#)
     ),
-    common::on_rapier(
+    rapier::on_rapier(
         throttled("rapier/LunarLanderContinuous-v3")
-            .exceptions(&[common::RAPIER_ALLOCATES, SPINS])
+            .exceptions(&[rapier::RAPIER_ALLOCATES, SPINS])
             .kwargs(r#"{"continuous": true, "physics": "rapier"}"#)
     ),
 );

@@ -26,7 +26,7 @@ use gym_core::{
     ArgumentType, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task,
     pygame,
 };
-use gym_native::{Equations, Next};
+use gym_native::{Compared, Equations, Next};
 use serde::{Deserialize, Serialize};
 
 use crate::{constants, policy, reset};
@@ -133,8 +133,7 @@ pub struct AcrobotDynamics {
     config: Config,
     /// The arguments of the constructor, from which the spaces follow.
     built: Config,
-    is_usual: bool,
-    constants: [f64; 19],
+    constants: Compared<Constants<f64>>,
 }
 
 impl Task for AcrobotDynamics {
@@ -182,13 +181,11 @@ impl Task for AcrobotDynamics {
             Self::NAME,
             [("MAX_VEL_1", max_vel_1), ("MAX_VEL_2", max_vel_2)],
         )?;
-        let constants = constants_of(&config, [square(l1), square(lc1), square(lc2)]);
-        let is_usual = Self::USUAL == Some(constants);
+        let constants = Constants::of(&config, [square(l1), square(lc1), square(lc2)]);
         Ok(Self {
             config,
             built: config,
-            is_usual,
-            constants,
+            constants: Compared::new(constants, Self::DEFAULTS),
         })
     }
 
@@ -234,7 +231,7 @@ impl Task for AcrobotDynamics {
     }
 
     fn is_valid(&self, state: &State) -> bool {
-        !self.is_usual
+        !self.constants.are_defaults()
             || reset::plausible(&[state.theta1, state.theta2, state.dtheta1, state.dtheta2])
     }
 
@@ -290,74 +287,93 @@ impl Task for AcrobotDynamics {
     }
 }
 
-/// Returns the constants of the equations. The last argument is the squares of `LINK_LENGTH_1`,
-/// `LINK_COM_POS_1` and `LINK_COM_POS_2`.
-const fn constants_of(config: &Config, [l1_2, lc1_2, lc2_2]: [f64; 3]) -> [f64; 19] {
-    let Config {
-        dt,
-        LINK_LENGTH_1: l1,
-        LINK_LENGTH_2: _,
-        LINK_MASS_1: m1,
-        LINK_MASS_2: m2,
-        LINK_COM_POS_1: lc1,
-        LINK_COM_POS_2: lc2,
-        LINK_MOI: moi,
-        MAX_VEL_1: max_vel_1,
-        MAX_VEL_2: max_vel_2,
-        AVAIL_TORQUE: _,
-        torque_noise_max,
-        book_or_nips: _,
-    } = *config;
-    // products of constants that Python computes first, in its order
-    [
-        m1 * lc1_2,
+gym_core::constants! {
+    /// The constants of the equations: products that Python computes first, in its order.
+    pub struct Constants {
+        m1_lc1_2,
         m2,
         moi,
-        l1_2 + lc2_2,
-        2.0 * l1 * lc2,
+        l1_2_lc2_2,
+        two_l1_lc2,
         lc2_2,
-        l1 * lc2,
-        m2 * lc2 * GRAVITY,
-        -m2 * l1 * lc2,
-        2.0 * m2 * l1 * lc2,
-        (m1 * lc1 + m2 * l1) * GRAVITY,
-        m2 * l1 * lc2,
-        m2 * lc2_2 + moi,
+        l1_lc2,
+        m2_lc2_g,
+        minus_m2_l1_lc2,
+        two_m2_l1_lc2,
+        m1_lc1_m2_l1_g,
+        m2_l1_lc2,
+        m2_lc2_2_moi,
         dt,
-        dt / 2.0,
-        dt / 6.0,
+        half_dt,
+        sixth_dt,
         max_vel_1,
         max_vel_2,
         torque_noise_max,
-    ]
+    }
+}
+
+impl Constants<f64> {
+    /// The constants that follow from the arguments. `l1_2`, `lc1_2` and `lc2_2` are the squares of
+    /// `LINK_LENGTH_1`, `LINK_COM_POS_1` and `LINK_COM_POS_2`.
+    const fn of(config: &Config, [l1_2, lc1_2, lc2_2]: [f64; 3]) -> Self {
+        let Config {
+            dt,
+            LINK_LENGTH_1: l1,
+            LINK_MASS_1: m1,
+            LINK_MASS_2: m2,
+            LINK_COM_POS_1: lc1,
+            LINK_COM_POS_2: lc2,
+            LINK_MOI: moi,
+            MAX_VEL_1: max_vel_1,
+            MAX_VEL_2: max_vel_2,
+            torque_noise_max,
+            ..
+        } = *config;
+        Self {
+            m1_lc1_2: m1 * lc1_2,
+            m2,
+            moi,
+            l1_2_lc2_2: l1_2 + lc2_2,
+            two_l1_lc2: 2.0 * l1 * lc2,
+            lc2_2,
+            l1_lc2: l1 * lc2,
+            m2_lc2_g: m2 * lc2 * GRAVITY,
+            minus_m2_l1_lc2: -m2 * l1 * lc2,
+            two_m2_l1_lc2: 2.0 * m2 * l1 * lc2,
+            m1_lc1_m2_l1_g: (m1 * lc1 + m2 * l1) * GRAVITY,
+            m2_l1_lc2: m2 * l1 * lc2,
+            m2_lc2_2_moi: m2 * lc2_2 + moi,
+            dt,
+            half_dt: dt / 2.0,
+            sixth_dt: dt / 6.0,
+            max_vel_1,
+            max_vel_2,
+            torque_noise_max,
+        }
+    }
 }
 
 impl Equations for AcrobotDynamics {
     type Numbers = [f64; 4];
     type Input = [f64; 1];
-    type Constants = [f64; 19];
+    type Constants = Constants<f64>;
 
     // these squares are exact
-    const USUAL: Option<[f64; 19]> = Some(constants_of(&Config::DEFAULT, [1.0, 0.25, 0.25]));
-    const IS_NOISY: bool = true;
+    const DEFAULTS: Option<Constants<f64>> =
+        Some(Constants::of(&Config::DEFAULT, [1.0, 0.25, 0.25]));
 
     #[inline(always)]
-    fn constants(&self) -> [f64; 19] {
+    fn constants(&self) -> Compared<Constants<f64>> {
         self.constants
     }
 
     #[inline(always)]
-    fn is_usual(&self) -> bool {
-        self.is_usual
-    }
-
-    #[inline(always)]
-    fn numbers(&self, state: &State) -> [f64; 4] {
+    fn pack(&self, state: &State) -> [f64; 4] {
         [state.theta1, state.theta2, state.dtheta1, state.dtheta2]
     }
 
     #[inline(always)]
-    fn state(&self, [theta1, theta2, dtheta1, dtheta2]: [f64; 4], fresh: bool) -> State {
+    fn unpack(&self, [theta1, theta2, dtheta1, dtheta2]: [f64; 4], fresh: bool) -> State {
         State {
             theta1,
             theta2,
@@ -369,7 +385,7 @@ impl Equations for AcrobotDynamics {
 
     /// Returns the torque of an action.
     #[inline(always)]
-    fn input(&self, action: Action) -> [f64; 1] {
+    fn encode(&self, action: Action) -> [f64; 1] {
         let [negative, zero, positive] = self.config.AVAIL_TORQUE;
         // not by index, which would prevent vectorization
         [if action == Action::Negative {
@@ -382,54 +398,40 @@ impl Equations for AcrobotDynamics {
     }
 
     #[inline(always)]
-    fn disturb([.., torque_noise_max]: &[f64; 19], [torque]: &mut [f64; 1], rng: &mut Generator) {
-        if *torque_noise_max > 0.0 {
-            *torque += rng.uniform(-torque_noise_max, *torque_noise_max);
+    fn noise(constants: &Constants<f64>, [torque]: &mut [f64; 1], rng: &mut Generator) {
+        let most = constants.torque_noise_max;
+        if most > 0.0 {
+            *torque += rng.uniform(-most, most);
         }
     }
 
     /// Advances the state by one step.
     #[inline(always)]
-    fn advance<R: Real>(
+    fn step<R: Real>(
         &self,
-        constants: [R; 19],
-        state: [R; 4],
-        _fresh: R::Mask,
+        constants: Constants<R>,
+        numbers: [R; 4],
         [torque]: [R; 1],
     ) -> Next<R, Self> {
-        let [.., max_vel_1, max_vel_2, _] = constants;
         let is_nips = self.config.book_or_nips == Equation::Nips;
-        let [theta1, theta2, dtheta1, dtheta2] = rk4(constants, is_nips, state, torque);
+        let [theta1, theta2, dtheta1, dtheta2] = rk4(constants, is_nips, numbers, torque);
         let (theta1, theta2) = (wrap(theta1), wrap(theta2));
-        let dtheta1 = bound(dtheta1, max_vel_1);
-        let dtheta2 = bound(dtheta2, max_vel_2);
-        let state = [theta1, theta2, dtheta1, dtheta2];
-        let seen = self.see(state);
-        let [cos1, ..] = seen;
+        let dtheta1 = bound(dtheta1, constants.max_vel_1);
+        let dtheta2 = bound(dtheta2, constants.max_vel_2);
+        let (sin1, cos1) = theta1.sin_cos();
+        let (sin2, cos2) = theta2.sin_cos();
         let terminated = (-cos1 - (theta2 + theta1).cos()).gt(theta1.same(1.0));
         let reward = R::select(terminated, theta1.same(0.0), theta1.same(-1.0));
         Next {
-            state,
+            numbers: [theta1, theta2, dtheta1, dtheta2],
             reward,
             terminated,
-            seen,
+            observation: [cos1, sin1, cos2, sin2, dtheta1, dtheta2],
         }
     }
 
-    #[inline(always)]
-    fn see<R: Real>(&self, [theta1, theta2, dtheta1, dtheta2]: [R; 4]) -> [R; 6] {
-        let ((sin1, cos1), (sin2, cos2)) = (theta1.sin_cos(), theta2.sin_cos());
-        [cos1, sin1, cos2, sin2, dtheta1, dtheta2]
-    }
-
-    #[inline(always)]
-    fn is_fresh(&self, state: &State) -> bool {
-        state.fresh
-    }
-
-    /// Observes the first state of an episode, which is `float32`, and so are numpy's results from
-    /// it.
-    fn see_otherwise(&self, state: &State) -> Option<[f32; 6]> {
+    /// The first state of an episode is `float32`, and so are numpy's sines and cosines of it.
+    fn observe(&self, state: &State) -> [f32; 6] {
         let State {
             theta1,
             theta2,
@@ -437,9 +439,15 @@ impl Equations for AcrobotDynamics {
             dtheta2,
             fresh,
         } = *state;
-        let [(sin1, cos1), (sin2, cos2)] =
-            [theta1, theta2].map(|theta| numpy_sin_cos_f32(theta as f32));
-        fresh.then_some([cos1, sin1, cos2, sin2, dtheta1 as f32, dtheta2 as f32])
+        let [(sin1, cos1), (sin2, cos2)] = [theta1, theta2].map(|theta| {
+            if fresh {
+                numpy_sin_cos_f32(theta as f32)
+            } else {
+                let (sin, cos) = sin_cos(theta);
+                (sin as f32, cos as f32)
+            }
+        });
+        [cos1, sin1, cos2, sin2, dtheta1 as f32, dtheta2 as f32]
     }
 }
 
@@ -453,13 +461,13 @@ fn bound<R: Real>(x: R, limit: R) -> R {
 /// Returns the derivatives of both angles and both velocities.
 #[inline(always)]
 fn dsdt<R: Real>(
-    constants: [R; 19],
+    constants: Constants<R>,
     is_nips: bool,
     [theta1, theta2, dtheta1, dtheta2]: [R; 4],
     torque: R,
 ) -> [R; 4] {
     // squares of variables are `pow`, as in numpy
-    let [
+    let Constants {
         m1_lc1_2,
         m2,
         moi,
@@ -467,29 +475,29 @@ fn dsdt<R: Real>(
         two_l1_lc2,
         lc2_2,
         l1_lc2,
-        phi2_factor,
-        minus,
-        twice,
-        phi1_factor,
-        once,
-        moi_2,
-        ..,
-    ] = constants;
+        m2_lc2_g,
+        minus_m2_l1_lc2,
+        two_m2_l1_lc2,
+        m1_lc1_m2_l1_g,
+        m2_l1_lc2,
+        m2_lc2_2_moi,
+        ..
+    } = constants;
     let (sin2, cos2) = theta2.sin_cos();
 
     let d1 = (cos2 * two_l1_lc2 + l1_2_lc2_2) * m2 + m1_lc1_2 + moi + moi;
     let d2 = (cos2 * l1_lc2 + lc2_2) * m2 + moi;
-    let phi2 = (theta1 + theta2 - PI / 2.0).cos() * phi2_factor;
-    let phi1 = dtheta2.square() * minus * sin2 - dtheta2 * twice * dtheta1 * sin2
-        + (theta1 - PI / 2.0).cos() * phi1_factor
+    let phi2 = (theta1 + theta2 - PI / 2.0).cos() * m2_lc2_g;
+    let phi1 = dtheta2.square() * minus_m2_l1_lc2 * sin2 - dtheta2 * two_m2_l1_lc2 * dtheta1 * sin2
+        + (theta1 - PI / 2.0).cos() * m1_lc1_m2_l1_g
         + phi2;
     let pull = torque + d2 / d1 * phi1;
     let pull = if is_nips {
         pull
     } else {
-        pull - dtheta1.square() * once * sin2
+        pull - dtheta1.square() * m2_l1_lc2 * sin2
     };
-    let ddtheta2 = (pull - phi2) / (-(d2.square() / d1) + moi_2);
+    let ddtheta2 = (pull - phi2) / (-(d2.square() / d1) + m2_lc2_2_moi);
     let ddtheta1 = -(d2 * ddtheta2 + phi1) / d1;
     [dtheta1, dtheta2, ddtheta1, ddtheta2]
 }
@@ -507,17 +515,22 @@ fn add<R: Real>([y1, y2, y3, y4]: [R; 4], [k1, k2, k3, k4]: [R; 4], factor: R) -
 
 /// Takes one step of the classical Runge-Kutta method.
 #[inline(always)]
-fn rk4<R: Real>(constants: [R; 19], is_nips: bool, y0: [R; 4], torque: R) -> [R; 4] {
-    let [.., dt, half, sixth, _, _, _] = constants;
+fn rk4<R: Real>(constants: Constants<R>, is_nips: bool, y0: [R; 4], torque: R) -> [R; 4] {
+    let Constants {
+        dt,
+        half_dt,
+        sixth_dt,
+        ..
+    } = constants;
     let (one, two) = (dt.same(1.0), dt.same(2.0));
     let mut k = dsdt(constants, is_nips, y0, torque);
     let mut sum = k;
     // a loop, because unrolled copies of the derivatives are no faster
-    for (step, weight) in [(half, two), (half, two), (dt, one)] {
+    for (step, weight) in [(half_dt, two), (half_dt, two), (dt, one)] {
         k = dsdt(constants, is_nips, add(y0, k, step), torque);
         sum = add(sum, k, weight);
     }
-    add(y0, sum, sixth)
+    add(y0, sum, sixth_dt)
 }
 
 /// Wraps an angle to ±π: turn by turn as in Gymnasium, for the same rounding, unless the angle is

@@ -27,7 +27,7 @@ use gym_core::{
     ArgumentType, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task,
     Transition, pygame,
 };
-use gym_native::{Equations, Next};
+use gym_native::{Compared, Equations, Next};
 use serde::{Deserialize, Serialize};
 
 use crate::{constants, policy, reset};
@@ -133,8 +133,7 @@ pub struct CartPoleDynamics {
     config: Config,
     /// The arguments of the constructor, from which the spaces follow.
     built: Config,
-    is_usual: bool,
-    constants: [f64; 9],
+    constants: Compared<Constants<f64>>,
 }
 
 impl CartPoleDynamics {
@@ -144,31 +143,9 @@ impl CartPoleDynamics {
     }
 }
 
-/// Returns the constants of the equations.
-const fn constants_of(config: &Config) -> [f64; 9] {
-    let Config {
-        gravity,
-        masscart,
-        masspole,
-        length,
-        force_mag,
-        tau,
-        ..
-    } = *config;
-    let total_mass = match config.total_mass {
-        Some(total_mass) => total_mass,
-        None => masspole + masscart,
-    };
-    let polemass_length = match config.polemass_length {
-        Some(polemass_length) => polemass_length,
-        None => masspole * length,
-    };
-    let Config {
-        theta_threshold_radians,
-        x_threshold,
-        ..
-    } = *config;
-    [
+gym_core::constants! {
+    /// The constants of the equations, under the names of the arguments.
+    pub struct Constants {
         gravity,
         masspole,
         total_mass,
@@ -178,35 +155,64 @@ const fn constants_of(config: &Config) -> [f64; 9] {
         tau,
         theta_threshold_radians,
         x_threshold,
-    ]
+    }
+}
+
+impl Constants<f64> {
+    /// The constants that follow from the arguments.
+    const fn of(config: &Config) -> Self {
+        let Config {
+            gravity,
+            masscart,
+            masspole,
+            length,
+            force_mag,
+            tau,
+            theta_threshold_radians,
+            x_threshold,
+            ..
+        } = *config;
+        Self {
+            gravity,
+            masspole,
+            total_mass: match config.total_mass {
+                Some(total_mass) => total_mass,
+                None => masspole + masscart,
+            },
+            length,
+            polemass_length: match config.polemass_length {
+                Some(polemass_length) => polemass_length,
+                None => masspole * length,
+            },
+            force_mag,
+            tau,
+            theta_threshold_radians,
+            x_threshold,
+        }
+    }
 }
 
 impl Equations for CartPoleDynamics {
     type Numbers = [f64; 4];
     type Input = [f64; 1];
-    type Constants = [f64; 9];
+    type Constants = Constants<f64>;
 
-    const USUAL: Option<[f64; 9]> = Some(constants_of(&Config::DEFAULT));
+    const DEFAULTS: Option<Constants<f64>> = Some(Constants::of(&Config::DEFAULT));
 
     #[inline(always)]
-    fn constants(&self) -> [f64; 9] {
+    fn constants(&self) -> Compared<Constants<f64>> {
         self.constants
     }
 
     #[inline(always)]
-    fn is_usual(&self) -> bool {
-        self.is_usual
-    }
-
-    #[inline(always)]
-    fn numbers(&self, state: &State) -> [f64; 4] {
+    fn pack(&self, state: &State) -> [f64; 4] {
         [state.x, state.x_dot, state.theta, state.theta_dot]
     }
 
     /// Restores a state. A state beyond the thresholds has ended its episode; a vector does not
     /// step it again.
     #[inline(always)]
-    fn state(&self, [x, x_dot, theta, theta_dot]: [f64; 4], fresh: bool) -> State {
+    fn unpack(&self, [x, x_dot, theta, theta_dot]: [f64; 4], fresh: bool) -> State {
         State {
             x,
             x_dot,
@@ -220,20 +226,19 @@ impl Equations for CartPoleDynamics {
     /// Returns the direction of the push, without a branch: with random actions, the CPU would
     /// mispredict half of them.
     #[inline(always)]
-    fn input(&self, action: Action) -> [f64; 1] {
+    fn encode(&self, action: Action) -> [f64; 1] {
         [f64::from(2 * action as i8 - 1)]
     }
 
     /// The equations of motion of a pole that has not fallen.
     #[inline(always)]
-    fn advance<R: Real>(
+    fn step<R: Real>(
         &self,
-        constants: [R; 9],
+        constants: Constants<R>,
         [x, x_dot, theta, theta_dot]: [R; 4],
-        _fresh: R::Mask,
         [push]: [R; 1],
     ) -> Next<R, Self> {
-        let [
+        let Constants {
             gravity,
             masspole,
             total_mass,
@@ -241,9 +246,9 @@ impl Equations for CartPoleDynamics {
             polemass_length,
             force_mag,
             tau,
-            theta_threshold,
+            theta_threshold_radians,
             x_threshold,
-        ] = constants;
+        } = constants;
         let force = push * force_mag;
         let (sintheta, costheta) = theta.sin_cos();
 
@@ -258,7 +263,7 @@ impl Equations for CartPoleDynamics {
             Integrator::SemiImplicitEuler => (x + new_x_dot * tau, theta + new_theta_dot * tau),
         };
         let next = [x, new_x_dot, theta, new_theta_dot];
-        let terminated = x.abs().gt(x_threshold) | theta.abs().gt(theta_threshold);
+        let terminated = x.abs().gt(x_threshold) | theta.abs().gt(theta_threshold_radians);
         let (dropped, held) = if self.config.sutton_barto_reward {
             (-1.0, 0.0)
         } else {
@@ -266,16 +271,16 @@ impl Equations for CartPoleDynamics {
         };
         let reward = R::select(terminated, x.same(dropped), x.same(held));
         Next {
-            state: next,
+            numbers: next,
             reward,
             terminated,
-            seen: next,
+            observation: next,
         }
     }
 
     #[inline(always)]
-    fn see<R: Real>(&self, state: [R; 4]) -> [R; 4] {
-        state
+    fn observe(&self, state: &State) -> [f32; 4] {
+        self.pack(state).map(|x| x as f32)
     }
 
     /// Once the pole has fallen, the reward is 0.
@@ -297,8 +302,8 @@ impl Task for CartPoleDynamics {
     const NAME: &'static str = "CartPole";
 
     fn new(config: Config) -> Result<Self> {
-        let constants = constants_of(&config);
-        let [
+        let constants = Constants::of(&config);
+        let Constants {
             gravity,
             masspole,
             total_mass,
@@ -306,9 +311,9 @@ impl Task for CartPoleDynamics {
             polemass_length,
             force_mag,
             tau,
-            theta_threshold,
+            theta_threshold_radians,
             x_threshold,
-        ] = constants;
+        } = constants;
         constants::finite(
             Self::NAME,
             [
@@ -324,16 +329,14 @@ impl Task for CartPoleDynamics {
         constants::limits(
             Self::NAME,
             [
-                ("theta_threshold_radians", theta_threshold),
+                ("theta_threshold_radians", theta_threshold_radians),
                 ("x_threshold", x_threshold),
             ],
         )?;
-        let is_usual = Self::USUAL == Some(constants);
         Ok(Self {
             config,
             built: config,
-            is_usual,
-            constants,
+            constants: Compared::new(constants, Self::DEFAULTS),
         })
     }
 
@@ -342,7 +345,11 @@ impl Task for CartPoleDynamics {
     }
 
     fn assign(&mut self, config: Config) -> Result<()> {
-        let [_, _, total_mass, _, polemass_length, ..] = self.constants;
+        let Constants {
+            total_mass,
+            polemass_length,
+            ..
+        } = self.constants.get();
         let config = Config {
             total_mass: config.total_mass.or(Some(total_mass)),
             polemass_length: config.polemass_length.or(Some(polemass_length)),
@@ -401,7 +408,7 @@ impl Task for CartPoleDynamics {
         let is_slow = x_dot.abs() <= 2.0 * x_threshold / tau + PUSH
             && theta_dot.abs() <= 2.0 * theta_threshold_radians / tau + PUSH;
         let is_running = self.is_within(x, theta) && is_slow;
-        !self.is_usual
+        !self.constants.are_defaults()
             || reset::plausible(&[x, x_dot, theta, theta_dot]) && (is_running || fallen || fresh)
     }
 

@@ -21,7 +21,7 @@ use gym_core::render::Metadata;
 use gym_core::{
     Error, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task, pygame,
 };
-use gym_native::{Equations, Next};
+use gym_native::{Compared, Equations, Next};
 use serde::{Deserialize, Serialize};
 
 use crate::{constants, policy, reset};
@@ -77,12 +77,12 @@ pub struct MountainCarDynamics {
     config: Config,
     /// The arguments of the constructor, from which the spaces follow.
     built: Config,
-    is_usual: bool,
+    constants: Compared<Constants<f64>>,
 }
 
-/// Returns the constants of the equations.
-const fn constants_of(config: &Config) -> [f64; 7] {
-    let Config {
+gym_core::constants! {
+    /// The constants of the equations, under the names of the arguments.
+    pub struct Constants {
         goal_velocity,
         min_position,
         max_position,
@@ -90,56 +90,13 @@ const fn constants_of(config: &Config) -> [f64; 7] {
         goal_position,
         force,
         gravity,
-    } = *config;
-    [
-        goal_velocity,
-        min_position,
-        max_position,
-        max_speed,
-        goal_position,
-        force,
-        gravity,
-    ]
+    }
 }
 
-impl Equations for MountainCarDynamics {
-    type Numbers = [f64; 2];
-    type Input = [f64; 1];
-    type Constants = [f64; 7];
-
-    const USUAL: Option<[f64; 7]> = Some(constants_of(&Config::DEFAULT));
-
-    #[inline(always)]
-    fn constants(&self) -> [f64; 7] {
-        constants_of(&self.config)
-    }
-
-    #[inline(always)]
-    fn is_usual(&self) -> bool {
-        self.is_usual
-    }
-
-    #[inline(always)]
-    fn numbers(&self, state: &State) -> [f64; 2] {
-        [state.position, state.velocity]
-    }
-
-    #[inline(always)]
-    fn state(&self, [position, velocity]: [f64; 2], _fresh: bool) -> State {
-        State { position, velocity }
-    }
-
-    /// Returns the direction of the acceleration.
-    #[inline(always)]
-    fn input(&self, action: Action) -> [f64; 1] {
-        [f64::from(action as i8 - 1)]
-    }
-
-    /// The equations of motion.
-    #[inline(always)]
-    fn advance<R: Real>(
-        &self,
-        [
+impl Constants<f64> {
+    /// The constants that follow from the arguments.
+    const fn of(config: &Config) -> Self {
+        let Config {
             goal_velocity,
             min_position,
             max_position,
@@ -147,11 +104,64 @@ impl Equations for MountainCarDynamics {
             goal_position,
             force,
             gravity,
-        ]: [R; 7],
+        } = *config;
+        Self {
+            goal_velocity,
+            min_position,
+            max_position,
+            max_speed,
+            goal_position,
+            force,
+            gravity,
+        }
+    }
+}
+
+impl Equations for MountainCarDynamics {
+    type Numbers = [f64; 2];
+    type Input = [f64; 1];
+    type Constants = Constants<f64>;
+
+    const DEFAULTS: Option<Constants<f64>> = Some(Constants::of(&Config::DEFAULT));
+
+    #[inline(always)]
+    fn constants(&self) -> Compared<Constants<f64>> {
+        self.constants
+    }
+
+    #[inline(always)]
+    fn pack(&self, state: &State) -> [f64; 2] {
+        [state.position, state.velocity]
+    }
+
+    #[inline(always)]
+    fn unpack(&self, [position, velocity]: [f64; 2], _fresh: bool) -> State {
+        State { position, velocity }
+    }
+
+    /// Returns the direction of the acceleration.
+    #[inline(always)]
+    fn encode(&self, action: Action) -> [f64; 1] {
+        [f64::from(action as i8 - 1)]
+    }
+
+    /// The equations of motion.
+    #[inline(always)]
+    fn step<R: Real>(
+        &self,
+        constants: Constants<R>,
         [position, velocity]: [R; 2],
-        _fresh: R::Mask,
         [push]: [R; 1],
     ) -> Next<R, Self> {
+        let Constants {
+            goal_velocity,
+            min_position,
+            max_position,
+            max_speed,
+            goal_position,
+            force,
+            gravity,
+        } = constants;
         let velocity = velocity + (push * force + (position * 3.0).cos() * -gravity);
         let velocity = clip(velocity, -max_speed, max_speed);
         let position = clip(position + velocity, min_position, max_position);
@@ -162,18 +172,18 @@ impl Equations for MountainCarDynamics {
             velocity,
         );
         let terminated = goal_position.le(position) & goal_velocity.le(velocity);
-        let state = [position, velocity];
+        let numbers = [position, velocity];
         Next {
-            state,
+            numbers,
             reward: velocity.same(-1.0),
             terminated,
-            seen: state,
+            observation: numbers,
         }
     }
 
     #[inline(always)]
-    fn see<R: Real>(&self, state: [R; 2]) -> [R; 2] {
-        state
+    fn observe(&self, state: &State) -> [f32; 2] {
+        self.pack(state).map(|x| x as f32)
     }
 }
 
@@ -205,11 +215,10 @@ impl Task for MountainCarDynamics {
             ],
         )?;
         constants::limits(Self::NAME, [("max_speed", max_speed)])?;
-        let is_usual = Self::USUAL == Some(constants_of(&config));
         Ok(Self {
             config,
             built: config,
-            is_usual,
+            constants: Compared::new(Constants::of(&config), Self::DEFAULTS),
         })
     }
 
@@ -246,7 +255,7 @@ impl Task for MountainCarDynamics {
     }
 
     fn is_valid(&self, state: &State) -> bool {
-        !self.is_usual || reset::plausible(&[state.position, state.velocity])
+        !self.constants.are_defaults() || reset::plausible(&[state.position, state.velocity])
     }
 
     fn metadata(&self) -> Metadata {

@@ -24,7 +24,7 @@ use gym_core::render::Metadata;
 use gym_core::{
     Continuous, Error, Generator, Keys, Policy, Registration, Reset, Result, Space, Stateful, Task,
 };
-use gym_native::{Equations, Next};
+use gym_native::{Compared, Equations, Next};
 use serde::{Deserialize, Serialize};
 
 use crate::mountain_car::{self, clip, equal};
@@ -73,26 +73,12 @@ pub struct MountainCarContinuousDynamics {
     config: Config,
     /// The arguments of the constructor, from which the spaces follow.
     built: Config,
-    is_usual: bool,
+    constants: Compared<Constants<f64>>,
 }
 
-/// Returns the constants of the equations.
-const fn constants_of(config: &Config) -> [f64; 8] {
-    let Config {
-        goal_velocity,
-        min_action,
-        max_action,
-        min_position,
-        max_position,
-        ..
-    } = *config;
-    let Config {
-        max_speed,
-        goal_position,
-        power,
-        ..
-    } = *config;
-    [
+gym_core::constants! {
+    /// The constants of the equations, under the names of the arguments.
+    pub struct Constants {
         goal_velocity,
         min_action,
         max_action,
@@ -101,19 +87,45 @@ const fn constants_of(config: &Config) -> [f64; 8] {
         max_speed,
         goal_position,
         power,
-    ]
+    }
 }
 
-/// Takes one step. With `USUAL`, all actions are `float32` and within bounds, and no state is the
+impl Constants<f64> {
+    /// The constants that follow from the arguments.
+    const fn of(config: &Config) -> Self {
+        let Config {
+            goal_velocity,
+            min_action,
+            max_action,
+            min_position,
+            max_position,
+            max_speed,
+            goal_position,
+            power,
+        } = *config;
+        Self {
+            goal_velocity,
+            min_action,
+            max_action,
+            min_position,
+            max_position,
+            max_speed,
+            goal_position,
+            power,
+        }
+    }
+}
+
+/// Takes one step. With `SINGLE`, all actions are `float32` and within bounds, and no state is the
 /// first of its episode, so every result is rounded to `float32`.
 #[inline(always)]
-fn advance<R: Real, const USUAL: bool>(
-    constants: [R; 8],
+fn advance<R: Real, const SINGLE: bool>(
+    constants: Constants<R>,
     [position, velocity]: [R; 2],
     fresh: R::Mask,
     [action, precision]: [R; 2],
 ) -> Next<R, MountainCarContinuousDynamics> {
-    let [
+    let Constants {
         goal_velocity,
         min_action,
         max_action,
@@ -122,19 +134,19 @@ fn advance<R: Real, const USUAL: bool>(
         max_speed,
         goal_position,
         power,
-    ] = constants;
+    } = constants;
     let (single, zero) = (precision.lt(precision.same(1.0)), position.same(0.0));
     let double = R::but_not(precision.lt(precision.same(2.0)), single);
     // each operation on `float32` numbers is exact in `float64` up to this rounding
     let rounded = |wide: R::Mask, x: R| {
-        if USUAL {
+        if SINGLE {
             x.single()
         } else {
             R::select(wide, x, x.single())
         }
     };
-    // for numbers that the usual case has rounded already
-    let narrowed = |wide: R::Mask, x: R| if USUAL { x } else { rounded(wide, x) };
+    // for numbers that are rounded already with `SINGLE`
+    let narrowed = |wide: R::Mask, x: R| if SINGLE { x } else { rounded(wide, x) };
 
     let pull = rounded(fresh, position * 3.0).cos() * 0.0025;
     let within = ((action * power.single()).single() - pull.single()).single();
@@ -143,7 +155,7 @@ fn advance<R: Real, const USUAL: bool>(
     let above = action.gt(R::select(single, max_action.single(), max_action));
     let clipped = below | above;
     let force = R::select(below, min_action, R::select(above, max_action, action));
-    let change = if USUAL {
+    let change = if SINGLE {
         within
     } else {
         R::select(R::but_not(single, clipped), within, force * power - pull)
@@ -168,43 +180,41 @@ fn advance<R: Real, const USUAL: bool>(
         & rounded(wide, goal_velocity).le(velocity);
     let bonus = R::select(terminated, zero.same(100.0), zero);
     let reward = bonus - action.square() * 0.1;
-    let state = if USUAL {
+    let observation = if SINGLE {
         [position, velocity]
     } else {
         [position.single(), velocity.single()]
     };
+    let [position, velocity] = observation;
     Next {
-        state,
+        numbers: [position, velocity, zero],
         reward,
         terminated,
-        seen: state,
+        observation,
     }
 }
 
 impl Equations for MountainCarContinuousDynamics {
-    type Numbers = [f64; 2];
+    type Numbers = [f64; 3];
     type Input = [f64; 2];
-    type Constants = [f64; 8];
+    type Constants = Constants<f64>;
 
-    const USUAL: Option<[f64; 8]> = Some(constants_of(&Config::DEFAULT));
+    const DEFAULTS: Option<Constants<f64>> = Some(Constants::of(&Config::DEFAULT));
 
     #[inline(always)]
-    fn constants(&self) -> [f64; 8] {
-        constants_of(&self.config)
+    fn constants(&self) -> Compared<Constants<f64>> {
+        self.constants
+    }
+
+    /// The third number is 1 if the state is the first of its episode.
+    #[inline(always)]
+    fn pack(&self, state: &State) -> [f64; 3] {
+        let fresh = f64::from(u8::from(state.fresh));
+        [state.position, state.velocity, fresh]
     }
 
     #[inline(always)]
-    fn is_usual(&self) -> bool {
-        self.is_usual
-    }
-
-    #[inline(always)]
-    fn numbers(&self, state: &State) -> [f64; 2] {
-        [state.position, state.velocity]
-    }
-
-    #[inline(always)]
-    fn state(&self, [position, velocity]: [f64; 2], fresh: bool) -> State {
+    fn unpack(&self, [position, velocity, _]: [f64; 3], fresh: bool) -> State {
         State {
             position,
             velocity,
@@ -213,7 +223,7 @@ impl Equations for MountainCarContinuousDynamics {
     }
 
     #[inline(always)]
-    fn input(
+    fn encode(
         &self,
         Continuous {
             numbers: [force],
@@ -225,14 +235,18 @@ impl Equations for MountainCarContinuousDynamics {
 
     /// The equations of motion, for a force of any magnitude.
     #[inline(always)]
-    fn advance<R: Real>(
+    fn step<R: Real>(
         &self,
-        constants: [R; 8],
-        [position, velocity]: [R; 2],
-        fresh: R::Mask,
+        constants: Constants<R>,
+        [position, velocity, fresh]: [R; 3],
         [action, precision]: [R; 2],
     ) -> Next<R, Self> {
-        let [_, min_action, max_action, ..] = constants;
+        let Constants {
+            min_action,
+            max_action,
+            ..
+        } = constants;
+        let fresh = fresh.gt(fresh.same(0.0));
         let single = precision.lt(precision.same(1.0));
         let within = min_action.single().le(action) & action.le(max_action.single());
         if R::all(R::but_not(single & within, fresh)) {
@@ -243,13 +257,8 @@ impl Equations for MountainCarContinuousDynamics {
     }
 
     #[inline(always)]
-    fn see<R: Real>(&self, state: [R; 2]) -> [R; 2] {
-        state
-    }
-
-    #[inline(always)]
-    fn is_fresh(&self, state: &State) -> bool {
-        state.fresh
+    fn observe(&self, state: &State) -> [f32; 2] {
+        [state.position, state.velocity].map(|x| x as f32)
     }
 }
 
@@ -291,11 +300,10 @@ impl Task for MountainCarContinuousDynamics {
             );
             return Err(Error::argument(Self::NAME, reason));
         }
-        let is_usual = Self::USUAL == Some(constants_of(&config));
         Ok(Self {
             config,
             built: config,
-            is_usual,
+            constants: Compared::new(Constants::of(&config), Self::DEFAULTS),
         })
     }
 
@@ -336,7 +344,7 @@ impl Task for MountainCarContinuousDynamics {
     }
 
     fn is_valid(&self, state: &State) -> bool {
-        !self.is_usual || reset::plausible(&[state.position, state.velocity])
+        !self.constants.are_defaults() || reset::plausible(&[state.position, state.velocity])
     }
 
     fn metadata(&self) -> Metadata {

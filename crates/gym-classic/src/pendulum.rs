@@ -17,7 +17,7 @@ use std::f64::consts::PI;
 
 use gym_core::canvas::{Canvas, Color, Point, arc};
 use gym_core::keys::json;
-use gym_core::math::{Real, square};
+use gym_core::math::{Real, sin, sin_cos, square};
 use gym_core::policy::reflex;
 use gym_core::registry::Clip;
 use gym_core::render::Metadata;
@@ -25,7 +25,7 @@ use gym_core::{
     Continuous, Generator, Keys, Policy, Precision, Registration, Reset, Result, Space, Stateful,
     Task, Transition, pygame,
 };
-use gym_native::{Equations, Next};
+use gym_native::{Compared, Equations, Next};
 use serde::{Deserialize, Serialize};
 
 use crate::mountain_car::clip;
@@ -76,8 +76,7 @@ pub struct PendulumDynamics {
     config: Config,
     /// The arguments of the constructor, from which the spaces follow.
     built: Config,
-    is_usual: bool,
-    constants: [f64; 5],
+    constants: Compared<Constants<f64>>,
 }
 
 /// Reset options: the bounds of the initial state.
@@ -89,23 +88,38 @@ struct Start {
     y_init: Option<f64>,
 }
 
-/// Returns the constants of the equations; `l_2` is the square of the length.
-const fn constants_of(config: &Config, l_2: f64) -> [f64; 5] {
-    let Config {
-        g,
-        m,
-        l,
+gym_core::constants! {
+    /// The constants of the equation.
+    pub struct Constants {
+        /// The angular acceleration by gravity, over the sine of the angle.
+        per_sin,
+        /// The angular acceleration by a torque of 1.
+        per_torque,
         max_speed,
         max_torque,
         dt,
-    } = *config;
-    [
-        3.0 * g / (2.0 * l),
-        3.0 / (m * l_2),
-        max_speed,
-        max_torque,
-        dt,
-    ]
+    }
+}
+
+impl Constants<f64> {
+    /// The constants that follow from the arguments; `l_2` is the square of the length.
+    const fn of(config: &Config, l_2: f64) -> Self {
+        let Config {
+            g,
+            m,
+            l,
+            max_speed,
+            max_torque,
+            dt,
+        } = *config;
+        Self {
+            per_sin: 3.0 * g / (2.0 * l),
+            per_torque: 3.0 / (m * l_2),
+            max_speed,
+            max_torque,
+            dt,
+        }
+    }
 }
 
 /// Returns the cost of a torque, and its angular acceleration. If `SINGLE`, numpy computes them in
@@ -126,35 +140,24 @@ fn effects<R: Real, const SINGLE: bool>(torque: R, per_torque: R, max_torque: R)
 impl Equations for PendulumDynamics {
     type Numbers = [f64; 3];
     type Input = [f64; 2];
-    type Constants = [f64; 5];
+    type Constants = Constants<f64>;
 
-    const USUAL: Option<[f64; 5]> = Some(constants_of(&Config::DEFAULT, 1.0));
-    const IS_COMPLETE: bool = false;
+    const DEFAULTS: Option<Constants<f64>> = Some(Constants::of(&Config::DEFAULT, 1.0));
 
     #[inline(always)]
-    fn constants(&self) -> [f64; 5] {
+    fn constants(&self) -> Compared<Constants<f64>> {
         self.constants
-    }
-
-    #[inline(always)]
-    fn is_usual(&self) -> bool {
-        self.is_usual
-    }
-
-    #[inline(always)]
-    fn numbers(&self, state: &State) -> [f64; 3] {
-        [state.theta, state.theta_dot, 0.0]
     }
 
     /// The third number is the sine of the angle: the observation computes it, and the next step
     /// uses it.
     #[inline(always)]
-    fn complete<R: Real>([theta, theta_dot, _]: [R; 3]) -> [R; 3] {
-        [theta, theta_dot, theta.sin()]
+    fn pack(&self, state: &State) -> [f64; 3] {
+        [state.theta, state.theta_dot, sin(state.theta)]
     }
 
     #[inline(always)]
-    fn state(&self, [theta, theta_dot, _]: [f64; 3], _fresh: bool) -> State {
+    fn unpack(&self, [theta, theta_dot, _]: [f64; 3], _fresh: bool) -> State {
         State {
             theta,
             theta_dot,
@@ -165,7 +168,7 @@ impl Equations for PendulumDynamics {
     /// Returns the torque, and 1 if its products are `float64`: those of numpy's `float32` arrays
     /// are not.
     #[inline(always)]
-    fn input(
+    fn encode(
         &self,
         Continuous {
             numbers: [torque],
@@ -177,13 +180,19 @@ impl Equations for PendulumDynamics {
 
     /// The equation of motion, for a torque of any size.
     #[inline(always)]
-    fn advance<R: Real>(
+    fn step<R: Real>(
         &self,
-        [per_sin, per_torque, max_speed, max_torque, dt]: [R; 5],
+        constants: Constants<R>,
         [theta, theta_dot, sin]: [R; 3],
-        _fresh: R::Mask,
         [torque, is_double]: [R; 2],
     ) -> Next<R, Self> {
+        let Constants {
+            per_sin,
+            per_torque,
+            max_speed,
+            max_torque,
+            dt,
+        } = constants;
         let single = is_double.lt(is_double.same(1.0));
         let [effort, push] = if R::all(single) {
             effects::<R, true>(torque, per_torque, max_torque)
@@ -202,20 +211,19 @@ impl Equations for PendulumDynamics {
         let theta_dot = clip(theta_dot + (pull + push) * dt, -max_speed, max_speed);
         let theta = theta + theta_dot * dt;
         let terminated = theta.lt(theta) & theta.lt(theta);
-        let seen = self.see([theta, theta_dot, sin]);
-        let [_, sin, _] = seen;
+        let (sin, cos) = theta.sin_cos();
         Next {
-            state: [theta, theta_dot, sin],
+            numbers: [theta, theta_dot, sin],
             reward: -costs,
             terminated,
-            seen,
+            observation: [cos, sin, theta_dot],
         }
     }
 
     #[inline(always)]
-    fn see<R: Real>(&self, [theta, theta_dot, _]: [R; 3]) -> [R; 3] {
-        let (sin, cos) = theta.sin_cos();
-        [cos, sin, theta_dot]
+    fn observe(&self, state: &State) -> [f32; 3] {
+        let (sin, cos) = sin_cos(state.theta);
+        [cos, sin, state.theta_dot].map(|x| x as f32)
     }
 
     #[inline(always)]
@@ -252,13 +260,11 @@ impl Task for PendulumDynamics {
             Self::NAME,
             [("max_speed", max_speed), ("max_torque", max_torque)],
         )?;
-        let constants = constants_of(&config, square(l));
-        let is_usual = Self::USUAL == Some(constants);
+        let constants = Constants::of(&config, square(l));
         Ok(Self {
             config,
             built: config,
-            is_usual,
-            constants,
+            constants: Compared::new(constants, Self::DEFAULTS),
         })
     }
 
@@ -300,7 +306,7 @@ impl Task for PendulumDynamics {
     }
 
     fn is_valid(&self, state: &State) -> bool {
-        !self.is_usual || reset::plausible(&[state.theta, state.theta_dot])
+        !self.constants.are_defaults() || reset::plausible(&[state.theta, state.theta_dot])
     }
 
     fn metadata(&self) -> Metadata {

@@ -51,14 +51,14 @@ fn check(folder: &RomDir) -> Result<()> {
     for &game in &there {
         let verdict = Verdict::of(game, folder);
         failed += usize::from(verdict != Verdict::Equal);
-        say!("{:20} {verdict}", game.name)?;
+        say(format_args!("{:20} {verdict}", game.name))?;
     }
     let equal = there.len() - failed;
-    say!(
+    say(format_args!(
         "{equal} of {} games are as recorded, {} have no ROM here",
         GAMES.len(),
         missing.len()
-    )?;
+    ))?;
     if failed > 0 {
         return Err(Error::custom(format!(
             "{failed} of {} ROMs failed",

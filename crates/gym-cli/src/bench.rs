@@ -1,4 +1,4 @@
-//! `cargo xtask bench`: the speed of the environments, typed, through `make`, and as vectors.
+//! `cargo xtask bench`: the speed of the environments, through `make` and as vectors.
 
 use std::fmt;
 use std::hint::black_box;
@@ -64,8 +64,6 @@ fn parse_seconds(text: &str) -> Result<f64, String> {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 enum Kind {
-    /// Its own type, in a `TimeLimit`.
-    Typed,
     /// From `make`.
     Make,
     /// A vector, stepped by one thread.
@@ -149,14 +147,10 @@ pub(crate) fn bench(arguments: &Arguments, workspace: &Workspace) -> Result<()> 
         &arguments.kind
     };
 
-    say!(
+    say(format_args!(
         "{:36} {:>7} {:>7} {:>14} {:>12}",
-        "environment",
-        "kind",
-        "n",
-        "per second",
-        "instructions"
-    )?;
+        "environment", "kind", "n", "per second", "instructions"
+    ))?;
     let mut rows = Vec::new();
     for id in registrations.iter().map(Registration::id) {
         for &kind in kinds {
@@ -177,7 +171,9 @@ pub(crate) fn bench(arguments: &Arguments, workspace: &Workspace) -> Result<()> 
                 };
                 let counted =
                     instructions_per_step.map_or_else(String::new, |count| format!("{count:.1}"));
-                say!("{id:36} {kind:>7} {num_envs:>7} {per_second:>14.0} {counted:>12}")?;
+                say(format_args!(
+                    "{id:36} {kind:>7} {num_envs:>7} {per_second:>14.0} {counted:>12}"
+                ))?;
                 rows.push(Row {
                     id: id.to_owned(),
                     kind,
@@ -194,11 +190,15 @@ pub(crate) fn bench(arguments: &Arguments, workspace: &Workspace) -> Result<()> 
         None
     };
     if let Some(Gif { seconds, bytes }) = &gif {
-        say!("a GIF of 500 frames of CartPole-v1: {seconds:.2} s, {bytes} bytes")?;
+        say(format_args!(
+            "a GIF of 500 frames of CartPole-v1: {seconds:.2} s, {bytes} bytes"
+        ))?;
     }
     let start = if all { Some(start()?) } else { None };
     if let Some(Start { milliseconds }) = &start {
-        say!("from the start of a process to the first step of CartPole-v1: {milliseconds:.1} ms")?;
+        say(format_args!(
+            "from the start of a process to the first step of CartPole-v1: {milliseconds:.1} ms"
+        ))?;
     }
     if let Some(path) = &arguments.json {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
@@ -217,7 +217,6 @@ pub(crate) fn bench(arguments: &Arguments, workspace: &Workspace) -> Result<()> 
 /// The work of a kind; `None` where an environment does not have it.
 fn work(id: &str, kind: Kind, num_envs: usize) -> Result<Option<Work>> {
     Ok(Some(match kind {
-        Kind::Typed => return typed(id),
         Kind::Make => scalar(gym::make(id)?)?,
         Kind::Sync => vector(id, num_envs, VectorKind::Sync)?,
         Kind::Async => vector(id, num_envs, VectorKind::Async)?,
@@ -231,44 +230,6 @@ fn has_native(id: &str) -> bool {
     registry::all()
         .iter()
         .any(|registration| registration.id() == id && registration.vector_entry_point.is_some())
-}
-
-/// The newest version of each environment under its own type.
-#[cfg(feature = "families")]
-fn typed(id: &str) -> Result<Option<Work>> {
-    use gym::Configure;
-    use gym::wrappers::TimeLimit;
-
-    fn limited<E: Configure>(steps: u32) -> Result<Work> {
-        scalar(TimeLimit::new(
-            E::configure(E::Config::default(), u32::MAX)?,
-            steps,
-        )?)
-    }
-    Ok(Some(match id {
-        "Acrobot-v1" => limited::<gym::classic::Acrobot>(500)?,
-        "CartPole-v1" => limited::<gym::classic::CartPole>(500)?,
-        "MountainCar-v0" => limited::<gym::classic::MountainCar>(200)?,
-        "MountainCarContinuous-v0" => limited::<gym::classic::MountainCarContinuous>(999)?,
-        "Pendulum-v1" => limited::<gym::classic::Pendulum>(200)?,
-        "Blackjack-v1" => scalar(gym::toytext::Blackjack::configure(Default::default(), 1)?)?,
-        "CliffWalking-v1" => scalar(gym::toytext::CliffWalking::configure(
-            Default::default(),
-            1,
-        )?)?,
-        "FrozenLake-v1" => limited::<gym::toytext::FrozenLake>(100)?,
-        "Taxi-v4" => limited::<gym::toytext::Taxi>(200)?,
-        "LunarLander-v3" => limited::<gym::box2d::LunarLander>(1000)?,
-        "BipedalWalker-v3" => limited::<gym::box2d::BipedalWalker>(1600)?,
-        "CarRacing-v3" => limited::<gym::box2d::CarRacing>(1000)?,
-        _ => return Ok(None),
-    }))
-}
-
-/// Types of other crates are not known here.
-#[cfg(not(feature = "families"))]
-fn typed(_: &str) -> Result<Option<Work>> {
-    Ok(None)
 }
 
 /// Actions are drawn beforehand and reused in turn.

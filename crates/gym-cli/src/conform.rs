@@ -55,7 +55,7 @@ pub(crate) fn conform(arguments: &Arguments, workspace: &Workspace) -> Result<Ex
         .collect();
     let reports = conform::reports_with(&ids, |progress| match progress {
         Progress::Begins { .. } if format != Format::Text => (),
-        progress => tell!("{progress}"),
+        progress => tell(format_args!("{progress}")),
     })?;
     let text = format.write(&reports);
     if format == Format::Text {

@@ -60,7 +60,12 @@ pub(crate) fn demo(arguments: &Arguments, workspace: &Workspace) -> Result<()> {
         iter::from_fn(next)
             .map(|(i, registration)| {
                 let row = show(registration.spec()?, arguments, &bar)?;
-                bar.suspend(|| say!("{}", gif_path(registration.id(), arguments).display()))?;
+                bar.suspend(|| {
+                    say(format_args!(
+                        "{}",
+                        gif_path(registration.id(), arguments).display()
+                    ))
+                })?;
                 Ok((i, row))
             })
             .collect::<Result<Vec<_>>>()
@@ -75,17 +80,17 @@ pub(crate) fn demo(arguments: &Arguments, workspace: &Workspace) -> Result<()> {
     let mut rows: Vec<_> = rows.into_iter().flatten().collect();
     rows.sort_unstable();
     bar.finish_and_clear();
-    say!(
+    say(format_args!(
         "Random policy, {} episodes each: mean [min, max]",
         arguments.episodes
-    )?;
+    ))?;
     for (_, row) in rows {
-        say!("{row}")?;
+        say(format_args!("{row}"))?;
     }
-    say!(
+    say(format_args!(
         "\nOne GIF for each, and its returns and lengths as SVG and PNG: {}",
         arguments.out.display()
-    )?;
+    ))?;
     Ok(())
 }
 

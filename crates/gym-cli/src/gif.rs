@@ -43,6 +43,6 @@ pub(crate) fn gif(arguments: &Arguments) -> Result<()> {
         .policy
         .play(&mut env, arguments.seed, |env| recorder.capture(env))?;
     let frames = recorder.finish()?;
-    say!("{}: {frames} frames", path.display())?;
+    say(format_args!("{}: {frames} frames", path.display()))?;
     Ok(())
 }

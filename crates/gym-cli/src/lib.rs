@@ -133,7 +133,7 @@ fn start(package: &str, book: Option<&Book>) -> ExitCode {
     match command(arguments.command, &workspace, book) {
         Ok(code) => code,
         Err(error) => {
-            tell!("error: {error}");
+            tell(format_args!("error: {error}"));
             ExitCode::FAILURE
         }
     }
@@ -172,11 +172,11 @@ impl log::Log for Stderr {
     fn log(&self, record: &log::Record<'_>) {
         // warnings of other crates are not about environments
         if record.target().starts_with("gym") {
-            tell!(
+            tell(format_args!(
                 "{}: {}",
                 record.level().as_str().to_lowercase(),
                 record.args()
-            );
+            ));
         }
     }
 

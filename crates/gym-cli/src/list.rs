@@ -26,12 +26,12 @@ pub(crate) fn list(arguments: &Arguments) -> Result<()> {
         let threshold = spec
             .reward_threshold
             .map_or("none".into(), |x| x.to_string());
-        say!(
+        say(format_args!(
             "{:28} limit {limit:>5}  threshold {threshold:>6}  {} -> {}",
             spec.id,
             env.action_space(),
             env.observation_space()
-        )?;
+        ))?;
     }
     Ok(())
 }

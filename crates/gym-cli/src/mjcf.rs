@@ -17,7 +17,7 @@ pub(crate) fn mjcf(arguments: &Arguments) -> Result<()> {
         Model::from_path(&arguments.file).map_err(|error| Error::custom(error.to_string()))?;
     let figures = model.figures();
     for (name, size) in figures["sizes"].as_object().into_iter().flatten() {
-        say!("{name:9} {size}")?;
+        say(format_args!("{name:9} {size}"))?;
     }
     Ok(())
 }

@@ -95,14 +95,18 @@ pub(crate) fn new(arguments: &Arguments, workspace: &Workspace) -> Result<()> {
         let _ = fs::remove_dir_all(&unfinished);
         return written;
     }
-    say!(
+    say(format_args!(
         "{} has the environment `{name}/{}-v0`. In that folder:",
         folder.display(),
         task(*native).0
-    )?;
-    say!("  cargo test               checks that it keeps the rules")?;
-    say!("  cargo run --example gif  draws an episode")?;
-    say!("  cargo xtask help         lists the commands: list, play, gif, bench, docs, python")?;
+    ))?;
+    say(format_args!(
+        "  cargo test               checks that it keeps the rules"
+    ))?;
+    say(format_args!("  cargo run --example gif  draws an episode"))?;
+    say(format_args!(
+        "  cargo xtask help         lists the commands: list, play, gif, bench, docs, python"
+    ))?;
     Ok(())
 }
 

@@ -16,20 +16,6 @@ const NAME: &str = "standard output";
 /// Whether the reader of the standard output has closed it.
 static READER_LEFT: AtomicBool = AtomicBool::new(false);
 
-/// Prints a line, as `println!`, and gives an error where it cannot be written. Control characters
-/// are escaped.
-macro_rules! say {
-    ($($text:tt)*) => { $crate::output::line(&format!($($text)*)) };
-}
-
-/// Prints a line to the standard error, as `eprintln!`. Control characters are escaped. An error of
-/// writing is ignored.
-macro_rules! tell {
-    ($($text:tt)*) => { $crate::output::error_line(&format!($($text)*)) };
-}
-
-pub(crate) use {say, tell};
-
 /// Writes to the standard output, at once, as it is.
 pub(crate) fn write(text: Arguments<'_>) -> Result<()> {
     if READER_LEFT.load(Ordering::Relaxed) {
@@ -50,19 +36,21 @@ pub(crate) fn text(text: &str) -> Result<()> {
     write(format_args!("{}", Lines(text)))
 }
 
-/// For [`say!`].
-pub(crate) fn line(text: &str) -> Result<()> {
-    write(format_args!("{}\n", Lines(text)))
+/// Prints a line, as `println!`, and gives an error where it cannot be written. Control characters
+/// are escaped.
+pub(crate) fn say(text: Arguments<'_>) -> Result<()> {
+    write(format_args!("{}\n", Lines(&text.to_string())))
 }
 
-/// For [`tell!`]. Lines that quote something huge are cut.
-pub(crate) fn error_line(text: &str) {
+/// Prints a line to the standard error, as `eprintln!`. Control characters are escaped, and lines
+/// that quote something huge are cut. An error of writing is ignored.
+pub(crate) fn tell(text: Arguments<'_>) {
     const MAX_LENGTH: usize = 2000;
     let cut = |line: &str| match line.char_indices().nth(MAX_LENGTH) {
         Some((end, _)) => format!("{}...", &line[..end]),
         None => line.to_owned(),
     };
-    let lines: Vec<_> = text.split('\n').map(cut).collect();
+    let lines: Vec<_> = text.to_string().split('\n').map(cut).collect();
     let _ = writeln!(stderr().lock(), "{}", Lines(&lines.join("\n")));
 }
 
@@ -70,7 +58,7 @@ pub(crate) fn error_line(text: &str) {
 pub(crate) fn refuse(error: &clap::Error) -> u8 {
     if error.use_stderr() {
         // it may quote what was typed
-        error_line(error.render().to_string().trim_end());
+        tell(format_args!("{}", error.render().to_string().trim_end()));
     } else {
         let _: io::Result<()> = error.print();
     }

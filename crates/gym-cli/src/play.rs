@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use gym::render::{Frame, RenderMode, Video, file};
 use gym::trace::{Event, Trace};
-use gym::{BoxEnv, Env, EnvExt, Error, Kwargs, Reset, Result};
+use gym::{BoxEnv, Env, EnvExt, Error, Kwargs, Reset, Result, Seed};
 use serde_json::{Value as Json, json};
 
 use gym::keys::{Idle, Keys};
@@ -18,7 +18,7 @@ use crate::output::{self, say};
 pub(crate) struct Arguments {
     /// The environment.
     id: String,
-    /// Seeds the first episode.
+    /// Seeds the first episode. Without it, a trace records a seed that is drawn.
     #[arg(long, allow_negative_numbers = true, value_parser = inputs::parse_seed)]
     seed: Option<u64>,
     /// Arguments of the environment, as a JSON object.
@@ -48,6 +48,17 @@ pub(crate) struct Arguments {
     /// Records the actions and results to this file, for `replay`.
     #[arg(long)]
     trace: Option<PathBuf>,
+}
+
+impl Arguments {
+    /// The reset that begins the first episode. A trace without a seed could not be replayed, so a
+    /// seed is drawn for it.
+    fn first_reset(&self) -> Result<Reset> {
+        Ok(match (self.seed, &self.trace) {
+            (None, Some(_)) => Reset::from(u64::from(Seed::from_os()?.words()[0])),
+            (seed, _) => Reset::from(seed),
+        })
+    }
 }
 
 fn parse_json(text: &str) -> Result<Json, String> {
@@ -83,14 +94,14 @@ pub(crate) fn play(arguments: &Arguments) -> Result<()> {
         Some(action) => keys.idle = Idle::Action(action.clone()),
     }
     keys::check(&keys, &session.env.action_space())?;
-    say!("{}", keys::describe(&keys))?;
+    say(format_args!("{}", keys::describe(&keys)))?;
     if arguments.terminal {
-        say!(
+        say(format_args!(
             "write a key's name or the start of it and press Enter; or `restart`, or `q` to quit"
-        )?;
+        ))?;
         in_terminal(&mut session, &keys)?;
     } else {
-        say!("R = restart, Escape = quit")?;
+        say(format_args!("R = restart, Escape = quit"))?;
         #[cfg(feature = "human")]
         window::play(&mut session, &keys, arguments)?;
     }
@@ -147,7 +158,7 @@ impl Session {
             steps: 0,
             score: 0.0,
         };
-        session.reset(arguments.seed.map_or_else(Reset::default, Reset::from))?;
+        session.reset(arguments.first_reset()?)?;
         Ok(session)
     }
 
@@ -178,7 +189,7 @@ impl Session {
             ..Event::default()
         })?;
         if done {
-            say!("{}", self.status())?;
+            say(format_args!("{}", self.status()))?;
         }
         Ok(done)
     }
@@ -219,13 +230,17 @@ impl Session {
     fn finish(self, arguments: &Arguments) -> Result<()> {
         if let (Some(video), Some(path)) = (self.video, &arguments.record) {
             video.finish()?;
-            say!("{}", path.display())?;
+            say(format_args!("{}", path.display()))?;
         }
         if let Some(path) = &arguments.trace {
             let json = serde_json::to_vec(&self.trace)
                 .map_err(|error| Error::custom(error.to_string()))?;
             file::write(path, &json)?;
-            say!("{}: {} events", path.display(), self.trace.events.len())?;
+            say(format_args!(
+                "{}: {} events",
+                path.display(),
+                self.trace.events.len()
+            ))?;
         }
         Ok(())
     }
@@ -246,7 +261,7 @@ fn in_terminal(session: &mut Session, keys: &Keys) -> Result<()> {
         ))?;
         if done {
             if session.is_last() {
-                say!("")?;
+                say(format_args!(""))?;
                 return Ok(());
             }
             session.reset(Reset::default())?;
@@ -264,7 +279,7 @@ fn in_terminal(session: &mut Session, keys: &Keys) -> Result<()> {
             "restart" => session.reset(Reset::default())?,
             _ => match keys.actions.iter().find(starts) {
                 Some((_, action)) => done = session.step(action)?,
-                None => say!("keys: {}, restart, q", keys::describe(keys))?,
+                None => say(format_args!("keys: {}, restart, q", keys::describe(keys)))?,
             },
         }
     }

@@ -35,7 +35,7 @@ pub(crate) fn python(workspace: &Workspace) -> Result<()> {
     let manifest = folder.join("Cargo.toml");
     if !manifest.exists() {
         write_crate(&folder, &source, workspace)?;
-        say!("wrote {}", manifest.display())?;
+        say(format_args!("wrote {}", manifest.display()))?;
     }
     let lock = folder.join("Cargo.lock");
     if !lock.exists() {
@@ -54,7 +54,7 @@ pub(crate) fn python(workspace: &Workspace) -> Result<()> {
     for name in COPIED {
         copy(&ours.join(name), &folder.join(name))?;
     }
-    say!("pip install {}", folder.display())
+    say(format_args!("pip install {}", folder.display()))
 }
 
 /// Writes a crate that links gym-python and the crates of the workspace that register environments.

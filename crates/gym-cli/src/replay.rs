@@ -36,11 +36,11 @@ pub(crate) fn replay(arguments: &Arguments) -> Result<()> {
         };
         match outcome {
             Ok(None) => {}
-            Ok(Some(equal)) => say!("{}: {equal}", path.display())?,
+            Ok(Some(equal)) => say(format_args!("{}: {equal}", path.display()))?,
             Err(error) => {
                 match error {
-                    Error::Io { .. } => tell!("{error}"), // it names the file
-                    error => tell!("{}: {error}", path.display()),
+                    Error::Io { .. } => tell(format_args!("{error}")), // it names the file
+                    error => tell(format_args!("{}: {error}", path.display())),
                 }
                 failed += 1;
             }

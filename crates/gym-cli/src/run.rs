@@ -57,10 +57,10 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
     let mut runs = Vec::new();
     for policy in &arguments.policy {
         if arguments.policy.len() > 1 {
-            say!("{}", policy.name())?;
+            say(format_args!("{}", policy.name()))?;
         }
         let episodes = play(&spec, *policy, arguments.seeds.clone())?;
-        say!("{}", summary(&episodes))?;
+        say(format_args!("{}", summary(&episodes)))?;
         runs.push((policy.name(), episodes));
     }
     if let Some(path) = &arguments.json {
@@ -76,17 +76,19 @@ pub(crate) fn run(arguments: &Arguments) -> Result<()> {
 }
 
 fn play(spec: &EnvSpec, policy: Policy, seeds: Range<u64>) -> Result<Vec<Episode>> {
-    say!("{:>8} {:>14} {:>8}  ended", "seed", "return", "length")?;
+    say(format_args!(
+        "{:>8} {:>14} {:>8}  ended",
+        "seed", "return", "length"
+    ))?;
     let mut episodes = Vec::new();
     for seed in seeds {
         let mut env = spec.make()?;
         let episode = policy.play(&mut env, seed, |_| Ok(()))?;
         let ended = ending(episode.terminated, episode.truncated);
-        say!(
+        say(format_args!(
             "{seed:>8} {:>14.4} {:>8}  {ended}",
-            episode.episode_return,
-            episode.length
-        )?;
+            episode.episode_return, episode.length
+        ))?;
         episodes.push(episode);
     }
     Ok(episodes)

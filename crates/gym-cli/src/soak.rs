@@ -31,20 +31,20 @@ pub(crate) fn soak(arguments: &Arguments, workspace: &Workspace) -> Result<()> {
         let (episodes, growth) = soak_one(registration, each, arguments.seed)?;
         total += each;
         let id = registration.id();
-        say!(
+        say(format_args!(
             "{id:34} {each} steps, {episodes} episodes, {} kB more memory",
             growth / 1024
-        )?;
+        ))?;
         if growth > MAX_GROWTH {
             return Err(Error::custom(format!(
                 "`{id}` grows: {growth} bytes more after {each} steps"
             )));
         }
     }
-    say!(
+    say(format_args!(
         "{total} steps of {} environments with flat memory",
         registrations.len()
-    )?;
+    ))?;
     Ok(())
 }
 

@@ -96,7 +96,7 @@ pub(crate) fn without_needy(all: Vec<Registration>) -> Vec<Registration> {
         .partition(|registration| registration.needs.is_some());
     needy.sort_by(|a, b| a.source.package.cmp(b.source.package));
     for group in needy.chunk_by(|a, b| a.source.package == b.source.package) {
-        tell!("{}", left_out(group));
+        tell(format_args!("{}", left_out(group)));
     }
     all
 }

@@ -25,31 +25,35 @@ pub struct Check {
 }
 
 /// A [`Check`] of severity `Error`.
-macro_rules! error {
-    ($name:literal, $run:path, $needs:expr, $why:literal, $mend:literal $(,)?) => {
-        Check {
-            name: $name,
-            severity: Severity::Error,
-            why: $why,
-            mend: $mend,
-            needs: &$needs,
-            run: $run,
-        }
-    };
+const fn error(
+    name: &'static str,
+    run: fn(&Subject<'_>) -> Verdict,
+    needs: &'static [&'static str],
+    why: &'static str,
+    mend: &'static str,
+) -> Check {
+    Check {
+        name,
+        severity: Severity::Error,
+        why,
+        mend,
+        needs,
+        run,
+    }
 }
 
 /// A [`Check`] of severity `Warning`.
-macro_rules! warning {
-    ($name:literal, $run:path, $needs:expr, $why:literal, $mend:literal $(,)?) => {
-        Check {
-            name: $name,
-            severity: Severity::Warning,
-            why: $why,
-            mend: $mend,
-            needs: &$needs,
-            run: $run,
-        }
-    };
+const fn warning(
+    name: &'static str,
+    run: fn(&Subject<'_>) -> Verdict,
+    needs: &'static [&'static str],
+    why: &'static str,
+    mend: &'static str,
+) -> Check {
+    Check {
+        severity: Severity::Warning,
+        ..error(name, run, needs, why, mend)
+    }
 }
 
 /// The checks that every check of episodes needs.
@@ -59,266 +63,266 @@ pub(crate) const REPEATABLE: [&str; 2] = ["same-seed-same-episode", "reset-forge
 
 /// Every rule, in the order in which they are checked.
 pub const CHECKS: &[Check] = &[
-    error!(
+    error(
         "constructs",
         registered::constructs,
-        [],
+        &[],
         "nothing works without it",
         "let `make` succeed with the registered arguments",
     ),
-    warning!(
+    warning(
         "described",
         registered::described,
-        [],
+        &[],
         "users choose environments from a list",
         "add `.description(\"What the agent has to do.\")` to the registration",
     ),
-    warning!(
+    warning(
         "versioned",
         registered::versioned,
-        [],
+        &[],
         "results are compared by id, and a task that changes needs a new one",
         "end the id with a version: `my_envs/Corridor-v0`",
     ),
-    error!(
+    error(
         "exceptions-known",
         exceptions_known,
-        [],
+        &[],
         "an exception for a check that does not exist excuses nothing",
         "name a check of `conform::CHECKS` in `.exceptions(...)`",
     ),
-    error!(
+    error(
         "space-not-empty",
         spaces::not_empty,
-        ["constructs"],
+        &["constructs"],
         "an empty space has no information, and networks have no layer of size 0",
         "leave the empty member out of the space",
     ),
-    warning!(
+    warning(
         "space-width",
         spaces::width,
-        ["constructs"],
+        &["constructs"],
         "a constant number has no information, and normalising it divides by zero",
         "leave the constant element out of the `Box`, or correct its bounds",
     ),
-    warning!(
+    warning(
         "space-bounded",
         spaces::bounded,
-        ["constructs"],
+        &["constructs"],
         "agents scale observations by their bounds",
         "give finite bounds to each element of the `Box`, if it has any",
     ),
-    warning!(
+    warning(
         "action-normalised",
         spaces::action_normalised,
-        ["constructs"],
+        &["constructs"],
         "most agents for continuous actions output numbers around 0 of size 1",
         "accept actions from -1 to 1, and scale them inside `step`",
     ),
-    error!(
+    error(
         "resets",
         seeding::resets,
-        ["constructs"],
+        &["constructs"],
         "every episode starts with `reset`, and as in Gymnasium a seed is a whole number of any size",
         "let `reset` succeed with each seed and without one: `Generator::new(seed)` accepts all",
     ),
-    error!(
+    error(
         "space-constant",
         spaces::constant,
-        ["resets"],
+        &["resets"],
         "agents read the spaces once, before they start",
         "return the same spaces before and after `reset` and `step`",
     ),
-    error!(
+    error(
         "action-accepted",
         actions::accepted,
-        ["resets"],
+        &["resets"],
         "agents act at random from the action space to explore",
         "accept each element of the action space, its corners included, or narrow the space",
     ),
-    error!(
+    error(
         "action-validated",
         actions::validated,
-        ["resets"],
+        &["resets"],
         "an invalid action must be an error",
         "return Err(Error::InvalidAction { .. }) for actions of another kind, type or shape, and for NaN",
     ),
-    error!(
+    error(
         "observation-in-space",
         observations::in_space,
-        EPISODES,
+        &EPISODES,
         "agents size their networks and tables by the space",
         "widen the observation space, or bring the observation into its kind, shape and bounds",
     ),
-    warning!(
+    warning(
         "observation-dtype",
         observations::dtype,
-        EPISODES,
+        &EPISODES,
         "buffers are allocated by the space's type, and each observation would be converted",
         "observe arrays of the type that the space names",
     ),
-    error!(
+    error(
         "observation-finite",
         observations::finite,
-        EPISODES,
+        &EPISODES,
         "one NaN or infinity ruins a training run",
         "keep the state finite, or end the episode before it is not",
     ),
-    error!(
+    error(
         "reward-finite",
         observations::reward_finite,
-        EPISODES,
+        &EPISODES,
         "one NaN ruins a training run",
         "give a finite number as reward",
     ),
-    error!(
+    error(
         "info-consistent",
         info::consistent,
-        EPISODES,
+        &EPISODES,
         "wrappers and vectors collect entries by name, at any time",
         "visit each entry of `info` once, computed from the state",
     ),
-    error!(
+    error(
         "info-constant",
         info::constant,
-        EPISODES,
+        &EPISODES,
         "a vector collects each entry in a column of one type, and loggers read it after every step",
         "visit the same entries with the same types after every step, and after every reset",
     ),
-    warning!(
+    warning(
         "info-without-nan",
         info::no_nan,
-        EPISODES,
+        &EPISODES,
         "loggers take means of entries, and one NaN makes NaN of all",
         "leave the entry out where there is nothing to tell, or give a number",
     ),
-    error!(
+    error(
         "reset-needed",
         episodes::reset_needed,
-        ["constructs"],
+        &["constructs"],
         "an agent that forgets to reset must get an error",
         "return Err(Error::ResetNeeded(\"step\")) before the first reset",
     ),
-    error!(
+    error(
         "time-limit",
         episodes::time_limit,
-        EPISODES,
+        &EPISODES,
         "an episode must last as long as registered, so that returns can be compared",
         "leave `truncated` to the time limit: `.max_episode_steps(n)` in the registration",
     ),
-    error!(
+    error(
         "same-seed-same-episode",
         seeding::same_seed,
-        EPISODES,
+        &EPISODES,
         "experiments must be repeatable",
         "draw all randomness from one `Generator` seeded by `reset`; keep no state outside the environment",
     ),
-    error!(
+    error(
         "options-ignored",
         options::unknown,
-        ["same-seed-same-episode"],
+        &["same-seed-same-episode"],
         "unknown options are ignored, as in Gymnasium",
         "ignore unknown reset options, or name the known ones with `.reset_options(...)`",
     ),
-    error!(
+    error(
         "options-accepted",
         options::accepted,
-        EPISODES,
+        &EPISODES,
         "users copy the options that a registration names",
         "name the options of `.reset_options(...)` as `reset` reads them, each with an accepted example",
     ),
-    error!(
+    error(
         "reset-forgets",
         seeding::reset_forgets,
-        ["same-seed-same-episode"],
+        &["same-seed-same-episode"],
         "an episode must not depend on those before it",
         "set the whole state in `reset`",
     ),
-    error!(
+    error(
         "other-seed-other-episode",
         seeding::other_seed,
-        ["same-seed-same-episode"],
+        &["same-seed-same-episode"],
         "a seed that changes nothing gives the same training data again and again",
         "seed the generator from `reset.seed`",
     ),
-    error!(
+    error(
         "reset-carries-on",
         seeding::carries_on,
-        [
+        &[
             "same-seed-same-episode",
             "other-seed-other-episode",
-            "reset-forgets"
+            "reset-forgets",
         ],
         "agents seed once and then train on many episodes, which must differ",
         "continue the generator if `reset.seed` is None",
     ),
-    warning!(
+    warning(
         "generator-lent",
         seeding::generator_lent,
-        [
+        &[
             "same-seed-same-episode",
             "other-seed-other-episode",
             "reset-forgets",
-            "reset-carries-on"
+            "reset-carries-on",
         ],
         "wrappers with randomness, such as StickyAction, draw from the environment's generator",
         "return the generator from `Env::generator`, seeded as `reset` says",
     ),
-    error!(
+    error(
         "observation-whole",
         observations::whole,
-        REPEATABLE,
+        &REPEATABLE,
         "callers reuse their buffers, and no old number may remain",
         "write every element of the observation in `reset_into` and `step_into`",
     ),
-    error!(
+    error(
         "refusal-changes-nothing",
         actions::refusal,
-        [
+        &[
             "same-seed-same-episode",
             "reset-forgets",
-            "action-validated"
+            "action-validated",
         ],
         "after an error the caller corrects the action and goes on",
         "check the action before anything else in `step`",
     ),
-    error!(
+    error(
         "clone-apart",
         copies::clone_apart,
-        REPEATABLE,
+        &REPEATABLE,
         "planners and vectors step clones, and the original must not change",
         "share nothing that changes between clones: no Arc<Mutex<_>>, no Rc<Cell<_>>",
     ),
-    error!(
+    error(
         "clone-continues",
         copies::clone_continues,
-        ["same-seed-same-episode", "reset-forgets", "clone-apart"],
+        &["same-seed-same-episode", "reset-forgets", "clone-apart"],
         "planners branch from clones",
         "derive `Clone`, or copy the whole state, generator included",
     ),
-    error!(
+    error(
         "snapshot-continues",
         copies::snapshot_continues,
-        ["same-seed-same-episode", "reset-forgets", "clone-apart"],
+        &["same-seed-same-episode", "reset-forgets", "clone-apart"],
         "checkpoints must resume where they were taken",
         "store the whole state, generator included, and read all of it back",
     ),
-    error!(
+    error(
         "snapshot-refused",
         copies::snapshot_refused,
-        [
+        &[
             "same-seed-same-episode",
             "reset-forgets",
             "snapshot-continues",
-            "clone-continues"
+            "clone-continues",
         ],
         "a foreign file must not become a wrong state",
         "return Err(Error::Snapshot(..)) for content that `snapshot` does not write, before anything changes",
     ),
-    error!(
+    error(
         "snapshot-legal",
         copies::snapshot_legal,
-        [
+        &[
             "same-seed-same-episode",
             "reset-forgets",
             "snapshot-continues",
@@ -328,134 +332,134 @@ pub const CHECKS: &[Check] = &[
         "a damaged file must not become a state that no episode reaches",
         "check in `restore` that each field is in its range, and return Err(Error::Snapshot(..)) if not",
     ),
-    error!(
+    error(
         "any-thread",
         threads::any_thread,
-        ["same-seed-same-episode", "reset-forgets", "clone-continues"],
+        &["same-seed-same-episode", "reset-forgets", "clone-continues"],
         "vectors step environments on any thread",
         "use no thread-local state",
     ),
-    error!(
+    error(
         "metadata-complete",
         drawing::metadata_complete,
-        ["resets"],
+        &["resets"],
         "recorders need the frame rate and size",
         "name each mode once without its `_list` form, with frames per second and a size above 0",
     ),
-    warning!(
+    warning(
         "frame-rate",
         drawing::frame_rate,
-        ["metadata-complete"],
+        &["metadata-complete"],
         "no screen shows so many frames",
         "give the steps per second of real time in `Metadata`, at most 240",
     ),
-    error!(
+    error(
         "drawing-sound",
         drawing::sound,
-        EPISODES,
+        &EPISODES,
         "`draw` must balance push and pop and use finite coordinates",
         "draw something, at finite coordinates, with a `pop` for each `push`",
     ),
-    error!(
+    error(
         "drawing-pure",
         drawing::pure,
-        ["same-seed-same-episode", "reset-forgets", "clone-continues"],
+        &["same-seed-same-episode", "reset-forgets", "clone-continues"],
         "an episode must not depend on rendering",
         "draw only from the state, and change nothing",
     ),
-    error!(
+    error(
         "looking-pure",
         looking::pure,
-        [
+        &[
             "same-seed-same-episode",
             "reset-forgets",
             "clone-continues",
             "snapshot-continues",
-            "drawing-pure"
+            "drawing-pure",
         ],
         "wrappers, vectors and loggers ask at any time for spaces, metadata, info and the generator",
         "compute what is asked for from the state, and change nothing",
     ),
-    error!(
+    error(
         "render-modes",
         drawing::render_modes,
-        ["resets", "metadata-complete", "drawing-sound"],
+        &["resets", "metadata-complete", "drawing-sound"],
         "a declared mode must work",
         "implement `draw` for the modes human and rgb_array and `ansi` for ansi, or do not declare them",
     ),
-    error!(
+    error(
         "drawing-visible",
         pictures::visible,
-        ["render-modes"],
+        &["render-modes"],
         "a frame of one colour shows nothing",
         "draw within the canvas, from (0, 0) to `render_size`, in a colour other than the background",
     ),
-    error!(
+    error(
         "drawing-follows",
         pictures::follows,
-        ["render-modes", "drawing-visible"],
+        &["render-modes", "drawing-visible"],
         "a frame that never changes does not show the state",
         "draw what the observation contains",
     ),
-    error!(
+    error(
         "arguments-refused",
         arguments::refused,
-        ["constructs"],
+        &["constructs"],
         "accepting an argument of the wrong type hides a mistake",
         "give the argument its type",
     ),
-    error!(
+    error(
         "arguments-matter",
         arguments::matter,
-        [
+        &[
             "arguments-refused",
             "same-seed-same-episode",
-            "reset-forgets"
+            "reset-forgets",
         ],
         "an experiment with an ignored argument compares nothing",
         "use the argument, or remove it",
     ),
-    error!(
+    error(
         "options-matter",
         options::matter,
-        [
+        &[
             "options-accepted",
             "same-seed-same-episode",
-            "reset-forgets"
+            "reset-forgets",
         ],
         "an ignored option gives another start than requested",
         "use the option in `reset`, or remove it from `.reset_options(...)`",
     ),
-    error!(
+    error(
         "no-allocation",
         allocations::none,
-        EPISODES,
+        &EPISODES,
         "a step takes nanoseconds, and an allocation as long again",
         "keep buffers in the environment, or give the reason in `.exceptions(&[(\"no-allocation\", \"...\")])`",
     ),
-    error!(
+    error(
         "close-harmless",
         close::harmless,
-        ["same-seed-same-episode", "reset-forgets", "clone-apart"],
+        &["same-seed-same-episode", "reset-forgets", "clone-apart"],
         "programs close environments twice, by hand and when they end, and others go on",
         "free in `close` only what is the environment's own, and remember that it was freed",
     ),
-    error!(
+    error(
         "clock-unread",
         clock::unread,
-        [
+        &[
             "same-seed-same-episode",
             "reset-forgets",
             "clone-continues",
-            "close-harmless"
+            "close-harmless",
         ],
         "an episode must not depend on the speed of the machine, nor on the time of day",
         "count steps in place of seconds",
     ),
-    error!(
+    error(
         "no-panic",
         panics::none,
-        ["constructs"],
+        &["constructs"],
         "a panic ends the whole training run",
         "return an Err for bad input; index and convert with care",
     ),

@@ -57,13 +57,20 @@ impl GridEnv {
     /// # Errors
     /// [`Error::InvalidArgument`] for an argument out of range.
     pub fn new<L: Level + Serialize>(level: L) -> Result<Self> {
-        let name = level.name();
-        let facts = Facts::new(&level).map_err(|reason| Error::argument(name, reason))?;
-        let picture = Picture::new(&facts).map_err(|reason| Error::argument(name, reason))?;
         let config = serde_json::to_value(&level);
-        let config = config.map_err(|error| Error::argument(name, error.to_string()))?;
+        Self::of(Arc::new(level), config)
+    }
+
+    fn of(level: Arc<dyn Level>, config: serde_json::Result<Json>) -> Result<Self> {
+        let name = level.name();
+        let facts = Facts::new(&*level).map_err(|reason| Error::argument(name, reason))?;
+        let picture = Picture::new(&facts).map_err(|reason| Error::argument(name, reason))?;
+        let mut config = config.map_err(|error| Error::argument(name, error.to_string()))?;
+        // those that follow from the others, as they are in use
+        config["max_steps"] = facts.rules.max_steps.into();
+        config["see_through_walls"] = facts.rules.see_through_walls.into();
         Ok(Self {
-            level: Arc::new(level),
+            level,
             config: config.into(),
             picture: picture.into(),
             facts: facts.into(),
@@ -120,7 +127,7 @@ impl GridEnv {
 }
 
 impl Facts {
-    fn new(level: &impl Level) -> Result<Self, String> {
+    fn new(level: &dyn Level) -> Result<Self, String> {
         let view: View = level.as_ref().clone();
         let mut rules = level.rules()?;
         let size = view.agent_view_size;
@@ -334,15 +341,15 @@ impl<L: Clone + 'static> gym_core::Wrapper for Of<L> {
         &mut self.env
     }
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
+    fn on_reset(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
         self.env.reset_into(reset, observation)
     }
 
-    fn step_into(&mut self, action: &Action, observation: &mut Value) -> Result<Outcome> {
+    fn on_step(&mut self, action: &Action, observation: &mut Value) -> Result<Outcome> {
         self.env.step_into(action, observation)
     }
 
-    fn describe(&self) -> String {
+    fn on_describe(&self) -> String {
         self.env.describe()
     }
 }
@@ -356,6 +363,10 @@ impl<L: Level + Arguments + Clone> Configure for Of<L> {
             level: PhantomData,
         })
     }
+
+    fn into_env(self) -> impl Env {
+        self.env
+    }
 }
 
 /// The episode on the page of a level with a good policy.
@@ -366,6 +377,12 @@ const CLIP: Clip = Clip {
     size: (96, 96),
 };
 
+/// What every level is excused from in the conformance checks.
+pub(crate) const WINDOW: (&str, &str) = (
+    "arguments-matter.screen_size",
+    "a window has the size of the picture",
+);
+
 /// The registration of a level under an id, perhaps with a good policy.
 pub const fn register<L: Level + Arguments + Clone>(
     id: &'static str,
@@ -374,24 +391,7 @@ pub const fn register<L: Level + Arguments + Clone>(
 ) -> Registration {
     let registration = Registration::new::<Of<L>>(id)
         .description(description)
-        .exceptions(&[
-            (
-                "arguments-matter.screen_size",
-                "a window has the size of the picture",
-            ),
-            (
-                "arguments-matter.agent_start_dir",
-                "it counts where `agent_start_pos` is given",
-            ),
-            (
-                "arguments-matter.num_rooms_visited",
-                "it sets the limit alone, which is thousands of steps away",
-            ),
-            (
-                "arguments-matter.random_length",
-                "a grid of 7 columns has room for one length",
-            ),
-        ])
+        .exceptions(&[WINDOW])
         .vector_entry_point(vector::entry_point::<L>)
         .light_step()
         .actions(Action::VARIANTS)

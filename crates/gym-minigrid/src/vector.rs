@@ -21,11 +21,11 @@ impl gym_core::VectorWrapper for Grids {
         &mut self.envs
     }
 
-    fn spec(&self) -> Option<VectorSpec> {
+    fn on_spec(&self) -> Option<VectorSpec> {
         Some(self.spec.clone())
     }
 
-    fn describe(&self) -> String {
+    fn on_describe(&self) -> String {
         format!(
             "NativeVectorEnv({}, num_envs={})",
             self.spec.env.id, self.spec.num_envs
@@ -40,9 +40,15 @@ impl gym_core::VectorWrapper for Grids {
 /// and async vectors have.
 pub(crate) fn entry_point<L: Level + Arguments>(spec: &VectorSpec) -> Result<BoxVector> {
     let whose = format!("`{}`", spec.env.id);
+    let version = find(&spec.env.id)?.rules();
+    let level: L = arguments::read(&L::default(), version, &spec.env.kwargs, &whose)?;
+    vector(GridEnv::new(level)?, spec)
+}
+
+fn vector(env: GridEnv, spec: &VectorSpec) -> Result<BoxVector> {
     let only = |what: &str| {
         let reason = format!("{what} in a native vector: make a sync or async one");
-        Err(Error::argument(whose.clone(), reason))
+        Err(Error::argument(format!("`{}`", spec.env.id), reason))
     };
     if !spec.each.is_empty() {
         return only("its arguments cannot differ between environments");
@@ -50,9 +56,6 @@ pub(crate) fn entry_point<L: Level + Arguments>(spec: &VectorSpec) -> Result<Box
     if spec.env.max_episode_steps.is_some() {
         return only("`max_steps` is the limit of steps, and there is no other");
     }
-    let version = find(&spec.env.id)?.rules();
-    let level: L = arguments::read(&L::default(), version, &spec.env.kwargs, &whose)?;
-    let env = GridEnv::new(level)?;
     let envs = SyncVectorEnv::new(vec![env; spec.num_envs])?.with_autoreset(spec.autoreset_mode);
     let mut spec = spec.clone();
     spec.vectorization_mode = VectorKind::Native;

@@ -398,7 +398,7 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
         } = columns;
         has_final.fill(false);
         progress.fill(Progress::Stepped);
-        let is_usual = self.varied.is_none() && self.dynamics.is_usual();
+        let has_defaults = self.varied.is_none() && self.dynamics.has_defaults();
         let step = Step {
             dynamics: &self.dynamics,
             constants: &self.constants,
@@ -421,7 +421,7 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
         self.left_out.clear();
         let (blocks, streams) = (&mut self.blocks, &mut self.streams);
         // two functions, because one would need the stack of both without optimisation
-        let result = if is_usual {
+        let result = if has_defaults {
             widest(
                 level,
                 Run::<D, true> {
@@ -498,18 +498,19 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
 }
 
 /// One step, compiled for each set of vector instructions.
-struct Run<'a, D: Native, const USUAL: bool> {
+struct Run<'a, D: Native, const DEFAULTS: bool> {
     step: Step<'a, D>,
     blocks: &'a mut [Block<D>],
     streams: &'a mut [D::Stream],
 }
 
-impl<D: Native, const USUAL: bool> Kernel for Run<'_, D, USUAL> {
+impl<D: Native, const DEFAULTS: bool> Kernel for Run<'_, D, DEFAULTS> {
     type Output = Result<()>;
 
     #[inline(always)]
     fn run<R: Real>(self, token: R::Token) -> Result<()> {
-        self.step.run::<R, USUAL>(token, self.blocks, self.streams)
+        self.step
+            .run::<R, DEFAULTS>(token, self.blocks, self.streams)
     }
 }
 

@@ -1,25 +1,23 @@
 //! The native vector of a task whose step is a formula.
 
-use gym_core::equations::{Equations, all_numbers};
+use gym_core::equations::{Constants, Equations};
 use gym_core::math::Real;
 use gym_core::rng::{Stream, WordStream};
 use gym_core::{Arguments, Error, Result, Task};
 
-use crate::{ActionColumn, LANES, Many, Native};
+use crate::{ActionColumn, LANES, Many, Native, Packed};
 
 impl<E, const K: usize, const A: usize, const P: usize, const O: usize> Native for E
 where
-    E: Equations<Numbers = [f64; K], Input = [f64; A], Constants = [f64; P]>
+    E: Equations<Numbers = [f64; K], Input = [f64; A], Constants: Constants<Array = [f64; P]>>
         + Task<Observation = [f32; O]>,
 {
     type Packed = [f64; K];
     type Stream = WordStream;
     type Constants = [f64; P];
 
-    const INFO: bool = E::INFO;
-
     fn constants(&self) -> [f64; P] {
-        Equations::constants(self)
+        Equations::constants(self).get().to_array()
     }
 
     fn with_numbers(&self, arguments: &[(String, f64)]) -> Result<Self> {
@@ -38,23 +36,24 @@ where
         Self::new(config)
     }
 
-    fn is_usual(&self) -> bool {
-        Equations::is_usual(self)
+    fn has_defaults(&self) -> bool {
+        Equations::constants(self).are_defaults()
     }
 
+    #[inline(always)]
     fn pack(&self, state: &Self::State) -> [f64; K] {
-        all_numbers(self, state)
+        Equations::pack(self, state)
     }
 
     #[inline(always)]
     fn unpack(&self, packed: [f64; K], fresh: bool) -> Self::State {
-        self.state(packed, fresh)
+        Equations::unpack(self, packed, fresh)
     }
 
     #[inline(always)]
     fn step_block<R: Real>(&self, token: R::Token, block: &mut Many<'_, Self>) {
         let constants = block.constants;
-        block.advance::<R, K, A, P, O>(
+        block.step::<R, K, A, P, O>(
             token,
             self,
             #[inline(always)]
@@ -63,68 +62,66 @@ where
     }
 
     #[inline(always)]
-    fn step_usual_block<R: Real>(&self, token: R::Token, block: &mut Many<'_, Self>) {
-        // there are some where `is_usual` says so
-        if let Some(usual) = E::USUAL {
-            block.advance::<R, K, A, P, O>(
+    fn step_default_block<R: Real>(&self, token: R::Token, block: &mut Many<'_, Self>) {
+        // `has_defaults` is false without `DEFAULTS`
+        if let Some(defaults) = E::DEFAULTS {
+            let defaults = defaults.to_array();
+            block.step::<R, K, A, P, O>(
                 token,
                 self,
                 #[inline(always)]
-                |_| splat(token, usual),
+                |_| splat(token, defaults),
             );
         }
     }
 }
 
 impl<E: Native> Many<'_, E> {
-    /// Steps each environment by the equations, as many at once as `R` holds, with the constants of
-    /// those from a place on.
+    /// Steps each environment by the equations, as many at once as `R` holds. `constants_of` gives
+    /// the constants of the environments from an index on.
     #[inline(always)]
-    fn advance<R: Real, const K: usize, const A: usize, const P: usize, const O: usize>(
+    fn step<R: Real, const K: usize, const A: usize, const P: usize, const O: usize>(
         &mut self,
         token: R::Token,
         equations: &E,
         constants_of: impl Fn(usize) -> [R; P],
     ) where
-        E: Equations<Numbers = [f64; K], Input = [f64; A], Constants = [f64; P]>
+        E: Equations<Numbers = [f64; K], Input = [f64; A]>
+            + Equations<Constants: Constants<Array = [f64; P]>>
             + Native<Packed = [f64; K], Constants = [f64; P]>
             + Task<Observation = [f32; O]>,
     {
-        let (mut inputs, mut ages) = ([[0.0; LANES]; A], [0.0; LANES]);
+        let mut inputs = [[0.0; LANES]; A];
         for lane in 0..LANES {
-            let mut input = equations.input(E::Action::from_item(self.actions[lane]));
-            if E::IS_NOISY && self.due >> lane & 1 == 0 {
-                let mut constants = [0.0; P];
-                for (x, column) in constants.iter_mut().zip(self.constants) {
-                    *x = column[lane];
-                }
-                self.streams[lane].lend(|rng| E::disturb(&constants, &mut input, rng));
+            let mut input = equations.encode(E::Action::from_item(self.actions[lane]));
+            if self.due >> lane & 1 == 0 {
+                let constants =
+                    <E as Equations>::Constants::from_array(<[f64; P]>::get(self.constants, lane));
+                self.streams[lane].lend(|rng| E::noise(&constants, &mut input, rng));
             }
             for (column, x) in inputs.iter_mut().zip(input) {
                 column[lane] = x;
             }
-            ages[lane] = f64::from(self.steps[lane]);
         }
-        let mut seen = [[0.0; LANES]; O];
+        let mut observations = [[0.0; LANES]; O];
         let mut terminated = 0;
         for first in (0..LANES).step_by(R::LANES) {
-            let age = R::get(token, &ages[first..]);
-            let fresh = age.lt(age.same(1.0));
-            let state = registers::<R, K>(token, self.states, first);
+            let constants = <E as Equations>::Constants::from_array(constants_of(first));
+            let numbers = registers::<R, K>(token, self.states, first);
             let input = registers::<R, A>(token, &inputs, first);
-            let next = equations.advance(constants_of(first), state, fresh, input);
-            for (column, x) in self.states.iter_mut().zip(next.state) {
+            let next = Equations::step(equations, constants, numbers, input);
+            for (column, x) in self.states.iter_mut().zip(next.numbers) {
                 x.put(&mut column[first..]);
             }
             next.reward.put(&mut self.rewards[first..]);
             terminated |= (R::bits(next.terminated) as u32) << first;
-            for (column, x) in seen.iter_mut().zip(next.seen) {
+            for (column, x) in observations.iter_mut().zip(next.observation) {
                 x.put(&mut column[first..]);
             }
         }
         *self.terminated = terminated;
         for (lane, observation) in self.observations.iter_mut().enumerate() {
-            for (x, column) in observation.iter_mut().zip(&seen) {
+            for (x, column) in observation.iter_mut().zip(&observations) {
                 *x = column[lane] as f32;
             }
         }

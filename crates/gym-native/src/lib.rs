@@ -51,7 +51,7 @@ use gym_core::vector::VectorEnv;
 use gym_core::{Dynamics, Error, Result, Task, arguments};
 
 pub use envs::NativeVectorEnv;
-pub use gym_core::equations::{Equations, Next, Of, Row};
+pub use gym_core::equations::{Compared, Equations, Next, Of, Row};
 pub use gym_core::vector::{ActionColumn, Actions};
 pub use observations::ObservationColumn;
 pub use packed::{Packed, Whole};
@@ -75,9 +75,6 @@ pub trait Native:
     /// The constants that may differ between environments; `[f64; 0]` for none.
     type Constants: Packed;
 
-    /// Whether [`info`](Task::info) has entries.
-    const INFO: bool = false;
-
     /// Refuses arguments that only scalar environments support.
     ///
     /// # Errors
@@ -90,8 +87,8 @@ pub trait Native:
     /// The constants for these arguments.
     fn constants(&self) -> Self::Constants;
 
-    /// Whether [`step_usual_block`](Self::step_usual_block) is for these constants.
-    fn is_usual(&self) -> bool {
+    /// Whether [`step_default_block`](Self::step_default_block) is for these constants.
+    fn has_defaults(&self) -> bool {
         false
     }
 
@@ -123,7 +120,7 @@ pub trait Native:
 
     /// The same, if all environments have the constants that it was compiled for.
     #[inline(always)]
-    fn step_usual_block<R: Real>(&self, token: R::Token, block: &mut Many<'_, Self>)
+    fn step_default_block<R: Real>(&self, token: R::Token, block: &mut Many<'_, Self>)
     where
         Self: Sized,
     {

@@ -55,7 +55,7 @@ pub(crate) struct Step<'a, D: Native> {
     pub(crate) final_observations: <D::Observation as ObservationColumn>::Rows<'a>,
     pub(crate) has_final: &'a mut [bool],
     pub(crate) progress: &'a mut [Progress],
-    /// The last states of the episodes that have ended, if [`Native::INFO`] is set.
+    /// The last states of the episodes that have ended, if [`Task::INFO`](gym_core::Task::INFO) is set.
     pub(crate) finals: &'a mut [D::Packed],
 }
 
@@ -69,10 +69,10 @@ struct Results<O> {
 }
 
 impl<D: Native> Step<'_, D> {
-    /// Steps block by block, all with the usual constants or not. Inlined into a function for each
+    /// Steps block by block, all with the default constants or not. Inlined into a function for each
     /// set of vector instructions.
     #[inline(always)]
-    pub(crate) fn run<R: Real, const USUAL: bool>(
+    pub(crate) fn run<R: Real, const DEFAULTS: bool>(
         mut self,
         token: R::Token,
         blocks: &mut [Block<D>],
@@ -104,8 +104,8 @@ impl<D: Native> Step<'_, D> {
                 rewards: &mut results.rewards,
                 terminated: &mut results.terminated,
             };
-            if USUAL {
-                self.dynamics.step_usual_block::<R>(token, &mut many);
+            if DEFAULTS {
+                self.dynamics.step_default_block::<R>(token, &mut many);
             } else {
                 self.dynamics.step_block::<R>(token, &mut many);
             }

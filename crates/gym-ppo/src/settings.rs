@@ -2,6 +2,7 @@
 
 use anyhow::{Context, Result, ensure};
 use gym::atari::AtariEnv;
+use gym::minigrid::GridEnv;
 use gym::{BoxEnv, Env, EnvExt, Space};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -15,12 +16,17 @@ pub(crate) enum Task {
     Continuous,
     /// A game of the Atari 2600.
     Atari,
+    /// A grid of MiniGrid or BabyAI.
+    Grid,
 }
 
 impl Task {
     pub(crate) fn of(env: &BoxEnv) -> Self {
         if env.layer::<AtariEnv>().is_some() {
             return Self::Atari;
+        }
+        if env.layer::<GridEnv>().is_some() {
+            return Self::Grid;
         }
         match env.action_space() {
             Space::Box(_) => Self::Continuous,
@@ -47,8 +53,8 @@ pub(crate) struct Settings {
 
 impl Settings {
     /// Returns settings that are known to solve the task. Sources: RL Baselines3 Zoo for CartPole,
-    /// LunarLander and Pendulum; CleanRL's `ppo_continuous_action.py` for other continuous actions;
-    /// CleanRL's `ppo_atari.py` for Atari.
+    /// LunarLander, Pendulum and grids; CleanRL's `ppo_continuous_action.py` for other continuous
+    /// actions; CleanRL's `ppo_atari.py` for Atari.
     pub(crate) fn of(id: &str, task: Task) -> Self {
         let lander = Self {
             envs: 16,
@@ -88,6 +94,19 @@ impl Settings {
                     clip: 0.1,
                     entropy_coefficient: 0.01,
                     normalize: false,
+                };
+            }
+            Task::Grid => {
+                return Self {
+                    envs: 8,
+                    steps: 128,
+                    minibatch: 64,
+                    epochs: 10,
+                    learning_rate: 2.5e-4,
+                    discount: 0.99,
+                    gae_lambda: 0.95,
+                    entropy_coefficient: 0.0,
+                    ..lander
                 };
             }
             Task::Continuous => {}

@@ -34,6 +34,19 @@ fn spec(id: &str, settings: &Settings, task: Task) -> gym::Result<VectorSpec> {
             .wrap(WrapperSpec::new("AtariPreprocessing"));
         env = env.wrap(WrapperSpec::new("FrameStackObservation").arg("stack_size", FRAMES));
     }
+    if task == Task::Grid {
+        // the cells as zeros and ones for kind, colour and state; the mission is left out
+        let names = [
+            "OneHotPartialObsWrapper",
+            "ImgObsWrapper",
+            "FlattenObservation",
+        ];
+        env = names
+            .into_iter()
+            .map(WrapperSpec::new)
+            .fold(env, gym::registry::EnvBuilder::wrap);
+        env = env.wrap(WrapperSpec::new("DtypeObservation").arg("dtype", "float32"));
+    }
     let mut vector = env.vector(settings.envs).autoreset(Autoreset::SameStep);
     if task == Task::Atari {
         vector = vector.kind(VectorKind::Async);

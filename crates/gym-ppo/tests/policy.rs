@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 fn stored() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("../gym-mujoco/policies/half-cheetah.json")
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../gym-policies/networks/half-cheetah.json")
 }
 
 fn run(arguments: &[&str]) -> Output {

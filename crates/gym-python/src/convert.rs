@@ -1,28 +1,13 @@
 //! Values of ours as Python objects, and Python objects as values.
 
 use gym::render::{Frame, Rendered};
-use gym::{Array, DType, Data, GraphInstance, Space, Value};
+use gym::{Array, DType, Data, GraphInstance, Space, Value, with_type};
 use numpy::{Element, IxDyn, PyArray, PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{IntoPyDict, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
-
-/// Evaluates `$body` with `$T` standing for the Rust type of a [`DType`].
-macro_rules! with_dtype {
-    ($dtype:expr, $T:ident => $body:expr) => {
-        with_dtype!(@ $dtype, $T, $body, I8 i8, U8 u8, I16 i16, U16 u16, I32 i32, U32 u32, I64 i64, U64 u64, F32 f32, F64 f64)
-    };
-    (@ $dtype:expr, $T:ident, $body:expr, $($variant:ident $type:ty),*) => {
-        match $dtype {
-            $(DType::$variant => {
-                type $T = $type;
-                $body
-            })*
-        }
-    };
-}
 
 /// A new numpy array with these numbers.
 pub(crate) fn new_array<'py, T: Element + Copy>(
@@ -47,7 +32,7 @@ pub(crate) fn new_array<'py, T: Element + Copy>(
 
 /// A new numpy array.
 pub(crate) fn array<'py>(py: Python<'py>, array: &Array) -> Bound<'py, PyAny> {
-    with_dtype!(array.dtype(), T => new_array(py, array.shape(), array.as_slice::<T>().unwrap_or_default()))
+    with_type!(array.dtype(), T => new_array(py, array.shape(), array.as_slice::<T>().unwrap_or_default()))
 }
 
 /// A value as Gymnasium's spaces and infos have it.
@@ -96,7 +81,7 @@ pub(crate) fn refill<'py>(
     old: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     if let (Value::Array(numbers), Some(old)) = (value, old) {
-        let reused = with_dtype!(numbers.dtype(), T => {
+        let reused = with_type!(numbers.dtype(), T => {
             let target = old.cast::<PyArrayDyn<T>>().ok().filter(|array| array.shape() == numbers.shape());
             match target.map(PyArrayMethods::try_readwrite) {
                 Some(Ok(mut array)) => {
@@ -304,7 +289,7 @@ fn members<'py>(object: &Bound<'py, PyAny>, n: usize) -> PyResult<Vec<Bound<'py,
 
 /// The numbers of an array, list or number.
 fn read_array(object: &Bound<'_, PyAny>, dtype: DType, shape: Option<&[usize]>) -> PyResult<Array> {
-    with_dtype!(dtype, T => {
+    with_type!(dtype, T => {
         let fits = |array: &Bound<'_, PyArrayDyn<T>>| shape.is_none_or(|shape| array.shape() == shape);
         let converted;
         let array = match object.cast::<PyArrayDyn<T>>() {

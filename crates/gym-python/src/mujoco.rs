@@ -26,22 +26,15 @@ pub(crate) fn data<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound<
     };
     let arrays = PyDict::new(py);
     arrays.set_item("time", data.time)?;
-    macro_rules! vectors {
-        ($($name:ident)+) => {$(
-            arrays.set_item(stringify!($name), PyArray1::from_slice(py, &data.$name))?;
+    macro_rules! set {
+        ($array:ident: $($name:ident)+) => {$(
+            arrays.set_item(stringify!($name), $array(py, &data.$name)?)?;
         )+};
     }
-    macro_rules! rows {
-        ($($name:ident)+) => {$(
-            arrays.set_item(stringify!($name), matrix(py, &data.$name)?)?;
-        )+};
-    }
-    vectors!(
-        qpos qvel ctrl qacc_warmstart qacc ten_length ten_velocity qfrc_passive qfrc_bias qfrc_actuator qfrc_smooth
+    set!(vector: qpos qvel ctrl qacc_warmstart qacc ten_length ten_velocity qfrc_passive qfrc_bias qfrc_actuator qfrc_smooth
         qacc_smooth qfrc_constraint actuator_force
     );
-    rows!(
-        xpos xquat xmat xipos ximat xanchor xaxis geom_xpos geom_xmat site_xpos site_xmat subtree_com cinert cdof cvel
+    set!(matrix: xpos xquat xmat xipos ximat xanchor xaxis geom_xpos geom_xmat site_xpos site_xmat subtree_com cinert cdof cvel
         cdof_dot cfrc_ext
     );
     Ok(Some(arrays))
@@ -80,6 +73,10 @@ pub(crate) fn before<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Boun
     )?;
     let stepped = stored["last"].as_str() == Some("Step");
     (stepped, state, now).into_pyobject(py).map(Some)
+}
+
+fn vector<'py>(py: Python<'py>, numbers: &[f64]) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    Ok(PyArray1::from_slice(py, numbers))
 }
 
 fn matrix<'py, const N: usize>(

@@ -233,8 +233,11 @@ impl Vector {
             if let Some(threads) = threads {
                 vector = vector.threads(threads);
             }
-            let spec = vector.spec().or_raise()?;
-            let envs = make(&spec)?;
+            let (spec, made) = vector.resolve().or_raise()?;
+            let envs = match made {
+                Some(vector) => Envs::Here(vector),
+                None => make(&spec)?,
+            };
             Self::holding(envs, spec, copy)
         })
     }

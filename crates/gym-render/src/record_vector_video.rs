@@ -205,7 +205,7 @@ impl<V: VectorEnv> gym_core::VectorWrapper for RecordVectorVideo<V> {
         )
     }
 
-    fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
+    fn on_reset(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
         columns.begin();
         let result = self.envs.reset_into(reset, columns);
         if columns.progress.first() == Some(&Progress::Started) {
@@ -218,7 +218,7 @@ impl<V: VectorEnv> gym_core::VectorWrapper for RecordVectorVideo<V> {
         }
     }
 
-    fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
+    fn on_step(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
         columns.begin();
         let result = self.envs.step_into(actions, columns);
         if !columns.any_progress() {
@@ -238,7 +238,7 @@ impl<V: VectorEnv> gym_core::VectorWrapper for RecordVectorVideo<V> {
         result.and(captured)
     }
 
-    fn close(&mut self) {
+    fn on_close(&mut self) {
         self.recorder.stop();
         self.envs.close();
     }

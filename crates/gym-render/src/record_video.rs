@@ -146,18 +146,14 @@ impl<E: Env> gym_core::Wrapper for RecordVideo<E> {
         &mut self.env
     }
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+    fn on_reset(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         self.env.reset_into(reset, observation)?;
         self.list.clear();
         self.recorder.episode();
         self.capture()
     }
 
-    fn step_into(
-        &mut self,
-        action: &E::Action,
-        observation: &mut E::Observation,
-    ) -> Result<Outcome> {
+    fn on_step(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         let outcome = self.env.step_into(action, observation)?;
         self.recorder.step();
         self.capture()?;
@@ -167,7 +163,7 @@ impl<E: Env> gym_core::Wrapper for RecordVideo<E> {
         Ok(outcome)
     }
 
-    fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
+    fn on_render(&mut self, rendered: &mut Rendered) -> Result<()> {
         self.env.render_into(rendered)?;
         if let Rendered::Frames(frames) = rendered {
             self.list.append(frames);
@@ -176,7 +172,7 @@ impl<E: Env> gym_core::Wrapper for RecordVideo<E> {
         Ok(())
     }
 
-    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+    fn on_restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         self.env.restore(snapshot)?;
         self.list.clear();
         Ok(())
@@ -186,7 +182,7 @@ impl<E: Env> gym_core::Wrapper for RecordVideo<E> {
         self.recorder.stored().map(|config| config.spec())
     }
 
-    fn close(&mut self) {
+    fn on_close(&mut self) {
         self.recorder.stop();
         self.env.close();
     }

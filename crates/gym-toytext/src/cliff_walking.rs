@@ -138,6 +138,7 @@ impl Task for CliffWalkingDynamics {
     type Action = Action;
 
     const NAME: &'static str = "CliffWalking";
+    const INFO: bool = true;
 
     fn new(config: Config) -> Result<Self> {
         // the turn of each outcome relative to the action
@@ -345,8 +346,6 @@ impl Native for CliffWalkingDynamics {
     type Packed = Cell;
     type Stream = WordStream;
     type Constants = [f64; 0];
-
-    const INFO: bool = true;
 
     fn constants(&self) -> [f64; 0] {
         []

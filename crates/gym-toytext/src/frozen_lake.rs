@@ -163,6 +163,7 @@ impl Task for FrozenLakeDynamics {
     type Action = Action;
 
     const NAME: &'static str = "FrozenLake";
+    const INFO: bool = true;
 
     fn new(config: Config) -> Result<Self> {
         let desc = match (&config.desc, &config.map_name) {
@@ -560,8 +561,6 @@ impl Native for FrozenLakeDynamics {
     type Packed = Cell;
     type Stream = WordStream;
     type Constants = [f64; 0];
-
-    const INFO: bool = true;
 
     fn supports(config: &Config) -> Result<(), &'static str> {
         match config {

@@ -240,6 +240,7 @@ impl Task for TaxiDynamics {
     type Action = Action;
 
     const NAME: &'static str = "Taxi";
+    const INFO: bool = true;
 
     fn new(config: Config) -> Result<Self> {
         for (name, value) in [
@@ -526,8 +527,6 @@ impl Native for TaxiDynamics {
     type Packed = Cell;
     type Stream = WordStream;
     type Constants = [f64; 0];
-
-    const INFO: bool = true;
 
     fn supports(config: &Config) -> Result<(), &'static str> {
         if config.fickle_passenger {

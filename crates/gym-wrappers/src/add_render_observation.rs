@@ -3,22 +3,23 @@
 use gym_core::registry::WrapperConfig;
 use gym_core::render::{Frame, Rendered};
 use gym_core::spaces::{BoxSpace, DictSpace, array_of};
-use gym_core::{BoxEnv, DType, Element, Env, EnvExt, Error, Result, Space, Value, WrapperSpec};
+use gym_core::{BoxEnv, DType, Env, EnvExt, Error, Result, Space, Value};
 
 use crate::filter_observation::{dict_like, entries};
+use crate::observing::{Observer, Observing};
 
 /// Observes the rendered frame, alone or beside the observation.
 ///
 /// Each reset and step renders a frame and allocates it.
+pub type AddRenderObservation<E = BoxEnv> = Observing<E, AddRender>;
+
+/// The observer of [`AddRenderObservation`].
 #[derive(Clone, Debug)]
-pub struct AddRenderObservation<E = BoxEnv> {
-    inner: E,
+pub struct AddRender {
     config: Config,
-    space: Space,
     shape: [usize; 3],
     /// Whether the inner observation is a dict, to which the frame is added.
     extends_dict: bool,
-    seen: Value,
 }
 
 gym_core::arguments! {
@@ -36,8 +37,6 @@ gym_core::arguments! {
 gym_core::register_wrapper!(
     "AddRenderObservation", "observes the rendered frame", Config, env: AddRenderObservation::new
 );
-
-reach!(AddRenderObservation<E>);
 
 impl<E: Env> AddRenderObservation<E> {
     /// Observes frames of `env`. A copy of it is reset and rendered to find their size.
@@ -70,24 +69,37 @@ impl<E: Env> AddRenderObservation<E> {
                 .map_err(refuse)?
                 .into(),
         };
-        Ok(Self {
-            inner: env,
+        let observer = AddRender {
             config,
-            space,
             shape,
             extends_dict,
-            seen: Value::Null,
-        })
+        };
+        Ok(Self::with_observer(env, observer, space))
+    }
+}
+
+impl Observer for AddRender {
+    type Config = Config;
+
+    fn arguments(&self) -> Config {
+        self.config.clone()
     }
 
-    fn observe(&mut self, _is_reset: bool, out: &mut Value) -> Result<()> {
-        let frame = frame(&mut self.inner)?;
+    fn observe<E: Env>(
+        &mut self,
+        env: &mut E,
+        space: &Space,
+        seen: &mut Value,
+        _is_reset: bool,
+        out: &mut Value,
+    ) -> Result<()> {
+        let frame = frame(env)?;
         if [frame.height() as usize, frame.width() as usize] != self.shape[..2] {
             return Err(Error::Contract(
                 "the size of the rendered frame has changed".into(),
             ));
         }
-        let Space::Dict(space) = &self.space else {
+        let Space::Dict(space) = space else {
             self.draw_into(&frame, out);
             return Ok(());
         };
@@ -97,14 +109,16 @@ impl<E: Env> AddRenderObservation<E> {
                 self.draw_into(&frame, value);
             } else if self.extends_dict {
                 let lacking = || Error::Contract(format!("the observation lacks the key {key:?}"));
-                value.clone_from(self.seen.get(key).ok_or_else(lacking)?);
+                value.clone_from(seen.get(key).ok_or_else(lacking)?);
             } else {
-                value.clone_from(&self.seen);
+                value.clone_from(seen);
             }
         }
         Ok(())
     }
+}
 
+impl AddRender {
     fn draw_into(&self, frame: &Frame, out: &mut Value) {
         let array = array_of(out, DType::U8, &self.shape);
         array
@@ -123,13 +137,5 @@ fn frame<E: Env>(env: &mut E) -> Result<Frame> {
             reason: "it needs single frames: make the environment with `RenderMode::RgbArray`"
                 .into(),
         }),
-    }
-}
-
-impl<E: Env> gym_core::Wrapper for AddRenderObservation<E> {
-    observes!(E, seen);
-
-    fn wrapper_spec(&self) -> Option<WrapperSpec> {
-        Some(self.config.spec())
     }
 }

@@ -1,7 +1,7 @@
 //! Resets by itself.
 
 use gym_core::{
-    BoxEnv, Env, Outcome, Reset, Result, Snapshot, WrapperSpec, registry::WrapperConfig,
+    BoxEnv, Env, Outcome, Reset, Result, Snapshot, Wrapper, WrapperSpec, registry::WrapperConfig,
 };
 
 /// Resets automatically: the step after the end of an episode ignores its action, starts the next
@@ -21,7 +21,7 @@ gym_core::register_wrapper!(
     "Autoreset", "resets in the step after the end of an episode", Config, env: |env, _| Ok(Autoreset::new(env))
 );
 
-reach!(Autoreset<E>);
+gym_core::inner!(impl Autoreset<E>);
 
 impl<E: Env> Autoreset<E> {
     /// Resets `env` where its episodes end.
@@ -33,25 +33,21 @@ impl<E: Env> Autoreset<E> {
     }
 }
 
-impl<E: Env> gym_core::Wrapper for Autoreset<E> {
+impl<E: Env> Wrapper for Autoreset<E> {
     type Observation = E::Observation;
     type Action = E::Action;
 
-    env_within!(E);
+    gym_core::inner!(E);
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+    fn on_reset(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         self.inner.reset_into(reset, observation)?;
         self.reset_is_due = false;
         Ok(())
     }
 
-    fn step_into(
-        &mut self,
-        action: &E::Action,
-        observation: &mut E::Observation,
-    ) -> Result<Outcome> {
+    fn on_step(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         if self.reset_is_due {
-            Env::reset_into(self, &Reset::default(), observation)?;
+            self.on_reset(&Reset::default(), observation)?;
             return Ok(Outcome::default());
         }
         let outcome = self.inner.step_into(action, observation)?;
@@ -59,11 +55,11 @@ impl<E: Env> gym_core::Wrapper for Autoreset<E> {
         Ok(outcome)
     }
 
-    fn snapshot(&self) -> Result<Snapshot> {
+    fn on_snapshot(&self) -> Result<Snapshot> {
         Snapshot::of(&(self.inner.snapshot()?, self.reset_is_due))
     }
 
-    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+    fn on_restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let (inner, reset_is_due) = snapshot.get()?;
         self.inner.restore(&inner)?;
         self.reset_is_due = reset_is_due;

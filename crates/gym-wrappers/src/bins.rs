@@ -39,43 +39,6 @@ impl Default for Bins {
     }
 }
 
-/// The arguments of a wrapper with bins, and its registration.
-macro_rules! bins_config {
-    ($name:literal, $description:literal, $new:expr) => {
-        gym_core::arguments! {
-            #[doc = concat!("The arguments of [`", $name, "`].")]
-            pub struct Config {
-                /// The number of bins for each element of the bounded `Box`, at least 1.
-                pub bins: Bins,
-                /// Whether each element has its own integer, instead of one integer for the
-                /// combination, counted in row-major order.
-                pub multidiscrete: bool = false,
-            }
-        }
-
-        impl<B: Into<Bins>> From<(B, bool)> for Config {
-            fn from((bins, multidiscrete): (B, bool)) -> Self {
-                Self { bins: bins.into(), multidiscrete }
-            }
-        }
-
-        impl From<u32> for Config {
-            fn from(bins: u32) -> Self {
-                (bins, false).into()
-            }
-        }
-
-        impl<const N: usize> From<[u32; N]> for Config {
-            fn from(bins: [u32; N]) -> Self {
-                (bins, false).into()
-            }
-        }
-
-        gym_core::register_wrapper!($name, $description, Config, env: $new, vector: $new);
-    };
-}
-pub(crate) use bins_config;
-
 /// The bins of each element.
 #[derive(Clone, Debug)]
 pub(crate) struct Grid {

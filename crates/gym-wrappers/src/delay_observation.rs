@@ -1,7 +1,7 @@
 //! Observations some steps late.
 
 use gym_core::{
-    BoxEnv, Element, Env, Error, Outcome, Reset, Result, Snapshot, WrapperSpec,
+    BoxEnv, Element, Env, Error, Outcome, Reset, Result, Snapshot, Wrapper, WrapperSpec,
     registry::WrapperConfig,
 };
 use serde_json::Value as Json;
@@ -28,13 +28,17 @@ gym_core::arguments! {
     }
 }
 
-positional!(delay: usize);
+impl From<usize> for Config {
+    fn from(delay: usize) -> Self {
+        Self { delay }
+    }
+}
 
 gym_core::register_wrapper!(
     "DelayObservation", "delays observations by a number of steps", Config, env: DelayObservation::new
 );
 
-reach!(DelayObservation<E: Env>);
+gym_core::inner!(impl DelayObservation<E: Env>);
 
 impl<E: Env> DelayObservation<E> {
     /// Delays the observations of `env`.
@@ -62,37 +66,33 @@ impl<E: Env> DelayObservation<E> {
     }
 }
 
-impl<E: Env> gym_core::Wrapper for DelayObservation<E> {
+impl<E: Env> Wrapper for DelayObservation<E> {
     type Observation = E::Observation;
     type Action = E::Action;
 
-    env_within!(E);
+    gym_core::inner!(E);
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+    fn on_reset(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         self.inner.reset_into(reset, observation)?;
         self.ring.fill(&self.zero);
         self.ring.exchange(observation);
         Ok(())
     }
 
-    fn step_into(
-        &mut self,
-        action: &E::Action,
-        observation: &mut E::Observation,
-    ) -> Result<Outcome> {
+    fn on_step(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         let outcome = self.inner.step_into(action, observation)?;
         self.ring.exchange(observation);
         Ok(outcome)
     }
 
-    fn snapshot(&self) -> Result<Snapshot> {
+    fn on_snapshot(&self) -> Result<Snapshot> {
         Snapshot::of(&(
             self.inner.snapshot()?,
             self.ring.to_json(&self.inner.observation_space())?,
         ))
     }
 
-    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+    fn on_restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let (inner, stored): (_, Vec<Json>) = snapshot.get()?;
         let ring = self.ring.read(&self.inner.observation_space(), &stored)?;
         self.inner.restore(&inner)?;

@@ -4,7 +4,7 @@ use gym_core::registry::WrapperConfig;
 use gym_core::spaces::array_of;
 use gym_core::{BoxEnv, Element, Error, Result, Space, Value};
 
-use crate::bins::{Bins, Grid, bins_config};
+use crate::bins::{Bins, Grid};
 use crate::map::{ActionMap, MapAction};
 use crate::within::expect_box;
 
@@ -12,10 +12,41 @@ use crate::within::expect_box;
 /// or one for each element; the environment receives the bin's centre.
 pub type DiscretizeAction<T = BoxEnv> = MapAction<T, Discretize>;
 
-bins_config!(
-    "DiscretizeAction",
-    "turns the index of a bin into the action at its centre",
-    DiscretizeAction::new
+gym_core::arguments! {
+    /// The arguments of [`DiscretizeAction`].
+    pub struct Config {
+        /// The number of bins for each element of the bounded `Box`, at least 1.
+        pub bins: Bins,
+        /// Whether each element has its own integer, instead of one integer for the combination,
+        /// counted in row-major order.
+        pub multidiscrete: bool = false,
+    }
+}
+
+impl<B: Into<Bins>> From<(B, bool)> for Config {
+    fn from((bins, multidiscrete): (B, bool)) -> Self {
+        Self {
+            bins: bins.into(),
+            multidiscrete,
+        }
+    }
+}
+
+impl From<u32> for Config {
+    fn from(bins: u32) -> Self {
+        (bins, false).into()
+    }
+}
+
+impl<const N: usize> From<[u32; N]> for Config {
+    fn from(bins: [u32; N]) -> Self {
+        (bins, false).into()
+    }
+}
+
+gym_core::register_wrapper!(
+    "DiscretizeAction", "turns the index of a bin into the action at its centre", Config,
+    env: DiscretizeAction::new, vector: DiscretizeAction::new
 );
 
 /// The bins of [`DiscretizeAction`].

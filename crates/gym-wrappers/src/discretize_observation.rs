@@ -3,7 +3,7 @@
 use gym_core::registry::WrapperConfig;
 use gym_core::{Array, BoxEnv, Data, Error, Result, Space, Value};
 
-use crate::bins::{Bins, Grid, bins_config};
+use crate::bins::{Bins, Grid};
 use crate::map::{MapObservation, ObservationMap};
 use crate::within::{expect_box, not_an_array};
 
@@ -11,10 +11,41 @@ use crate::within::{expect_box, not_an_array};
 /// one integer or one for each element.
 pub type DiscretizeObservation<T = BoxEnv> = MapObservation<T, Discretize>;
 
-bins_config!(
-    "DiscretizeObservation",
-    "cuts observations into uniform bins",
-    DiscretizeObservation::new
+gym_core::arguments! {
+    /// The arguments of [`DiscretizeObservation`].
+    pub struct Config {
+        /// The number of bins for each element of the bounded `Box`, at least 1.
+        pub bins: Bins,
+        /// Whether each element has its own integer, instead of one integer for the combination,
+        /// counted in row-major order.
+        pub multidiscrete: bool = false,
+    }
+}
+
+impl<B: Into<Bins>> From<(B, bool)> for Config {
+    fn from((bins, multidiscrete): (B, bool)) -> Self {
+        Self {
+            bins: bins.into(),
+            multidiscrete,
+        }
+    }
+}
+
+impl From<u32> for Config {
+    fn from(bins: u32) -> Self {
+        (bins, false).into()
+    }
+}
+
+impl<const N: usize> From<[u32; N]> for Config {
+    fn from(bins: [u32; N]) -> Self {
+        (bins, false).into()
+    }
+}
+
+gym_core::register_wrapper!(
+    "DiscretizeObservation", "cuts observations into uniform bins", Config,
+    env: DiscretizeObservation::new, vector: DiscretizeObservation::new
 );
 
 /// The bins of [`DiscretizeObservation`].

@@ -1,23 +1,22 @@
 //! The last few observations at once.
 
-use gym_core::{
-    BoxEnv, Element, Env, Result, Snapshot, Space, Value, WrapperSpec, registry::WrapperConfig,
-};
+use gym_core::{BoxEnv, Env, Result, Snapshot, Space, Value, registry::WrapperConfig};
 use serde_json::Value as Json;
 
+use crate::observing::{Observer, Observing};
 use crate::ring::Ring;
 
 /// Observes the last few observations at once, the newest last, along a new first axis.
+pub type FrameStackObservation<E = BoxEnv> = Observing<E, FrameStack>;
+
+/// The observer of [`FrameStackObservation`].
 #[derive(Clone, Debug)]
-pub struct FrameStackObservation<E = BoxEnv> {
-    inner: E,
+pub struct FrameStack {
     config: Config,
-    space: Space,
     inner_space: Space,
     /// The padding before the first observation; `None` for the first observation itself.
     padding: Option<Value>,
     stack: Ring<Value>,
-    seen: Value,
 }
 
 gym_core::arguments! {
@@ -31,14 +30,19 @@ gym_core::arguments! {
     }
 }
 
-positional!(stack_size: usize);
+impl From<usize> for Config {
+    fn from(stack_size: usize) -> Self {
+        Self {
+            stack_size,
+            ..Self::default()
+        }
+    }
+}
 
 gym_core::register_wrapper!(
     "FrameStackObservation", "stacks the last observations", Config,
     env: FrameStackObservation::new
 );
-
-reach!(FrameStackObservation<E>);
 
 impl<E: Env> FrameStackObservation<E> {
     /// Stacks the observations of `env`.
@@ -70,23 +74,36 @@ impl<E: Env> FrameStackObservation<E> {
                 config.stack_size
             ))
         })?;
-        Ok(Self {
-            inner: env,
+        let observer = FrameStack {
             config,
-            space,
             inner_space,
             padding,
             stack,
-            seen: Value::Null,
-        })
+        };
+        Ok(Self::with_observer(env, observer, space))
+    }
+}
+
+impl Observer for FrameStack {
+    type Config = Config;
+
+    fn arguments(&self) -> Config {
+        self.config.clone()
     }
 
     /// Adds the last observation to the stack, and observes the stack.
-    fn observe(&mut self, is_reset: bool, out: &mut Value) -> Result<()> {
+    fn observe<E: Env>(
+        &mut self,
+        _env: &mut E,
+        _space: &Space,
+        seen: &mut Value,
+        is_reset: bool,
+        out: &mut Value,
+    ) -> Result<()> {
         if is_reset {
-            self.stack.fill(self.padding.as_ref().unwrap_or(&self.seen));
+            self.stack.fill(self.padding.as_ref().unwrap_or(seen));
         }
-        self.stack.exchange(&mut self.seen);
+        self.stack.exchange(seen);
         if !self.inner_space.is_batch(out, self.config.stack_size) {
             *out = self.inner_space.empty_batch(self.config.stack_size)?;
         }
@@ -95,27 +112,16 @@ impl<E: Env> FrameStackObservation<E> {
         }
         Ok(())
     }
-}
 
-impl<E: Env> gym_core::Wrapper for FrameStackObservation<E> {
-    observes!(E, seen);
-
-    fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::of(&(
-            self.inner.snapshot()?,
-            self.stack.to_json(&self.inner_space)?,
-        ))
+    fn snapshot<E: Env>(&self, env: &E) -> Result<Snapshot> {
+        Snapshot::of(&(env.snapshot()?, self.stack.to_json(&self.inner_space)?))
     }
 
-    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+    fn restore<E: Env>(&mut self, env: &mut E, snapshot: &Snapshot) -> Result<()> {
         let (inner, stored): (_, Vec<Json>) = snapshot.get()?;
         let stack = self.stack.read(&self.inner_space, &stored)?;
-        self.inner.restore(&inner)?;
+        env.restore(&inner)?;
         self.stack = stack;
         Ok(())
-    }
-
-    fn wrapper_spec(&self) -> Option<WrapperSpec> {
-        Some(self.config.spec())
     }
 }

@@ -23,7 +23,11 @@ gym_core::arguments! {
     }
 }
 
-positional!(keep_dim: bool);
+impl From<bool> for Config {
+    fn from(keep_dim: bool) -> Self {
+        Self { keep_dim }
+    }
+}
 
 /// The map of [`GrayscaleObservation`].
 #[derive(Clone, Copy, Debug)]

@@ -20,9 +20,6 @@
 //! `RecordEpisodeStatistics` and the wrappers that `make` adds are in [`gym_core::wrappers`] and
 //! re-exported here.
 
-#[macro_use]
-mod within;
-
 pub mod add_render_observation;
 mod affine;
 pub mod autoreset;
@@ -43,6 +40,7 @@ pub mod max_and_skip_observation;
 pub mod noise;
 pub mod normalize_observation;
 pub mod normalize_reward;
+pub mod observing;
 pub mod repeat_action;
 pub mod rescale_action;
 pub mod rescale_observation;
@@ -55,6 +53,7 @@ pub mod time_aware_observation;
 mod transform_action;
 mod transform_observation;
 mod transform_reward;
+mod within;
 mod wrap;
 
 pub use add_render_observation::AddRenderObservation;

@@ -1,8 +1,8 @@
 //! The larger of the last two observations of several steps.
 
 use gym_core::{
-    Array, BoxEnv, Element, Env, Outcome, Reset, Result, Snapshot, Space, Value, WrapperSpec,
-    registry::WrapperConfig,
+    Array, BoxEnv, Element, Env, Outcome, Reset, Result, Snapshot, Space, Value, Wrapper,
+    WrapperSpec, registry::WrapperConfig,
 };
 use serde_json::Value as Json;
 
@@ -43,7 +43,7 @@ gym_core::register_wrapper!(
     env: MaxAndSkipObservation::new
 );
 
-reach!(MaxAndSkipObservation<E>);
+gym_core::inner!(impl MaxAndSkipObservation<E>);
 
 impl<E: Env> MaxAndSkipObservation<E> {
     /// Skips observations of `env`.
@@ -77,19 +77,19 @@ impl<E: Env> MaxAndSkipObservation<E> {
     }
 }
 
-impl<E: Env> gym_core::Wrapper for MaxAndSkipObservation<E> {
+impl<E: Env> Wrapper for MaxAndSkipObservation<E> {
     type Observation = Value;
     type Action = E::Action;
 
-    env_within!(E);
+    gym_core::inner!(E);
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
+    fn on_reset(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
         E::Observation::fill(observation, |observation| {
             self.inner.reset_into(reset, observation)
         })
     }
 
-    fn step_into(&mut self, action: &E::Action, observation: &mut Value) -> Result<Outcome> {
+    fn on_step(&mut self, action: &E::Action, observation: &mut Value) -> Result<Outcome> {
         let Self {
             inner,
             config,
@@ -119,7 +119,7 @@ impl<E: Env> gym_core::Wrapper for MaxAndSkipObservation<E> {
         Ok(total)
     }
 
-    fn snapshot(&self) -> Result<Snapshot> {
+    fn on_snapshot(&self) -> Result<Snapshot> {
         let space = self.inner.observation_space();
         let [earlier, later] = &self.last;
         Snapshot::of(&(
@@ -129,7 +129,7 @@ impl<E: Env> gym_core::Wrapper for MaxAndSkipObservation<E> {
         ))
     }
 
-    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+    fn on_restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let (inner, earlier, later): (_, Json, Json) = snapshot.get()?;
         let space = self.inner.observation_space();
         let last = [element(&space, &earlier)?, element(&space, &later)?];

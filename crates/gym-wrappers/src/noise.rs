@@ -6,7 +6,7 @@
 
 use gym_core::registry::WrapperConfig;
 use gym_core::render::{Frame, Rendered};
-use gym_core::{BoxEnv, Env, Error, Generator, Outcome, Result};
+use gym_core::{BoxEnv, Env, Error, Generator, Outcome, Reset, Result, Wrapper, WrapperSpec};
 
 use crate::within::lend;
 
@@ -30,8 +30,23 @@ pub mod add_white_noise {
         }
     }
 
-    positional!(probability_of_noise_per_pixel: f64);
-    positional!(probability_of_noise_per_pixel: f64, is_noise_grayscale: bool);
+    impl From<f64> for Config {
+        fn from(probability_of_noise_per_pixel: f64) -> Self {
+            Self {
+                probability_of_noise_per_pixel,
+                ..Self::default()
+            }
+        }
+    }
+
+    impl From<(f64, bool)> for Config {
+        fn from((probability_of_noise_per_pixel, is_noise_grayscale): (f64, bool)) -> Self {
+            Self {
+                probability_of_noise_per_pixel,
+                is_noise_grayscale,
+            }
+        }
+    }
 
     gym_core::register_wrapper!(
         "AddWhiteNoise", "replaces random pixels of rendered frames with noise", Config,
@@ -55,8 +70,27 @@ pub mod obstruct_view {
         }
     }
 
-    positional!(obstructed_pixels_ratio: f64, obstruction_width: u32);
-    positional!(obstructed_pixels_ratio: f64, obstruction_width: u32, is_noise_grayscale: bool);
+    impl From<(f64, u32)> for Config {
+        fn from((obstructed_pixels_ratio, obstruction_width): (f64, u32)) -> Self {
+            Self {
+                obstructed_pixels_ratio,
+                obstruction_width,
+                ..Self::default()
+            }
+        }
+    }
+
+    impl From<(f64, u32, bool)> for Config {
+        fn from(
+            (obstructed_pixels_ratio, obstruction_width, is_noise_grayscale): (f64, u32, bool),
+        ) -> Self {
+            Self {
+                obstructed_pixels_ratio,
+                obstruction_width,
+                is_noise_grayscale,
+            }
+        }
+    }
 
     gym_core::register_wrapper!(
         "ObstructView", "covers rendered frames with patches of noise", Config,
@@ -83,7 +117,7 @@ pub struct Noise<E, P> {
     pattern: P,
 }
 
-reach!(Noise<E, P>);
+gym_core::inner!(impl Noise<E, P>);
 
 impl<E: Env, P: Pattern> Noise<E, P> {
     /// Puts noise on the pictures of `env`.
@@ -100,22 +134,21 @@ impl<E: Env, P: Pattern> Noise<E, P> {
     }
 }
 
-impl<E: Env, P: Pattern> gym_core::Wrapper for Noise<E, P> {
+impl<E: Env, P: Pattern> Wrapper for Noise<E, P> {
     type Observation = E::Observation;
     type Action = E::Action;
 
-    env_within!(E);
-    reset_within!(E);
+    gym_core::inner!(E);
 
-    fn step_into(
-        &mut self,
-        action: &E::Action,
-        observation: &mut E::Observation,
-    ) -> Result<Outcome> {
+    fn on_reset(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+        self.inner.reset_into(reset, observation)
+    }
+
+    fn on_step(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         self.inner.step_into(action, observation)
     }
 
-    fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
+    fn on_render(&mut self, rendered: &mut Rendered) -> Result<()> {
         self.inner.render_into(rendered)?;
         let Rendered::Frame(frame) = rendered else {
             return Err(Error::UnsupportedMode {
@@ -129,7 +162,13 @@ impl<E: Env, P: Pattern> gym_core::Wrapper for Noise<E, P> {
         Ok(())
     }
 
-    named_by!(pattern: P);
+    fn name(&self) -> &'static str {
+        P::NAME
+    }
+
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        Some(self.pattern.spec())
+    }
 }
 
 impl Pattern for add_white_noise::Config {

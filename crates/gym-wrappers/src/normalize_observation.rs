@@ -4,12 +4,11 @@ use gym_core::registry::WrapperConfig;
 use gym_core::spaces::{BoxSpace, array_of};
 use gym_core::vector::parts::numbers;
 use gym_core::vector::{Columns, Progress};
-use gym_core::{
-    Array, BoxEnv, DType, Element, Env, Result, Snapshot, Space, Value, VectorEnv, WrapperSpec,
-};
+use gym_core::{Array, BoxEnv, DType, Env, Result, Snapshot, Space, Value, VectorEnv};
 
-use crate::map::{Seen, Within};
-use crate::statistics::{Normalizer, RunningMeanStd, normalizes};
+use crate::map::Within;
+use crate::observing::{Observer, Observing, Seen, VectorObserver};
+use crate::statistics::{Normalizer, RunningMeanStd};
 use crate::within::not_an_array;
 
 /// Shifts and scales observations to mean 0 and variance 1, both estimated as it goes, as
@@ -20,13 +19,13 @@ use crate::within::not_an_array;
 /// one batch, and a reset with a mask those of the sub-environments that it resets. Final
 /// observations in their own column are normalized but not added. (Gymnasium's wrapper refuses
 /// masks and every autoreset mode except the next step.)
+pub type NormalizeObservation<T = BoxEnv> = Observing<T, ObservationNormalizer>;
+
+/// The observer of [`NormalizeObservation`].
 #[derive(Clone, Debug)]
-pub struct NormalizeObservation<T = BoxEnv> {
-    inner: T,
+pub struct ObservationNormalizer {
     config: Config,
-    space: Space,
     normalizer: Normalizer,
-    seen: Seen,
     /// The last returned observation of each sub-environment: a reset with a mask returns those
     /// that it leaves out again, unchanged.
     shown: Vec<f32>,
@@ -47,9 +46,6 @@ gym_core::register_wrapper!(
     "NormalizeObservation", "shifts and scales observations to mean 0 and variance 1, as `float32`", Config,
     env: NormalizeObservation::new, vector: NormalizeObservation::new
 );
-
-reach!(NormalizeObservation<T>);
-normalizes!(NormalizeObservation);
 
 impl<T> NormalizeObservation<T> {
     /// Normalizes the observations of `inner`.
@@ -74,22 +70,57 @@ impl<T> NormalizeObservation<T> {
         let normalizer =
             Normalizer::new::<Config>(RunningMeanStd::new(len), epsilon, update_running_mean)?;
         let shown = vec![0.0; inner.count() * len];
-        Ok(Self {
-            inner,
+        let observer = ObservationNormalizer {
             config,
-            space: space.into(),
             normalizer,
-            seen: Seen::default(),
             shown,
-        })
+        };
+        Ok(Self::with_observer(inner, observer, space.into()))
     }
 
-    fn observe(&mut self, _is_reset: bool, out: &mut Value) -> Result<()> {
-        let shape = self.space.shape().unwrap_or_default();
+    /// Whether to update the estimate; `false` freezes it, as for evaluation.
+    pub fn update_running_mean(&mut self, update: bool) {
+        self.observer.normalizer.updates = update;
+    }
+
+    /// Mean, variance and count of the observations.
+    pub fn statistics(&self) -> &RunningMeanStd {
+        &self.observer.normalizer.statistics
+    }
+
+    /// Replaces the statistics, for example with statistics from training.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`](gym_core::Error::InvalidArgument) if their number of elements
+    /// differs.
+    pub fn set_statistics(&mut self, statistics: RunningMeanStd) -> Result<()> {
+        self.observer.normalizer.set_statistics(statistics)
+    }
+}
+
+impl Observer for ObservationNormalizer {
+    type Config = Config;
+
+    fn arguments(&self) -> Config {
+        Config {
+            update_running_mean: self.normalizer.updates,
+            ..self.config
+        }
+    }
+
+    fn observe<E: Env>(
+        &mut self,
+        _env: &mut E,
+        space: &Space,
+        seen: &mut Value,
+        _is_reset: bool,
+        out: &mut Value,
+    ) -> Result<()> {
+        let shape = space.shape().unwrap_or_default();
         let out = array_of(out, DType::F32, shape)
             .as_mut_slice::<f32>()
             .unwrap_or_default();
-        match &self.seen.observations {
+        match seen {
             Value::Array(array) if array.len() == out.len() => {
                 let numbers = (0..array.len()).map(|i| array.data().get_f64(i));
                 self.normalizer.row(array.dtype(), numbers, out);
@@ -103,22 +134,44 @@ impl<T> NormalizeObservation<T> {
         Ok(())
     }
 
+    fn snapshot<E: Env>(&self, env: &E) -> Result<Snapshot> {
+        let Normalizer {
+            statistics,
+            updates,
+            ..
+        } = &self.normalizer;
+        Snapshot::of(&(env.snapshot()?, statistics, updates))
+    }
+
+    fn restore<E: Env>(&mut self, env: &mut E, snapshot: &Snapshot) -> Result<()> {
+        let (inner, statistics, updates): (_, RunningMeanStd, bool) = snapshot.get()?;
+        self.normalizer.check(&statistics)?;
+        env.restore(&inner)?;
+        (self.normalizer.statistics, self.normalizer.updates) = (statistics, updates);
+        Ok(())
+    }
+}
+
+impl VectorObserver for ObservationNormalizer {
     /// Updates the estimate with the observations of the sub-environments that were stepped or
     /// reset, and normalizes them.
-    fn observe_columns(&mut self, n: usize, columns: &mut Columns) -> Result<()> {
-        columns.prepare(&self.space, n)?;
+    fn observe_columns(
+        &mut self,
+        space: &Space,
+        num_envs: usize,
+        seen: &Seen,
+        columns: &mut Columns,
+    ) -> Result<()> {
+        columns.prepare(space, num_envs)?;
         let Self {
-            normalizer,
-            seen,
-            shown,
-            ..
+            normalizer, shown, ..
         } = self;
         let goes_on = |index: usize| columns.progress[index] != Progress::Unchanged;
         let Value::Array(observations) = &seen.observations else {
             return Ok(());
         };
-        normalizer.take_in(observations, n, goes_on);
-        normalizer.normalize(observations, n, shown, goes_on);
+        normalizer.take_in(observations, num_envs, goes_on);
+        normalizer.normalize(observations, num_envs, shown, goes_on);
         if let Value::Array(out) = &mut columns.observations {
             out.as_mut_slice()
                 .unwrap_or_default()
@@ -128,72 +181,32 @@ impl<T> NormalizeObservation<T> {
             (&seen.final_observations, &mut columns.final_observations)
         {
             let out = out.as_mut_slice().unwrap_or_default();
-            normalizer.normalize(finals, n, out, |index| columns.has_final[index]);
+            normalizer.normalize(finals, num_envs, out, |index| columns.has_final[index]);
         }
         Ok(())
     }
-}
 
-impl<E: Env> gym_core::Wrapper for NormalizeObservation<E> {
-    observes!(E, seen.observations);
-
-    fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::of(&(
-            self.inner.snapshot()?,
-            &self.normalizer.statistics,
-            self.normalizer.updates,
-        ))
-    }
-
-    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        let (inner, statistics, updates): (_, RunningMeanStd, bool) = snapshot.get()?;
-        self.normalizer.check(&statistics)?;
-        self.inner.restore(&inner)?;
-        (self.normalizer.statistics, self.normalizer.updates) = (statistics, updates);
-        Ok(())
-    }
-
-    fn wrapper_spec(&self) -> Option<WrapperSpec> {
-        self.own_spec()
-    }
-}
-
-impl<V: VectorEnv> gym_core::VectorWrapper for NormalizeObservation<V> {
-    observes_columns!();
-
-    fn single_observation_space(&self) -> Space {
-        self.space.clone()
-    }
-
-    fn snapshot(&self) -> Result<Snapshot> {
+    fn vector_snapshot(&self, envs: &dyn VectorEnv) -> Result<Snapshot> {
         let Normalizer {
             statistics,
             updates,
             ..
         } = &self.normalizer;
-        Snapshot::of(&(
-            self.inner.snapshot()?,
-            statistics,
-            updates,
-            Array::from(self.shown.clone()),
-        ))
+        let shown = Array::from(self.shown.clone());
+        Snapshot::of(&(envs.snapshot()?, statistics, updates, shown))
     }
 
-    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+    fn restore_vector(&mut self, envs: &mut dyn VectorEnv, snapshot: &Snapshot) -> Result<()> {
         let (inner, statistics, updates, shown): (_, RunningMeanStd, bool, Array) =
             snapshot.get()?;
         let shown = numbers(&shown, self.shown.len())?;
         self.normalizer.check(&statistics)?;
-        self.inner.restore(&inner)?;
+        envs.restore(&inner)?;
         (
             self.normalizer.statistics,
             self.normalizer.updates,
             self.shown,
         ) = (statistics, updates, shown);
         Ok(())
-    }
-
-    fn wrapper_spec(&self) -> Option<WrapperSpec> {
-        self.own_spec()
     }
 }

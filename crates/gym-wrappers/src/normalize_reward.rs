@@ -4,11 +4,12 @@ use gym_core::registry::WrapperConfig;
 use gym_core::vector::parts::numbers;
 use gym_core::vector::{Autoreset, Columns, Progress, VectorReset};
 use gym_core::{
-    Array, BoxEnv, DType, Env, Outcome, Result, Snapshot, Value, VectorEnv, WrapperSpec,
+    Array, BoxEnv, DType, Env, Outcome, Reset, Result, Snapshot, Value, VectorEnv, VectorWrapper,
+    Wrapper, WrapperSpec,
 };
 
 use crate::map::Within;
-use crate::statistics::{Normalizer, RunningMeanStd, normalizes};
+use crate::statistics::{Normalizer, RunningMeanStd};
 
 /// Divides rewards by the standard deviation of the discounted return, estimated as it goes, to the
 /// bit as Gymnasium's does; around a vector, over all sub-environments.
@@ -39,15 +40,21 @@ gym_core::arguments! {
     }
 }
 
-positional!(gamma: f64);
+impl From<f64> for Config {
+    fn from(gamma: f64) -> Self {
+        Self {
+            gamma,
+            ..Self::default()
+        }
+    }
+}
 
 gym_core::register_wrapper!(
     "NormalizeReward", "divides rewards by the deviation of the discounted return", Config,
     env: NormalizeReward::new, vector: NormalizeReward::new
 );
 
-reach!(NormalizeReward<T>);
-normalizes!(NormalizeReward);
+gym_core::inner!(impl NormalizeReward<T>);
 
 impl<T> NormalizeReward<T> {
     /// Normalizes the rewards of `inner`.
@@ -81,6 +88,34 @@ impl<T> NormalizeReward<T> {
         })
     }
 
+    /// Whether to update the estimate; `false` freezes it, as for evaluation.
+    pub fn update_running_mean(&mut self, update: bool) {
+        self.normalizer.updates = update;
+    }
+
+    /// Mean, variance and count of the discounted returns.
+    pub fn statistics(&self) -> &RunningMeanStd {
+        &self.normalizer.statistics
+    }
+
+    /// Replaces the statistics, for example with statistics from training.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`](gym_core::Error::InvalidArgument) if their number of elements
+    /// differs.
+    pub fn set_statistics(&mut self, statistics: RunningMeanStd) -> Result<()> {
+        self.normalizer.set_statistics(statistics)
+    }
+
+    /// The spec with the arguments as they are now.
+    fn own_spec(&self) -> WrapperSpec {
+        Config {
+            update_running_mean: self.normalizer.updates,
+            ..self.config
+        }
+        .spec()
+    }
+
     /// The part of a snapshot beside the inner one.
     fn state(&self) -> (&RunningMeanStd, bool, Array) {
         (
@@ -110,18 +145,17 @@ impl<T> NormalizeReward<T> {
     }
 }
 
-impl<E: Env> gym_core::Wrapper for NormalizeReward<E> {
+impl<E: Env> Wrapper for NormalizeReward<E> {
     type Observation = E::Observation;
     type Action = E::Action;
 
-    env_within!(E);
-    reset_within!(E);
+    gym_core::inner!(E);
 
-    fn step_into(
-        &mut self,
-        action: &E::Action,
-        observation: &mut E::Observation,
-    ) -> Result<Outcome> {
+    fn on_reset(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+        self.inner.reset_into(reset, observation)
+    }
+
+    fn on_step(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         let outcome = self.inner.step_into(action, observation)?;
         let keep = f64::from(!outcome.terminated);
         for discounted in &mut self.returns {
@@ -138,23 +172,23 @@ impl<E: Env> gym_core::Wrapper for NormalizeReward<E> {
         })
     }
 
-    fn snapshot(&self) -> Result<Snapshot> {
+    fn on_snapshot(&self) -> Result<Snapshot> {
         Snapshot::of(&(self.inner.snapshot()?, self.state()))
     }
 
-    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+    fn on_restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         self.restore_with(snapshot, E::restore)
     }
 
     fn wrapper_spec(&self) -> Option<WrapperSpec> {
-        self.own_spec()
+        Some(self.own_spec())
     }
 }
 
-impl<V: VectorEnv> gym_core::VectorWrapper for NormalizeReward<V> {
-    vector_within!();
+impl<V: VectorEnv> VectorWrapper for NormalizeReward<V> {
+    gym_core::inner!(dyn);
 
-    fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
+    fn on_reset(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
         columns.begin();
         let result = self.inner.reset_into(reset, columns);
         for (discounted, progress) in self.returns.iter_mut().zip(&columns.progress) {
@@ -165,7 +199,7 @@ impl<V: VectorEnv> gym_core::VectorWrapper for NormalizeReward<V> {
         result
     }
 
-    fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
+    fn on_step(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
         columns.begin();
         let result = self.inner.step_into(actions, columns);
         // the reward of a step that was a reset counts for nothing
@@ -207,15 +241,15 @@ impl<V: VectorEnv> gym_core::VectorWrapper for NormalizeReward<V> {
         result
     }
 
-    fn snapshot(&self) -> Result<Snapshot> {
+    fn on_snapshot(&self) -> Result<Snapshot> {
         Snapshot::of(&(self.inner.snapshot()?, self.state()))
     }
 
-    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+    fn on_restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         self.restore_with(snapshot, V::restore)
     }
 
     fn wrapper_spec(&self) -> Option<WrapperSpec> {
-        self.own_spec()
+        Some(self.own_spec())
     }
 }

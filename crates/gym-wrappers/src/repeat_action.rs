@@ -1,6 +1,8 @@
 //! Actions repeated.
 
-use gym_core::{BoxEnv, Env, Outcome, Result, WrapperSpec, registry::WrapperConfig};
+use gym_core::{
+    BoxEnv, Env, Outcome, Reset, Result, Wrapper, WrapperSpec, registry::WrapperConfig,
+};
 
 /// Takes each action several times and adds up the rewards; an end of the episode ends the
 /// repetition.
@@ -22,11 +24,15 @@ gym_core::arguments! {
     }
 }
 
-positional!(num_repeats: u32);
+impl From<u32> for Config {
+    fn from(num_repeats: u32) -> Self {
+        Self { num_repeats }
+    }
+}
 
 gym_core::register_wrapper!("RepeatAction", "repeats each action", Config, env: RepeatAction::new);
 
-reach!(RepeatAction<E>);
+gym_core::inner!(impl RepeatAction<E>);
 
 impl<E: Env> RepeatAction<E> {
     /// Repeats the actions for `env`.
@@ -42,18 +48,17 @@ impl<E: Env> RepeatAction<E> {
     }
 }
 
-impl<E: Env> gym_core::Wrapper for RepeatAction<E> {
+impl<E: Env> Wrapper for RepeatAction<E> {
     type Observation = E::Observation;
     type Action = E::Action;
 
-    env_within!(E);
-    reset_within!(E);
+    gym_core::inner!(E);
 
-    fn step_into(
-        &mut self,
-        action: &E::Action,
-        observation: &mut E::Observation,
-    ) -> Result<Outcome> {
+    fn on_reset(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+        self.inner.reset_into(reset, observation)
+    }
+
+    fn on_step(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         let mut total = Outcome::default();
         for _ in 0..self.config.num_repeats {
             let outcome = self.inner.step_into(action, observation)?;

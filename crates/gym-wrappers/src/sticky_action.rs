@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 
 use gym_core::{
-    BoxEnv, Element, Env, Error, Outcome, Reset, Result, Snapshot, WrapperSpec,
+    BoxEnv, Element, Env, Error, Outcome, Reset, Result, Snapshot, Wrapper, WrapperSpec,
     registry::WrapperConfig,
 };
 use serde::{Deserialize, Serialize};
@@ -35,7 +35,14 @@ gym_core::arguments! {
     }
 }
 
-positional!(repeat_action_probability: f64);
+impl From<f64> for Config {
+    fn from(repeat_action_probability: f64) -> Self {
+        Self {
+            repeat_action_probability,
+            ..Self::default()
+        }
+    }
+}
 
 impl<D: Into<Duration>> From<(f64, D)> for Config {
     fn from((repeat_action_probability, duration): (f64, D)) -> Self {
@@ -96,7 +103,7 @@ gym_core::register_wrapper!(
     "StickyAction", "repeats the last action at random", Config, env: StickyAction::new
 );
 
-reach!(StickyAction<E: Env>);
+gym_core::inner!(impl StickyAction<E: Env>);
 
 impl<E: Env> StickyAction<E> {
     /// Repeats actions for `env`.
@@ -158,23 +165,19 @@ impl<E: Env> StickyAction<E> {
     }
 }
 
-impl<E: Env> gym_core::Wrapper for StickyAction<E> {
+impl<E: Env> Wrapper for StickyAction<E> {
     type Observation = E::Observation;
     type Action = E::Action;
 
-    env_within!(E);
+    gym_core::inner!(E);
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+    fn on_reset(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         self.inner.reset_into(reset, observation)?;
         self.state = Stickiness::default();
         Ok(())
     }
 
-    fn step_into(
-        &mut self,
-        action: &E::Action,
-        observation: &mut E::Observation,
-    ) -> Result<Outcome> {
+    fn on_step(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         let before = self.inner.generator().cloned();
         let (repeats, state) = self.draw()?;
         let outcome = self
@@ -197,7 +200,7 @@ impl<E: Env> gym_core::Wrapper for StickyAction<E> {
         outcome
     }
 
-    fn snapshot(&self) -> Result<Snapshot> {
+    fn on_snapshot(&self) -> Result<Snapshot> {
         let last = match self.state.has_last {
             true => self.inner.action_space().to_json(&self.last.to_value())?,
             false => Json::Null,
@@ -205,7 +208,7 @@ impl<E: Env> gym_core::Wrapper for StickyAction<E> {
         Snapshot::of(&(self.inner.snapshot()?, last, self.state))
     }
 
-    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+    fn on_restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let (inner, last, state): (_, Json, Stickiness) = snapshot.get()?;
         let last = match state.has_last {
             true => element(&self.inner.action_space(), &last)?,

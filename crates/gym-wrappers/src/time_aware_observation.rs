@@ -2,28 +2,27 @@
 
 use gym_core::registry::WrapperConfig;
 use gym_core::spaces::{BoxSpace, DictSpace, TupleSpace, array_of};
-use gym_core::{
-    Array, BoxEnv, DType, Element, Env, Error, Result, Snapshot, Space, Value, WrapperSpec,
-};
+use gym_core::{Array, BoxEnv, DType, Env, Error, Result, Snapshot, Space, Value};
 
 use crate::filter_observation::dict_like;
+use crate::observing::{Observer, Observing};
 
 /// Adds the number of steps taken in the episode to the observation.
 ///
 /// A dict gets a key, a tuple a last member; other observations become a dict of `obs` and `time`.
 /// By default the result is flattened to one row of numbers.
+pub type TimeAwareObservation<E = BoxEnv> = Observing<E, TimeAware>;
+
+/// The observer of [`TimeAwareObservation`].
 #[derive(Clone, Debug)]
-pub struct TimeAwareObservation<E = BoxEnv> {
-    inner: E,
+pub struct TimeAware {
     config: Config,
     max_timesteps: u32,
     timesteps: u32,
     /// The space of the observation with the time, before it is flattened.
     full_space: Space,
-    space: Space,
     /// The observation with the time.
     full: Value,
-    seen: Value,
 }
 
 gym_core::arguments! {
@@ -44,8 +43,6 @@ gym_core::arguments! {
 gym_core::register_wrapper!(
     "TimeAwareObservation", "adds the number of steps to observations", Config, env: TimeAwareObservation::new
 );
-
-reach!(TimeAwareObservation<E>);
 
 impl<E: Env> TimeAwareObservation<E> {
     /// Adds the time to the observations of `env`.
@@ -112,20 +109,32 @@ impl<E: Env> TimeAwareObservation<E> {
         } else {
             full_space.clone()
         };
-        let (timesteps, seen) = (0, Value::Null);
-        Ok(Self {
-            inner: env,
+        let observer = TimeAware {
             config,
             max_timesteps,
-            timesteps,
+            timesteps: 0,
             full_space,
-            space,
             full,
-            seen,
-        })
+        };
+        Ok(Self::with_observer(env, observer, space))
+    }
+}
+
+impl Observer for TimeAware {
+    type Config = Config;
+
+    fn arguments(&self) -> Config {
+        self.config.clone()
     }
 
-    fn observe(&mut self, is_reset: bool, out: &mut Value) -> Result<()> {
+    fn observe<E: Env>(
+        &mut self,
+        _env: &mut E,
+        space: &Space,
+        seen: &mut Value,
+        is_reset: bool,
+        out: &mut Value,
+    ) -> Result<()> {
         self.timesteps = if is_reset {
             0
         } else {
@@ -143,13 +152,13 @@ impl<E: Env> TimeAwareObservation<E> {
             }
         };
         let lacking = || Error::Contract("the observation does not fit its space".into());
-        match (&mut self.full, &self.seen) {
+        match (&mut self.full, &*seen) {
             (Value::Dict(entries), Value::Dict(_)) => {
                 for (name, value) in entries {
                     if *name == self.config.dict_time_key {
                         set_time(value);
                     } else {
-                        value.clone_from(self.seen.get(name).ok_or_else(lacking)?);
+                        value.clone_from(seen.get(name).ok_or_else(lacking)?);
                     }
                 }
             }
@@ -175,7 +184,7 @@ impl<E: Env> TimeAwareObservation<E> {
             }
             _ => return Err(lacking()),
         }
-        match &self.space {
+        match space {
             Space::Box(space) if self.config.flatten => {
                 let array = array_of(out, space.dtype(), space.shape());
                 let broken = |error: Error| Error::Contract(error.to_string());
@@ -188,23 +197,15 @@ impl<E: Env> TimeAwareObservation<E> {
         }
         Ok(())
     }
-}
 
-impl<E: Env> gym_core::Wrapper for TimeAwareObservation<E> {
-    observes!(E, seen);
-
-    fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::of(&(self.inner.snapshot()?, self.timesteps))
+    fn snapshot<E: Env>(&self, env: &E) -> Result<Snapshot> {
+        Snapshot::of(&(env.snapshot()?, self.timesteps))
     }
 
-    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+    fn restore<E: Env>(&mut self, env: &mut E, snapshot: &Snapshot) -> Result<()> {
         let (inner, timesteps) = snapshot.get()?;
-        self.inner.restore(&inner)?;
+        env.restore(&inner)?;
         self.timesteps = timesteps;
         Ok(())
-    }
-
-    fn wrapper_spec(&self) -> Option<WrapperSpec> {
-        Some(self.config.spec())
     }
 }

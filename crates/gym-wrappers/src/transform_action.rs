@@ -2,7 +2,9 @@ use std::fmt;
 use std::marker::PhantomData;
 
 use gym_core::vector::Columns;
-use gym_core::{Element, Env, Outcome, Result, Space, Value, VectorEnv};
+use gym_core::{
+    Element, Env, Outcome, Reset, Result, Space, Value, VectorEnv, VectorWrapper, Wrapper,
+};
 
 /// Applies a function to each action for an environment, which may change its type, or to the
 /// actions for all sub-environments of a vector together.
@@ -15,7 +17,7 @@ pub struct TransformAction<T, F, A> {
     action: PhantomData<fn(A)>,
 }
 
-reach!(TransformAction<T, F, A>);
+gym_core::inner!(impl TransformAction<T, F, A>);
 
 impl<T, F, A> TransformAction<T, F, A> {
     /// Transforms the actions for `inner`. Around a vector, `func` maps a batch. `space` is the new
@@ -33,7 +35,7 @@ impl<T, F, A> TransformAction<T, F, A> {
     }
 }
 
-impl<E, F, A> gym_core::Wrapper for TransformAction<E, F, A>
+impl<E, F, A> Wrapper for TransformAction<E, F, A>
 where
     E: Env,
     F: Fn(&A) -> E::Action + Clone + Send + 'static,
@@ -42,33 +44,36 @@ where
     type Observation = E::Observation;
     type Action = A;
 
-    env_within!(E);
-    reset_within!(E);
+    gym_core::inner!(E);
 
-    fn action_space(&self) -> Space {
+    fn on_reset(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+        self.inner.reset_into(reset, observation)
+    }
+
+    fn on_action_space(&self) -> Space {
         self.space
             .clone()
             .unwrap_or_else(|| self.inner.action_space())
     }
 
-    fn step_into(&mut self, action: &A, observation: &mut E::Observation) -> Result<Outcome> {
+    fn on_step(&mut self, action: &A, observation: &mut E::Observation) -> Result<Outcome> {
         self.inner.step_into(&(self.func)(action), observation)
     }
 }
 
-impl<V: VectorEnv, F: Fn(&Value) -> Value + Send + 'static> gym_core::VectorWrapper
+impl<V: VectorEnv, F: Fn(&Value) -> Value + Send + 'static> VectorWrapper
     for TransformAction<V, F, Value>
 {
-    vector_within!();
+    gym_core::inner!(dyn);
 
-    fn single_action_space(&self) -> Space {
+    fn on_single_action_space(&self) -> Space {
         self.space
             .clone()
             .unwrap_or_else(|| self.inner.single_action_space())
     }
 
-    fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
-        gym_core::VectorWrapper::single_action_space(self)
+    fn on_step(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
+        self.single_action_space()
             .check_batch(actions, self.inner.num_envs())?;
         self.inner.step_into(&(self.func)(actions), columns)
     }

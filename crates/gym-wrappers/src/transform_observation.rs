@@ -1,7 +1,9 @@
 use std::fmt;
 
-use gym_core::vector::Columns;
-use gym_core::{Element, Env, Error, Outcome, Reset, Result, Space, Value, VectorEnv};
+use gym_core::vector::{Columns, VectorReset};
+use gym_core::{
+    Element, Env, Error, Outcome, Reset, Result, Space, Value, VectorEnv, VectorWrapper, Wrapper,
+};
 
 use crate::map::{Seen, Within};
 
@@ -17,7 +19,7 @@ pub struct TransformObservation<T, F, S> {
     seen: S,
 }
 
-reach!(TransformObservation<T, F, S>);
+gym_core::inner!(impl TransformObservation<T, F, S>);
 
 impl<T, F, S> TransformObservation<T, F, S> {
     /// Transforms the observations of `inner`. Around a vector, `func` maps a batch. `space` is the
@@ -36,7 +38,7 @@ impl<T, F, S> TransformObservation<T, F, S> {
     }
 }
 
-impl<E, F, O> gym_core::Wrapper for TransformObservation<E, F, E::Observation>
+impl<E, F, O> Wrapper for TransformObservation<E, F, E::Observation>
 where
     E: Env,
     F: Fn(&E::Observation) -> O + Clone + Send + 'static,
@@ -45,21 +47,21 @@ where
     type Observation = O;
     type Action = E::Action;
 
-    env_within!(E);
+    gym_core::inner!(E);
 
-    fn observation_space(&self) -> Space {
+    fn on_observation_space(&self) -> Space {
         self.space
             .clone()
             .unwrap_or_else(|| self.inner.observation_space())
     }
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut O) -> Result<()> {
+    fn on_reset(&mut self, reset: &Reset, observation: &mut O) -> Result<()> {
         self.inner.reset_into(reset, &mut self.seen)?;
         *observation = (self.func)(&self.seen);
         Ok(())
     }
 
-    fn step_into(&mut self, action: &E::Action, observation: &mut O) -> Result<Outcome> {
+    fn on_step(&mut self, action: &E::Action, observation: &mut O) -> Result<Outcome> {
         let outcome = self.inner.step_into(action, &mut self.seen)?;
         *observation = (self.func)(&self.seen);
         Ok(outcome)
@@ -67,8 +69,24 @@ where
 }
 
 impl<V: VectorEnv, F: Fn(&Value) -> Value + Send + 'static> TransformObservation<V, F, Seen> {
-    fn observe_columns(&mut self, n: usize, columns: &mut Columns) -> Result<()> {
-        let space = gym_core::VectorWrapper::single_observation_space(self);
+    /// Lets the inner vector reset or step by `call`, and transforms its observations.
+    fn observe(
+        &mut self,
+        columns: &mut Columns,
+        call: impl FnOnce(&mut V, &mut Columns) -> Result<()>,
+    ) -> Result<()> {
+        let (result, goes_on) = self
+            .seen
+            .fill(columns, |columns| call(&mut self.inner, columns));
+        if goes_on {
+            result.and(self.transform(columns))
+        } else {
+            result
+        }
+    }
+
+    fn transform(&self, columns: &mut Columns) -> Result<()> {
+        let (n, space) = (self.num_envs(), self.single_observation_space());
         self.seen.map(columns, |inner, out| {
             *out = (self.func)(inner);
             if space.is_batch(out, n) {
@@ -82,14 +100,22 @@ impl<V: VectorEnv, F: Fn(&Value) -> Value + Send + 'static> TransformObservation
     }
 }
 
-impl<V, F> gym_core::VectorWrapper for TransformObservation<V, F, Seen>
+impl<V, F> VectorWrapper for TransformObservation<V, F, Seen>
 where
     V: VectorEnv,
     F: Fn(&Value) -> Value + Send + 'static,
 {
-    observes_columns!();
+    gym_core::inner!(dyn);
 
-    fn single_observation_space(&self) -> Space {
+    fn on_reset(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
+        self.observe(columns, |inner, columns| inner.reset_into(reset, columns))
+    }
+
+    fn on_step(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
+        self.observe(columns, |inner, columns| inner.step_into(actions, columns))
+    }
+
+    fn on_single_observation_space(&self) -> Space {
         self.space
             .clone()
             .unwrap_or_else(|| self.inner.single_observation_space())

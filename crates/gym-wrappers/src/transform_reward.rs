@@ -1,7 +1,7 @@
 use std::fmt;
 
 use gym_core::vector::Columns;
-use gym_core::{Env, Outcome, Result, Value, VectorEnv};
+use gym_core::{Env, Outcome, Reset, Result, Value, VectorEnv, VectorWrapper, Wrapper};
 
 use crate::map::step_rewards;
 
@@ -14,7 +14,7 @@ pub struct TransformReward<T, F> {
     func: F,
 }
 
-reach!(TransformReward<T, F>);
+gym_core::inner!(impl TransformReward<T, F>);
 
 impl<T, F: Fn(f64) -> f64 + Send + 'static> TransformReward<T, F> {
     /// Transforms the rewards of `inner`, as in `TransformReward::new(env, |reward| 0.01 *
@@ -24,20 +24,17 @@ impl<T, F: Fn(f64) -> f64 + Send + 'static> TransformReward<T, F> {
     }
 }
 
-impl<E: Env, F: Fn(f64) -> f64 + Clone + Send + 'static> gym_core::Wrapper
-    for TransformReward<E, F>
-{
+impl<E: Env, F: Fn(f64) -> f64 + Clone + Send + 'static> Wrapper for TransformReward<E, F> {
     type Observation = E::Observation;
     type Action = E::Action;
 
-    env_within!(E);
-    reset_within!(E);
+    gym_core::inner!(E);
 
-    fn step_into(
-        &mut self,
-        action: &E::Action,
-        observation: &mut E::Observation,
-    ) -> Result<Outcome> {
+    fn on_reset(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+        self.inner.reset_into(reset, observation)
+    }
+
+    fn on_step(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         let outcome = self.inner.step_into(action, observation)?;
         Ok(Outcome {
             reward: (self.func)(outcome.reward),
@@ -46,12 +43,10 @@ impl<E: Env, F: Fn(f64) -> f64 + Clone + Send + 'static> gym_core::Wrapper
     }
 }
 
-impl<V: VectorEnv, F: Fn(f64) -> f64 + Send + 'static> gym_core::VectorWrapper
-    for TransformReward<V, F>
-{
-    vector_within!();
+impl<V: VectorEnv, F: Fn(f64) -> f64 + Send + 'static> VectorWrapper for TransformReward<V, F> {
+    gym_core::inner!(dyn);
 
-    fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
+    fn on_step(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
         step_rewards(&mut self.inner, actions, columns, &self.func)
     }
 }

@@ -144,6 +144,11 @@ impl Env for Spy {
         "Spy".into()
     }
 
+    fn visit_layers(&self, visit: &mut dyn FnMut(&'static str)) {
+        self.note("visit_layers");
+        visit("Spy");
+    }
+
     fn any_layer(&self, _layer: TypeId) -> Option<&dyn Any> {
         self.note("any_layer");
         Some(self)
@@ -196,6 +201,11 @@ const CALLS: &[Call] = &[
     }),
     ("spec", |env| drop(env.spec())),
     ("describe", |env| assert!(env.describe().contains("Spy"))),
+    ("visit_layers", |env| {
+        let mut last = "";
+        env.visit_layers(&mut |name| last = name);
+        assert_eq!(last, "Spy");
+    }),
     ("any_layer", |env| assert!(env.layer::<Spy>().is_some())),
     ("any_layer_mut", |env| {
         assert!(env.layer_mut::<Spy>().is_some());

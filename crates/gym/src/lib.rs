@@ -38,6 +38,8 @@ pub use gym_core::*;
 pub use gym_minigrid as minigrid;
 #[cfg(feature = "mujoco")]
 pub use gym_mujoco as mujoco;
+#[cfg(feature = "policies")]
+pub use gym_policies as policies;
 #[cfg(feature = "toytext")]
 pub use gym_toytext as toytext;
 #[cfg(feature = "trace")]

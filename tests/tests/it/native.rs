@@ -477,7 +477,7 @@ fn steps_from_anywhere_equal_those_of_scalar_environments() {
     compare_steps::<CartPoleDynamics, 4, 4>(cartpole::Config::default(), bounds(-0.25, 0.25));
     compare_steps::<MountainCarDynamics, 2, 2>(mountain_car::Config::default(), bounds(-1.2, 0.55));
     let config = mountain_car_continuous::Config::default();
-    compare_steps::<MountainCarContinuousDynamics, 2, 2>(config, bounds(-1.2, 0.55));
+    compare_steps::<MountainCarContinuousDynamics, 3, 2>(config, bounds(-1.2, 0.55));
     compare_steps::<PendulumDynamics, 3, 3>(
         pendulum::Config::default(),
         [("x_init", 100.0), ("y_init", 8.0)],
@@ -505,7 +505,7 @@ fn steps_from_extremes_equal_those_of_scalar_environments() {
         goal_velocity: -1.0,
         ..Default::default()
     };
-    compare_steps::<MountainCarContinuousDynamics, 2, 2>(config, bounds);
+    compare_steps::<MountainCarContinuousDynamics, 3, 2>(config, bounds);
     compare_steps::<PendulumDynamics, 3, 3>(
         pendulum::Config {
             g: -3e5,

@@ -305,19 +305,19 @@ fn a_picture_drawn_over_another_is_a_new_one() {
             &mut self.0
         }
 
-        fn metadata(&self) -> gym::render::Metadata {
+        fn on_metadata(&self) -> gym::render::Metadata {
             gym::render::Metadata::drawn(10, (4, 4))
         }
 
-        fn draw(&self, canvas: &mut dyn gym::canvas::Canvas) {
+        fn on_draw(&self, canvas: &mut dyn gym::canvas::Canvas) {
             canvas.rect([1.0, 1.0], [2.0, 2.0], gym::canvas::Color::WHITE);
         }
 
-        fn reset_into(&mut self, reset: &Reset, observation: &mut Array) -> Result<()> {
+        fn on_reset(&mut self, reset: &Reset, observation: &mut Array) -> Result<()> {
             self.0.reset_into(reset, observation)
         }
 
-        fn step_into(&mut self, action: &i64, observation: &mut Array) -> Result<Outcome> {
+        fn on_step(&mut self, action: &i64, observation: &mut Array) -> Result<Outcome> {
             self.0.step_into(action, observation)
         }
     }

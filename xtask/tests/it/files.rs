@@ -273,7 +273,9 @@ fn a_closed_pipe_ends_the_printing_alone() {
             "{said}"
         );
     }
-    assert_eq!(run(&["replay", &trace, &trace]).0, Some(0));
+    let unseeded = path("unseeded.json");
+    run(&["play", "FrozenLake-v1", "--terminal", "--trace", &unseeded]);
+    assert_eq!(run(&["replay", &trace, &unseeded]).0, Some(0));
     // a thing that is not there is an error as ever
     assert_eq!(run(&["run", "CartPoleee-v1"]).0, Some(1));
 }

@@ -5,32 +5,49 @@ pub(super) const READ_ADDRESS: u16 = 0x0f;
 /// The bits of an address that select a register for writing.
 pub(super) const WRITE_ADDRESS: u16 = 0x3f;
 
-macro_rules! addresses {
-    ($($name:ident = $address:literal,)*) => {
-        $(pub(super) const $name: u16 = $address;)*
-    };
-}
-
 // read
-addresses! {
-    CXM0P = 0x00, CXPPMM = 0x07,
-    INPT0 = 0x08, INPT3 = 0x0b, INPT4 = 0x0c, INPT5 = 0x0d,
-}
+pub(super) const CXM0P: u16 = 0x00;
+pub(super) const CXPPMM: u16 = 0x07;
+pub(super) const INPT0: u16 = 0x08;
+pub(super) const INPT3: u16 = 0x0b;
+pub(super) const INPT4: u16 = 0x0c;
+pub(super) const INPT5: u16 = 0x0d;
 
 // write
-addresses! {
-    VSYNC = 0x00, VBLANK = 0x01, WSYNC = 0x02,
-    NUSIZ0 = 0x04, NUSIZ1 = 0x05,
-    COLUP0 = 0x06, COLUP1 = 0x07, COLUPF = 0x08, COLUBK = 0x09,
-    CTRLPF = 0x0a, REFP0 = 0x0b, REFP1 = 0x0c,
-    PF0 = 0x0d, PF1 = 0x0e, PF2 = 0x0f,
-    RESP0 = 0x10, RESP1 = 0x11, RESM0 = 0x12, RESBL = 0x14,
-    GRP0 = 0x1b, GRP1 = 0x1c, ENAM0 = 0x1d, ENAM1 = 0x1e, ENABL = 0x1f,
-    HMP0 = 0x20, HMBL = 0x24,
-    VDELP0 = 0x25, VDELP1 = 0x26, VDELBL = 0x27,
-    RESMP0 = 0x28, RESMP1 = 0x29,
-    HMOVE = 0x2a, HMCLR = 0x2b, CXCLR = 0x2c,
-}
+pub(super) const VSYNC: u16 = 0x00;
+pub(super) const VBLANK: u16 = 0x01;
+pub(super) const WSYNC: u16 = 0x02;
+pub(super) const NUSIZ0: u16 = 0x04;
+pub(super) const NUSIZ1: u16 = 0x05;
+pub(super) const COLUP0: u16 = 0x06;
+pub(super) const COLUP1: u16 = 0x07;
+pub(super) const COLUPF: u16 = 0x08;
+pub(super) const COLUBK: u16 = 0x09;
+pub(super) const CTRLPF: u16 = 0x0a;
+pub(super) const REFP0: u16 = 0x0b;
+pub(super) const REFP1: u16 = 0x0c;
+pub(super) const PF0: u16 = 0x0d;
+pub(super) const PF1: u16 = 0x0e;
+pub(super) const PF2: u16 = 0x0f;
+pub(super) const RESP0: u16 = 0x10;
+pub(super) const RESP1: u16 = 0x11;
+pub(super) const RESM0: u16 = 0x12;
+pub(super) const RESBL: u16 = 0x14;
+pub(super) const GRP0: u16 = 0x1b;
+pub(super) const GRP1: u16 = 0x1c;
+pub(super) const ENAM0: u16 = 0x1d;
+pub(super) const ENAM1: u16 = 0x1e;
+pub(super) const ENABL: u16 = 0x1f;
+pub(super) const HMP0: u16 = 0x20;
+pub(super) const HMBL: u16 = 0x24;
+pub(super) const VDELP0: u16 = 0x25;
+pub(super) const VDELP1: u16 = 0x26;
+pub(super) const VDELBL: u16 = 0x27;
+pub(super) const RESMP0: u16 = 0x28;
+pub(super) const RESMP1: u16 = 0x29;
+pub(super) const HMOVE: u16 = 0x2a;
+pub(super) const HMCLR: u16 = 0x2b;
+pub(super) const CXCLR: u16 = 0x2c;
 
 /// The bits of the registers' values.
 pub(super) mod bit {

@@ -264,11 +264,11 @@ impl gym_core::Wrapper for Homebrew {
         &mut self.0
     }
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut Self::Observation) -> Result<()> {
+    fn on_reset(&mut self, reset: &Reset, observation: &mut Self::Observation) -> Result<()> {
         self.0.reset_into(reset, observation)
     }
 
-    fn step_into(
+    fn on_step(
         &mut self,
         action: &Self::Action,
         observation: &mut Self::Observation,
@@ -276,8 +276,8 @@ impl gym_core::Wrapper for Homebrew {
         self.0.step_into(action, observation)
     }
 
-    fn describe(&self) -> String {
-        self.0.describe()
+    fn on_visit_layers(&self, visit: &mut dyn FnMut(&'static str)) {
+        self.0.visit_layers(visit);
     }
 }
 

@@ -6,8 +6,8 @@ use gym_core::canvas::Point;
 use super::{
     FRICTION, SCALE, TERRAIN_GRASS, TERRAIN_HEIGHT, TERRAIN_LENGTH, TERRAIN_STARTPAD, TERRAIN_STEP,
 };
-use crate::common::{points, sign, vec2};
 use crate::physics::{BodyDef, FixtureDef, FixtureId, Shape, Vec2, World};
+use crate::shapes::{points, sign, vec2};
 
 /// A stretch of the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,10 +3,10 @@
 use serde::{Deserialize, Serialize};
 
 use super::track::TrackPoint;
-use crate::common::{points, sign, vec2};
 use crate::physics::{
     BodyDef, BodyId, Filter, FixtureDef, FixtureId, JointId, RevoluteJointDef, Shape, Vec2, World,
 };
+use crate::shapes::{points, sign, vec2};
 
 // The constants and the order of arithmetic are those of `car_dynamics.py`.
 

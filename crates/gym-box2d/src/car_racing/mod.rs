@@ -36,8 +36,11 @@ use gym_core::{
 use serde::{Deserialize, Serialize};
 use serde_json::{Value as Json, json};
 
-use crate::common::{self, POSITION_ITERATIONS, VELOCITY_ITERATIONS, points};
 use crate::physics::{BodyDef, BodyId, FixtureDef, Physics, Shape, Vec2, World};
+use crate::rapier;
+use crate::settings;
+use crate::shapes::points;
+use crate::worlds::{POSITION_ITERATIONS, VELOCITY_ITERATIONS};
 use car::Car;
 use picture::{Camera, Scene};
 pub use score::ScoreGlyphs;
@@ -246,7 +249,7 @@ impl CarRacing {
     /// # Errors
     /// The errors of `new`; [`Error::InvalidArgument`] for a version below 2.
     pub fn with_version(config: Config, version: u32) -> Result<Self> {
-        let version = common::version("CarRacing", version)?;
+        let version = settings::version("CarRacing", version)?;
         Self::check(&config)?;
         Ok(Self {
             config,
@@ -503,7 +506,7 @@ impl Inspect for CarRacing {
     }
 
     fn set_argument(&mut self, name: &str, value: Json) -> Result<()> {
-        let config = common::assigned(&self.config, name, value, "CarRacing")?;
+        let config = settings::assigned(&self.config, name, value, "CarRacing")?;
         Self::check(&config)?;
         self.config = config;
         Ok(())
@@ -645,9 +648,9 @@ gym_core::register!(
         frames: 60,
         size: (300, 200)
     }),
-    common::on_rapier(
+    rapier::on_rapier(
         racing("rapier/CarRacing-v3")
-            .exceptions(&[VERBOSE, common::RAPIER_ALLOCATES])
+            .exceptions(&[VERBOSE, rapier::RAPIER_ALLOCATES])
             .kwargs(r#"{"physics": "rapier"}"#)
     ),
 );

@@ -13,7 +13,7 @@ use gym_core::{Array, DType, Space};
 
 use super::car::{Car, MARK_POINTS};
 use super::{Episode, PLAYFIELD, SCALE, ScoreGlyphs, score};
-use crate::common;
+use crate::shapes;
 
 /// The size of Gymnasium's window.
 pub(super) const WINDOW_W: f64 = 1000.0;
@@ -297,19 +297,19 @@ impl Episode {
             canvas.pygame(Primitive::Polygon(corners), color);
         };
         for wheel in &self.car.wheels {
-            let (mut corners, count) = common::corners(&self.world, wheel.fixture);
+            let (mut corners, count) = shapes::corners(&self.world, wheel.fixture);
             fill(canvas, &mut corners[..count], Color::BLACK);
             if let Some(stripe) = Car::stripe(wheel) {
                 let pose = self.world.pose(wheel.body);
                 let mut stripe = stripe.map(|[x, y]| {
-                    let p = pose.rotation * common::vec2(x, y) + pose.translation.vector;
+                    let p = pose.rotation * shapes::vec2(x, y) + pose.translation.vector;
                     [f64::from(p.x), f64::from(p.y)]
                 });
                 fill(canvas, &mut stripe, Color::rgb(77, 77, 77));
             }
         }
         for fixture in self.car.hull_fixtures {
-            let (mut corners, count) = common::corners(&self.world, fixture);
+            let (mut corners, count) = shapes::corners(&self.world, fixture);
             fill(canvas, &mut corners[..count], Color::rgb(204, 0, 0));
         }
     }

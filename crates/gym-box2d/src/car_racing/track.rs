@@ -8,7 +8,7 @@ use gym_core::math::{atan2, cos, sin};
 use serde::{Deserialize, Serialize};
 
 use super::{PLAYFIELD, SCALE};
-use crate::common::sign;
+use crate::shapes::sign;
 
 const CHECKPOINTS: usize = 12;
 /// The radius of the circle that checkpoints are scattered around.

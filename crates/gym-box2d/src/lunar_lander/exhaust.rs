@@ -7,8 +7,9 @@
 use serde::{Deserialize, Serialize};
 
 use super::{CHUNKS, FPS, SCALE, W, chunk_x};
-use crate::common::{POSITION_ITERATIONS, VELOCITY_ITERATIONS, vec2};
 use crate::physics::{BodyDef, BodyId, Filter, FixtureDef, Shape, Vec2, World};
+use crate::shapes::vec2;
+use crate::worlds::{POSITION_ITERATIONS, VELOCITY_ITERATIONS};
 
 /// The radius of a particle, in m.
 pub(super) const RADIUS: f32 = (2.0 / SCALE) as f32;

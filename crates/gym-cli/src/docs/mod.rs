@@ -80,7 +80,7 @@ pub(crate) fn docs(
             let folder = path.parent().unwrap_or(folder);
             std::fs::create_dir_all(folder).map_err(|error| Error::io(folder, error))?;
             file::write(&path, &content)?;
-            say!("wrote {}", path.display())?;
+            say(format_args!("wrote {}", path.display()))?;
         }
     }
     book.map_or(Ok(()), |book| (book.check)(folder))

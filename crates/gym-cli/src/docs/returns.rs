@@ -62,7 +62,10 @@ pub(super) fn measure(workspace: &Workspace) -> Result<Returns> {
                     .transpose()?,
             };
             let good = measured.good.as_ref().map_or(f64::NAN, |good| good.mean);
-            tell!("{:32} {:>12.2} {good:>12.2}", spec.id, measured.random.mean);
+            tell(format_args!(
+                "{:32} {:>12.2} {good:>12.2}",
+                spec.id, measured.random.mean
+            ));
             Ok((spec.id, measured))
         })
         .collect()

@@ -74,13 +74,8 @@ trait Erased: Send {
     fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()>;
     fn step_into(&mut self, action: &Value, observation: &mut Value) -> Result<Outcome>;
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()>;
-    all_methods!(declare!);
+    all_methods!(forward! declared);
 }
-
-macro_rules! declare {
-    ($($method:tt)*) => { $($method)*; };
-}
-use declare;
 
 /// An environment of its own type behind the trait object.
 #[derive(Clone)]
@@ -124,7 +119,7 @@ impl<E: Env> Erased for Layer<E> {
         self.0.restore(snapshot)
     }
 
-    all_methods!(forward! [Env] {.0} {.0});
+    all_methods!(forward! {.0} {.0});
 }
 
 impl Env for BoxEnv {
@@ -146,5 +141,5 @@ impl Env for BoxEnv {
         self.env.restore(snapshot)
     }
 
-    all_methods!(forward! [Env] {.env} {.env});
+    all_methods!(forward! {.env} {.env});
 }

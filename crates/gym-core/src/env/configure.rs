@@ -24,6 +24,13 @@ pub trait Configure: Env {
         Self::Config::default()
     }
 
+    /// The environment that `make` puts its wrappers around: by default this one. A type that only
+    /// gives an environment its arguments returns that environment, so that the wrappers are
+    /// compiled once for all such types.
+    fn into_env(self) -> impl Env {
+        self
+    }
+
     /// The environment in a render mode, if it implements [`render_into`](Env::render_into): `make`
     /// then adds no [`Render`](crate::wrappers::Render). The default, `None`, is for environments
     /// that implement `draw`.

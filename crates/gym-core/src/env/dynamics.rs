@@ -31,6 +31,9 @@ pub trait Task: Clone + fmt::Debug + Send + 'static {
     /// The name of the environment, without version.
     const NAME: &'static str;
 
+    /// Whether [`info`](Self::info) has entries. Native vectors call it only then.
+    const INFO: bool = false;
+
     /// The dynamics with these arguments.
     ///
     /// # Errors

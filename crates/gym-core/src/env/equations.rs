@@ -30,79 +30,50 @@ pub trait Equations:
     /// An action as numbers, `[f64; A]`.
     type Input: Row;
 
-    /// The constants of the equations, `[f64; P]`: they follow from the arguments, and may differ
-    /// between the environments of a vector.
-    type Constants: Row + PartialEq;
+    /// The constants of the equations, a struct of [`constants!`](crate::constants). They follow
+    /// from the arguments, and may differ between the environments of a vector.
+    type Constants: Constants;
 
-    /// The constants of the default arguments, if known at compile time: a native vector with these
-    /// runs code with the constants folded in.
-    const USUAL: Option<Self::Constants> = None;
-
-    /// Whether [`numbers`](Self::numbers) returns all numbers, so that [`complete`](Self::complete)
-    /// does nothing.
-    const IS_COMPLETE: bool = true;
-
-    /// Whether [`disturb`](Self::disturb) does anything.
-    const IS_NOISY: bool = false;
-
-    /// Whether [`info`](Task::info) has entries.
-    const INFO: bool = false;
+    /// The constants of the default arguments, if known at compile time: environments with these
+    /// run code with the constants folded in.
+    const DEFAULTS: Option<Self::Constants> = None;
 
     /// The constants for these arguments. Each step of a scalar environment calls it, so return
     /// stored numbers.
-    fn constants(&self) -> Self::Constants;
+    fn constants(&self) -> Compared<Self::Constants>;
 
-    /// Whether these are the [usual](Self::USUAL) constants. Each step of a scalar environment
-    /// asks, so return a stored answer.
-    fn is_usual(&self) -> bool {
-        Self::USUAL == Some(self.constants())
-    }
-
-    /// The numbers of a state.
-    fn numbers(&self, state: &Self::State) -> Self::Numbers;
+    /// The numbers of a state, those included that steps compute once and read in the next step,
+    /// such as a sine.
+    fn pack(&self, state: &Self::State) -> Self::Numbers;
 
     /// The state with these numbers; `fresh` if it is the first of an episode.
-    fn state(&self, numbers: Self::Numbers, fresh: bool) -> Self::State;
-
-    /// Whether a state is the first of its episode, for equations that need it.
-    fn is_fresh(&self, state: &Self::State) -> bool {
-        let _ = state;
-        false
-    }
-
-    /// Computes the numbers that follow from others, such as a sine that the next step needs again.
-    #[inline(always)]
-    fn complete<R: Real>(numbers: Of<Self::Numbers, R>) -> Of<Self::Numbers, R> {
-        numbers
-    }
+    fn unpack(&self, numbers: Self::Numbers, fresh: bool) -> Self::State;
 
     /// The action as numbers.
-    fn input(&self, action: Self::Action) -> Self::Input;
+    fn encode(&self, action: Self::Action) -> Self::Input;
 
     /// Adds noise to an input.
-    fn disturb(constants: &Self::Constants, input: &mut Self::Input, rng: &mut Generator) {
+    #[inline(always)]
+    fn noise(
+        constants: &<Self::Constants as Constants>::Of<f64>,
+        input: &mut Self::Input,
+        rng: &mut Generator,
+    ) {
         let _ = (constants, input, rng);
     }
 
-    /// One step from a state that is `fresh`, the first of its episode, or not.
-    fn advance<R: Real>(
+    /// The step.
+    fn step<R: Real>(
         &self,
-        constants: Of<Self::Constants, R>,
-        state: Of<Self::Numbers, R>,
-        fresh: R::Mask,
+        constants: <Self::Constants as Constants>::Of<R>,
+        numbers: Of<Self::Numbers, R>,
         input: Of<Self::Input, R>,
     ) -> Next<R, Self>
     where
         Self: Sized;
 
     /// The observation of a state.
-    fn see<R: Real>(&self, state: Of<Self::Numbers, R>) -> Of<Self::Observation, R>;
-
-    /// The observation of a state, if it is not [`see`](Self::see) of its numbers.
-    fn see_otherwise(&self, state: &Self::State) -> Option<Self::Observation> {
-        let _ = state;
-        None
-    }
+    fn observe(&self, state: &Self::State) -> Self::Observation;
 
     /// Adds the parts of a state that only scalar environments keep.
     #[inline(always)]
@@ -113,6 +84,97 @@ pub trait Equations:
         transition: &mut Transition<Self::State>,
     ) {
         let _ = (before, action, transition);
+    }
+}
+
+/// Constants of [`Equations`]: the struct that [`constants!`](crate::constants) declares, with
+/// numbers `f64`.
+pub trait Constants: Copy + fmt::Debug + PartialEq + Send + Sync + 'static {
+    /// The struct with numbers `T`.
+    type Of<T: Copy + fmt::Debug>: Copy + fmt::Debug;
+
+    /// `[f64; P]`.
+    type Array: Row;
+
+    /// The constants in the order of the fields.
+    fn to_array(self) -> Self::Array;
+
+    /// The constants from their order in an array.
+    fn from_array<T: Copy + fmt::Debug>(array: Of<Self::Array, T>) -> Self::Of<T>;
+}
+
+/// Declares the constants of [`Equations`](crate::equations::Equations): a struct that is generic
+/// over the type of its numbers.
+///
+/// ```
+/// gym_core::constants! {
+///     /// The constants of a falling ball.
+///     pub struct Constants {
+///         /// Acceleration of gravity.
+///         gravity,
+///         /// The duration of a step.
+///         dt,
+///     }
+/// }
+///
+/// let constants = Constants { gravity: 9.8, dt: 0.05 };
+/// # let _ = constants;
+/// ```
+#[macro_export]
+macro_rules! constants {
+    ($(#[$meta:meta])* $vis:vis struct $name:ident {
+        $($(#[$doc:meta])* $of:vis $field:ident),+ $(,)?
+    }) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        $vis struct $name<T> { $($(#[$doc])* $of $field: T,)+ }
+
+        impl $crate::equations::Constants for $name<f64> {
+            type Of<T: Copy + ::std::fmt::Debug> = $name<T>;
+            type Array = [f64; [$(stringify!($field)),+].len()];
+
+            #[inline(always)]
+            fn to_array(self) -> Self::Array {
+                let Self { $($field),+ } = self;
+                [$($field),+]
+            }
+
+            #[inline(always)]
+            fn from_array<T: Copy + ::std::fmt::Debug>(
+                [$($field),+]: $crate::equations::Of<Self::Array, T>,
+            ) -> $name<T> {
+                $name { $($field),+ }
+            }
+        }
+    };
+}
+
+/// Constants that were compared with the default ones once, not in each step.
+#[derive(Clone, Copy, Debug)]
+pub struct Compared<C> {
+    constants: C,
+    are_defaults: bool,
+}
+
+impl<C: Copy + PartialEq> Compared<C> {
+    /// Compares constants with [`Equations::DEFAULTS`].
+    pub fn new(constants: C, defaults: Option<C>) -> Self {
+        Self {
+            constants,
+            are_defaults: defaults == Some(constants),
+        }
+    }
+
+    /// The constants.
+    #[inline(always)]
+    pub fn get(self) -> C {
+        self.constants
+    }
+
+    /// Whether they are the default ones.
+    #[inline(always)]
+    pub fn are_defaults(self) -> bool {
+        self.are_defaults
     }
 }
 
@@ -133,18 +195,18 @@ pub type Of<A, T> = <A as Row>::Of<T>;
 #[derive(Clone, Copy, Debug)]
 pub struct Next<R: Real, E: Equations> {
     /// The numbers of the new state.
-    pub state: Of<E::Numbers, R>,
+    pub numbers: Of<E::Numbers, R>,
     /// The reward.
     pub reward: R,
     /// Whether the episode is over.
     pub terminated: R::Mask,
     /// The observation of the new state.
-    pub seen: Of<E::Observation, R>,
+    pub observation: Of<E::Observation, R>,
 }
 
 impl<E, const K: usize, const A: usize, const P: usize, const O: usize> Dynamics for E
 where
-    E: Equations<Numbers = [f64; K], Input = [f64; A], Constants = [f64; P]>
+    E: Equations<Numbers = [f64; K], Input = [f64; A], Constants: Constants<Array = [f64; P]>>
         + Task<Observation = [f32; O]>,
 {
     #[inline]
@@ -155,7 +217,7 @@ where
         rng: &mut Generator,
     ) -> Result<Transition<Self::State>> {
         action.check(|| self.action_space())?;
-        let constants = Equations::constants(self);
+        let constants = self.constants().get().to_array();
         Ok(with(
             (state, action, rng),
             #[inline(always)]
@@ -171,16 +233,7 @@ where
 
     #[inline]
     fn observe(&self, state: &Self::State) -> [f32; O] {
-        if let Some(observation) = self.see_otherwise(state) {
-            return observation;
-        }
-        with(
-            self.numbers(state),
-            #[inline(always)]
-            |numbers| singles(self.see(ones::<Hardware, K>(numbers))),
-            #[inline(always)]
-            |numbers| singles(self.see(ones::<Emulated, K>(numbers))),
-        )
+        Equations::observe(self, state)
     }
 
     #[inline]
@@ -212,32 +265,14 @@ where
     }
 }
 
-/// The numbers of a state, with those that follow from others.
-#[inline]
-pub fn all_numbers<E, const K: usize>(equations: &E, state: &E::State) -> [f64; K]
-where
-    E: Equations<Numbers = [f64; K]>,
-{
-    let numbers = equations.numbers(state);
-    if E::IS_COMPLETE {
-        return numbers;
-    }
-    with(
-        numbers,
-        #[inline(always)]
-        |numbers| values(E::complete(ones::<Hardware, K>(numbers))),
-        #[inline(always)]
-        |numbers| values(E::complete(ones::<Emulated, K>(numbers))),
-    )
-}
-
-/// Calls `f` with the constants. It is compiled a second time for the usual ones, with which a step
-/// of CartPole takes a sixth less time.
+/// Calls `f` with the constants. It is compiled a second time for the default ones, with which a
+/// step of CartPole takes a sixth less time.
 #[inline(always)]
 fn with_constants<E: Equations, T>(equations: &E, f: impl FnOnce(E::Constants) -> T) -> T {
-    match E::USUAL {
-        Some(usual) if equations.is_usual() => f(usual),
-        _ => f(equations.constants()),
+    let constants = equations.constants();
+    match E::DEFAULTS {
+        Some(defaults) if constants.are_defaults() => f(defaults),
+        _ => f(constants.get()),
     }
 }
 
@@ -250,16 +285,17 @@ fn step_in_place<E, F: Fma, const K: usize, const A: usize, const P: usize, cons
     observation: &mut [f32; O],
 ) -> (f64, bool)
 where
-    E: Equations<Numbers = [f64; K], Input = [f64; A], Constants = [f64; P]>
+    E: Equations<Numbers = [f64; K], Input = [f64; A], Constants: Constants<Array = [f64; P]>>
         + Task<Observation = [f32; O]>,
 {
     with_constants(
         equations,
         #[inline(always)]
         |constants| {
-            let (transition, seen) =
+            let constants = constants.to_array();
+            let (transition, next) =
                 step_one::<E, F, K, A, P, O>(equations, constants, state, action, rng);
-            *observation = seen;
+            *observation = next;
             *state = transition.state;
             (transition.reward, transition.terminated)
         },
@@ -276,27 +312,24 @@ fn step_one<E, F: Fma, const K: usize, const A: usize, const P: usize, const O: 
     rng: &mut Generator,
 ) -> (Transition<E::State>, [f32; O])
 where
-    E: Equations<Numbers = [f64; K], Input = [f64; A], Constants = [f64; P]>
+    E: Equations<Numbers = [f64; K], Input = [f64; A], Constants: Constants<Array = [f64; P]>>
         + Task<Observation = [f32; O]>,
 {
-    let mut input = equations.input(action);
-    if E::IS_NOISY {
-        E::disturb(&constants, &mut input, rng);
-    }
-    let numbers = E::complete(ones::<F, K>(equations.numbers(state)));
-    let next = equations.advance(
-        ones(constants),
-        numbers,
-        equations.is_fresh(state),
+    let mut input = equations.encode(action);
+    E::noise(&E::Constants::from_array(constants), &mut input, rng);
+    let next = Equations::step(
+        equations,
+        E::Constants::from_array(ones::<F, P>(constants)),
+        ones(equations.pack(state)),
         ones(input),
     );
     let mut transition = Transition {
-        state: equations.state(values(next.state), false),
+        state: equations.unpack(values(next.numbers), false),
         reward: next.reward.value(),
         terminated: next.terminated,
     };
     equations.finish(state, action, &mut transition);
-    (transition, singles(next.seen))
+    (transition, singles(next.observation))
 }
 
 // loops, because `array::map` is not always inlined, and is then compiled without the CPU's

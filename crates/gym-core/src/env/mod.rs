@@ -249,6 +249,11 @@ pub trait Env: Clone + Send + 'static {
         short_type_name::<Self>().to_owned()
     }
 
+    /// Calls `visit` with the name of each wrapper, outermost first, and of the environment.
+    fn visit_layers(&self, visit: &mut dyn FnMut(&'static str)) {
+        visit(short_type_name::<Self>());
+    }
+
     /// The outermost layer of a type: a wrapper or the environment itself.
     /// [`layer`](crate::EnvExt::layer) calls it.
     fn any_layer(&self, layer: TypeId) -> Option<&dyn Any> {

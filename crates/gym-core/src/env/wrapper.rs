@@ -1,10 +1,10 @@
-//! The trait of wrappers. Methods that are left out call the inner environment.
+//! The trait of wrappers. Hooks that are left out call the inner environment.
 //!
-//! [`Wrapper`] has every method of [`Env`](crate::Env) with the inner environment's as its default,
-//! and one blanket implementation makes each wrapper an `Env`. The forwarded methods are listed
-//! once, in this file; [`BoxEnv`](crate::BoxEnv) uses the same list. A test reads the trait's
-//! source and calls every method through every wrapper. A wrapper without a stored form has no
-//! spec, because a rebuilt stack must step identically.
+//! [`Wrapper`] has a hook for every method of [`Env`](crate::Env), and one blanket implementation
+//! makes each wrapper an `Env`. The hooks have names of their own, so that both traits can be
+//! imported. The forwarded methods are listed once, in this file; [`BoxEnv`](crate::BoxEnv) uses the
+//! same list. A test reads the trait's source and calls every method through every wrapper. A
+//! wrapper without a stored form has no spec, because a rebuilt stack must step identically.
 
 use std::any::{Any, TypeId};
 
@@ -19,11 +19,13 @@ use crate::value::{Element, Result, Snapshot, Value};
 
 /// An environment around another one that changes some of its behaviour: Gymnasium's `Wrapper`.
 ///
-/// A wrapper implements access to the inner environment, `reset_into` and `step_into`. Methods that
-/// it leaves out call the inner environment. Every `Wrapper` is an [`Env`].
+/// A wrapper implements access to the inner environment, and the hooks `on_reset` and `on_step`.
+/// Every `Wrapper` is an [`Env`] whose method `x` calls the hook `on_x` (`on_reset` for
+/// `reset_into`, `on_step` for `step_into`, `on_render` for `render_into`). Hooks that a wrapper
+/// leaves out call the inner environment.
 ///
 /// ```
-/// use gym_core::{Env, Outcome, Reset, Result, WrapperSpec};
+/// use gym_core::{Env, Outcome, Reset, Result, Wrapper, WrapperSpec};
 ///
 /// /// Pays the agent in cents.
 /// #[derive(Clone, Debug)]
@@ -31,7 +33,7 @@ use crate::value::{Element, Result, Snapshot, Value};
 ///     env: E,
 /// }
 ///
-/// impl<E: Env> gym_core::Wrapper for Cents<E> {
+/// impl<E: Env> Wrapper for Cents<E> {
 ///     type Inner = E;
 ///     type Observation = E::Observation;
 ///     type Action = E::Action;
@@ -44,11 +46,11 @@ use crate::value::{Element, Result, Snapshot, Value};
 ///         &mut self.env
 ///     }
 ///
-///     fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+///     fn on_reset(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
 ///         self.env.reset_into(reset, observation)
 ///     }
 ///
-///     fn step_into(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
+///     fn on_step(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
 ///         let outcome = self.env.step_into(action, observation)?;
 ///         Ok(Outcome { reward: 100.0 * outcome.reward, ..outcome })
 ///     }
@@ -59,20 +61,16 @@ use crate::value::{Element, Result, Snapshot, Value};
 /// }
 /// ```
 ///
-/// Name the trait by its path where you implement it, as above, and do not import it: it has
-/// methods of the same names as [`Env`], and with both in scope `env.render_into(…)` could mean
-/// either. Within the implementation itself, call the wrapper's own methods as
-/// `Env::reset_into(self, …)`.
-///
 /// # Duties of a wrapper
 /// - **State.** A wrapper that keeps something from step to step stores it beside the inner
-///   snapshot, in [`snapshot`](Self::snapshot) and [`restore`](Self::restore).
+///   snapshot, in [`on_snapshot`](Self::on_snapshot) and [`on_restore`](Self::on_restore).
 /// - **A stored form.** [`wrapper_spec`](Self::wrapper_spec) names the wrapper and its arguments; a
 ///   [`WrapperRegistration`](crate::registry::WrapperRegistration) of that name rebuilds it.
 ///   Without one the [`spec`](Env::spec) of the whole stack is `None`, because it would rebuild
 ///   another environment.
 /// - **Spaces.** A wrapper with another `Observation` or `Action` type has another
-///   [`observation_space`](Self::observation_space) or [`action_space`](Self::action_space).
+///   [`on_observation_space`](Self::on_observation_space) or
+///   [`on_action_space`](Self::on_action_space).
 pub trait Wrapper: Clone + Send + 'static {
     /// The inner environment.
     type Inner: Env;
@@ -87,17 +85,17 @@ pub trait Wrapper: Clone + Send + 'static {
     /// The inner environment.
     fn inner_mut(&mut self) -> &mut Self::Inner;
 
-    /// As [`Env::reset_into`].
+    /// The hook of [`Env::reset_into`].
     ///
     /// # Errors
     /// The inner environment's errors and the wrapper's own.
-    fn reset_into(&mut self, reset: &Reset, observation: &mut Self::Observation) -> Result<()>;
+    fn on_reset(&mut self, reset: &Reset, observation: &mut Self::Observation) -> Result<()>;
 
-    /// As [`Env::step_into`].
+    /// The hook of [`Env::step_into`].
     ///
     /// # Errors
     /// The inner environment's errors and the wrapper's own.
-    fn step_into(
+    fn on_step(
         &mut self,
         action: &Self::Action,
         observation: &mut Self::Observation,
@@ -109,9 +107,9 @@ pub trait Wrapper: Clone + Send + 'static {
         None
     }
 
-    /// The spec of the whole stack: the inner [`spec`](Env::spec) with
-    /// [`wrapper_spec`](Self::wrapper_spec) added; `None` if either is.
-    fn spec(&self) -> Option<EnvSpec> {
+    /// The hook of [`Env::spec`]: the inner spec with [`wrapper_spec`](Self::wrapper_spec) added;
+    /// `None` if either is.
+    fn on_spec(&self) -> Option<EnvSpec> {
         let wrapper = self.wrapper_spec()?;
         self.inner().spec().map(|spec| spec.wrapped(wrapper))
     }
@@ -121,8 +119,8 @@ pub trait Wrapper: Clone + Send + 'static {
         short_type_name::<Self>()
     }
 
-    /// As [`Env::describe`]: the wrapper's [name](Self::name) around the inner description.
-    fn describe(&self) -> String {
+    /// The hook of [`Env::describe`]: the wrapper's [name](Self::name) around the inner description.
+    fn on_describe(&self) -> String {
         let inner = self.inner().describe();
         let inner = inner
             .strip_prefix('<')
@@ -131,8 +129,14 @@ pub trait Wrapper: Clone + Send + 'static {
         format!("<{}<{inner}>>", self.name())
     }
 
-    /// As [`Env::any_layer`]: the wrapper itself, or a layer within.
-    fn any_layer(&self, layer: TypeId) -> Option<&dyn Any> {
+    /// The hook of [`Env::visit_layers`]: the wrapper's [name](Self::name), and the layers within.
+    fn on_visit_layers(&self, visit: &mut dyn FnMut(&'static str)) {
+        visit(self.name());
+        self.inner().visit_layers(visit);
+    }
+
+    /// The hook of [`Env::any_layer`]: the wrapper itself, or a layer within.
+    fn on_any_layer(&self, layer: TypeId) -> Option<&dyn Any> {
         if layer == TypeId::of::<Self>() {
             Some(self)
         } else {
@@ -140,8 +144,8 @@ pub trait Wrapper: Clone + Send + 'static {
         }
     }
 
-    /// As [`Env::any_layer_mut`]: the wrapper itself, or a layer within.
-    fn any_layer_mut(&mut self, layer: TypeId) -> Option<&mut dyn Any> {
+    /// The hook of [`Env::any_layer_mut`]: the wrapper itself, or a layer within.
+    fn on_any_layer_mut(&mut self, layer: TypeId) -> Option<&mut dyn Any> {
         if layer == TypeId::of::<Self>() {
             Some(self)
         } else {
@@ -149,65 +153,90 @@ pub trait Wrapper: Clone + Send + 'static {
         }
     }
 
-    /// As [`Env::restore`].
+    /// The hook of [`Env::restore`].
     ///
     /// # Errors
     /// The inner environment's errors and the wrapper's own; the state is then unchanged.
-    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+    fn on_restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         self.inner_mut().restore(snapshot)
     }
 
-    methods!(forward! [Env] {.inner()} {.inner_mut()});
+    methods!(forward! hooks [Env]);
 }
 
-/// Gives another macro every method of [`Env`] that passes through a wrapper unchanged, one by one,
-/// behind `$words`.
+/// Gives another macro, behind `$words`, each method of [`Env`] that passes through a wrapper
+/// unchanged, with the name of its hook.
 ///
 /// `reset_into`, `step_into` and `restore` are not among them, because a layer may have state that
 /// they change.
 macro_rules! methods {
     ($then:ident! $($words:tt)*) => {
-        $then! { $($words)* fn observation_space(&self) -> Space }
-        $then! { $($words)* fn action_space(&self) -> Space }
-        $then! { $($words)* fn snapshot(&self) -> Result<Snapshot> }
-        $then! { $($words)* fn info(&self, visit: &mut dyn FnMut(&str, Value)) }
-        $then! { $($words)* fn metadata(&self) -> Metadata }
-        $then! { $($words)* fn draw(&self, canvas: &mut dyn Canvas) }
-        $then! { $($words)* fn frames_drawn(&mut self, count: u64) }
-        $then! { $($words)* fn ansi(&self) -> Option<String> }
-        $then! { $($words)* fn render_mode(&self) -> Option<RenderMode> }
-        $then! { $($words)* fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> }
-        $then! { $($words)* fn generator(&mut self) -> Option<&mut Generator> }
-        $then! { $($words)* fn inspect(&self) -> Option<&dyn Inspect> }
-        $then! { $($words)* fn inspect_mut(&mut self) -> Option<&mut dyn Inspect> }
-        $then! { $($words)* fn close(&mut self) }
+        $then! { $($words)* fn observation_space on_observation_space(&self) -> Space }
+        $then! { $($words)* fn action_space on_action_space(&self) -> Space }
+        $then! { $($words)* fn snapshot on_snapshot(&self) -> Result<Snapshot> }
+        $then! { $($words)* fn info on_info(&self, visit: &mut dyn FnMut(&str, Value)) }
+        $then! { $($words)* fn metadata on_metadata(&self) -> Metadata }
+        $then! { $($words)* fn draw on_draw(&self, canvas: &mut dyn Canvas) }
+        $then! { $($words)* fn frames_drawn on_frames_drawn(&mut self, count: u64) }
+        $then! { $($words)* fn ansi on_ansi(&self) -> Option<String> }
+        $then! { $($words)* fn render_mode on_render_mode(&self) -> Option<RenderMode> }
+        $then! { $($words)* fn render_into on_render(&mut self, rendered: &mut Rendered) -> Result<()> }
+        $then! { $($words)* fn generator on_generator(&mut self) -> Option<&mut Generator> }
+        $then! { $($words)* fn inspect on_inspect(&self) -> Option<&dyn Inspect> }
+        $then! { $($words)* fn inspect_mut on_inspect_mut(&mut self) -> Option<&mut dyn Inspect> }
+        $then! { $($words)* fn close on_close(&mut self) }
     };
 }
 pub(crate) use methods;
 
-/// As [`methods`], with those about layers, for types that are not layers.
+/// As [`methods`], with those whose hooks have other defaults.
 macro_rules! all_methods {
     ($then:ident! $($words:tt)*) => {
         $crate::env::wrapper::methods!($then! $($words)*);
-        $then! { $($words)* fn spec(&self) -> Option<EnvSpec> }
-        $then! { $($words)* fn describe(&self) -> String }
-        $then! { $($words)* fn any_layer(&self, layer: TypeId) -> Option<&dyn Any> }
-        $then! { $($words)* fn any_layer_mut(&mut self, layer: TypeId) -> Option<&mut dyn Any> }
+        $then! { $($words)* fn spec on_spec(&self) -> Option<EnvSpec> }
+        $then! { $($words)* fn describe on_describe(&self) -> String }
+        $then! { $($words)* fn visit_layers on_visit_layers(&self, visit: &mut dyn FnMut(&'static str)) }
+        $then! { $($words)* fn any_layer on_any_layer(&self, layer: TypeId) -> Option<&dyn Any> }
+        $then! { $($words)* fn any_layer_mut on_any_layer_mut(&mut self, layer: TypeId) -> Option<&mut dyn Any> }
     };
 }
 pub(crate) use all_methods;
 
-/// A method that forwards to the same method of another place, such as `self.env` for `{.env}`. A
-/// place is given twice, to be read and to be changed.
+/// Writes a method of [`all_methods`]: `declared`, without a body; `hooks`, the hook that calls
+/// `inner()`; `calls`, the method that calls the hook; `{.env}`, the method that calls the same
+/// method of `self.env`. A place is given twice, to be read and to be changed.
 macro_rules! forward {
-    ([$trait:ident] {$($place:tt)*} {$($_:tt)*} fn $name:ident(&self $(, $arg:ident: $type:ty)*) $(-> $result:ty)?) => {
-        #[doc = concat!("As [`", stringify!($trait), "::", stringify!($name), "`].")]
+    (declared fn $name:ident $hook:ident $arguments:tt $(-> $result:ty)?) => {
+        fn $name $arguments $(-> $result)?;
+    };
+    (hooks [$trait:ident] fn $name:ident $hook:ident(&self $(, $arg:ident: $type:ty)*) $(-> $result:ty)?) => {
+        #[doc = concat!("The hook of [`", stringify!($trait), "::", stringify!($name), "`].")]
+        fn $hook(&self $(, $arg: $type)*) $(-> $result)? {
+            self.inner().$name($($arg),*)
+        }
+    };
+    (hooks [$trait:ident] fn $name:ident $hook:ident(&mut self $(, $arg:ident: $type:ty)*) $(-> $result:ty)?) => {
+        #[doc = concat!("The hook of [`", stringify!($trait), "::", stringify!($name), "`].")]
+        fn $hook(&mut self $(, $arg: $type)*) $(-> $result)? {
+            self.inner_mut().$name($($arg),*)
+        }
+    };
+    (calls fn $name:ident $hook:ident(&self $(, $arg:ident: $type:ty)*) $(-> $result:ty)?) => {
+        fn $name(&self $(, $arg: $type)*) $(-> $result)? {
+            self.$hook($($arg),*)
+        }
+    };
+    (calls fn $name:ident $hook:ident(&mut self $(, $arg:ident: $type:ty)*) $(-> $result:ty)?) => {
+        fn $name(&mut self $(, $arg: $type)*) $(-> $result)? {
+            self.$hook($($arg),*)
+        }
+    };
+    ({$($place:tt)*} {$($_:tt)*} fn $name:ident $hook:ident(&self $(, $arg:ident: $type:ty)*) $(-> $result:ty)?) => {
         fn $name(&self $(, $arg: $type)*) $(-> $result)? {
             self$($place)*.$name($($arg),*)
         }
     };
-    ([$trait:ident] {$($_:tt)*} {$($place:tt)*} fn $name:ident(&mut self $(, $arg:ident: $type:ty)*) $(-> $result:ty)?) => {
-        #[doc = concat!("As [`", stringify!($trait), "::", stringify!($name), "`].")]
+    ({$($_:tt)*} {$($place:tt)*} fn $name:ident $hook:ident(&mut self $(, $arg:ident: $type:ty)*) $(-> $result:ty)?) => {
         fn $name(&mut self $(, $arg: $type)*) $(-> $result)? {
             self$($place)*.$name($($arg),*)
         }
@@ -215,14 +244,14 @@ macro_rules! forward {
 }
 pub(crate) use forward;
 
-/// A wrapper is an environment: each method calls the wrapper's.
+/// A wrapper is an environment: each method calls its hook.
 impl<W: Wrapper> Env for W {
     type Observation = W::Observation;
     type Action = W::Action;
 
     #[inline]
     fn reset_into(&mut self, reset: &Reset, observation: &mut W::Observation) -> Result<()> {
-        Wrapper::reset_into(self, reset, observation)
+        self.on_reset(reset, observation)
     }
 
     #[inline(always)]
@@ -231,12 +260,12 @@ impl<W: Wrapper> Env for W {
         action: &W::Action,
         observation: &mut W::Observation,
     ) -> Result<Outcome> {
-        Wrapper::step_into(self, action, observation)
+        self.on_step(action, observation)
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
-        Wrapper::restore(self, snapshot)
+        self.on_restore(snapshot)
     }
 
-    all_methods!(forward! [Env] {} {});
+    all_methods!(forward! calls);
 }

@@ -22,6 +22,7 @@ pub use registration::{Clip, Need, Registration, Source, VectorEntryPoint};
 pub use vector::{VectorBuilder, make_vec};
 
 pub use crate::env::{Configure, NoArguments};
+use crate::play::policy::LinkedPolicy;
 use crate::spec::nearest;
 pub use crate::spec::{
     Each, EnvId, EnvSpec, ResetOptions, VectorKind, VectorSpec, WrapperConfig, WrapperSpec,
@@ -42,7 +43,11 @@ static TABLE: LazyLock<RwLock<Table>> = LazyLock::new(|| {
             name: registration.id().to_owned(),
             version: None,
         });
-        table.entry(id).or_default().push(registration.clone());
+        let mut registration = registration.clone();
+        if registration.policy.is_none() {
+            registration.policy = LinkedPolicy::find(registration.id());
+        }
+        table.entry(id).or_default().push(registration);
     }
     for duplicates in table.values_mut() {
         duplicates.sort_by_key(|registration| registration.source.package);

@@ -365,7 +365,7 @@ fn construct<E: Configure>(registration: &Registration, spec: &EnvSpec) -> Resul
     if let Some(mode) = spec.render_mode
         && let Some(env) = E::configure_to_render(config()?, mode.single())?
     {
-        return stack(env, Renders::Itself, spec, options);
+        return stack(env.into_env(), Renders::Itself, spec, options);
     }
     let config = config()?;
     let env = E::configure(config.clone(), version)?;
@@ -383,7 +383,7 @@ fn construct<E: Configure>(registration: &Registration, spec: &EnvSpec) -> Resul
             spec.kwargs.extend(by_chance);
         }
     }
-    stack(env, Renders::Drawings, &spec, options)
+    stack(env.into_env(), Renders::Drawings, &spec, options)
 }
 
 /// Registers an environment, or several, when its crate is linked.

@@ -103,7 +103,7 @@ impl<E: Env> crate::env::Wrapper for Registered<E> {
         &mut self.env
     }
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+    fn on_reset(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         if !reset.options.is_empty() {
             self.options.check(&self.spec.id, &reset.options)?;
         }
@@ -111,19 +111,19 @@ impl<E: Env> crate::env::Wrapper for Registered<E> {
     }
 
     #[inline]
-    fn step_into(
-        &mut self,
-        action: &E::Action,
-        observation: &mut E::Observation,
-    ) -> Result<Outcome> {
+    fn on_step(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         self.env.step_into(action, observation)
     }
 
-    fn spec(&self) -> Option<EnvSpec> {
+    fn on_spec(&self) -> Option<EnvSpec> {
         Some(EnvSpec::clone(&self.spec))
     }
 
-    fn describe(&self) -> String {
+    fn on_visit_layers(&self, visit: &mut dyn FnMut(&'static str)) {
+        self.env.visit_layers(visit);
+    }
+
+    fn on_describe(&self) -> String {
         format!("{}<{}>", self.env.describe(), self.spec.id)
     }
 }

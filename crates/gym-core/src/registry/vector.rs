@@ -233,7 +233,10 @@ impl VectorBuilder {
     }
 
     /// The spec, and the vector if it had to be made to know the kind.
-    fn resolve(self) -> Result<(VectorSpec, Option<Box<dyn VectorEnv>>)> {
+    ///
+    /// # Errors
+    /// The errors of [`EnvBuilder::spec`].
+    pub fn resolve(self) -> Result<(VectorSpec, Option<Box<dyn VectorEnv>>)> {
         let spec = self.spec?;
         if self.has_kind {
             return Ok((spec, None));

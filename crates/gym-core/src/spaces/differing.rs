@@ -6,16 +6,6 @@ use super::{BoxSpace, DictSpace, Discrete, MultiDiscrete, Space, TupleSpace, inv
 use crate::value::number::{Number, can_cast, collect};
 use crate::value::{Array, Result};
 
-/// The inner spaces of the spaces of this kind.
-macro_rules! of_kind {
-    ($spaces:expr, $kind:ident) => {
-        $spaces.iter().filter_map(|space| match space {
-            Space::$kind(space) => Some(space),
-            _ => None,
-        })
-    };
-}
-
 impl Space {
     /// Whether elements of both spaces have the same form, so that one buffer fits either: the same
     /// kinds, shapes, types of numbers, keys and charsets; bounds may differ. Gymnasium's
@@ -88,7 +78,12 @@ impl Space {
         }
         Ok(match first {
             Self::Discrete(_) => {
-                let discretes = || of_kind!(spaces, Discrete);
+                let discretes = || {
+                    spaces.iter().filter_map(|space| match space {
+                        Self::Discrete(space) => Some(space),
+                        _ => None,
+                    })
+                };
                 let widest = discretes().map(Discrete::dtype);
                 let widest = widest.reduce(|a, b| if can_cast(b, a) { a } else { b });
                 let batch = MultiDiscrete::new(discretes().map(Discrete::n).collect::<Vec<_>>())?
@@ -98,7 +93,12 @@ impl Space {
                     .into()
             }
             Self::Tuple(tuple) => {
-                let tuples = || of_kind!(spaces, Tuple).map(TupleSpace::spaces);
+                let tuples = || {
+                    spaces.iter().filter_map(|space| match space {
+                        Self::Tuple(space) => Some(space.spaces()),
+                        _ => None,
+                    })
+                };
                 if tuples().any(|members| members.len() != tuple.spaces().len()) {
                     return invalid("the tuples have different numbers of members");
                 }
@@ -121,11 +121,17 @@ impl Space {
                         .map(|(key, _)| key.clone())
                         .collect::<Vec<_>>()
                 };
-                if of_kind!(spaces, Dict).any(|other| keys(other) != keys(dict)) {
+                let dicts = || {
+                    spaces.iter().filter_map(|space| match space {
+                        Self::Dict(space) => Some(space),
+                        _ => None,
+                    })
+                };
+                if dicts().any(|other| keys(other) != keys(dict)) {
                     return invalid("the dicts have different keys");
                 }
                 let member = |key: String| {
-                    let members = of_kind!(spaces, Dict).filter_map(|dict| dict.get(&key).cloned());
+                    let members = dicts().filter_map(|dict| dict.get(&key).cloned());
                     Ok((
                         key.clone(),
                         Self::batch_differing(&members.collect::<Vec<_>>())?,
@@ -146,7 +152,10 @@ impl Space {
                         .map(|space| batch_space(space, 1))
                         .collect::<Result<Vec<_>>>()?;
                     let bound = |pick: fn(&BoxSpace) -> &Array| {
-                        let arrays = of_kind!(rows, Box).map(pick);
+                        let arrays = rows.iter().filter_map(|row| match row {
+                            Self::Box(space) => Some(pick(space)),
+                            _ => None,
+                        });
                         let numbers = arrays.flat_map(|array| Number::all(array.data()));
                         Array::new([&[spaces.len()], shape].concat(), collect(dtype, numbers))
                     };

@@ -24,9 +24,11 @@ macro_rules! with_numbers {
 }
 
 /// Evaluates `$body` with `$type` standing for the Rust type of a [`DType`].
+#[doc(hidden)]
+#[macro_export]
 macro_rules! with_type {
     ($dtype:expr, $type:ident => $body:expr) => {
-        with_type!(@ $dtype, $type => $body;
+        $crate::with_type!(@ $dtype, $type => $body;
             I8 i8, U8 u8, I16 i16, U16 u16, I32 i32, U32 u32, I64 i64, U64 u64, F32 f32, F64 f64)
     };
     (@ $dtype:expr, $type:ident => $body:expr; $($variant:ident $rust:ty),*) => {

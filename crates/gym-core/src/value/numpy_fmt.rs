@@ -249,23 +249,26 @@ impl Style {
 /// Whether the numbers spread too far, or are too large or small, for plain decimals. As in numpy,
 /// this is reckoned in the precision of the array.
 fn needs_exponent(data: &Data, finite: &[usize]) -> bool {
-    macro_rules! spread {
-        ($values:expr, $type:ty, $end:expr) => {{
-            let sizes = finite
-                .iter()
-                .map(|&i| $values[i].abs())
-                .filter(|&x| x != 0.0);
-            let (min, max) = sizes.fold((<$type>::INFINITY, 0.0), |(min, max), x| {
-                (x.min(min), x.max(max))
-            });
-            max > 0.0 && (max >= $end || min < 0.0001 || max / min > 1000.0)
-        }};
-    }
+    let sizes = finite.iter();
     match data {
-        Data::F32(values) => spread!(values, f32, 1e6),
-        Data::F64(values) => spread!(values, f64, 1e8),
+        Data::F32(x) => spread(sizes.map(|&i| x[i].abs()), [0.0, 1e6, 0.0001, 1000.0]),
+        Data::F64(x) => spread(sizes.map(|&i| x[i].abs()), [0.0, 1e8, 0.0001, 1000.0]),
         _ => false,
     }
+}
+
+/// Whether the largest size other than `zero` is at least `end`, the smallest below `least`, or
+/// their ratio above `ratio`.
+fn spread<T: Copy + PartialOrd + std::ops::Div<Output = T>>(
+    sizes: impl Iterator<Item = T>,
+    [zero, end, least, ratio]: [T; 4],
+) -> bool {
+    let mut range: Option<(T, T)> = None;
+    for x in sizes.filter(|&x| x != zero) {
+        let (min, max) = range.unwrap_or((x, x));
+        range = Some((if x < min { x } else { min }, if x > max { x } else { max }));
+    }
+    range.is_some_and(|(min, max)| max >= end || min < least || max / min > ratio)
 }
 
 fn non_finite(x: f64) -> &'static str {

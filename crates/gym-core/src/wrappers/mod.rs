@@ -19,9 +19,40 @@ pub use render::Render;
 pub use render_collection::RenderCollection;
 pub use time_limit::{StepCount, TimeLimit};
 
-/// The accessors of a [`Wrapper`](crate::Wrapper) whose inner environment is its field `inner`, of
-/// type `$inner`.
-macro_rules! within {
+/// The accessors of a wrapper whose inner environment or vector is its field `inner`: `inner!(E)`
+/// those of a [`Wrapper`](crate::Wrapper), `inner!(dyn)` those of a
+/// [`VectorWrapper`](crate::VectorWrapper), `inner!(impl Name<E>)` those of the type.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! inner {
+    (dyn) => {
+        fn inner(&self) -> &dyn $crate::VectorEnv {
+            &self.inner
+        }
+
+        fn inner_mut(&mut self) -> &mut dyn $crate::VectorEnv {
+            &mut self.inner
+        }
+    };
+    (impl $name:ident<$inner:ident $(: $bound:path)? $(, $parameter:ident $(: $limit:path)?)*>) => {
+        impl<$inner $(: $bound)? $(, $parameter $(: $limit)?)*> $name<$inner $(, $parameter)*> {
+            /// The inner environment or vector.
+            pub fn get_ref(&self) -> &$inner {
+                &self.inner
+            }
+
+            /// The inner environment or vector, mutable. The wrapper does not see resets and steps
+            /// made through it.
+            pub fn get_mut(&mut self) -> &mut $inner {
+                &mut self.inner
+            }
+
+            /// The inner environment or vector, without the wrapper.
+            pub fn into_inner(self) -> $inner {
+                self.inner
+            }
+        }
+    };
     ($inner:ident) => {
         type Inner = $inner;
 
@@ -34,27 +65,3 @@ macro_rules! within {
         }
     };
 }
-use within;
-
-/// `get_ref`, `get_mut` and `into_inner` of a wrapper with a field `inner`.
-macro_rules! reach {
-    ($name:ident<$env:ident $(: $bound:path)? $(, $parameter:ident)*>) => {
-        impl<$env $(: $bound)? $(, $parameter)*> $name<$env $(, $parameter)*> {
-            /// The inner environment.
-            pub fn get_ref(&self) -> &$env {
-                &self.inner
-            }
-
-            /// The inner environment, mutable. The wrapper's own state does not follow changes.
-            pub fn get_mut(&mut self) -> &mut $env {
-                &mut self.inner
-            }
-
-            /// The inner environment, without the wrapper.
-            pub fn into_inner(self) -> $env {
-                self.inner
-            }
-        }
-    };
-}
-use reach;

@@ -30,7 +30,7 @@ crate::register_wrapper!(
     "OrderEnforcing", "refuses steps before a reset", Config, env: |env, _| Ok(OrderEnforcing::new(env))
 );
 
-super::reach!(OrderEnforcing<E>);
+crate::inner!(impl OrderEnforcing<E>);
 
 impl<E: Env> OrderEnforcing<E> {
     /// Watches over `env`.
@@ -62,9 +62,9 @@ impl<E: Env> crate::env::Wrapper for OrderEnforcing<E> {
     type Observation = E::Observation;
     type Action = E::Action;
 
-    super::within!(E);
+    crate::inner!(E);
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+    fn on_reset(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         self.check_open("reset")?;
         self.inner.reset_into(reset, observation)?;
         self.stage = Stage::Reset;
@@ -72,26 +72,22 @@ impl<E: Env> crate::env::Wrapper for OrderEnforcing<E> {
     }
 
     #[inline]
-    fn step_into(
-        &mut self,
-        action: &E::Action,
-        observation: &mut E::Observation,
-    ) -> Result<Outcome> {
+    fn on_step(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         self.check("step")?;
         self.inner.step_into(action, observation)
     }
 
-    fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
+    fn on_render(&mut self, rendered: &mut Rendered) -> Result<()> {
         self.check("render")?;
         self.inner.render_into(rendered)
     }
 
-    fn snapshot(&self) -> Result<Snapshot> {
+    fn on_snapshot(&self) -> Result<Snapshot> {
         self.check_open("snapshot")?;
         Snapshot::of(&(self.inner.snapshot()?, self.stage))
     }
 
-    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+    fn on_restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         self.check_open("restore")?;
         let (env, stage) = snapshot.get()?;
         self.inner.restore(&env)?;
@@ -99,12 +95,12 @@ impl<E: Env> crate::env::Wrapper for OrderEnforcing<E> {
         Ok(())
     }
 
-    fn close(&mut self) {
+    fn on_close(&mut self) {
         self.stage = Stage::Closed;
         self.inner.close();
     }
 
-    fn spec(&self) -> Option<EnvSpec> {
+    fn on_spec(&self) -> Option<EnvSpec> {
         // inside all other wrappers it is that of `make`; further out, an additional one
         self.inner
             .spec()

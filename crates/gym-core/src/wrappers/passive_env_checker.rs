@@ -31,7 +31,7 @@ crate::register_wrapper!(
     "PassiveEnvChecker", "refuses observations outside their space, on the first reset and step", Config, env: |env, _| Ok(PassiveEnvChecker::new(env))
 );
 
-super::reach!(PassiveEnvChecker<E>);
+crate::inner!(impl PassiveEnvChecker<E>);
 
 impl<E: Env> PassiveEnvChecker<E> {
     /// Watches over `env`.
@@ -56,9 +56,9 @@ impl<E: Env> crate::env::Wrapper for PassiveEnvChecker<E> {
     type Observation = E::Observation;
     type Action = E::Action;
 
-    super::within!(E);
+    crate::inner!(E);
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+    fn on_reset(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         self.inner.reset_into(reset, observation)?;
         self.has_options = !reset.options.is_empty();
         if !self.checked_reset && !self.has_options {
@@ -69,11 +69,7 @@ impl<E: Env> crate::env::Wrapper for PassiveEnvChecker<E> {
     }
 
     #[inline]
-    fn step_into(
-        &mut self,
-        action: &E::Action,
-        observation: &mut E::Observation,
-    ) -> Result<Outcome> {
+    fn on_step(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         let outcome = self.inner.step_into(action, observation)?;
         if !self.checked_step && !self.has_options {
             self.check_observation("step", observation)?;
@@ -88,7 +84,7 @@ impl<E: Env> crate::env::Wrapper for PassiveEnvChecker<E> {
         Ok(outcome)
     }
 
-    fn spec(&self) -> Option<EnvSpec> {
+    fn on_spec(&self) -> Option<EnvSpec> {
         // inside all other wrappers it is that of `make`; further out, an additional one
         self.inner
             .spec()

@@ -231,44 +231,40 @@ impl<T> RecordEpisodeStatistics<T> {
     }
 }
 
-super::reach!(RecordEpisodeStatistics<E>);
+crate::inner!(impl RecordEpisodeStatistics<E>);
 
 impl<E: Env> crate::env::Wrapper for RecordEpisodeStatistics<E> {
     type Observation = E::Observation;
     type Action = E::Action;
 
-    super::within!(E);
+    crate::inner!(E);
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+    fn on_reset(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         self.inner.reset_into(reset, observation)?;
         self.record.reserve(1, self.config.buffer_length)?;
         self.record.running[0] = Running::new(None);
         Ok(())
     }
 
-    fn step_into(
-        &mut self,
-        action: &E::Action,
-        observation: &mut E::Observation,
-    ) -> Result<Outcome> {
+    fn on_step(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         let outcome = self.inner.step_into(action, observation)?;
         self.record
             .step(0, outcome.reward, outcome.done(), self.config.buffer_length);
         Ok(outcome)
     }
 
-    fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
+    fn on_info(&self, visit: &mut dyn FnMut(&str, Value)) {
         self.inner.info(visit);
         if let Some(episode) = self.ended(0) {
             visit(&self.config.stats_key, episode.to_value());
         }
     }
 
-    fn snapshot(&self) -> Result<Snapshot> {
+    fn on_snapshot(&self) -> Result<Snapshot> {
         Snapshot::of(&(self.inner.snapshot()?, self.record.without_time()))
     }
 
-    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+    fn on_restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let (inner, record) = Record::read(snapshot, 1, self.config.buffer_length)?;
         self.inner.restore(&inner)?;
         self.record = record;
@@ -289,7 +285,7 @@ impl<V: VectorEnv> crate::vector::wrapper::VectorWrapper for RecordEpisodeStatis
         &mut self.inner
     }
 
-    fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
+    fn on_reset(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
         self.record
             .reserve(self.inner.num_envs(), self.config.buffer_length)?;
         columns.begin();
@@ -298,21 +294,21 @@ impl<V: VectorEnv> crate::vector::wrapper::VectorWrapper for RecordEpisodeStatis
         result
     }
 
-    fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
+    fn on_step(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
         columns.begin();
         let result = self.inner.step_into(actions, columns);
         self.record.columns(columns, self.config.buffer_length);
         result
     }
 
-    fn info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
+    fn on_info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
         self.inner.info(index, visit);
         if let Some(episode) = self.ended(index) {
             visit(&self.config.stats_key, episode.to_value());
         }
     }
 
-    fn column_infos(&self, visit: &mut dyn FnMut(&str, Value)) {
+    fn on_column_infos(&self, visit: &mut dyn FnMut(&str, Value)) {
         self.inner.column_infos(visit);
         let ended = || self.record.running.iter().map(|running| running.ended);
         if ended().all(|episode| episode.is_none()) {
@@ -336,11 +332,11 @@ impl<V: VectorEnv> crate::vector::wrapper::VectorWrapper for RecordEpisodeStatis
         visit(&format!("_{}", self.config.stats_key), flags(&mask));
     }
 
-    fn snapshot(&self) -> Result<Snapshot> {
+    fn on_snapshot(&self) -> Result<Snapshot> {
         Snapshot::of(&(self.inner.snapshot()?, self.record.without_time()))
     }
 
-    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+    fn on_restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let (inner, record) =
             Record::read(snapshot, self.inner.num_envs(), self.config.buffer_length)?;
         self.inner.restore(&inner)?;

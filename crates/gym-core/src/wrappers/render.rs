@@ -32,7 +32,7 @@ enum Window {
     Open(Box<dyn Screen>, Frame),
 }
 
-super::reach!(Render<E>);
+crate::inner!(impl Render<E>);
 
 impl<E: Env> Render<E> {
     /// Renders `env` in a mode of single items; [`RenderCollection`](super::RenderCollection)
@@ -150,31 +150,27 @@ impl<E: Env> crate::env::Wrapper for Render<E> {
     type Observation = E::Observation;
     type Action = E::Action;
 
-    super::within!(E);
+    crate::inner!(E);
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+    fn on_reset(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         self.open()?;
         self.inner.reset_into(reset, observation)?;
         self.show();
         Ok(())
     }
 
-    fn step_into(
-        &mut self,
-        action: &E::Action,
-        observation: &mut E::Observation,
-    ) -> Result<Outcome> {
+    fn on_step(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         self.open()?;
         let outcome = self.inner.step_into(action, observation)?;
         self.show();
         Ok(outcome)
     }
 
-    fn render_mode(&self) -> Option<RenderMode> {
+    fn on_render_mode(&self) -> Option<RenderMode> {
         Some(self.mode)
     }
 
-    fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
+    fn on_render(&mut self, rendered: &mut Rendered) -> Result<()> {
         let used = std::mem::replace(rendered, Rendered::Shown);
         if self.mode == RenderMode::Human {
             return Ok(());
@@ -203,7 +199,7 @@ impl<E: Env> crate::env::Wrapper for Render<E> {
         Ok(())
     }
 
-    fn spec(&self) -> Option<EnvSpec> {
+    fn on_spec(&self) -> Option<EnvSpec> {
         let size = (self.size != self.inner.metadata().render_size).then_some(self.size);
         let spec = self.inner.spec()?;
         // a spec has one render mode, inside all wrappers
@@ -214,11 +210,11 @@ impl<E: Env> crate::env::Wrapper for Render<E> {
         })
     }
 
-    fn describe(&self) -> String {
+    fn on_describe(&self) -> String {
         self.inner.describe()
     }
 
-    fn close(&mut self) {
+    fn on_close(&mut self) {
         self.window = Window::None;
         self.inner.close();
     }

@@ -24,7 +24,7 @@ crate::register_wrapper!(
     "RenderCollection", "collects frames for the render modes `..._list`", Config, env: |env, _| Ok(RenderCollection::new(env))
 );
 
-super::reach!(RenderCollection<E>);
+crate::inner!(impl RenderCollection<E>);
 
 impl<E: Env> RenderCollection<E> {
     /// Collects the frames or texts of `env`.
@@ -40,26 +40,22 @@ impl<E: Env> crate::env::Wrapper for RenderCollection<E> {
     type Observation = E::Observation;
     type Action = E::Action;
 
-    super::within!(E);
+    crate::inner!(E);
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+    fn on_reset(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         self.inner.reset_into(reset, observation)?;
         self.items.clear();
         self.items.push(self.inner.render()?);
         Ok(())
     }
 
-    fn step_into(
-        &mut self,
-        action: &E::Action,
-        observation: &mut E::Observation,
-    ) -> Result<Outcome> {
+    fn on_step(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         let outcome = self.inner.step_into(action, observation)?;
         self.items.push(self.inner.render()?);
         Ok(outcome)
     }
 
-    fn render_mode(&self) -> Option<RenderMode> {
+    fn on_render_mode(&self) -> Option<RenderMode> {
         match self.inner.render_mode()? {
             RenderMode::RgbArray => Some(RenderMode::RgbArrayList),
             RenderMode::Ansi => Some(RenderMode::AnsiList),
@@ -67,7 +63,7 @@ impl<E: Env> crate::env::Wrapper for RenderCollection<E> {
         }
     }
 
-    fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
+    fn on_render(&mut self, rendered: &mut Rendered) -> Result<()> {
         let mut frames = Vec::new();
         let mut texts = Vec::new();
         for item in self.items.drain(..) {
@@ -90,13 +86,13 @@ impl<E: Env> crate::env::Wrapper for RenderCollection<E> {
     }
 
     /// Drops the collected frames, which belong to the abandoned history.
-    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+    fn on_restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         self.inner.restore(snapshot)?;
         self.items.clear();
         Ok(())
     }
 
-    fn spec(&self) -> Option<EnvSpec> {
+    fn on_spec(&self) -> Option<EnvSpec> {
         let spec = self.inner.spec()?;
         let list = match spec.render_mode? {
             RenderMode::RgbArray => RenderMode::RgbArrayList,

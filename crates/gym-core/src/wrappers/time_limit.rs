@@ -38,7 +38,7 @@ crate::register_wrapper!(
     env: |env, config: Config| TimeLimit::new(env, config.max_episode_steps)
 );
 
-super::reach!(TimeLimit<E>);
+crate::inner!(impl TimeLimit<E>);
 
 impl<E: Env> TimeLimit<E> {
     /// Limits the episodes of `env`.
@@ -76,20 +76,16 @@ impl<E: Env> crate::env::Wrapper for TimeLimit<E> {
     type Observation = E::Observation;
     type Action = E::Action;
 
-    super::within!(E);
+    crate::inner!(E);
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+    fn on_reset(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         self.inner.reset_into(reset, observation)?;
         self.count.elapsed_steps = 0;
         Ok(())
     }
 
     #[inline]
-    fn step_into(
-        &mut self,
-        action: &E::Action,
-        observation: &mut E::Observation,
-    ) -> Result<Outcome> {
+    fn on_step(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         let mut outcome = self.inner.step_into(action, observation)?;
         let StepCount {
             max_episode_steps,
@@ -100,18 +96,18 @@ impl<E: Env> crate::env::Wrapper for TimeLimit<E> {
         Ok(outcome)
     }
 
-    fn snapshot(&self) -> Result<Snapshot> {
+    fn on_snapshot(&self) -> Result<Snapshot> {
         Snapshot::of(&(self.inner.snapshot()?, self.count.elapsed_steps))
     }
 
-    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+    fn on_restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let (env, elapsed_steps) = snapshot.get()?;
         self.inner.restore(&env)?;
         self.count.elapsed_steps = elapsed_steps;
         Ok(())
     }
 
-    fn any_layer(&self, layer: TypeId) -> Option<&dyn Any> {
+    fn on_any_layer(&self, layer: TypeId) -> Option<&dyn Any> {
         if layer == TypeId::of::<StepCount>() {
             let inner = self.inner.any_layer(layer);
             let left =
@@ -128,7 +124,7 @@ impl<E: Env> crate::env::Wrapper for TimeLimit<E> {
         }
     }
 
-    fn spec(&self) -> Option<EnvSpec> {
+    fn on_spec(&self) -> Option<EnvSpec> {
         let limit = self.count.max_episode_steps;
         self.inner.spec().map(|spec| {
             // the limit of `make` is inside all other wrappers; a shorter one replaces it

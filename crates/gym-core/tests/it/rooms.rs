@@ -104,7 +104,7 @@ fn each_room_names_only_earlier_rooms() {
         .flat_map(|(place, _, code)| {
             code.split("#[macro_export]")
                 .skip(1)
-                .filter_map(|rest| rest.split("macro_rules!").nth(1))
+                .filter_map(|rest| rest.split("_rules!").nth(1))
                 .filter_map(|rest| rest.split('{').next())
                 .map(move |name| (name.trim().to_owned(), *place))
         })

@@ -396,3 +396,25 @@ fn a_choice_without_numbers_lies_in_the_flat_space() {
         }
     }
 }
+
+/// Samples of integers near the limits of their type, recorded with Gymnasium at b8e70f27, which
+/// mended them after 1.4: type, low, high and the first samples of seed 3.
+#[test]
+fn integers_near_the_limits_are_sampled_as_in_gymnasium() {
+    let cases: Vec<(String, Json, Json, Vec<Json>)> =
+        serde_json::from_str(include_str!("integer_boxes.json")).unwrap();
+    assert!(cases.len() > 50);
+    for (dtype, low, high, samples) in cases {
+        let space = json!({"type": "Box", "low": low, "high": high, "shape": [1], "dtype": dtype});
+        let space: Space = serde_json::from_value(space).unwrap();
+        let mut sampler = space.sampler(3);
+        for (i, expected) in samples.iter().enumerate() {
+            let sample = sampler.sample().to_json();
+            assert_eq!(
+                sample,
+                json!([expected]),
+                "{dtype} from {low} to {high}, sample {i}"
+            );
+        }
+    }
+}

@@ -11,7 +11,7 @@
 //!
 //! Source: minigrid 3.2.0, `envs/distshift.py`.
 
-use super::{direction, ids};
+use super::{DIRECTION, direction, ids};
 use crate::level::{Level, Rules, level};
 use crate::{Cell, Draft, Making, Pos};
 
@@ -59,7 +59,7 @@ impl Level for DistShift {
     }
 }
 
-ids! { DistShift, "Reach the goal along strips of lava.":
+ids! { DistShift, "Reach the goal along strips of lava.", excused DIRECTION:
     "MiniGrid-DistShift1-v0", r#"{"strip2_row": 2}"#;
     "MiniGrid-DistShift2-v0", r#"{"strip2_row": 5}"#;
 }

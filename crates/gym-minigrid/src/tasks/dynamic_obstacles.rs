@@ -13,7 +13,7 @@
 
 use gym_core::{Generator, Outcome};
 
-use super::{direction, ids};
+use super::{DIRECTION, direction, ids};
 use crate::draft::Area;
 use crate::level::{Level, Rules, level};
 use crate::{Action, Cell, Color, Draft, Kind, Making, Pos, World};
@@ -95,7 +95,7 @@ impl Level for DynamicObstacles {
     }
 }
 
-ids! { DynamicObstacles, "Reach the goal without running into moving balls.":
+ids! { DynamicObstacles, "Reach the goal without running into moving balls.", excused DIRECTION:
     "MiniGrid-Dynamic-Obstacles-5x5-v0", r#"{"size": 5, "n_obstacles": 2}"#;
     "MiniGrid-Dynamic-Obstacles-Random-5x5-v0",
         r#"{"size": 5, "agent_start_pos": null, "n_obstacles": 2}"#;

@@ -11,7 +11,7 @@
 //!
 //! Source: minigrid 3.2.0, `envs/empty.py`.
 
-use super::{direction, ids};
+use super::{DIRECTION, direction, ids};
 use crate::level::{Level, Rules, level};
 use crate::{Cell, Draft, Making, Pos};
 
@@ -44,7 +44,7 @@ impl Level for Empty {
     }
 }
 
-ids! { Empty, "Cross an empty room to the goal.", planned:
+ids! { Empty, "Cross an empty room to the goal.", planned, excused DIRECTION:
     "MiniGrid-Empty-5x5-v0", r#"{"size": 5}"#;
     "MiniGrid-Empty-Random-5x5-v0", r#"{"size": 5, "agent_start_pos": null}"#;
     "MiniGrid-Empty-6x6-v0", r#"{"size": 6}"#;

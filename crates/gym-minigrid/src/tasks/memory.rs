@@ -13,7 +13,8 @@
 
 use gym_core::{Generator, Outcome};
 
-use super::ids;
+use super::{Exceptions, ids};
+use crate::env::WINDOW;
 use crate::level::{Level, Rules, level};
 use crate::{Action, Cell, Color, Draft, Kind, Making, Pos, World};
 
@@ -103,7 +104,15 @@ impl Level for Memory {
     }
 }
 
-ids! { Memory, "Look at an object, and go to the one that equals it.":
+const LENGTH: Exceptions = &[
+    WINDOW,
+    (
+        "arguments-matter.random_length",
+        "a grid of 7 columns has room for one length",
+    ),
+];
+
+ids! { Memory, "Look at an object, and go to the one that equals it.", excused LENGTH:
     "MiniGrid-MemoryS17Random-v0", r#"{"size": 17, "random_length": true}"#;
     "MiniGrid-MemoryS13Random-v0", r#"{"size": 13, "random_length": true}"#;
     "MiniGrid-MemoryS13-v0", r#"{"size": 13}"#;

@@ -42,21 +42,43 @@ pub(crate) fn direction(direction: u32) -> Result<u8, String> {
     }
 }
 
-/// Registers the ids of a level, each with its arguments; with `planned`, the planner is their good
-/// policy.
+/// The checks that a level may fail, and why, for [`Registration::exceptions`].
+///
+/// [`Registration::exceptions`]: gym_core::Registration::exceptions
+pub(crate) type Exceptions = &'static [(&'static str, &'static str)];
+
+/// For levels with an argument `agent_start_dir`.
+pub(crate) const DIRECTION: Exceptions = &[
+    crate::env::WINDOW,
+    (
+        "arguments-matter.agent_start_dir",
+        "it counts where `agent_start_pos` is given",
+    ),
+];
+
+/// Registers the ids of a level, each with its arguments. With `planned`, the planner is their good
+/// policy; `excused` names their exceptions.
 macro_rules! ids {
     ($level:ty, $sentence:literal: $($ids:tt)+) => {
-        ids! { @($level, $sentence, None) $($ids)+ }
+        ids! { @($level, $sentence, None) [] $($ids)+ }
     };
     ($level:ty, $sentence:literal, planned: $($ids:tt)+) => {
-        ids! { @($level, $sentence, Some($crate::planner::POLICY)) $($ids)+ }
+        ids! { @($level, $sentence, Some($crate::planner::POLICY)) [] $($ids)+ }
     };
-    (@$facts:tt $($id:literal, $kwargs:literal;)+) => {
+    ($level:ty, $sentence:literal, excused $exceptions:ident: $($ids:tt)+) => {
+        ids! { @($level, $sentence, None) [.exceptions($exceptions)] $($ids)+ }
+    };
+    ($level:ty, $sentence:literal, planned, excused $exceptions:ident: $($ids:tt)+) => {
+        ids! { @($level, $sentence, Some($crate::planner::POLICY)) [.exceptions($exceptions)] $($ids)+ }
+    };
+    (@$facts:tt $more:tt $($id:literal, $kwargs:literal;)+) => {
         #[cfg(not(test))]
-        gym_core::register!($(ids! { @one $facts $id, $kwargs }),+);
+        gym_core::register!($(ids! { @one $facts $more $id, $kwargs }),+);
+        #[cfg(test)]
+        const _: &[gym_core::Registration] = &[$(ids! { @one $facts $more $id, $kwargs }),+];
     };
-    (@one ($level:ty, $sentence:literal, $policy:expr) $id:literal, $kwargs:literal) => {
-        $crate::env::register::<$level>($id, $sentence, $policy).kwargs($kwargs)
+    (@one ($level:ty, $sentence:literal, $policy:expr) [$($more:tt)*] $id:literal, $kwargs:literal) => {
+        $crate::env::register::<$level>($id, $sentence, $policy).kwargs($kwargs)$($more)*
     };
 }
 pub(crate) use ids;

@@ -13,7 +13,8 @@
 
 use gym_core::{Generator, Outcome};
 
-use super::{ids, pick_up, square};
+use super::{Exceptions, ids, pick_up, square};
+use crate::env::WINDOW;
 use crate::level::{Level, Rules, level};
 use crate::rooms::{Rooms, grid_size};
 use crate::{Action, Color, Draft, Kind, Making, Pos, World};
@@ -184,7 +185,15 @@ ids! { ObstructedMaze1Dlhb, "Find the blue ball behind obstructed doors.":
     "MiniGrid-ObstructedMaze-1Dlhb-v0", "{}";
 }
 
-ids! { ObstructedMazeFull, "Find the blue ball behind obstructed doors.":
+const VISITED: Exceptions = &[
+    WINDOW,
+    (
+        "arguments-matter.num_rooms_visited",
+        "it sets the limit alone, which is thousands of steps away",
+    ),
+];
+
+ids! { ObstructedMazeFull, "Find the blue ball behind obstructed doors.", excused VISITED:
     "MiniGrid-ObstructedMaze-2Dl-v0",
         r#"{"agent_room": [2, 1], "key_in_box": false, "blocked": false, "num_quarters": 1, "num_rooms_visited": 4}"#;
     "MiniGrid-ObstructedMaze-2Dlh-v0",
@@ -198,7 +207,7 @@ ids! { ObstructedMazeFull, "Find the blue ball behind obstructed doors.":
     "MiniGrid-ObstructedMaze-Full-v0", "{}";
 }
 
-ids! { ObstructedMazeFullV1, "Find the blue ball behind obstructed doors.":
+ids! { ObstructedMazeFullV1, "Find the blue ball behind obstructed doors.", excused VISITED:
     "MiniGrid-ObstructedMaze-2Dlhb-v1",
         r#"{"agent_room": [2, 1], "key_in_box": true, "blocked": true, "num_quarters": 1, "num_rooms_visited": 4}"#;
     "MiniGrid-ObstructedMaze-1Q-v1",

@@ -89,17 +89,13 @@ impl<C: Effect, E: Env> gym_core::Wrapper for Affected<C, E> {
         &mut self.env
     }
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+    fn on_reset(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
         let other = self.config.reset(&mut self.state, reset);
         self.env
             .reset_into(other.as_ref().unwrap_or(reset), observation)
     }
 
-    fn step_into(
-        &mut self,
-        action: &E::Action,
-        observation: &mut E::Observation,
-    ) -> Result<Outcome> {
+    fn on_step(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         let Self { env, config, state } = self;
         let rng = env.generator().ok_or(Error::ResetNeeded("step"))?;
         let other = config.before(state, rng);
@@ -120,11 +116,11 @@ impl<C: Effect, E: Env> gym_core::Wrapper for Affected<C, E> {
         C::NAME
     }
 
-    fn snapshot(&self) -> Result<Snapshot> {
+    fn on_snapshot(&self) -> Result<Snapshot> {
         Snapshot::of(&(self.env.snapshot()?, &self.state))
     }
 
-    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+    fn on_restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let (env, state): (Snapshot, C::State) = snapshot.get()?;
         if !self.config.fits(&state, &self.state) {
             return Err(Error::Snapshot(format!("it does not fit this {}", C::NAME)));

@@ -114,16 +114,16 @@ impl<C: Look, E: Env<Observation = Value>> gym_core::Wrapper for Looking<C, E> {
         &mut self.env
     }
 
-    fn observation_space(&self) -> Space {
+    fn on_observation_space(&self) -> Space {
         self.space.clone()
     }
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
+    fn on_reset(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
         self.env.reset_into(reset, &mut self.seen)?;
         self.observe(observation)
     }
 
-    fn step_into(&mut self, action: &E::Action, observation: &mut Value) -> Result<Outcome> {
+    fn on_step(&mut self, action: &E::Action, observation: &mut Value) -> Result<Outcome> {
         let outcome = self.env.step_into(action, &mut self.seen)?;
         self.observe(observation)?;
         Ok(outcome)
@@ -239,53 +239,74 @@ gym_core::register_wrapper!(
     "ViewSizeWrapper", "observes a square of cells of another width", ViewSize, env: Looking::<ViewSize>::new
 );
 
-/// Defines a wrapper that observes a picture: of the whole grid, or of what the agent sees.
-macro_rules! picture {
-    ($(#[$doc:meta])* $name:ident, $id:literal, $description:literal, $agent_pov:literal) => {
-        gym_core::arguments! {
-            $(#[$doc])*
-            pub struct $name {
-                /// The width of a cell.
-                #[unit = "px"]
-                pub tile_size: u32 = 8,
-            }
-        }
-
-        impl Look for $name {
-            fn space(&self, facts: &Facts) -> Result<Space> {
-                let picture = self.pictured(facts).map(|facts| Picture::new(&facts));
-                let (width, height) = match picture {
-                    Some(Ok(picture)) => picture.size(),
-                    Some(Err(reason)) => return Err(Self::refuse(reason)),
-                    None => (0, 0),
-                };
-                bytes([height, width, 3])
-            }
-
-            fn pictured(&self, facts: &Facts) -> Option<Facts> {
-                let mut facts = facts.clone();
-                facts.view.tile_size = self.tile_size;
-                facts.view.agent_pov = $agent_pov;
-                Some(facts)
-            }
-
-            fn look(&self, _: &World, _: &Facts, _: &mut Value) -> Result<()> {
-                Ok(())
-            }
-        }
-
-        gym_core::register_wrapper!($id, $description, $name, env: Looking::<$name>::new);
-    };
+gym_core::arguments! {
+    /// Observes a picture of the grid.
+    pub struct RgbImgObs {
+        /// The width of a cell.
+        #[unit = "px"]
+        pub tile_size: u32 = 8,
+    }
 }
 
-picture!(
-    /// Observes a picture of the grid.
-    RgbImgObs, "RGBImgObsWrapper", "observes a picture of the grid", false
+impl Look for RgbImgObs {
+    fn space(&self, facts: &Facts) -> Result<Space> {
+        picture_space::<Self>(&with_tiles(facts, self.tile_size, false))
+    }
+
+    fn pictured(&self, facts: &Facts) -> Option<Facts> {
+        Some(with_tiles(facts, self.tile_size, false))
+    }
+
+    fn look(&self, _: &World, _: &Facts, _: &mut Value) -> Result<()> {
+        Ok(())
+    }
+}
+
+gym_core::register_wrapper!(
+    "RGBImgObsWrapper", "observes a picture of the grid", RgbImgObs, env: Looking::<RgbImgObs>::new
 );
-picture!(
+
+gym_core::arguments! {
     /// Observes a picture of what the agent sees.
-    RgbImgPartialObs, "RGBImgPartialObsWrapper", "observes a picture of what the agent sees", true
+    pub struct RgbImgPartialObs {
+        /// The width of a cell.
+        #[unit = "px"]
+        pub tile_size: u32 = 8,
+    }
+}
+
+impl Look for RgbImgPartialObs {
+    fn space(&self, facts: &Facts) -> Result<Space> {
+        picture_space::<Self>(&with_tiles(facts, self.tile_size, true))
+    }
+
+    fn pictured(&self, facts: &Facts) -> Option<Facts> {
+        Some(with_tiles(facts, self.tile_size, true))
+    }
+
+    fn look(&self, _: &World, _: &Facts, _: &mut Value) -> Result<()> {
+        Ok(())
+    }
+}
+
+gym_core::register_wrapper!(
+    "RGBImgPartialObsWrapper", "observes a picture of what the agent sees", RgbImgPartialObs, env: Looking::<RgbImgPartialObs>::new
 );
+
+/// The facts of a picture with cells `tile_size` pixels wide: of what the agent sees if `agent_pov`,
+/// otherwise of the whole grid.
+fn with_tiles(facts: &Facts, tile_size: u32, agent_pov: bool) -> Facts {
+    let mut facts = facts.clone();
+    facts.view.tile_size = tile_size;
+    facts.view.agent_pov = agent_pov;
+    facts
+}
+
+/// The space of the pictures of these facts.
+fn picture_space<C: Look>(facts: &Facts) -> Result<Space> {
+    let (width, height) = Picture::new(facts).map_err(C::refuse)?.size();
+    bytes([height, width, 3])
+}
 
 /// How the direction of the goal is measured.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

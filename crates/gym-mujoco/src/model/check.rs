@@ -18,14 +18,6 @@ fn bad(what: String) -> Error {
     Error::Model(what)
 }
 
-macro_rules! ensure {
-    ($condition:expr, $($text:tt)+) => {
-        if !$condition {
-            return Err(bad(format!($($text)+)));
-        }
-    };
-}
-
 /// Every array named has the length of its group.
 macro_rules! same_length {
     ($m:ident, $length:expr, $($field:ident)+) => {

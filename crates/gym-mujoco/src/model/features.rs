@@ -4,15 +4,7 @@ use super::{
     CompiledModel, Cone, Disable, DynamicsType, EqualityType, GainType, Integrator, JointType,
     ObjectType, Solver, TransmissionType, WrapType,
 };
-use crate::{Error, Result};
-
-macro_rules! ensure {
-    ($condition:expr, $($text:tt)+) => {
-        if !$condition {
-            return Err(Error::Model(format!($($text)+)));
-        }
-    };
-}
+use crate::Result;
 
 /// Checks ids of actuators, tendons, equality constraints, sensors and pairs, and refuses what the
 /// engine does not compute.

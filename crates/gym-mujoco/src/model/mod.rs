@@ -4,6 +4,15 @@
 //! has these names too, so that figures of the two can be compared directly. [`Model`] is a checked
 //! one; the engine accepts only this.
 
+/// Returns an error with this text unless the condition holds.
+macro_rules! ensure {
+    ($condition:expr, $($text:tt)+) => {
+        if !$condition {
+            return Err($crate::Error::Model(format!($($text)+)));
+        }
+    };
+}
+
 mod check;
 mod complete;
 mod drives;

@@ -4,7 +4,11 @@ use gym_core::{Arguments, Error, Result};
 use serde_json::{Map, Value as Json};
 
 use crate::Revision;
+use crate::physics::MAXVAL;
 use crate::view::CameraConfig;
+
+/// The largest `reset_noise_scale`: normal numbers of that size lie within MuJoCo's limit.
+const LARGEST_NOISE: f64 = 1e9;
 
 /// The largest frame skip: a step with more timesteps would seem to hang.
 const LONGEST_SKIP: usize = 1000;
@@ -28,6 +32,26 @@ pub trait TaskArguments:
 
     /// The same, to change them.
     fn common_mut(&mut self) -> &mut Common;
+
+    /// The argument `reset_noise_scale`; 0 for a task without it.
+    fn reset_noise_scale(&self) -> f64 {
+        0.0
+    }
+
+    /// Checks `reset_noise_scale`.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for a scale whose normal numbers may exceed MuJoCo's limit.
+    fn check_noise(&self) -> Result<()> {
+        let scale = self.reset_noise_scale();
+        if scale.abs() > LARGEST_NOISE {
+            let reason = format!(
+                "{scale:e} is not within ±{LARGEST_NOISE:e}: MuJoCo's numbers lie within ±{MAXVAL:e}"
+            );
+            return Err(Error::argument("reset_noise_scale", reason));
+        }
+        Ok(())
+    }
 }
 
 gym_core::arguments! {

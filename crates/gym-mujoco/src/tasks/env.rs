@@ -95,9 +95,6 @@ struct Episode<S> {
     step: Option<S>,
 }
 
-/// The largest disturbance at the start: normal numbers of that size lie within MuJoCo's limit.
-const LARGEST_NOISE: f64 = 1e9;
-
 /// The newest version.
 const NEWEST: u32 = 5;
 
@@ -123,16 +120,7 @@ impl<T: Task> MujocoEnv<T> {
             return Err(Error::argument("version", reason));
         }
         let version = version.min(NEWEST);
-        let arguments = serde_json::to_value(&config).unwrap_or_default();
-        if let Some(scale) = arguments["reset_noise_scale"]
-            .as_f64()
-            .filter(|scale| scale.abs() > LARGEST_NOISE)
-        {
-            let reason = format!(
-                "{scale:e} is not within ±{LARGEST_NOISE:e}: MuJoCo's numbers lie within ±{MAXVAL:e}"
-            );
-            return Err(Error::argument("reset_noise_scale", reason));
-        }
+        config.check_noise()?;
         let mut simulation = Simulation::new(config.common(), version)?;
         if let Some(reads) = T::READS {
             simulation.read(reads);

@@ -20,7 +20,7 @@
 //! and 3.
 
 use gym_core::registry::Clip;
-use gym_core::{Array, Generator, Policy, Registration, Result};
+use gym_core::{Array, Generator, Registration, Result};
 use serde::{Deserialize, Serialize};
 
 use super::HalfCheetah;
@@ -60,6 +60,10 @@ impl TaskArguments for Config {
 
     fn common_mut(&mut self) -> &mut Common {
         &mut self.common
+    }
+
+    fn reset_noise_scale(&self) -> f64 {
+        self.reset_noise_scale
     }
 }
 
@@ -162,14 +166,10 @@ gym_core::register!(
     half_cheetah("HalfCheetah-v2"),
     half_cheetah("HalfCheetah-v3"),
     half_cheetah("HalfCheetah-v4"),
-    half_cheetah("HalfCheetah-v5")
-        .policy(Policy::network(include_str!(
-            "../../policies/half-cheetah.json"
-        )))
-        .clip(Clip {
-            seeds: 0..2,
-            every: 2,
-            frames: 60,
-            size: (240, 240)
-        }),
+    half_cheetah("HalfCheetah-v5").clip(Clip {
+        seeds: 0..2,
+        every: 2,
+        frames: 60,
+        size: (240, 240)
+    }),
 );

@@ -18,8 +18,8 @@
 //!
 //! Source: Gymnasium 1.4.0, `envs/mujoco/hopper_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
 
+use gym_core::Registration;
 use gym_core::registry::Clip;
-use gym_core::{Policy, Registration};
 
 use super::Hopper;
 use super::arguments::{Common, TaskArguments};
@@ -76,6 +76,10 @@ impl TaskArguments for Config {
     fn common_mut(&mut self) -> &mut Common {
         &mut self.common
     }
+
+    fn reset_noise_scale(&self) -> f64 {
+        self.reset_noise_scale
+    }
 }
 
 impl RunnerArguments for Config {
@@ -108,12 +112,10 @@ gym_core::register!(
     hopper("Hopper-v2"),
     hopper("Hopper-v3"),
     hopper("Hopper-v4"),
-    hopper("Hopper-v5")
-        .policy(Policy::network(include_str!("../../policies/hopper.json")))
-        .clip(Clip {
-            seeds: 0..2,
-            every: 3,
-            frames: 40,
-            size: (240, 240)
-        }),
+    hopper("Hopper-v5").clip(Clip {
+        seeds: 0..2,
+        every: 3,
+        frames: 40,
+        size: (240, 240)
+    }),
 );

@@ -66,6 +66,10 @@ impl TaskArguments for Config {
     fn common_mut(&mut self) -> &mut Common {
         &mut self.common
     }
+
+    fn reset_noise_scale(&self) -> f64 {
+        self.reset_noise_scale
+    }
 }
 
 /// The task.

@@ -20,7 +20,7 @@
 //! version 2.
 
 use gym_core::registry::Clip;
-use gym_core::{Array, Generator, Policy, Registration, Result};
+use gym_core::{Array, Generator, Registration, Result};
 use serde::{Deserialize, Serialize};
 
 use super::InvertedDoublePendulum;
@@ -55,6 +55,10 @@ impl TaskArguments for Config {
 
     fn common_mut(&mut self) -> &mut Common {
         &mut self.common
+    }
+
+    fn reset_noise_scale(&self) -> f64 {
+        self.reset_noise_scale
     }
 }
 
@@ -161,14 +165,10 @@ const fn inverted_double_pendulum(id: &'static str) -> Registration {
 gym_core::register!(
     inverted_double_pendulum("InvertedDoublePendulum-v2"),
     inverted_double_pendulum("InvertedDoublePendulum-v4"),
-    inverted_double_pendulum("InvertedDoublePendulum-v5")
-        .policy(Policy::network(include_str!(
-            "../../policies/inverted-double-pendulum.json"
-        )))
-        .clip(Clip {
-            seeds: 0..2,
-            every: 1,
-            frames: 40,
-            size: (240, 240)
-        }),
+    inverted_double_pendulum("InvertedDoublePendulum-v5").clip(Clip {
+        seeds: 0..2,
+        every: 1,
+        frames: 40,
+        size: (240, 240)
+    }),
 );

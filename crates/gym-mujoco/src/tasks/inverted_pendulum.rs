@@ -20,7 +20,7 @@
 //! 2.
 
 use gym_core::registry::Clip;
-use gym_core::{Array, Generator, Policy, Registration, Result};
+use gym_core::{Array, Generator, Registration, Result};
 use serde::{Deserialize, Serialize};
 
 use super::InvertedPendulum;
@@ -52,6 +52,10 @@ impl TaskArguments for Config {
 
     fn common_mut(&mut self) -> &mut Common {
         &mut self.common
+    }
+
+    fn reset_noise_scale(&self) -> f64 {
+        self.reset_noise_scale
     }
 }
 
@@ -132,14 +136,10 @@ const fn inverted_pendulum(id: &'static str) -> Registration {
 gym_core::register!(
     inverted_pendulum("InvertedPendulum-v2"),
     inverted_pendulum("InvertedPendulum-v4"),
-    inverted_pendulum("InvertedPendulum-v5")
-        .policy(Policy::network(include_str!(
-            "../../policies/inverted-pendulum.json"
-        )))
-        .clip(Clip {
-            seeds: 0..2,
-            every: 1,
-            frames: 40,
-            size: (240, 240)
-        }),
+    inverted_pendulum("InvertedPendulum-v5").clip(Clip {
+        seeds: 0..2,
+        every: 1,
+        frames: 40,
+        size: (240, 240)
+    }),
 );

@@ -18,7 +18,7 @@
 //! Source: Gymnasium 1.4.0, `envs/mujoco/reacher_v5.py` and `_v4.py`; 0.29.1 for version 2.
 
 use gym_core::registry::Clip;
-use gym_core::{Array, Generator, Policy, Registration, Result};
+use gym_core::{Array, Generator, Registration, Result};
 use serde::{Deserialize, Serialize};
 
 use super::Reacher;
@@ -167,12 +167,10 @@ const fn reacher(id: &'static str) -> Registration {
 gym_core::register!(
     reacher("Reacher-v2"),
     reacher("Reacher-v4"),
-    reacher("Reacher-v5")
-        .policy(Policy::network(include_str!("../../policies/reacher.json")))
-        .clip(Clip {
-            seeds: 0..2,
-            every: 2,
-            frames: 60,
-            size: (240, 240)
-        }),
+    reacher("Reacher-v5").clip(Clip {
+        seeds: 0..2,
+        every: 2,
+        frames: 60,
+        size: (240, 240)
+    }),
 );

@@ -19,7 +19,7 @@
 //! Source: Gymnasium 1.4.0, `envs/mujoco/swimmer_v5.py` and `_v4.py`; 0.29.1 for versions 2 and 3.
 
 use gym_core::registry::Clip;
-use gym_core::{Array, Generator, Policy, Registration, Result};
+use gym_core::{Array, Generator, Registration, Result};
 use serde::{Deserialize, Serialize};
 
 use super::Swimmer;
@@ -60,6 +60,10 @@ impl TaskArguments for Config {
 
     fn common_mut(&mut self) -> &mut Common {
         &mut self.common
+    }
+
+    fn reset_noise_scale(&self) -> f64 {
+        self.reset_noise_scale
     }
 }
 
@@ -178,12 +182,10 @@ gym_core::register!(
     swimmer("Swimmer-v2"),
     swimmer("Swimmer-v3"),
     swimmer("Swimmer-v4"),
-    swimmer("Swimmer-v5")
-        .policy(Policy::network(include_str!("../../policies/swimmer.json")))
-        .clip(Clip {
-            seeds: 0..2,
-            every: 3,
-            frames: 60,
-            size: (240, 240)
-        }),
+    swimmer("Swimmer-v5").clip(Clip {
+        seeds: 0..2,
+        every: 3,
+        frames: 60,
+        size: (240, 240)
+    }),
 );

@@ -9,19 +9,15 @@ use serde_json::Value as Json;
 use super::smoothscale::phases;
 use super::{RgbPixels, paint};
 
-/// Reads a file of cases.
-macro_rules! cases {
-    ($name:literal) => {
-        cases(include_str!(concat!("../../tests/pygame/", $name, ".json")))
-    };
-}
-
-fn cases<T: for<'a> Deserialize<'a>>(text: &str) -> Vec<T> {
+/// Reads the file of cases `name`.
+fn cases<T: for<'a> Deserialize<'a>>(name: &str) -> Vec<T> {
     #[derive(Deserialize)]
     struct File<T> {
         cases: Vec<T>,
     }
-    serde_json::from_str::<File<T>>(text).unwrap().cases
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/pygame");
+    let text = std::fs::read_to_string(format!("{folder}/{name}.json")).unwrap();
+    serde_json::from_str::<File<T>>(&text).unwrap().cases
 }
 
 /// Returns pseudorandom bytes.
@@ -106,29 +102,29 @@ fn check(name: &str, cases: &[Case], primitive: impl Fn(&Case) -> Primitive<'_>)
 
 #[test]
 fn gfxdraw_draws_what_pygame_drew() {
-    let polygons: Vec<Case> = cases!("gfxdraw.aapolygon");
+    let polygons: Vec<Case> = cases("gfxdraw.aapolygon");
     check("aapolygon", &polygons, |case| {
         Primitive::AaPolygon(&case.points)
     });
-    let polygons: Vec<Case> = cases!("gfxdraw.filled_polygon");
+    let polygons: Vec<Case> = cases("gfxdraw.filled_polygon");
     check("filled_polygon", &polygons, |case| {
         Primitive::FilledPolygon(&case.points)
     });
-    let circles: Vec<Case> = cases!("gfxdraw.aacircle");
+    let circles: Vec<Case> = cases("gfxdraw.aacircle");
     check("aacircle", &circles, |&Case { center, radius, .. }| {
         Primitive::AaCircle { center, radius }
     });
-    let circles: Vec<Case> = cases!("gfxdraw.filled_circle");
+    let circles: Vec<Case> = cases("gfxdraw.filled_circle");
     check(
         "filled_circle",
         &circles,
         |&Case { center, radius, .. }| Primitive::FilledCircle { center, radius },
     );
-    let lines: Vec<Case> = cases!("gfxdraw.hline");
+    let lines: Vec<Case> = cases("gfxdraw.hline");
     check("hline", &lines, |&Case { x1, x2, y, .. }| {
         Primitive::HLine { x1, x2, y }
     });
-    let lines: Vec<Case> = cases!("gfxdraw.vline");
+    let lines: Vec<Case> = cases("gfxdraw.vline");
     check("vline", &lines, |&Case { x, y1, y2, .. }| {
         Primitive::VLine { x, y1, y2 }
     });
@@ -136,14 +132,14 @@ fn gfxdraw_draws_what_pygame_drew() {
 
 #[test]
 fn draw_draws_what_pygame_drew() {
-    let polygons: Vec<Case> = cases!("draw.polygon");
+    let polygons: Vec<Case> = cases("draw.polygon");
     check("polygon", &polygons, |case| {
         Primitive::Polygon(&case.points)
     });
     for (name, width, closed, cases) in [
-        ("polygon of width 1", 1, true, cases!("draw.polygon_width1")),
-        ("line", 1, false, cases!("draw.line_width1")),
-        ("lines of width 2", 2, false, cases!("draw.lines_width2")),
+        ("polygon of width 1", 1, true, cases("draw.polygon_width1")),
+        ("line", 1, false, cases("draw.line_width1")),
+        ("lines of width 2", 2, false, cases("draw.lines_width2")),
     ] {
         check(name, &cases, |case| Primitive::Lines {
             points: &case.points,
@@ -151,14 +147,14 @@ fn draw_draws_what_pygame_drew() {
             width,
         });
     }
-    let circles: Vec<Case> = cases!("draw.circle");
+    let circles: Vec<Case> = cases("draw.circle");
     check("circle", &circles, |&Case { center, radius, .. }| {
         Primitive::Circle { center, radius }
     });
     for (name, closed, cases) in [
-        ("aaline", false, cases!("draw.aaline")),
-        ("aalines, open", false, cases!("draw.aalines_open")),
-        ("aalines, closed", true, cases!("draw.aalines_closed")),
+        ("aaline", false, cases("draw.aaline")),
+        ("aalines, open", false, cases("draw.aalines_open")),
+        ("aalines, closed", true, cases("draw.aalines_closed")),
     ] {
         check(name, &cases, |case| Primitive::AaLines {
             points: &case.points,
@@ -197,7 +193,7 @@ fn rotate_rad_turns_as_pygame_did() {
         angle: f64,
         to: Point,
     }
-    for Turn { from, angle, to } in cases!("vector2.rotate_rad") {
+    for Turn { from, angle, to } in cases("vector2.rotate_rad") {
         let turned = gym_core::pygame::rotate_rad(from, angle);
         assert_eq!(turned, to, "{from:?} {angle}");
     }
@@ -233,7 +229,7 @@ fn smoothscale_shrinks_as_pygame_did() {
         seed,
         blocks,
         crc32,
-    } in cases!("transform.smoothscale")
+    } in cases("transform.smoothscale")
     {
         let bytes: Vec<u8> = noise(seed).take(w * h * 4).collect();
         let source = |x: usize, y: usize, channel: usize| {

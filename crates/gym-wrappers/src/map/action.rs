@@ -3,7 +3,10 @@ use std::fmt;
 use gym_core::registry::WrapperConfig;
 use gym_core::spaces::array_of;
 use gym_core::vector::Columns;
-use gym_core::{Element, Env, Error, Outcome, Result, Space, Value, VectorEnv};
+use gym_core::{
+    Element, Env, Error, Outcome, Reset, Result, Space, Value, VectorEnv, VectorWrapper, Wrapper,
+    WrapperSpec,
+};
 
 use super::Within;
 use crate::within::act;
@@ -44,7 +47,7 @@ pub struct MapAction<T, M: ActionMap> {
     rows: Value,
 }
 
-reach!(MapAction<T, M: ActionMap>);
+gym_core::inner!(impl MapAction<T, M: ActionMap>);
 
 impl<T, M: ActionMap> MapAction<T, M> {
     /// Maps the actions for `inner`.
@@ -98,18 +101,21 @@ impl<T, M: ActionMap> MapAction<T, M> {
     }
 }
 
-impl<E: Env, M: ActionMap> gym_core::Wrapper for MapAction<E, M> {
+impl<E: Env, M: ActionMap> Wrapper for MapAction<E, M> {
     type Observation = E::Observation;
     type Action = M::Action<E::Action>;
 
-    env_within!(E);
-    reset_within!(E);
+    gym_core::inner!(E);
 
-    fn action_space(&self) -> Space {
+    fn on_reset(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+        self.inner.reset_into(reset, observation)
+    }
+
+    fn on_action_space(&self) -> Space {
         self.space.clone()
     }
 
-    fn step_into(
+    fn on_step(
         &mut self,
         outer: &Self::Action,
         observation: &mut E::Observation,
@@ -127,17 +133,23 @@ impl<E: Env, M: ActionMap> gym_core::Wrapper for MapAction<E, M> {
         act(inner, map.map(action, buffer), observation)
     }
 
-    named_by!(config: M::Config);
+    fn name(&self) -> &'static str {
+        <M::Config>::NAME
+    }
+
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        Some(self.config.spec())
+    }
 }
 
-impl<V: VectorEnv, M: ActionMap> gym_core::VectorWrapper for MapAction<V, M> {
-    vector_within!();
+impl<V: VectorEnv, M: ActionMap> VectorWrapper for MapAction<V, M> {
+    gym_core::inner!(dyn);
 
-    fn single_action_space(&self) -> Space {
+    fn on_single_action_space(&self) -> Space {
         self.space.clone()
     }
 
-    fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
+    fn on_step(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
         let n = self.inner.num_envs();
         let Self {
             inner,
@@ -176,5 +188,11 @@ impl<V: VectorEnv, M: ActionMap> gym_core::VectorWrapper for MapAction<V, M> {
         inner.step_into(rows, columns)
     }
 
-    named_by!(config: M::Config);
+    fn name(&self) -> &'static str {
+        <M::Config>::NAME
+    }
+
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        Some(self.config.spec())
+    }
 }

@@ -42,8 +42,9 @@ mod action;
 mod observation;
 mod reward;
 
+pub use crate::observing::Seen;
 pub use crate::within::{Batch, Single, Within};
 pub use action::{ActionMap, MapAction};
-pub use observation::{MapObservation, ObservationMap, Seen};
+pub use observation::{MapObservation, Mapped, ObservationMap};
 pub(crate) use reward::step_rewards;
 pub use reward::{MapReward, RewardMap};

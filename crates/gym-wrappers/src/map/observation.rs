@@ -3,9 +3,10 @@ use std::fmt;
 use gym_core::registry::WrapperConfig;
 use gym_core::spaces::array_of;
 use gym_core::vector::Columns;
-use gym_core::{Element, Env, Result, Space, Value, VectorEnv};
+use gym_core::{Env, Result, Space, Value};
 
 use super::Within;
+use crate::observing::{Observer, Observing, Seen, VectorObserver};
 
 /// A change of observations, without state.
 pub trait ObservationMap: Clone + fmt::Debug + Send + 'static {
@@ -34,20 +35,17 @@ pub trait ObservationMap: Clone + fmt::Debug + Send + 'static {
 
 /// Maps the observations of an environment, or of each sub-environment of a vector, final ones
 /// included.
+pub type MapObservation<T, M> = Observing<T, Mapped<M>>;
+
+/// The observer of an [`ObservationMap`].
 #[derive(Clone, Debug)]
-pub struct MapObservation<T, M: ObservationMap> {
-    inner: T,
+pub struct Mapped<M: ObservationMap> {
     config: M::Config,
     map: M,
-    space: Space,
     inner_space: Space,
-    /// The inner observations: only `observations`, for an environment.
-    seen: Seen,
     /// A row of a batch, before and after.
     row: [Value; 2],
 }
-
-reach!(MapObservation<T, M: ObservationMap>);
 
 impl<T, M: ObservationMap> MapObservation<T, M> {
     /// Maps the observations of `inner`.
@@ -60,39 +58,58 @@ impl<T, M: ObservationMap> MapObservation<T, M> {
     {
         let (config, inner_space) = (config.into(), inner.observations());
         let (map, space) = M::new(&config, &inner_space)?;
-        Ok(Self {
-            inner,
+        let mapped = Mapped {
             config,
             map,
-            space,
             inner_space,
-            seen: Seen::default(),
             row: Default::default(),
-        })
+        };
+        Ok(Self::with_observer(inner, mapped, space))
     }
 
     /// The arguments.
     pub fn config(&self) -> &M::Config {
-        &self.config
+        &self.observer.config
     }
 
     /// The map.
     pub fn map(&self) -> &M {
-        &self.map
+        &self.observer.map
+    }
+}
+
+impl<M: ObservationMap> Observer for Mapped<M> {
+    type Config = M::Config;
+
+    fn arguments(&self) -> M::Config {
+        self.config.clone()
     }
 
-    fn observe(&self, _is_reset: bool, out: &mut Value) -> Result<()> {
-        prepare(&self.space, out);
-        self.map.map(&self.seen.observations, out)
+    fn observe<E: Env>(
+        &mut self,
+        _env: &mut E,
+        space: &Space,
+        seen: &mut Value,
+        _is_reset: bool,
+        out: &mut Value,
+    ) -> Result<()> {
+        prepare(space, out);
+        self.map.map(seen, out)
     }
+}
 
-    fn observe_columns(&mut self, n: usize, columns: &mut Columns) -> Result<()> {
-        columns.prepare(&self.space, n)?;
+impl<M: ObservationMap> VectorObserver for Mapped<M> {
+    fn observe_columns(
+        &mut self,
+        space: &Space,
+        num_envs: usize,
+        seen: &Seen,
+        columns: &mut Columns,
+    ) -> Result<()> {
+        columns.prepare(space, num_envs)?;
         let Self {
             map,
-            space,
             inner_space,
-            seen,
             row: [before, after],
             ..
         } = self;
@@ -105,7 +122,7 @@ impl<T, M: ObservationMap> MapObservation<T, M> {
             map.map(before, after)?;
             space.write_row(out, index, after)
         };
-        for index in 0..n {
+        for index in 0..num_envs {
             map_row(index, &seen.observations, &mut columns.observations)?;
             if columns.has_final[index] {
                 map_row(
@@ -127,66 +144,5 @@ fn prepare(space: &Space, out: &mut Value) {
         space.shape(),
     ) {
         array_of(out, dtype, shape);
-    }
-}
-
-impl<E: Env, M: ObservationMap> gym_core::Wrapper for MapObservation<E, M> {
-    observes!(E, seen.observations);
-
-    named_by!(config: M::Config);
-}
-
-impl<V: VectorEnv, M: ObservationMap> gym_core::VectorWrapper for MapObservation<V, M> {
-    observes_columns!();
-
-    fn single_observation_space(&self) -> Space {
-        self.space.clone()
-    }
-
-    named_by!(config: M::Config);
-}
-
-/// The inner observations of a vector, for a wrapper that changes them.
-#[derive(Clone, Debug, Default)]
-pub struct Seen {
-    pub(crate) observations: Value,
-    pub(crate) final_observations: Value,
-}
-
-impl Seen {
-    /// The inner vector fills the columns, with its observations stored here; then, if any
-    /// sub-environment changed, the wrapper fills them.
-    pub(crate) fn fill(
-        &mut self,
-        columns: &mut Columns,
-        fill: impl FnOnce(&mut Columns) -> Result<()>,
-    ) -> (Result<()>, bool) {
-        columns.begin();
-        self.swap(columns);
-        let result = fill(columns);
-        self.swap(columns);
-        let goes_on = columns.any_progress();
-        (result, goes_on)
-    }
-
-    fn swap(&mut self, columns: &mut Columns) {
-        std::mem::swap(&mut self.observations, &mut columns.observations);
-        std::mem::swap(
-            &mut self.final_observations,
-            &mut columns.final_observations,
-        );
-    }
-
-    /// Maps each column that counts.
-    pub(crate) fn map(
-        &self,
-        columns: &mut Columns,
-        map: impl Fn(&Value, &mut Value) -> Result<()>,
-    ) -> Result<()> {
-        map(&self.observations, &mut columns.observations)?;
-        if columns.has_final.contains(&true) {
-            map(&self.final_observations, &mut columns.final_observations)?;
-        }
-        Ok(())
     }
 }

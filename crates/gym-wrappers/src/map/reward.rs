@@ -2,7 +2,9 @@ use std::fmt;
 
 use gym_core::registry::WrapperConfig;
 use gym_core::vector::{Columns, Progress};
-use gym_core::{Env, Outcome, Result, Value, VectorEnv};
+use gym_core::{
+    Env, Outcome, Reset, Result, Value, VectorEnv, VectorWrapper, Wrapper, WrapperSpec,
+};
 
 /// A change of rewards, without state.
 pub trait RewardMap: Clone + fmt::Debug + Send + 'static {
@@ -27,7 +29,7 @@ pub struct MapReward<T, M: RewardMap> {
     map: M,
 }
 
-reach!(MapReward<T, M: RewardMap>);
+gym_core::inner!(impl MapReward<T, M: RewardMap>);
 
 impl<T, M: RewardMap> MapReward<T, M> {
     /// Maps the rewards of `inner`.
@@ -49,18 +51,17 @@ impl<T, M: RewardMap> MapReward<T, M> {
     }
 }
 
-impl<E: Env, M: RewardMap> gym_core::Wrapper for MapReward<E, M> {
+impl<E: Env, M: RewardMap> Wrapper for MapReward<E, M> {
     type Observation = E::Observation;
     type Action = E::Action;
 
-    env_within!(E);
-    reset_within!(E);
+    gym_core::inner!(E);
 
-    fn step_into(
-        &mut self,
-        action: &E::Action,
-        observation: &mut E::Observation,
-    ) -> Result<Outcome> {
+    fn on_reset(&mut self, reset: &Reset, observation: &mut E::Observation) -> Result<()> {
+        self.inner.reset_into(reset, observation)
+    }
+
+    fn on_step(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         let outcome = self.inner.step_into(action, observation)?;
         Ok(Outcome {
             reward: self.map.map(outcome.reward),
@@ -68,19 +69,31 @@ impl<E: Env, M: RewardMap> gym_core::Wrapper for MapReward<E, M> {
         })
     }
 
-    named_by!(config: M::Config);
+    fn name(&self) -> &'static str {
+        <M::Config>::NAME
+    }
+
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        Some(self.config.spec())
+    }
 }
 
-impl<V: VectorEnv, M: RewardMap> gym_core::VectorWrapper for MapReward<V, M> {
-    vector_within!();
+impl<V: VectorEnv, M: RewardMap> VectorWrapper for MapReward<V, M> {
+    gym_core::inner!(dyn);
 
-    fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
+    fn on_step(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
         step_rewards(&mut self.inner, actions, columns, |reward| {
             self.map.map(reward)
         })
     }
 
-    named_by!(config: M::Config);
+    fn name(&self) -> &'static str {
+        <M::Config>::NAME
+    }
+
+    fn wrapper_spec(&self) -> Option<WrapperSpec> {
+        Some(self.config.spec())
+    }
 }
 
 /// Steps the inner vector and maps the rewards of all sub-environments that stepped.

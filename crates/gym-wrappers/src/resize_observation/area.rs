@@ -3,7 +3,7 @@
 
 /// A resizer from one image size to another.
 #[derive(Clone, Debug)]
-pub(crate) struct AreaResize {
+pub struct AreaResize {
     source: (usize, usize),
     channels: usize,
     method: Method,
@@ -31,8 +31,8 @@ enum Method {
 type Pair = [(usize, i32); 2];
 
 impl AreaResize {
-    /// From images of `(height, width)` to another size.
-    pub(crate) fn new(source: (usize, usize), target: (usize, usize), channels: usize) -> Self {
+    /// From images of the size `source`, `(height, width)`, to the size `target`; no number is 0.
+    pub fn new(source: (usize, usize), target: (usize, usize), channels: usize) -> Self {
         let inverse = |source: usize, target: usize| target as f64 / source as f64;
         let (inverse_y, inverse_x) = (inverse(source.0, target.0), inverse(source.1, target.1));
         let (scale_y, scale_x) = (1.0 / inverse_y, 1.0 / inverse_x);
@@ -51,8 +51,8 @@ impl AreaResize {
             }
         } else {
             Method::Shares {
-                rows: shares(source.0, target.0, scale_y),
-                columns: shares(source.1, target.1, scale_x),
+                rows: shares(source.0, target.0),
+                columns: shares(source.1, target.1),
             }
         };
         Self {
@@ -63,12 +63,15 @@ impl AreaResize {
     }
 
     /// Whether an image has the source size.
-    pub(crate) fn fits(&self, source: &[u8]) -> bool {
+    pub fn fits(&self, source: &[u8]) -> bool {
         source.len() == self.source.0 * self.source.1 * self.channels
     }
 
     /// Fills `out`; both are row by row, a pixel's channels together.
-    pub(crate) fn resize(&self, source: &[u8], out: &mut [u8]) {
+    ///
+    /// # Panics
+    /// If `source` does not [fit](Self::fits).
+    pub fn resize(&self, source: &[u8], out: &mut [u8]) {
         let channels = self.channels;
         let at = |y: usize, x: usize, c: usize| source[(y * self.source.1 + x) * channels + c];
         match &self.method {
@@ -130,10 +133,12 @@ fn saturate(x: f32) -> u8 {
     x.round_ties_even() as u8
 }
 
-/// OpenCV's `computeResizeAreaTab`.
-fn shares(source: usize, target: usize, scale: f64) -> Vec<Vec<(usize, f32)>> {
+/// For each of `target` pixels of a result that does not grow: the pixels among `source` that it
+/// covers, which are consecutive, with their shares. OpenCV's `computeResizeAreaTab`.
+pub fn shares(source: usize, target: usize) -> Vec<Vec<(usize, f32)>> {
     /// A share below this is left out.
     const LEAST: f64 = 1e-3;
+    let scale = 1.0 / (target as f64 / source as f64);
     let cell = |i: usize| {
         let start = i as f64 * scale;
         let end = start + scale;

@@ -1,6 +1,6 @@
 //! Pictures of another size.
 
-mod area;
+pub mod area;
 
 use gym_core::registry::WrapperConfig;
 use gym_core::spaces::BoxSpace;
@@ -23,7 +23,11 @@ gym_core::arguments! {
     }
 }
 
-positional!(shape: [usize; 2]);
+impl From<[usize; 2]> for Config {
+    fn from(shape: [usize; 2]) -> Self {
+        Self { shape }
+    }
+}
 
 /// The filter of [`ResizeObservation`].
 #[derive(Clone, Debug)]

@@ -8,7 +8,7 @@ use gym_core::{Array, DType, Data, Error, Result};
 use serde::{Deserialize, Serialize};
 
 use moments::{Batch, Real, Rows};
-pub(crate) use normalizer::{Normalizer, normalizes};
+pub(crate) use normalizer::Normalizer;
 
 /// The weight of the initial mean 0 and variance 1.
 const INITIAL_COUNT: f64 = 1e-4;
@@ -56,14 +56,27 @@ struct Of<T> {
     var: Vec<T>,
 }
 
-/// Evaluates `$body` with `$of` bound to the moments of either type.
-macro_rules! each {
-    ($moments:expr, $of:ident => $body:expr) => {
-        match $moments {
-            Moments::F32($of) => $body,
-            Moments::F64($of) => $body,
+impl Moments {
+    fn mean(&self) -> Array {
+        match self {
+            Self::F32(of) => of.mean.clone().into(),
+            Self::F64(of) => of.mean.clone().into(),
         }
-    };
+    }
+
+    fn variance(&self) -> Array {
+        match self {
+            Self::F32(of) => of.var.clone().into(),
+            Self::F64(of) => of.var.clone().into(),
+        }
+    }
+
+    fn len(&self) -> usize {
+        match self {
+            Self::F32(of) => of.mean.len(),
+            Self::F64(of) => of.mean.len(),
+        }
+    }
 }
 
 /// The unchecked form of [`RunningMeanStd`].
@@ -78,14 +91,15 @@ impl TryFrom<Parts> for RunningMeanStd {
     type Error = Error;
 
     fn try_from(Parts { moments, count }: Parts) -> Result<Self> {
-        let (mean, var) = each!(&moments, of => (of.mean.len(), of.var.len()));
+        let variances = moments.variance();
+        let (mean, var) = (moments.len(), variances.len());
         let refuse = |reason: String| Err(Error::argument("RunningMeanStd", reason));
         if mean != var {
             return refuse(format!(
                 "the mean has {mean} numbers and the variance {var}"
             ));
         }
-        if !each!(&moments, of => of.var.iter().all(|x| *x >= 0.0)) {
+        if !variances.iter_f64().all(|x| x >= 0.0) {
             return refuse("a variance is negative or NaN".into());
         }
         if !(count > 0.0 && count.is_finite()) {
@@ -150,12 +164,12 @@ impl RunningMeanStd {
 
     /// The mean of each number, of shape `(len,)`.
     pub fn mean(&self) -> Array {
-        each!(&self.moments, of => of.mean.clone().into())
+        self.moments.mean()
     }
 
     /// The variance of each number, of shape `(len,)`.
     pub fn variance(&self) -> Array {
-        each!(&self.moments, of => of.var.clone().into())
+        self.moments.variance()
     }
 
     /// The number of rows, plus 0.0001 for the initial mean and variance.
@@ -165,7 +179,7 @@ impl RunningMeanStd {
 
     /// The number of numbers in a row.
     pub fn len(&self) -> usize {
-        each!(&self.moments, of => of.mean.len())
+        self.moments.len()
     }
 
     /// Whether a row has no numbers.

@@ -113,10 +113,10 @@ fn a_limit_that_is_lost_on_the_way_is_seen_without_a_registration() {
         fn inner_mut(&mut self) -> &mut BoxEnv {
             &mut self.0
         }
-        fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
+        fn on_reset(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
             self.0.reset_into(reset, observation)
         }
-        fn step_into(&mut self, action: &Value, observation: &mut Value) -> Result<Outcome> {
+        fn on_step(&mut self, action: &Value, observation: &mut Value) -> Result<Outcome> {
             let outcome = self.0.step_into(action, observation)?;
             Ok(Outcome {
                 truncated: outcome.truncated && self.1,
@@ -177,12 +177,12 @@ impl gym_core::Wrapper for Own {
         &mut self.env
     }
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
+    fn on_reset(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
         self.steps = 0;
         self.env.reset_into(reset, observation)
     }
 
-    fn step_into(&mut self, action: &Value, observation: &mut Value) -> Result<Outcome> {
+    fn on_step(&mut self, action: &Value, observation: &mut Value) -> Result<Outcome> {
         let mut outcome = self.env.step_into(action, observation)?;
         self.steps += 1;
         match self.ends {
@@ -211,11 +211,11 @@ impl gym_core::Wrapper for Own {
         Ok(outcome)
     }
 
-    fn snapshot(&self) -> Result<gym_core::Snapshot> {
+    fn on_snapshot(&self) -> Result<gym_core::Snapshot> {
         gym_core::Snapshot::of(&(self.env.snapshot()?, self.steps))
     }
 
-    fn restore(&mut self, snapshot: &gym_core::Snapshot) -> Result<()> {
+    fn on_restore(&mut self, snapshot: &gym_core::Snapshot) -> Result<()> {
         let (env, steps) = snapshot.get()?;
         self.env.restore(&env)?;
         self.steps = steps;

@@ -54,7 +54,7 @@ impl gym_core::Wrapper for Other {
         &mut self.walk
     }
 
-    fn action_space(&self) -> Space {
+    fn on_action_space(&self) -> Space {
         if self.is(Otherwise::ActionSpace) {
             Space::discrete(1)
         } else {
@@ -62,14 +62,14 @@ impl gym_core::Wrapper for Other {
         }
     }
 
-    fn observation_space(&self) -> Space {
+    fn on_observation_space(&self) -> Space {
         match self.otherwise {
             Otherwise::ObservationSpace => Space::boxed([-2.0; 2], [2.0; 2]),
             _ => self.walk.observation_space(),
         }
     }
 
-    fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
+    fn on_reset(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
         self.steps = 0;
         self.walk.reset_into(reset, observation)?;
         if self.is(Otherwise::Reset) {
@@ -78,7 +78,7 @@ impl gym_core::Wrapper for Other {
         Ok(())
     }
 
-    fn step_into(&mut self, action: &Value, observation: &mut Value) -> Result<Outcome> {
+    fn on_step(&mut self, action: &Value, observation: &mut Value) -> Result<Outcome> {
         self.steps += 1;
         let mut outcome = self.walk.step_into(action, observation)?;
         if self.steps == STEP {
@@ -93,7 +93,7 @@ impl gym_core::Wrapper for Other {
         Ok(outcome)
     }
 
-    fn info(&self, visit: &mut dyn FnMut(&str, Value)) {
+    fn on_info(&self, visit: &mut dyn FnMut(&str, Value)) {
         visit(
             "steps",
             Value::Int(if self.is(Otherwise::InfoValue) {
@@ -107,7 +107,7 @@ impl gym_core::Wrapper for Other {
         }
     }
 
-    fn draw(&self, canvas: &mut dyn Canvas) {
+    fn on_draw(&self, canvas: &mut dyn Canvas) {
         self.walk.draw(canvas);
         if self.is(Otherwise::Picture) {
             canvas.circle([20.0, 20.0], 9.0, Color::BLACK);
@@ -297,10 +297,10 @@ fn the_seed_chooses_the_actions() {
         fn inner_mut(&mut self) -> &mut Walk {
             &mut self.0
         }
-        fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
+        fn on_reset(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
             self.0.reset_into(reset, observation)
         }
-        fn step_into(&mut self, action: &Value, observation: &mut Value) -> Result<Outcome> {
+        fn on_step(&mut self, action: &Value, observation: &mut Value) -> Result<Outcome> {
             self.1.lock().unwrap().push(action.clone());
             self.0.step_into(action, observation)
         }

@@ -14,7 +14,7 @@ use gym_core::keys::json;
 use gym_core::math::Real;
 use gym_core::render::Metadata;
 use gym_core::{Error, Generator, Keys, Registration, Reset, Result, Space, Stateful, Task};
-use gym_native::{Equations, Next};
+use gym_native::{Compared, Equations, Next};
 use serde::{Deserialize, Serialize};
 
 /// The environment.
@@ -59,6 +59,7 @@ pub struct State {
 #[derive(Clone, Copy, Debug)]
 pub struct RocketTask {
     config: Config,
+    constants: Compared<Constants<f64>>,
 }
 
 /// The task.
@@ -76,7 +77,8 @@ impl Task for RocketTask {
             let reason = "gravity and thrust must lie between 0 and 100, and dt between 0.001 and 1";
             return Err(Error::argument(Self::NAME, reason));
         }
-        Ok(Self { config })
+        let constants = Compared::new(Constants { gravity, thrust, dt }, Self::DEFAULTS);
+        Ok(Self { config, constants })
     }
 
     fn config(&self) -> &Config {
@@ -111,38 +113,46 @@ impl Task for RocketTask {
     }
 }
 
+gym_core::constants! {
+    /// The constants of the formula.
+    pub struct Constants {
+        gravity,
+        thrust,
+        dt,
+    }
+}
+
 /// How it steps: one formula, for one environment and for as many as a vector register holds.
 impl Equations for RocketTask {
     type Numbers = [f64; 2];
     type Input = [f64; 1];
-    type Constants = [f64; 3];
+    type Constants = Constants<f64>;
 
     #[inline(always)]
-    fn constants(&self) -> [f64; 3] {
-        [self.config.gravity, self.config.thrust, self.config.dt]
+    fn constants(&self) -> Compared<Constants<f64>> {
+        self.constants
     }
 
     #[inline(always)]
-    fn numbers(&self, state: &State) -> [f64; 2] {
+    fn pack(&self, state: &State) -> [f64; 2] {
         [state.height, state.velocity]
     }
 
     #[inline(always)]
-    fn state(&self, [height, velocity]: [f64; 2], _fresh: bool) -> State {
+    fn unpack(&self, [height, velocity]: [f64; 2], _fresh: bool) -> State {
         State { height, velocity }
     }
 
     #[inline(always)]
-    fn input(&self, action: Action) -> [f64; 1] {
+    fn encode(&self, action: Action) -> [f64; 1] {
         [if action == Action::On { 1.0 } else { 0.0 }]
     }
 
     #[inline(always)]
-    fn advance<R: Real>(
+    fn step<R: Real>(
         &self,
-        [gravity, thrust, dt]: [R; 3],
+        Constants { gravity, thrust, dt }: Constants<R>,
         [height, velocity]: [R; 2],
-        _fresh: R::Mask,
         [engine]: [R; 1],
     ) -> Next<R, Self> {
         let velocity = velocity + (engine * thrust - gravity) * dt;
@@ -151,12 +161,12 @@ impl Equations for RocketTask {
         let terminated = height.le(zero);
         // `select` stands for `if`: environments of one register may differ
         let reward = R::select(terminated, velocity, zero) - engine * 0.01;
-        Next { state: [height, velocity], reward, terminated, seen: [height, velocity] }
+        let numbers = [height, velocity];
+        Next { numbers, reward, terminated, observation: numbers }
     }
 
-    #[inline(always)]
-    fn see<R: Real>(&self, state: [R; 2]) -> [R; 2] {
-        state
+    fn observe(&self, state: &State) -> [f32; 2] {
+        [state.height as f32, state.velocity as f32]
     }
 }
 

@@ -277,6 +277,7 @@ pub(crate) fn fits(m: &Model) -> bool {
         && m.opt.solver == Solver::Newton
         && matches!(m.opt.integrator, Integrator::Euler | Integrator::RK4)
         && m.opt.impratio == 1.0
+        && m.opt.noslip_iterations == 0
         && plan.plain
         && plan.motors
         && !plan.transmits

@@ -1,34 +1,9 @@
-//! Code that the three environments share.
+//! Steps of worlds, alone or together with other worlds.
 
 use fearless_simd::Level;
-use gym_core::canvas::{Canvas, Color, Point, Primitive};
 use gym_core::vector::lockstep::Together;
-use gym_core::{Arguments, Error, Registration, Result, arguments};
-use serde_json::Value as Json;
 
-use crate::physics::{FixtureId, LANES, Lanes, Place, Vec2, World};
-
-/// Returns `config` with the argument `name` set to `value`. Arguments that decide the spaces or
-/// the engine cannot be set.
-pub(crate) fn assigned<C: Arguments>(
-    config: &C,
-    name: &str,
-    value: Json,
-    whose: &str,
-) -> Result<C> {
-    if matches!(name, "continuous" | "physics") {
-        return Err(Error::argument(
-            whose,
-            format!("{name} is fixed: make a new environment to change it"),
-        ));
-    }
-    arguments::read(
-        config,
-        u32::MAX,
-        &[(name.to_owned(), value)].into_iter().collect(),
-        whose,
-    )
-}
+use crate::physics::{LANES, Lanes, Place, World};
 
 /// Working memory for worlds that solve their velocities together.
 #[derive(Clone, Debug)]
@@ -89,86 +64,6 @@ impl Worlds {
 pub(crate) const VELOCITY_ITERATIONS: u32 = 180;
 /// Iterations of the position solver per step: 2 * 30.
 pub(crate) const POSITION_ITERATIONS: u32 = 60;
-
-/// Adapts the registration of an id `rapier/...`: without the feature `rapier` the id stays
-/// registered, and says what it needs.
-pub(crate) const fn on_rapier(registration: Registration) -> Registration {
-    if cfg!(feature = "rapier") {
-        registration
-    } else {
-        registration.needs("the feature `rapier`", || false)
-    }
-}
-
-/// An exemption from gym-conform's check `no-allocation`.
-pub(crate) const RAPIER_ALLOCATES: (&str, &str) =
-    ("no-allocation", "rapier2d allocates in its own step");
-
-/// Returns the version whose rules apply: versions above 3 use the rules of version 3.
-///
-/// # Errors
-/// [`Error::InvalidArgument`] for a version that never existed.
-pub(crate) fn version(env: &str, version: u32) -> Result<u32> {
-    match version {
-        0 | 1 => {
-            let reason = format!(
-                "version {version} does not exist: set 2 or 3 with `Registration::version`"
-            );
-            Err(Error::argument(env, reason))
-        }
-        _ => Ok(version.min(3)),
-    }
-}
-
-/// Makes a vector of the world from coordinates in `f64`, rounded to `f32`.
-pub(crate) fn vec2(x: f64, y: f64) -> Vec2 {
-    Vec2::new(x as f32, y as f32)
-}
-
-/// Makes vectors of the world from `points`, with `f` applied to each coordinate.
-pub(crate) fn points(points: &[[f64; 2]], f: impl Fn(f64) -> f64) -> Vec<Vec2> {
-    points.iter().map(|[x, y]| vec2(f(*x), f(*y))).collect()
-}
-
-/// numpy's `sign`, which returns 0 for 0.
-pub(crate) fn sign(x: f64) -> f64 {
-    if x == 0.0 { 0.0 } else { x.signum() }
-}
-
-/// The most corners of a polygon, plus one for the repeated first corner.
-const MOST_CORNERS: usize = 9;
-
-/// Returns the corners of a polygon in world coordinates, and their number.
-pub(crate) fn corners(world: &World, fixture: FixtureId) -> ([Point; MOST_CORNERS], usize) {
-    let pose = world.pose(world.body_of(fixture));
-    let vertices = world.vertices(fixture);
-    let mut corners = [[0.0; 2]; MOST_CORNERS];
-    for (corner, vertex) in corners.iter_mut().zip(vertices) {
-        let p = pose.rotation * vertex + pose.translation.vector;
-        *corner = [f64::from(p.x), f64::from(p.y)];
-    }
-    (corners, vertices.len())
-}
-
-/// Returns the corners of a polygon in pixels, with `scale` pixels per m. Gymnasium scales in
-/// `f32`.
-pub(crate) fn pixel_corners(
-    world: &World,
-    fixture: FixtureId,
-    scale: f64,
-) -> ([Point; MOST_CORNERS], usize) {
-    let (corners, count) = corners(world, fixture);
-    (
-        corners.map(|corner| corner.map(|x| f64::from(x as f32 * scale as f32))),
-        count,
-    )
-}
-
-/// Draws a polygon with `draw.polygon` and `gfxdraw.aapolygon`, as Gymnasium does.
-pub(crate) fn draw_polygon(canvas: &mut dyn Canvas, points: &[Point], color: Color) {
-    canvas.pygame(Primitive::Polygon(points), color);
-    canvas.pygame(Primitive::AaPolygon(points), color);
-}
 
 #[cfg(test)]
 mod tests {

@@ -1,0 +1,199 @@
+//! Trained policies for environments: networks, and a function that runs them.
+//!
+//! Linking this crate gives the registrations of six MuJoCo tasks a good policy. If your code names
+//! nothing else of it, name it once: `use gym_policies as _;`. For an environment of your own, call
+//! [`network`]:
+//!
+//! ```
+//! use gym_core::Policy;
+//!
+//! const POLICY: Policy = Policy::trained("is a network", |env| {
+//!     gym_policies::network("the text of the exported file", env)
+//! });
+//! ```
+#![warn(clippy::disallowed_methods)]
+
+use gym_core::policy::{Controller, LinkedPolicy};
+use gym_core::{BoxEnv, Env, Error, Policy, Result, Space, Value, inventory, math};
+use serde_json::Value as Json;
+
+/// Declares the networks: the id of each environment, and its file.
+macro_rules! networks {
+    ($($id:literal: $file:literal;)+) => {
+        $(
+            inventory::submit! {
+                LinkedPolicy {
+                    id: $id,
+                    policy: Policy::trained("is a network that `gym-ppo` trained", |env| {
+                        network(include_str!(concat!("../networks/", $file)), env)
+                    }),
+                }
+            }
+        )+
+    };
+}
+
+networks! {
+    "HalfCheetah-v5": "half-cheetah.json";
+    "Hopper-v5": "hopper.json";
+    "InvertedDoublePendulum-v5": "inverted-double-pendulum.json";
+    "InvertedPendulum-v5": "inverted-pendulum.json";
+    "Reacher-v5": "reacher.json";
+    "Swimmer-v5": "swimmer.json";
+}
+
+/// Added to the variance, as by the wrapper `NormalizeObservation`.
+const EPSILON: f64 = 1e-8;
+
+/// The controller of a network that `gym-ppo` trained and its command `export` wrote, in JSON.
+///
+/// # Errors
+/// [`Error::InvalidArgument`] for a network that is damaged or does not fit the spaces of `env`.
+pub fn network(json: &str, env: &BoxEnv) -> Result<Controller> {
+    let wrong = |reason: String| Error::argument(format!("the network of {env}"), reason);
+    let stored: Json = serde_json::from_str(json).map_err(|error| wrong(error.to_string()))?;
+    // weights, inputs by outputs, and bias of each layer
+    let layers: Vec<Vec<f32>> = serde_json::from_value(stored["network"].clone())
+        .map_err(|error| wrong(format!("`network`: {error}")))?;
+    let numbers = |name: &str| -> Result<Option<Vec<f64>>> {
+        let numbers = stored.pointer(&format!("/normalization/moments/F64/{name}"));
+        let numbers = numbers
+            .map(|numbers| serde_json::from_value(numbers.clone()))
+            .transpose();
+        numbers.map_err(|error| wrong(format!("`{name}`: {error}")))
+    };
+    let moments = numbers("mean")?.zip(numbers("var")?);
+    let Space::Box(space) = env.action_space() else {
+        return Err(wrong("actions are not in a Box".into()));
+    };
+    let bounds: Vec<(f64, f64)> = space
+        .low()
+        .iter_f64()
+        .zip(space.high().iter_f64())
+        .collect();
+    let mut width = env
+        .observation_space()
+        .shape()
+        .map_or(0, |shape| shape.iter().product::<usize>());
+    if moments
+        .as_ref()
+        .is_some_and(|(mean, var)| mean.len() != width || var.len() != width)
+    {
+        return Err(wrong(format!(
+            "its input does not fit observations of {width} numbers"
+        )));
+    }
+    for layer in layers.chunks(2) {
+        let [weights, bias] = layer else {
+            return Err(wrong("a layer has weights without a bias".into()));
+        };
+        if weights.len() != width * bias.len() {
+            let [given, outputs] = [weights.len(), bias.len()];
+            return Err(wrong(format!(
+                "a layer from {width} to {outputs} numbers has {given} weights"
+            )));
+        }
+        width = bias.len();
+    }
+    if width != bounds.len() {
+        return Err(wrong(format!(
+            "its output has {width} numbers, and an action {}",
+            bounds.len()
+        )));
+    }
+    Ok(Box::new(move |_, seen| {
+        let seen = seen.as_array()?.iter_f64();
+        let x = match &moments {
+            Some((mean, var)) => seen
+                .zip(mean.iter().zip(var))
+                .map(|(x, (m, v))| ((x - m) / (v + EPSILON).sqrt()) as f32)
+                .collect(),
+            None => seen.map(|x| x as f32).collect(),
+        };
+        let action = forward(&layers, x).into_iter().zip(&bounds);
+        let clipped: Vec<f32> = action
+            .map(|(a, (low, high))| f64::from(a).clamp(*low, *high) as f32)
+            .collect();
+        Some(Value::Array(clipped.into()))
+    }))
+}
+
+/// Linear layers with tanh between them.
+fn forward(layers: &[Vec<f32>], mut x: Vec<f32>) -> Vec<f32> {
+    for (i, layer) in layers.chunks(2).enumerate() {
+        let [weights, bias] = layer else { return x };
+        let outputs = bias.len();
+        let sum = |j: usize| {
+            bias[j]
+                + x.iter()
+                    .enumerate()
+                    .map(|(i, x)| x * weights[i * outputs + j])
+                    .sum::<f32>()
+        };
+        let last = 2 * (i + 1) == layers.len();
+        x = (0..outputs)
+            .map(sum)
+            .map(|y| if last { y } else { math::tanh(y.into()) as f32 })
+            .collect();
+    }
+    x
+}
+
+/// The example of the README, compiled and run.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_network_is_layers_with_tanh_between() {
+        // two numbers in, two hidden, one out
+        let layers = [
+            vec![1.0, 0.0, 0.0, 2.0],
+            vec![0.0, 0.5],
+            vec![3.0, 1.0],
+            vec![-1.0],
+        ];
+        let y = forward(&layers, vec![0.5, 0.25]);
+        assert!(
+            (y[0] - (3.0 * math::tanh(0.5) + math::tanh(1.0) - 1.0) as f32).abs() < 1e-6,
+            "{y:?}"
+        );
+    }
+
+    #[test]
+    fn every_network_plays_its_environment() {
+        use gym_core::{EnvExt, make, registry};
+        use gym_mujoco as _;
+
+        let mut played = 0;
+        for registration in registry::all() {
+            let Some(policy) = registration.policy else {
+                continue;
+            };
+            let mut env = make(registration.id()).unwrap();
+            let mut controller = policy.controller(&env).unwrap().unwrap();
+            let observation = env.reset(0).unwrap();
+            let action = controller(&env, &observation).unwrap();
+            assert!(env.action_space().contains(&action), "{env}: {action}");
+            env.step(&action).unwrap();
+            played += 1;
+        }
+        assert_eq!(played, 6);
+    }
+
+    #[test]
+    fn a_network_of_other_spaces_is_refused() {
+        use gym_mujoco as _;
+
+        let env = gym_core::make("Ant-v5").unwrap();
+        let error = network(include_str!("../networks/hopper.json"), &env);
+        let error = error.err().unwrap().to_string();
+        assert!(error.contains("does not fit observations of"), "{error}");
+        let error = network("[", &env).err().unwrap().to_string();
+        assert!(error.contains("the network of"), "{error}");
+    }
+}

@@ -1,0 +1,116 @@
+#!/usr/bin/env python3
+"""Ray over several nodes: a seed gives the same samples, whatever runner plays it.
+
+    pip install rustgym "ray[rllib]" torch    # on each node
+    python ray_nodes.py                       # two nodes on this machine
+    python ray_nodes.py --address auto        # the nodes of a cluster that runs
+
+Plays the same seeds with one, two and four runners and in the processes of Gymnasium's `AsyncVectorEnv`, compares all of it,
+and then trains with RLlib's runners on the nodes. Each runner imports rustgym, so it is installed where a runner may start.
+"""
+
+import argparse
+import hashlib
+import os
+
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+
+import gymnasium
+import numpy as np
+import ray
+from ray.cluster_utils import Cluster
+from ray.rllib.algorithms.ppo import PPOConfig
+from ray.tune.registry import register_env
+
+ENV = "CartPole-v1"
+SEEDS = list(range(100, 116))
+STEPS = 300
+
+parser = argparse.ArgumentParser()
+parser.add_argument("--address", help="of a cluster that runs; without it two nodes are started here")
+parser.add_argument("--iterations", type=int, default=3)
+arguments = parser.parse_args()
+
+
+def play(envs, seeds):
+    """A digest of what each seed's environment gives, under a policy that reads nothing but the observation."""
+    digests = [hashlib.sha256() for _ in seeds]
+    observations, _ = envs.reset(seed=seeds)
+    for _ in range(STEPS):
+        actions = (observations[:, 2] + 0.5 * observations[:, 3] > 0).astype(np.int64)
+        observations, rewards, terminated, truncated, _ = envs.step(actions)
+        for i, digest in enumerate(digests):
+            digest.update(observations[i].tobytes() + rewards[i].tobytes() + terminated[i].tobytes() + truncated[i].tobytes())
+    envs.close()
+    return {seed: digest.hexdigest() for seed, digest in zip(seeds, digests, strict=True)}
+
+
+@ray.remote(num_cpus=1, scheduling_strategy="SPREAD")
+class Runner:
+    """Plays seeds on whatever node Ray starts it."""
+
+    def play(self, seeds):
+        """The digest of each seed, and the node that played it."""
+        import rustgym
+
+        envs = rustgym.make_vec(ENV, num_envs=len(seeds))
+        return play(envs, seeds), ray.get_runtime_context().get_node_id()
+
+
+def sample(count):
+    """The digest of each seed, where `count` runners share the seeds, and the number of nodes that played."""
+    runners = [Runner.remote() for _ in range(count)]
+    shares = [SEEDS[i::count] for i in range(count)]
+    answers = ray.get([runner.play.remote(share) for runner, share in zip(runners, shares, strict=True)])
+    for runner in runners:
+        ray.kill(runner)
+    digests = {seed: digest for share, _ in answers for seed, digest in share.items()}
+    return digests, len({node for _, node in answers})
+
+
+def make(config=None):
+    """One environment; imports where it is made."""
+    import rustgym
+
+    return rustgym.make(ENV)
+
+
+def train():
+    """Trains with two of RLlib's runners, and tells on how many nodes they are."""
+    register_env("pole", make)
+    config = (
+        PPOConfig()
+        .environment("pole")
+        .env_runners(num_env_runners=2, num_envs_per_env_runner=4)
+        .training(train_batch_size_per_learner=1000, minibatch_size=250, num_epochs=4, lr=2e-3)
+        .debugging(seed=0)
+    )
+    algorithm = config.build_algo()
+    nodes = algorithm.env_runner_group.foreach_env_runner(
+        lambda _: ray.get_runtime_context().get_node_id(), local_env_runner=False
+    )
+    print(f"RLlib's runners are on {len(set(nodes))} nodes")
+    for iteration in range(arguments.iterations):
+        result = algorithm.train()
+        print(f"iteration {iteration + 1}: return {result['env_runners'].get('episode_return_mean', float('nan')):.1f}")
+    algorithm.stop()
+
+
+if __name__ == "__main__":
+    cluster = None
+    if arguments.address is None:
+        node = {"num_cpus": 2, "include_dashboard": False}
+        cluster = Cluster(initialize_head=True, head_node_args=node)
+        cluster.add_node(num_cpus=2)
+        arguments.address = cluster.address
+    ray.init(address=arguments.address)
+
+    processes = play(gymnasium.vector.AsyncVectorEnv([make] * len(SEEDS)), SEEDS)
+    for count in (1, 2, 4):
+        digests, nodes = sample(count)
+        assert digests == processes, "a seed gave other samples"
+        print(f"{count} runners on {nodes} nodes: the samples of each seed are those of Gymnasium's processes")
+    train()
+    ray.shutdown()
+    if cluster is not None:
+        cluster.shutdown()

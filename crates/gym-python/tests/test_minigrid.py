@@ -1,0 +1,79 @@
+"""minigrid's wrappers around our environments, beside the same around its own, and our names for what they read."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from conftest import assert_same
+
+import rustgym
+
+minigrid = pytest.importorskip("minigrid")
+import gymnasium  # noqa: E402
+from minigrid import wrappers  # noqa: E402
+
+IDS = [
+    "MiniGrid-Empty-5x5-v0",
+    "MiniGrid-Empty-Random-6x6-v0",
+    "MiniGrid-DoorKey-5x5-v0",
+    "MiniGrid-FourRooms-v0",
+    "MiniGrid-LavaCrossingS9N2-v0",
+    "MiniGrid-Dynamic-Obstacles-6x6-v0",
+    "MiniGrid-Unlock-v0",
+    "MiniGrid-KeyCorridorS3R2-v0",
+    "MiniGrid-MultiRoom-N2-S4-v0",
+    "BabyAI-GoToLocal-v0",
+]
+GOALS = IDS[:6]
+WRAPPERS: dict[str, Any] = {
+    "ImgObsWrapper": wrappers.ImgObsWrapper,
+    "OneHotPartialObsWrapper": wrappers.OneHotPartialObsWrapper,
+    "RGBImgObsWrapper": lambda env: wrappers.RGBImgObsWrapper(env, tile_size=4),
+    "RGBImgPartialObsWrapper": lambda env: wrappers.RGBImgPartialObsWrapper(env, tile_size=4),
+    "FullyObsWrapper": wrappers.FullyObsWrapper,
+    "DictObservationSpaceWrapper": wrappers.DictObservationSpaceWrapper,
+    "FlatObsWrapper": wrappers.FlatObsWrapper,
+    "ViewSizeWrapper 3": lambda env: wrappers.ViewSizeWrapper(env, agent_view_size=3),
+    "ViewSizeWrapper 9": lambda env: wrappers.ViewSizeWrapper(env, agent_view_size=9),
+    "DirectionObsWrapper": lambda env: wrappers.DirectionObsWrapper(env, type="angle"),
+    "SymbolicObsWrapper": wrappers.SymbolicObsWrapper,
+    "ReseedWrapper": lambda env: wrappers.ReseedWrapper(env, seeds=(3, 4)),
+    "ActionBonus": wrappers.ActionBonus,
+    "PositionBonus": wrappers.PositionBonus,
+    "NoDeath": lambda env: wrappers.NoDeath(env, no_death_types=("lava",), death_cost=-0.5),
+}
+
+
+@pytest.mark.parametrize("name", WRAPPERS)
+def test_wrappers_of_minigrid_see_the_same(name: str) -> None:
+    for env_id in GOALS if name == "DirectionObsWrapper" else IDS:
+        if name == "DictObservationSpaceWrapper" and env_id.startswith("BabyAI"):
+            continue  # its table of words lacks those of BabyAI
+        envs = [WRAPPERS[name](make(env_id)) for make in (rustgym.make, gymnasium.make)]
+        actions = np.random.default_rng(5).integers(0, 3 if "Obstacles" in env_id else 6, 60).tolist()
+        seen = [env.reset(seed=2)[0] for env in envs]
+        assert_same(seen[0], seen[1], f"{env_id} reset")
+        for i, action in enumerate(actions):
+            ours, theirs = (env.step(action) for env in envs)
+            assert_same(ours[:4], theirs[:4], f"{env_id} step {i}")
+            if ours[2] or ours[3]:
+                ours, theirs = (env.reset()[0] for env in envs)
+                assert_same(ours, theirs, f"{env_id} reset after step {i}")
+
+
+@pytest.mark.parametrize("env_id", IDS)
+def test_attributes_are_those_of_minigrid(env_id: str) -> None:
+    ours, theirs = (make(env_id).unwrapped for make in (rustgym.make, gymnasium.make))
+    for env in (ours, theirs):
+        env.reset(seed=1)
+        env.step(1)
+    for name in "width height agent_pos agent_dir front_pos mission step_count max_steps agent_view_size see_through_walls".split():
+        a, b = getattr(ours, name), getattr(theirs, name)
+        assert np.array_equal(a, b), f"{name}: {a} is not {b}"
+    assert_same(ours.grid.encode(), theirs.grid.encode(), "grid")
+    for size in (3, 7, 11):
+        (grid, mask), (their_grid, their_mask) = (env.gen_obs_grid(size) for env in (ours, theirs))
+        assert_same(mask, their_mask, f"cells seen of {size}")
+        assert_same(grid.encode(mask), their_grid.encode(their_mask), f"view of {size}")

@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use crate::physics::lanes::{Derived, record_len};
 use crate::physics::spatial::IDENTITY;
 use crate::physics::{Call, Constraints, MAXVAL, Work, inverse, rne_post_constraint, step1, step2};
 use crate::{Error, Model, Result, forward, step};
@@ -144,6 +145,13 @@ pub struct Data {
     before: State,
     /// Whether `cfrc_ext` is of that call.
     pub(crate) contact_forces: bool,
+    /// Whether the derived arrays are not of that call, which several worlds took together: the
+    /// state alone was kept.
+    behind: bool,
+    /// What a step has led to that was taken ahead of its call: the state, and that at the start of
+    /// the last timestep.
+    ahead: Vec<f64>,
+    is_ahead: bool,
     /// Buffers.
     pub(crate) work: Work,
 }
@@ -284,6 +292,7 @@ impl Data {
     pub fn reset(&mut self, m: &Model) {
         self.clear(m);
         (self.last, self.contact_forces) = (None, false);
+        (self.behind, self.is_ahead) = (false, false);
     }
 
     /// The same, within a call.
@@ -361,6 +370,53 @@ impl Data {
         self.xfrc_applied.resize(m.nbody(), [0.0; 6]);
     }
 
+    /// Whether the derived arrays need [`resume`](Self::resume).
+    pub(crate) fn is_behind(&self) -> bool {
+        self.behind
+    }
+
+    /// Keeps what the next step leads to: see [`lanes`](crate::physics::lanes).
+    pub(crate) fn look_ahead(&mut self, record: &[f64]) {
+        self.ahead.clear();
+        self.ahead.extend_from_slice(record);
+        self.is_ahead = true;
+    }
+
+    /// Takes the timesteps of a step that were taken ahead; false if there are none.
+    pub(crate) fn catch_up(&mut self, m: &Model, steps: usize, reads: &[Derived]) -> bool {
+        if !self.is_ahead {
+            return false;
+        }
+        self.begin(m, Call::Step);
+        let ahead = std::mem::take(&mut self.ahead);
+        let mut numbers = ahead.iter();
+        let before = &mut self.before;
+        for vector in [
+            &mut self.qpos,
+            &mut self.qvel,
+            &mut self.qacc_warmstart,
+            &mut before.qpos,
+            &mut before.qvel,
+            &mut before.qacc_warmstart,
+        ] {
+            vector
+                .iter_mut()
+                .zip(&mut numbers)
+                .for_each(|(to, from)| *to = *from);
+        }
+        for _ in 0..steps {
+            before.time = self.time;
+            self.time += m.opt.timestep;
+        }
+        for array in reads {
+            let to = array.of_data(self).iter_mut();
+            to.zip(&mut numbers).for_each(|(to, from)| *to = *from);
+        }
+        self.ahead = ahead;
+        self.behind = true;
+        true
+    }
+
     fn state(&self) -> State {
         let mut state = State::default();
         self.copy_state(&mut state);
@@ -391,6 +447,7 @@ impl Data {
     pub(crate) fn begin(&mut self, m: &Model, call: Call) {
         self.fit(m);
         (self.last, self.contact_forces) = (Some(call), false);
+        (self.behind, self.is_ahead) = (false, false);
         let mut before = std::mem::take(&mut self.before);
         self.copy_state(&mut before);
         before.qacc.clear();
@@ -549,6 +606,7 @@ impl Data {
         self.before.qvel.resize(nv, 0.0);
         self.before.ctrl.resize(m.nu(), 0.0);
         self.before.qacc_warmstart.resize(nv, 0.0);
+        self.ahead.reserve(record_len(m, &Derived::ALL));
         self.work = Work::new(m);
         let bounds = m.plan().bounds();
         self.contact.reserve(bounds.contacts);

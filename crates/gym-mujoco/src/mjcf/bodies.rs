@@ -6,7 +6,7 @@ use super::orientation::{Orientation, unit, within};
 use super::spec::{Body, Camera, Frame, Geom, Inertial, Joint, Light, Site, Spec};
 use super::xml::Element;
 use crate::Result;
-use crate::physics::spatial::{InTurn, add, quat_to_mat, rotate};
+use crate::physics::spatial::{InTurn, Order, add, rotate};
 
 /// The most elements of bodies, copies among them.
 const MOST_ELEMENTS: usize = 200_000;
@@ -233,7 +233,7 @@ impl<'s> Bodies<'s> {
         let (pos, quat) = within(copies.outer.0, (copies.pos, quat));
         open.frame = Some((pos, unit(quat).0));
         // the frame of the copy after this one: MuJoCo's `mjuu_frameaccum`
-        let moved = rotate(&quat_to_mat::<InTurn>(copies.turn), copies.offset);
+        let moved = rotate(&InTurn::quat_to_mat(copies.turn), copies.offset);
         copies.pos = add(copies.pos, moved);
         copies.turn = super::orientation::compose(copies.turn, copies.step);
         let digits = copies.count.to_string().len();

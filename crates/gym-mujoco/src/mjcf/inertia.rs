@@ -8,7 +8,7 @@ use crate::Revision;
 use crate::libm;
 use crate::model::GeomType;
 pub(super) use crate::physics::spatial::MINVAL;
-use crate::physics::spatial::{InTurn, Mat3, Quat, inertia_at, quat_to_mat};
+use crate::physics::spatial::{InTurn, Mat3, Order, Quat, inertia_at};
 
 /// Mass, centre and principal moments of inertia of a body, or of a geom within its body.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -153,8 +153,9 @@ pub(super) fn combine(parts: &[Inertia], revision: Revision) -> Option<Inertia> 
     let mut total = [0.0; 6];
     for part in parts {
         let turned = inertia_at(
+            (),
             part.moments,
-            &quat_to_mat::<InTurn>(part.quat),
+            &InTurn::quat_to_mat(part.quat),
             [0.0; 3],
             part.mass,
         );
@@ -211,7 +212,7 @@ pub(super) fn principal_axes(
     let mut quat = [1.0, 0.0, 0.0, 0.0];
     let mut moments = [0.0; 3];
     for _ in 0..MAX_ITERATIONS {
-        let d = in_axes(&full, &quat_to_mat::<InTurn>(quat));
+        let d = in_axes(&full, &InTurn::quat_to_mat(quat));
         moments = [d[0][0], d[1][1], d[2][2]];
         // the largest entry off the diagonal, and the axis of the rotation that removes it
         let (row, column, axis) = if d[0][1].abs() > d[0][2].abs() && d[0][1].abs() > d[1][2].abs()

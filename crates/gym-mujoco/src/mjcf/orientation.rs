@@ -2,9 +2,7 @@
 
 use super::spec::{Compiler, Frame};
 use super::xml::Element;
-use crate::physics::spatial::{
-    InTurn, Quat, add, axis_angle, cross, mul_quat, quat_to_mat, rotate,
-};
+use crate::physics::spatial::{InTurn, Order, Quat, add, axis_angle, cross, rotate};
 use crate::{Result, libm};
 
 const IDENTITY: Quat = [1.0, 0.0, 0.0, 0.0];
@@ -104,14 +102,14 @@ impl Orientation {
         match &self.other {
             None => unit(self.quat).0,
             Some(Form::AxisAngle([x, y, z, angle])) => {
-                axis_angle(unit([*x, *y, *z]).0, radians(*angle))
+                axis_angle((), unit([*x, *y, *z]).0, radians(*angle))
             }
             Some(Form::Euler(angles)) => {
                 let mut quat = IDENTITY;
                 for ((axis, fixed), angle) in compiler.euler.into_iter().zip(angles) {
                     let mut direction = [0.0; 3];
                     direction[axis] = 1.0;
-                    let turn = axis_angle(direction, radians(*angle));
+                    let turn = axis_angle((), direction, radians(*angle));
                     quat = if fixed {
                         compose(turn, quat)
                     } else {
@@ -151,13 +149,13 @@ pub(super) fn within(frame: Option<Frame>, (pos, quat): Frame) -> Frame {
     let Some((origin, turn)) = frame else {
         return (pos, quat);
     };
-    let moved = add(origin, rotate(&quat_to_mat::<InTurn>(turn), pos));
+    let moved = add(origin, rotate(&InTurn::quat_to_mat(turn), pos));
     (moved, compose(turn, quat))
 }
 
 /// The rotation `a`, after the rotation `b` in its frame: MuJoCo's `mjuu_mulquat`.
 pub(super) fn compose(a: Quat, b: Quat) -> Quat {
-    unit(mul_quat::<InTurn>(a, b)).0
+    unit(InTurn::mul_quat(a, b)).0
 }
 
 /// The shortest rotation that turns the z axis to a direction of length 1; by half a turn about x
@@ -232,7 +230,6 @@ pub(super) fn norm(v: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::physics::spatial::quat_to_mat;
 
     /// Turns by about half a turn have no positive trace, and go by the largest of their axes.
     #[test]
@@ -247,9 +244,9 @@ mod tests {
                     s * axis[1] / length,
                     s * axis[2] / length,
                 ];
-                let m = quat_to_mat::<InTurn>(quat);
+                let m = InTurn::quat_to_mat(quat);
                 let column = |k: usize| [m[k], m[3 + k], m[6 + k]];
-                let again = quat_to_mat::<InTurn>(from_columns(column(0), column(1), column(2)));
+                let again = InTurn::quat_to_mat(from_columns(column(0), column(1), column(2)));
                 for (a, b) in again.iter().zip(m) {
                     assert!(
                         (a - b).abs() < 1e-12,

@@ -4,7 +4,7 @@
 use super::{CompiledModel, EqualityType, GeomType, JointType, Model, ObjectType, Revision};
 use crate::physics::dense::dot_slices;
 use crate::physics::spatial::{
-    InTurn, MINVAL, Pairwise, add, cross, mul_quat, norm, normalize_quat, rotate, rotate_back, sub,
+    InTurn, MINVAL, Order, Pairwise, add, cross, norm, rotate, rotate_back, sub,
 };
 use crate::physics::{com_pos, crb, factor_m, kinematics, solve_m, tendon, transmission};
 use crate::{Data, Result};
@@ -264,8 +264,8 @@ fn add_equalities(m: &mut CompiledModel, d: &Data) {
         if weld && data[6..10].iter().any(|x| *x != 0.0) {
             let given = [data[6], data[7], data[8], data[9]];
             let quat = match m.revision {
-                Revision::V3_12 => normalize_quat::<InTurn>(given),
-                Revision::V4_0 => normalize_quat::<Pairwise>(given),
+                Revision::V3_12 => InTurn::normalize_quat((), given),
+                Revision::V4_0 => Pairwise::normalize_quat((), given),
             };
             data[6..10].copy_from_slice(&quat);
             continue;
@@ -278,8 +278,8 @@ fn add_equalities(m: &mut CompiledModel, d: &Data) {
             let [w, x, y, z] = d.xquat[ids[0]];
             let (back, quat) = ([w, -x, -y, -z], d.xquat[ids[1]]);
             let pose = match m.revision {
-                Revision::V3_12 => mul_quat::<InTurn>(back, quat),
-                Revision::V4_0 => mul_quat::<Pairwise>(back, quat),
+                Revision::V3_12 => InTurn::mul_quat(back, quat),
+                Revision::V4_0 => Pairwise::mul_quat(back, quat),
             };
             data[6..10].copy_from_slice(&pose);
         }

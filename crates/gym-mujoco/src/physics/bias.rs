@@ -4,8 +4,8 @@ use super::constraint::Source;
 use super::dense::dot_slices;
 use super::rows::{anchors, mul_quat_axis, orientations};
 use super::spatial::{
-    InTurn, Order, Pairwise, Quat, Vec3, add, cross, cross_motion, mul_quat, rotation, sub,
-    transform_motion, translation,
+    InTurn, Order, Pairwise, Quat, Vec3, add, cross, cross_motion, rotation, sub, transform_motion,
+    translation,
 };
 use crate::model::{Equality, EqualityType, JointType, ObjectType};
 use crate::{Data, Model, Revision};
@@ -100,14 +100,14 @@ fn turned<O: Order>(m: &Model, d: &Data, law: &Equality, turning: Vec3) -> Vec3 
         let data = &m.eq_data[law.id];
         let pose = [data[6], data[7], data[8], data[9]];
         (
-            mul_quat::<O>(quat_rate(d.xquat[b1], w1), pose),
+            O::mul_quat(quat_rate(d.xquat[b1], w1), pose),
             inverse(quat_rate(d.xquat[b2], w2)),
         )
     } else {
         (quat_rate(ahead, w1), inverse(quat_rate(inverse(back), w2)))
     };
     let around = |before: Quat, axis: Vec3, after: Quat| {
-        mul_quat::<O>(mul_quat_axis::<O>(before, axis), after)
+        O::mul_quat(mul_quat_axis::<O>(before, axis), after)
     };
     let first = around(back_rate, relative, ahead);
     let second = around(back, turning, ahead);

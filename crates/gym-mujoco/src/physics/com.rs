@@ -1,12 +1,41 @@
 //! Spatial inertias and motion axes about the centres of mass of the trees.
 
+use super::number::{self, Number, get, put};
 use super::spatial::{MINVAL, add, column, cross, inertia_at, join, scale, sub};
 use crate::model::JointType;
 use crate::{Data, Model};
 
+/// The numbers that this stage reads and writes, of one world or of several.
+pub(crate) struct Inertias<'a, C> {
+    pub(crate) xmat: &'a [[C; 9]],
+    pub(crate) xipos: &'a [[C; 3]],
+    pub(crate) ximat: &'a [[C; 9]],
+    pub(crate) xanchor: &'a [[C; 3]],
+    pub(crate) xaxis: &'a [[C; 3]],
+    pub(crate) subtree_com: &'a mut [[C; 3]],
+    pub(crate) cinert: &'a mut [[C; 10]],
+    pub(crate) cdof: &'a mut [[C; 6]],
+}
+
 /// `subtree_com`, `cinert` and `cdof`: MuJoCo's `mj_comPos`.
 #[inline(always)]
 pub fn com_pos(m: &Model, d: &mut Data) {
+    let inertias = Inertias {
+        xmat: &d.xmat,
+        xipos: &d.xipos,
+        ximat: &d.ximat,
+        xanchor: &d.xanchor,
+        xaxis: &d.xaxis,
+        subtree_com: &mut d.subtree_com,
+        cinert: &mut d.cinert,
+        cdof: &mut d.cdof,
+    };
+    com_pos_of::<f64>(m, (), inertias);
+}
+
+/// The same for one world or several.
+#[inline(always)]
+pub(crate) fn com_pos_of<N: Number>(m: &Model, at: N::Place, numbers: Inertias<'_, N::Cell>) {
     // slices of one length: an index is checked once for all of them
     let n = m.nbody();
     let (parents, roots, masses) = (
@@ -15,51 +44,71 @@ pub fn com_pos(m: &Model, d: &mut Data) {
         &m.body_mass[..n],
     );
     let (xipos, ximat, com, cinert) = (
-        &d.xipos[..n],
-        &d.ximat[..n],
-        &mut d.subtree_com[..n],
-        &mut d.cinert[..n],
+        &numbers.xipos[..n],
+        &numbers.ximat[..n],
+        &mut numbers.subtree_com[..n],
+        &mut numbers.cinert[..n],
     );
     for b in 0..n {
-        com[b] = scale(xipos[b], masses[b]);
+        put(
+            at,
+            scale(get::<N, 3>(at, &xipos[b]), masses[b]),
+            &mut com[b],
+        );
     }
     for b in (1..n).rev() {
-        com[parents[b]] = add(com[parents[b]], com[b]);
+        let (sum, part) = (get::<N, 3>(at, &com[parents[b]]), get::<N, 3>(at, &com[b]));
+        put(at, add(sum, part), &mut com[parents[b]]);
     }
     for b in 0..n {
         let mass = m.body_subtreemass[b];
-        com[b] = if mass < MINVAL {
-            xipos[b]
+        let centre = if mass < MINVAL {
+            get::<N, 3>(at, &xipos[b])
         } else {
-            scale(com[b], 1.0 / mass)
+            scale(get(at, &com[b]), 1.0 / mass)
         };
+        put(at, centre, &mut com[b]);
     }
 
     for b in 1..n {
-        let offset = sub(xipos[b], com[roots[b]]);
-        cinert[b] = inertia_at(m.body_inertia[b], &ximat[b], offset, masses[b]);
+        let offset = sub(get::<N, 3>(at, &xipos[b]), get(at, &com[roots[b]]));
+        let mat = get(at, &ximat[b]);
+        let inertia = inertia_at(at, m.body_inertia[b], &mat, offset, masses[b]);
+        put(at, inertia, &mut cinert[b]);
     }
 
+    let cdof = numbers.cdof;
     for j in 0..m.njnt() {
         let (b, i) = (m.jnt_bodyid[j], m.jnt_dofadr[j]);
-        let offset = sub(d.subtree_com[m.body_rootid[b]], d.xanchor[j]);
+        let offset = sub(
+            get::<N, 3>(at, &com[roots[b]]),
+            get(at, &numbers.xanchor[j]),
+        );
+        let axis = get::<N, 3>(at, &numbers.xaxis[j]);
         match m.jnt_type[j] {
             JointType::Free => {
+                let mat = get(at, &numbers.xmat[b]);
                 for k in 0..3 {
-                    d.cdof[i + k] = [0.0; 6];
-                    d.cdof[i + k][3 + k] = 1.0;
-                    let axis = column(&d.xmat[b], k);
-                    d.cdof[i + 3 + k] = join(axis, cross(axis, offset));
+                    let mut slide = [0.0; 6];
+                    slide[3 + k] = 1.0;
+                    put(at, number::of::<N, 6>(at, slide), &mut cdof[i + k]);
+                    let axis = column(&mat, k);
+                    put(at, join(axis, cross(axis, offset)), &mut cdof[i + 3 + k]);
                 }
             }
             JointType::Ball => {
+                let mat = get(at, &numbers.xmat[b]);
                 for k in 0..3 {
-                    let axis = column(&d.xmat[b], k);
-                    d.cdof[i + k] = join(axis, cross(axis, offset));
+                    let axis = column(&mat, k);
+                    put(at, join(axis, cross(axis, offset)), &mut cdof[i + k]);
                 }
             }
-            JointType::Slide => d.cdof[i] = join([0.0; 3], d.xaxis[j]),
-            JointType::Hinge => d.cdof[i] = join(d.xaxis[j], cross(d.xaxis[j], offset)),
+            JointType::Slide => {
+                put(at, join(number::of(at, [0.0; 3]), axis), &mut cdof[i]);
+            }
+            JointType::Hinge => {
+                put(at, join(axis, cross(axis, offset)), &mut cdof[i]);
+            }
         }
     }
 }

@@ -9,7 +9,7 @@
 use super::bias;
 use super::dense::{self, Lanes};
 use super::rows;
-use super::spatial::{Vec3, add, cross, dot, rotate, sub};
+use super::spatial::{Vec3, Vec6, add, cross, dot, rotate, sub};
 use crate::libm;
 use crate::model::{Bounds, Cone, Pair, Softness};
 use crate::{Contact, Data, Model};
@@ -291,54 +291,59 @@ fn contacts(m: &Model, d: &mut Data) {
         contact.mu = mu;
         let source = Source::Contact(index);
         let row = push_block(efc, source, Kind::Limit, rows, pair.groups, tree);
-        let jac = &mut efc.jac[row * efc.stride..];
+        let (width, jac) = (4 * efc.stride, &mut efc.jac[row * efc.stride..]);
+        let jac = jac.as_flattened_mut();
+        let frames = (
+            #[inline(always)]
+            |dof: usize| d.cdof[dof],
+            #[inline(always)]
+            |body: usize| d.subtree_com[body],
+        );
         contact_jacobian(
             pair,
-            &d.cdof,
-            &d.subtree_com,
+            frames,
             contact,
-            jac.as_flattened_mut(),
-            4 * efc.stride,
+            #[inline(always)]
+            |row, dof, value| jac[row * width + dof] = value,
         );
         let (dist, margin) = (contact.dist, contact.includemargin);
         if rows == 1 {
             push_rows(efc, &pair.softness, (dist, dist), margin, pair.diag, 1);
             continue;
         }
-        let diag = pair.diag + mu * mu * pair.diag;
+        let (diag, edge) = pyramid(pair.diag, mu);
         let softness = &pair.softness;
         push_rows(efc, softness, (dist, dist), margin, diag, 4);
-        // a pyramid as soft as the cone within it
-        let r = 2.0 * mu * mu * efc.r[row];
+        let r = edge(efc.r[row]);
         efc.r[row..].fill(r);
         efc.d[row..].fill(1.0 / r);
     }
 }
 
 /// How the contact point moves, on the second body against the first, along the contact's normal or
-/// the edges of its pyramid: rows of so many numbers.
+/// the edges of its pyramid. `axis` and `com` give motion axes and centres of mass, `set` receives
+/// row, degree of freedom and value.
 #[inline(always)]
-fn contact_jacobian(
+pub(super) fn contact_jacobian(
     pair: &Pair,
-    cdof: &[[f64; 6]],
-    com: &[Vec3],
+    (axis, com): (impl Fn(usize) -> Vec6, impl Fn(usize) -> Vec3),
     contact: &Contact,
-    jac: &mut [f64],
-    width: usize,
+    mut set: impl FnMut(usize, usize, f64),
 ) {
     let frame = &contact.frame;
     for column in &pair.columns {
-        let c = &cdof[column.dof];
-        let offset = sub(contact.pos, com[column.root]);
+        let c = axis(column.dof);
+        let offset = sub(contact.pos, com(column.root));
         let moves = add([c[3], c[4], c[5]], cross([c[0], c[1], c[2]], offset));
         // libmujoco's sums begin with 0, and so are never -0
         if contact.dim == 1 {
-            jac[column.dof] = column.sign * dot([frame[0], frame[1], frame[2]], moves) + 0.0;
+            let along = dot([frame[0], frame[1], frame[2]], moves);
+            set(0, column.dof, column.sign * along + 0.0);
         } else {
             let [n, t1, t2] = rotate(frame, moves).map(|along| column.sign * along + 0.0);
             let (t1, t2) = (t1 * contact.mu, t2 * contact.mu);
             for (row, value) in [n + t1, n - t1, n + t2, n - t2].into_iter().enumerate() {
-                jac[row * width + column.dof] = value;
+                set(row, column.dof, value);
             }
         }
     }
@@ -355,7 +360,7 @@ pub(super) fn push_rows(
     rows: usize,
 ) {
     let (impedance, slope) = softness.impedance(distance, margin);
-    let r = f64::max(1e-15, (1.0 - impedance) * diag / impedance);
+    let r = regularization(impedance, diag);
     let rows = efc.pos.len() + rows;
     for (column, value) in
         columns!(efc)
@@ -371,10 +376,23 @@ pub(super) fn push_rows(
     efc.island.resize(rows, 0);
 }
 
+/// The regularisation of a row of some impedance.
+#[inline(always)]
+pub(super) fn regularization(impedance: f64, diag: f64) -> f64 {
+    f64::max(1e-15, (1.0 - impedance) * diag / impedance)
+}
+
+/// The diagonal of the edges of a pyramid, and their regularisation from that of a row with this
+/// diagonal: a pyramid is as soft as the cone within it.
+#[inline(always)]
+pub(super) fn pyramid(diag: f64, mu: f64) -> (f64, impl Fn(f64) -> f64) {
+    (diag + mu * mu * diag, move |r: f64| 2.0 * mu * mu * r)
+}
+
 impl Softness {
     /// How much of the acceleration wanted a constraint gives, as a function of its position, and
     /// the derivative: MuJoCo's `getimpedance`.
-    fn impedance(&self, pos: f64, margin: f64) -> (f64, f64) {
+    pub(super) fn impedance(&self, pos: f64, margin: f64) -> (f64, f64) {
         let &Self {
             dmin,
             dmax,

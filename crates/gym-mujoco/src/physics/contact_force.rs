@@ -7,6 +7,18 @@ use crate::{Contact, Data, Model};
 /// `mj_contactForce`. Zero for a contact without rows.
 #[must_use]
 pub fn contact_force(m: &Model, d: &Data, contact: &Contact) -> [f64; 6] {
+    let Ok(row) = usize::try_from(contact.efc_address) else {
+        return [0.0; 6];
+    };
+    force_of(m, contact, |k| d.efc.force.get(row + k).copied())
+}
+
+/// The same, from the forces that `edge` gives for the contact's rows; zero where it has none.
+pub(super) fn force_of(
+    m: &Model,
+    contact: &Contact,
+    edge: impl Fn(usize) -> Option<f64>,
+) -> [f64; 6] {
     let mut force = [0.0; 6];
     let dim = usize::from(contact.dim);
     let elliptic = m.opt.cone == Cone::Elliptic;
@@ -15,12 +27,14 @@ pub fn contact_force(m: &Model, d: &Data, contact: &Contact) -> [f64; 6] {
     } else {
         2 * (dim - 1)
     };
-    let Ok(row) = usize::try_from(contact.efc_address) else {
-        return force;
-    };
-    let Some(edges) = d.efc.force.get(row..row + rows) else {
-        return force;
-    };
+    let mut edges = [0.0; 10];
+    for (k, to) in edges[..rows].iter_mut().enumerate() {
+        let Some(from) = edge(k) else {
+            return force;
+        };
+        *to = from;
+    }
+    let edges = &edges[..rows];
     if dim == 1 || elliptic {
         force[..dim].copy_from_slice(edges);
         return force;

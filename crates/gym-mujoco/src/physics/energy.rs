@@ -1,7 +1,7 @@
 //! Potential and kinetic energy.
 
 use super::inertia::mul_m;
-use super::spatial::{InTurn, Order, Pairwise, Vec3, dot, norm, sub, sub_quat};
+use super::spatial::{InTurn, Order, Pairwise, Vec3, dot, norm, sub};
 use crate::model::{Disable, JointType};
 use crate::physics::dense::dot_slices;
 use crate::{Data, Model, Revision};
@@ -47,7 +47,7 @@ pub(super) fn potential(m: &Model, d: &Data) -> f64 {
 /// The angle between an orientation and that of its spring.
 fn turn(m: &Model, d: &Data, p: usize) -> f64 {
     fn angle<O: Order>(now: [f64; 4], rest: [f64; 4]) -> f64 {
-        norm(sub_quat::<O>(now, rest))
+        norm(O::sub_quat(now, rest))
     }
     let quat = |q: &[f64]| [q[p], q[p + 1], q[p + 2], q[p + 3]];
     let (now, rest) = (quat(&d.qpos), quat(&m.qpos_spring));

@@ -8,29 +8,26 @@
 use std::ops::Range;
 
 use super::dense::{self, Lanes, minus, plus, times};
+use super::number::{Number, get, put};
 use super::spatial::{Vec6, dot6, mul_inertia};
 use crate::model::Plan;
 use crate::{Data, Model};
 
+/// The numbers of the inertia matrix, of one world or of several.
+pub(crate) struct Composite<'a, C> {
+    pub(crate) cinert: &'a [[C; 10]],
+    pub(crate) cdof: &'a [[C; 6]],
+    /// A buffer: composite inertias.
+    pub(crate) crb: &'a mut [[C; 10]],
+    pub(crate) qm: &'a mut [C],
+}
+
 /// The inertia matrix by composite rigid bodies: MuJoCo's `mj_crb`.
 #[inline(always)]
 pub fn crb(m: &Model, d: &mut Data) {
-    let (n, nv) = (m.nbody(), m.nv());
-    let (crb, parents) = (&mut d.work.crb[..n], &m.body_parentid[..n]);
-    crb.copy_from_slice(&d.cinert);
-    for b in (1..n).rev() {
-        let parent = parents[b];
-        if parent > 0 {
-            let child = crb[b];
-            for (sum, part) in crb[parent].iter_mut().zip(child) {
-                *sum += part;
-            }
-        }
-    }
-    let (plan, cdof) = (m.plan(), &d.cdof[..nv]);
-    let axes = &mut d.work.axes[..];
+    let (plan, axes) = (m.plan(), &mut d.work.axes[..]);
     if plan.m_fours {
-        for (four, axes) in cdof.chunks(4).zip(&mut *axes) {
+        for (four, axes) in d.cdof[..m.nv()].chunks(4).zip(&mut *axes) {
             for (lane, axis) in four.iter().enumerate() {
                 for k in 0..6 {
                     axes[k][lane] = axis[k];
@@ -38,27 +35,77 @@ pub fn crb(m: &Model, d: &mut Data) {
             }
         }
     }
+    let composite = Composite {
+        cinert: &d.cinert,
+        cdof: &d.cdof,
+        crb: &mut d.work.crb,
+        qm: &mut d.qm,
+    };
+    // the first elements of a row four at once, where that pays
+    crb_of::<f64>(
+        m,
+        (),
+        composite,
+        #[inline(always)]
+        |i, force, row| {
+            if !plan.m_fours {
+                return 0;
+            }
+            let done = 4 * (plan.m_lead(i) / 4);
+            for (four, axes) in row[..done].as_chunks_mut().0.iter_mut().zip(&*axes) {
+                *four = dot6_of_four(axes, force);
+            }
+            done
+        },
+    );
+}
+
+/// The same for one world or several. `begin` computes the first elements of a row from the force
+/// that moves its degree of freedom, and returns how many it did.
+#[inline(always)]
+pub(crate) fn crb_of<N: Number>(
+    m: &Model,
+    at: N::Place,
+    composite: Composite<'_, N::Cell>,
+    mut begin: impl FnMut(usize, &[N; 6], &mut [N::Cell]) -> usize,
+) {
+    let (n, nv, plan) = (m.nbody(), m.nv(), m.plan());
+    let Composite {
+        cinert,
+        cdof,
+        crb,
+        qm,
+    } = composite;
+    let (crb, parents) = (&mut crb[..n], &m.body_parentid[..n]);
+    crb.copy_from_slice(&cinert[..n]);
+    for b in (1..n).rev() {
+        let parent = parents[b];
+        if parent > 0 {
+            let (mut sum, part) = (get::<N, 10>(at, &crb[parent]), get::<N, 10>(at, &crb[b]));
+            for k in 0..10 {
+                sum[k] = sum[k] + part[k];
+            }
+            put(at, sum, &mut crb[parent]);
+        }
+    }
+    let cdof = &cdof[..nv];
     for i in 0..nv {
         let row = plan.m_row(i);
-        let (columns, row) = (&plan.m_colind[row.clone()], &mut d.qm[row]);
+        let (columns, row) = (&plan.m_colind[row.clone()], &mut qm[row]);
         let last = row.len() - 1;
         if m.dof_simplenum[i] > 0 {
-            row.fill(0.0);
-            row[last] = m.dof_m0[i];
+            row.iter_mut()
+                .for_each(|value| N::of(at, 0.0).put(at, value));
+            N::of(at, m.dof_m0[i]).put(at, &mut row[last]);
             continue;
         }
-        let force = mul_inertia(&crb[m.dof_bodyid[i]], &cdof[i]);
-        let mut done = 0;
-        if plan.m_fours {
-            done = 4 * (plan.m_lead(i) / 4);
-            for (four, axes) in row[..done].as_chunks_mut().0.iter_mut().zip(&*axes) {
-                *four = dot6_of_four(axes, &force);
-            }
-        }
+        let inertia = get::<N, 10>(at, &crb[m.dof_bodyid[i]]);
+        let force = mul_inertia(&inertia, &get(at, &cdof[i]));
+        let done = begin(i, &force, row);
         for (value, &j) in row[done..].iter_mut().zip(&columns[done..]) {
-            *value = dot6(&cdof[j], &force);
+            dot6(&get(at, &cdof[j]), &force).put(at, value);
         }
-        row[last] += m.dof_armature[i];
+        (N::get(at, &row[last]) + m.dof_armature[i]).put(at, &mut row[last]);
     }
 }
 

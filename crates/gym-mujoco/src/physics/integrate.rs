@@ -4,7 +4,8 @@ use std::f64::consts::PI;
 
 use super::actuation::advance;
 use super::inertia::{add_damping, factor_damped, solve};
-use super::spatial::{InTurn, Pairwise, Vec3, add_scaled, cross, dot, quat_integrate, scale};
+use super::number::Number;
+use super::spatial::{InTurn, Order, Pairwise, Vec3, add_scaled, cross, dot, scale};
 use super::{evaluate, implicit};
 use crate::libm::{self, wide};
 use crate::model::{Integrator, JointType};
@@ -12,26 +13,49 @@ use crate::{Data, Model, Revision};
 
 /// Moves positions along velocities for some time: MuJoCo's `mj_integratePos`.
 pub fn integrate_pos(m: &Model, qpos: &mut [f64], qvel: &[f64], dt: f64) {
+    integrate_pos_of::<f64>(m, (), qpos, qvel, dt);
+}
+
+/// The same for one world or several.
+#[inline(always)]
+pub(super) fn integrate_pos_of<N: Number>(
+    m: &Model,
+    at: N::Place,
+    qpos: &mut [N::Cell],
+    qvel: &[N::Cell],
+    dt: f64,
+) {
+    let (moved,) = (
+        #[inline(always)]
+        |q: &N::Cell, v: &N::Cell| N::get(at, q) + N::get(at, v) * dt,
+    );
     for j in 0..m.njnt() {
         let (mut p, mut v) = (m.jnt_qposadr[j], m.jnt_dofadr[j]);
         let free = m.jnt_type[j] == JointType::Free;
         if free {
             for k in 0..3 {
-                qpos[p + k] += dt * qvel[v + k];
+                moved(&qpos[p + k], &qvel[v + k]).put(at, &mut qpos[p + k]);
             }
             (p, v) = (p + 3, v + 3);
         }
         if free || m.jnt_type[j] == JointType::Ball {
-            let q = &mut qpos[p..p + 4];
-            let quat = [q[0], q[1], q[2], q[3]];
-            let velocity = [qvel[v], qvel[v + 1], qvel[v + 2]];
+            let quat: [N; 4] = std::array::from_fn(
+                #[inline(always)]
+                |k| N::get(at, &qpos[p + k]),
+            );
+            let velocity = std::array::from_fn(
+                #[inline(always)]
+                |k| N::get(at, &qvel[v + k]),
+            );
             let turned = match m.revision {
-                Revision::V3_12 => quat_integrate::<InTurn>(quat, velocity, dt),
-                Revision::V4_0 => quat_integrate::<Pairwise>(quat, velocity, dt),
+                Revision::V3_12 => InTurn::quat_integrate(at, quat, velocity, dt),
+                Revision::V4_0 => Pairwise::quat_integrate(at, quat, velocity, dt),
             };
-            q.copy_from_slice(&turned);
+            for (x, q) in turned.into_iter().zip(&mut qpos[p..p + 4]) {
+                x.put(at, q);
+            }
         } else {
-            qpos[p] += dt * qvel[v];
+            moved(&qpos[p], &qvel[v]).put(at, &mut qpos[p]);
         }
     }
 }
@@ -91,15 +115,17 @@ fn semi_implicit(m: &Model, d: &mut Data) {
     d.qacc_warmstart.copy_from_slice(&d.qacc);
 }
 
+/// The weights of the stages of Runge and Kutta's method.
+pub(super) const WEIGHTS: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
+/// The part of the step from the start to the next stage.
+pub(super) const PARTS: [f64; 4] = [0.5, 0.5, 1.0, 0.0];
+
 /// Runge-Kutta of fourth order: MuJoCo's `mj_RungeKutta`. The forward call of the start is done
 /// already.
 ///
 /// From 4.0 on, angular velocities of free joints are of fourth order too (`rates`), and `qacc`
 /// is left as the mean of the stages; before, it is left as that of the last stage.
 pub fn runge_kutta(m: &Model, d: &mut Data) {
-    const WEIGHTS: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
-    // the part of the step from the start to the next stage
-    const PARTS: [f64; 4] = [0.5, 0.5, 1.0, 0.0];
     let (dt, start, nv) = (m.opt.timestep, d.time, m.nv());
     d.work.qpos_start.copy_from_slice(&d.qpos);
     d.work.qvel_start.copy_from_slice(&d.qvel);
@@ -178,7 +204,7 @@ fn rates(m: &Model, qvel: &[f64], way: f64, rates: &mut [f64]) {
 }
 
 /// How fast a rotation vector changes, at an angular velocity in the turned frame.
-fn rate_of_turn(turn: Vec3, velocity: Vec3) -> Vec3 {
+pub(super) fn rate_of_turn(turn: Vec3, velocity: Vec3) -> Vec3 {
     // the last factor is (1 - t / tan t) / (4 t^2), with the square of the angle 2 t
     const SERIES: [f64; 9] = [
         1.230313397310169e-14,

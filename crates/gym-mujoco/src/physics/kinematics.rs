@@ -1,24 +1,64 @@
 //! Where everything is: positions and orientations of bodies, joints, geoms and sites.
 
+use super::number::{self, Number, get, put};
 use super::spatial::{
-    InTurn, Mat3, Order, Pairwise, Quat, Vec3, add, add_scaled, axis_angle, mul_quat,
-    normalize_quat, quat_to_mat, rotate, rotate_quat, sub,
+    InTurn, Order, Pairwise, add, add_scaled, axis_angle, rotate, rotate_quat, sub,
 };
 use super::velocity::joints;
 use crate::model::{JointType, Placed};
 use crate::{Data, Model, Revision};
 
+/// The numbers that this stage reads and writes, of one world or of several.
+pub(crate) struct Frames<'a, C> {
+    pub(crate) qpos: &'a [C],
+    pub(crate) mocap_pos: &'a [[C; 3]],
+    pub(crate) mocap_quat: &'a [[C; 4]],
+    pub(crate) xpos: &'a mut [[C; 3]],
+    pub(crate) xquat: &'a mut [[C; 4]],
+    pub(crate) xmat: &'a mut [[C; 9]],
+    pub(crate) xipos: &'a mut [[C; 3]],
+    pub(crate) ximat: &'a mut [[C; 9]],
+    pub(crate) xanchor: &'a mut [[C; 3]],
+    pub(crate) xaxis: &'a mut [[C; 3]],
+    pub(crate) geom_xpos: &'a mut [[C; 3]],
+    pub(crate) geom_xmat: &'a mut [[C; 9]],
+    pub(crate) site_xpos: &'a mut [[C; 3]],
+    pub(crate) site_xmat: &'a mut [[C; 9]],
+}
+
 /// Frames of bodies, joints, geoms and sites from `qpos`: MuJoCo's `mj_kinematics`.
 #[inline(always)]
 pub fn kinematics(m: &Model, d: &mut Data) {
+    let frames = Frames {
+        qpos: &d.qpos,
+        mocap_pos: &d.mocap_pos,
+        mocap_quat: &d.mocap_quat,
+        xpos: &mut d.xpos,
+        xquat: &mut d.xquat,
+        xmat: &mut d.xmat,
+        xipos: &mut d.xipos,
+        ximat: &mut d.ximat,
+        xanchor: &mut d.xanchor,
+        xaxis: &mut d.xaxis,
+        geom_xpos: &mut d.geom_xpos,
+        geom_xmat: &mut d.geom_xmat,
+        site_xpos: &mut d.site_xpos,
+        site_xmat: &mut d.site_xmat,
+    };
+    kinematics_of::<f64>(m, (), frames);
+}
+
+/// The same for one world or several.
+#[inline(always)]
+pub(crate) fn kinematics_of<N: Number>(m: &Model, place: N::Place, frames: Frames<'_, N::Cell>) {
     match m.revision {
-        Revision::V3_12 => place::<InTurn>(m, d),
-        Revision::V4_0 => place::<Pairwise>(m, d),
+        Revision::V3_12 => in_order::<N, InTurn>(m, place, frames),
+        Revision::V4_0 => in_order::<N, Pairwise>(m, place, frames),
     }
 }
 
 #[inline(always)]
-fn place<O: Order>(m: &Model, d: &mut Data) {
+fn in_order<N: Number, O: Order>(m: &Model, at: N::Place, frames: Frames<'_, N::Cell>) {
     // slices of one length: an index is checked once for all of them
     let n = m.nbody();
     let parents = &m.body_parentid[..n];
@@ -29,8 +69,9 @@ fn place<O: Order>(m: &Model, d: &mut Data) {
         &m.body_iquat[..n],
     );
     let (placed, inertias) = (&m.plan().bodies[..n], &m.plan().inertias[..n]);
-    let (xpos, xquat, xmat) = (&mut d.xpos[..n], &mut d.xquat[..n], &mut d.xmat[..n]);
-    let (xipos, ximat) = (&mut d.xipos[..n], &mut d.ximat[..n]);
+    let f = frames;
+    let (xpos, xquat, xmat) = (&mut f.xpos[..n], &mut f.xquat[..n], &mut f.xmat[..n]);
+    let (xipos, ximat) = (&mut f.xipos[..n], &mut f.ximat[..n]);
     let njnt = m.njnt();
     let (types, axes, origins, addresses) = (
         &m.jnt_type[..njnt],
@@ -38,33 +79,41 @@ fn place<O: Order>(m: &Model, d: &mut Data) {
         &m.jnt_pos[..njnt],
         &m.jnt_qposadr[..njnt],
     );
-    let (xaxis, xanchor) = (&mut d.xaxis[..njnt], &mut d.xanchor[..njnt]);
+    let (xaxis, xanchor) = (&mut f.xaxis[..njnt], &mut f.xanchor[..njnt]);
     let (anchored, nq) = (&m.plan().anchored[..njnt], m.nq());
-    let (qpos, qpos0) = (&d.qpos[..nq], &m.qpos0[..nq]);
+    let (qpos, qpos0) = (&f.qpos[..nq], &m.qpos0[..nq]);
     for b in 1..n {
         let joints = joints(m, b);
-        let (mut pos, mut quat);
+        let (mut pos, mut quat): ([N; 3], [N; 4]);
         if joints.len() == 1 && types[joints.start] == JointType::Free {
             let j = joints.start;
-            let q = &qpos[addresses[j]..addresses[j] + 7];
+            let q: [N; 7] = std::array::from_fn(
+                #[inline(always)]
+                |k| N::get(at, &qpos[addresses[j] + k]),
+            );
             pos = [q[0], q[1], q[2]];
-            quat = normalize_quat::<O>([q[3], q[4], q[5], q[6]]);
-            xanchor[j] = pos;
-            xaxis[j] = axes[j];
+            quat = O::normalize_quat(at, [q[3], q[4], q[5], q[6]]);
+            put(at, pos, &mut xanchor[j]);
+            put(at, number::of::<N, 3>(at, axes[j]), &mut xaxis[j]);
         } else {
             let parent = parents[b];
-            (pos, quat) = (body_pos[b], body_quat[b]);
             if let Ok(mocap) = usize::try_from(m.body_mocapid[b]) {
-                (pos, quat) = (d.mocap_pos[mocap], d.mocap_quat[mocap]);
-                quat = normalize_quat::<O>(quat);
-            }
-            if parent > 0 {
-                pos = add(rotate(&xmat[parent], pos), xpos[parent]);
+                pos = get(at, &f.mocap_pos[mocap]);
+                quat = O::normalize_quat(at, get(at, &f.mocap_quat[mocap]));
+            } else if parent > 0 {
+                let parent_quat = get::<N, 4>(at, &xquat[parent]);
+                pos = add(
+                    rotate(&get::<N, 9>(at, &xmat[parent]), body_pos[b]),
+                    get::<N, 3>(at, &xpos[parent]),
+                );
                 quat = if placed[b].turned {
-                    mul_quat::<O>(xquat[parent], quat)
+                    O::mul_quat(parent_quat, body_quat[b])
                 } else {
-                    xquat[parent]
+                    parent_quat
                 };
+            } else {
+                pos = number::of(at, body_pos[b]);
+                quat = number::of(at, body_quat[b]);
             }
             for j in joints {
                 let axis = rotate_quat(axes[j], quat);
@@ -73,86 +122,96 @@ fn place<O: Order>(m: &Model, d: &mut Data) {
                 } else {
                     pos
                 };
-                let moved = qpos[addresses[j]] - qpos0[addresses[j]];
+                let moved = N::get(at, &qpos[addresses[j]]) - qpos0[addresses[j]];
                 match types[j] {
                     JointType::Slide => pos = add_scaled(pos, axis, moved),
                     other => {
                         let turn = if other == JointType::Ball {
-                            let q = &qpos[addresses[j]..addresses[j] + 4];
-                            normalize_quat::<O>([q[0], q[1], q[2], q[3]])
+                            let q = std::array::from_fn(
+                                #[inline(always)]
+                                |k| N::get(at, &qpos[addresses[j] + k]),
+                            );
+                            O::normalize_quat(at, q)
                         } else {
-                            axis_angle(axes[j], moved)
+                            axis_angle(at, axes[j], moved)
                         };
-                        quat = mul_quat::<O>(quat, turn);
+                        quat = O::mul_quat(quat, turn);
                         if anchored[j] {
                             pos = sub(anchor, rotate_quat(origins[j], quat));
                         }
                     }
                 }
-                (xaxis[j], xanchor[j]) = (axis, anchor);
+                put(at, axis, &mut xaxis[j]);
+                put(at, anchor, &mut xanchor[j]);
             }
         }
-        quat = normalize_quat::<O>(quat);
-        (xpos[b], xquat[b], xmat[b]) = (pos, quat, quat_to_mat::<O>(quat));
-        (xipos[b], ximat[b]) = local_to_global::<O>(
-            pos,
-            quat,
-            &xmat[b],
-            inertias[b],
-            body_ipos[b],
-            body_iquat[b],
-        );
+        quat = O::normalize_quat(at, quat);
+        let mat = O::quat_to_mat(quat);
+        put(at, pos, &mut xpos[b]);
+        put(at, quat, &mut xquat[b]);
+        put(at, mat, &mut xmat[b]);
+        let body = (pos, quat, mat);
+        let (ipos, imat) = local_to_global::<N, O>(body, inertias[b], body_ipos[b], body_iquat[b]);
+        put(at, ipos, &mut xipos[b]);
+        put(at, imat, &mut ximat[b]);
     }
+    let (body,) = (
+        #[inline(always)]
+        |b: usize, xpos: &[[N::Cell; 3]], xquat: &[[N::Cell; 4]], xmat: &[[N::Cell; 9]]| {
+            (
+                get::<N, 3>(at, &xpos[b]),
+                get::<N, 4>(at, &xquat[b]),
+                get::<N, 9>(at, &xmat[b]),
+            )
+        },
+    );
     let n = m.ngeom();
     let (bodies, placed) = (&m.geom_bodyid[..n], &m.plan().geoms[..n]);
-    let (geom_xpos, geom_xmat) = (&mut d.geom_xpos[..n], &mut d.geom_xmat[..n]);
+    let (geom_xpos, geom_xmat) = (&mut f.geom_xpos[..n], &mut f.geom_xmat[..n]);
     for g in 0..n {
         let b = bodies[g];
-        (geom_xpos[g], geom_xmat[g]) = match placed[g] {
-            None => (xipos[b], ximat[b]),
-            Some(placed) => local_to_global::<O>(
-                xpos[b],
-                xquat[b],
-                &xmat[b],
+        let (pos, mat) = match placed[g] {
+            None => (get::<N, 3>(at, &xipos[b]), get(at, &ximat[b])),
+            Some(placed) => local_to_global::<N, O>(
+                body(b, xpos, xquat, xmat),
                 placed,
                 m.geom_pos[g],
                 m.geom_quat[g],
             ),
         };
+        put(at, pos, &mut geom_xpos[g]);
+        put(at, mat, &mut geom_xmat[g]);
     }
     for (s, &placed) in m.plan().sites.iter().enumerate() {
-        let b = m.site_bodyid[s];
-        (d.site_xpos[s], d.site_xmat[s]) = local_to_global::<O>(
-            xpos[b],
-            xquat[b],
-            &xmat[b],
+        let (pos, mat) = local_to_global::<N, O>(
+            body(m.site_bodyid[s], xpos, xquat, xmat),
             placed,
             m.site_pos[s],
             m.site_quat[s],
         );
+        put(at, pos, &mut f.site_xpos[s]);
+        put(at, mat, &mut f.site_xmat[s]);
     }
 }
 
 /// A frame given in a body's frame: MuJoCo's `mj_local2Global`.
 #[inline(always)]
-fn local_to_global<O: Order>(
-    xpos: Vec3,
-    xquat: Quat,
-    xmat: &Mat3,
+fn local_to_global<N: Number, O: Order>(
+    (xpos, xquat, xmat): ([N; 3], [N; 4], [N; 9]),
     placed: Placed,
-    pos: Vec3,
-    quat: Quat,
-) -> (Vec3, Mat3) {
+    pos: [f64; 3],
+    quat: [f64; 4],
+) -> ([N; 3], [N; 9]) {
     (
         if placed.moved {
-            add(rotate(xmat, pos), xpos)
+            add(rotate(&xmat, pos), xpos)
         } else {
             xpos
         },
         if placed.turned {
-            quat_to_mat::<O>(mul_quat::<O>(xquat, quat))
+            O::quat_to_mat(O::mul_quat(xquat, quat))
         } else {
-            *xmat
+            xmat
         },
     )
 }

@@ -4,9 +4,10 @@ use std::f64::consts::PI;
 
 use super::fluid::ellipsoids;
 use super::jacobian::apply;
+use super::number::{Number, get, of};
 use super::spatial::{
-    InTurn, Pairwise, add, cross, dot, normalize_quat, rotate, rotate_back, rotation, scale, sub,
-    sub_quat, translation, velocity_at,
+    InTurn, Order, Pairwise, add, cross, dot, rotate, rotate_back, rotation, scale, sub,
+    translation, velocity_at,
 };
 use crate::model::JointType;
 use crate::{Data, Model, Revision};
@@ -31,17 +32,13 @@ pub fn passive(m: &Model, d: &mut Data) {
                 turned_spring(m, d, p + 3, i + 3, stiffness);
             }
             JointType::Ball => turned_spring(m, d, p, i, stiffness),
-            _ => d.qfrc_passive[i] = -(d.qpos[p] - m.qpos_spring[p]) * stiffness,
+            _ => d.qfrc_passive[i] = spring_force(d.qpos[p], m.qpos_spring[p], stiffness),
         }
     }
     if plan.paths.elastic.is_empty() {
         let dampers = d.qvel.iter().zip(&plan.damping);
         for (force, (velocity, damping)) in d.qfrc_passive.iter_mut().zip(dampers) {
-            *force += if *damping == 0.0 {
-                0.0
-            } else {
-                -velocity * damping
-            };
+            *force += damper_force((), *velocity, *damping);
         }
     } else {
         elastic_tendons(m, d);
@@ -58,13 +55,29 @@ pub fn passive(m: &Model, d: &mut Data) {
     }
 }
 
+/// The force of a spring at a position.
+#[inline(always)]
+pub(in crate::physics) fn spring_force<N: Number>(q: N, rest: f64, stiffness: f64) -> N {
+    -(q - rest) * stiffness
+}
+
+/// The force of a damper at a velocity.
+#[inline(always)]
+pub(in crate::physics) fn damper_force<N: Number>(at: N::Place, velocity: N, damping: f64) -> N {
+    if damping == 0.0 {
+        N::of(at, 0.0)
+    } else {
+        -velocity * damping
+    }
+}
+
 /// The spring of an orientation.
 fn turned_spring(m: &Model, d: &mut Data, p: usize, i: usize, stiffness: f64) {
     let quat = |q: &[f64]| [q[p], q[p + 1], q[p + 2], q[p + 3]];
     let (now, rest) = (quat(&d.qpos), quat(&m.qpos_spring));
     let turned = match m.revision {
-        Revision::V3_12 => sub_quat::<InTurn>(normalize_quat::<InTurn>(now), rest),
-        Revision::V4_0 => sub_quat::<Pairwise>(normalize_quat::<Pairwise>(now), rest),
+        Revision::V3_12 => InTurn::sub_quat(InTurn::normalize_quat((), now), rest),
+        Revision::V4_0 => Pairwise::sub_quat(Pairwise::normalize_quat((), now), rest),
     };
     for (force, turned) in d.qfrc_passive[i..i + 3].iter_mut().zip(turned) {
         *force += turned * -stiffness;
@@ -77,12 +90,7 @@ fn elastic_tendons(m: &Model, d: &mut Data) {
     let plan = m.plan();
     let damper = &mut d.work.damper;
     for (i, force) in damper.iter_mut().enumerate() {
-        let damping = plan.damping[i];
-        *force = if damping == 0.0 {
-            0.0
-        } else {
-            -d.qvel[i] * damping
-        };
+        *force = damper_force((), d.qvel[i], plan.damping[i]);
     }
     for &(t, stiffness, damping) in &plan.paths.elastic {
         let (length, [lower, upper]) = (d.ten_length[t], m.tendon_lengthspring[t]);
@@ -132,7 +140,6 @@ fn lift(m: &Model, d: &mut Data) {
 /// ellipsoids: MuJoCo's `mj_inertiaBoxFluidModel`.
 #[inline(always)]
 fn fluid(m: &Model, d: &mut Data) {
-    let (density, viscosity) = (m.opt.density, m.opt.viscosity);
     for &(b, edges) in &m.plan().boxes {
         let Some(edges) = edges else {
             let mut forces = std::mem::take(&mut d.work.fluid);
@@ -140,34 +147,75 @@ fn fluid(m: &Model, d: &mut Data) {
             d.work.fluid = forces;
             continue;
         };
-        let mat = &d.ximat[b];
-        let offset = sub(d.xipos[b], d.subtree_com[m.body_rootid[b]]);
-        let w = rotate_back(mat, rotation(&d.cvel[b]));
-        let v = sub(
-            rotate_back(mat, velocity_at(&d.cvel[b], offset)),
-            rotate_back(mat, m.opt.wind),
-        );
+        let medium = Medium {
+            xipos: &d.xipos,
+            ximat: &d.ximat,
+            subtree_com: &d.subtree_com,
+            cvel: &d.cvel,
+            cdof: &d.cdof,
+            fluid: &mut d.work.fluid,
+        };
+        box_in_medium::<f64>(m, (), (b, edges), medium);
+    }
+}
 
-        let (mut torque, mut force) = ([0.0; 3], [0.0; 3]);
-        if viscosity > 0.0 {
-            let diameter = (edges[0] + edges[1] + edges[2]) / 3.0;
-            torque = scale(w, -PI * diameter * diameter * diameter * viscosity);
-            force = scale(v, -3.0 * PI * diameter * viscosity);
+/// The numbers that the forces of the medium depend on, and these forces, of one world or of
+/// several.
+pub(in crate::physics) struct Medium<'a, C> {
+    pub(in crate::physics) xipos: &'a [[C; 3]],
+    pub(in crate::physics) ximat: &'a [[C; 9]],
+    pub(in crate::physics) subtree_com: &'a [[C; 3]],
+    pub(in crate::physics) cvel: &'a [[C; 6]],
+    pub(in crate::physics) cdof: &'a [[C; 6]],
+    pub(in crate::physics) fluid: &'a mut [C],
+}
+
+/// Adds the forces on a body that is like a box with some edges.
+#[inline(always)]
+pub(in crate::physics) fn box_in_medium<N: Number>(
+    m: &Model,
+    at: N::Place,
+    (b, edges): (usize, [f64; 3]),
+    medium: Medium<'_, N::Cell>,
+) {
+    let Medium {
+        xipos,
+        ximat,
+        subtree_com,
+        cvel,
+        cdof,
+        fluid,
+    } = medium;
+    let (density, viscosity) = (m.opt.density, m.opt.viscosity);
+    let mat = &get::<N, 9>(at, &ximat[b]);
+    let com = &subtree_com[m.body_rootid[b]];
+    let offset = sub(get::<N, 3>(at, &xipos[b]), get(at, com));
+    let velocity = get::<N, 6>(at, &cvel[b]);
+    let w = rotate_back(mat, rotation(&velocity));
+    let v = sub(
+        rotate_back(mat, velocity_at(&velocity, offset)),
+        rotate_back(mat, m.opt.wind),
+    );
+
+    let (mut torque, mut force) = (of::<N, 3>(at, [0.0; 3]), of::<N, 3>(at, [0.0; 3]));
+    if viscosity > 0.0 {
+        let diameter = (edges[0] + edges[1] + edges[2]) / 3.0;
+        torque = scale(w, -PI * diameter * diameter * diameter * viscosity);
+        force = scale(v, -3.0 * PI * diameter * viscosity);
+    }
+    if density > 0.0 {
+        for (k, [i, j]) in [[1, 2], [0, 2], [0, 1]].into_iter().enumerate() {
+            let (a, c) = (edges[i], edges[j]);
+            force[k] = force[k] - v[k].abs() * (0.5 * density * a * c) * v[k];
+            let moment = density * edges[k] * (a * a * a * a + c * c * c * c);
+            torque[k] = torque[k] - w[k].abs() * moment * w[k] * (1.0 / 64.0);
         }
-        if density > 0.0 {
-            for (k, [i, j]) in [[1, 2], [0, 2], [0, 1]].into_iter().enumerate() {
-                let (a, c) = (edges[i], edges[j]);
-                force[k] -= 0.5 * density * a * c * v[k].abs() * v[k];
-                torque[k] -=
-                    density * edges[k] * (a * a * a * a + c * c * c * c) * w[k].abs() * w[k] / 64.0;
-            }
-        }
-        let (torque, force) = (rotate(mat, torque), rotate(mat, force));
-        for &dof in m.plan().chain(b) {
-            let axis = &d.cdof[dof];
-            let moves = add(translation(axis), cross(rotation(axis), offset));
-            d.work.fluid[dof] += dot(moves, force);
-            d.work.fluid[dof] += dot(rotation(axis), torque);
-        }
+    }
+    let (torque, force) = (rotate(mat, torque), rotate(mat, force));
+    for &dof in m.plan().chain(b) {
+        let axis = get::<N, 6>(at, &cdof[dof]);
+        let moves = add(translation(&axis), cross(rotation(&axis), offset));
+        let sum = N::get(at, &fluid[dof]) + dot(moves, force);
+        (sum + dot(rotation(&axis), torque)).put(at, &mut fluid[dof]);
     }
 }

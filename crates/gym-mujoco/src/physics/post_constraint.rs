@@ -1,12 +1,12 @@
 //! Forces on bodies, and their accelerations, once constraint forces are known.
 
 use super::constraint::Source;
-use super::contact_force::contact_force;
+use super::contact_force::force_of;
 use super::rows;
 use super::spatial::{Vec3, add_to, cross, cross_force, join, mul_inertia, rotate_back, sub};
 use super::velocity::{along, dofs};
 use crate::model::EqualityType;
-use crate::{Data, Model, Revision};
+use crate::{Contact, Data, Model, Revision};
 
 /// `cfrc_ext` from the contacts of the last forward call, `cacc` and `cfrc_int`: MuJoCo's
 /// `mj_rnePostConstraint`.
@@ -30,20 +30,34 @@ fn contacts(m: &Model, d: &mut Data) {
             d.cfrc_ext[b] = join(sub([roll, pitch, yaw], cross(offset, force)), force);
         }
     }
+    let com = |body: usize| d.subtree_com[body];
     for contact in &d.contact {
-        if contact.efc_address < 0 {
+        let Ok(row) = usize::try_from(contact.efc_address) else {
             continue;
-        }
-        let f = contact_force(m, d, contact);
-        let force = rotate_back(&contact.frame, [f[0], f[1], f[2]]);
-        let torque = rotate_back(&contact.frame, [f[3], f[4], f[5]]);
-        for (geom, sign) in [(contact.geom[0], -1.0), (contact.geom[1], 1.0)] {
-            let body = m.geom_bodyid[geom];
-            if body > 0 {
-                let offset = sub(d.subtree_com[m.body_rootid[body]], contact.pos);
-                let about = sub(torque, cross(offset, force));
-                add_to(&mut d.cfrc_ext[body], &join(about, force), sign);
-            }
+        };
+        let edge = |k: usize| d.efc.force.get(row + k).copied();
+        push_apart(m, contact, edge, com, &mut d.cfrc_ext);
+    }
+}
+
+/// Adds the force of a contact to those on its bodies. `edge` gives the forces of its rows, `com`
+/// the centres of mass of trees.
+pub(super) fn push_apart(
+    m: &Model,
+    contact: &Contact,
+    edge: impl Fn(usize) -> Option<f64>,
+    com: impl Fn(usize) -> Vec3,
+    cfrc_ext: &mut [[f64; 6]],
+) {
+    let f = force_of(m, contact, edge);
+    let force = rotate_back(&contact.frame, [f[0], f[1], f[2]]);
+    let torque = rotate_back(&contact.frame, [f[3], f[4], f[5]]);
+    for (geom, sign) in [(contact.geom[0], -1.0), (contact.geom[1], 1.0)] {
+        let body = m.geom_bodyid[geom];
+        if body > 0 {
+            let offset = sub(com(m.body_rootid[body]), contact.pos);
+            let about = sub(torque, cross(offset, force));
+            add_to(&mut cfrc_ext[body], &join(about, force), sign);
         }
     }
 }
@@ -92,7 +106,7 @@ fn internal(m: &Model, d: &mut Data) {
         let mut acceleration = d.cacc[m.body_parentid[b]];
         let parts = [(&d.cdof_dot, &d.qvel), (&d.cdof, &d.qacc)];
         for (axes, rates) in parts {
-            let sum = along(&axes[own.clone()], &rates[own.clone()]);
+            let sum = along::<f64>((), axes, rates, own.clone());
             add_to(&mut acceleration, &sum, 1.0);
         }
         d.cacc[b] = acceleration;

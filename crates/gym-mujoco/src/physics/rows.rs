@@ -10,8 +10,8 @@ use super::constraint::{Constraints, Kind, Source, push_block, push_rows, set_ro
 use super::dense::dot_slices;
 use super::jacobian::moves_at;
 use super::spatial::{
-    InTurn, Order, Pairwise, Quat, Vec3, add, dot, mul_quat, normalize, normalize_quat,
-    quat_to_velocity, rotate, rotation, scale, sub,
+    InTurn, Order, Pairwise, Quat, Vec3, add, dot, normalize, quat_to_velocity, rotate, rotation,
+    scale, sub,
 };
 use crate::model::{Cone, Equality, EqualityType, Limit, ObjectType, Pair, Scalar};
 use crate::{Contact, Data, Model, Revision};
@@ -56,15 +56,12 @@ pub(super) fn orientations<O: Order>(m: &Model, d: &Data, law: &Equality) -> (Qu
     if m.eq_objtype[law.id] == ObjectType::Body {
         let data = &m.eq_data[law.id];
         let pose = [data[6], data[7], data[8], data[9]];
-        (
-            mul_quat::<O>(d.xquat[ids[0]], pose),
-            inverse(d.xquat[ids[1]]),
-        )
+        (O::mul_quat(d.xquat[ids[0]], pose), inverse(d.xquat[ids[1]]))
     } else {
         let [b1, b2] = law.bodies;
         (
-            mul_quat::<O>(d.xquat[b1], m.site_quat[ids[0]]),
-            inverse(mul_quat::<O>(d.xquat[b2], m.site_quat[ids[1]])),
+            O::mul_quat(d.xquat[b1], m.site_quat[ids[0]]),
+            inverse(O::mul_quat(d.xquat[b2], m.site_quat[ids[1]])),
         )
     }
 }
@@ -76,7 +73,7 @@ pub(super) fn weld_torque(m: &Model, d: &Data, law: &Equality, rows: Vec3) -> Ve
     std::array::from_fn(|k| {
         let mut axis = [0.0; 3];
         axis[k] = 1.0;
-        let turned = mul_quat::<Pairwise>(mul_quat_axis::<Pairwise>(back, axis), ahead);
+        let turned = Pairwise::mul_quat(mul_quat_axis::<Pairwise>(back, axis), ahead);
         0.5 * torque * dot([turned[1], turned[2], turned[3]], rows)
     })
 }
@@ -94,7 +91,7 @@ fn bodies<O: Order>(m: &Model, d: &mut Data, law: &Equality) {
     let (mut ahead, mut back) = (identity, identity);
     if weld {
         (ahead, back) = orientations::<O>(m, d, law);
-        let error = mul_quat::<O>(back, ahead);
+        let error = O::mul_quat(back, ahead);
         for k in 0..3 {
             pos[3 + k] = error[1 + k] * torque;
         }
@@ -133,7 +130,7 @@ fn bodies<O: Order>(m: &Model, d: &mut Data, law: &Equality) {
             let axis = rotation(&d.cdof[dof]);
             let own = |moved: bool| if moved { axis } else { [0.0; 3] };
             let turn = sub(own(first), own(second));
-            let turned = mul_quat::<O>(mul_quat_axis::<O>(back, turn), ahead);
+            let turned = O::mul_quat(mul_quat_axis::<O>(back, turn), ahead);
             for k in 0..3 {
                 set_row(efc, row + 3 + k, dof, 0.5 * turned[1 + k] * torque);
             }
@@ -287,8 +284,8 @@ pub(super) fn ball_limit(m: &Model, d: &mut Data, limit: &Limit) {
     let p = limit.qpos;
     let quat = [0, 1, 2, 3].map(|k| d.qpos[p + k]);
     let quat = match m.revision {
-        Revision::V3_12 => normalize_quat::<InTurn>(quat),
-        Revision::V4_0 => normalize_quat::<Pairwise>(quat),
+        Revision::V3_12 => InTurn::normalize_quat((), quat),
+        Revision::V4_0 => Pairwise::normalize_quat((), quat),
     };
     let (axis, angle) = normalize(quat_to_velocity(quat));
     let dist = limit.range[0].max(limit.range[1]) - angle;

@@ -5,9 +5,8 @@ use super::energy::{kinetic, potential};
 use super::post_constraint::rne_post_constraint;
 use super::ray::{ray, ray_shape};
 use super::spatial::{
-    InTurn, MINVAL, Mat3, Order, Pairwise, Quat, Vec3, Vec6, add, column, cross, mul_quat,
-    normalize, normalize_quat, rotate, rotate_back, rotation, scale, sub, transform_force,
-    transform_motion, translation,
+    InTurn, MINVAL, Mat3, Order, Pairwise, Quat, Vec3, Vec6, add, column, cross, normalize, rotate,
+    rotate_back, rotation, scale, sub, transform_force, transform_motion, translation,
 };
 use crate::model::{Disable, ObjectType, SensorType, Stage, TransmissionType};
 use crate::physics::constraint::Source;
@@ -74,7 +73,7 @@ fn three([x, y, z]: Vec3) -> Quat {
 
 /// What the quaternions of sensors are: body and orientation in it.
 fn quat_of<O: Order>(m: &Model, d: &Data, kind: ObjectType, id: usize) -> Quat {
-    let within = |body: usize, quat: Quat| mul_quat::<O>(d.xquat[body], quat);
+    let within = |body: usize, quat: Quat| O::mul_quat(d.xquat[body], quat);
     match kind {
         ObjectType::Body => within(id, m.body_iquat[id]),
         ObjectType::Geom => within(m.geom_bodyid[id], m.geom_quat[id]),
@@ -93,8 +92,8 @@ fn frame_of(m: &Model, d: &Data, kind: ObjectType, id: usize) -> (usize, Vec3, M
         ObjectType::Camera => {
             let body = m.cam_bodyid[id];
             let pos = add(rotate(&d.xmat[body], m.cam_pos[id]), d.xpos[body]);
-            let quat = mul_quat::<InTurn>(d.xquat[body], m.cam_quat[id]);
-            (body, pos, super::spatial::quat_to_mat::<InTurn>(quat))
+            let quat = InTurn::mul_quat(d.xquat[body], m.cam_quat[id]);
+            (body, pos, InTurn::quat_to_mat(quat))
         }
         _ => (id, d.xpos[id], d.xmat[id]),
     }
@@ -129,7 +128,7 @@ fn of_position<O: Order>(m: &Model, d: &Data, i: usize) -> Quat {
         SensorType::ActuatorPos => one(d.actuator_length[id]),
         SensorType::BallQuat => {
             let p = m.jnt_qposadr[id];
-            normalize_quat::<O>([0, 1, 2, 3].map(|k| d.qpos[p + k]))
+            O::normalize_quat((), [0, 1, 2, 3].map(|k| d.qpos[p + k]))
         }
         SensorType::JointLimitPos => limit_distance(d, Source::Limit(id)),
         SensorType::TendonLimitPos => limit_distance(d, Source::TendonLimit(id)),
@@ -157,7 +156,7 @@ fn of_position<O: Order>(m: &Model, d: &Data, i: usize) -> Quat {
                 None => quat,
                 Some((kind, id)) => {
                     let [w, x, y, z] = quat_of::<O>(m, d, kind, id);
-                    mul_quat::<O>([w, -x, -y, -z], quat)
+                    O::mul_quat([w, -x, -y, -z], quat)
                 }
             }
         }

@@ -4,6 +4,9 @@
 //! A quaternion is `w, x, y, z`. A matrix is row-major. A six-dimensional vector is rotation, then
 //! translation.
 
+use std::ops::{Add, Mul};
+
+use super::number::{self, Number};
 use crate::libm;
 
 /// Lengths below this count as zero: MuJoCo's `mjMINVAL`.
@@ -13,39 +16,37 @@ pub(crate) type Vec3 = [f64; 3];
 pub(crate) type Quat = [f64; 4];
 pub(crate) type Mat3 = [f64; 9];
 pub(crate) type Vec6 = [f64; 6];
-/// An inertia about some point: xx, yy, zz, xy, xz, yz, mass times offset (3), mass.
-pub(crate) type Inertia = [f64; 10];
 
 pub(crate) const IDENTITY: Mat3 = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
 
-#[inline]
-pub(crate) fn add(a: Vec3, b: Vec3) -> Vec3 {
+#[inline(always)]
+pub(crate) fn add<N: Number + Add<V, Output = N>, V: Copy>(a: [N; 3], b: [V; 3]) -> [N; 3] {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
 
-#[inline]
-pub(crate) fn sub(a: Vec3, b: Vec3) -> Vec3 {
+#[inline(always)]
+pub(crate) fn sub<N: Number>(a: [N; 3], b: [N; 3]) -> [N; 3] {
     [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
 }
 
-#[inline]
-pub(crate) fn scale(a: Vec3, s: f64) -> Vec3 {
+#[inline(always)]
+pub(crate) fn scale<N: Number + Mul<S, Output = N>, S: Copy>(a: [N; 3], s: S) -> [N; 3] {
     [a[0] * s, a[1] * s, a[2] * s]
 }
 
 /// `a + s b`.
-#[inline]
-pub(crate) fn add_scaled(a: Vec3, b: Vec3, s: f64) -> Vec3 {
+#[inline(always)]
+pub(crate) fn add_scaled<N: Number>(a: [N; 3], b: [N; 3], s: N) -> [N; 3] {
     [a[0] + b[0] * s, a[1] + b[1] * s, a[2] + b[2] * s]
 }
 
-#[inline]
-pub(crate) fn dot(a: Vec3, b: Vec3) -> f64 {
+#[inline(always)]
+pub(crate) fn dot<N: Number>(a: [N; 3], b: [N; 3]) -> N {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-#[inline]
-pub(crate) fn cross(a: Vec3, b: Vec3) -> Vec3 {
+#[inline(always)]
+pub(crate) fn cross<N: Number>(a: [N; 3], b: [N; 3]) -> [N; 3] {
     [
         a[1] * b[2] - a[2] * b[1],
         a[2] * b[0] - a[0] * b[2],
@@ -70,14 +71,14 @@ pub(crate) fn normalize(a: Vec3) -> (Vec3, f64) {
 }
 
 /// Column `k` of a matrix.
-#[inline]
-pub(crate) fn column(m: &Mat3, k: usize) -> Vec3 {
+#[inline(always)]
+pub(crate) fn column<N: Number>(m: &[N; 9], k: usize) -> [N; 3] {
     [m[k], m[3 + k], m[6 + k]]
 }
 
 /// `m v`.
-#[inline]
-pub(crate) fn rotate(m: &Mat3, v: Vec3) -> Vec3 {
+#[inline(always)]
+pub(crate) fn rotate<N: Number + Mul<V, Output = N>, V: Copy>(m: &[N; 9], v: [V; 3]) -> [N; 3] {
     [
         m[0] * v[0] + m[1] * v[1] + m[2] * v[2],
         m[3] * v[0] + m[4] * v[1] + m[5] * v[2],
@@ -86,8 +87,11 @@ pub(crate) fn rotate(m: &Mat3, v: Vec3) -> Vec3 {
 }
 
 /// `m' v`.
-#[inline]
-pub(crate) fn rotate_back(m: &Mat3, v: Vec3) -> Vec3 {
+#[inline(always)]
+pub(crate) fn rotate_back<N: Number + Mul<V, Output = N>, V: Copy>(
+    m: &[N; 9],
+    v: [V; 3],
+) -> [N; 3] {
     [
         m[0] * v[0] + m[3] * v[1] + m[6] * v[2],
         m[1] * v[0] + m[4] * v[1] + m[7] * v[2],
@@ -95,19 +99,90 @@ pub(crate) fn rotate_back(m: &Mat3, v: Vec3) -> Vec3 {
     ]
 }
 
-/// The order in which functions of quaternions add four terms: it differs between revisions.
+/// Functions of quaternions: the order in which they add four terms differs between revisions.
 pub(crate) trait Order {
     /// The sum of the terms of a product or a square.
-    fn sum(terms: [f64; 4]) -> f64;
+    fn sum<N: Number>(terms: [N; 4]) -> N;
 
     /// The sum of the terms of an element on the diagonal of a rotation matrix.
-    fn sum_diagonal(terms: [f64; 4]) -> f64;
+    fn sum_diagonal<N: Number>(terms: [N; 4]) -> N;
 
     /// The sum of the terms of the second element of the product with an axis.
     fn axis_first(a: f64, b: f64, c: f64) -> f64;
 
     /// The sum of the terms of its last element.
     fn axis_last(a: f64, b: f64, c: f64) -> f64;
+
+    /// The rotation `a`, after the rotation `b` in its frame.
+    #[inline(always)]
+    fn mul_quat<N: Number + Mul<V, Output = N>, V: Copy>(a: [N; 4], b: [V; 4]) -> [N; 4] {
+        [
+            Self::sum([a[0] * b[0], -a[1] * b[1], -a[2] * b[2], -a[3] * b[3]]),
+            Self::sum([a[0] * b[1], a[1] * b[0], a[2] * b[3], -a[3] * b[2]]),
+            Self::sum([a[0] * b[2], -a[1] * b[3], a[2] * b[0], a[3] * b[1]]),
+            Self::sum([a[0] * b[3], a[1] * b[2], -a[2] * b[1], a[3] * b[0]]),
+        ]
+    }
+
+    /// The quaternion at length 1; the identity for one shorter than [`MINVAL`].
+    #[inline(always)]
+    fn normalize_quat<N: Number>(place: N::Place, q: [N; 4]) -> [N; 4] {
+        let length = Self::sum(q.map(|x| x * x)).sqrt();
+        let long = || {
+            let scaled = || {
+                let s = length.inverse();
+                q.map(|x| x * s)
+            };
+            N::choose(length.is_off(1.0, MINVAL), scaled, || q)
+        };
+        let none = || number::of(place, [1.0, 0.0, 0.0, 0.0]);
+        N::choose(length.is_below(MINVAL), none, long)
+    }
+
+    /// The rotation matrix of a quaternion of length 1.
+    #[inline(always)]
+    fn quat_to_mat<N: Number>(q: [N; 4]) -> [N; 9] {
+        let (q00, q11, q22, q33) = (q[0] * q[0], q[1] * q[1], q[2] * q[2], q[3] * q[3]);
+        let (q01, q02, q03) = (q[0] * q[1], q[0] * q[2], q[0] * q[3]);
+        let (q12, q13, q23) = (q[1] * q[2], q[1] * q[3], q[2] * q[3]);
+        [
+            Self::sum_diagonal([q00, q11, -q22, -q33]),
+            (q12 - q03) * 2.0,
+            (q13 + q02) * 2.0,
+            (q12 + q03) * 2.0,
+            Self::sum_diagonal([q00, -q11, q22, -q33]),
+            (q23 - q01) * 2.0,
+            (q13 - q02) * 2.0,
+            (q23 + q01) * 2.0,
+            Self::sum_diagonal([q00, -q11, -q22, q33]),
+        ]
+    }
+
+    /// The rotation vector that leads from `b` to `a`, in the frame of `b`: MuJoCo's `mju_subQuat`.
+    fn sub_quat(a: Quat, b: Quat) -> Vec3 {
+        quat_to_velocity(Self::mul_quat([b[0], -b[1], -b[2], -b[3]], a))
+    }
+
+    /// The quaternion moved by an angular velocity, in its own frame, for some time: MuJoCo's
+    /// `mju_quatIntegrate`.
+    #[inline(always)]
+    fn quat_integrate<N: Number>(
+        place: N::Place,
+        q: [N; 4],
+        velocity: [N; 3],
+        time: f64,
+    ) -> [N; 4] {
+        let speed = dot(velocity, velocity).sqrt();
+        let axis = N::choose(
+            speed.is_below(MINVAL),
+            || number::of(place, [1.0, 0.0, 0.0]),
+            || scale(velocity, speed.inverse()),
+        );
+        Self::mul_quat(
+            Self::normalize_quat(place, q),
+            axis_angle(place, axis, speed * time),
+        )
+    }
 }
 
 /// One after the other: [`Revision::V3_12`](crate::Revision::V3_12), and the compiler of models in
@@ -121,12 +196,12 @@ pub(crate) struct Pairwise;
 
 impl Order for InTurn {
     #[inline(always)]
-    fn sum([a, b, c, d]: [f64; 4]) -> f64 {
+    fn sum<N: Number>([a, b, c, d]: [N; 4]) -> N {
         a + b + c + d
     }
 
     #[inline(always)]
-    fn sum_diagonal(terms: [f64; 4]) -> f64 {
+    fn sum_diagonal<N: Number>(terms: [N; 4]) -> N {
         Self::sum(terms)
     }
 
@@ -143,12 +218,12 @@ impl Order for InTurn {
 
 impl Order for Pairwise {
     #[inline(always)]
-    fn sum([a, b, c, d]: [f64; 4]) -> f64 {
+    fn sum<N: Number>([a, b, c, d]: [N; 4]) -> N {
         (a + b) + (c + d)
     }
 
     #[inline(always)]
-    fn sum_diagonal([a, b, c, d]: [f64; 4]) -> f64 {
+    fn sum_diagonal<N: Number>([a, b, c, d]: [N; 4]) -> N {
         (a + c) + (b + d)
     }
 
@@ -163,75 +238,31 @@ impl Order for Pairwise {
     }
 }
 
-/// The rotation `a`, after the rotation `b` in its frame.
-#[inline]
-pub(crate) fn mul_quat<O: Order>(a: Quat, b: Quat) -> Quat {
-    [
-        O::sum([a[0] * b[0], -a[1] * b[1], -a[2] * b[2], -a[3] * b[3]]),
-        O::sum([a[0] * b[1], a[1] * b[0], a[2] * b[3], -a[3] * b[2]]),
-        O::sum([a[0] * b[2], -a[1] * b[3], a[2] * b[0], a[3] * b[1]]),
-        O::sum([a[0] * b[3], a[1] * b[2], -a[2] * b[1], a[3] * b[0]]),
-    ]
-}
-
-/// The quaternion at length 1; the identity for one shorter than [`MINVAL`].
-#[inline]
-pub(crate) fn normalize_quat<O: Order>(q: Quat) -> Quat {
-    let length = O::sum(q.map(|x| x * x)).sqrt();
-    if length < MINVAL {
-        [1.0, 0.0, 0.0, 0.0]
-    } else if (length - 1.0).abs() > MINVAL {
-        let s = 1.0 / length;
-        [q[0] * s, q[1] * s, q[2] * s, q[3] * s]
-    } else {
-        q
-    }
-}
-
 /// The rotation by `angle` about `axis`, which has length 1.
-#[inline]
-pub(crate) fn axis_angle(axis: Vec3, angle: f64) -> Quat {
-    if angle == 0.0 {
-        return [1.0, 0.0, 0.0, 0.0];
-    }
-    let (s, c) = libm::sin_cos(angle * 0.5);
-    [c, axis[0] * s, axis[1] * s, axis[2] * s]
+#[inline(always)]
+pub(crate) fn axis_angle<N: Number + Mul<V, Output = N>, V: Copy>(
+    place: N::Place,
+    axis: [V; 3],
+    angle: N,
+) -> [N; 4] {
+    let turned = || {
+        let (s, c) = (angle * 0.5).sin_cos();
+        [c, s * axis[0], s * axis[1], s * axis[2]]
+    };
+    let none = || number::of(place, [1.0, 0.0, 0.0, 0.0]);
+    N::choose(angle.is_zero(), none, turned)
 }
 
 /// `v` rotated by a quaternion.
-#[inline]
-pub(crate) fn rotate_quat(v: Vec3, q: Quat) -> Vec3 {
+#[inline(always)]
+pub(crate) fn rotate_quat<N: Number>(v: Vec3, q: [N; 4]) -> [N; 3] {
     let t = [
         q[0] * v[0] + q[2] * v[2] - q[3] * v[1],
         q[0] * v[1] + q[3] * v[0] - q[1] * v[2],
         q[0] * v[2] + q[1] * v[1] - q[2] * v[0],
     ];
     let c = cross([q[1], q[2], q[3]], t);
-    [v[0] + 2.0 * c[0], v[1] + 2.0 * c[1], v[2] + 2.0 * c[2]]
-}
-
-/// The rotation matrix of a quaternion of length 1.
-#[inline]
-pub(crate) fn quat_to_mat<O: Order>(q: Quat) -> Mat3 {
-    let (q00, q11, q22, q33) = (q[0] * q[0], q[1] * q[1], q[2] * q[2], q[3] * q[3]);
-    let (q01, q02, q03) = (q[0] * q[1], q[0] * q[2], q[0] * q[3]);
-    let (q12, q13, q23) = (q[1] * q[2], q[1] * q[3], q[2] * q[3]);
-    [
-        O::sum_diagonal([q00, q11, -q22, -q33]),
-        2.0 * (q12 - q03),
-        2.0 * (q13 + q02),
-        2.0 * (q12 + q03),
-        O::sum_diagonal([q00, -q11, q22, -q33]),
-        2.0 * (q23 - q01),
-        2.0 * (q13 - q02),
-        2.0 * (q23 + q01),
-        O::sum_diagonal([q00, -q11, -q22, q33]),
-    ]
-}
-
-/// The rotation vector that leads from `b` to `a`, in the frame of `b`: MuJoCo's `mju_subQuat`.
-pub(crate) fn sub_quat<O: Order>(a: Quat, b: Quat) -> Vec3 {
-    quat_to_velocity(mul_quat::<O>([b[0], -b[1], -b[2], -b[3]], a))
+    [c[0] * 2.0 + v[0], c[1] * 2.0 + v[1], c[2] * 2.0 + v[2]]
 }
 
 /// The rotation vector of a quaternion: MuJoCo's `mju_quat2Vel` for a time of 1.
@@ -244,25 +275,18 @@ pub(crate) fn quat_to_velocity(d: Quat) -> Vec3 {
     scale(axis, angle)
 }
 
-/// The quaternion moved by an angular velocity, in its own frame, for some time: MuJoCo's
-/// `mju_quatIntegrate`.
-pub(crate) fn quat_integrate<O: Order>(q: Quat, velocity: Vec3, time: f64) -> Quat {
-    let (axis, speed) = normalize(velocity);
-    mul_quat::<O>(normalize_quat::<O>(q), axis_angle(axis, time * speed))
-}
-
-#[inline]
-pub(crate) fn rotation(v: &Vec6) -> Vec3 {
+#[inline(always)]
+pub(crate) fn rotation<N: Number>(v: &[N; 6]) -> [N; 3] {
     [v[0], v[1], v[2]]
 }
 
-#[inline]
-pub(crate) fn translation(v: &Vec6) -> Vec3 {
+#[inline(always)]
+pub(crate) fn translation<N: Number>(v: &[N; 6]) -> [N; 3] {
     [v[3], v[4], v[5]]
 }
 
-#[inline]
-pub(crate) fn join(rotation: Vec3, translation: Vec3) -> Vec6 {
+#[inline(always)]
+pub(crate) fn join<N: Number>(rotation: [N; 3], translation: [N; 3]) -> [N; 6] {
     [
         rotation[0],
         rotation[1],
@@ -274,22 +298,22 @@ pub(crate) fn join(rotation: Vec3, translation: Vec3) -> Vec6 {
 }
 
 /// The product of two vectors, in the order of [`dense::dot`](super::dense::dot).
-#[inline]
-pub(crate) fn dot6(a: &Vec6, b: &Vec6) -> f64 {
+#[inline(always)]
+pub(crate) fn dot6<N: Number>(a: &[N; 6], b: &[N; 6]) -> N {
     ((a[0] * b[0] + a[2] * b[2]) + (a[1] * b[1] + a[3] * b[3])) + (a[4] * b[4] + a[5] * b[5])
 }
 
 /// `a += s b`.
-#[inline]
-pub(crate) fn add_to(a: &mut Vec6, b: &Vec6, s: f64) {
+#[inline(always)]
+pub(crate) fn add_to<N: Number + Mul<S, Output = N>, S: Copy>(a: &mut [N; 6], b: &[N; 6], s: S) {
     for k in 0..6 {
-        a[k] += b[k] * s;
+        a[k] = a[k] + b[k] * s;
     }
 }
 
 /// Cross product of two motions: MuJoCo's `mju_crossMotion`.
-#[inline]
-pub(crate) fn cross_motion(v: &Vec6, s: &Vec6) -> Vec6 {
+#[inline(always)]
+pub(crate) fn cross_motion<N: Number>(v: &[N; 6], s: &[N; 6]) -> [N; 6] {
     let w = rotation(v);
     join(
         cross(w, rotation(s)),
@@ -298,8 +322,8 @@ pub(crate) fn cross_motion(v: &Vec6, s: &Vec6) -> Vec6 {
 }
 
 /// Cross product of a motion and a force: MuJoCo's `mju_crossForce`.
-#[inline]
-pub(crate) fn cross_force(v: &Vec6, f: &Vec6) -> Vec6 {
+#[inline(always)]
+pub(crate) fn cross_force<N: Number>(v: &[N; 6], f: &[N; 6]) -> [N; 6] {
     let w = rotation(v);
     join(
         add(cross(w, rotation(f)), cross(translation(v), translation(f))),
@@ -308,8 +332,8 @@ pub(crate) fn cross_force(v: &Vec6, f: &Vec6) -> Vec6 {
 }
 
 /// The force that gives an inertia the motion `v`: MuJoCo's `mju_mulInertVec`.
-#[inline]
-pub(crate) fn mul_inertia(i: &Inertia, v: &Vec6) -> Vec6 {
+#[inline(always)]
+pub(crate) fn mul_inertia<N: Number>(i: &[N; 10], v: &[N; 6]) -> [N; 6] {
     [
         i[0] * v[0] + i[3] * v[1] + i[4] * v[2] - i[8] * v[4] + i[7] * v[5],
         i[3] * v[0] + i[1] * v[1] + i[5] * v[2] + i[8] * v[3] - i[6] * v[5],
@@ -320,28 +344,37 @@ pub(crate) fn mul_inertia(i: &Inertia, v: &Vec6) -> Vec6 {
     ]
 }
 
-/// Principal moments about axes `mat`, at an offset from the point of reference: MuJoCo's
-/// `mju_inertCom`.
-#[inline]
-pub(crate) fn inertia_at(moments: Vec3, mat: &Mat3, offset: Vec3, mass: f64) -> Inertia {
+/// Principal moments about axes `mat`, at an offset from the point of reference, as an inertia: xx,
+/// yy, zz, xy, xz, yz, mass times offset (3), mass. MuJoCo's `mju_inertCom`.
+#[inline(always)]
+pub(crate) fn inertia_at<N: Number>(
+    place: N::Place,
+    moments: Vec3,
+    mat: &[N; 9],
+    offset: [N; 3],
+    mass: f64,
+) -> [N; 10] {
     // the moments multiply the second factor
-    let r = |i: usize, j: usize| {
-        mat[3 * i] * (mat[3 * j] * moments[0])
-            + mat[3 * i + 1] * (mat[3 * j + 1] * moments[1])
-            + mat[3 * i + 2] * (mat[3 * j + 2] * moments[2])
-    };
+    let (r,) = (
+        #[inline(always)]
+        |i: usize, j: usize| {
+            mat[3 * i] * (mat[3 * j] * moments[0])
+                + mat[3 * i + 1] * (mat[3 * j + 1] * moments[1])
+                + mat[3 * i + 2] * (mat[3 * j + 2] * moments[2])
+        },
+    );
     let d = offset;
     [
-        r(0, 0) + mass * (d[1] * d[1] + d[2] * d[2]),
-        r(1, 1) + mass * (d[0] * d[0] + d[2] * d[2]),
-        r(2, 2) + mass * (d[0] * d[0] + d[1] * d[1]),
-        r(0, 1) - mass * d[0] * d[1],
-        r(0, 2) - mass * d[0] * d[2],
-        r(1, 2) - mass * d[1] * d[2],
-        mass * d[0],
-        mass * d[1],
-        mass * d[2],
-        mass,
+        r(0, 0) + (d[1] * d[1] + d[2] * d[2]) * mass,
+        r(1, 1) + (d[0] * d[0] + d[2] * d[2]) * mass,
+        r(2, 2) + (d[0] * d[0] + d[1] * d[1]) * mass,
+        r(0, 1) - d[0] * mass * d[1],
+        r(0, 2) - d[0] * mass * d[2],
+        r(1, 2) - d[1] * mass * d[2],
+        d[0] * mass,
+        d[1] * mass,
+        d[2] * mass,
+        N::of(place, mass),
     ]
 }
 
@@ -360,7 +393,7 @@ pub(crate) fn transform_force(f: &Vec6, to: Vec3, from: Vec3) -> Vec6 {
 }
 
 /// The velocity of a point, given the velocity about a reference point and the offset between them.
-#[inline]
-pub(crate) fn velocity_at(v: &Vec6, offset: Vec3) -> Vec3 {
+#[inline(always)]
+pub(crate) fn velocity_at<N: Number>(v: &[N; 6], offset: [N; 3]) -> [N; 3] {
     add(translation(v), cross(rotation(v), offset))
 }

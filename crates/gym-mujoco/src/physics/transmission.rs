@@ -10,8 +10,8 @@ use std::ops::Range;
 use super::dense::dot_sparse;
 use super::jacobian::moves_at;
 use super::spatial::{
-    InTurn, Order, Pairwise, Quat, Vec3, dot, mul_quat, normalize_quat, quat_to_velocity, rotate,
-    rotate_back, rotate_quat, rotation, sub, sub_quat,
+    InTurn, Order, Pairwise, Quat, Vec3, dot, quat_to_velocity, rotate, rotate_back, rotate_quat,
+    rotation, sub,
 };
 use crate::model::{JointType, TransmissionType};
 use crate::{Data, Model, Revision};
@@ -123,7 +123,7 @@ fn joint<O: Order>(
     moments: &mut Moments,
 ) -> f64 {
     let (p, v) = (m.jnt_qposadr[joint], m.jnt_dofadr[joint]);
-    let quat = |p: usize| normalize_quat::<O>([0, 1, 2, 3].map(|k| d.qpos[p + k]));
+    let quat = |p: usize| O::normalize_quat((), [0, 1, 2, 3].map(|k| d.qpos[p + k]));
     // an axis in the parent's frame, in the body's
     let turned = |axis: Vec3, q: Quat| {
         if in_parent {
@@ -207,8 +207,8 @@ fn between_sites<O: Order>(
         length += dot(rotate_back(mat, apart), push);
     }
     if used(turn) {
-        let quat = |s: usize| mul_quat::<O>(m.site_quat[s], d.xquat[m.site_bodyid[s]]);
-        length += dot(sub_quat::<O>(quat(site), quat(reference)), turn);
+        let quat = |s: usize| O::mul_quat(m.site_quat[s], d.xquat[m.site_bodyid[s]]);
+        length += dot(O::sub_quat(quat(site), quat(reference)), turn);
     }
     let (force, torque) = (rotate(mat, push), rotate(mat, turn));
     let bodies = [site, reference].map(|s| m.site_bodyid[s]);

@@ -1,88 +1,169 @@
 //! Velocities of bodies, and the forces that follow from them: Coriolis, centrifugal,
 //! gravitational.
 
-use super::spatial::{Vec6, add_to, cross_force, cross_motion, dot6, mul_inertia};
+use std::ops::Range;
+
+use super::number::{self, Number, get, put};
+use super::spatial::{add_to, cross_force, cross_motion, dot6, mul_inertia};
 use crate::model::JointType;
 use crate::{Data, Model};
+
+/// The numbers that these stages read and write, of one world or of several.
+pub(crate) struct Motion<'a, C> {
+    pub(crate) qvel: &'a [C],
+    pub(crate) cdof: &'a [[C; 6]],
+    pub(crate) cvel: &'a mut [[C; 6]],
+    pub(crate) cdof_dot: &'a mut [[C; 6]],
+}
 
 /// `cvel` and `cdof_dot`: MuJoCo's `mj_comVel`.
 #[inline(always)]
 pub fn com_vel(m: &Model, d: &mut Data) {
+    let motion = Motion {
+        qvel: &d.qvel,
+        cdof: &d.cdof,
+        cvel: &mut d.cvel,
+        cdof_dot: &mut d.cdof_dot,
+    };
+    com_vel_of::<f64>(m, (), motion);
+}
+
+/// The same for one world or several.
+#[inline(always)]
+pub(crate) fn com_vel_of<N: Number>(m: &Model, at: N::Place, motion: Motion<'_, N::Cell>) {
+    let Motion {
+        qvel,
+        cdof,
+        cvel,
+        cdof_dot,
+    } = motion;
     for b in 1..m.nbody() {
-        let mut vel = d.cvel[m.body_parentid[b]];
+        let mut vel = get::<N, 6>(at, &cvel[m.body_parentid[b]]);
         for j in joints(m, b) {
             let mut i = m.jnt_dofadr[j];
             let free = m.jnt_type[j] == JointType::Free;
             if free {
-                d.cdof_dot[i..i + 3].fill([0.0; 6]);
-                add_to(&mut vel, &along(&d.cdof[i..i + 3], &d.qvel[i..i + 3]), 1.0);
+                for dot in &mut cdof_dot[i..i + 3] {
+                    put(at, number::of::<N, 6>(at, [0.0; 6]), dot);
+                }
+                add_to(&mut vel, &along::<N>(at, cdof, qvel, i..i + 3), 1.0);
                 i += 3;
             }
             if free || m.jnt_type[j] == JointType::Ball {
                 for k in i..i + 3 {
-                    d.cdof_dot[k] = cross_motion(&vel, &d.cdof[k]);
+                    let dot = cross_motion(&vel, &get(at, &cdof[k]));
+                    put(at, dot, &mut cdof_dot[k]);
                 }
-                add_to(&mut vel, &along(&d.cdof[i..i + 3], &d.qvel[i..i + 3]), 1.0);
+                add_to(&mut vel, &along::<N>(at, cdof, qvel, i..i + 3), 1.0);
             } else {
-                d.cdof_dot[i] = cross_motion(&vel, &d.cdof[i]);
-                add_to(&mut vel, &d.cdof[i], d.qvel[i]);
+                let axis = get(at, &cdof[i]);
+                put(at, cross_motion(&vel, &axis), &mut cdof_dot[i]);
+                add_to(&mut vel, &axis, N::get(at, &qvel[i]));
             }
         }
-        d.cvel[b] = vel;
+        put(at, vel, &mut cvel[b]);
     }
 }
 
 /// The sum of axes, each times its velocity, as one motion: MuJoCo's `mju_mulDofVec`.
 #[inline(always)]
-pub(super) fn along(axes: &[Vec6], velocities: &[f64]) -> Vec6 {
-    let mut sum = [0.0; 6];
-    for (axis, &velocity) in axes.iter().zip(velocities) {
-        add_to(&mut sum, axis, velocity);
+pub(super) fn along<N: Number>(
+    at: N::Place,
+    axes: &[[N::Cell; 6]],
+    velocities: &[N::Cell],
+    dofs: Range<usize>,
+) -> [N; 6] {
+    let mut sum = number::of(at, [0.0; 6]);
+    for (axis, velocity) in axes[dofs.clone()].iter().zip(&velocities[dofs]) {
+        add_to(&mut sum, &get(at, axis), N::get(at, velocity));
     }
     sum
 }
 
 /// The joints of a body.
-pub(super) fn joints(m: &Model, body: usize) -> std::ops::Range<usize> {
+pub(super) fn joints(m: &Model, body: usize) -> Range<usize> {
     usize::try_from(m.body_jntadr[body]).map_or(0..0, |first| first..first + m.body_jntnum[body])
 }
 
 /// The degrees of freedom of a body.
-pub(crate) fn dofs(m: &Model, body: usize) -> std::ops::Range<usize> {
+pub(crate) fn dofs(m: &Model, body: usize) -> Range<usize> {
     usize::try_from(m.body_dofadr[body]).map_or(0..0, |first| first..first + m.body_dofnum[body])
+}
+
+/// The numbers of the bias forces, of one world or of several.
+pub(crate) struct Bias<'a, C> {
+    pub(crate) qvel: &'a [C],
+    pub(crate) cinert: &'a [[C; 10]],
+    pub(crate) cdof: &'a [[C; 6]],
+    pub(crate) cvel: &'a [[C; 6]],
+    pub(crate) cdof_dot: &'a [[C; 6]],
+    /// Buffers: accelerations of bodies, and forces on them.
+    pub(crate) acc: &'a mut [[C; 6]],
+    pub(crate) force: &'a mut [[C; 6]],
+    pub(crate) qfrc_bias: &'a mut [C],
 }
 
 /// `qfrc_bias` by recursive Newton-Euler without accelerations: MuJoCo's `mj_rne`.
 #[inline(always)]
 pub fn rne(m: &Model, d: &mut Data) {
-    let (acc, force) = (&mut d.work.acc, &mut d.work.body_force);
+    let bias = Bias {
+        qvel: &d.qvel,
+        cinert: &d.cinert,
+        cdof: &d.cdof,
+        cvel: &d.cvel,
+        cdof_dot: &d.cdof_dot,
+        acc: &mut d.work.acc,
+        force: &mut d.work.body_force,
+        qfrc_bias: &mut d.qfrc_bias,
+    };
+    rne_of::<f64>(m, (), bias);
+}
+
+/// The same for one world or several.
+#[inline(always)]
+pub(crate) fn rne_of<N: Number>(m: &Model, at: N::Place, bias: Bias<'_, N::Cell>) {
+    let Bias {
+        qvel,
+        cinert,
+        cdof,
+        cvel,
+        cdof_dot,
+        acc,
+        force,
+        qfrc_bias,
+    } = bias;
     // slices of one length: an index is checked once for all of them
     let (n, nv) = (m.nbody(), m.nv());
-    let (acc, force, parents) = (&mut acc[..n], &mut force[..n], &m.body_parentid[..n]);
-    let (cinert, cvel) = (&d.cinert[..n], &d.cvel[..n]);
-    let (cdof_dot, qvel) = (&d.cdof_dot[..nv], &d.qvel[..nv]);
-    let g = m.plan().gravity;
-    acc[0] = [0.0, 0.0, 0.0, -g[0], -g[1], -g[2]];
-    force[0] = [0.0; 6];
+    let (acc, force) = (&mut acc[..n], &mut force[..n]);
+    let parents = &m.body_parentid[..n];
+    let (cinert, cvel) = (&cinert[..n], &cvel[..n]);
+    let (cdof_dot, qvel) = (&cdof_dot[..nv], &qvel[..nv]);
+    let [x, y, z] = m.plan().gravity;
+    let falling = number::of::<N, 6>(at, [0.0, 0.0, 0.0, -x, -y, -z]);
+    put(at, falling, &mut acc[0]);
+    put(at, number::of::<N, 6>(at, [0.0; 6]), &mut force[0]);
     for b in 1..n {
         let own = dofs(m, b);
-        let mut a = acc[parents[b]];
+        let mut a = get::<N, 6>(at, &acc[parents[b]]);
         if own.len() == 1 {
-            add_to(&mut a, &cdof_dot[own.start], qvel[own.start]);
+            let dot = get(at, &cdof_dot[own.start]);
+            add_to(&mut a, &dot, N::get(at, &qvel[own.start]));
         } else {
-            add_to(&mut a, &along(&cdof_dot[own.clone()], &qvel[own]), 1.0);
+            add_to(&mut a, &along::<N>(at, cdof_dot, qvel, own), 1.0);
         }
-        acc[b] = a;
-        let mut f = mul_inertia(&cinert[b], &a);
-        let momentum = mul_inertia(&cinert[b], &cvel[b]);
-        add_to(&mut f, &cross_force(&cvel[b], &momentum), 1.0);
-        force[b] = f;
+        put(at, a, &mut acc[b]);
+        let (inertia, vel) = (get::<N, 10>(at, &cinert[b]), get::<N, 6>(at, &cvel[b]));
+        let mut f = mul_inertia(&inertia, &a);
+        let momentum = mul_inertia(&inertia, &vel);
+        add_to(&mut f, &cross_force(&vel, &momentum), 1.0);
+        put(at, f, &mut force[b]);
     }
     for b in (1..n).rev() {
-        let f = force[b];
-        add_to(&mut force[parents[b]], &f, 1.0);
+        let mut sum = get::<N, 6>(at, &force[parents[b]]);
+        add_to(&mut sum, &get::<N, 6>(at, &force[b]), 1.0);
+        put(at, sum, &mut force[parents[b]]);
     }
-    for ((bias, cdof), &b) in d.qfrc_bias.iter_mut().zip(&d.cdof).zip(&m.dof_bodyid) {
-        *bias = dot6(cdof, &force[b]);
+    for ((out, axis), &b) in qfrc_bias.iter_mut().zip(cdof).zip(&m.dof_bodyid) {
+        dot6(&get::<N, 6>(at, axis), &get(at, &force[b])).put(at, out);
     }
 }

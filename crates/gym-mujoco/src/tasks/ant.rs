@@ -31,6 +31,7 @@ use super::numpy::{norm, sum_of_squares};
 use super::range::Range;
 use super::simulation::{Simulation, normal_noise, uniform_noise};
 use crate::Data;
+use crate::physics::lanes::Derived;
 use crate::view::CameraConfig;
 
 /// A body, by number or by name.
@@ -147,6 +148,8 @@ impl Task {
 }
 
 impl env::Task for Task {
+    const READS: Option<&'static [Derived]> = Some(&[Derived::Xpos, Derived::CfrcExt]);
+
     type Config = Config;
     type Step = Step;
 
@@ -296,6 +299,7 @@ impl env::Task for Task {
 /// The registration that all versions share.
 const fn ant(id: &'static str) -> Registration {
     Registration::new::<Ant>(id)
+        .lockstep::<Ant>()
         .description("Walk along x on four legs.")
         .max_episode_steps(1000)
         .reward_threshold(6000.0)

@@ -1,10 +1,12 @@
 //! Makes an environment of a task.
 
 use std::fmt;
+use std::sync::OnceLock;
 
 use gym_core::canvas::Canvas;
 use gym_core::render::Metadata;
 use gym_core::spaces::BoxSpace;
+use gym_core::vector::lockstep::Lockstep;
 use gym_core::{
     Array, Configure, DType, Env, Error, Generator, Inspect, Outcome, Reset, Result, Snapshot,
     Space, Value,
@@ -15,11 +17,18 @@ use serde_json::{Value as Json, json};
 use super::Simulated;
 use super::arguments::TaskArguments;
 use super::simulation::Simulation;
+use super::together::{Place, Worlds};
 use crate::physics::MAXVAL;
+use crate::physics::lanes::Derived;
 use crate::{Data, Revision};
 
 /// A task: the parts in which the environments of this crate differ.
 pub trait Task: Clone + fmt::Debug + Send + Sync + Sized + 'static {
+    /// What steps, observations and `info` read of the data beside positions and velocities.
+    /// Vectors then step worlds together, and leave out other arrays until they are asked for.
+    /// `None` if worlds step one by one.
+    const READS: Option<&'static [Derived]> = None;
+
     /// Its arguments.
     type Config: TaskArguments;
     /// The measurements of a step, for its reward and `info`.
@@ -73,6 +82,10 @@ pub struct MujocoEnv<T: Task> {
     action_space: Space,
     observations: usize,
     episode: Option<Box<Episode<T::Step>>>,
+    /// The data with its derived arrays, where the episode's are behind: made when asked for.
+    resumed: OnceLock<Box<Data>>,
+    /// The step that has begun together with those of other environments.
+    place: Option<Place>,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -108,7 +121,10 @@ impl<T: Task> MujocoEnv<T> {
         }
         let version = version.min(NEWEST);
         config.check_noise()?;
-        let simulation = Simulation::new(config.common(), version)?;
+        let mut simulation = Simulation::new(config.common(), version)?;
+        if let Some(reads) = T::READS {
+            simulation.read(reads);
+        }
         let task = T::new(&config, version, &simulation)?;
         let mut data = Data::new(&simulation.model);
         simulation.start(&mut data);
@@ -124,7 +140,14 @@ impl<T: Task> MujocoEnv<T> {
             action_space,
             observations,
             episode: None,
+            resumed: OnceLock::new(),
+            place: None,
         })
+    }
+
+    #[cfg(test)]
+    pub(super) fn episode_data(&self) -> Option<&Data> {
+        self.episode.as_ref().map(|episode| &episode.data)
     }
 
     fn observe(&self, observation: &mut Array) -> Result<()> {
@@ -155,7 +178,15 @@ impl<T: Task> Simulated for MujocoEnv<T> {
     }
 
     fn data(&self) -> Option<&Data> {
-        self.episode.as_ref().map(|episode| &episode.data)
+        let data = &self.episode.as_ref()?.data;
+        if !data.is_behind() {
+            return Some(data);
+        }
+        Some(self.resumed.get_or_init(|| {
+            let mut data = data.clone();
+            data.resume(&self.simulation.model);
+            Box::new(data)
+        }))
     }
 
     fn set_state(&mut self, qpos: &[f64], qvel: &[f64]) -> Result<()> {
@@ -182,6 +213,7 @@ impl<T: Task> Simulated for MujocoEnv<T> {
                 ));
             }
         }
+        self.resumed.take();
         episode.data.qpos.copy_from_slice(qpos);
         episode.data.qvel.copy_from_slice(qvel);
         simulation.start(&mut episode.data);
@@ -254,6 +286,7 @@ impl<T: Task> Env for MujocoEnv<T> {
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut Array) -> Result<()> {
         let rng = reset.generator(self.episode.as_ref().map(|episode| &episode.rng))?;
+        self.resumed.take();
         let mut episode = match self.episode.take() {
             Some(mut episode) => {
                 (episode.rng, episode.step) = (rng, None);
@@ -280,6 +313,7 @@ impl<T: Task> Env for MujocoEnv<T> {
         if action.shape() != [self.simulation.model.nu()] || !action.is_finite() {
             return Err(self.action_space.refuse_action(action));
         }
+        self.resumed.take();
         let (step, reward, terminated) =
             self.task.step(&self.simulation, &mut episode.data, action);
         episode.step = Some(step);
@@ -304,6 +338,7 @@ impl<T: Task> Env for MujocoEnv<T> {
             episode.data.resume(model);
         }
         self.episode = episode.map(Box::new);
+        self.resumed.take();
         Ok(())
     }
 
@@ -314,7 +349,9 @@ impl<T: Task> Env for MujocoEnv<T> {
         self.task
             .info(&self.simulation, data, step.as_ref(), &mut |name, x| {
                 visit(name, Value::Float(x));
-                if tendons_follow == Some(name) {
+                if tendons_follow == Some(name)
+                    && let Some(data) = self.data()
+                {
                     visit(
                         "tendon_length",
                         Value::Array(data.ten_length.clone().into()),
@@ -333,18 +370,13 @@ impl<T: Task> Env for MujocoEnv<T> {
     }
 
     fn draw(&self, canvas: &mut dyn Canvas) {
-        let Self {
-            simulation,
-            episode: Some(episode),
-            ..
-        } = self
-        else {
+        let (Some(data), simulation) = (self.data(), &self.simulation) else {
             return;
         };
         let common = self.arguments.1.common();
         simulation.view.draw(
             &simulation.model,
-            &episode.data,
+            data,
             (common.width, common.height),
             canvas,
         );
@@ -364,6 +396,28 @@ impl<T: Task> Env for MujocoEnv<T> {
 
     fn close(&mut self) {
         self.episode = None;
+        self.resumed.take();
+    }
+}
+
+impl<T: Task> Lockstep for MujocoEnv<T> {
+    type Group = Worlds;
+
+    fn begin_reset(&mut self, _: &Reset, _: &mut Worlds) {
+        self.place = None;
+    }
+
+    fn begin_step(&mut self, action: &Array, worlds: &mut Worlds) {
+        let fits = action.shape() == [self.simulation.model.nu()] && action.is_finite();
+        let episode = self.episode.as_ref().filter(|_| fits);
+        self.place =
+            episode.and_then(|episode| worlds.begin(&self.simulation, &episode.data, action));
+    }
+
+    fn collect(&mut self, worlds: &mut Worlds) {
+        if let (Some(place), Some(episode)) = (self.place.take(), &mut self.episode) {
+            worlds.collect(place, &mut episode.data);
+        }
     }
 }
 

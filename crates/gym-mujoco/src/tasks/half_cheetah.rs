@@ -29,6 +29,7 @@ use super::cost::ControlCost;
 use super::env;
 use super::simulation::{Simulation, normal_noise, uniform_noise};
 use crate::Data;
+use crate::physics::lanes::Derived;
 use crate::view::CameraConfig;
 
 gym_core::arguments! {
@@ -83,6 +84,8 @@ pub struct Step {
 }
 
 impl env::Task for Task {
+    const READS: Option<&'static [Derived]> = Some(&[]);
+
     type Config = Config;
     type Step = Step;
 
@@ -152,6 +155,7 @@ impl env::Task for Task {
 /// The registration that all versions share.
 const fn half_cheetah(id: &'static str) -> Registration {
     Registration::new::<HalfCheetah>(id)
+        .lockstep::<HalfCheetah>()
         .description("Run on two legs, in a plane, as fast as possible.")
         .max_episode_steps(1000)
         .reward_threshold(4800.0)

@@ -101,6 +101,7 @@ impl RunnerArguments for Config {
 /// The registration that all versions share.
 const fn hopper(id: &'static str) -> Registration {
     Registration::new::<Hopper>(id)
+        .lockstep::<Hopper>()
         .description("Hop forward on one leg, in a plane.")
         .max_episode_steps(1000)
         .reward_threshold(3800.0)

@@ -291,6 +291,7 @@ impl env::Task for Task {
 /// The registration that all versions share.
 const fn humanoid(id: &'static str) -> Registration {
     Registration::new::<Humanoid>(id)
+        .lockstep::<Humanoid>()
         .description("Walk along x, upright.")
         .max_episode_steps(1000)
 }

@@ -149,6 +149,7 @@ impl env::Task for Task {
 /// The registration that all versions share.
 const fn humanoid_standup(id: &'static str) -> Registration {
     Registration::new::<HumanoidStandup>(id)
+        .lockstep::<HumanoidStandup>()
         .description("Stand up, from lying on the back.")
         .max_episode_steps(1000)
 }

@@ -27,6 +27,7 @@ use super::InvertedDoublePendulum;
 use super::arguments::{Common, TaskArguments};
 use super::env;
 use super::simulation::{Simulation, normal_noise, uniform_noise};
+use crate::physics::lanes::Derived;
 use crate::view::CameraConfig;
 use crate::{Data, libm};
 
@@ -77,6 +78,8 @@ pub struct Step {
 }
 
 impl env::Task for Task {
+    const READS: Option<&'static [Derived]> = Some(&[Derived::SiteXpos, Derived::QfrcConstraint]);
+
     type Config = Config;
     type Step = Step;
 
@@ -152,6 +155,7 @@ impl env::Task for Task {
 /// The registration that all versions share.
 const fn inverted_double_pendulum(id: &'static str) -> Registration {
     Registration::new::<InvertedDoublePendulum>(id)
+        .lockstep::<InvertedDoublePendulum>()
         .description("Keep two poles, one on the other, upright on a cart.")
         .max_episode_steps(1000)
         .reward_threshold(9100.0)

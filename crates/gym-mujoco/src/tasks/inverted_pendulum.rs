@@ -28,6 +28,7 @@ use super::arguments::{Common, TaskArguments};
 use super::env;
 use super::simulation::{Simulation, uniform_noise, uniform_velocities};
 use crate::Data;
+use crate::physics::lanes::Derived;
 use crate::view::CameraConfig;
 
 const MAX_ANGLE: f64 = 0.2; // rad
@@ -72,6 +73,8 @@ pub struct Step {
 }
 
 impl env::Task for Task {
+    const READS: Option<&'static [Derived]> = Some(&[]);
+
     type Config = Config;
     type Step = Step;
 
@@ -123,6 +126,7 @@ impl env::Task for Task {
 /// The registration that all versions share.
 const fn inverted_pendulum(id: &'static str) -> Registration {
     Registration::new::<InvertedPendulum>(id)
+        .lockstep::<InvertedPendulum>()
         .description("Keep a pole upright on a cart.")
         .max_episode_steps(1000)
         .reward_threshold(950.0)

@@ -14,6 +14,7 @@ mod numpy;
 mod range;
 mod runner;
 mod simulation;
+mod together;
 
 pub mod ant;
 pub mod half_cheetah;
@@ -29,10 +30,12 @@ pub mod walker2d;
 
 use gym_core::{Env, EnvExt, Result};
 
+pub use crate::physics::lanes::Derived;
 pub use arguments::{Common, TaskArguments};
 pub use env::{MujocoEnv, Task};
 pub use range::Range;
 pub use simulation::{Simulation, load, models};
+pub use together::Worlds;
 
 use crate::Data;
 

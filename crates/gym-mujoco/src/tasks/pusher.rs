@@ -195,6 +195,7 @@ impl env::Task for Task {
 /// The registration that all versions share.
 const fn pusher(id: &'static str) -> Registration {
     Registration::new::<Pusher>(id)
+        .lockstep::<Pusher>()
         .description("Push an object to a goal with an arm.")
         .max_episode_steps(100)
         .reward_threshold(0.0)

@@ -157,6 +157,7 @@ impl env::Task for Task {
 /// The registration that all versions share.
 const fn reacher(id: &'static str) -> Registration {
     Registration::new::<Reacher>(id)
+        .lockstep::<Reacher>()
         .description("Bring the tip of an arm to a target.")
         .max_episode_steps(50)
         .reward_threshold(-3.75)

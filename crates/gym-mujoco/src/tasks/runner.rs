@@ -11,6 +11,7 @@ use super::env;
 use super::range::Range;
 use super::simulation::{Simulation, uniform_noise, uniform_velocities};
 use crate::Data;
+use crate::physics::lanes::Derived;
 
 const VELOCITY_LIMIT: f64 = 10.0; // of observed velocities
 
@@ -69,6 +70,8 @@ impl<C> Runner<C> {
 }
 
 impl<C: RunnerArguments> env::Task for Runner<C> {
+    const READS: Option<&'static [Derived]> = Some(&[]);
+
     type Config = C;
     type Step = Step;
 

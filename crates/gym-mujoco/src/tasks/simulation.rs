@@ -6,6 +6,7 @@ use gym_core::spaces::BoxSpace;
 use gym_core::{Array, Error, Generator, Result, Space};
 
 use super::arguments::Common;
+use crate::physics::lanes::Derived;
 use crate::view::View;
 use crate::{Data, Model, Revision, forward, physics, step};
 
@@ -25,6 +26,8 @@ pub struct Simulation {
     /// Whether contact forces are computed after a step, which MuJoCo 2.0's Python interface did
     /// not do.
     contact_forces: bool,
+    /// The derived arrays that the task reads after a step, if its worlds can step together.
+    pub(super) reads: Option<Vec<Derived>>,
 }
 
 impl Simulation {
@@ -41,7 +44,14 @@ impl Simulation {
             dt,
             view,
             contact_forces: version >= 4,
+            reads: None,
         })
+    }
+
+    /// Lets worlds step together, for a task that reads these derived arrays after a step.
+    pub(super) fn read(&mut self, reads: &[Derived]) {
+        let computed = |array: &Derived| self.contact_forces || *array != Derived::CfrcExt;
+        self.reads = Some(reads.iter().copied().filter(computed).collect());
     }
 
     /// The state at the start of an episode, from positions and velocities.
@@ -53,6 +63,12 @@ impl Simulation {
     pub fn step(&self, data: &mut Data, action: &Array) {
         for (ctrl, a) in data.ctrl.iter_mut().zip(action.iter_f64()) {
             *ctrl = a;
+        }
+        if let Some(reads) = &self.reads
+            && data.catch_up(&self.model, self.frame_skip, reads)
+        {
+            data.contact_forces = self.contact_forces;
+            return;
         }
         for _ in 0..self.frame_skip {
             step(&self.model, data);

@@ -29,6 +29,7 @@ use super::env;
 use super::numpy::norm;
 use super::simulation::{Simulation, uniform_noise, uniform_velocities};
 use crate::Data;
+use crate::physics::lanes::Derived;
 use crate::view::CameraConfig;
 
 gym_core::arguments! {
@@ -83,6 +84,8 @@ pub struct Step {
 }
 
 impl env::Task for Task {
+    const READS: Option<&'static [Derived]> = Some(&[]);
+
     type Config = Config;
     type Step = Step;
 
@@ -168,6 +171,7 @@ impl env::Task for Task {
 /// The registration that all versions share.
 const fn swimmer(id: &'static str) -> Registration {
     Registration::new::<Swimmer>(id)
+        .lockstep::<Swimmer>()
         .description("Swim forward with three links.")
         .max_episode_steps(1000)
         .reward_threshold(360.0)

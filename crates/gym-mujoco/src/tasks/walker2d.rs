@@ -111,6 +111,7 @@ impl RunnerArguments for Config {
 /// The registration that all versions share.
 const fn walker2d(id: &'static str) -> Registration {
     Registration::new::<Walker2d>(id)
+        .lockstep::<Walker2d>()
         .description("Walk forward on two legs, in a plane.")
         .max_episode_steps(1000)
 }

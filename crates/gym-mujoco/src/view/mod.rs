@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 
 use self::camera::Camera;
 use crate::model::GeomType;
-use crate::physics::spatial::{InTurn, Mat3, Vec3, add, mul_quat, quat_to_mat, rotate, sub};
+use crate::physics::spatial::{InTurn, Mat3, Order, Vec3, add, rotate, sub};
 use crate::physics::{com_pos, kinematics};
 use crate::tasks::Common;
 use crate::{Data, Model};
@@ -334,7 +334,7 @@ impl Own {
             pos,
             quat,
             fovy: model.cam_fovy[id],
-            mat0: quat_to_mat::<InTurn>(mul_quat::<InTurn>(data.xquat[body], quat)),
+            mat0: InTurn::quat_to_mat(InTurn::mul_quat(data.xquat[body], quat)),
             from_body: sub(place, data.xpos[body]),
             from_com: sub(place, data.subtree_com[body]),
         }
@@ -360,7 +360,7 @@ impl Own {
             4 => Camera::towards(place, data.subtree_com[self.target], self.fovy, size),
             _ => Camera::new(
                 place,
-                &quat_to_mat::<InTurn>(mul_quat::<InTurn>(data.xquat[body], self.quat)),
+                &InTurn::quat_to_mat(InTurn::mul_quat(data.xquat[body], self.quat)),
                 self.fovy,
                 size,
             ),

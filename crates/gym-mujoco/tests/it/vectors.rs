@@ -1,8 +1,9 @@
 //! Vectors of the tasks: the same bits on any number of threads.
 
-use gym_core::vector::{Columns, VectorEnv, VectorEnvExt, VectorKind};
-use gym_core::{builder, registry};
-use gym_mujoco as _;
+use gym_core::registry::Each;
+use gym_core::vector::{Autoreset, Columns, VectorEnv, VectorEnvExt, VectorKind, VectorReset};
+use gym_core::{Result, Value, builder, registry};
+use gym_mujoco::simulated;
 
 /// The bits of all that a step gives back.
 fn bits(columns: &Columns) -> Vec<u64> {
@@ -63,5 +64,171 @@ fn the_bits_are_the_same_on_any_number_of_threads() {
                 );
             }
         }
+    }
+}
+
+/// Tasks whose worlds step together, and one that steps them one by one.
+const TOGETHER: [&str; 10] = [
+    "HalfCheetah-v5",
+    "Hopper-v4",
+    "Walker2d-v5",
+    "InvertedPendulum-v5",
+    "InvertedDoublePendulum-v5",
+    "Swimmer-v5",
+    "Ant-v5",
+    "Ant-v3",
+    "Hopper-v5",
+    "Reacher-v5",
+];
+
+/// Steps vectors of each kind by the same calls and compares all that they give.
+struct Pair {
+    envs: [Box<dyn VectorEnv>; 2],
+    columns: [Columns; 2],
+    what: String,
+}
+
+impl Pair {
+    fn new(make: impl Fn(VectorKind) -> Result<Box<dyn VectorEnv>>, what: String) -> Self {
+        let envs = [VectorKind::Native, VectorKind::Sync].map(|kind| make(kind).unwrap());
+        let columns = [0, 1].map(|k| envs[k].columns().unwrap());
+        Self {
+            envs,
+            columns,
+            what,
+        }
+    }
+
+    fn go(&mut self, call: impl Fn(&mut dyn VectorEnv, &mut Columns) -> Result<()>) {
+        for (envs, columns) in self.envs.iter_mut().zip(&mut self.columns) {
+            call(&mut **envs, columns).unwrap();
+        }
+        let [native, sync] = &self.columns;
+        assert!(bits(native) == bits(sync), "{}", self.what);
+        assert_eq!(native.has_final, sync.has_final, "{}", self.what);
+        let [native, sync] = [0, 1].map(|k| self.envs[k].infos(&self.columns[k]));
+        assert_eq!(format!("{native:?}"), format!("{sync:?}"), "{}", self.what);
+    }
+
+    fn step(&mut self, actions: &Value) {
+        self.go(|envs, columns| envs.step_into(actions, columns));
+    }
+}
+
+#[test]
+fn worlds_that_step_together_have_the_bits_of_worlds_alone() {
+    for id in TOGETHER {
+        for (n, mode, mujoco) in [
+            (8, Autoreset::NextStep, "4.0"),
+            (13, Autoreset::SameStep, "3.12"),
+            (64, Autoreset::Disabled, "4.0"),
+        ] {
+            let make = |kind| {
+                builder(id)
+                    .arg("mujoco", mujoco)
+                    .max_episode_steps(40)
+                    .vector(n)
+                    .autoreset(mode)
+                    .kind(kind)
+                    .build()
+            };
+            let mut pair = Pair::new(make, format!("{id}, {n}, {mode:?}, {mujoco}"));
+            let mut actions = pair.envs[1].action_sampler(3).unwrap();
+            pair.go(|envs, columns| envs.reset_into(&8.into(), columns));
+            let mut kept = None;
+            for step in 0..130 {
+                let done: Vec<bool> = {
+                    let columns = &pair.columns[1];
+                    let flags = columns.terminated.iter().zip(&columns.truncated);
+                    flags.map(|(a, b)| *a || *b).collect()
+                };
+                if mode == Autoreset::Disabled && done.contains(&true) {
+                    let reset = VectorReset::default().mask(done);
+                    pair.go(|envs, columns| envs.reset_into(&reset, columns));
+                } else if step % 50 == 20 {
+                    // a partial reset
+                    let mask: Vec<bool> = (0..n).map(|i| i % 3 == 0).collect();
+                    let reset = VectorReset::from(step as u64).mask(mask);
+                    pair.go(|envs, columns| envs.reset_into(&reset, columns));
+                }
+                let batch = actions.sample();
+                pair.step(&batch);
+                if step == 60 {
+                    kept = Some([0, 1].map(|k| pair.envs[k].snapshot().unwrap()));
+                }
+            }
+            // both continue from each other's snapshots
+            let [native, sync] = kept.unwrap();
+            pair.envs[0].restore(&sync).unwrap();
+            pair.envs[1].restore(&native).unwrap();
+            for _ in 0..5 {
+                let batch = actions.sample();
+                if mode != Autoreset::Disabled {
+                    pair.step(&batch);
+                }
+            }
+        }
+    }
+}
+
+/// Arrays that no task reads are made when asked for, as a world alone has them.
+#[test]
+fn all_arrays_are_there_when_asked_for() {
+    let make = |kind| builder("Walker2d-v5").vector(8).kind(kind).build();
+    let mut pair = Pair::new(make, "Walker2d-v5".into());
+    let mut actions = pair.envs[1].action_sampler(5).unwrap();
+    pair.go(|envs, columns| envs.reset_into(&1.into(), columns));
+    for step in 0..60 {
+        let batch = actions.sample();
+        pair.step(&batch);
+        if step % 20 < 18 {
+            continue;
+        }
+        let [native, sync] = [0, 1].map(|k| {
+            let mut seen = Vec::new();
+            pair.envs[k]
+                .visit_envs(&mut |_, env| {
+                    let data = if let Some(env) = env.downcast_ref::<gym_core::BoxEnv>() {
+                        simulated(env).and_then(|env| env.data().cloned())
+                    } else {
+                        type Limited = gym_core::wrappers::TimeLimit<gym_mujoco::Walker2d>;
+                        let env = env.downcast_ref::<Limited>().unwrap();
+                        simulated(env).and_then(|env| env.data().cloned())
+                    };
+                    let data = data.unwrap();
+                    assert!(data.time > 0.0);
+                    let numbers = data.xpos.as_flattened().iter().chain(&data.qfrc_constraint);
+                    let numbers = numbers.chain(&data.qacc).chain(&data.efc.force);
+                    let numbers = numbers
+                        .chain(data.cfrc_ext.as_flattened())
+                        .chain([&data.time]);
+                    seen.push(numbers.map(|x| x.to_bits()).collect::<Vec<_>>());
+                })
+                .unwrap();
+            seen
+        });
+        assert_eq!(native.len(), 8);
+        assert!(native == sync, "step {step}");
+    }
+}
+
+/// One of the sub-environments has another number of timesteps in a step.
+#[test]
+fn sub_environments_with_other_arguments_step_by_themselves() {
+    let skips: Vec<_> = (0..9).map(|i| if i == 4 { 3 } else { 5 }.into()).collect();
+    let make = |kind| {
+        builder("HalfCheetah-v5")
+            .vector(9)
+            .arg_each("frame_skip", Each::Values(skips.clone()))
+            .kind(kind)
+            .build()
+    };
+    let mut pair = Pair::new(make, "HalfCheetah-v5".into());
+    let mut actions = pair.envs[1].action_sampler(5).unwrap();
+    let seeds = VectorReset::seeds(0..9);
+    pair.go(|envs, columns| envs.reset_into(&seeds, columns));
+    for _ in 0..50 {
+        let batch = actions.sample();
+        pair.step(&batch);
     }
 }

@@ -41,6 +41,9 @@ pub trait Real:
     /// Returns the magnitudes.
     fn abs(self) -> Self;
 
+    /// Returns the square roots.
+    fn sqrt(self) -> Self;
+
     /// Returns the magnitudes with the signs of `sign`.
     fn copysign(self, sign: Self) -> Self;
 
@@ -246,6 +249,11 @@ impl<F: Fma> Real for One<F> {
     #[inline(always)]
     fn abs(self) -> Self {
         Self::new(self.x.abs())
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Self::new(self.x.sqrt())
     }
 
     #[inline(always)]

@@ -4,7 +4,7 @@ use crate::mjcf::orientation::unit;
 use crate::mjcf::spec::{Key, Spec, Wrap};
 use crate::mjcf::xml::Place;
 use crate::model::{CompiledModel, EqualityType, GeomType, JointType, ObjectType, WrapType};
-use crate::physics::spatial::{InTurn, normalize_quat};
+use crate::physics::spatial::{InTurn, Order};
 use crate::{Result, Revision};
 
 /// The object with the name, or an error.
@@ -308,5 +308,5 @@ fn normalize_quaternions(m: &CompiledModel, qpos: &mut [f64]) {
 
 fn normalize(quat: &mut [f64]) {
     let long = unit([quat[0], quat[1], quat[2], quat[3]]).0;
-    quat.copy_from_slice(&normalize_quat::<InTurn>(long));
+    quat.copy_from_slice(&InTurn::normalize_quat((), long));
 }

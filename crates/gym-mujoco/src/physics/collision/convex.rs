@@ -3,8 +3,8 @@
 //! whole shapes are taken apart.
 
 use super::super::spatial::{
-    InTurn, MINVAL, Mat3, Vec3, add, add_scaled, axis_angle, column, dot, norm, normalize,
-    quat_to_mat, rotate, rotate_back, scale, sub,
+    InTurn, MINVAL, Mat3, Order, Vec3, add, add_scaled, axis_angle, column, dot, norm, normalize,
+    rotate, rotate_back, scale, sub,
 };
 use super::epa::Polytope;
 use super::gjk::{self, Vertex};
@@ -99,7 +99,7 @@ pub(super) fn contacts(
         [frame[6], frame[7], frame[8]],
     ] {
         for angle in [-TURN, TURN] {
-            let turn = quat_to_mat::<InTurn>(axis_angle(tangent, angle));
+            let turn = InTurn::quat_to_mat(axis_angle((), tangent, angle));
             let back = std::array::from_fn(|k| turn[3 * (k % 3) + k / 3]);
             let (a_pos, a_mat) = turned(a.shape, first.pos, &turn);
             let (b_pos, b_mat) = turned(b.shape, first.pos, &back);

@@ -51,65 +51,78 @@ pub fn collision(m: &Model, d: &mut Data) {
         if out_of_reach(d, reach) {
             continue;
         }
-        let pair = &plan.pairs[index];
-        let [a, b] = pair.geom.map(|g| Shape {
-            pos: d.geom_xpos[g],
-            mat: &d.geom_xmat[g],
-            size: &m.geom_size[g],
-        });
-        let (contacts, polytope) = (&mut d.contact, &mut d.work.polytope);
-        let mut push = |hit: Hit| contacts.push(contact(pair, index, &hit));
-        match pair.kind {
-            (GeomType::Plane, GeomType::Sphere) => {
-                primitive::plane_sphere(a, b, pair.margin, &mut push);
-            }
-            (GeomType::Plane, GeomType::Capsule) => {
-                primitive::plane_capsule(a, b, pair.margin, &mut push);
-            }
-            (GeomType::Plane, GeomType::Cylinder) => {
-                primitive::plane_cylinder(a, b, pair.margin, &mut push);
-            }
-            (GeomType::Sphere, GeomType::Sphere) => {
-                primitive::sphere_sphere(a, b, pair.margin, &mut push);
-            }
-            (GeomType::Sphere, GeomType::Capsule) => {
-                primitive::sphere_capsule(a, b, pair.margin, &mut push);
-            }
-            (GeomType::Capsule, GeomType::Capsule) => {
-                primitive::capsule_capsule(a, b, pair.margin, m.revision, &mut push);
-            }
-            (GeomType::Plane, GeomType::Box) => boxes::plane_box(a, b, pair.margin, &mut push),
-            (GeomType::Sphere, GeomType::Box) => {
-                boxes::sphere_box((a.pos, a.size[0]), b, pair.margin, &mut push);
-            }
-            (GeomType::Sphere, GeomType::Cylinder) => {
-                boxes::sphere_cylinder(a, b, pair.margin, &mut push);
-            }
-            (GeomType::Capsule, GeomType::Box) => {
-                capsule_box::capsule_box(a, b, pair.margin, &mut push);
-            }
-            (GeomType::Box, GeomType::Box) => box_box::box_box(a, b, pair.margin, &mut push),
-            (GeomType::Plane, GeomType::Ellipsoid) => {
-                convex::plane_ellipsoid(a, b, pair.margin, m.revision, &mut push);
-            }
-            (GeomType::Plane, GeomType::Plane) => {} // never touch
-            (first, second) => {
-                let a = convex::Solid {
-                    kind: first,
-                    shape: a,
-                };
-                let b = convex::Solid {
-                    kind: second,
-                    shape: b,
-                };
-                if (first, second) == (GeomType::Capsule, GeomType::Cylinder)
-                    && m.revision == Revision::V4_0
-                {
-                    capsule_cylinder::contacts(a, b, pair.margin, polytope, &mut push);
-                } else {
-                    let apart = 1e-3 * m.geom_rbound[pair.geom[0]].min(m.geom_rbound[pair.geom[1]]);
-                    convex::contacts(a, b, pair.margin, apart, (m.revision, polytope), &mut push);
-                }
+        let frames = plan.pairs[index]
+            .geom
+            .map(|g| (d.geom_xpos[g], &d.geom_xmat[g]));
+        touch(m, index, frames, &mut d.work.polytope, &mut d.contact);
+    }
+}
+
+/// Adds the contacts of a pair of geoms that are near, given the geoms' frames.
+pub(in crate::physics) fn touch(
+    m: &Model,
+    index: usize,
+    frames: [(Vec3, &Mat3); 2],
+    polytope: &mut Polytope,
+    contacts: &mut Vec<Contact>,
+) {
+    let pair = &m.plan().pairs[index];
+    let [a, b] = [0, 1].map(|k| Shape {
+        pos: frames[k].0,
+        mat: frames[k].1,
+        size: &m.geom_size[pair.geom[k]],
+    });
+    let mut push = |hit: Hit| contacts.push(contact(pair, index, &hit));
+    match pair.kind {
+        (GeomType::Plane, GeomType::Sphere) => {
+            primitive::plane_sphere(a, b, pair.margin, &mut push);
+        }
+        (GeomType::Plane, GeomType::Capsule) => {
+            primitive::plane_capsule(a, b, pair.margin, &mut push);
+        }
+        (GeomType::Plane, GeomType::Cylinder) => {
+            primitive::plane_cylinder(a, b, pair.margin, &mut push);
+        }
+        (GeomType::Sphere, GeomType::Sphere) => {
+            primitive::sphere_sphere(a, b, pair.margin, &mut push);
+        }
+        (GeomType::Sphere, GeomType::Capsule) => {
+            primitive::sphere_capsule(a, b, pair.margin, &mut push);
+        }
+        (GeomType::Capsule, GeomType::Capsule) => {
+            primitive::capsule_capsule(a, b, pair.margin, m.revision, &mut push);
+        }
+        (GeomType::Plane, GeomType::Box) => boxes::plane_box(a, b, pair.margin, &mut push),
+        (GeomType::Sphere, GeomType::Box) => {
+            boxes::sphere_box((a.pos, a.size[0]), b, pair.margin, &mut push);
+        }
+        (GeomType::Sphere, GeomType::Cylinder) => {
+            boxes::sphere_cylinder(a, b, pair.margin, &mut push);
+        }
+        (GeomType::Capsule, GeomType::Box) => {
+            capsule_box::capsule_box(a, b, pair.margin, &mut push);
+        }
+        (GeomType::Box, GeomType::Box) => box_box::box_box(a, b, pair.margin, &mut push),
+        (GeomType::Plane, GeomType::Ellipsoid) => {
+            convex::plane_ellipsoid(a, b, pair.margin, m.revision, &mut push);
+        }
+        (GeomType::Plane, GeomType::Plane) => {} // never touch
+        (first, second) => {
+            let a = convex::Solid {
+                kind: first,
+                shape: a,
+            };
+            let b = convex::Solid {
+                kind: second,
+                shape: b,
+            };
+            if (first, second) == (GeomType::Capsule, GeomType::Cylinder)
+                && m.revision == Revision::V4_0
+            {
+                capsule_cylinder::contacts(a, b, pair.margin, polytope, &mut push);
+            } else {
+                let apart = 1e-3 * m.geom_rbound[pair.geom[0]].min(m.geom_rbound[pair.geom[1]]);
+                convex::contacts(a, b, pair.margin, apart, (m.revision, polytope), &mut push);
             }
         }
     }

@@ -5,7 +5,7 @@ use crate::physics::spatial::MINVAL;
 
 /// The numbers of a row that a line search reads.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Row {
+pub(in crate::physics) struct Row {
     /// Its residual at the start, and how it changes with the length of the step.
     jar: f64,
     jv: f64,
@@ -17,7 +17,7 @@ pub(super) struct Row {
 
 impl Row {
     #[inline]
-    pub(super) fn new(jar: f64, jv: f64, stiffness: f64) -> Self {
+    pub(in crate::physics) fn new(jar: f64, jv: f64, stiffness: f64) -> Self {
         let force = stiffness * jar;
         let quad = [jar * force * 0.5, jv * force, jv * stiffness * jv * 0.5];
         Self {
@@ -30,15 +30,15 @@ impl Row {
 }
 
 /// The cost along a direction, relative to that at its start.
-pub(super) struct Along<'a> {
-    pub(super) rows: &'a [Row],
+pub(in crate::physics) struct Along<'a> {
+    pub(in crate::physics) rows: &'a [Row],
     /// The rows, where they do more than push.
-    pub(super) pieces: &'a [Piece],
+    pub(in crate::physics) pieces: &'a [Piece],
     /// The factors of the length and of its square in the cost of accelerating otherwise than
     /// without constraints.
-    pub(super) linear: f64,
-    pub(super) quadratic: f64,
-    pub(super) evaluations: usize,
+    pub(in crate::physics) linear: f64,
+    pub(in crate::physics) quadratic: f64,
+    pub(in crate::physics) evaluations: usize,
 }
 
 /// A step length, and the cost there (relative to no step) with its first and second derivative.
@@ -98,7 +98,7 @@ impl Along<'_> {
 ///
 /// `flat` is the slope that counts as zero, `most` the number of evaluations.
 #[inline(always)]
-pub(super) fn line_search(mut along: Along<'_>, flat: f64, most: usize) -> (f64, f64) {
+pub(in crate::physics) fn line_search(mut along: Along<'_>, flat: f64, most: usize) -> (f64, f64) {
     let found = |p: &Point| (p.alpha, -p.cost);
     let p0 = along.at(0.0);
     let mut p1 = along.at(p0.newton());

@@ -4,7 +4,7 @@ pub(crate) mod buffers;
 mod cholesky;
 mod conjugate;
 mod law;
-mod line_search;
+pub(super) mod line_search;
 mod newton;
 mod noslip;
 pub(crate) mod pgs;

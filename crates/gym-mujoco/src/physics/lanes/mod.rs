@@ -1,0 +1,765 @@
+//! Worlds of one model side by side, one in each lane of vector registers.
+//!
+//! The smooth stages run for all worlds at once, and each world has the bits that it has alone.
+//! Every function called under `vectorize` is `#[inline(always)]`: otherwise it is compiled without
+//! the CPU's vector instructions.
+
+#![expect(
+    clippy::needless_range_loop,
+    reason = "indices are those of the formulas"
+)]
+
+mod derived;
+mod newton;
+mod rows;
+mod tree;
+
+use fearless_simd::{Level, Simd};
+use gym_core::math::{Lanes, Real};
+
+pub use self::derived::Derived;
+use self::newton::Newton;
+use self::rows::{Rows, worlds};
+use super::MAXVAL;
+use super::com::{Inertias, com_pos_of};
+use super::inertia::{Composite, crb_of};
+use super::integrate::{PARTS, WEIGHTS, integrate_pos_of, rate_of_turn};
+use super::kinematics::{Frames, kinematics_of};
+use super::number::Number;
+use super::passive::{Medium, box_in_medium, damper_force, spring_force};
+use super::post_constraint::push_apart;
+use super::velocity::{Bias, Motion, com_vel_of, rne_of};
+use crate::model::{Integrator, JointType, Solver};
+use crate::{Model, Revision};
+
+/// The most worlds that are stepped at once.
+pub(crate) const WORLDS: usize = 8;
+
+/// A number of each world.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub(crate) struct Row(pub(crate) [f64; WORLDS]);
+
+impl Row {
+    const ZERO: Self = Self([0.0; WORLDS]);
+}
+
+impl Default for Row {
+    fn default() -> Self {
+        Self::ZERO
+    }
+}
+
+/// The worlds in a register: as many as it has lanes, from the second one on.
+type Place<S> = (S, usize);
+
+impl<S: Simd> Number for Lanes<S> {
+    type Place = Place<S>;
+    type Cell = Row;
+    type Mask = <Self as Real>::Mask;
+
+    #[inline(always)]
+    fn of(place: Place<S>, x: f64) -> Self {
+        same(place, x)
+    }
+
+    #[inline(always)]
+    fn get(place: Place<S>, cell: &Row) -> Self {
+        load(place, cell)
+    }
+
+    #[inline(always)]
+    fn put(self, place: Place<S>, cell: &mut Row) {
+        store(place, cell, self);
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        Real::abs(self)
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        Real::sqrt(self)
+    }
+
+    #[inline(always)]
+    fn inverse(self) -> Self {
+        self.same(1.0) / self
+    }
+
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        Real::sin_cos(self)
+    }
+
+    #[inline(always)]
+    fn is_below(self, x: f64) -> Self::Mask {
+        self.lt(self.same(x))
+    }
+
+    #[inline(always)]
+    fn is_off(self, from: f64, by: f64) -> Self::Mask {
+        Real::abs(self - from).gt(self.same(by))
+    }
+
+    #[inline(always)]
+    fn is_zero(self) -> Self::Mask {
+        Real::abs(self).le(self.same(0.0))
+    }
+
+    #[inline(always)]
+    fn choose<const K: usize>(
+        mask: Self::Mask,
+        yes: impl FnOnce() -> [Self; K],
+        no: impl FnOnce() -> [Self; K],
+    ) -> [Self; K] {
+        let (yes, mut no) = (yes(), no());
+        for (no, yes) in no.iter_mut().zip(yes) {
+            *no = Self::select(mask, yes, *no);
+        }
+        no
+    }
+}
+
+/// The numbers of the worlds in a register.
+#[inline(always)]
+fn load<S: Simd>((simd, at): Place<S>, row: &Row) -> Lanes<S> {
+    // always within the row, so that no test is needed
+    let at = at & (WORLDS - <Lanes<S> as Real>::LANES);
+    <Lanes<S> as Real>::get(simd, &row.0[at..at + <Lanes<S> as Real>::LANES])
+}
+
+#[inline(always)]
+fn store<S: Simd>((_, at): Place<S>, row: &mut Row, x: Lanes<S>) {
+    let at = at & (WORLDS - <Lanes<S> as Real>::LANES);
+    Real::put(x, &mut row.0[at..at + <Lanes<S> as Real>::LANES]);
+}
+
+#[inline(always)]
+fn same<S: Simd>((simd, _): Place<S>, x: f64) -> Lanes<S> {
+    <Lanes<S> as Real>::get(simd, &[x; WORLDS])
+}
+
+/// The arrays of the stages, as in [`Data`](crate::Data).
+macro_rules! arrays {
+    ($($name:ident: $type:ty = ($zero:expr, $length:expr),)+) => {
+        /// The worlds' arrays, as in [`Data`](crate::Data).
+        #[derive(Clone, Debug, Default)]
+        pub(crate) struct Arrays {
+            $(pub(crate) $name: Vec<$type>,)+
+        }
+
+        impl Arrays {
+            fn new(m: &Model) -> Self {
+                $(let $name: fn(&Model) -> usize = $length;)+
+                Self { $($name: vec![$zero; $name(m)],)+ }
+            }
+        }
+    };
+}
+
+arrays! {
+    qpos: Row = (Row::ZERO, |m| m.nq()),
+    qvel: Row = (Row::ZERO, |m| m.nv()),
+    warm: Row = (Row::ZERO, |m| m.nv()),
+    // the state at the start of the last step
+    qpos_before: Row = (Row::ZERO, |m| m.nq()),
+    qvel_before: Row = (Row::ZERO, |m| m.nv()),
+    warm_before: Row = (Row::ZERO, |m| m.nv()),
+    xpos: [Row; 3] = ([Row::ZERO; 3], |m| m.nbody()),
+    xquat: [Row; 4] = ([ONE, Row::ZERO, Row::ZERO, Row::ZERO], |m| m.nbody()),
+    xmat: [Row; 9] = (IDENTITY, |m| m.nbody()),
+    xipos: [Row; 3] = ([Row::ZERO; 3], |m| m.nbody()),
+    ximat: [Row; 9] = (IDENTITY, |m| m.nbody()),
+    xanchor: [Row; 3] = ([Row::ZERO; 3], |m| m.njnt()),
+    xaxis: [Row; 3] = ([Row::ZERO; 3], |m| m.njnt()),
+    geom_xpos: [Row; 3] = ([Row::ZERO; 3], |m| m.ngeom()),
+    geom_xmat: [Row; 9] = (IDENTITY, |m| m.ngeom()),
+    site_xpos: [Row; 3] = ([Row::ZERO; 3], |m| m.nsite()),
+    site_xmat: [Row; 9] = (IDENTITY, |m| m.nsite()),
+    subtree_com: [Row; 3] = ([Row::ZERO; 3], |m| m.nbody()),
+    cinert: [Row; 10] = ([Row::ZERO; 10], |m| m.nbody()),
+    crb: [Row; 10] = ([Row::ZERO; 10], |m| m.nbody()),
+    cdof: [Row; 6] = ([Row::ZERO; 6], |m| m.nv()),
+    cdof_dot: [Row; 6] = ([Row::ZERO; 6], |m| m.nv()),
+    cvel: [Row; 6] = ([Row::ZERO; 6], |m| m.nbody()),
+    acc: [Row; 6] = ([Row::ZERO; 6], |m| m.nbody()),
+    force: [Row; 6] = ([Row::ZERO; 6], |m| m.nbody()),
+    qm: Row = (Row::ZERO, |m| m.plan().m_colind.len()),
+    qld: Row = (Row::ZERO, |m| m.plan().m_colind.len()),
+    qld_diag_inv: Row = (Row::ZERO, |m| m.nv()),
+    qh: Row = (Row::ZERO, |m| m.plan().m_colind.len()),
+    qh_diag_inv: Row = (Row::ZERO, |m| m.nv()),
+    qfrc_bias: Row = (Row::ZERO, |m| m.nv()),
+    qfrc_passive: Row = (Row::ZERO, |m| m.nv()),
+    qfrc_actuator: Row = (Row::ZERO, |m| m.nv()),
+    qfrc_smooth: Row = (Row::ZERO, |m| m.nv()),
+    qfrc_constraint: Row = (Row::ZERO, |m| m.nv()),
+    qacc_smooth: Row = (Row::ZERO, |m| m.nv()),
+    qacc: Row = (Row::ZERO, |m| m.nv()),
+    cfrc_ext: [Row; 6] = ([Row::ZERO; 6], |m| m.nbody()),
+    fluid: Row = (Row::ZERO, |m| m.nv()),
+    // of the integrators
+    acc_sum: Row = (Row::ZERO, |m| m.nv()),
+    vel_sum: Row = (Row::ZERO, |m| m.nv()),
+    rates: Row = (Row::ZERO, |m| m.nv()),
+}
+
+const ONE: Row = Row([1.0; WORLDS]);
+const IDENTITY: [Row; 9] = [
+    ONE,
+    Row::ZERO,
+    Row::ZERO,
+    Row::ZERO,
+    ONE,
+    Row::ZERO,
+    Row::ZERO,
+    Row::ZERO,
+    ONE,
+];
+
+/// Some worlds of a model.
+#[derive(Clone, Debug)]
+pub(crate) struct Worlds {
+    arrays: Arrays,
+    rows: Rows,
+    newton: Newton,
+    /// A buffer: forces of contacts on the bodies of a world.
+    cfrc_ext: Vec<[f64; 6]>,
+    /// The bits of the worlds that diverged.
+    diverged: u64,
+}
+
+/// The numbers of a world's state: `qpos`, `qvel` and `qacc_warmstart`.
+pub(crate) fn state_len(m: &Model) -> usize {
+    m.nq() + 2 * m.nv()
+}
+
+/// The numbers that a world brings, and those that it takes away: its state and the forces of its
+/// actuators; its state, the one at the start of the last step, and the derived arrays that its
+/// task reads.
+pub(crate) fn record_len(m: &Model, reads: &[Derived]) -> usize {
+    let derived: usize = reads.iter().map(|array| array.len(m)).sum();
+    2 * state_len(m) + derived
+}
+
+/// The number of worlds that a CPU's registers hold; none where it has no fused multiply-add or
+/// registers of two.
+pub(crate) fn width(level: Level) -> Option<usize> {
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    {
+        if level.as_avx512().is_some() {
+            return Some(8);
+        }
+        if level.as_avx2().is_some() {
+            return Some(4);
+        }
+    }
+    let _ = level;
+    None
+}
+
+/// Whether the stages for several worlds have all that a model needs: one tree of slides and
+/// hinges, perhaps on a free joint, with motors, limits and contacts with pyramids.
+pub(crate) fn fits(m: &Model) -> bool {
+    let plan = m.plan();
+    let joints = (0..m.njnt()).all(|j| match m.jnt_type[j] {
+        JointType::Slide | JointType::Hinge => true,
+        JointType::Free => m.jnt_stiffness[j] == 0.0,
+        JointType::Ball => false,
+    });
+    let bounds = plan.bounds();
+    joints
+        && m.ntree() == 1
+        && m.na() == 0
+        && m.nmocap() == 0
+        && m.opt.solver == Solver::Newton
+        && matches!(m.opt.integrator, Integrator::Euler | Integrator::RK4)
+        && m.opt.impratio == 1.0
+        && m.opt.noslip_iterations == 0
+        && plan.plain
+        && plan.motors
+        && !plan.transmits
+        && !plan.measures
+        && !plan.gravcomp
+        && plan.paths.elastic.is_empty()
+        && plan.laws.tendon_limits.is_empty()
+        && plan.boxes.iter().all(|(_, edges)| edges.is_some())
+        && plan.pairs.iter().all(|pair| pair.dim <= 3)
+        && (bounds.rows > 0 || plan.pairs.is_empty() && plan.limits.is_empty())
+}
+
+impl Worlds {
+    pub(crate) fn new(m: &Model) -> Self {
+        Self {
+            arrays: Arrays::new(m),
+            rows: Rows::new(m),
+            newton: Newton::new(m),
+            cfrc_ext: vec![[0.0; 6]; m.nbody()],
+            diverged: 0,
+        }
+    }
+
+    /// Takes the state of a world and the forces of its actuators.
+    pub(crate) fn gather(&mut self, world: usize, record: &[f64]) {
+        let a = &mut self.arrays;
+        let rows = [&mut a.qpos, &mut a.qvel, &mut a.warm, &mut a.qfrc_actuator];
+        for (row, x) in rows.into_iter().flatten().zip(record) {
+            row.0[world] = *x;
+        }
+    }
+
+    /// Gives the state of a world, and that at the start of the last step. False if it diverged.
+    pub(crate) fn scatter(
+        &mut self,
+        m: &Model,
+        world: usize,
+        reads: &[Derived],
+        record: &mut [f64],
+    ) -> bool {
+        if reads.contains(&Derived::CfrcExt) {
+            self.contact_forces(m, world);
+        }
+        let a = &self.arrays;
+        let (after, before) = (
+            [&a.qpos, &a.qvel, &a.warm],
+            [&a.qpos_before, &a.qvel_before, &a.warm_before],
+        );
+        let state = after.into_iter().chain(before).flatten();
+        let derived = reads.iter().flat_map(|array| array.of(a));
+        for (x, row) in record.iter_mut().zip(state.chain(derived)) {
+            *x = row.0[world];
+        }
+        self.diverged >> world & 1 == 0
+    }
+
+    /// The number of rows that a world had last.
+    pub(crate) fn rows(&self, world: usize) -> usize {
+        self.rows.count[world]
+    }
+
+    /// The forces of a world's contacts on its bodies.
+    fn contact_forces(&mut self, m: &Model, world: usize) {
+        let a = &mut self.arrays;
+        let mut forces = std::mem::take(&mut self.cfrc_ext);
+        forces.fill([0.0; 6]);
+        for contact in &self.rows.contacts[world] {
+            let Ok(row) = usize::try_from(contact.efc_address) else {
+                continue;
+            };
+            let edge = |k: usize| Some(self.newton.forces()[row + k].0[world]);
+            let com = |body: usize| a.subtree_com[body].each_ref().map(|row| row.0[world]);
+            push_apart(m, contact, edge, com, &mut forces);
+        }
+        for (row, x) in a
+            .cfrc_ext
+            .as_flattened_mut()
+            .iter_mut()
+            .zip(forces.as_flattened())
+        {
+            row.0[world] = *x;
+        }
+        self.cfrc_ext = forces;
+    }
+
+    /// Takes `steps` steps with the first `len` worlds, which were [gathered](Self::gather). False
+    /// where the CPU's registers are too short.
+    pub(crate) fn step(&mut self, m: &Model, level: Level, len: usize, steps: usize) -> bool {
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        {
+            if let Some(simd) = level.as_avx512() {
+                self.steps(m, simd, len, steps);
+                return true;
+            }
+            if let Some(simd) = level.as_avx2() {
+                self.steps(m, simd, len, steps);
+                return true;
+            }
+        }
+        let _ = (m, level, len, steps);
+        false
+    }
+
+    fn steps<S: Simd>(&mut self, m: &Model, simd: S, len: usize, steps: usize) {
+        let lanes = <Lanes<S> as Real>::LANES;
+        self.diverged = 0;
+        for first in (0..len).step_by(lanes) {
+            let (at, live) = ((simd, first), u64::MAX >> (64 - (len - first).min(lanes)));
+            // the lanes without a world have the numbers of the last one
+            for world in len..first + lanes {
+                let a = &mut self.arrays;
+                let rows = [&mut a.qpos, &mut a.qvel, &mut a.warm, &mut a.qfrc_actuator];
+                for row in rows.into_iter().flatten() {
+                    row.0[world] = row.0[len - 1];
+                }
+            }
+            for _ in 0..steps {
+                self.one_step(m, at, live);
+            }
+            simd.vectorize(
+                #[inline(always)]
+                || {
+                    let a = &self.arrays;
+                    let state = [&a.qpos, &a.qvel, &a.warm];
+                    for numbers in state {
+                        self.diverged |= beyond(at, numbers) << first;
+                    }
+                },
+            );
+        }
+    }
+
+    /// One step of the worlds in a register.
+    fn one_step<S: Simd>(&mut self, m: &Model, at: Place<S>, live: u64) {
+        let simd = at.0;
+        simd.vectorize(
+            #[inline(always)]
+            || self.begin(m, at),
+        );
+        self.evaluate(m, at, live);
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let bad = beyond(at, &self.arrays.qacc);
+                self.diverged |= bad << at.1;
+            },
+        );
+        if m.opt.integrator == Integrator::RK4 {
+            for stage in 0..4 {
+                simd.vectorize(
+                    #[inline(always)]
+                    || self.stage(m, at, stage),
+                );
+                if PARTS[stage] > 0.0 {
+                    self.evaluate(m, at, live);
+                }
+            }
+        }
+        simd.vectorize(
+            #[inline(always)]
+            || self.integrate(m, at),
+        );
+    }
+
+    /// Keeps the state, and replaces that of worlds that diverged.
+    #[inline(always)]
+    fn begin<S: Simd>(&mut self, m: &Model, at: Place<S>) {
+        let a = &mut self.arrays;
+        let bad = beyond(at, &a.qpos) | beyond(at, &a.qvel);
+        for world in worlds(bad, at.1) {
+            self.diverged |= 1 << world;
+            for (row, x) in a.qpos.iter_mut().zip(&m.qpos0) {
+                row.0[world] = *x;
+            }
+            for row in a.qvel.iter_mut().chain(&mut a.warm) {
+                row.0[world] = 0.0;
+            }
+        }
+        copy(at, &a.qpos, &mut a.qpos_before);
+        copy(at, &a.qvel, &mut a.qvel_before);
+        copy(at, &a.warm, &mut a.warm_before);
+    }
+
+    /// All stages of a forward call.
+    fn evaluate<S: Simd>(&mut self, m: &Model, at: Place<S>, live: u64) {
+        let simd = at.0;
+        simd.vectorize(
+            #[inline(always)]
+            || self.arrays.positions(m, at),
+        );
+        simd.vectorize(
+            #[inline(always)]
+            || self.arrays.matrix(m, at),
+        );
+        simd.vectorize(
+            #[inline(always)]
+            || self.arrays.velocities(m, at),
+        );
+        let Self {
+            arrays,
+            rows,
+            newton,
+            ..
+        } = self;
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                rows.make(m, at, arrays, live);
+                rows.reference(m, at, &arrays.qvel);
+            },
+        );
+        if rows.used > 0 {
+            newton.solve(m, at, arrays, rows, live);
+        } else {
+            simd.vectorize(
+                #[inline(always)]
+                || {
+                    copy(at, &arrays.qacc_smooth, &mut arrays.qacc);
+                    for force in &mut arrays.qfrc_constraint {
+                        store(at, force, same(at, 0.0));
+                    }
+                },
+            );
+        }
+    }
+
+    /// A stage of Runge and Kutta's method: adds the rates of the last evaluation, and moves to the
+    /// next one.
+    #[inline(always)]
+    fn stage<S: Simd>(&mut self, m: &Model, at: Place<S>, stage: usize) {
+        let a = &mut self.arrays;
+        let (dt, weight, part) = (m.opt.timestep, WEIGHTS[stage], PARTS[stage]);
+        // the time from the start to this stage
+        let way = if stage == 0 {
+            0.0
+        } else {
+            PARTS[stage - 1] * dt
+        };
+        a.stage_rates(m, at, way);
+        for i in 0..m.nv() {
+            let sums = [
+                (&mut a.vel_sum[i], &a.rates[i]),
+                (&mut a.acc_sum[i], &a.qacc[i]),
+            ];
+            for (sum, x) in sums {
+                let before = if stage == 0 {
+                    same(at, 0.0)
+                } else {
+                    load::<S>(at, sum)
+                };
+                store(at, sum, before + load::<S>(at, x) * weight);
+            }
+        }
+        if part > 0.0 {
+            copy(at, &a.qpos_before, &mut a.qpos);
+            let way = part * dt;
+            integrate_pos_of::<Lanes<S>>(m, at, &mut a.qpos, &a.rates, way);
+            for i in 0..m.nv() {
+                let moved = load::<S>(at, &a.qvel_before[i]) + load::<S>(at, &a.qacc[i]) * way;
+                store(at, &mut a.qvel[i], moved);
+            }
+        }
+    }
+
+    /// Velocities, then positions, of Euler's method, or of Runge and Kutta's once all stages are
+    /// added.
+    #[inline(always)]
+    fn integrate<S: Simd>(&mut self, m: &Model, at: Place<S>) {
+        let a = &mut self.arrays;
+        let (dt, runge_kutta) = (m.opt.timestep, m.opt.integrator == Integrator::RK4);
+        if runge_kutta {
+            copy(at, &a.qpos_before, &mut a.qpos);
+        } else if m.plan().implicit {
+            for i in 0..m.nv() {
+                let force = load::<S>(at, &a.qfrc_smooth[i]) + load(at, &a.qfrc_constraint[i]);
+                store(at, &mut a.acc_sum[i], force);
+            }
+            tree::solve(m, at, &a.qh, &a.qh_diag_inv, &mut a.acc_sum);
+        } else {
+            copy(at, &a.qacc, &mut a.acc_sum);
+        }
+        let start = if runge_kutta { &a.qvel_before } else { &a.qvel };
+        for i in 0..m.nv() {
+            // `qvel_before` is `qvel` in Euler's method
+            let moved = load::<S>(at, &start[i]) + load::<S>(at, &a.acc_sum[i]) * dt;
+            store(at, &mut a.rates[i], moved);
+        }
+        copy(at, &a.rates, &mut a.qvel);
+        let along = if runge_kutta { &a.vel_sum } else { &a.qvel };
+        integrate_pos_of::<Lanes<S>>(m, at, &mut a.qpos, along, dt);
+        copy(at, &a.qacc, &mut a.warm);
+    }
+}
+
+/// The bits of the worlds, from the first one in the register on, with a number that is not finite
+/// or beyond what a simulation reaches.
+#[inline(always)]
+fn beyond<S: Simd>(at: Place<S>, numbers: &[Row]) -> u64 {
+    let most = same::<S>(at, MAXVAL);
+    let mut good = most.le(most);
+    for row in numbers {
+        good &= Real::abs(load::<S>(at, row)).le(most);
+    }
+    !Lanes::<S>::bits(good) & (u64::MAX >> (64 - <Lanes<S> as Real>::LANES))
+}
+
+/// Copies the worlds in a register.
+#[inline(always)]
+fn copy<S: Simd>(at: Place<S>, from: &[Row], to: &mut [Row]) {
+    for (to, from) in to.iter_mut().zip(from) {
+        store(at, to, load::<S>(at, from));
+    }
+}
+
+impl Arrays {
+    /// Frames and inertias.
+    #[inline(always)]
+    fn positions<S: Simd>(&mut self, m: &Model, at: Place<S>) {
+        let frames = Frames {
+            qpos: &self.qpos,
+            mocap_pos: &[],
+            mocap_quat: &[],
+            xpos: &mut self.xpos,
+            xquat: &mut self.xquat,
+            xmat: &mut self.xmat,
+            xipos: &mut self.xipos,
+            ximat: &mut self.ximat,
+            xanchor: &mut self.xanchor,
+            xaxis: &mut self.xaxis,
+            geom_xpos: &mut self.geom_xpos,
+            geom_xmat: &mut self.geom_xmat,
+            site_xpos: &mut self.site_xpos,
+            site_xmat: &mut self.site_xmat,
+        };
+        kinematics_of::<Lanes<S>>(m, at, frames);
+        let inertias = Inertias {
+            xmat: &self.xmat,
+            xipos: &self.xipos,
+            ximat: &self.ximat,
+            xanchor: &self.xanchor,
+            xaxis: &self.xaxis,
+            subtree_com: &mut self.subtree_com,
+            cinert: &mut self.cinert,
+            cdof: &mut self.cdof,
+        };
+        com_pos_of::<Lanes<S>>(m, at, inertias);
+    }
+
+    /// The inertia matrix and its factors.
+    #[inline(always)]
+    fn matrix<S: Simd>(&mut self, m: &Model, at: Place<S>) {
+        let composite = Composite {
+            cinert: &self.cinert,
+            cdof: &self.cdof,
+            crb: &mut self.crb,
+            qm: &mut self.qm,
+        };
+        crb_of::<Lanes<S>>(
+            m,
+            at,
+            composite,
+            #[inline(always)]
+            |_, _, _| 0,
+        );
+        copy(at, &self.qm, &mut self.qld);
+        tree::factor(m, at, &mut self.qld, &mut self.qld_diag_inv);
+        if m.plan().implicit {
+            copy(at, &self.qm, &mut self.qh);
+            for i in 0..m.nv() {
+                let diagonal = &mut self.qh[m.plan().m_diagonal(i)];
+                let damped = load::<S>(at, diagonal) + m.opt.timestep * m.dof_damping[i];
+                store(at, diagonal, damped);
+            }
+            tree::factor(m, at, &mut self.qh, &mut self.qh_diag_inv);
+        }
+    }
+
+    /// Velocities, the forces that follow from them, and accelerations without constraints.
+    #[inline(always)]
+    fn velocities<S: Simd>(&mut self, m: &Model, at: Place<S>) {
+        let motion = Motion {
+            qvel: &self.qvel,
+            cdof: &self.cdof,
+            cvel: &mut self.cvel,
+            cdof_dot: &mut self.cdof_dot,
+        };
+        com_vel_of::<Lanes<S>>(m, at, motion);
+        let bias = Bias {
+            qvel: &self.qvel,
+            cinert: &self.cinert,
+            cdof: &self.cdof,
+            cvel: &self.cvel,
+            cdof_dot: &self.cdof_dot,
+            acc: &mut self.acc,
+            force: &mut self.force,
+            qfrc_bias: &mut self.qfrc_bias,
+        };
+        rne_of::<Lanes<S>>(m, at, bias);
+        self.passive(m, at);
+        for i in 0..m.nv() {
+            let passive = load::<S>(at, &self.qfrc_passive[i]);
+            let free = passive - load(at, &self.qfrc_bias[i]) + load(at, &self.qfrc_actuator[i]);
+            store(at, &mut self.qfrc_smooth[i], free);
+            store(at, &mut self.qacc_smooth[i], free);
+        }
+        let (factors, inverses) = (&self.qld, &self.qld_diag_inv);
+        tree::solve(m, at, factors, inverses, &mut self.qacc_smooth);
+    }
+
+    /// The forces of springs and dampers.
+    #[inline(always)]
+    fn passive<S: Simd>(&mut self, m: &Model, at: Place<S>) {
+        let plan = m.plan();
+        for force in &mut self.qfrc_passive {
+            store(at, force, same::<S>(at, 0.0));
+        }
+        if !plan.passive {
+            return;
+        }
+        for &j in &plan.springs {
+            let (p, i) = (m.jnt_qposadr[j], m.jnt_dofadr[j]);
+            let (q, rest) = (load::<S>(at, &self.qpos[p]), m.qpos_spring[p]);
+            let force = spring_force(q, rest, m.jnt_stiffness[j]);
+            store(at, &mut self.qfrc_passive[i], force);
+        }
+        for (i, force) in self.qfrc_passive.iter_mut().enumerate() {
+            let damper = damper_force(at, load::<S>(at, &self.qvel[i]), plan.damping[i]);
+            store(at, force, load::<S>(at, force) + damper);
+        }
+        if plan.boxes.is_empty() {
+            return;
+        }
+        for force in &mut self.fluid {
+            store(at, force, same::<S>(at, 0.0));
+        }
+        for &(b, edges) in &plan.boxes {
+            let medium = Medium {
+                xipos: &self.xipos,
+                ximat: &self.ximat,
+                subtree_com: &self.subtree_com,
+                cvel: &self.cvel,
+                cdof: &self.cdof,
+                fluid: &mut self.fluid,
+            };
+            box_in_medium::<Lanes<S>>(m, at, (b, edges.unwrap_or_default()), medium);
+        }
+        for (force, fluid) in self.qfrc_passive.iter_mut().zip(&self.fluid) {
+            store(at, force, load::<S>(at, force) + load::<S>(at, fluid));
+        }
+    }
+
+    /// The velocities of a stage as rates of change of the positions since the start.
+    #[inline(always)]
+    fn stage_rates<S: Simd>(&mut self, m: &Model, at: Place<S>, way: f64) {
+        let first = at.1;
+        let turns = m.revision == Revision::V4_0 && way != 0.0;
+        let free = (0..m.njnt()).filter(|&j| turns && m.jnt_type[j] == JointType::Free);
+        // those of the stage before are needed: keep the new ones of free joints apart
+        let mut turned = [[0.0; 3]; WORLDS];
+        let v = free.map(|j| m.jnt_dofadr[j] + 3).next();
+        if let Some(v) = v {
+            for (world, turned) in turned
+                .iter_mut()
+                .enumerate()
+                .skip(first)
+                .take(<Lanes<S> as Real>::LANES)
+            {
+                let three = |rows: &[Row]| [0, 1, 2].map(|k| rows[v + k].0[world]);
+                let turn = three(&self.rates).map(|rate| rate * way);
+                *turned = rate_of_turn(turn, three(&self.qvel));
+            }
+        }
+        copy(at, &self.qvel, &mut self.rates);
+        if let Some(v) = v {
+            for world in first..first + <Lanes<S> as Real>::LANES {
+                for k in 0..3 {
+                    self.rates[v + k].0[world] = turned[world][k];
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+pub(crate) mod tests;

@@ -1,0 +1,622 @@
+//! Newton's method on several worlds at once: [`newton`](crate::physics::solver::newton), for rows
+//! that push, with one island.
+//!
+//! All worlds begin together. One that is done keeps its accelerations; what follows from them is
+//! computed again, with the same result.
+
+use fearless_simd::Simd;
+use gym_core::math::{Lanes, Real};
+
+use super::rows::{Rows, worlds};
+use super::tree::{cholesky, cholesky_solve, cholesky_update, dot, multiply, solve};
+use super::{Arrays, Place, Row, WORLDS, load, same, store};
+use crate::model::Disable;
+use crate::physics::solver::line_search;
+use crate::physics::spatial::MINVAL;
+use crate::{Model, Revision};
+
+type Mask<S> = <Lanes<S> as Real>::Mask;
+
+/// Buffers of the method.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Newton {
+    acc: Vec<Row>,
+    ma: Vec<Row>,
+    grad: Vec<Row>,
+    mgrad: Vec<Row>,
+    search: Vec<Row>,
+    mv: Vec<Row>,
+    constraint: Vec<Row>,
+    row_update: Vec<Row>,
+    jar: Vec<Row>,
+    jv: Vec<Row>,
+    force: Vec<Row>,
+    /// 1 for rows that push, else 0.
+    pushes: Vec<Row>,
+    /// The costs of the rows along the search direction: by powers of the length, and at the start.
+    costs: Vec<[Row; 4]>,
+    hessian: Vec<Row>,
+    /// The same for worlds that make it anew.
+    again: Vec<Row>,
+    /// The Jacobians of rows that push, times their stiffness, and which rows they are.
+    pushed: Vec<Row>,
+    pushing: Vec<usize>,
+    /// Rows that began or ceased to push, by world.
+    changed: [Vec<usize>; WORLDS],
+    line: Vec<line_search::Row>,
+}
+
+/// The first and second half of a step's search: lengths and gains.
+type Found = [Row; 2];
+
+impl Newton {
+    pub(super) fn new(m: &Model) -> Self {
+        let (nv, rows) = (m.nv(), m.plan().bounds().rows);
+        let dofs = || vec![Row::ZERO; nv];
+        let of_rows = || vec![Row::ZERO; rows];
+        Self {
+            acc: dofs(),
+            ma: dofs(),
+            grad: dofs(),
+            mgrad: dofs(),
+            search: dofs(),
+            mv: dofs(),
+            constraint: dofs(),
+            row_update: dofs(),
+            jar: of_rows(),
+            jv: of_rows(),
+            force: of_rows(),
+            pushes: of_rows(),
+            costs: vec![[Row::ZERO; 4]; rows],
+            hessian: vec![Row::ZERO; nv * nv],
+            again: vec![Row::ZERO; nv * nv],
+            pushed: vec![Row::ZERO; rows * nv],
+            pushing: Vec::with_capacity(rows),
+            changed: std::array::from_fn(|_| Vec::with_capacity(rows)),
+            line: Vec::with_capacity(rows),
+        }
+    }
+
+    /// The forces of the rows.
+    pub(super) fn forces(&self) -> &[Row] {
+        &self.force
+    }
+
+    /// `qacc` and `qfrc_constraint` of all worlds with rows.
+    #[inline(always)]
+    pub(super) fn solve<S: Simd>(
+        &mut self,
+        m: &Model,
+        at: Place<S>,
+        a: &mut Arrays,
+        rows: &Rows,
+        live: u64,
+    ) {
+        let simd = at.0;
+        let mut has = Row::ZERO;
+        for world in worlds(live, at.1) {
+            has.0[world] = f64::from(rows.count[world] > 0);
+        }
+        simd.vectorize(
+            #[inline(always)]
+            || self.start(m, at, a, rows),
+        );
+        self.iterate(m, at, a, rows, &has);
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let has: Mask<S> = load::<S>(at, &has).gt(same(at, 0.5));
+                for i in 0..m.nv() {
+                    let (acc, smooth) = (load(at, &self.acc[i]), load(at, &a.qacc_smooth[i]));
+                    store(at, &mut a.qacc[i], Lanes::select(has, acc, smooth));
+                    let force = load(at, &self.constraint[i]);
+                    let force = Lanes::select(has, force, same(at, 0.0));
+                    store(at, &mut a.qfrc_constraint[i], force);
+                }
+            },
+        );
+    }
+
+    /// Starts where the last step ended, unless that is worse than without constraints.
+    #[inline(always)]
+    fn start<S: Simd>(&mut self, m: &Model, at: Place<S>, a: &Arrays, rows: &Rows) {
+        let (n, zero) = (m.nv(), same::<S>(at, 0.0));
+        // the residuals without constraints are kept where those of a search are later
+        rows.multiply(n, at, &a.qacc_smooth, Some(&rows.aref), &mut self.jv);
+        rows.multiply(n, at, &a.warm, Some(&rows.aref), &mut self.jar);
+        multiply(m, at, &a.qm, &a.warm, &mut self.ma);
+        let (cost,) = (
+            #[inline(always)]
+            |jar: &[Row]| {
+                let mut cost = zero;
+                for (jar, d) in jar[..rows.used].iter().zip(&rows.d) {
+                    let (jar, d): (Lanes<S>, Lanes<S>) = (load(at, jar), load(at, d));
+                    cost = cost + Lanes::select(jar.lt(zero), d * 0.5 * jar * jar, zero);
+                }
+                cost
+            },
+        );
+        let mut warm = cost(&self.jar);
+        for i in 0..n {
+            let force = load::<S>(at, &self.ma[i]) - load(at, &a.qfrc_smooth[i]);
+            let apart = load::<S>(at, &a.warm[i]) - load(at, &a.qacc_smooth[i]);
+            warm = warm + force * 0.5 * apart;
+        }
+        let mut cold = warm.gt(cost(&self.jv));
+        if m.opt.disables(Disable::WarmStart) {
+            cold = zero.le(zero);
+        }
+        for i in 0..n {
+            let (smooth, warm) = (load(at, &a.qacc_smooth[i]), load(at, &a.warm[i]));
+            store(at, &mut self.acc[i], Lanes::select(cold, smooth, warm));
+        }
+        multiply(m, at, &a.qm, &self.acc, &mut self.ma);
+        for (row, smooth) in self.jv[..rows.used].iter().enumerate() {
+            let jar = Lanes::select(cold, load(at, smooth), load(at, &self.jar[row]));
+            store(at, &mut self.jar[row], jar);
+            let pushes = Lanes::select(jar.lt(zero), zero.same(1.0), zero);
+            store(at, &mut self.pushes[row], pushes);
+        }
+    }
+
+    #[inline(always)]
+    fn iterate<S: Simd>(&mut self, m: &Model, at: Place<S>, a: &Arrays, rows: &Rows, has: &Row) {
+        let (simd, n) = (at.0, m.nv());
+        let mut control = Control {
+            active: *has,
+            ..Control::default()
+        };
+        loop {
+            let go_on = simd.vectorize(
+                #[inline(always)]
+                || {
+                    if control.iteration == 0 {
+                        let mut inertia = same::<S>(at, 0.0);
+                        for i in 0..n {
+                            inertia = inertia + load(at, &a.qm[m.plan().m_diagonal(i)]);
+                        }
+                        store(at, &mut control.scale, inertia.same(1.0) / inertia);
+                    }
+                    self.update(m, at, a, rows);
+                    self.check(m, at, a, &mut control)
+                },
+            );
+            if !go_on {
+                return;
+            }
+            if control.iteration == 0 {
+                simd.vectorize(
+                    #[inline(always)]
+                    || self.make_hessian(m, at, a, rows, None),
+                );
+            } else {
+                let mut again = Row::ZERO;
+                let anew = simd.vectorize(
+                    #[inline(always)]
+                    || self.update_hessian(m, at, rows, &control.active, &mut again),
+                );
+                if anew {
+                    simd.vectorize(
+                        #[inline(always)]
+                        || self.make_hessian(m, at, a, rows, Some(&again)),
+                    );
+                }
+            }
+            let go_on = simd.vectorize(
+                #[inline(always)]
+                || self.direction(m, at, &mut control),
+            );
+            if !go_on {
+                return;
+            }
+            let mut found = [Row::ZERO; 2];
+            let stuck = simd.vectorize(
+                #[inline(always)]
+                || self.search(m, at, a, rows, &control, &mut found),
+            );
+            self.finish_search(m, rows, &control, stuck, &mut found, at.1);
+            let go_on = simd.vectorize(
+                #[inline(always)]
+                || self.advance(at, rows, &mut control, &found),
+            );
+            if !go_on {
+                return;
+            }
+        }
+    }
+
+    /// Forces of the rows, the resulting forces on the joints, and the gradient.
+    #[inline(always)]
+    fn update<S: Simd>(&mut self, m: &Model, at: Place<S>, a: &Arrays, rows: &Rows) {
+        let (n, zero) = (m.nv(), same::<S>(at, 0.0));
+        for row in 0..rows.used {
+            let jar = load(at, &self.jar[row]);
+            let force = -load::<S>(at, &rows.d[row]) * jar;
+            let force = Lanes::select(jar.lt(zero), force, zero);
+            store(at, &mut self.force[row], force);
+        }
+        let mut first = 0;
+        while first < n {
+            let four = (n - first).min(4);
+            let mut sums = [zero; 4];
+            for row in 0..rows.used {
+                let force = load(at, &self.force[row]);
+                let jac = &rows.jac[row * n + first..][..four];
+                for (sum, jac) in sums.iter_mut().zip(jac) {
+                    *sum = *sum + load(at, jac) * force;
+                }
+            }
+            for (i, sum) in (first..first + four).zip(sums) {
+                store(at, &mut self.constraint[i], sum);
+                let grad = load::<S>(at, &self.ma[i]) - load(at, &a.qfrc_smooth[i]) - sum;
+                store(at, &mut self.grad[i], grad);
+            }
+            first += 4;
+        }
+    }
+
+    /// Half of what a step of Newton's method gains.
+    #[inline(always)]
+    fn decrement<S: Simd>(&self, at: Place<S>, scale: Lanes<S>) -> Lanes<S> {
+        let x = scale * 0.5 * dot(at, &self.grad, &self.mgrad);
+        let zero = x.same(0.0);
+        Lanes::select(x.gt(zero), x, zero)
+    }
+
+    /// Lets worlds stop whose gradient is flat, or that gained little. Whether some go on.
+    #[inline(always)]
+    fn check<S: Simd>(
+        &mut self,
+        m: &Model,
+        at: Place<S>,
+        a: &Arrays,
+        control: &mut Control,
+    ) -> bool {
+        let tolerance = same(at, m.opt.tolerance);
+        let (scale, zero) = (load::<S>(at, &control.scale), same(at, 0.0));
+        let active: Mask<S> = load::<S>(at, &control.active).gt(zero);
+        let length = dot(at, &self.grad, &self.grad).sqrt();
+        let level = (scale * length).lt(tolerance);
+        let stop = if control.iteration > 0 {
+            let improvement = load(at, &control.improvement);
+            level | (zero.lt(improvement) & improvement.lt(tolerance))
+        } else {
+            if Lanes::<S>::any(active & level) {
+                // half of the gradient's square is more than can be gained
+                self.mgrad.copy_from_slice(&self.grad);
+                solve(m, at, &a.qld, &a.qld_diag_inv, &mut self.mgrad);
+            }
+            let one = zero.same(1.0);
+            store(at, &mut control.level, Lanes::select(level, one, zero));
+            level & self.decrement(at, scale).lt(tolerance)
+        };
+        control.keep(at, Lanes::<S>::but_not(active, stop))
+    }
+
+    /// Solves for the search direction, and lets worlds stop that would gain little. Whether some
+    /// go on.
+    #[inline(always)]
+    fn direction<S: Simd>(&mut self, m: &Model, at: Place<S>, control: &mut Control) -> bool {
+        let n = m.nv();
+        self.mgrad.copy_from_slice(&self.grad);
+        let descending = m.revision == Revision::V4_0;
+        cholesky_solve(at, n, &self.hessian, &mut self.mgrad, descending);
+        if control.iteration == m.opt.iterations {
+            return false;
+        }
+        let (scale, zero) = (load::<S>(at, &control.scale), same(at, 0.0));
+        let mut small = self.decrement(at, scale).lt(same(at, m.opt.tolerance));
+        if control.iteration == 0 {
+            small &= load::<S>(at, &control.level).gt(zero);
+        }
+        for (search, mgrad) in self.search.iter_mut().zip(&self.mgrad) {
+            store(at, search, load::<S>(at, mgrad) * -1.0);
+        }
+        let active: Mask<S> = load::<S>(at, &control.active).gt(zero);
+        control.keep(at, Lanes::<S>::but_not(active, small))
+    }
+
+    /// Makes and factors the Hessian of the cost, of the worlds in `which` or of all.
+    #[inline(always)]
+    fn make_hessian<S: Simd>(
+        &mut self,
+        m: &Model,
+        at: Place<S>,
+        a: &Arrays,
+        rows: &Rows,
+        which: Option<&Row>,
+    ) {
+        let (n, plan, zero) = (m.nv(), m.plan(), same::<S>(at, 0.0));
+        self.pushing.clear();
+        for row in 0..rows.used {
+            let pushes = load::<S>(at, &self.pushes[row]).gt(zero);
+            if !Lanes::<S>::any(pushes) {
+                continue;
+            }
+            let d = Lanes::select(pushes, load(at, &rows.d[row]), zero);
+            let place = self.pushing.len() * n;
+            let jac = &rows.jac[row * n..(row + 1) * n];
+            for (pushed, jac) in self.pushed[place..place + n].iter_mut().zip(jac) {
+                store(at, pushed, load::<S>(at, jac) * d);
+            }
+            self.pushing.push(row);
+        }
+        let into = if which.is_some() {
+            &mut self.again
+        } else {
+            &mut self.hessian
+        };
+        for (i, column) in into.chunks_exact_mut(n).enumerate() {
+            let mut first = i;
+            while first < n {
+                let four = (n - first).min(4);
+                let mut sums = [zero; 4];
+                for (place, &row) in self.pushing.iter().enumerate() {
+                    let factor = load::<S>(at, &rows.jac[row * n + i]);
+                    let pushed = &self.pushed[place * n + first..][..four];
+                    for (sum, pushed) in sums.iter_mut().zip(pushed) {
+                        *sum = *sum + load(at, pushed) * factor;
+                    }
+                }
+                for (x, sum) in column[first..first + four].iter_mut().zip(sums) {
+                    store(at, x, sum);
+                }
+                first += 4;
+            }
+        }
+        // the inertia matrix comes last
+        for dof in 0..n {
+            let row = plan.m_row(dof);
+            for (&column, value) in plan.m_colind[row.clone()].iter().zip(&a.qm[row]) {
+                let x = &mut into[column * n + dof];
+                store(at, x, load::<S>(at, x) + load(at, value));
+            }
+        }
+        cholesky(at, n, into, MINVAL);
+        if let Some(which) = which {
+            let which: Mask<S> = load::<S>(at, which).gt(zero);
+            for (x, again) in self.hessian.iter_mut().zip(&self.again) {
+                store(at, x, Lanes::select(which, load(at, again), load(at, x)));
+            }
+        }
+    }
+
+    /// Changes the factors by the rows that began or ceased to push. Whether some worlds must make
+    /// theirs anew: those in `again`.
+    #[inline(always)]
+    fn update_hessian<S: Simd>(
+        &mut self,
+        m: &Model,
+        at: Place<S>,
+        rows: &Rows,
+        active: &Row,
+        again: &mut Row,
+    ) -> bool {
+        let (n, zero) = (m.nv(), same::<S>(at, 0.0));
+        let (one, first) = (zero.same(1.0), at.1);
+        let active: Mask<S> = load::<S>(at, active).gt(zero);
+        for world in first..first + Lanes::<S>::LANES {
+            self.changed[world].clear();
+        }
+        let mut most = 0;
+        for row in 0..rows.used {
+            let pushes = load::<S>(at, &self.jar[row]).lt(zero);
+            let before = load::<S>(at, &self.pushes[row]).gt(zero);
+            let changed = Lanes::<S>::but_not(pushes, before) | Lanes::<S>::but_not(before, pushes);
+            let changed = Lanes::<S>::bits(changed & active);
+            if changed != 0 {
+                let pushes = Lanes::select(pushes, one, zero);
+                let pushes = Lanes::select(active, pushes, load(at, &self.pushes[row]));
+                store(at, &mut self.pushes[row], pushes);
+                for world in worlds(changed, first) {
+                    self.changed[world].push(row);
+                    most = most.max(self.changed[world].len());
+                }
+            }
+        }
+        let mut indefinite = zero.lt(zero);
+        // the first change of each world, then the second and so on
+        for round in 0..most {
+            let (mut which, mut adds) = (Row::ZERO, Row::ZERO);
+            for world in first..first + Lanes::<S>::LANES {
+                let Some(&row) = self.changed[world].get(round) else {
+                    continue;
+                };
+                which.0[world] = 1.0;
+                adds.0[world] = self.pushes[row].0[world];
+                let root = rows.d[row].0[world].sqrt();
+                let jac = &rows.jac[row * n..(row + 1) * n];
+                for (x, jac) in self.row_update.iter_mut().zip(jac) {
+                    x.0[world] = jac.0[world] * root;
+                }
+            }
+            let which = load::<S>(at, &which).gt(zero);
+            let masks = (
+                Lanes::<S>::but_not(which, indefinite),
+                load::<S>(at, &adds).gt(zero),
+            );
+            let (factor, x) = (&mut self.hessian, &mut self.row_update);
+            indefinite |= cholesky_update(at, n, factor, x, masks, MINVAL);
+        }
+        store(at, again, Lanes::select(indefinite, one, zero));
+        Lanes::<S>::any(indefinite)
+    }
+
+    /// The lengths of the steps along the search directions, and the costs there. The bits of the
+    /// worlds that must search on within a bracket.
+    #[inline(always)]
+    fn search<S: Simd>(
+        &mut self,
+        m: &Model,
+        at: Place<S>,
+        a: &Arrays,
+        rows: &Rows,
+        control: &Control,
+        found: &mut Found,
+    ) -> (u64, [Row; 3]) {
+        let (n, zero) = (m.nv(), same::<S>(at, 0.0));
+        let active: Mask<S> = load::<S>(at, &control.active).gt(zero);
+        let length = dot(at, &self.search, &self.search).sqrt();
+        let active = Lanes::<S>::but_not(active, length.lt(zero.same(MINVAL)));
+        multiply(m, at, &a.qm, &self.search, &mut self.mv);
+        rows.multiply(n, at, &self.search, None, &mut self.jv);
+        for row in 0..rows.used {
+            let (jar, jv) = (load::<S>(at, &self.jar[row]), load(at, &self.jv[row]));
+            let d = load::<S>(at, &rows.d[row]);
+            let force = d * jar;
+            let quad = [jar * force * 0.5, jv * force, jv * d * jv * 0.5];
+            let cost = Lanes::select(jar.lt(zero), quad[0], zero);
+            let costs = &mut self.costs[row];
+            for (to, x) in costs.iter_mut().zip([quad[0], quad[1], quad[2], cost]) {
+                store(at, to, x);
+            }
+        }
+        let linear = dot::<S>(at, &self.search, &self.ma) - dot(at, &a.qfrc_smooth, &self.search);
+        let quadratic = dot::<S>(at, &self.search, &self.mv) * 0.5;
+        let opt = &m.opt;
+        let scale = load(at, &control.scale);
+        let flat = length * (opt.tolerance * opt.ls_tolerance) / scale;
+        let least = zero.same(MINVAL);
+        // cost, slope and curvature
+        let (point,) = (
+            #[inline(always)]
+            |alpha: Lanes<S>| {
+                let (mut cost, mut quad) = (zero, [zero, linear, quadratic]);
+                for row in 0..rows.used {
+                    let [q0, q1, q2, start] = self.costs[row].each_ref().map(
+                        #[inline(always)]
+                        |x| load::<S>(at, x),
+                    );
+                    let (jar, jv) = (load::<S>(at, &self.jar[row]), load(at, &self.jv[row]));
+                    let pushes = (jar + alpha * jv).lt(zero);
+                    quad[0] = quad[0] + Lanes::select(pushes, q0 - start, zero);
+                    quad[1] = quad[1] + Lanes::select(pushes, q1, zero);
+                    quad[2] = quad[2] + Lanes::select(pushes, q2, zero);
+                    cost = cost - Lanes::select(pushes, zero, start);
+                }
+                cost = cost + (alpha * alpha * quad[2] + alpha * quad[1] + quad[0]);
+                let curvature = quad[2] * 2.0;
+                let slope = alpha * 2.0 * quad[2] + quad[1];
+                let curvature = Lanes::select(curvature.le(zero), least, curvature);
+                (cost, slope, curvature)
+            },
+        );
+        let (_, slope, curvature) = point(zero);
+        let mut alpha = zero - slope / curvature;
+        let (mut cost, mut slope, mut curvature) = point(alpha);
+        let mut evaluations = 2;
+        let still = alpha.abs().le(zero);
+        let done = slope.abs().lt(flat) & (still | cost.lt(zero));
+        let open = Lanes::<S>::but_not(active, done);
+        let one = zero.same(1.0);
+        let ahead = Lanes::select(slope.lt(zero), one, -one);
+        let mut walks = open & (slope * ahead).le(-flat);
+        let mut stuck = Lanes::<S>::but_not(open, walks);
+        // Newton's steps in one direction, until the minimum is behind
+        while Lanes::<S>::any(walks) && evaluations < opt.ls_iterations {
+            let next = alpha - slope / curvature;
+            let (c, s, k) = point(next);
+            evaluations += 1;
+            alpha = Lanes::select(walks, next, alpha);
+            cost = Lanes::select(walks, c, cost);
+            slope = Lanes::select(walks, s, slope);
+            curvature = Lanes::select(walks, k, curvature);
+            let done = slope.abs().lt(flat) & cost.lt(zero);
+            let open = Lanes::<S>::but_not(walks, done);
+            walks = open & (slope * ahead).le(-flat);
+            stuck |= Lanes::<S>::but_not(open, walks);
+        }
+        store(at, &mut found[0], Lanes::select(active, alpha, zero));
+        store(at, &mut found[1], -cost);
+        let mut along = [Row::ZERO; 3];
+        for (to, x) in along.iter_mut().zip([linear, quadratic, flat]) {
+            store(at, to, x);
+        }
+        (Lanes::<S>::bits(stuck), along)
+    }
+
+    /// Searches world by world where the minimum is between two lengths, which is rare.
+    fn finish_search(
+        &mut self,
+        m: &Model,
+        rows: &Rows,
+        _: &Control,
+        (stuck, along): (u64, [Row; 3]),
+        found: &mut Found,
+        first: usize,
+    ) {
+        for world in worlds(stuck, first) {
+            self.line.clear();
+            for row in 0..rows.count[world] {
+                let of = |vector: &[Row]| vector[row].0[world];
+                let row = line_search::Row::new(of(&self.jar), of(&self.jv), of(&rows.d));
+                self.line.push(row);
+            }
+            let [linear, quadratic, flat] = along.each_ref().map(|row| row.0[world]);
+            let along = line_search::Along {
+                rows: &self.line,
+                pieces: &[],
+                linear,
+                quadratic,
+                evaluations: 0,
+            };
+            let (alpha, gain) = line_search::line_search(along, flat, m.opt.ls_iterations);
+            (found[0].0[world], found[1].0[world]) = (alpha, gain);
+        }
+    }
+
+    /// Takes the steps. Whether some worlds go on.
+    #[inline(always)]
+    fn advance<S: Simd>(
+        &mut self,
+        at: Place<S>,
+        rows: &Rows,
+        control: &mut Control,
+        found: &Found,
+    ) -> bool {
+        let zero = same::<S>(at, 0.0);
+        let active: Mask<S> = load::<S>(at, &control.active).gt(zero);
+        let alpha = load::<S>(at, &found[0]);
+        let active = Lanes::<S>::but_not(active, alpha.abs().le(zero));
+        let improvement = load::<S>(at, &control.scale) * load(at, &found[1]);
+        store(at, &mut control.improvement, improvement);
+        control.iteration += 1;
+        let (step,) = (
+            #[inline(always)]
+            |to: &mut [Row], along: &[Row]| {
+                for (to, along) in to.iter_mut().zip(along) {
+                    let before = load::<S>(at, to);
+                    let after = before + load::<S>(at, along) * alpha;
+                    store(at, to, Lanes::select(active, after, before));
+                }
+            },
+        );
+        step(&mut self.acc, &self.search);
+        step(&mut self.ma, &self.mv);
+        step(&mut self.jar[..rows.used], &self.jv);
+        control.keep(at, active)
+    }
+}
+
+/// How far the worlds are.
+#[derive(Clone, Copy, Debug, Default)]
+struct Control {
+    iteration: usize,
+    /// 1 for the worlds that go on, else 0.
+    active: Row,
+    /// 1 for those whose gradient was flat at the start.
+    level: Row,
+    scale: Row,
+    improvement: Row,
+}
+
+impl Control {
+    /// Lets these worlds go on, and tells whether there are any.
+    #[inline(always)]
+    fn keep<S: Simd>(&mut self, at: Place<S>, active: Mask<S>) -> bool {
+        let zero = same::<S>(at, 0.0);
+        let ones = Lanes::select(active, zero.same(1.0), zero);
+        store(at, &mut self.active, ones);
+        Lanes::<S>::any(active)
+    }
+}

@@ -1,0 +1,172 @@
+use std::sync::Arc;
+
+use super::*;
+use crate::tasks::{load as load_model, models};
+use crate::{Data, forward, step};
+
+/// The levels of this CPU with registers of several widths.
+pub(crate) fn levels() -> Vec<Level> {
+    let level = Level::new();
+    let mut levels = vec![level, Level::baseline()];
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    levels.extend(level.as_avx2().map(Level::Avx2));
+    levels
+}
+
+fn random(seed: u64) -> impl FnMut() -> f64 {
+    let mut seed = seed;
+    move || {
+        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (seed >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+}
+
+fn act(d: &mut Data, random: &mut impl FnMut() -> f64) {
+    d.ctrl.iter_mut().for_each(|ctrl| *ctrl = random());
+}
+
+/// All built-in models in all revisions.
+fn all() -> impl Iterator<Item = (String, Arc<Model>)> {
+    models().flat_map(|(name, _)| {
+        Revision::ALL.map(|revision| {
+            (
+                format!("{name} {revision}"),
+                load_model(name, revision).unwrap(),
+            )
+        })
+    })
+}
+
+/// All numbers of a world.
+macro_rules! same {
+    ($worlds:ident, $world:ident, $data:ident, $what:expr, $($name:ident)+) => {$(
+        for (rows, numbers) in $worlds.$name.iter().zip(&$data.$name) {
+            let rows: &[Row] = rows;
+            for (row, x) in rows.iter().zip(numbers) {
+                assert_eq!(row.0[$world].to_bits(), x.to_bits(), "{} {}", stringify!($name), $what);
+            }
+        }
+    )+};
+}
+
+fn smooth<S: Simd>(a: &mut Arrays, m: &Model, simd: S) {
+    for first in (0..WORLDS).step_by(<Lanes<S> as Real>::LANES) {
+        let at = (simd, first);
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                a.positions(m, at);
+                a.matrix(m, at);
+                a.velocities(m, at);
+            },
+        );
+    }
+}
+
+#[test]
+fn smooth_stages_have_the_bits_of_one_world() {
+    for (name, m) in all() {
+        let mut random = random(7);
+        let mut alone: Vec<Data> = (0..WORLDS).map(|_| Data::new(&m)).collect();
+        for (world, d) in alone.iter_mut().enumerate() {
+            // some worlds stay where they begin, and some have a zero angle
+            for _ in 0..world * 7 {
+                act(d, &mut random);
+                step(&m, d);
+            }
+            forward(&m, d);
+        }
+        for level in levels() {
+            let mut worlds = Worlds::new(&m);
+            for (world, d) in alone.iter().enumerate() {
+                worlds.gather(world, &[&d.qpos[..], &d.qvel].concat());
+            }
+            let a = &mut worlds.arrays;
+            match width(level) {
+                #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+                Some(8) => smooth(a, &m, level.as_avx512().unwrap()),
+                #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+                Some(4) => smooth(a, &m, level.as_avx2().unwrap()),
+                _ => continue,
+            }
+            for (world, d) in alone.iter().enumerate() {
+                let what = format!("{name}, world {world}");
+                same!(a, world, d, what,
+                    xpos xquat xmat xipos ximat xanchor xaxis geom_xpos geom_xmat site_xpos site_xmat
+                    subtree_com cinert cdof cdof_dot cvel);
+                for (row, x) in a.qfrc_bias.iter().zip(&d.qfrc_bias) {
+                    assert_eq!(row.0[world].to_bits(), x.to_bits(), "{what}");
+                }
+                for i in 0..m.nv() {
+                    for k in m.plan().m_row(i) {
+                        assert_eq!(a.qm[k].0[world].to_bits(), d.qm[k].to_bits(), "{what}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Worlds take steps side by side and alone, from the same states. Some have no contacts, some
+/// fall, and one diverges.
+#[test]
+fn steps_have_the_bits_of_one_world() {
+    let mut stepped = 0;
+    for (name, m) in all().filter(|(_, m)| fits(m)) {
+        for level in levels() {
+            for len in [1, 5, WORLDS] {
+                let mut random = random(3);
+                let mut worlds = Worlds::new(&m);
+                let mut alone: Vec<Data> = (0..len).map(|_| Data::new(&m)).collect();
+                for (world, d) in alone.iter_mut().enumerate() {
+                    for _ in 0..5 * world {
+                        act(d, &mut random);
+                        step(&m, d);
+                    }
+                }
+                let mut record = vec![0.0; record_len(&m, &Derived::ALL)];
+                for round in 0..60 {
+                    for (world, d) in alone.iter_mut().enumerate() {
+                        act(d, &mut random);
+                        if round == 40 && world == 1 {
+                            d.qvel[0] = 1e11;
+                        }
+                        let state = [&d.qpos[..], &d.qvel, &d.qacc_warmstart].concat();
+                        crate::physics::fwd_actuation(&m, d);
+                        worlds.gather(world, &[&state[..], &d.qfrc_actuator].concat());
+                    }
+                    if !worlds.step(&m, level, len, 2) {
+                        break;
+                    }
+                    for (world, d) in alone.iter_mut().enumerate() {
+                        step(&m, d);
+                        let before = [&d.qpos[..], &d.qvel, &d.qacc_warmstart].concat();
+                        step(&m, d);
+                        let state = [&d.qpos[..], &d.qvel, &d.qacc_warmstart].concat();
+                        let fine = worlds.scatter(&m, world, &Derived::ALL, &mut record);
+                        if round == 40 && world == 1 {
+                            assert!(!fine, "{name}");
+                            continue;
+                        }
+                        assert!(
+                            fine,
+                            "{name} {level:?}, world {world} of {len}, round {round}"
+                        );
+                        crate::physics::rne_post_constraint(&m, d);
+                        let mut expected = [state, before].concat();
+                        for array in Derived::ALL {
+                            expected.extend_from_slice(array.of_data(d));
+                        }
+                        let bits = |x: &f64| x.to_bits();
+                        assert!(
+                            record.iter().map(bits).eq(expected.iter().map(bits)),
+                            "{name} {level:?}, world {world} of {len}, round {round}"
+                        );
+                        stepped += 1;
+                    }
+                }
+            }
+        }
+    }
+    assert!(stepped > 0 || width(Level::new()).is_none());
+}

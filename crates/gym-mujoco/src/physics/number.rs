@@ -1,0 +1,163 @@
+//! One number, or one of each of several worlds: the smooth stages are written once, for both.
+
+use std::fmt::Debug;
+use std::ops::{Add, Mul, Neg, Sub};
+
+use crate::libm;
+
+/// An `f64`, or the numbers of several worlds, which are computed with at once.
+///
+/// Each operation rounds as that of `f64`, so a world has the same bits alone and among others.
+/// Model constants are `f64`; write them as the second factor or summand.
+pub(crate) trait Number:
+    Copy
+    + Debug
+    + Add<Output = Self>
+    + Add<f64, Output = Self>
+    + Sub<Output = Self>
+    + Sub<f64, Output = Self>
+    + Mul<Output = Self>
+    + Mul<f64, Output = Self>
+    + Neg<Output = Self>
+{
+    /// The worlds.
+    type Place: Copy;
+
+    /// The numbers in memory.
+    type Cell: Copy;
+
+    /// A yes or no for each number.
+    type Mask: Copy;
+
+    /// `x` in each world.
+    fn of(place: Self::Place, x: f64) -> Self;
+
+    /// Reads numbers.
+    fn get(place: Self::Place, cell: &Self::Cell) -> Self;
+
+    /// Writes numbers.
+    fn put(self, place: Self::Place, cell: &mut Self::Cell);
+
+    /// The magnitudes.
+    fn abs(self) -> Self;
+
+    /// The square roots.
+    fn sqrt(self) -> Self;
+
+    /// `1 / x`.
+    fn inverse(self) -> Self;
+
+    /// The sines and cosines of angles in rad.
+    fn sin_cos(self) -> (Self, Self);
+
+    /// Whether the numbers are less than a constant.
+    fn is_below(self, x: f64) -> Self::Mask;
+
+    /// Whether the numbers are further from a constant than another.
+    fn is_off(self, from: f64, by: f64) -> Self::Mask;
+
+    /// Whether the numbers are zero.
+    fn is_zero(self) -> Self::Mask;
+
+    /// `yes` where the mask is set, else `no`. Only a single number leaves out what is not chosen.
+    fn choose<const K: usize>(
+        mask: Self::Mask,
+        yes: impl FnOnce() -> [Self; K],
+        no: impl FnOnce() -> [Self; K],
+    ) -> [Self; K];
+}
+
+impl Number for f64 {
+    type Place = ();
+    type Cell = f64;
+    type Mask = bool;
+
+    #[inline(always)]
+    fn of((): (), x: f64) -> Self {
+        x
+    }
+
+    #[inline(always)]
+    fn get((): (), cell: &f64) -> Self {
+        *cell
+    }
+
+    #[inline(always)]
+    fn put(self, (): (), cell: &mut f64) {
+        *cell = self;
+    }
+
+    #[inline(always)]
+    fn abs(self) -> Self {
+        f64::abs(self)
+    }
+
+    #[inline(always)]
+    fn sqrt(self) -> Self {
+        f64::sqrt(self)
+    }
+
+    #[inline(always)]
+    fn inverse(self) -> Self {
+        1.0 / self
+    }
+
+    #[inline(always)]
+    fn sin_cos(self) -> (Self, Self) {
+        libm::sin_cos(self)
+    }
+
+    #[inline(always)]
+    fn is_below(self, x: f64) -> bool {
+        self < x
+    }
+
+    #[inline(always)]
+    fn is_off(self, from: f64, by: f64) -> bool {
+        (self - from).abs() > by
+    }
+
+    #[inline(always)]
+    fn is_zero(self) -> bool {
+        self == 0.0
+    }
+
+    #[inline(always)]
+    fn choose<const K: usize>(
+        mask: bool,
+        yes: impl FnOnce() -> [Self; K],
+        no: impl FnOnce() -> [Self; K],
+    ) -> [Self; K] {
+        if mask { yes() } else { no() }
+    }
+}
+
+/// Reads a vector.
+#[inline(always)]
+pub(crate) fn get<N: Number, const K: usize>(place: N::Place, cells: &[N::Cell; K]) -> [N; K] {
+    std::array::from_fn(
+        #[inline(always)]
+        |k| N::get(place, &cells[k]),
+    )
+}
+
+/// Writes a vector.
+#[inline(always)]
+pub(crate) fn put<N: Number, const K: usize>(
+    place: N::Place,
+    vector: [N; K],
+    cells: &mut [N::Cell; K],
+) {
+    for (x, cell) in vector.into_iter().zip(cells) {
+        x.put(place, cell);
+    }
+}
+
+/// A vector of constants.
+#[inline(always)]
+pub(crate) fn of<N: Number, const K: usize>(place: N::Place, vector: [f64; K]) -> [N; K] {
+    vector.map(
+        #[inline(always)]
+        |x| N::of(place, x),
+    )
+}

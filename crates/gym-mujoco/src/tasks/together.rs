@@ -1,0 +1,252 @@
+//! Worlds of several environments that step together.
+
+use std::sync::Arc;
+
+use fearless_simd::Level;
+use gym_core::Array;
+use gym_core::vector::lockstep::Together;
+
+use super::Simulation;
+use crate::physics::lanes::Derived;
+use crate::physics::{fwd_actuation, lanes};
+use crate::{Data, Model};
+
+/// The most models of which worlds step together; environments of others step one by one.
+const MODELS: usize = 4;
+
+/// Working memory for environments that step together.
+///
+/// Only worlds of one model can: environments share a built-in model, and each has its own of a
+/// file. Worlds with features that the stages for several worlds do not have, those that diverge,
+/// and a rest of few step one by one, with the same bits.
+#[derive(Clone, Debug)]
+pub struct Worlds {
+    level: Level,
+    crews: Vec<Crew>,
+}
+
+/// The worlds of one model.
+#[derive(Clone, Debug)]
+struct Crew {
+    model: Arc<Model>,
+    steps: usize,
+    reads: Vec<Derived>,
+    /// The numbers of a world's record.
+    length: usize,
+    /// None for a model that does not fit.
+    worlds: Option<Box<lanes::Worlds>>,
+    /// For the forces of actuators.
+    data: Data,
+    /// What each world brings and takes away.
+    records: Vec<f64>,
+    /// The number of worlds that have begun.
+    len: usize,
+    /// Which of them have stepped.
+    stepped: Vec<bool>,
+    /// The numbers of rows that worlds had last, and the worlds by these.
+    rows: Vec<usize>,
+    order: Vec<usize>,
+}
+
+/// A world in a group.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Place {
+    crew: usize,
+    world: usize,
+}
+
+impl Default for Worlds {
+    fn default() -> Self {
+        Self::new(Level::new())
+    }
+}
+
+impl Worlds {
+    pub(super) fn new(level: Level) -> Self {
+        Self {
+            level,
+            crews: Vec::with_capacity(MODELS),
+        }
+    }
+
+    /// Takes the state of a world, and the action of its next step. None if it steps by itself.
+    pub(super) fn begin(
+        &mut self,
+        simulation: &Simulation,
+        data: &Data,
+        action: &Array,
+    ) -> Option<Place> {
+        let reads = simulation.reads.as_ref()?;
+        lanes::width(self.level)?;
+        let (model, steps) = (&simulation.model, simulation.frame_skip);
+        let known = self
+            .crews
+            .iter()
+            .position(|crew| Arc::ptr_eq(&crew.model, model) && crew.steps == steps);
+        let crew = match known {
+            Some(crew) => crew,
+            None if self.crews.len() < MODELS => {
+                self.crews.push(Crew::new(model, steps, reads));
+                self.crews.len() - 1
+            }
+            None => return None,
+        };
+        let world = self.crews[crew].begin(data, action)?;
+        Some(Place { crew, world })
+    }
+
+    /// Gives a world the result of its step.
+    pub(super) fn collect(&self, place: Place, data: &mut Data) {
+        let crew = &self.crews[place.crew];
+        if crew.stepped[place.world] {
+            let length = crew.length;
+            data.look_ahead(&crew.records[place.world * length..][..length]);
+        }
+    }
+}
+
+impl Together for Worlds {
+    const LEN: usize = 64;
+
+    fn solve(&mut self) {
+        for crew in &mut self.crews {
+            crew.solve(self.level);
+        }
+    }
+
+    fn clear(&mut self) {
+        // models that no environment has any more
+        self.crews
+            .retain(|crew| crew.len > 0 || Arc::strong_count(&crew.model) > 1);
+        self.crews.iter_mut().for_each(|crew| crew.len = 0);
+    }
+}
+
+impl Crew {
+    fn new(model: &Arc<Model>, steps: usize, reads: &[Derived]) -> Self {
+        let length = lanes::record_len(model, reads);
+        let fits = lanes::fits(model);
+        let worlds = if fits { Worlds::LEN } else { 0 };
+        Self {
+            model: Arc::clone(model),
+            steps,
+            reads: reads.to_vec(),
+            length,
+            worlds: fits.then(|| Box::new(lanes::Worlds::new(model))),
+            data: if fits {
+                Data::new(model)
+            } else {
+                Data::default()
+            },
+            records: vec![0.0; worlds * length],
+            len: 0,
+            stepped: vec![false; worlds],
+            rows: vec![0; worlds],
+            order: Vec::with_capacity(worlds),
+        }
+    }
+
+    fn begin(&mut self, data: &Data, action: &Array) -> Option<usize> {
+        let world = self.len;
+        if world == self.stepped.len() {
+            return None;
+        }
+        let (m, own) = (&*self.model, &mut self.data);
+        for (ctrl, a) in own.ctrl.iter_mut().zip(action.iter_f64()) {
+            *ctrl = a;
+        }
+        fwd_actuation(m, own);
+        let length = self.length;
+        let parts = [
+            &data.qpos,
+            &data.qvel,
+            &data.qacc_warmstart,
+            &own.qfrc_actuator,
+        ];
+        let record = &mut self.records[world * length..][..length];
+        for (to, from) in record.iter_mut().zip(parts.into_iter().flatten()) {
+            *to = *from;
+        }
+        self.len += 1;
+        Some(world)
+    }
+
+    fn solve(&mut self, level: Level) {
+        let (Some(worlds), Some(width)) = (&mut self.worlds, lanes::width(level)) else {
+            return;
+        };
+        let (length, rows) = (self.length, &mut self.rows);
+        self.stepped[..self.len].fill(false);
+        // worlds with about as many rows together: the solver works for the most of them
+        self.order.clear();
+        self.order.extend(0..self.len);
+        self.order
+            .sort_unstable_by_key(|&world| (rows[world], world));
+        for order in self.order.chunks(lanes::WORLDS) {
+            // a rest that fills less than half a register is faster one by one
+            let rest = order.len() % width;
+            let few = 2 * rest < width;
+            let order = &order[..order.len() - if few { rest } else { 0 }];
+            for (lane, &world) in order.iter().enumerate() {
+                worlds.gather(lane, &self.records[world * length..][..length]);
+            }
+            if order.is_empty() || !worlds.step(&self.model, level, order.len(), self.steps) {
+                continue;
+            }
+            for (lane, &world) in order.iter().enumerate() {
+                let record = &mut self.records[world * length..][..length];
+                self.stepped[world] = worlds.scatter(&self.model, lane, &self.reads, record);
+                rows[world] = worlds.rows(lane);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use gym_core::vector::lockstep::Lockstep;
+    use gym_core::{Element, Env, EnvExt};
+
+    use super::*;
+    use crate::physics::lanes::tests::levels;
+    use crate::tasks::{HalfCheetah, MujocoEnv, Task, half_cheetah};
+
+    fn is_behind<T: Task>(env: &MujocoEnv<T>) -> bool {
+        env.episode_data().is_some_and(Data::is_behind)
+    }
+
+    /// Nine worlds: eight step together, and the rest of one by itself.
+    #[test]
+    fn whole_registers_step_together() {
+        for level in levels() {
+            let make = || HalfCheetah::new(half_cheetah::Config::default()).unwrap();
+            let mut envs: Vec<HalfCheetah> = (0..9).map(|_| make()).collect();
+            let mut alone = envs.clone();
+            let mut worlds = Worlds::new(level);
+            let mut seen = Array::empty();
+            for (i, env) in envs.iter_mut().chain(&mut alone).enumerate() {
+                env.reset_into(&(i as u64 % 9).into(), &mut seen).unwrap();
+            }
+            let mut sampler = envs[0].action_sampler(4).unwrap();
+            for _ in 0..40 {
+                let actions: Vec<Array> = (0..9).map(|_| sampler.sample().clone()).collect();
+                worlds.clear();
+                for (env, action) in envs.iter_mut().zip(&actions) {
+                    env.begin_step(action, &mut worlds);
+                }
+                worlds.solve();
+                let mut together = 0;
+                for ((env, alone), action) in envs.iter_mut().zip(&mut alone).zip(&actions) {
+                    env.collect(&mut worlds);
+                    let outcome = env.step_into(action, &mut seen).unwrap();
+                    let mut expected = Array::empty();
+                    let other = alone.step_into(action, &mut expected).unwrap();
+                    assert_eq!((outcome, &seen), (other, &expected), "{level:?}");
+                    together += usize::from(is_behind(env));
+                }
+                let expected = lanes::width(level).map_or(0, |_| 8);
+                assert_eq!(together, expected, "{level:?}");
+            }
+        }
+    }
+}

@@ -203,7 +203,9 @@ pub fn make_constraint(m: &Model, d: &mut Data) {
         rows::friction(m, d);
     }
     limits(m, d);
-    rows::tendon_limits(m, d);
+    if m.ntendon() > 0 {
+        rows::tendon_limits(m, d);
+    }
     contacts(m, d);
     islands(m, d);
 }

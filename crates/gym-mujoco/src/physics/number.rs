@@ -38,6 +38,32 @@ pub(crate) trait Number:
     /// Writes numbers.
     fn put(self, place: Self::Place, cell: &mut Self::Cell);
 
+    /// `vector` in each world.
+    #[inline(always)]
+    fn all_of<const K: usize>(place: Self::Place, vector: [f64; K]) -> [Self; K] {
+        vector.map(
+            #[inline(always)]
+            |x| Self::of(place, x),
+        )
+    }
+
+    /// Reads a vector.
+    #[inline(always)]
+    fn get_all<const K: usize>(place: Self::Place, cells: &[Self::Cell; K]) -> [Self; K] {
+        std::array::from_fn(
+            #[inline(always)]
+            |k| Self::get(place, &cells[k]),
+        )
+    }
+
+    /// Writes a vector.
+    #[inline(always)]
+    fn put_all<const K: usize>(vector: [Self; K], place: Self::Place, cells: &mut [Self::Cell; K]) {
+        for (x, cell) in vector.into_iter().zip(cells) {
+            x.put(place, cell);
+        }
+    }
+
     /// The magnitudes.
     fn abs(self) -> Self;
 
@@ -85,6 +111,23 @@ impl Number for f64 {
     #[inline(always)]
     fn put(self, (): (), cell: &mut f64) {
         *cell = self;
+    }
+
+    // copies: the compiler does not make them of loops over elements
+
+    #[inline(always)]
+    fn all_of<const K: usize>((): (), vector: [f64; K]) -> [Self; K] {
+        vector
+    }
+
+    #[inline(always)]
+    fn get_all<const K: usize>((): (), cells: &[f64; K]) -> [Self; K] {
+        *cells
+    }
+
+    #[inline(always)]
+    fn put_all<const K: usize>(vector: [Self; K], (): (), cells: &mut [f64; K]) {
+        *cells = vector;
     }
 
     #[inline(always)]
@@ -135,10 +178,7 @@ impl Number for f64 {
 /// Reads a vector.
 #[inline(always)]
 pub(crate) fn get<N: Number, const K: usize>(place: N::Place, cells: &[N::Cell; K]) -> [N; K] {
-    std::array::from_fn(
-        #[inline(always)]
-        |k| N::get(place, &cells[k]),
-    )
+    N::get_all(place, cells)
 }
 
 /// Writes a vector.
@@ -148,16 +188,11 @@ pub(crate) fn put<N: Number, const K: usize>(
     vector: [N; K],
     cells: &mut [N::Cell; K],
 ) {
-    for (x, cell) in vector.into_iter().zip(cells) {
-        x.put(place, cell);
-    }
+    N::put_all(vector, place, cells);
 }
 
 /// A vector of constants.
 #[inline(always)]
 pub(crate) fn of<N: Number, const K: usize>(place: N::Place, vector: [f64; K]) -> [N; K] {
-    vector.map(
-        #[inline(always)]
-        |x| N::of(place, x),
-    )
+    N::all_of(place, vector)
 }

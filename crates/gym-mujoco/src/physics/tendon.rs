@@ -8,7 +8,14 @@ use crate::model::WrapType;
 use crate::{Data, Model};
 
 /// Lengths and Jacobians of the tendons: MuJoCo's `mj_tendon`.
+#[inline]
 pub fn tendon(m: &Model, d: &mut Data) {
+    if m.ntendon() > 0 {
+        tendons(m, d);
+    }
+}
+
+fn tendons(m: &Model, d: &mut Data) {
     d.ten_j.fill(0.0);
     for t in 0..m.ntendon() {
         if m.plan().paths.fixed[t] {

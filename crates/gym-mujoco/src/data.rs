@@ -3,7 +3,7 @@
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::physics::spatial::IDENTITY;
-use crate::physics::{Call, Constraints, MAXVAL, Work, rne_post_constraint};
+use crate::physics::{Call, Constraints, MAXVAL, Work, rne_post_constraint, step1, step2};
 use crate::{Error, Model, Result, forward, step};
 
 /// A state of a model, and the results of the last forward call: MuJoCo's `mjData`.
@@ -302,6 +302,11 @@ impl Data {
         match last {
             Call::Forward => forward(m, self),
             Call::Step => step(m, self),
+            Call::Step1 => step1(m, self),
+            Call::Step2 => {
+                step1(m, self);
+                step2(m, self);
+            }
         }
         if contact_forces {
             rne_post_constraint(m, self);
@@ -352,6 +357,18 @@ impl Data {
         before.act.copy_from_slice(&self.act);
         before.mocap_pos.copy_from_slice(&self.mocap_pos);
         before.mocap_quat.copy_from_slice(&self.mocap_quat);
+    }
+
+    /// Stores what the second half of a step starts from, beside the first half.
+    pub(crate) fn go_on(&mut self, m: &Model) {
+        if !matches!(self.last, Some(Call::Step1 | Call::Forward)) {
+            return self.begin(m, Call::Step2);
+        }
+        (self.last, self.contact_forces) = (Some(Call::Step2), false);
+        let before = &mut self.before;
+        before.ctrl.clone_from(&self.ctrl);
+        before.act.clone_from(&self.act);
+        before.qacc_warmstart.clone_from(&self.qacc_warmstart);
     }
 
     /// Checks that this is data of a model, for instance from a snapshot.

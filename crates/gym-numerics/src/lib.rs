@@ -4,4 +4,4 @@
 pub mod math;
 pub mod rng;
 
-pub use rng::{Generator, Seed, SeedError};
+pub use rng::{Generator, RandomState, Seed, SeedError};

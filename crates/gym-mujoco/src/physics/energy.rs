@@ -66,11 +66,18 @@ pub(super) fn kinetic(m: &Model, d: &mut Data) -> f64 {
     energy
 }
 
+/// Potential and kinetic energy, which stay in `energy`: MuJoCo's `mj_energyPos` and
+/// `mj_energyVel`.
+pub fn energy(m: &Model, d: &mut Data) -> [f64; 2] {
+    d.energy = [potential(m, d), kinetic(m, d)];
+    d.energy
+}
+
 /// `energy`, where the model asks for it.
-pub(super) fn energy(m: &Model, d: &mut Data) {
+pub(super) fn update(m: &Model, d: &mut Data) {
     /// MuJoCo's `mjENBL_ENERGY`.
     const ENERGY: u32 = 1 << 1;
     if m.opt.enableflags & ENERGY != 0 {
-        d.energy = [potential(m, d), kinetic(m, d)];
+        energy(m, d);
     }
 }

@@ -75,13 +75,14 @@ pub use collision::collision;
 pub use com::com_pos;
 pub use constraint::{Constraints, make_constraint, reference_constraint};
 pub use contact_force::contact_force;
+pub use energy::energy;
 pub use inertia::{crb, factor_m, full_m, mul_m, solve_m};
 pub use integrate::{euler, integrate_pos, runge_kutta};
 pub use kinematics::kinematics;
 pub use passive::passive;
 pub use post_constraint::rne_post_constraint;
 pub use ray::ray;
-pub use sensor::sensors;
+use sensor::sensors;
 pub use solver::fwd_constraint;
 pub use tendon::{tendon, tendon_velocity};
 pub use transmission::{transmission, transmission_velocity};
@@ -91,7 +92,7 @@ pub(crate) use work::Work;
 use serde::{Deserialize, Serialize};
 
 use crate::libm::wide;
-use crate::model::Integrator;
+use crate::model::{Integrator, Stage};
 use crate::{Data, Model};
 pub(crate) use actuation::MAXVAL;
 
@@ -100,6 +101,8 @@ pub(crate) use actuation::MAXVAL;
 pub(crate) enum Call {
     Forward,
     Step,
+    Step1,
+    Step2,
 }
 
 /// Advances the state by a timestep: MuJoCo's `mj_step`.
@@ -111,19 +114,46 @@ pub(crate) enum Call {
 /// If the data is of another model.
 pub fn step(m: &Model, d: &mut Data) {
     d.begin(m, Call::Step);
-    if diverged(&d.qpos) || diverged(&d.qvel) {
-        d.clear(m);
-    }
+    reset_diverged(m, d);
     evaluate(m, d);
     if diverged(&d.qacc) {
         d.clear(m);
         evaluate(m, d);
     }
-    measure(m, d);
+    measure(m, d, &ALL);
     match m.opt.integrator {
         Integrator::RK4 => runge_kutta(m, d),
         _ => euler(m, d),
     }
+}
+
+/// The first half of a step: everything that does not depend on controls, so that they can follow
+/// from it: MuJoCo's `mj_step1`.
+///
+/// # Panics
+/// If the data is of another model.
+pub fn step1(m: &Model, d: &mut Data) {
+    d.begin(m, Call::Step1);
+    reset_diverged(m, d);
+    first_stages(m, d);
+    measure(m, d, &[Stage::Position, Stage::Velocity]);
+}
+
+/// The second half of a step, after [`step1`]: MuJoCo's `mj_step2`. Euler's method stands in for
+/// that of Runge and Kutta, as there.
+///
+/// # Panics
+/// If the data is of another model.
+pub fn step2(m: &Model, d: &mut Data) {
+    d.go_on(m);
+    last_stages(m, d);
+    measure(m, d, &[Stage::Acceleration]);
+    if diverged(&d.qacc) {
+        d.clear(m);
+        evaluate(m, d);
+        measure(m, d, &ALL);
+    }
+    euler(m, d);
 }
 
 /// Computes everything that follows from time, `qpos`, `qvel` and `ctrl`: MuJoCo's `mj_forward`.
@@ -133,36 +163,53 @@ pub fn step(m: &Model, d: &mut Data) {
 pub fn forward(m: &Model, d: &mut Data) {
     d.begin(m, Call::Forward);
     evaluate(m, d);
-    measure(m, d);
+    measure(m, d, &ALL);
 }
 
-/// What a forward call computes and nothing else depends on: sensors and energy.
-#[inline]
-fn measure(m: &Model, d: &mut Data) {
-    if m.plan().measures {
-        energy::energy(m, d);
-        sensors(m, d);
+fn reset_diverged(m: &Model, d: &mut Data) {
+    if diverged(&d.qpos) || diverged(&d.qvel) {
+        d.clear(m);
     }
 }
 
-/// A forward call, or one of those that a step consists of.
-fn evaluate(m: &Model, d: &mut Data) {
-    wide(
-        (m, d),
-        #[inline(always)]
-        |(m, d)| stages(m, d),
-        #[inline(always)]
-        |(m, d)| stages(m, d),
-    );
+const ALL: [Stage; 3] = [Stage::Position, Stage::Velocity, Stage::Acceleration];
+
+/// What a forward call computes and nothing else depends on: sensors and energy.
+#[inline]
+fn measure(m: &Model, d: &mut Data, stages: &[Stage]) {
+    if m.plan().measures {
+        if stages.contains(&Stage::Position) {
+            energy::update(m, d);
+        }
+        sensors(m, d, stages);
+    }
 }
 
-#[inline(always)]
-fn stages(m: &Model, d: &mut Data) {
-    fwd_position(m, d);
-    fwd_velocity(m, d);
-    fwd_actuation(m, d);
-    fwd_acceleration(m, d);
-    fwd_constraint(m, d);
+/// Compiles stages for the processor at hand.
+macro_rules! compiled {
+    ($(#[$doc:meta])* $name:ident: $($stage:ident)+) => {
+        $(#[$doc])*
+        fn $name(m: &Model, d: &mut Data) {
+            #[inline(always)]
+            fn stages((m, d): (&Model, &mut Data)) {
+                $($stage(m, d);)+
+            }
+            wide((m, d), stages, stages);
+        }
+    };
+}
+
+compiled! {
+    /// A forward call, or one of those that a step consists of.
+    evaluate: fwd_position fwd_velocity fwd_actuation fwd_acceleration fwd_constraint
+}
+compiled! {
+    /// What controls do not change.
+    first_stages: fwd_position fwd_velocity
+}
+compiled! {
+    /// What controls change.
+    last_stages: fwd_actuation fwd_acceleration fwd_constraint
 }
 
 /// Everything that depends on positions: MuJoCo's `mj_fwdPosition`.

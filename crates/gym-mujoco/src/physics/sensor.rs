@@ -13,13 +13,16 @@ use crate::model::{Disable, ObjectType, SensorType, Stage, TransmissionType};
 use crate::physics::constraint::Source;
 use crate::{Data, Model, Revision};
 
-/// `sensordata`: MuJoCo's `mj_sensorPos`, `mj_sensorVel` and `mj_sensorAcc`.
+/// `sensordata` of some stages: MuJoCo's `mj_sensorPos`, `mj_sensorVel` and `mj_sensorAcc`.
 #[inline(never)]
-pub fn sensors(m: &Model, d: &mut Data) {
+pub(super) fn sensors(m: &Model, d: &mut Data, stages: &[Stage]) {
     if m.opt.disables(Disable::Sensor) {
         return;
     }
-    let uses = |kinds: &[SensorType]| m.sensor_type.iter().any(|kind| kinds.contains(kind));
+    let uses = |kinds: &[SensorType]| {
+        let mut all = m.sensor_type.iter();
+        all.any(|kind| kinds.contains(kind) && stages.contains(&kind.stage()))
+    };
     if uses(&[SensorType::SubtreeLinVel, SensorType::SubtreeAngMom]) {
         subtree_vel(m, d);
     }
@@ -34,7 +37,11 @@ pub fn sensors(m: &Model, d: &mut Data) {
         d.contact_forces = false;
     }
     for i in 0..m.nsensor() {
-        let numbers = match m.sensor_type[i].stage() {
+        let stage = m.sensor_type[i].stage();
+        if !stages.contains(&stage) {
+            continue;
+        }
+        let numbers = match stage {
             Stage::Position => match m.revision {
                 Revision::V3_12 => of_position::<InTurn>(m, d, i),
                 Revision::V4_0 => of_position::<Pairwise>(m, d, i),

@@ -77,7 +77,7 @@ impl CameraConfig {
 
 /// The viewpoint of a model's pictures.
 #[derive(Clone, Debug)]
-pub(crate) struct View {
+pub struct View {
     mount: Mount,
     max_geom: usize,
 }
@@ -122,7 +122,11 @@ const AZIMUTH: f64 = 90.0;
 const ELEVATION: f64 = -45.0;
 
 impl View {
-    pub(crate) fn new(model: &Model, arguments: &Common) -> Result<Self> {
+    /// The viewpoint that the camera's arguments describe.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for a camera that the model does not have.
+    pub fn new(model: &Model, arguments: &Common) -> Result<Self> {
         let mut data = Data::new(model);
         kinematics(model, &mut data);
         com_pos(model, &mut data);
@@ -199,13 +203,8 @@ impl View {
         }
     }
 
-    pub(crate) fn draw(
-        &self,
-        model: &Model,
-        data: &Data,
-        size: (u32, u32),
-        canvas: &mut dyn Canvas,
-    ) {
+    /// Draws a state, in a picture of a width and a height.
+    pub fn draw(&self, model: &Model, data: &Data, size: (u32, u32), canvas: &mut dyn Canvas) {
         let camera = self.camera(data, size);
         let geoms = (0..model.ngeom()).take(self.max_geom);
         // the lowest plane is the floor; other planes are not shown

@@ -150,7 +150,8 @@ fn frames_of_pygame_do_not_allocate() {
     // the other environments have art of our own, which `tiny-skia` draws, or tiles, which are
     // collected for each frame
     let is_pygame = |registration: &&Registration| {
-        !["gym-mujoco", "gym-toytext", "gym-minigrid"].contains(&registration.source.package)
+        let others = ["gym-control", "gym-mujoco", "gym-toytext", "gym-minigrid"];
+        !others.contains(&registration.source.package)
     };
     for registration in registry::self_contained().iter().filter(is_pygame) {
         let id = registration.id();

@@ -2,13 +2,13 @@
 //!
 //! The rules are those observed from outside in ale-py 0.12.1; see `NOTICE.md`.
 
+use gym_core::RandomState;
 use serde::{Deserialize, Serialize};
 
 use crate::action::{Action, Command};
 use crate::cartridge::Cartridge;
 use crate::console::{Console, Input, Pictures, Row, State as ConsoleState, switch};
 use crate::games::{Controller, Game, Menu, Ram};
-use crate::mt19937::Mt19937;
 use crate::paddle::Paddle;
 
 /// RAM after loading a ROM: the same bytes each time. Later power cycles keep RAM.
@@ -69,7 +69,7 @@ struct Progress {
     /// How many times the power was switched on.
     power_ons: usize,
     /// The generator that decides whether an action sticks.
-    generator: Mt19937,
+    generator: RandomState,
     /// The action of the previous frame.
     previous: Command,
     paddle: Paddle,
@@ -136,7 +136,7 @@ impl Ale {
             },
             progress: Progress {
                 power_ons: 0,
-                generator: Mt19937::new(seed),
+                generator: RandomState::new(seed),
                 previous: Action::Noop.into(),
                 paddle: Paddle::middle(game.paddle_end),
                 score: 0,
@@ -184,7 +184,7 @@ impl Ale {
     /// are the same for every seed, it does not run them again.
     pub fn reload(&mut self, seed: u32) {
         self.progress.power_ons = 1; // loading was the first power-on
-        self.progress.generator = Mt19937::new(seed);
+        self.progress.generator = RandomState::new(seed);
         for _ in 0..self.game.idle {
             self.progress.generator.random();
         }
@@ -263,7 +263,7 @@ impl Ale {
             }
             self.hold(switch::IDLE & !switch::SELECT, game.select_frames);
             if game.select_random {
-                let more = self.progress.generator.byte();
+                let more = self.progress.generator.word() as u8;
                 self.hold(switch::IDLE & !switch::SELECT, more);
             }
             self.hold(switch::IDLE, 1);

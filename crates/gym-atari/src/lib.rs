@@ -26,7 +26,6 @@ pub mod cpu;
 mod dpc;
 mod env;
 pub mod games;
-mod mt19937;
 mod paddle;
 pub mod palette;
 mod preprocessing;
@@ -37,7 +36,6 @@ mod screen;
 mod shrink;
 mod tia;
 mod wires;
-mod words;
 
 pub use action::{Action, Command};
 pub use ale::Ale;

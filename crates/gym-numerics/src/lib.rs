@@ -6,4 +6,4 @@ pub mod math;
 pub mod rng;
 pub mod text;
 
-pub use rng::{Generator, Seed, SeedError};
+pub use rng::{Generator, RandomState, Seed, SeedError};

@@ -33,6 +33,8 @@ pub use gym_bridge as bridge;
 pub use gym_classic as classic;
 #[cfg(feature = "conform")]
 pub use gym_conform as conform;
+#[cfg(feature = "control")]
+pub use gym_control as control;
 pub use gym_core::*;
 #[cfg(feature = "minigrid")]
 pub use gym_minigrid as minigrid;

@@ -118,11 +118,12 @@ fn the_readme_names_every_environment() {
     let readme = read("README.md");
     let names = gym::registry::self_contained();
     let names = names.iter().map(gym::Registration::id);
-    // 172 ids are named by their prefix
-    let (grids, names): (Vec<_>, Vec<_>) =
-        names.partition(|id| id.starts_with("MiniGrid-") || id.starts_with("BabyAI-"));
-    for prefix in ["MiniGrid-", "BabyAI-"] {
-        let count = grids.iter().filter(|id| id.starts_with(prefix)).count();
+    // 211 ids are named by their prefix
+    let prefixes = ["MiniGrid-", "BabyAI-", "dm_control/"];
+    let (many, names): (Vec<_>, Vec<_>) =
+        names.partition(|id| prefixes.iter().any(|prefix| id.starts_with(prefix)));
+    for prefix in prefixes {
+        let count = many.iter().filter(|id| id.starts_with(prefix)).count();
         let named = format!("the {count} ids `{prefix}*`");
         assert!(readme.contains(&named), "README.md lacks {named}");
     }

@@ -19,8 +19,11 @@ fn drawings_are_as_kept() {
     let is_older = |registration: &Registration| {
         registration.source.package == "gym-mujoco" && !registration.id().ends_with("-v5")
     };
-    // gym-minigrid compares its pictures with checksums of minigrid's
-    let is_grid = |registration: &gym::Registration| registration.source.package == "gym-minigrid";
+    // gym-minigrid compares its pictures with checksums of minigrid's, and gym-control draws as
+    // gym-mujoco does
+    let is_grid = |registration: &gym::Registration| {
+        ["gym-control", "gym-minigrid"].contains(&registration.source.package)
+    };
     for registration in all
         .iter()
         .filter(|entry| !is_other_engine(entry.id()) && !is_older(entry) && !is_grid(entry))

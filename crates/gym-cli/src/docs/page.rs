@@ -27,9 +27,17 @@ pub(super) fn all(workspace: &Workspace) -> Result<Vec<Page>> {
     let mut registrations = workspace::without_needy(workspace.own()?);
     registrations.sort_by_key(|entry| entry.source.module);
     let modules = registrations.chunk_by(|a, b| a.source.module == b.source.module);
-    modules
-        .map(|registrations| Page::read(registrations, workspace.folder()))
-        .collect()
+    let pages = modules.map(|registrations| Page::read(registrations, workspace.folder()));
+    let mut pages = pages.collect::<Result<Vec<_>>>()?;
+    // of two modules with one name, that of ids with a namespace has it in its page's name
+    let names: Vec<String> = pages.iter().map(|page| page.name.clone()).collect();
+    for page in &mut pages {
+        let twice = names.iter().filter(|name| **name == page.name).count() > 1;
+        if let Some((namespace, _)) = page.registrations[0].id().split_once('/').filter(|_| twice) {
+            page.name = format!("{}-{}", namespace.replace('_', "-"), page.name);
+        }
+    }
+    Ok(pages)
 }
 
 /// The texts of the pages, and the page that lists them.

@@ -10,7 +10,7 @@
 mod arguments;
 mod cost;
 mod env;
-mod numpy;
+pub mod numpy;
 mod range;
 mod runner;
 mod simulation;

@@ -9,12 +9,17 @@ pub(super) fn sum_of_squares_f32(action: &[f32]) -> f32 {
 
 /// Sum of the squares of `n` numbers.
 pub(super) fn sum_of_squares(n: usize, number: impl Fn(usize) -> f64) -> f64 {
-    pairwise(&|i| number(i) * number(i), 0..n)
+    sum_of(n, |i| number(i) * number(i))
 }
 
 /// Sum of numbers: numpy's `sum`.
 pub(super) fn sum(numbers: &[f64]) -> f64 {
-    pairwise(&|i| numbers[i], 0..numbers.len())
+    sum_of(numbers.len(), |i| numbers[i])
+}
+
+/// Sum of `n` numbers: numpy's `sum`.
+pub fn sum_of(n: usize, number: impl Fn(usize) -> f64) -> f64 {
+    pairwise(&number, 0..n)
 }
 
 /// numpy's pairwise summation: eight lanes, in halves beyond 128 numbers.
@@ -44,21 +49,25 @@ fn pairwise<T: Copy + Default + Add<Output = T>>(
     (start + whole..range.end).map(term).fold(sum, T::add)
 }
 
-/// Length of a vector in a task of this version: `np.linalg.norm`, a dot product whose rounding
-/// depends on the CPU. The recordings of versions 4 and 5 were made where it fuses products and
-/// sums (AVX-512), those of 2 and 3 where it adds in two lanes (no AVX).
+/// Length of a vector in a task of this version: `np.linalg.norm`.
+pub fn norm(version: u32, v: &[f64]) -> f64 {
+    dot(version, v).sqrt()
+}
+
+/// The dot product of a vector with itself, `np.dot`, whose rounding depends on the CPU. The
+/// recordings of versions 4 and 5 were made where it fuses products and sums (AVX-512), those of 2
+/// and 3 where it adds in two lanes (no AVX).
 #[expect(
     clippy::disallowed_methods,
     reason = "numpy fuses here, and a fused product is the same on every platform"
 )]
-pub(super) fn norm(version: u32, v: &[f64]) -> f64 {
-    let dot = if version >= 4 {
+pub fn dot(version: u32, v: &[f64]) -> f64 {
+    if version >= 4 {
         v.iter().fold(0.0_f64, |sum, x| x.mul_add(*x, sum))
     } else {
         let squares = |first: usize| v.iter().skip(first).step_by(2).map(|x| x * x).sum::<f64>();
         squares(0) + squares(1)
-    };
-    dot.sqrt()
+    }
 }
 
 #[cfg(test)]

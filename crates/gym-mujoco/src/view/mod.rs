@@ -135,7 +135,11 @@ impl View {
         })
     }
 
-    pub(crate) fn of_task(model: &Model, arguments: &Common) -> Result<Self> {
+    /// The view that a task's arguments describe.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for a camera that the model does not have.
+    pub fn of_task(model: &Model, arguments: &Common) -> Result<Self> {
         let data = initial(model);
         let own = match (&arguments.camera_name, arguments.camera_id) {
             (Some(name), _) => Some(model.camera_id(name).ok_or_else(|| {

@@ -28,6 +28,7 @@ mod numpy;
 mod pow;
 mod real;
 mod sum;
+mod svml;
 mod tables;
 #[cfg(test)]
 mod tests;
@@ -177,6 +178,15 @@ functions! {
 
     /// x^y.
     fn pow(x: f64, y: f64) -> f64 = |F| pow::pow::<F>(x, y);
+
+    /// `np.exp` of a float64 on a CPU with AVX-512, where numpy does not use the C library.
+    fn numpy_exp(x: f64) -> f64 = |F| svml::exp::<F>(x);
+
+    /// `np.arctan2` of float64s on a CPU with AVX-512.
+    fn numpy_atan2(y: f64, x: f64) -> f64 = |F| svml::atan2::<F>(y, x);
+
+    /// `np.log1p` of a float64 on a CPU with AVX-512.
+    fn numpy_ln_1p(x: f64) -> f64 = |F| svml::ln_1p::<F>(x);
 
     /// `pow(x, 2.0)`, which differs from `x * x` for about one argument in a thousand.
     fn square(x: f64) -> f64 = |F| pow::square(One::<F>::new(x)).value();

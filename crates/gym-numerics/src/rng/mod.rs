@@ -9,6 +9,7 @@
 //! returns a documented value instead: check users' arguments first.
 
 mod integers;
+mod legacy;
 mod seed;
 mod state;
 mod stream;
@@ -21,6 +22,7 @@ use rand::rand_core::utils::fill_bytes_via_next_word;
 use rand::{Rng, TryRng};
 use rand_pcg::Pcg64;
 
+pub use legacy::RandomState;
 pub use seed::{Seed, SeedError};
 pub use stream::{Stream, WordStream};
 

@@ -81,6 +81,11 @@ impl Seed {
         Self { words }
     }
 
+    /// The digits in base 2^32, lowest first.
+    pub(super) fn digits(&self) -> &[u32] {
+        &self.words
+    }
+
     /// Returns two words computed from the seed: numpy's `SeedSequence(seed).generate_state(2)`.
     pub fn words(&self) -> [u32; 2] {
         let [first, ..] = generate_state(self);

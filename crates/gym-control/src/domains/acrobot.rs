@@ -1,0 +1,92 @@
+//! Acrobot: swing up an arm of two links, driven at the elbow.
+//!
+//! | | |
+//! |---|---|
+//! | observation | `orientations`: sines and cosines of both links against the vertical; `velocity` of both joints |
+//! | action | torque of the elbow, as a share of 2 N m |
+//! | reward | 1 with the tip within 0.2 m of the target, falling to 0.1 at 1 m from there; 1 or 0 if `sparse` |
+//! | start | angles uniformly |
+//! | end | never |
+//! | limit | 10 s: 1000 steps of 0.01 s |
+//!
+//! Source: dm_control 1.0.45, `suite/acrobot.py`.
+
+use std::borrow::Cow;
+use std::f64::consts::PI;
+
+use gym_core::Result;
+use gym_mujoco::{Data, Model};
+
+use super::axis::{XZ, ZZ};
+use super::{config, minus, norm};
+use crate::rewards::{Sigmoid, Tolerance};
+use crate::task::named;
+use crate::{Observation, Start, Task, register};
+
+config! { 10.0;
+    /// Whether the reward is 0 outside of the target.
+    pub sparse: bool = false,
+}
+
+/// The domain.
+#[derive(Clone, Debug)]
+pub struct Acrobot {
+    arms: [usize; 2],
+    tip: usize,
+    target: usize,
+    near: Tolerance,
+}
+
+impl Task for Acrobot {
+    type Config = Config;
+
+    const NAME: &'static str = "Acrobot";
+
+    fn text(_: &Config) -> Result<Cow<'static, str>> {
+        Ok(include_str!("../../models/acrobot.xml").into())
+    }
+
+    fn new(config: &Config, m: &Model) -> Result<Self> {
+        let body = |name| named("body", name, m.body_id(name));
+        let site = |name| named("site", name, m.site_id(name));
+        let target = site("target")?;
+        let margin = if config.sparse { 0.0 } else { 1.0 };
+        Ok(Self {
+            arms: [body("upper_arm")?, body("lower_arm")?],
+            tip: site("tip")?,
+            target,
+            near: Tolerance::within(0.0, m.site_size[target][0]).margin(margin, Sigmoid::Gaussian),
+        })
+    }
+
+    fn start(&self, start: &mut Start<'_>) -> Result<()> {
+        for joint in 0..2 {
+            start.data.qpos[joint] = start.uniform(-PI, PI);
+        }
+        Ok(())
+    }
+
+    fn observe(&self, _: &Model, d: &Data, out: &mut Observation) {
+        let part = |axis: usize| self.arms.map(|arm| d.xmat[arm][axis]);
+        out.vector("orientations", part(XZ).into_iter().chain(part(ZZ)));
+        out.vector("velocity", d.qvel.iter().copied());
+    }
+
+    fn reward(&self, _: &Model, d: &Data) -> f64 {
+        self.near
+            .of(norm(minus(d.site_xpos[self.target], d.site_xpos[self.tip])))
+    }
+}
+
+#[cfg(not(test))]
+gym_core::register!(
+    register::<Acrobot>(
+        "dm_control/acrobot-swingup-v0",
+        "Swing an arm up by its elbow, and balance it."
+    ),
+    register::<Acrobot>(
+        "dm_control/acrobot-swingup_sparse-v0",
+        "Swing an arm up by its elbow; only the goal is rewarded."
+    )
+    .kwargs(r#"{"sparse": true}"#),
+);

@@ -1,0 +1,110 @@
+//! The arm of manipulator and stacker.
+
+use std::f64::consts::PI;
+
+use gym_core::{Result, math};
+use gym_mujoco::{Data, Model};
+
+use super::{minus, norm};
+use crate::task::named;
+use crate::{Observation, Start};
+
+/// The model, with props, and pairs of bodies that do not collide.
+pub(super) fn text(solref: f64, props: &str, apart: &str) -> String {
+    include_str!("../../models/arm.xml")
+        .replace("{solref}", &solref.to_string())
+        .replace("{props}", props)
+        .replace("{apart}", apart)
+}
+
+/// The joints of the arm, in the order in which they are drawn and observed.
+const JOINTS: [&str; 8] = [
+    "arm_root",
+    "arm_shoulder",
+    "arm_elbow",
+    "arm_wrist",
+    "finger",
+    "fingertip",
+    "thumb",
+    "thumbtip",
+];
+const FINGER: usize = 4;
+const THUMB: usize = 6;
+
+/// The joints that are observed, and the hand.
+#[derive(Clone, Debug)]
+pub(super) struct Arm {
+    joints: [usize; 8],
+    hand: usize,
+    touch: [usize; 5],
+}
+
+impl Arm {
+    /// The arm in a model, whose touch sensors are observed in the order of these names.
+    pub(super) fn new(m: &Model, touch: [&str; 5]) -> Result<Self> {
+        let mut found = [0; 8];
+        for (id, name) in found.iter_mut().zip(JOINTS) {
+            *id = named("joint", name, m.joint_id(name))?;
+        }
+        let mut sensors = [0; 5];
+        for (adr, name) in sensors.iter_mut().zip(touch) {
+            *adr = m.sensor_adr[named("sensor", name, m.sensor_id(name))?];
+        }
+        Ok(Self {
+            joints: found,
+            hand: named("body", "hand", m.body_id("hand"))?,
+            touch: sensors,
+        })
+    }
+
+    /// Draws the joints; the finger is where the thumb is.
+    pub(super) fn start(&self, start: &mut Start<'_>) {
+        let place = |start: &Start<'_>, i: usize| start.model().jnt_qposadr[self.joints[i]];
+        for (i, &joint) in self.joints.iter().enumerate() {
+            let [low, high] = if start.model().jnt_limited[joint] {
+                start.model().jnt_range[joint]
+            } else {
+                [-PI, PI]
+            };
+            let place = place(start, i);
+            start.data.qpos[place] = start.uniform(low, high);
+        }
+        let (finger, thumb) = (place(start, FINGER), place(start, THUMB));
+        start.data.qpos[finger] = start.data.qpos[thumb];
+    }
+
+    /// `arm_pos`, `arm_vel` and `touch`.
+    pub(super) fn observe(&self, m: &Model, d: &Data, out: &mut Observation) {
+        let turns = self.joints.map(|j| {
+            let (sin, cos) = math::sin_cos(d.qpos[m.jnt_qposadr[j]]);
+            [sin, cos]
+        });
+        out.rows("arm_pos", turns);
+        out.vector("arm_vel", self.joints.map(|j| d.qvel[m.jnt_dofadr[j]]));
+        out.vector(
+            "touch",
+            self.touch.map(|i| math::numpy_ln_1p(d.sensordata[i])),
+        );
+    }
+
+    /// `hand_pos`.
+    pub(super) fn observe_hand(&self, d: &Data, out: &mut Observation) {
+        out.vector("hand_pos", pose(d, self.hand));
+    }
+}
+
+/// Place and orientation of a body in the plane.
+pub(super) fn pose(d: &Data, body: usize) -> [f64; 4] {
+    let (pos, quat) = (d.xpos[body], d.xquat[body]);
+    [pos[0], pos[2], quat[0], quat[2]]
+}
+
+/// The distance between two sites.
+pub(super) fn distance(d: &Data, from: usize, to: usize) -> f64 {
+    norm(minus(d.site_xpos[from], d.site_xpos[to]))
+}
+
+/// A rotation about the y axis.
+pub(super) fn turned(angle: f64) -> [f64; 4] {
+    [math::cos(angle / 2.0), 0.0, math::sin(angle / 2.0), 0.0]
+}

@@ -1,0 +1,78 @@
+//! Ball in cup: swing a ball on a string into a cup.
+//!
+//! | | |
+//! |---|---|
+//! | observation | `position` and `velocity` of cup and ball, in x and z |
+//! | action | forces on the cup in x and z, as a share of 5 N |
+//! | reward | 1 with the ball in the cup, else 0 |
+//! | start | the ball at a random place without contacts |
+//! | end | never |
+//! | limit | 20 s: 1000 steps of 0.02 s |
+//!
+//! Source: dm_control 1.0.45, `suite/ball_in_cup.py`.
+
+use std::borrow::Cow;
+
+use gym_core::Result;
+use gym_mujoco::{Data, Model};
+
+use super::config;
+use crate::task::named;
+use crate::{Observation, Start, Task, register};
+
+config! { 20.0; }
+
+/// The domain.
+#[derive(Clone, Debug)]
+pub struct BallInCup {
+    ball: usize,
+    target: usize,
+    /// How far the ball's centre may be from the target's, in x and z.
+    within: [f64; 2],
+}
+
+impl Task for BallInCup {
+    type Config = Config;
+
+    const NAME: &'static str = "BallInCup";
+
+    const TIMESTEPS: usize = 10;
+
+    fn text(_: &Config) -> Result<Cow<'static, str>> {
+        Ok(include_str!("../../models/ball_in_cup.xml").into())
+    }
+
+    fn new(_: &Config, m: &Model) -> Result<Self> {
+        let target = named("site", "target", m.site_id("target"))?;
+        let geom = named("geom", "ball", m.geom_id("ball"))?;
+        Ok(Self {
+            ball: named("body", "ball", m.body_id("ball"))?,
+            target,
+            within: [0, 2].map(|k| m.site_size[target][k] - m.geom_size[geom][0]),
+        })
+    }
+
+    fn start(&self, start: &mut Start<'_>) -> Result<()> {
+        start.draw_apart(|start| {
+            start.data.qpos[2] = start.uniform(-0.2, 0.2);
+            start.data.qpos[3] = start.uniform(0.2, 0.5);
+        })
+    }
+
+    fn observe(&self, _: &Model, d: &Data, out: &mut Observation) {
+        out.vector("position", d.qpos.iter().copied());
+        out.vector("velocity", d.qvel.iter().copied());
+    }
+
+    fn reward(&self, _: &Model, d: &Data) -> f64 {
+        let (target, ball) = (d.site_xpos[self.target], d.xpos[self.ball]);
+        let near = |(axis, within): (usize, f64)| (target[axis] - ball[axis]).abs() < within;
+        f64::from([0, 2].into_iter().zip(self.within).all(near))
+    }
+}
+
+#[cfg(not(test))]
+gym_core::register!(register::<BallInCup>(
+    "dm_control/ball_in_cup-catch-v0",
+    "Swing a ball on a string into a cup."
+));

@@ -1,0 +1,76 @@
+//! Cheetah: run on two legs, in a plane.
+//!
+//! | | |
+//! |---|---|
+//! | observation | `position`: height and angle of the torso, angles of the six joints; `velocity` of x and of these |
+//! | action | torques of back thigh, shin, foot, front thigh, shin, foot, as a share of 120, 90, 60, 90, 60, 30 N m |
+//! | reward | the speed of the centre of mass as a share of 10 m/s, from 0 to 1 |
+//! | start | joints uniformly within their limits, and 200 timesteps later |
+//! | end | never |
+//! | limit | 10 s: 1000 steps of 0.01 s |
+//!
+//! Source: dm_control 1.0.45, `suite/cheetah.py`.
+
+use std::borrow::Cow;
+
+use gym_core::Result;
+use gym_mujoco::{Data, Model};
+
+use super::{check, config};
+use crate::rewards::{Sigmoid, Tolerance};
+use crate::{Observation, Start, Task, register};
+
+config! { 10.0;
+    /// The speed that is rewarded by 1.
+    #[unit = "m/s"]
+    pub speed: f64 = 10.0,
+}
+
+/// The domain.
+#[derive(Clone, Debug)]
+pub struct Cheetah {
+    fast: Tolerance,
+}
+
+impl Task for Cheetah {
+    type Config = Config;
+
+    const NAME: &'static str = "Cheetah";
+
+    fn text(_: &Config) -> Result<Cow<'static, str>> {
+        Ok(include_str!("../../models/cheetah.xml").into())
+    }
+
+    fn new(config: &Config, _: &Model) -> Result<Self> {
+        check("speed", config.speed, 0.01, 1000.0)?;
+        let fast = Tolerance::above(config.speed).margin(config.speed, Sigmoid::Linear(0.0));
+        Ok(Self { fast })
+    }
+
+    fn start(&self, start: &mut Start<'_>) -> Result<()> {
+        for joint in 0..start.model().njnt() {
+            if start.model().jnt_limited[joint] {
+                let [low, high] = start.model().jnt_range[joint];
+                start.data.qpos[joint] = start.uniform(low, high);
+            }
+        }
+        start.step(200);
+        start.data.time = 0.0;
+        Ok(())
+    }
+
+    fn observe(&self, _: &Model, d: &Data, out: &mut Observation) {
+        out.vector("position", d.qpos[1..].iter().copied());
+        out.vector("velocity", d.qvel.iter().copied());
+    }
+
+    fn reward(&self, _: &Model, d: &Data) -> f64 {
+        self.fast.of(d.sensordata[0])
+    }
+}
+
+#[cfg(not(test))]
+gym_core::register!(register::<Cheetah>(
+    "dm_control/cheetah-run-v0",
+    "Run on two legs, in a plane."
+));

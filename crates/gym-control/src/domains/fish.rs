@@ -1,0 +1,118 @@
+//! Fish: stay upright, or swim to a target.
+//!
+//! | | |
+//! |---|---|
+//! | observation | `joint_angles`; `upright`: cosine of the torso's inclination; `target` from the mouth, in its frame (to swim); `velocity` |
+//! | action | angles that tail and fins are driven to, in rad |
+//! | reward | a value of the uprightness; to swim, 7/8 for the mouth in the target, 1/8 for uprightness |
+//! | start | orientation and joints at random, and the target |
+//! | end | never |
+//! | limit | 40 s: 1000 steps of 0.04 s |
+//!
+//! Source: dm_control 1.0.45, `suite/fish.py`.
+
+use std::borrow::Cow;
+
+use gym_core::{RandomState, Result};
+use gym_mujoco::{Data, Model};
+
+use super::axis::ZZ;
+use super::{config, minus, norm, times};
+use crate::rewards::{Sigmoid, Tolerance};
+use crate::task::named;
+use crate::{Observation, Start, Task, register};
+
+const UPRIGHT: Tolerance = Tolerance::within(1.0, 1.0).margin(1.0, Sigmoid::Gaussian);
+/// Place of the joints' positions, after the root's; their velocities come one earlier.
+const JOINTS: std::ops::Range<usize> = 7..14;
+
+config! { 40.0;
+    /// Whether there is a target to swim to.
+    pub swim: bool = false,
+}
+
+/// The domain.
+#[derive(Clone, Debug)]
+pub struct Fish {
+    swim: bool,
+    torso: usize,
+    mouth: usize,
+    target: usize,
+    near: Tolerance,
+}
+
+impl Fish {
+    fn to_target(&self, d: &Data) -> [f64; 3] {
+        let to = minus(d.geom_xpos[self.target], d.geom_xpos[self.mouth]);
+        times(to, &d.geom_xmat[self.mouth])
+    }
+}
+
+impl Task for Fish {
+    type Config = Config;
+
+    const NAME: &'static str = "Fish";
+
+    const TIMESTEPS: usize = 10;
+
+    fn text(config: &Config) -> Result<Cow<'static, str>> {
+        let look = if config.swim {
+            r#"material="goal""#
+        } else {
+            r#"rgba="0 0 0 0""#
+        };
+        Ok(include_str!("../../models/fish.xml")
+            .replace("{look}", look)
+            .into())
+    }
+
+    fn new(config: &Config, m: &Model) -> Result<Self> {
+        let mouth = named("geom", "mouth", m.geom_id("mouth"))?;
+        let target = named("geom", "target", m.geom_id("target"))?;
+        let radii = m.geom_size[mouth][0] + m.geom_size[target][0];
+        Ok(Self {
+            swim: config.swim,
+            torso: named("body", "torso", m.body_id("torso"))?,
+            mouth,
+            target,
+            near: Tolerance::within(0.0, radii).margin(2.0 * radii, Sigmoid::Gaussian),
+        })
+    }
+
+    fn start(&self, start: &mut Start<'_>) -> Result<()> {
+        let quat = start.quaternion(RandomState::standard_normal);
+        start.data.qpos[3..7].copy_from_slice(&quat);
+        for joint in JOINTS {
+            start.data.qpos[joint] = start.uniform(-0.2, 0.2);
+        }
+        if self.swim {
+            let place = [[-0.4, 0.4], [-0.4, 0.4], [0.1, 0.3]];
+            start.data.mocap_pos[0] = place.map(|[low, high]| start.rng.uniform(low, high));
+        }
+        Ok(())
+    }
+
+    fn observe(&self, _: &Model, d: &Data, out: &mut Observation) {
+        out.vector("joint_angles", d.qpos[JOINTS].iter().copied());
+        out.scalar("upright", d.xmat[self.torso][ZZ]);
+        if self.swim {
+            out.vector("target", self.to_target(d));
+        }
+        out.vector("velocity", d.qvel.iter().copied());
+    }
+
+    fn reward(&self, _: &Model, d: &Data) -> f64 {
+        let upright = d.xmat[self.torso][ZZ];
+        if !self.swim {
+            return UPRIGHT.of(upright);
+        }
+        let in_target = self.near.of(norm(self.to_target(d)));
+        (7.0 * in_target + 0.5 * (upright + 1.0)) / 8.0
+    }
+}
+
+#[cfg(not(test))]
+gym_core::register!(
+    register::<Fish>("dm_control/fish-upright-v0", "Keep a fish upright."),
+    register::<Fish>("dm_control/fish-swim-v0", "Swim to a target.").kwargs(r#"{"swim": true}"#),
+);

@@ -1,0 +1,99 @@
+//! Hopper: stand or hop on one leg, in a plane.
+//!
+//! | | |
+//! |---|---|
+//! | observation | `position`: height and angle of the torso, angles of the four joints; `velocity` of x and of these; `touch`: logarithms of the forces on toe and heel |
+//! | action | torques of waist, hip, knee, ankle, as a share of 30, 40, 30, 10 N m |
+//! | reward | 1 with the torso from 0.6 to 2 m above the foot, else 0, times a value of small controls, or of the speed if `speed` is not 0 |
+//! | start | joints and the torso's angle uniformly |
+//! | end | never |
+//! | limit | 20 s: 1000 steps of 0.02 s |
+//!
+//! Source: dm_control 1.0.45, `suite/hopper.py`.
+
+use std::borrow::Cow;
+
+use gym_core::{Result, math};
+use gym_mujoco::{Data, Model};
+
+use super::{check, config};
+use crate::rewards::{Sigmoid, Tolerance, small_control};
+use crate::task::named;
+use crate::{Observation, Start, Task, register};
+
+config! { 20.0;
+    /// The speed that is rewarded by 1; 0 for standing.
+    #[unit = "m/s"]
+    pub speed: f64 = 0.0,
+    /// The height of the torso above the foot from which on the hopper stands.
+    #[unit = "m"]
+    pub stand_height: f64 = 0.6,
+}
+
+/// The domain.
+#[derive(Clone, Debug)]
+pub struct Hopper {
+    torso: usize,
+    foot: usize,
+    standing: Tolerance,
+    /// How fast it hops; `None` to stand.
+    hopping: Option<Tolerance>,
+}
+
+impl Task for Hopper {
+    type Config = Config;
+
+    const NAME: &'static str = "Hopper";
+
+    const TIMESTEPS: usize = 4;
+
+    fn text(_: &Config) -> Result<Cow<'static, str>> {
+        Ok(include_str!("../../models/hopper.xml").into())
+    }
+
+    fn new(config: &Config, m: &Model) -> Result<Self> {
+        check("speed", config.speed, 0.0, 1000.0)?;
+        check("stand_height", config.stand_height, 0.0, 2.0)?;
+        let speed = config.speed;
+        let hopping = Tolerance::above(speed).margin(speed / 2.0, Sigmoid::Linear(0.5));
+        Ok(Self {
+            torso: named("body", "torso", m.body_id("torso"))?,
+            foot: named("body", "foot", m.body_id("foot"))?,
+            standing: Tolerance::within(config.stand_height, 2.0),
+            hopping: (speed != 0.0).then_some(hopping),
+        })
+    }
+
+    fn start(&self, start: &mut Start<'_>) -> Result<()> {
+        start.joints();
+        Ok(())
+    }
+
+    fn observe(&self, _: &Model, d: &Data, out: &mut Observation) {
+        out.vector("position", d.qpos[1..].iter().copied());
+        out.vector("velocity", d.qvel.iter().copied());
+        out.vector("touch", [3, 4].map(|i| math::numpy_ln_1p(d.sensordata[i])));
+    }
+
+    fn reward(&self, _: &Model, d: &Data) -> f64 {
+        let height = d.xipos[self.torso][2] - d.xipos[self.foot][2];
+        let well = match &self.hopping {
+            Some(hopping) => hopping.of(d.sensordata[0]),
+            None => (small_control(&d.ctrl) + 4.0) / 5.0,
+        };
+        self.standing.of(height) * well
+    }
+}
+
+#[cfg(not(test))]
+gym_core::register!(
+    register::<Hopper>(
+        "dm_control/hopper-stand-v0",
+        "Stand on one leg, in a plane."
+    ),
+    register::<Hopper>(
+        "dm_control/hopper-hop-v0",
+        "Hop forward on one leg, in a plane."
+    )
+    .kwargs(r#"{"speed": 2.0}"#),
+);

@@ -1,0 +1,85 @@
+//! The domains: a module for each.
+//!
+//! Source: dm_control 1.0.45, `suite`.
+
+pub mod acrobot;
+pub mod ball_in_cup;
+pub mod cartpole;
+pub mod cheetah;
+pub mod finger;
+pub mod fish;
+pub mod hopper;
+pub mod humanoid;
+pub mod lqr;
+pub mod manipulator;
+pub mod pendulum;
+pub mod point_mass;
+pub mod reacher;
+pub mod stacker;
+pub mod swimmer;
+pub mod walker;
+
+mod arm;
+
+use gym_core::{Error, Result};
+
+/// Defines a domain's struct of arguments, `Config`, with those of every task.
+macro_rules! config {
+    ($seconds:expr; $($arguments:tt)*) => {
+        gym_core::arguments! {
+            /// Arguments.
+            pub struct Config {
+                $($arguments)*
+                /// The arguments that all tasks share.
+                #[flatten]
+                pub common: $crate::Common = $crate::Common::lasting($seconds),
+            }
+        }
+
+        impl AsRef<$crate::Common> for Config {
+            fn as_ref(&self) -> &$crate::Common {
+                &self.common
+            }
+        }
+    };
+}
+pub(crate) use config;
+
+/// Indices into a rotation matrix: the first letter is the axis of the world, the second that of
+/// the body.
+mod axis {
+    pub(super) const XX: usize = 0;
+    pub(super) const XZ: usize = 2;
+    pub(super) const ZX: usize = 6;
+    pub(super) const ZZ: usize = 8;
+}
+
+/// Refuses an argument outside of a range.
+fn check(name: &'static str, x: f64, low: f64, high: f64) -> Result<()> {
+    if (low..=high).contains(&x) {
+        return Ok(());
+    }
+    Err(Error::argument(
+        name,
+        format!("{x} is not from {low} to {high}"),
+    ))
+}
+
+/// `a - b`.
+fn minus<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {
+    std::array::from_fn(|k| a[k] - b[k])
+}
+
+/// `np.linalg.norm`, on a CPU with AVX-512.
+fn norm<const N: usize>(v: [f64; N]) -> f64 {
+    gym_mujoco::tasks::numpy::norm(5, &v)
+}
+
+/// A vector times a matrix, row-major: numpy's `v.dot(m)`, which fuses products and sums.
+#[expect(
+    clippy::disallowed_methods,
+    reason = "a fused product is the same on every platform"
+)]
+fn times(v: [f64; 3], m: &[f64; 9]) -> [f64; 3] {
+    std::array::from_fn(|j| (0..3).fold(0.0_f64, |sum, i| v[i].mul_add(m[3 * i + j], sum)))
+}

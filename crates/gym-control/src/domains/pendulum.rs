@@ -1,0 +1,74 @@
+//! Pendulum: swing up, with a torque too small to do it at once.
+//!
+//! | | |
+//! |---|---|
+//! | observation | `orientation`: cosine and sine of the angle; `velocity` |
+//! | action | torque of the hinge in N m |
+//! | reward | 1 within 8 degrees of the vertical, else 0 |
+//! | start | the angle uniformly |
+//! | end | never |
+//! | limit | 20 s: 1000 steps of 0.02 s |
+//!
+//! Source: dm_control 1.0.45, `suite/pendulum.py`.
+
+use std::borrow::Cow;
+use std::f64::consts::PI;
+
+use gym_core::keys::json;
+use gym_core::{Keys, Result};
+use gym_mujoco::{Data, Model};
+
+use super::axis::{XZ, ZZ};
+use super::config;
+use crate::rewards::Tolerance;
+use crate::task::named;
+use crate::{Observation, Start, Task, register};
+
+/// From the cosine of 8 degrees on.
+const UPRIGHT: Tolerance = Tolerance::within(0.9902680687415704, 1.0);
+
+config! { 20.0; }
+
+/// The domain.
+#[derive(Clone, Debug)]
+pub struct Pendulum {
+    pole: usize,
+}
+
+impl Task for Pendulum {
+    type Config = Config;
+
+    const NAME: &'static str = "SwingUp";
+
+    fn text(_: &Config) -> Result<Cow<'static, str>> {
+        Ok(include_str!("../../models/pendulum.xml").into())
+    }
+
+    fn new(_: &Config, m: &Model) -> Result<Self> {
+        let pole = named("body", "pole", m.body_id("pole"))?;
+        Ok(Self { pole })
+    }
+
+    fn start(&self, start: &mut Start<'_>) -> Result<()> {
+        start.data.qpos[0] = start.uniform(-PI, PI);
+        Ok(())
+    }
+
+    fn observe(&self, _: &Model, d: &Data, out: &mut Observation) {
+        out.vector("orientation", [ZZ, XZ].map(|axis| d.xmat[self.pole][axis]));
+        out.vector("velocity", [d.qvel[0]]);
+    }
+
+    fn reward(&self, _: &Model, d: &Data) -> f64 {
+        UPRIGHT.of(d.xmat[self.pole][ZZ])
+    }
+}
+
+#[cfg(not(test))]
+gym_core::register!(
+    register::<Pendulum>(
+        "dm_control/pendulum-swingup-v0",
+        "Swing a pendulum up, and balance it."
+    )
+    .keys(|_| Keys::new(json!({"Left": [-1.0], "Right": [1.0]})).idle(json!([0.0]))),
+);

@@ -1,0 +1,98 @@
+//! Reacher: bring the tip of an arm of two links to a target.
+//!
+//! | | |
+//! |---|---|
+//! | observation | `position` of the joints, `to_target`: from the finger to the target in x and y, `velocity` of the joints |
+//! | action | torques of shoulder and wrist, as a share of 0.05 N m |
+//! | reward | 1 where finger and target touch, else 0 |
+//! | start | joints and the target at random |
+//! | end | never |
+//! | limit | 20 s: 1000 steps of 0.02 s |
+//!
+//! Source: dm_control 1.0.45, `suite/reacher.py`.
+
+use std::borrow::Cow;
+use std::f64::consts::PI;
+
+use gym_core::{Result, math};
+use gym_mujoco::{Data, Model};
+
+use super::{check, config, norm};
+use crate::rewards::Tolerance;
+use crate::task::named;
+use crate::{Observation, Start, Task, register};
+
+config! { 20.0;
+    /// Radius of the target.
+    #[unit = "m"]
+    pub target_size: f64 = 0.05,
+}
+
+/// The domain.
+#[derive(Clone, Debug)]
+pub struct Reacher {
+    finger: usize,
+    target: usize,
+    touching: Tolerance,
+}
+
+impl Reacher {
+    fn to_target(&self, d: &Data) -> [f64; 2] {
+        [0, 1].map(|k| d.geom_xpos[self.target][k] - d.geom_xpos[self.finger][k])
+    }
+}
+
+impl Task for Reacher {
+    type Config = Config;
+
+    const NAME: &'static str = "Reacher";
+
+    fn text(config: &Config) -> Result<Cow<'static, str>> {
+        check("target_size", config.target_size, 0.001, 0.3)?;
+        let size = config.target_size.to_string();
+        Ok(include_str!("../../models/reacher.xml")
+            .replace("{target}", &size)
+            .into())
+    }
+
+    fn new(config: &Config, m: &Model) -> Result<Self> {
+        let finger = named("geom", "finger", m.geom_id("finger"))?;
+        Ok(Self {
+            finger,
+            target: named("geom", "target", m.geom_id("target"))?,
+            touching: Tolerance::within(0.0, config.target_size + m.geom_size[finger][0]),
+        })
+    }
+
+    fn start(&self, start: &mut Start<'_>) -> Result<()> {
+        start.joints();
+        let angle = start.uniform(0.0, 2.0 * PI);
+        let radius = start.uniform(0.05, 0.2);
+        let place = &mut start.data.mocap_pos[0];
+        (place[0], place[1]) = (radius * math::sin(angle), radius * math::cos(angle));
+        Ok(())
+    }
+
+    fn observe(&self, _: &Model, d: &Data, out: &mut Observation) {
+        out.vector("position", d.qpos.iter().copied());
+        out.vector("to_target", self.to_target(d));
+        out.vector("velocity", d.qvel.iter().copied());
+    }
+
+    fn reward(&self, _: &Model, d: &Data) -> f64 {
+        self.touching.of(norm(self.to_target(d)))
+    }
+}
+
+#[cfg(not(test))]
+gym_core::register!(
+    register::<Reacher>(
+        "dm_control/reacher-easy-v0",
+        "Bring the tip of an arm to a large target."
+    ),
+    register::<Reacher>(
+        "dm_control/reacher-hard-v0",
+        "Bring the tip of an arm to a small target."
+    )
+    .kwargs(r#"{"target_size": 0.015}"#),
+);

@@ -1,0 +1,99 @@
+//! Walker: stand, walk or run on two legs, in a plane.
+//!
+//! | | |
+//! |---|---|
+//! | observation | `orientations`: cosine and sine of each body's angle; `height` of the torso; `velocity` of all joints |
+//! | action | torques of right hip, knee, ankle, left hip, knee, ankle, as a share of 100, 50, 20 N m |
+//! | reward | standing (3/4 for a torso above 1.2 m, 1/4 for its uprightness), times a value of the speed |
+//! | start | joints and orientation at random |
+//! | end | never |
+//! | limit | 25 s: 1000 steps of 0.025 s |
+//!
+//! Source: dm_control 1.0.45, `suite/walker.py`.
+
+use std::borrow::Cow;
+
+use gym_core::Result;
+use gym_mujoco::{Data, Model};
+
+use super::axis::{XX, XZ, ZZ};
+use super::{check, config};
+use crate::rewards::{Sigmoid, Tolerance};
+use crate::task::named;
+use crate::{Observation, Start, Task, register};
+
+config! { 25.0;
+    /// The speed that is rewarded by 1; 0 for standing.
+    #[unit = "m/s"]
+    pub speed: f64 = 0.0,
+    /// The height of the torso from which on the walker stands.
+    #[unit = "m"]
+    pub stand_height: f64 = 1.2,
+}
+
+/// The domain.
+#[derive(Clone, Debug)]
+pub struct Walker {
+    torso: usize,
+    standing: Tolerance,
+    /// How fast it goes; `None` to stand.
+    going: Option<Tolerance>,
+}
+
+impl Task for Walker {
+    type Config = Config;
+
+    const NAME: &'static str = "Walker";
+
+    const TIMESTEPS: usize = 10;
+
+    fn text(_: &Config) -> Result<Cow<'static, str>> {
+        Ok(include_str!("../../models/walker.xml").into())
+    }
+
+    fn new(config: &Config, m: &Model) -> Result<Self> {
+        check("speed", config.speed, 0.0, 1000.0)?;
+        check("stand_height", config.stand_height, 0.01, 10.0)?;
+        let (speed, height) = (config.speed, config.stand_height);
+        let going = Tolerance::above(speed).margin(speed / 2.0, Sigmoid::Linear(0.5));
+        Ok(Self {
+            torso: named("body", "torso", m.body_id("torso"))?,
+            standing: Tolerance::above(height).margin(height / 2.0, Sigmoid::Gaussian),
+            going: (speed != 0.0).then_some(going),
+        })
+    }
+
+    fn start(&self, start: &mut Start<'_>) -> Result<()> {
+        start.joints();
+        Ok(())
+    }
+
+    fn observe(&self, _: &Model, d: &Data, out: &mut Observation) {
+        let bodies = d.xmat[1..].iter().flat_map(|mat| [mat[XX], mat[XZ]]);
+        out.vector("orientations", bodies);
+        out.scalar("height", d.xpos[self.torso][2]);
+        out.vector("velocity", d.qvel.iter().copied());
+    }
+
+    fn reward(&self, _: &Model, d: &Data) -> f64 {
+        let standing = self.standing.of(d.xpos[self.torso][2]);
+        let upright = (1.0 + d.xmat[self.torso][ZZ]) / 2.0;
+        let stand = (3.0 * standing + upright) / 4.0;
+        match &self.going {
+            None => stand,
+            Some(going) => stand * (5.0 * going.of(d.sensordata[0]) + 1.0) / 6.0,
+        }
+    }
+}
+
+#[cfg(not(test))]
+gym_core::register!(
+    register::<Walker>(
+        "dm_control/walker-stand-v0",
+        "Stand on two legs, in a plane."
+    ),
+    register::<Walker>("dm_control/walker-walk-v0", "Walk on two legs, in a plane.")
+        .kwargs(r#"{"speed": 1.0}"#),
+    register::<Walker>("dm_control/walker-run-v0", "Run on two legs, in a plane.")
+        .kwargs(r#"{"speed": 8.0}"#),
+);

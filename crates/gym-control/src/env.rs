@@ -1,0 +1,360 @@
+//! Makes an environment of a task.
+
+use gym_core::canvas::Canvas;
+use gym_core::render::Metadata;
+use gym_core::spaces::BoxSpace;
+use gym_core::vector::lockstep::{Lockstep, Together};
+use gym_core::{
+    Array, Configure, Env, Error, Generator, Inspect, Outcome, RandomState, Reset, Result, Seed,
+    Snapshot, Space, Value,
+};
+use gym_mujoco::Data;
+use gym_mujoco::tasks::Common as Camera;
+use gym_mujoco::view::View;
+use serde::{Deserialize, Serialize};
+use serde_json::{Value as Json, json};
+
+use crate::arguments::Common;
+use crate::observation::{Layout, Observation};
+use crate::pixels::Pixels;
+use crate::start::Start;
+use crate::task::Task;
+use crate::world::World;
+
+/// The environment of a task.
+///
+/// A reset with the seed `s` is a task that dm_control loads with `RandomState(s)`, and its first
+/// episode; a reset without a seed is its next episode. Where dm_control raises `PhysicsError`, as
+/// for a state that diverges, MuJoCo's reset of the simulation is what follows.
+#[derive(Clone, Debug)]
+pub struct ControlEnv<T: Task> {
+    config: T::Config,
+    task: T,
+    world: World,
+    view: View,
+    observation_space: Space,
+    action_space: Space,
+    layout: Layout,
+    /// The number of steps of an episode, perhaps a broken or an infinite one.
+    limit: f64,
+    seen: Observation,
+    pixels: Option<Pixels>,
+    episode: Option<Box<Episode>>,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Episode {
+    rng: RandomState,
+    /// What wrappers draw from.
+    generator: Generator,
+    constants: Vec<f64>,
+    steps: u64,
+    data: Data,
+}
+
+/// The bound of controls without one.
+const UNBOUNDED: f64 = 1e10;
+
+impl<T: Task> ControlEnv<T> {
+    /// The environment with these arguments.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] for an argument out of range.
+    pub fn new(config: T::Config) -> Result<Self> {
+        let common: &Common = config.as_ref();
+        let world = World::new(&T::text(&config)?, common.mujoco)?;
+        let model = &*world.model;
+        common.check(model)?;
+        let task = T::new(&config, model)?;
+        let camera = Camera {
+            camera_id: Some(common.camera_id),
+            ..Camera::default()
+        };
+        let view = View::of_task(model, &camera)?;
+        let mut data = Data::new(model);
+        world.settle(&mut data);
+        let mut seen = Observation::default();
+        task.observe(model, &data, &mut seen);
+        let layout = seen.layout();
+        let pixels = common.pixels.map(Pixels::new).transpose()?;
+        let observation_space = match &pixels {
+            Some(pixels) => pixels.space()?,
+            None => layout.space(common.flat, common.dtype)?,
+        };
+        let bounds = |side: usize| -> Vec<f64> {
+            let ranges = model
+                .actuator_ctrlrange
+                .iter()
+                .zip(&model.actuator_ctrllimited);
+            ranges
+                .map(|(range, limited)| {
+                    if *limited {
+                        range[side]
+                    } else {
+                        [-UNBOUNDED, UNBOUNDED][side]
+                    }
+                })
+                .collect()
+        };
+        let action_space = BoxSpace::new(bounds(0), bounds(1))?.into();
+        let step = model.opt.timestep * T::TIMESTEPS as f64;
+        let limit = common
+            .time_limit
+            .map_or(f64::INFINITY, |limit| limit / step);
+        Ok(Self {
+            task,
+            world,
+            view,
+            observation_space,
+            action_space,
+            layout,
+            limit,
+            seen,
+            pixels,
+            episode: None,
+            config,
+        })
+    }
+
+    fn common(&self) -> &Common {
+        self.config.as_ref()
+    }
+
+    /// The state of the physics, once there was a reset.
+    pub fn data(&self) -> Option<&Data> {
+        self.episode.as_ref().map(|episode| &episode.data)
+    }
+
+    fn start(&mut self, reset: &Reset) -> Result<Box<Episode>> {
+        let (last, model) = (self.episode.as_ref(), &self.world.model);
+        let seed = match (&reset.seed, last) {
+            (None, None) => Some(Seed::from_os()?),
+            (seed, _) => seed.clone(),
+        };
+        let mut episode = last.cloned().unwrap_or_else(|| {
+            Box::new(Episode {
+                rng: RandomState::new(0),
+                generator: Generator::from(0),
+                constants: Vec::new(),
+                steps: 0,
+                data: Data::new(model),
+            })
+        });
+        if let Some(seed) = &seed {
+            episode.rng = RandomState::from_seed(seed);
+            episode.generator = Generator::new(seed);
+        }
+        episode.steps = 0;
+        episode.data.reset(model);
+        self.world.settle(&mut episode.data);
+        let Episode {
+            rng,
+            constants,
+            data,
+            ..
+        } = &mut *episode;
+        self.task.start(&mut Start {
+            world: &mut self.world,
+            data,
+            rng,
+            constants,
+            seeded: seed.is_some(),
+        })?;
+        let common: &Common = self.config.as_ref();
+        for (given, numbers) in [
+            (&common.qpos, &mut data.qpos),
+            (&common.qvel, &mut data.qvel),
+        ] {
+            if let Some(given) = given {
+                numbers.copy_from_slice(given);
+            }
+        }
+        self.world.settle(data);
+        Ok(episode)
+    }
+
+    /// Draws the state for a picture of a width and a height.
+    fn picture(&self, data: &Data, size: (u32, u32), canvas: &mut dyn Canvas) {
+        let model = &self.world.model;
+        if self.common().visualize_reward {
+            let coloured = self.world.coloured(self.task.reward(model, data));
+            return self.view.draw(&coloured, data, size, canvas);
+        }
+        self.view.draw(model, data, size, canvas);
+    }
+
+    fn observe(&mut self, observation: &mut Value) {
+        let Some(episode) = &self.episode else { return };
+        if let Some(mut pixels) = self.pixels.take() {
+            let draw = |size, canvas: &mut dyn Canvas| self.picture(&episode.data, size, canvas);
+            pixels.write(draw, observation);
+            self.pixels = Some(pixels);
+            return;
+        }
+        let common: &Common = self.config.as_ref();
+        let (model, data) = (&*self.world.model, &episode.data);
+        self.seen.clear();
+        self.task.observe(model, data, &mut self.seen);
+        self.seen
+            .write(&self.layout, common.flat, common.dtype, observation);
+    }
+}
+
+impl<T: Task> Env for ControlEnv<T> {
+    type Observation = Value;
+    type Action = Array;
+
+    fn observation_space(&self) -> Space {
+        self.observation_space.clone()
+    }
+
+    fn action_space(&self) -> Space {
+        self.action_space.clone()
+    }
+
+    fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
+        self.episode = Some(self.start(reset)?);
+        self.observe(observation);
+        Ok(())
+    }
+
+    fn step_into(&mut self, action: &Array, observation: &mut Value) -> Result<Outcome> {
+        let Some(episode) = &mut self.episode else {
+            return Err(Error::ResetNeeded("step"));
+        };
+        let model = &self.world.model;
+        if action.shape() != [model.nu()] || !action.is_finite() {
+            return Err(self.action_space.refuse_action(action));
+        }
+        for (control, number) in episode.data.ctrl.iter_mut().zip(action.iter_f64()) {
+            *control = number;
+        }
+        self.world.step(&mut episode.data, T::TIMESTEPS);
+        episode.steps += 1;
+        let reward = self.task.reward(model, &episode.data);
+        let truncated = episode.steps as f64 >= self.limit;
+        let terminated = !truncated && self.task.is_over(&episode.data);
+        self.observe(observation);
+        Ok(Outcome {
+            reward,
+            terminated,
+            truncated,
+        })
+    }
+
+    fn snapshot(&self) -> Result<Snapshot> {
+        Snapshot::with_config(T::NAME, &self.config, &self.episode)
+    }
+
+    fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
+        let model = &self.world.model;
+        let is_valid = |episode: &Episode| {
+            episode.data.check(model).is_ok() && self.task.has(&episode.constants)
+        };
+        let mut episode = snapshot.for_config(T::NAME, &self.config, is_valid)?;
+        if let Some(Episode {
+            constants, data, ..
+        }) = &mut episode
+        {
+            if !constants.is_empty() {
+                self.world
+                    .change(|model| self.task.apply(constants, model))?;
+            }
+            data.resume(&self.world.model);
+        }
+        self.episode = episode.map(Box::new);
+        Ok(())
+    }
+
+    fn metadata(&self) -> Metadata {
+        let step = self.world.model.opt.timestep * T::TIMESTEPS as f64;
+        let common = self.common();
+        Metadata::drawn((1.0 / step).round() as u32, (common.width, common.height))
+    }
+
+    fn draw(&self, canvas: &mut dyn Canvas) {
+        if let Some(data) = self.data() {
+            let size = (self.common().width, self.common().height);
+            self.picture(data, size, canvas);
+        }
+    }
+
+    fn describe(&self) -> String {
+        T::NAME.to_owned()
+    }
+
+    fn generator(&mut self) -> Option<&mut Generator> {
+        self.episode.as_mut().map(|episode| &mut episode.generator)
+    }
+
+    fn inspect(&self) -> Option<&dyn Inspect> {
+        Some(self)
+    }
+
+    fn inspect_mut(&mut self) -> Option<&mut dyn Inspect> {
+        Some(self)
+    }
+
+    fn close(&mut self) {
+        self.episode = None;
+    }
+}
+
+/// The state is `qpos` and `qvel`.
+impl<T: Task> Inspect for ControlEnv<T> {
+    fn state(&self) -> Option<Json> {
+        let Data { qpos, qvel, .. } = self.data()?;
+        Some(json!({"qpos": qpos, "qvel": qvel}))
+    }
+
+    fn set_state(&mut self, state: Json) -> Result<()> {
+        let Some(episode) = &mut self.episode else {
+            return Err(Error::ResetNeeded("set_state"));
+        };
+        let numbers = |name: &str| -> Result<Vec<f64>> {
+            serde_json::from_value(state[name].clone())
+                .map_err(|error| Error::argument(name, format!("a list of numbers: {error}")))
+        };
+        let mut data = episode.data.clone();
+        (data.qpos, data.qvel) = (numbers("qpos")?, numbers("qvel")?);
+        let checked = data.check(&self.world.model);
+        checked.map_err(|error| Error::argument("state", error.to_string()))?;
+        self.world.settle(&mut data);
+        episode.data = data;
+        Ok(())
+    }
+
+    fn arguments(&self) -> Json {
+        serde_json::to_value(&self.config).unwrap_or_default()
+    }
+}
+
+impl<T: Task> Configure for ControlEnv<T> {
+    type Config = T::Config;
+
+    fn configure(config: T::Config, _version: u32) -> Result<Self> {
+        Self::new(config)
+    }
+}
+
+/// The environments of a vector step one by one.
+#[derive(Debug, Default)]
+pub struct Alone;
+
+impl Together for Alone {
+    const LEN: usize = 1;
+
+    fn solve(&mut self) {}
+
+    fn clear(&mut self) {}
+}
+
+impl<T: Task> Lockstep for ControlEnv<T> {
+    type Group = Alone;
+
+    fn begin_reset(&mut self, _: &Reset, _: &mut Alone) {}
+
+    fn begin_step(&mut self, _: &Array, _: &mut Alone) {}
+
+    fn collect(&mut self, _: &mut Alone) {}
+}

@@ -1,0 +1,139 @@
+//! Observations: named parts, each an array of numbers.
+
+use gym_core::spaces::{BoxSpace, DictSpace, array_of};
+use gym_core::{Array, DType, Result, Space, Value};
+
+/// The numbers of an observation, which a task puts in, part by part.
+#[derive(Clone, Debug, Default)]
+pub struct Observation {
+    numbers: Vec<f64>,
+    /// The parts in the order in which they were put in first.
+    parts: Vec<Part>,
+    /// The number of parts put in since the last [`clear`](Self::clear).
+    filled: usize,
+}
+
+#[derive(Clone, Debug)]
+struct Part {
+    name: &'static str,
+    shape: Vec<usize>,
+    /// The place of its numbers.
+    first: usize,
+}
+
+impl Observation {
+    /// Puts in a number.
+    pub fn scalar(&mut self, name: &'static str, number: f64) {
+        self.part(name, &[], [number]);
+    }
+
+    /// Puts in a vector.
+    pub fn vector(&mut self, name: &'static str, numbers: impl IntoIterator<Item = f64>) {
+        self.part(name, &[0], numbers);
+    }
+
+    /// Puts in a matrix by its rows.
+    pub fn rows<const N: usize>(
+        &mut self,
+        name: &'static str,
+        rows: impl IntoIterator<Item = [f64; N]>,
+    ) {
+        self.part(name, &[0, N], rows.into_iter().flatten());
+    }
+
+    /// Puts in a part; the first 0 of its shape is to be found.
+    fn part(
+        &mut self,
+        name: &'static str,
+        shape: &[usize],
+        numbers: impl IntoIterator<Item = f64>,
+    ) {
+        let first = self.numbers.len();
+        self.numbers.extend(numbers);
+        if self.filled == self.parts.len() {
+            let mut shape = shape.to_vec();
+            if let Some(length) = shape.first_mut() {
+                *length = 1;
+            }
+            let row: usize = shape.iter().product();
+            if let Some(length) = shape.first_mut() {
+                *length = (self.numbers.len() - first) / row;
+            }
+            self.parts.push(Part { name, shape, first });
+        }
+        self.filled += 1;
+    }
+
+    /// Takes out the numbers; the parts must be put in again, in the same order.
+    pub(crate) fn clear(&mut self) {
+        self.numbers.clear();
+        self.filled = 0;
+    }
+
+    /// The parts, sorted by name.
+    pub(crate) fn layout(&self) -> Layout {
+        let mut parts = self.parts.clone();
+        parts.sort_by_key(|part| part.name);
+        let len = self.numbers.len();
+        Layout { parts, len }
+    }
+
+    /// Writes the numbers to an observation of the layout's space.
+    pub(crate) fn write(&self, layout: &Layout, flat: bool, dtype: DType, out: &mut Value) {
+        if flat {
+            return fill(out, dtype, &[self.numbers.len()], &self.numbers);
+        }
+        let parts = &layout.parts;
+        let fits = |entries: &Vec<(String, Value)>| {
+            let mut both = entries.iter().zip(parts);
+            entries.len() == parts.len() && both.all(|((key, _), part)| key == part.name)
+        };
+        if !matches!(out, Value::Dict(entries) if fits(entries)) {
+            let entries = parts.iter().map(|part| (part.name.to_owned(), Value::Null));
+            *out = Value::Dict(entries.collect());
+        }
+        let Value::Dict(entries) = out else { return };
+        for (part, (_, value)) in parts.iter().zip(entries) {
+            let length: usize = part.shape.iter().product();
+            let numbers = &self.numbers[part.first..part.first + length];
+            fill(value, dtype, &part.shape, numbers);
+        }
+    }
+}
+
+/// The parts of an observation, sorted by name.
+#[derive(Clone, Debug)]
+pub(crate) struct Layout {
+    parts: Vec<Part>,
+    len: usize,
+}
+
+impl Layout {
+    /// The space of the observations.
+    pub(crate) fn space(&self, flat: bool, dtype: DType) -> Result<Space> {
+        let reals = |shape: &[usize]| -> Result<Space> {
+            let space = BoxSpace::uniform(f64::NEG_INFINITY, f64::INFINITY, shape, dtype)?;
+            Ok(space.into())
+        };
+        if flat {
+            return reals(&[self.len]);
+        }
+        let members = self
+            .parts
+            .iter()
+            .map(|part| Ok((part.name, reals(&part.shape)?)));
+        Ok(DictSpace::new(members.collect::<Result<Vec<_>>>()?)?.into())
+    }
+}
+
+/// Writes numbers to an array of a type and a shape.
+fn fill(out: &mut Value, dtype: DType, shape: &[usize], numbers: &[f64]) {
+    let array: &mut Array = array_of(out, dtype, shape);
+    if let Some(slice) = array.as_mut_slice::<f64>() {
+        slice.copy_from_slice(numbers);
+    } else if let Some(slice) = array.as_mut_slice::<f32>() {
+        for (to, from) in slice.iter_mut().zip(numbers) {
+            *to = *from as f32;
+        }
+    }
+}

@@ -1,0 +1,64 @@
+//! Pictures as observations.
+
+use std::fmt;
+
+use gym_core::canvas::Canvas;
+use gym_core::render::{Frame, Painter, painter};
+use gym_core::spaces::{BoxSpace, array_of};
+use gym_core::{DType, Error, Result, Space, Value};
+
+/// A painter, and its last picture.
+pub(crate) struct Pixels {
+    painter: Box<dyn Painter>,
+    frame: Frame,
+}
+
+impl Pixels {
+    /// Pictures of a width and height.
+    pub(crate) fn new(side: u32) -> Result<Self> {
+        let reason = "no crate that draws is linked: add gym-render and `use gym_render as _;`";
+        let painter = painter().ok_or_else(|| Error::argument("pixels", reason))?;
+        let frame = Frame::new(side, side)?;
+        Ok(Self { painter, frame })
+    }
+
+    fn shape(&self) -> [usize; 3] {
+        [self.frame.height() as usize, self.frame.width() as usize, 3]
+    }
+
+    pub(crate) fn space(&self) -> Result<Space> {
+        Ok(BoxSpace::uniform(0.0, 255.0, self.shape(), DType::U8)?.into())
+    }
+
+    /// Draws a picture of the same width and height.
+    pub(crate) fn write(&mut self, draw: impl Fn((u32, u32), &mut dyn Canvas), out: &mut Value) {
+        let size = (self.frame.width(), self.frame.height());
+        let mut draw = |canvas: &mut dyn Canvas| draw(size, canvas);
+        self.painter.paint(size, &mut draw, &mut self.frame);
+        if let Some(bytes) = array_of(out, DType::U8, &self.shape()).as_mut_slice() {
+            bytes.copy_from_slice(self.frame.pixels());
+        }
+    }
+}
+
+impl Clone for Pixels {
+    fn clone(&self) -> Self {
+        Self {
+            painter: painter().unwrap_or_else(|| Box::new(Blank)),
+            frame: self.frame.clone(),
+        }
+    }
+}
+
+impl fmt::Debug for Pixels {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_tuple("Pixels").field(&self.frame).finish()
+    }
+}
+
+/// Paints nothing. The painter of the linked crate cannot have gone.
+struct Blank;
+
+impl Painter for Blank {
+    fn paint(&mut self, _: (u32, u32), _: &mut dyn FnMut(&mut dyn Canvas), _: &mut Frame) {}
+}

@@ -1,0 +1,182 @@
+//! How well a number lies within bounds, which most rewards are products of.
+//!
+//! Source: dm_control 1.0.45, `utils/rewards.py`.
+
+use gym_core::math;
+
+/// `sqrt(-2 ln 0.1)`: the scale at which the Gaussian is 0.1 at a distance of 1.
+const GAUSSIAN: f64 = 2.145966026289347;
+
+/// How the value falls outside of the bounds, with the distance in margins.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Sigmoid {
+    /// As a normal distribution; 0.1 at the margin.
+    Gaussian,
+    /// In a line to this value at the margin, and on to 0.
+    Linear(f64),
+    /// As a parabola to this value at the margin, and on to 0.
+    Quadratic(f64),
+    /// As the inverse of the square; 0.1 at the margin.
+    LongTail,
+}
+
+/// 1 within bounds, and less outside: dm_control's `tolerance`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tolerance {
+    /// The least number within the bounds.
+    pub low: f64,
+    /// The greatest.
+    pub high: f64,
+    /// How far away from the bounds the value has the number that the sigmoid states; if it is 0,
+    /// the value is 0 outside of the bounds.
+    pub margin: f64,
+    /// How the value falls.
+    pub sigmoid: Sigmoid,
+}
+
+impl Tolerance {
+    /// Within two bounds, with a margin of 0.
+    #[must_use]
+    pub const fn within(low: f64, high: f64) -> Self {
+        Self {
+            low,
+            high,
+            margin: 0.0,
+            sigmoid: Sigmoid::Gaussian,
+        }
+    }
+
+    /// At least this number.
+    #[must_use]
+    pub const fn above(low: f64) -> Self {
+        Self::within(low, f64::INFINITY)
+    }
+
+    /// With a margin beyond which the value falls in this way.
+    #[must_use]
+    pub const fn margin(self, margin: f64, sigmoid: Sigmoid) -> Self {
+        Self {
+            margin,
+            sigmoid,
+            ..self
+        }
+    }
+
+    /// The value of a number. numpy squares a number with `pow`.
+    #[must_use]
+    pub fn of(&self, x: f64) -> f64 {
+        self.value(x, math::square)
+    }
+
+    /// The value of an element of an array, which numpy squares with a product.
+    #[must_use]
+    pub fn of_element(&self, x: f64) -> f64 {
+        self.value(x, |x| x * x)
+    }
+
+    fn value(&self, x: f64, square: impl Fn(f64) -> f64) -> f64 {
+        if self.low <= x && x <= self.high {
+            return 1.0;
+        }
+        if self.margin == 0.0 {
+            return 0.0;
+        }
+        let outside = if x < self.low {
+            self.low - x
+        } else {
+            x - self.high
+        };
+        let d = outside / self.margin;
+        let falls = |scaled: f64, loss: f64| if scaled.abs() < 1.0 { 1.0 - loss } else { 0.0 };
+        match self.sigmoid {
+            Sigmoid::Gaussian => math::numpy_exp(-0.5 * square(d * GAUSSIAN)),
+            Sigmoid::Linear(at_margin) => {
+                let scaled = d * (1.0 - at_margin);
+                falls(scaled, scaled)
+            }
+            Sigmoid::Quadratic(at_margin) => {
+                let scaled = d * (1.0 - at_margin).sqrt();
+                falls(scaled, square(scaled))
+            }
+            // sqrt(1 / 0.1 - 1) is 3
+            Sigmoid::LongTail => 1.0 / (square(d * 3.0) + 1.0),
+        }
+    }
+}
+
+/// The mean of `1 - u²` of the controls, 0 where `|u|` is 1 or more.
+#[must_use]
+pub fn small_control(controls: &[f64]) -> f64 {
+    const SMALL: Tolerance = Tolerance::within(0.0, 0.0).margin(1.0, Sigmoid::Quadratic(0.0));
+    mean(controls, |u| SMALL.of_element(*u))
+}
+
+/// The mean of a value of each item, summed in numpy's order.
+pub(crate) fn mean<T>(items: &[T], value: impl Fn(&T) -> f64) -> f64 {
+    gym_mujoco::tasks::numpy::sum_of(items.len(), |i| value(&items[i])) / items.len() as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// From dm_control 1.0.45 with numpy 2.4.6.
+    #[test]
+    fn values_are_those_of_the_package() {
+        let all = |sigmoid| Tolerance::within(0.3, 0.9).margin(1.7, sigmoid);
+        for (sigmoid, x, scalar, element) in [
+            (
+                Sigmoid::Gaussian,
+                1.8262061180942872,
+                0.5048512085911016,
+                0.5048512085911017,
+            ),
+            (
+                Sigmoid::Gaussian,
+                0.1600380451671808,
+                0.984513506574113,
+                0.984513506574113,
+            ),
+            (
+                Sigmoid::Linear(0.5),
+                -1.1530500216010078,
+                0.5726323465879388,
+                0.5726323465879388,
+            ),
+            (
+                Sigmoid::Linear(0.5),
+                1.1936147466205957,
+                0.9136427215821777,
+                0.9136427215821777,
+            ),
+            (
+                Sigmoid::Quadratic(0.0),
+                2.5163797891818556,
+                0.09595722391848438,
+                0.09595722391848449,
+            ),
+            (
+                Sigmoid::LongTail,
+                -0.037500590667177924,
+                0.7381563255027297,
+                0.7381563255027298,
+            ),
+            (
+                Sigmoid::LongTail,
+                2.455456787711417,
+                0.11717002031554148,
+                0.11717002031554148,
+            ),
+        ] {
+            let tolerance = all(sigmoid);
+            assert_eq!(
+                [tolerance.of(x), tolerance.of_element(x)],
+                [scalar, element],
+                "{sigmoid:?}"
+            );
+        }
+        let none = Tolerance::within(-1.0, 1.0);
+        assert_eq!([0.5, 1.0, 1.1].map(|x| none.of(x)), [1.0, 1.0, 0.0]);
+        assert!(none.of(f64::NAN) == 0.0);
+    }
+}

@@ -1,0 +1,103 @@
+//! What tasks draw at the start of an episode.
+
+use std::f64::consts::PI;
+
+use gym_core::{Error, RandomState, Result};
+use gym_mujoco::model::JointType;
+use gym_mujoco::tasks::numpy::norm;
+use gym_mujoco::{Data, Model};
+
+use crate::task::Task;
+use crate::world::World;
+
+/// An episode that is about to start, with the model in its initial configuration.
+#[derive(Debug)]
+pub struct Start<'a> {
+    pub(crate) world: &'a mut World,
+    /// The state.
+    pub data: &'a mut Data,
+    /// The generator.
+    pub rng: &'a mut RandomState,
+    /// Numbers of the model that the task draws; they stay until it draws others.
+    pub constants: &'a mut Vec<f64>,
+    /// Whether the generator was seeded by this reset.
+    pub seeded: bool,
+}
+
+/// The most states that are drawn until one has no contacts.
+const ATTEMPTS: usize = 10_000;
+
+impl Start<'_> {
+    /// The model.
+    #[must_use]
+    pub fn model(&self) -> &Model {
+        &self.world.model
+    }
+
+    /// Draws a number between two others.
+    pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
+        self.rng.uniform(low, high)
+    }
+
+    /// Puts the constants that were drawn into the model.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] if they are not those of a model.
+    pub fn apply<T: Task>(&mut self, task: &T) -> Result<()> {
+        let constants = &*self.constants;
+        self.world.change(|model| task.apply(constants, model))
+    }
+
+    /// Computes what follows from the state.
+    pub fn settle(&mut self) {
+        self.world.settle(self.data);
+    }
+
+    /// Advances the state by some timesteps.
+    pub fn step(&mut self, timesteps: usize) {
+        self.world.step(self.data, timesteps);
+    }
+
+    /// Draws states until one has no contacts.
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`] if there is none in ten thousand.
+    pub fn draw_apart(&mut self, mut draw: impl FnMut(&mut Self)) -> Result<()> {
+        for _ in 0..ATTEMPTS {
+            draw(self);
+            self.settle();
+            if self.data.contact.is_empty() {
+                return Ok(());
+            }
+        }
+        let reason = format!("{ATTEMPTS} random states have contacts: reset with another seed");
+        Err(Error::argument("seed", reason))
+    }
+
+    /// Draws a quaternion of length 1 from four numbers.
+    pub fn quaternion(&mut self, number: fn(&mut RandomState) -> f64) -> [f64; 4] {
+        let quat = [(); 4].map(|()| number(self.rng));
+        let length = norm(5, &quat);
+        quat.map(|x| x / length)
+    }
+
+    /// Draws positions of limited joints within their limits, and those of other hinges and free
+    /// bodies: dm_control's `randomize_limited_and_rotational_joints`.
+    pub fn joints(&mut self) {
+        for j in 0..self.model().njnt() {
+            let (kind, p) = (self.model().jnt_type[j], self.model().jnt_qposadr[j]);
+            let [low, high] = self.model().jnt_range[j];
+            match kind {
+                JointType::Free => {
+                    let quat = self.quaternion(RandomState::random);
+                    self.data.qpos[p + 3..p + 7].copy_from_slice(&quat);
+                }
+                JointType::Hinge | JointType::Slide if self.model().jnt_limited[j] => {
+                    self.data.qpos[p] = self.uniform(low, high);
+                }
+                JointType::Hinge => self.data.qpos[p] = self.uniform(-PI, PI),
+                _ => {}
+            }
+        }
+    }
+}

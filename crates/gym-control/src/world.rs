@@ -1,0 +1,107 @@
+//! A model in the variants that an environment steps with.
+
+use std::sync::Arc;
+
+use gym_core::{Error, Result};
+use gym_mujoco::model::{Disable, Integrator, SensorType};
+use gym_mujoco::{CompiledModel, Data, Model, Revision, physics};
+
+/// Materials that models name: what acts, its tools, goals, what is fixed, and the ground.
+const LOOK: &str = r#"<mujoco><asset>
+  <material name="agent" rgba="0.36 0.55 0.78 1"/><material name="tool" rgba="0.93 0.62 0.22 1"/>
+  <material name="goal" rgba="0.82 0.27 0.25 0.7"/><material name="fixture" rgba="0.5 0.53 0.58 1"/>
+  <material name="ground" rgba="0.78 0.8 0.83 1"/></asset></mujoco>"#;
+
+/// The colours of the first three at a reward of 1.
+const LOOK_AT_ONE: [[f64; 4]; 3] = [
+    [0.25, 0.72, 0.36, 1.0],
+    [0.25, 0.72, 0.36, 1.0],
+    [0.82, 0.27, 0.25, 0.35],
+];
+
+/// A model, and how it is stepped.
+#[derive(Clone, Debug)]
+pub(crate) struct World {
+    pub(crate) model: Arc<Model>,
+    /// Without actuators, as long as a start is computed.
+    still: Arc<Model>,
+    /// Without sensors, for timesteps whose measurements are not observed.
+    quiet: Arc<Model>,
+    /// Whether sensors measure forces or accelerations, in the last timestep of a step.
+    feels: bool,
+}
+
+impl World {
+    /// The model of a text in MJCF, which names materials without defining them.
+    pub(crate) fn new(text: &str, revision: Revision) -> Result<Self> {
+        let assets = LOOK.trim_end_matches("</mujoco>");
+        let body = text.split_once('>').map_or(text, |(_, body)| body);
+        let model = Model::from_xml_with(&format!("{assets}{body}"), revision).map_err(wrong)?;
+        Self::of(model.into_compiled())
+    }
+
+    fn of(compiled: CompiledModel) -> Result<Self> {
+        let without = |part: Disable| {
+            let mut compiled = compiled.clone();
+            compiled.opt.disableflags |= part as u32;
+            Model::new(compiled).map(Arc::new).map_err(wrong)
+        };
+        let late = [SensorType::Touch];
+        Ok(Self {
+            still: without(Disable::Actuation)?,
+            quiet: without(Disable::Sensor)?,
+            feels: compiled.sensor_type.iter().any(|kind| late.contains(kind)),
+            model: Model::new(compiled).map(Arc::new).map_err(wrong)?,
+        })
+    }
+
+    /// The same with other figures.
+    pub(crate) fn change(&mut self, change: impl FnOnce(&mut CompiledModel)) -> Result<()> {
+        let mut compiled = Model::clone(&self.model).into_compiled();
+        change(&mut compiled);
+        *self = Self::of(compiled)?;
+        Ok(())
+    }
+
+    /// The model in the colours of a reward: dm_control's `_set_reward_colors`.
+    pub(crate) fn coloured(&self, reward: f64) -> Model {
+        let mut compiled = Model::clone(&self.model).into_compiled();
+        let square = reward.clamp(0.0, 1.0) * reward.clamp(0.0, 1.0);
+        let part = square * square;
+        for (colour, at_one) in compiled.mat_rgba.iter_mut().zip(LOOK_AT_ONE) {
+            *colour = std::array::from_fn(|k| part * at_one[k] + (1.0 - part) * colour[k]);
+        }
+        Model::new(compiled).unwrap_or_else(|_| Model::clone(&self.model))
+    }
+
+    /// Computes all that follows from a start: dm_control's `after_reset`.
+    pub(crate) fn settle(&self, data: &mut Data) {
+        physics::forward(&self.still, data);
+    }
+
+    /// Advances a state by some timesteps, and computes what follows from its positions and
+    /// velocities: dm_control's `step`.
+    pub(crate) fn step(&self, data: &mut Data, timesteps: usize) {
+        let last = if self.feels { &self.model } else { &self.quiet };
+        let mut steps = 0..timesteps;
+        if self.model.opt.integrator != Integrator::RK4 {
+            steps.next();
+            let model = if timesteps == 1 { last } else { &self.quiet };
+            physics::step2(model, data);
+        }
+        for i in steps {
+            let model = if i + 1 == timesteps {
+                last
+            } else {
+                &self.quiet
+            };
+            physics::step(model, data);
+        }
+        physics::step1(&self.model, data);
+    }
+}
+
+/// The models are this crate's own, so that only other constants can be refused.
+fn wrong(error: gym_mujoco::Error) -> Error {
+    Error::argument("model", error.to_string())
+}

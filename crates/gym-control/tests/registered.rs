@@ -1,0 +1,209 @@
+//! What is made by id: forms of observations, arguments, snapshots, native vectors.
+
+use gym_control as _;
+use gym_core::vector::VectorKind;
+use gym_core::{BoxEnv, Env, EnvExt, Value, VectorEnv, VectorEnvExt, builder, make, registry};
+use gym_render as _;
+use serde_json::json;
+
+fn ids() -> Vec<String> {
+    let own = registry::all();
+    let own = own
+        .iter()
+        .filter(|entry| entry.source.package == "gym-control");
+    own.map(|entry| entry.id().to_owned()).collect()
+}
+
+/// The observations and rewards of a few steps.
+fn play(env: &mut BoxEnv, steps: u32) -> Vec<(Value, f64)> {
+    let mut actions = env.action_sampler(3).unwrap();
+    let played = (0..steps).map(|_| {
+        let step = env.step(&actions.sample()).unwrap();
+        (step.observation, step.reward)
+    });
+    played.collect()
+}
+
+#[test]
+fn the_suite_has_39_ids() {
+    let ids = ids();
+    assert_eq!(ids.len(), 39, "{ids:?}");
+    assert!(ids.iter().all(|id| id.starts_with("dm_control/")));
+}
+
+#[test]
+fn a_flat_observation_has_the_parts_in_the_packages_order() {
+    let mut parts = make("dm_control/reacher-easy-v0").unwrap();
+    let mut flat = builder("dm_control/reacher-easy-v0")
+        .arg("flat", true)
+        .arg("dtype", "float32")
+        .build()
+        .unwrap();
+    let (seen, row) = (parts.reset(5).unwrap(), flat.reset(5).unwrap());
+    let numbers = |key: &str| seen.get(key).unwrap().as_slice::<f64>().unwrap().to_vec();
+    let joined = [
+        numbers("position"),
+        numbers("to_target"),
+        numbers("velocity"),
+    ]
+    .concat();
+    let joined: Vec<f32> = joined.into_iter().map(|x| x as f32).collect();
+    assert_eq!(row.as_slice::<f32>().unwrap(), joined);
+    assert_eq!(flat.observation_space().shape(), Some(&[6][..]));
+    assert!(parts.observation_space().contains(&seen));
+}
+
+#[test]
+fn pixels_are_a_picture_of_the_state() {
+    let mut env = builder("dm_control/cheetah-run-v0")
+        .arg("pixels", 84)
+        .build()
+        .unwrap();
+    let first = env.reset(1).unwrap();
+    assert!(env.observation_space().contains(&first));
+    let bytes = first.as_slice::<u8>().unwrap();
+    assert_eq!(bytes.len(), 84 * 84 * 3);
+    assert!(bytes.iter().any(|byte| *byte != bytes[0]));
+    let played = play(&mut env.clone(), 5);
+    assert_ne!(played[4].0, first);
+    assert_eq!(play(&mut env, 5), played);
+}
+
+#[test]
+fn a_start_can_be_given() {
+    let mut env = builder("dm_control/pendulum-swingup-v0")
+        .arg("qpos", json!([0.0]))
+        .arg("qvel", json!([0.5]))
+        .build()
+        .unwrap();
+    let seen = env.reset(9).unwrap();
+    let numbers = |key: &str| seen.get(key).unwrap().as_slice::<f64>().unwrap();
+    assert_eq!(
+        (numbers("orientation"), numbers("velocity")),
+        (&[1.0, 0.0][..], &[0.5][..])
+    );
+}
+
+#[test]
+fn episodes_last_as_long_as_the_limit() {
+    for (limit, steps) in [(json!(0.1), 10), (json!(null), 1200)] {
+        let mut env = builder("dm_control/cartpole-balance-v0")
+            .arg("time_limit", limit)
+            .build()
+            .unwrap();
+        env.reset(0).unwrap();
+        for step in 1..=steps {
+            let outcome = env.step(&Value::from(vec![0.0])).unwrap();
+            assert_eq!(outcome.truncated, step == 10 && steps == 10);
+            assert!(!outcome.terminated);
+        }
+    }
+}
+
+#[test]
+fn bad_arguments_are_refused() {
+    for (id, name, value, reason) in [
+        (
+            "cartpole-balance",
+            "poles",
+            json!(0),
+            "0 is not from 1 to 20",
+        ),
+        (
+            "cartpole-balance",
+            "time_limit",
+            json!(-1.0),
+            "-1 s: it is positive",
+        ),
+        (
+            "cartpole-balance",
+            "dtype",
+            json!("uint8"),
+            "\"float64\" or \"float32\"",
+        ),
+        ("cartpole-balance", "pixels", json!(0), "from 1 to 1024"),
+        (
+            "cartpole-balance",
+            "qpos",
+            json!([0.0]),
+            "1 numbers: the model has 2",
+        ),
+        ("cartpole-balance", "qvel", json!([0.0, 1e11]), "not within"),
+        (
+            "cartpole-balance",
+            "camera_id",
+            json!(7),
+            "the model has 2 cameras",
+        ),
+        ("cartpole-balance", "width", json!(0), "from 1 to 16384"),
+        ("lqr-lqr_2_1", "actuators", json!(3), "3 of 2 bodies"),
+        ("stacker-stack_2", "boxes", json!(5), "5 is not from 1 to 4"),
+        (
+            "swimmer-swimmer6",
+            "links",
+            json!(2),
+            "2 is not from 3 to 50",
+        ),
+        ("walker-walk", "speed", json!(-1.0), "-1 is not from 0"),
+        ("walker-walk", "mujoco", json!("2.0"), "no MuJoCo version"),
+    ] {
+        let made = builder(&format!("dm_control/{id}-v0"))
+            .arg(name, value)
+            .build();
+        let error = made.unwrap_err().to_string();
+        assert!(error.contains(reason), "{id} {name}: {error}");
+    }
+}
+
+/// Also of models that a start changes.
+#[test]
+fn a_snapshot_continues_anywhere() {
+    for id in [
+        "point_mass-hard",
+        "lqr-lqr_6_2",
+        "hopper-hop",
+        "manipulator-insert_peg",
+        "acrobot-swingup",
+    ] {
+        let id = format!("dm_control/{id}-v0");
+        let mut env = make(&id).unwrap();
+        env.reset(4).unwrap();
+        play(&mut env, 7);
+        let snapshot = env.snapshot().unwrap();
+        let mut other = make(&id).unwrap();
+        other.restore(&snapshot).unwrap();
+        assert_eq!(play(&mut other, 20), play(&mut env, 20), "{id}");
+        assert_eq!(other.reset(()).unwrap(), env.reset(()).unwrap(), "{id}");
+        assert_eq!(play(&mut other, 5), play(&mut env, 5), "{id}");
+    }
+}
+
+#[test]
+fn native_vectors_equal_single_environments() {
+    for id in ["dm_control/walker-walk-v0", "dm_control/point_mass-hard-v0"] {
+        let make = |kind| builder(id).vector(5).kind(kind).build().unwrap();
+        let [mut native, mut sync] = [VectorKind::Native, VectorKind::Sync].map(make);
+        let [mut fast, mut exact] = [native.columns().unwrap(), sync.columns().unwrap()];
+        let mut actions = native.action_space().unwrap().sampler(7);
+        native.reset_into(&7.into(), &mut fast).unwrap();
+        sync.reset_into(&7.into(), &mut exact).unwrap();
+        for step in 0..30 {
+            assert_eq!(fast, exact, "{id}: step {step}");
+            let actions = actions.sample();
+            native.step_into(&actions, &mut fast).unwrap();
+            sync.step_into(&actions, &mut exact).unwrap();
+        }
+    }
+}
+
+#[test]
+fn colours_show_the_reward_where_that_is_asked() {
+    let draw = |shown: bool| {
+        let env = builder("dm_control/pendulum-swingup-v0")
+            .arg("qpos", json!([0.0]))
+            .arg("visualize_reward", shown)
+            .arg("pixels", 48);
+        env.build().unwrap().reset(0).unwrap()
+    };
+    assert_ne!(draw(true), draw(false));
+}

@@ -57,44 +57,44 @@ fn read(path: &Path) -> Reference {
 #[cfg(doctest)]
 mod documents {
     // `tests/book.rs` checks that this list is complete
-    #[doc = include_str!(concat!("../../", "docs/atari.md"))]
+    #[doc = include_str!("../../docs/atari.md")]
     struct Atari;
-    #[doc = include_str!(concat!("../../", "docs/bridge.md"))]
+    #[doc = include_str!("../../docs/bridge.md")]
     struct Bridge;
-    #[doc = include_str!(concat!("../../", "docs/coming-from-gymnasium.md"))]
+    #[doc = include_str!("../../docs/coming-from-gymnasium.md")]
     struct ComingFromGymnasium;
-    #[doc = include_str!(concat!("../../", "docs/faq.md"))]
+    #[doc = include_str!("../../docs/faq.md")]
     struct Faq;
-    #[doc = include_str!(concat!("../../", "docs/python/live.md"))]
+    #[doc = include_str!("../../docs/python/live.md")]
     struct ChangingATask;
-    #[doc = include_str!(concat!("../../", "docs/first-steps.md"))]
+    #[doc = include_str!("../../docs/first-steps.md")]
     struct FirstSteps;
-    #[doc = include_str!(concat!("../../", "docs/README.md"))]
+    #[doc = include_str!("../../docs/README.md")]
     struct Introduction;
-    #[doc = include_str!(concat!("../../", "docs/mujoco-models.md"))]
+    #[doc = include_str!("../../docs/mujoco-models.md")]
     struct MujocoModels;
-    #[doc = include_str!(concat!("../../", "docs/mujoco-versions.md"))]
+    #[doc = include_str!("../../docs/mujoco-versions.md")]
     struct MujocoVersions;
-    #[doc = include_str!(concat!("../../", "docs/minigrid.md"))]
+    #[doc = include_str!("../../docs/minigrid.md")]
     struct Minigrid;
-    #[doc = include_str!(concat!("../../", "docs/native.md"))]
+    #[doc = include_str!("../../docs/native.md")]
     struct Native;
-    #[doc = include_str!(concat!("../../", "docs/planning.md"))]
+    #[doc = include_str!("../../docs/planning.md")]
     struct Planning;
-    #[doc = include_str!(concat!("../../", "docs/plugins.md"))]
+    #[doc = include_str!("../../docs/plugins.md")]
     struct Plugins;
-    #[doc = include_str!(concat!("../../", "README.md"))]
+    #[doc = include_str!("../../README.md")]
     struct Readme;
-    #[doc = include_str!(concat!("../../", "docs/rendering.md"))]
+    #[doc = include_str!("../../docs/rendering.md")]
     struct Rendering;
-    #[doc = include_str!(concat!("../../", "docs/spaces.md"))]
+    #[doc = include_str!("../../docs/spaces.md")]
     struct Spaces;
-    #[doc = include_str!(concat!("../../", "docs/training.md"))]
+    #[doc = include_str!("../../docs/training.md")]
     struct Training;
-    #[doc = include_str!(concat!("../../", "docs/vectors.md"))]
+    #[doc = include_str!("../../docs/vectors.md")]
     struct Vectors;
-    #[doc = include_str!(concat!("../../", "docs/wrappers.md"))]
+    #[doc = include_str!("../../docs/wrappers.md")]
     struct Wrappers;
-    #[doc = include_str!(concat!("../../", "docs/writing-wrappers.md"))]
+    #[doc = include_str!("../../docs/writing-wrappers.md")]
     struct WritingWrappers;
 }

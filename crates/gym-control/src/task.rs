@@ -71,9 +71,18 @@ pub const fn register<T: Task>(id: &'static str, description: &'static str) -> R
     Registration::new::<ControlEnv<T>>(id)
         .description(description)
         .exceptions(&[
-            ("arguments-matter.time_limit", "it ends episodes of a thousand steps"),
-            ("arguments-matter.visualize_reward", "a reward of 0 changes no colour"),
-            ("arguments-matter.stand_height", "who lies is not rewarded at any height"),
+            (
+                "arguments-matter.time_limit",
+                "it ends episodes of a thousand steps",
+            ),
+            (
+                "arguments-matter.visualize_reward",
+                "a reward of 0 changes no colour",
+            ),
+            (
+                "arguments-matter.stand_height",
+                "who lies is not rewarded at any height",
+            ),
         ])
         .lockstep::<ControlEnv<T>>()
 }

@@ -255,7 +255,7 @@ def test_pictures_of_depth() -> None:
 
 
 def test_vectors_refuse_what_needs_the_package() -> None:
-    envs = rustgym.VectorEnv("Hopper-v5", 2, **({"mujoco": VERSION} if "mujoco" in rustgym._specs.spec_of("Hopper-v5")["defaults"] else {}))
+    envs = rustgym.VectorEnv("Hopper-v5", 2, kind="sync", **({"mujoco": VERSION} if "mujoco" in rustgym._specs.spec_of("Hopper-v5")["defaults"] else {}))
     envs.reset(seed=0)
     envs.envs[0].data.qpos[1] = 1.3
     assert envs.step(np.zeros((2, 3), np.float32))[0][0, 0] > 1.29

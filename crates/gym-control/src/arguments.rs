@@ -82,7 +82,7 @@ impl Common {
                 let reason = format!("{} numbers: the model has {number}", given.len());
                 return refuse(name, reason);
             }
-            if let Some(x) = given.iter().find(|x| !(x.abs() <= 1e10)) {
+            if let Some(x) = given.iter().find(|x| x.is_nan() || x.abs() > 1e10) {
                 return refuse(name, format!("{x} is not within ±1e10"));
             }
         }

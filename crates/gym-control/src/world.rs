@@ -102,6 +102,7 @@ impl World {
 }
 
 /// The models are this crate's own, so that only other constants can be refused.
+#[expect(clippy::needless_pass_by_value, reason = "`map_err` gives it")]
 fn wrong(error: gym_mujoco::Error) -> Error {
     Error::argument("model", error.to_string())
 }

@@ -72,7 +72,7 @@ pub(super) fn solve(m: &Model, d: &Data, b: &mut Buffers, x: &mut [f64]) {
     b.slopes.fill(0.0);
     let slopes = &mut b.slopes;
     smooth(m, d, &mut |row, column, value| {
-        slopes[row * n + column] += value
+        slopes[row * n + column] += value;
     });
     subtract_bias(m, d, b);
     b.lu.fill(0.0);
@@ -222,8 +222,9 @@ fn add_axes(m: &Model, d: &Data, body: usize, velocity: &mut [Vec6], acceleratio
                 }
             }
         }
-        for k in fixed..all.end {
-            add6(&mut velocity[k], &d.cdof[k]);
+        let axes = &d.cdof[fixed..all.end];
+        for (velocity, axis) in velocity[fixed..all.end].iter_mut().zip(axes) {
+            add6(velocity, axis);
         }
     }
 }

@@ -10,8 +10,8 @@ pub(super) fn forces(m: &Model, d: &mut Data) {
     solver::add_forces(m, d);
     let mut sum = std::mem::take(&mut d.qfrc_inverse);
     mul_m(m, d, &d.qacc, &mut sum);
-    for i in 0..m.nv() {
-        sum[i] = d.qfrc_bias[i] + (sum[i] - d.qfrc_passive[i] - d.qfrc_constraint[i]);
+    for (i, sum) in sum.iter_mut().enumerate() {
+        *sum = d.qfrc_bias[i] + (*sum - d.qfrc_passive[i] - d.qfrc_constraint[i]);
     }
     d.qfrc_inverse = sum;
 }

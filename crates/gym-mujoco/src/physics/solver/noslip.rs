@@ -23,7 +23,7 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
         let scale = 1.0 / pgs::inertia_of(m, d, trees);
         let own = blocks.iter().map(|&index| &d.efc.blocks[index]);
         let mut problem = Problem { m, d, s: &mut s };
-        *iterations += problem.iterate(own, scale);
+        *iterations += problem.iterate(&own, scale);
     }
     d.solver_niter = iterations;
     let nefc = d.efc.nefc();
@@ -41,7 +41,7 @@ struct Problem<'a> {
 impl Problem<'_> {
     fn iterate<'b>(
         &mut self,
-        blocks: impl Iterator<Item = &'b Block> + Clone,
+        blocks: &(impl Iterator<Item = &'b Block> + Clone),
         scale: f64,
     ) -> usize {
         for iteration in 0..self.m.opt.noslip_iterations {
@@ -179,8 +179,8 @@ impl Problem<'_> {
         if change > 1e-10 {
             return 0.0;
         }
-        for k in 0..2 {
-            dense::set(&mut self.s.force, row + k, force[k]);
+        for (k, force) in force.into_iter().enumerate() {
+            dense::set(&mut self.s.force, row + k, force);
         }
         change
     }

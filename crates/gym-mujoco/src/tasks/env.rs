@@ -329,7 +329,7 @@ impl<T: Task> Env for MujocoEnv<T> {
 
     fn metadata(&self) -> Metadata {
         let common = self.arguments.1.common();
-        Metadata::drawn(self.simulation.fps(), (common.width, common.height))
+        Metadata::drawn_and_depth(self.simulation.fps(), (common.width, common.height))
     }
 
     fn draw(&self, canvas: &mut dyn Canvas) {
@@ -348,6 +348,12 @@ impl<T: Task> Env for MujocoEnv<T> {
             (common.width, common.height),
             canvas,
         );
+    }
+
+    fn depth(&self, size: (u32, u32)) -> Option<Vec<f32>> {
+        let data = &self.episode.as_ref()?.data;
+        let Simulation { model, view, .. } = &self.simulation;
+        Some(view.depth(model, data, size))
     }
 
     fn generator(&mut self) -> Option<&mut Generator> {

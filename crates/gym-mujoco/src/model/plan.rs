@@ -126,13 +126,13 @@ impl Placed {
 }
 
 /// Whether numbers hardly differ.
-fn same(a: &[f64], b: &[f64]) -> bool {
+pub(crate) fn same(a: &[f64], b: &[f64]) -> bool {
     const NEAR: f64 = 1e-6;
     a.iter().zip(b).all(|(a, b)| (a - b).abs() < NEAR)
 }
 
 /// Whether orientations hardly differ.
-fn same_quat(a: &[f64; 4], b: &[f64; 4]) -> bool {
+pub(crate) fn same_quat(a: &[f64; 4], b: &[f64; 4]) -> bool {
     same(a, b) || same(a, &b.map(|x| -x))
 }
 

@@ -142,6 +142,10 @@ pub(crate) fn render_modes(subject: &Subject<'_>) -> Verdict {
         match rendered {
             Ok(Rendered::Frame(frame))
                 if (frame.width(), frame.height()) == metadata.render_size => {}
+            Ok(Rendered::Depth(depth) | Rendered::Rgbd(_, depth))
+                if (depth.width, depth.height) == metadata.render_size
+                    && depth.metres.len() as u64
+                        == u64::from(depth.width) * u64::from(depth.height) => {}
             Ok(Rendered::Text(text)) if !text.is_empty() => (),
             Ok(other) => return broken(format!("the mode {mode} gives {other:?}")),
             Err(error) => return broken(format!("the mode {mode}: {error}")),

@@ -265,6 +265,48 @@ pub struct Contact {
     pub(crate) pair: usize,
 }
 
+/// Does something for the arrays of a model's data: how long they are, and what they hold at first.
+macro_rules! arrays {
+    ($d:ident, $m:ident, $do:ident) => {
+        $do!($d, $m.nq(), 0.0 => qpos);
+        $do!($d, $m.nv(), 0.0 => qvel qacc_warmstart qacc qfrc_applied qfrc_passive qfrc_bias
+            qfrc_actuator qfrc_smooth qacc_smooth qfrc_constraint qfrc_inverse qld_diag_inv);
+        $do!($d, $m.nu(), 0.0 => ctrl actuator_force actuator_length actuator_velocity);
+        $do!($d, $m.na(), 0.0 => act act_dot);
+        $do!($d, $m.nmocap(), [0.0; 3] => mocap_pos);
+        $do!($d, $m.nmocap(), UNTURNED => mocap_quat);
+        $do!($d, $m.nsensordata(), 0.0 => sensordata);
+        $do!($d, $m.ntendon(), 0.0 => ten_length ten_velocity);
+        $do!($d, $m.plan().paths.columns.len(), 0.0 => ten_j);
+        $do!($d, $m.plan().m_colind.len(), 0.0 => qm qld);
+        $do!($d, $m.nbody(), [0.0; 3] => xpos xipos subtree_com subtree_linvel subtree_angmom);
+        $do!($d, $m.nbody(), UNTURNED => xquat);
+        $do!($d, $m.nbody(), IDENTITY => xmat ximat);
+        $do!($d, $m.nbody(), [0.0; 10] => cinert);
+        $do!($d, $m.nbody(), [0.0; 6] => cvel cacc cfrc_int cfrc_ext xfrc_applied);
+        $do!($d, $m.njnt(), [0.0; 3] => xanchor xaxis);
+        $do!($d, $m.ngeom(), [0.0; 3] => geom_xpos);
+        $do!($d, $m.ngeom(), IDENTITY => geom_xmat);
+        $do!($d, $m.nsite(), [0.0; 3] => site_xpos);
+        $do!($d, $m.nsite(), IDENTITY => site_xmat);
+        $do!($d, $m.nv(), [0.0; 6] => cdof cdof_dot);
+    };
+}
+
+macro_rules! resize {
+    ($d:ident, $length:expr, $value:expr => $($array:ident)+) => {
+        $($d.$array.resize($length, $value);)+
+    };
+}
+
+macro_rules! fill {
+    ($d:ident, $length:expr, $value:expr => $($array:ident)+) => {
+        $($d.$array.fill($value);)+
+    };
+}
+
+const UNTURNED: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
+
 impl Data {
     /// The data of a model in its initial configuration, with everything allocated that a step
     /// needs.
@@ -298,42 +340,18 @@ impl Data {
     /// The same, within a call.
     pub(crate) fn clear(&mut self, m: &Model) {
         self.fit(m);
-        self.time = 0.0;
-        self.qpos.copy_from_slice(&m.qpos0);
-        for vector in [
-            &mut self.qvel,
-            &mut self.ctrl,
-            &mut self.qacc_warmstart,
-            &mut self.qacc,
-            &mut self.qfrc_passive,
-            &mut self.qfrc_bias,
-            &mut self.qfrc_actuator,
-            &mut self.qfrc_smooth,
-            &mut self.qacc_smooth,
-            &mut self.qfrc_constraint,
-            &mut self.qfrc_applied,
-            &mut self.qfrc_inverse,
-            &mut self.actuator_force,
-            &mut self.ten_length,
-            &mut self.ten_velocity,
-            &mut self.act,
-            &mut self.act_dot,
-            &mut self.actuator_length,
-            &mut self.actuator_velocity,
-            &mut self.sensordata,
-        ] {
-            vector.fill(0.0);
-        }
+        let d = &mut *self;
+        d.time = 0.0;
+        arrays!(d, m, fill);
+        d.qpos.copy_from_slice(&m.qpos0);
         for b in 0..m.nbody() {
             if let Ok(id) = usize::try_from(m.body_mocapid[b]) {
-                (self.mocap_pos[id], self.mocap_quat[id]) = (m.body_pos[b], m.body_quat[b]);
+                (d.mocap_pos[id], d.mocap_quat[id]) = (m.body_pos[b], m.body_quat[b]);
             }
         }
-        self.cfrc_ext.fill([0.0; 6]);
-        self.xfrc_applied.fill([0.0; 6]);
-        self.contact.clear();
-        self.efc.clear();
-        self.solver_niter.clear();
+        d.contact.clear();
+        d.efc.clear();
+        d.solver_niter.clear();
     }
 
     /// Repeats the last call to compute the arrays that are not serialised. Not needed before a
@@ -537,80 +555,13 @@ impl Data {
         if self.work.fits(m) {
             return;
         }
-        let (nv, nbody) = (m.nv(), m.nbody());
-        self.qpos.resize(m.nq(), 0.0);
-        for vector in [
-            &mut self.qvel,
-            &mut self.qacc_warmstart,
-            &mut self.qacc,
-            &mut self.qfrc_passive,
-            &mut self.qfrc_bias,
-            &mut self.qfrc_actuator,
-            &mut self.qfrc_smooth,
-            &mut self.qacc_smooth,
-            &mut self.qfrc_constraint,
-            &mut self.qfrc_applied,
-            &mut self.qfrc_inverse,
-            &mut self.qld_diag_inv,
-        ] {
-            vector.resize(nv, 0.0);
-        }
-        self.ctrl.resize(m.nu(), 0.0);
-        self.actuator_force.resize(m.nu(), 0.0);
-        for vector in [&mut self.act, &mut self.act_dot, &mut self.before.act] {
-            vector.resize(m.na(), 0.0);
-        }
-        for positions in [&mut self.mocap_pos, &mut self.before.mocap_pos] {
-            positions.resize(m.nmocap(), [0.0; 3]);
-        }
-        for quats in [&mut self.mocap_quat, &mut self.before.mocap_quat] {
-            quats.resize(m.nmocap(), [1.0, 0.0, 0.0, 0.0]);
-        }
-        self.actuator_length.resize(m.nu(), 0.0);
-        self.actuator_velocity.resize(m.nu(), 0.0);
-        self.sensordata.resize(m.nsensordata(), 0.0);
-        self.ten_j.resize(m.plan().paths.columns.len(), 0.0);
-        for vectors in [&mut self.subtree_linvel, &mut self.subtree_angmom] {
-            vectors.resize(nbody, [0.0; 3]);
-        }
-        for vectors in [&mut self.cacc, &mut self.cfrc_int] {
-            vectors.resize(nbody, [0.0; 6]);
-        }
-        self.ten_length.resize(m.ntendon(), 0.0);
-        self.ten_velocity.resize(m.ntendon(), 0.0);
-        for matrix in [&mut self.qm, &mut self.qld] {
-            matrix.resize(m.plan().m_colind.len(), 0.0);
-        }
-        for positions in [&mut self.xpos, &mut self.xipos, &mut self.subtree_com] {
-            positions.resize(nbody, [0.0; 3]);
-        }
-        for rotations in [&mut self.xmat, &mut self.ximat] {
-            rotations.resize(nbody, IDENTITY);
-        }
-        self.xquat.resize(nbody, [1.0, 0.0, 0.0, 0.0]);
-        for axes in [&mut self.xanchor, &mut self.xaxis] {
-            axes.resize(m.njnt(), [0.0; 3]);
-        }
-        self.geom_xpos.resize(m.ngeom(), [0.0; 3]);
-        self.geom_xmat.resize(m.ngeom(), IDENTITY);
-        self.site_xpos.resize(m.nsite(), [0.0; 3]);
-        self.site_xmat.resize(m.nsite(), IDENTITY);
-        self.cinert.resize(nbody, [0.0; 10]);
-        for axes in [&mut self.cdof, &mut self.cdof_dot] {
-            axes.resize(nv, [0.0; 6]);
-        }
-        for vectors in [&mut self.cvel, &mut self.cfrc_ext, &mut self.xfrc_applied] {
-            vectors.resize(nbody, [0.0; 6]);
-        }
-        self.before.qpos.resize(m.nq(), 0.0);
-        self.before.qvel.resize(nv, 0.0);
-        self.before.ctrl.resize(m.nu(), 0.0);
-        self.before.qacc_warmstart.resize(nv, 0.0);
+        let d = &mut *self;
+        arrays!(d, m, resize);
         self.ahead.reserve(record_len(m, &Derived::ALL));
         self.work = Work::new(m);
         let bounds = m.plan().bounds();
         self.contact.reserve(bounds.contacts);
-        self.efc.reserve(&bounds, nv);
+        self.efc.reserve(&bounds, m.nv());
         self.solver_niter.reserve(m.ntree());
     }
 }

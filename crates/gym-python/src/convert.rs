@@ -1,6 +1,6 @@
 //! Values of ours as Python objects, and Python objects as values.
 
-use gym::render::{Frame, Rendered};
+use gym::render::{Depth, Frame, Rendered};
 use gym::{Array, DType, Data, GraphInstance, Space, Value, with_type};
 use numpy::{Element, IxDyn, PyArray, PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
 use pyo3::IntoPyObjectExt;
@@ -107,6 +107,10 @@ pub(crate) fn rendered<'py>(py: Python<'py>, rendered: &Rendered) -> PyResult<Bo
             frame.pixels(),
         )
     };
+    let depth = |depth: &Depth| {
+        let shape = [depth.height as usize, depth.width as usize];
+        new_array(py, &shape, &depth.metres)
+    };
     match rendered {
         Rendered::Shown => Ok(py.None().into_bound(py)),
         Rendered::Frame(picture) => Ok(frame(picture)),
@@ -116,6 +120,8 @@ pub(crate) fn rendered<'py>(py: Python<'py>, rendered: &Rendered) -> PyResult<Bo
             .collect::<Vec<_>>()
             .into_bound_py_any(py),
         Rendered::Text(text) => text.into_bound_py_any(py),
+        Rendered::Depth(metres) => Ok(depth(metres)),
+        Rendered::Rgbd(picture, metres) => (frame(picture), depth(metres)).into_bound_py_any(py),
         Rendered::Texts(texts) => texts.into_bound_py_any(py),
     }
 }

@@ -18,6 +18,8 @@ pub(crate) fn not_frames(target: impl Into<String>, rendered: &Rendered) -> Erro
         Rendered::Shown => RenderMode::Human,
         Rendered::Text(_) => RenderMode::Ansi,
         Rendered::Texts(_) => RenderMode::AnsiList,
+        Rendered::Depth(_) => RenderMode::DepthArray,
+        Rendered::Rgbd(..) => RenderMode::RgbdTuple,
         Rendered::Frame(_) | Rendered::Frames(_) => RenderMode::RgbArray,
     };
     no_frames(target, &format!("its render mode is {mode}"))

@@ -105,6 +105,11 @@ impl Env for Spy {
         Some("spy".into())
     }
 
+    fn depth(&self, _size: (u32, u32)) -> Option<Vec<f32>> {
+        self.note("depth");
+        Some(vec![1.5])
+    }
+
     fn render_mode(&self) -> Option<RenderMode> {
         self.note("render_mode");
         Some(RenderMode::RgbArray)
@@ -190,6 +195,9 @@ const CALLS: &[Call] = &[
     ("metadata", |env| assert!(env.metadata().render_fps > 0)),
     ("draw", |env| env.draw(&mut Blank)),
     ("ansi", |env| assert_eq!(env.ansi().as_deref(), Some("spy"))),
+    ("depth", |env| {
+        assert_eq!(env.depth((1, 1)), Some(vec![1.5]))
+    }),
     ("render_mode", |env| assert!(env.render_mode().is_some())),
     ("render_into", |env| drop(env.render().unwrap())),
     ("frames_drawn", |env| env.frames_drawn(3)),

@@ -341,3 +341,38 @@ fn a_picture_drawn_over_another_is_a_new_one() {
         Rendered::Frames(vec![fresh.into_frame().unwrap()])
     );
 }
+
+#[test]
+fn depths_are_of_the_picture_and_in_metres() {
+    let made = |mode| {
+        let hopper = gym::builder("Hopper-v5")
+            .render_mode(mode)
+            .render_size(64, 48);
+        let mut env = hopper.build().unwrap();
+        env.reset(1).unwrap();
+        env
+    };
+    let depth = made(RenderMode::DepthArray).render().unwrap();
+    let depth = depth.into_depth().unwrap();
+    assert_eq!(
+        (depth.width, depth.height, depth.metres.len()),
+        (64, 48, 64 * 48)
+    );
+    // the robot is in the middle, and the camera 3.4 m from it
+    let middle = depth.metres[24 * 64 + 32];
+    assert!((3.0..3.4).contains(&middle), "{middle}");
+    assert!(depth.metres.iter().all(|metres| *metres > 1.0));
+    let mut env = made(RenderMode::RgbdTuple);
+    let Rendered::Rgbd(frame, again) = env.render().unwrap() else {
+        panic!("a frame with its depths");
+    };
+    assert_eq!(again, depth);
+    let seen = made(RenderMode::RgbArray).render().unwrap();
+    assert_eq!(Some(frame), seen.into_frame());
+    // nothing but a robot's task has depths
+    let refused = gym::builder("CartPole-v1")
+        .render_mode(RenderMode::DepthArray)
+        .build();
+    let error = refused.err().unwrap().to_string();
+    assert!(error.contains("its modes are human, rgb_array"), "{error}");
+}

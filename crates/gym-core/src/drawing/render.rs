@@ -27,16 +27,22 @@ pub enum RenderMode {
     Ansi,
     /// Each reset and step collects a text; `render` returns them all.
     AnsiList,
+    /// `render` returns how far the surfaces of the current frame are.
+    DepthArray,
+    /// `render` returns the current frame and its depths.
+    RgbdTuple,
 }
 
 impl RenderMode {
     /// Every mode.
-    pub const ALL: [Self; 5] = [
+    pub const ALL: [Self; 7] = [
         Self::Human,
         Self::RgbArray,
         Self::RgbArrayList,
         Self::Ansi,
         Self::AnsiList,
+        Self::DepthArray,
+        Self::RgbdTuple,
     ];
 
     /// Gymnasium's name, as in `rgb_array`.
@@ -47,6 +53,8 @@ impl RenderMode {
             Self::RgbArrayList => "rgb_array_list",
             Self::Ansi => "ansi",
             Self::AnsiList => "ansi_list",
+            Self::DepthArray => "depth_array",
+            Self::RgbdTuple => "rgbd_tuple",
         }
     }
 
@@ -105,6 +113,20 @@ impl Metadata {
     pub const fn drawn(render_fps: u32, render_size: (u32, u32)) -> Self {
         Self {
             render_modes: &[RenderMode::Human, RenderMode::RgbArray],
+            render_fps,
+            render_size,
+        }
+    }
+
+    /// Drawn, and with depths.
+    pub const fn drawn_and_depth(render_fps: u32, render_size: (u32, u32)) -> Self {
+        Self {
+            render_modes: &[
+                RenderMode::Human,
+                RenderMode::RgbArray,
+                RenderMode::DepthArray,
+                RenderMode::RgbdTuple,
+            ],
             render_fps,
             render_size,
         }
@@ -220,6 +242,18 @@ impl fmt::Debug for Frame {
     }
 }
 
+/// How far the surfaces of a picture are from its camera, in metres.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Depth {
+    /// Width in pixels.
+    pub width: u32,
+    /// Height in pixels.
+    pub height: u32,
+    /// A number for each pixel, row by row from the top: Gymnasium's array of shape `(height,
+    /// width)`.
+    pub metres: Vec<f32>,
+}
+
 /// The result of [`render`](crate::EnvExt::render), by render mode.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Rendered {
@@ -233,6 +267,10 @@ pub enum Rendered {
     Text(String),
     /// `ansi_list`: every text since the last call.
     Texts(Vec<String>),
+    /// `depth_array`.
+    Depth(Depth),
+    /// `rgbd_tuple`.
+    Rgbd(Frame, Depth),
 }
 
 impl Rendered {
@@ -251,6 +289,14 @@ impl Rendered {
             Some(frames)
         } else {
             None
+        }
+    }
+
+    /// The depths of the modes `depth_array` and `rgbd_tuple`.
+    pub fn into_depth(self) -> Option<Depth> {
+        match self {
+            Self::Depth(depth) | Self::Rgbd(_, depth) => Some(depth),
+            _ => None,
         }
     }
 

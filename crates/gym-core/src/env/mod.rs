@@ -211,6 +211,13 @@ pub trait Env: Clone + Send + 'static {
         let _ = count;
     }
 
+    /// How far the surfaces are that a drawing of this width and height shows, for the modes
+    /// `depth_array` and `rgbd_tuple`: a number for each pixel, in metres, row by row from the top.
+    fn depth(&self, size: (u32, u32)) -> Option<Vec<f32>> {
+        let _ = size;
+        None
+    }
+
     /// The current state as text, for the mode `ansi`.
     fn ansi(&self) -> Option<String> {
         None

@@ -180,6 +180,7 @@ macro_rules! methods {
         $then! { $($words)* fn draw on_draw(&self, canvas: &mut dyn Canvas) }
         $then! { $($words)* fn frames_drawn on_frames_drawn(&mut self, count: u64) }
         $then! { $($words)* fn ansi on_ansi(&self) -> Option<String> }
+        $then! { $($words)* fn depth on_depth(&self, size: (u32, u32)) -> Option<Vec<f32>> }
         $then! { $($words)* fn render_mode on_render_mode(&self) -> Option<RenderMode> }
         $then! { $($words)* fn render_into on_render(&mut self, rendered: &mut Rendered) -> Result<()> }
         $then! { $($words)* fn generator on_generator(&mut self) -> Option<&mut Generator> }

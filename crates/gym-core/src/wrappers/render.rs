@@ -1,7 +1,9 @@
 use std::fmt;
 
 use crate::drawing::canvas::Canvas;
-use crate::drawing::render::{Frame, Painter, RenderMode, Rendered, Screen, open_screen, painter};
+use crate::drawing::render::{
+    Depth, Frame, Painter, RenderMode, Rendered, Screen, open_screen, painter,
+};
 use crate::env::{BoxEnv, Env, Outcome};
 use crate::spec::{EnvSpec, Reset};
 use crate::value::{Error, Result};
@@ -60,7 +62,7 @@ impl<E: Env> Render<E> {
             }));
         }
         let painter = match mode {
-            RenderMode::Ansi => None,
+            RenderMode::Ansi | RenderMode::DepthArray => None,
             _ => Some(painter().ok_or_else(|| {
                 unsupported(
                     "no crate that draws is linked: add gym-render and `use gym_render as _;`"
@@ -127,6 +129,17 @@ impl<E: Env> Render<E> {
         Ok(())
     }
 
+    fn depth(&self) -> Result<Depth> {
+        let (width, height) = self.size;
+        let metres = self.inner.depth(self.size);
+        let metres = metres.ok_or(Error::ResetNeeded("render"))?;
+        Ok(Depth {
+            width,
+            height,
+            metres,
+        })
+    }
+
     /// Shows the picture in the window, if there is one.
     fn show(&mut self) {
         if let (Window::Open(screen, frame), Some(painter)) = (&mut self.window, &mut self.painter)
@@ -175,7 +188,15 @@ impl<E: Env> crate::env::Wrapper for Render<E> {
         if self.mode == RenderMode::Human {
             return Ok(());
         }
+        let depth = match self.mode {
+            RenderMode::DepthArray | RenderMode::RgbdTuple => Some(self.depth()?),
+            _ => None,
+        };
         let Some(painter) = &mut self.painter else {
+            if let Some(depth) = depth {
+                *rendered = Rendered::Depth(depth);
+                return Ok(());
+            }
             *rendered = self
                 .inner
                 .ansi()
@@ -184,7 +205,11 @@ impl<E: Env> crate::env::Wrapper for Render<E> {
             return Ok(());
         };
         let mut frame = match used {
-            Rendered::Frame(frame) if (frame.width(), frame.height()) == self.size => frame,
+            Rendered::Frame(frame) | Rendered::Rgbd(frame, _)
+                if (frame.width(), frame.height()) == self.size =>
+            {
+                frame
+            }
             _ => Frame::new(self.size.0, self.size.1)?,
         };
         let size = self.inner.metadata().render_size;
@@ -195,7 +220,10 @@ impl<E: Env> crate::env::Wrapper for Render<E> {
         );
         self.frames += 1;
         self.inner.frames_drawn(self.frames);
-        *rendered = Rendered::Frame(frame);
+        *rendered = match depth {
+            Some(depth) => Rendered::Rgbd(frame, depth),
+            None => Rendered::Frame(frame),
+        };
         Ok(())
     }
 

@@ -70,7 +70,7 @@ impl<E: Env> crate::env::Wrapper for RenderCollection<E> {
             match item {
                 Rendered::Frame(frame) => frames.push(frame),
                 Rendered::Text(text) => texts.push(text),
-                Rendered::Shown | Rendered::Frames(_) | Rendered::Texts(_) => {
+                _ => {
                     let reason =
                         "RenderCollection needs a mode of single items: `rgb_array` or `ansi`";
                     return Err(Error::Contract(reason.into()));

@@ -2,10 +2,11 @@
 
 use serde_json::{Map, Value, json};
 
-use super::orientation::{EPS, norm};
-use crate::model::{GeomType, JointType, Parameters, body_sizes};
+use crate::model::{GeomType, JointType, Parameters, body_sizes, same, same_quat};
 use crate::physics::{com_pos, kinematics};
 use crate::{CompiledModel, Data, Model};
+
+const UNTURNED: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
 
 impl Model {
     /// The figures of the model under MuJoCo's names, to be compared with those of another
@@ -64,9 +65,8 @@ fn sizes(m: &CompiledModel) -> Value {
 
 /// The frames that coincide: 1 the body's, 2 its inertia's, 3 and 4 their orientations.
 fn same_frame(m: &CompiledModel, body: usize, pos: [f64; 3], quat: [f64; 4]) -> u8 {
-    let same = |a: &[f64], b: &[f64]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < EPS);
-    let (own_pos, own_quat) = (norm(&pos) < EPS, norm(&quat[1..]) < EPS);
-    let inertia_quat = same(&quat, &m.body_iquat[body]);
+    let (own_pos, own_quat) = (same(&pos, &[0.0; 3]), same_quat(&quat, &UNTURNED));
+    let inertia_quat = same_quat(&quat, &m.body_iquat[body]);
     match (own_pos, own_quat) {
         (true, true) => 1,
         (_, true) => 3,
@@ -96,15 +96,10 @@ fn derived(m: &Model) -> Value {
     let any = |bits: &[u32], b: usize| bits[geoms(b)].iter().fold(0, |all, one| all | one) as i32;
     let body_frames: Vec<u8> = bodies
         .clone()
-        .map(|b| {
-            let turned = norm(&m.body_iquat[b][1..]) >= EPS;
-            if turned {
-                0
-            } else if norm(&m.body_ipos[b]) < EPS {
-                1
-            } else {
-                3
-            }
+        .map(|b| match same_quat(&m.body_iquat[b], &UNTURNED) {
+            false => 0,
+            true if same(&m.body_ipos[b], &[0.0; 3]) => 1,
+            true => 3,
         })
         .collect();
 

@@ -42,7 +42,7 @@ pub use kinds::{
 };
 pub(crate) use laws::{Equality, Scalar};
 pub(crate) use pairs::{Pair, Reach};
-pub(crate) use plan::{Bounds, Limit, Placed, Plan, Softness};
+pub(crate) use plan::{Bounds, Limit, Placed, Plan, Softness, same, same_quat};
 pub use revision::Revision;
 pub use types::{Disable, Names, Options, Statistics};
 

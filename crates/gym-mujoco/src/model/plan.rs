@@ -97,6 +97,7 @@ pub(crate) struct Placed {
 }
 
 impl Placed {
+    /// A frame in that of its parent.
     fn new(pos: &[f64; 3], quat: &[f64; 4]) -> Self {
         Self {
             moved: *pos != [0.0; 3],
@@ -104,12 +105,35 @@ impl Placed {
         }
     }
 
-    fn all(pos: &[[f64; 3]], quat: &[[f64; 4]]) -> Vec<Self> {
-        pos.iter()
-            .zip(quat)
-            .map(|(pos, quat)| Self::new(pos, quat))
-            .collect()
+    /// A frame in that of its body, which takes that frame where it hardly differs: MuJoCo's
+    /// `sameframe`.
+    fn within(pos: &[f64; 3], quat: &[f64; 4]) -> Self {
+        let turned = !same_quat(quat, &[1.0, 0.0, 0.0, 0.0]);
+        Self {
+            moved: *pos != [0.0; 3] && (turned || !same(pos, &[0.0; 3])),
+            turned,
+        }
     }
+
+    fn all(
+        place: fn(&[f64; 3], &[f64; 4]) -> Self,
+        pos: &[[f64; 3]],
+        quat: &[[f64; 4]],
+    ) -> Vec<Self> {
+        let both = pos.iter().zip(quat);
+        both.map(|(pos, quat)| place(pos, quat)).collect()
+    }
+}
+
+/// Whether numbers hardly differ.
+pub(crate) fn same(a: &[f64], b: &[f64]) -> bool {
+    const NEAR: f64 = 1e-6;
+    a.iter().zip(b).all(|(a, b)| (a - b).abs() < NEAR)
+}
+
+/// Whether orientations hardly differ.
+pub(crate) fn same_quat(a: &[f64; 4], b: &[f64; 4]) -> bool {
+    same(a, b) || same(a, &b.map(|x| -x))
 }
 
 /// The most constraints that a state can have, for buffers that never grow.
@@ -224,8 +248,11 @@ impl Plan {
             && m.dof_damping.iter().any(|&damping| damping > 0.0);
         let geoms = (0..m.ngeom()).map(|g| {
             let (b, pos, quat) = (m.geom_bodyid[g], &m.geom_pos[g], &m.geom_quat[g]);
-            let inertial = *pos == m.body_ipos[b] && *quat == m.body_iquat[b];
-            (!inertial).then(|| Placed::new(pos, quat))
+            let (inertia_pos, inertia_quat) = (&m.body_ipos[b], &m.body_iquat[b]);
+            let placed = Placed::within(pos, quat);
+            let near = same(pos, inertia_pos) && same_quat(quat, inertia_quat);
+            let inertial = (pos, quat) == (inertia_pos, inertia_quat) || (placed.turned && near);
+            (!inertial).then_some(placed)
         });
         let mut m_local = m_colind.clone();
         for (row, &tree) in m_rows.iter().zip(&m.dof_treeid) {
@@ -288,9 +315,9 @@ impl Plan {
                 .filter(|&j| m.jnt_stiffness[j] != 0.0 && !off(Disable::Spring))
                 .collect(),
             boxes: boxes(m),
-            bodies: Placed::all(&m.body_pos, &m.body_quat),
-            inertias: Placed::all(&m.body_ipos, &m.body_iquat),
-            sites: Placed::all(&m.site_pos, &m.site_quat),
+            bodies: Placed::all(Placed::new, &m.body_pos, &m.body_quat),
+            inertias: Placed::all(Placed::within, &m.body_ipos, &m.body_iquat),
+            sites: Placed::all(Placed::within, &m.site_pos, &m.site_quat),
             geoms: geoms.collect(),
             anchored: m.jnt_pos.iter().map(|pos| *pos != [0.0; 3]).collect(),
         };

@@ -366,7 +366,7 @@ impl<T: Task> Env for MujocoEnv<T> {
 
     fn metadata(&self) -> Metadata {
         let common = self.arguments.1.common();
-        Metadata::drawn(self.simulation.fps(), (common.width, common.height))
+        Metadata::drawn_and_depth(self.simulation.fps(), (common.width, common.height))
     }
 
     fn draw(&self, canvas: &mut dyn Canvas) {
@@ -380,6 +380,13 @@ impl<T: Task> Env for MujocoEnv<T> {
             (common.width, common.height),
             canvas,
         );
+    }
+
+    fn depth(&self, size: (u32, u32)) -> Option<Vec<f32>> {
+        let data = &self.episode.as_ref()?.data;
+        let Simulation { model, view, .. } = &self.simulation;
+        let common = self.arguments.1.common();
+        Some(view.depth_of(model, data, (common.width, common.height), size))
     }
 
     fn generator(&mut self) -> Option<&mut Generator> {

@@ -1,5 +1,7 @@
 //! How far what a picture shows is from the camera.
 
+use std::ops::Range;
+
 use super::camera::{Camera, NEAR};
 use super::{View, color_of, floor_of};
 use crate::model::GeomType;
@@ -18,10 +20,26 @@ impl View {
     /// The surfaces are those of the geoms that [`draw`](Self::draw) shows; markers of sites are
     /// none.
     #[must_use]
-    pub fn depth(&self, model: &Model, data: &Data, (width, height): (u32, u32)) -> Vec<f32> {
-        let camera = self.camera(data, (width, height));
+    pub fn depth(&self, model: &Model, data: &Data, size: (u32, u32)) -> Vec<f32> {
+        self.depth_of(model, data, size, size)
+    }
+
+    /// The depths of a picture that is scaled from one size to another.
+    pub(crate) fn depth_of(
+        &self,
+        model: &Model,
+        data: &Data,
+        picture: (u32, u32),
+        (width, height): (u32, u32),
+    ) -> Vec<f32> {
+        let camera = self.camera(data, picture);
         let far = (FAR * model.stat.extent) as f32;
         let (columns, rows) = (width as usize, height as usize);
+        // pixels of the picture for one of the result
+        let step = [
+            camera.size[0] / f64::from(width),
+            camera.size[1] / f64::from(height),
+        ];
         let mut depths = vec![far; columns * rows];
         let floor = floor_of(model, data, self.max_geom);
         for g in (0..model.ngeom()).take(self.max_geom) {
@@ -32,12 +50,13 @@ impl View {
             let [across, down] = if plane {
                 [0..columns, 0..rows]
             } else {
-                bounds(&camera, data.geom_xpos[g], model.geom_rbound[g])
+                bounds(&camera, data.geom_xpos[g], model.geom_rbound[g], step)
             };
             let place = (data.geom_xpos[g], &data.geom_xmat[g]);
             for y in down {
                 for x in across.clone() {
-                    let along = direction(&camera, [x, y]);
+                    let middle = [(x as f64 + 0.5) * step[0], (y as f64 + 0.5) * step[1]];
+                    let along = direction(&camera, middle);
                     let kind = model.geom_type[g].into();
                     let depth = ray_shape(kind, place, model.geom_size[g], camera.pos, along);
                     let least = &mut depths[y * columns + x];
@@ -51,31 +70,31 @@ impl View {
     }
 }
 
-/// The direction to the middle of a pixel, as long as it takes to get a metre ahead.
-fn direction(camera: &Camera, [x, y]: [usize; 2]) -> Vec3 {
+/// The direction to a point of the picture, as long as it takes to get a metre ahead.
+fn direction(camera: &Camera, [x, y]: [f64; 2]) -> Vec3 {
     let [width, height] = camera.size;
-    let right = (x as f64 + 0.5 - width / 2.0) / camera.focal;
-    let up = (height / 2.0 - (y as f64 + 0.5)) / camera.focal;
+    let right = (x - width / 2.0) / camera.focal;
+    let up = (height / 2.0 - y) / camera.focal;
     add_scaled(add_scaled(camera.ahead, camera.right, right), camera.up, up)
 }
 
-/// Columns and rows of pixels that a ball can cover.
-fn bounds(camera: &Camera, centre: Vec3, radius: f64) -> [std::ops::Range<usize>; 2] {
+/// Columns and rows of pixels that a ball can cover, of so many pixels of the picture each.
+fn bounds(camera: &Camera, centre: Vec3, radius: f64, step: [f64; 2]) -> [Range<usize>; 2] {
     let from = sub(centre, camera.pos);
     let ahead = dot(from, camera.ahead);
-    let range = |along: f64, length: f64| {
+    let range = |along: f64, length: f64, step: f64| {
+        let pixel = |x: f64| (x.clamp(0.0, length) / step).round() as usize;
         if ahead - radius <= NEAR {
-            return 0..length as usize;
+            return 0..pixel(length);
         }
         let slope = along / ahead;
         let middle = length / 2.0 + camera.focal * slope;
-        let reach = camera.focal * radius * (1.0 + slope.abs()) / (ahead - radius) + 1.0;
-        let pixel = |x: f64| x.clamp(0.0, length) as usize;
-        pixel(middle - reach)..pixel(middle + reach + 1.0)
+        let reach = camera.focal * radius * (1.0 + slope.abs()) / (ahead - radius) + step;
+        pixel(middle - reach)..pixel(middle + reach)
     };
     [
-        range(dot(from, camera.right), camera.size[0]),
-        range(-dot(from, camera.up), camera.size[1]),
+        range(dot(from, camera.right), camera.size[0], step[0]),
+        range(-dot(from, camera.up), camera.size[1], step[1]),
     ]
 }
 

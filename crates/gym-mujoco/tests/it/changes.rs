@@ -255,3 +255,21 @@ fn names_lead_to_ids_and_back() {
         (None, None, None)
     );
 }
+
+/// A frame that hardly differs from its body's frame of inertia takes that frame.
+#[test]
+fn frames_that_hardly_differ_are_one() {
+    let text = r#"<mujoco><worldbody><body pos="0 0 1"><joint axis="0 1 0"/>
+        <inertial pos="0.1 2e-7 0" quat="1 1.00005 0 0" mass="1" diaginertia="1 1.1 1.2"/>
+        <geom size="0.1 0.1 0.1" pos="0.1 0 0" quat="1 1 0 0" type="box"/>
+        <geom size="0.1" pos="5e-7 0 0" quat="1 4e-7 0 0"/></body></worldbody></mujoco>"#;
+    let m = Model::from_xml(&text.replace("1.00005", "1.0000005")).unwrap();
+    let mut d = Data::new(&m);
+    d.qpos[0] = 0.3;
+    forward(&m, &mut d);
+    assert_eq!((d.geom_xpos[0], d.geom_xmat[0]), (d.xipos[1], d.ximat[1]));
+    assert_eq!((d.geom_xpos[1], d.geom_xmat[1]), (d.xpos[1], d.xmat[1]));
+    let m = Model::from_xml(text).unwrap();
+    forward(&m, &mut d);
+    assert_ne!(d.geom_xmat[0], d.ximat[1]);
+}

@@ -19,6 +19,9 @@ from rustgym._spaces import space_from
 from rustgym._specs import class_of, metadata_from, native_arguments, native_options, spec_of
 from rustgym._window import Window
 
+#: The render modes that the Rust side has.
+_NATIVE_MODES = ("human", "rgb_array", "depth_array", "rgbd_tuple", "ansi")
+
 __all__ = ["Env"]
 
 
@@ -134,7 +137,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         return env
 
     def _make_native(self, kwargs: str) -> native.Env:
-        mode = self.render_mode if self.render_mode in ("human", "rgb_array", "ansi") else None
+        mode = self.render_mode if self.render_mode in _NATIVE_MODES else None
         try:
             return native.Env(self.env_id, kwargs, mode, self._wrappers)
         except gymnasium.error.UnsupportedMode:
@@ -250,7 +253,8 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
 
         Returns:
             For ``"rgb_array"`` a new ``uint8`` array of shape ``(height, width, 3)``, for ``"ansi"`` a ``str``, for
-            ``"human"``, which shows each reset and step in a window by itself, ``None``.
+            ``"human"``, which shows each reset and step in a window by itself, ``None``. For ``"depth_array"`` a ``float32``
+            array of shape ``(height, width)``, and for ``"rgbd_tuple"`` both arrays.
         """
         if self._native is None:
             return super().render()

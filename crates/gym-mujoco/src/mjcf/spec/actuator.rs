@@ -5,32 +5,36 @@ use crate::Result;
 use crate::mjcf::xml::{Element, Place};
 use crate::model::{BiasType, DynamicsType, GainType};
 
-/// An actuator.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Actuator {
-    pub(crate) place: Place,
-    pub(crate) name: Option<String>,
-    /// The attribute that names what it acts on, and the name.
-    pub(crate) target: Option<(&'static str, String)>,
-    pub(crate) reference_site: Option<String>,
-    pub(crate) gear: [f64; 6],
-    pub(crate) ctrl_range: [f64; 2],
-    pub(crate) ctrl_limited: Option<bool>,
-    pub(crate) force_range: [f64; 2],
-    pub(crate) force_limited: Option<bool>,
-    pub(crate) act_range: [f64; 2],
-    pub(crate) act_limited: Option<bool>,
-    pub(crate) length_range: [f64; 2],
-    /// The part of the target's range that the control's or the activation's is.
-    pub(crate) inherit_range: f64,
-    pub(crate) dynamics: DynamicsType,
-    pub(crate) gain: GainType,
-    pub(crate) bias: BiasType,
-    pub(crate) dynprm: [f64; 10],
-    pub(crate) gainprm: [f64; 10],
-    pub(crate) biasprm: [f64; 10],
-    pub(crate) act_early: bool,
-    pub(crate) group: i32,
+/// One number, and zeros.
+const ONE: [f64; 10] = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+
+with_defaults! {
+    /// An actuator.
+    struct Actuator {
+        place: Place = Place::default(),
+        name: Option<String> = None,
+        /// The attribute that names what it acts on, and the name.
+        target: Option<(&'static str, String)> = None,
+        reference_site: Option<String> = None,
+        gear: [f64; 6] = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        ctrl_range: [f64; 2] = [0.0; 2],
+        ctrl_limited: Option<bool> = None,
+        force_range: [f64; 2] = [0.0; 2],
+        force_limited: Option<bool> = None,
+        act_range: [f64; 2] = [0.0; 2],
+        act_limited: Option<bool> = None,
+        length_range: [f64; 2] = [0.0; 2],
+        /// The part of the target's range that the control's or the activation's is.
+        inherit_range: f64 = 0.0,
+        dynamics: DynamicsType = DynamicsType::None,
+        gain: GainType = GainType::Fixed,
+        bias: BiasType = BiasType::None,
+        dynprm: [f64; 10] = ONE,
+        gainprm: [f64; 10] = ONE,
+        biasprm: [f64; 10] = [0.0; 10],
+        act_early: bool = false,
+        group: i32 = 0,
+    }
 }
 
 /// The elements.
@@ -46,36 +50,6 @@ pub(crate) const KINDS: [&str; 8] = [
 ];
 
 const TARGETS: [&str; 4] = ["joint", "jointinparent", "tendon", "site"];
-
-impl Default for Actuator {
-    fn default() -> Self {
-        let mut one = [0.0; 10];
-        one[0] = 1.0;
-        Self {
-            place: Place::default(),
-            name: None,
-            target: None,
-            reference_site: None,
-            gear: [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-            ctrl_range: [0.0; 2],
-            ctrl_limited: None,
-            force_range: [0.0; 2],
-            force_limited: None,
-            act_range: [0.0; 2],
-            act_limited: None,
-            length_range: [0.0; 2],
-            inherit_range: 0.0,
-            dynamics: DynamicsType::None,
-            gain: GainType::Fixed,
-            bias: BiasType::None,
-            dynprm: one,
-            gainprm: one,
-            biasprm: [0.0; 10],
-            act_early: false,
-            group: 0,
-        }
-    }
-}
 
 impl Actuator {
     /// Reads an element of one of the [`KINDS`].

@@ -81,17 +81,18 @@ impl Inertial {
     }
 }
 
-/// A camera.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Camera {
-    pub(crate) place: Place,
-    pub(crate) name: Option<String>,
-    pub(crate) mode: u8,
-    pub(crate) target: Option<String>,
-    pub(crate) pos: [f64; 3],
-    pub(crate) orientation: Orientation,
-    pub(crate) frame: Option<Frame>,
-    pub(crate) fovy: f64,
+with_defaults! {
+    /// A camera.
+    struct Camera {
+        place: Place = Place::default(),
+        name: Option<String> = None,
+        mode: u8 = 0,
+        target: Option<String> = None,
+        pos: [f64; 3] = [0.0; 3],
+        orientation: Orientation = Orientation::default(),
+        frame: Option<Frame> = None,
+        fovy: f64 = 45.0,
+    }
 }
 
 const MODES: [(&str, u8); 5] = [
@@ -101,21 +102,6 @@ const MODES: [(&str, u8); 5] = [
     ("targetbody", 3),
     ("targetbodycom", 4),
 ];
-
-impl Default for Camera {
-    fn default() -> Self {
-        Self {
-            place: Place::default(),
-            name: None,
-            mode: 0,
-            target: None,
-            pos: [0.0; 3],
-            orientation: Orientation::default(),
-            frame: None,
-            fovy: 45.0,
-        }
-    }
-}
 
 impl Camera {
     pub(crate) fn read(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
@@ -136,25 +122,14 @@ impl Camera {
     }
 }
 
-/// A light. Its colours are ignored: pictures have a light of their own.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Light {
-    pub(crate) name: Option<String>,
-    pub(crate) directional: bool,
-    pub(crate) pos: [f64; 3],
-    pub(crate) dir: [f64; 3],
-    pub(crate) frame: Option<Frame>,
-}
-
-impl Default for Light {
-    fn default() -> Self {
-        Self {
-            name: None,
-            directional: false,
-            pos: [0.0; 3],
-            dir: [0.0, 0.0, -1.0],
-            frame: None,
-        }
+with_defaults! {
+    /// A light. Its colours are ignored: pictures have a light of their own.
+    struct Light {
+        name: Option<String> = None,
+        directional: bool = false,
+        pos: [f64; 3] = [0.0; 3],
+        dir: [f64; 3] = [0.0, 0.0, -1.0],
+        frame: Option<Frame> = None,
     }
 }
 

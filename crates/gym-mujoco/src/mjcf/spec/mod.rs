@@ -4,6 +4,21 @@
 //! element gives. An element of a class starts from a clone of the class's struct, so that defaults
 //! need no code of their own.
 
+/// A struct whose fields are declared with their defaults, which are MuJoCo's.
+macro_rules! with_defaults {
+    ($(#[$about:meta])* struct $name:ident { $($(#[$doc:meta])* $field:ident: $type:ty = $value:expr,)+ }) => {
+        $(#[$about])*
+        #[derive(Clone, Debug, PartialEq)]
+        pub(crate) struct $name { $($(#[$doc])* pub(crate) $field: $type,)+ }
+
+        impl Default for $name {
+            fn default() -> Self {
+                Self { $($field: $value,)+ }
+            }
+        }
+    };
+}
+
 mod actuator;
 mod body;
 mod parts;
@@ -60,40 +75,25 @@ impl Spec {
     }
 }
 
-/// Settings of the compiler.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Compiler {
-    pub(crate) degree: bool,
-    pub(crate) autolimits: bool,
-    /// `None`: where a body has no `inertial`.
-    pub(crate) inertia_from_geom: Option<bool>,
-    /// The groups of geoms that have mass.
-    pub(crate) inertia_groups: [i32; 2],
-    pub(crate) total_mass: Option<f64>,
-    pub(crate) bound_mass: f64,
-    pub(crate) bound_inertia: f64,
-    pub(crate) balance_inertia: bool,
-    pub(crate) euler: Sequence,
+with_defaults! {
+    /// Settings of the compiler.
+    struct Compiler {
+        degree: bool = true,
+        autolimits: bool = true,
+        /// `None`: where a body has no `inertial`.
+        inertia_from_geom: Option<bool> = None,
+        /// The groups of geoms that have mass.
+        inertia_groups: [i32; 2] = [0, 5],
+        total_mass: Option<f64> = None,
+        bound_mass: f64 = 0.0,
+        bound_inertia: f64 = 0.0,
+        balance_inertia: bool = false,
+        euler: Sequence = [(0, false), (1, false), (2, false)],
+    }
 }
 
 /// The axes of Euler angles: for each angle the axis, and whether it is one that does not turn.
 pub(crate) type Sequence = [(usize, bool); 3];
-
-impl Default for Compiler {
-    fn default() -> Self {
-        Self {
-            degree: true,
-            autolimits: true,
-            inertia_from_geom: None,
-            inertia_groups: [0, 5],
-            total_mass: None,
-            bound_mass: 0.0,
-            bound_inertia: 0.0,
-            balance_inertia: false,
-            euler: [(0, false), (1, false), (2, false)],
-        }
-    }
-}
 
 impl Compiler {
     pub(crate) fn read(&mut self, mut element: Element<'_, '_>) -> Result<()> {
@@ -158,19 +158,11 @@ pub(crate) struct Statistic {
     pub(crate) center: Option<[f64; 3]>,
 }
 
-/// A colour that geoms can refer to.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Material {
-    pub(crate) name: String,
-    pub(crate) rgba: [f64; 4],
-}
-
-impl Default for Material {
-    fn default() -> Self {
-        Self {
-            name: String::new(),
-            rgba: [1.0; 4],
-        }
+with_defaults! {
+    /// A colour that geoms can refer to.
+    struct Material {
+        name: String = String::new(),
+        rgba: [f64; 4] = [1.0; 4],
     }
 }
 

@@ -9,63 +9,34 @@ use crate::model::{GeomType, JointType};
 /// A frame within a body, in which parts are given: position and quaternion.
 pub(crate) type Frame = ([f64; 3], [f64; 4]);
 
-/// A joint.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Joint {
-    pub(crate) place: Place,
-    pub(crate) name: Option<String>,
-    pub(crate) kind: JointType,
-    pub(crate) pos: [f64; 3],
-    pub(crate) axis: [f64; 3],
-    pub(crate) range: [f64; 2],
-    pub(crate) limited: Option<bool>,
-    pub(crate) reference: f64,
-    pub(crate) spring_reference: f64,
-    pub(crate) stiffness: f64,
-    pub(crate) damping: f64,
-    /// Time constant and damping ratio that stiffness and damping follow from.
-    pub(crate) spring_damper: [f64; 2],
-    pub(crate) armature: f64,
-    pub(crate) friction_loss: f64,
-    pub(crate) margin: f64,
-    pub(crate) solref: [f64; 2],
-    pub(crate) solimp: [f64; 5],
-    pub(crate) solref_friction: [f64; 2],
-    pub(crate) solimp_friction: [f64; 5],
-    /// The range of the actuators' force, and whether it holds.
-    pub(crate) force_range: [f64; 2],
-    pub(crate) force_limited: Option<bool>,
-    pub(crate) actuator_gravcomp: bool,
-    pub(crate) frame: Option<Frame>,
-}
-
-impl Default for Joint {
-    fn default() -> Self {
-        Self {
-            place: Place::default(),
-            name: None,
-            kind: JointType::Hinge,
-            pos: [0.0; 3],
-            axis: [0.0, 0.0, 1.0],
-            range: [0.0; 2],
-            limited: None,
-            reference: 0.0,
-            spring_reference: 0.0,
-            stiffness: 0.0,
-            damping: 0.0,
-            spring_damper: [0.0; 2],
-            armature: 0.0,
-            friction_loss: 0.0,
-            margin: 0.0,
-            solref: SOLREF,
-            solimp: SOLIMP,
-            solref_friction: SOLREF,
-            solimp_friction: SOLIMP,
-            force_range: [0.0; 2],
-            force_limited: None,
-            actuator_gravcomp: false,
-            frame: None,
-        }
+with_defaults! {
+    /// A joint.
+    struct Joint {
+        place: Place = Place::default(),
+        name: Option<String> = None,
+        kind: JointType = JointType::Hinge,
+        pos: [f64; 3] = [0.0; 3],
+        axis: [f64; 3] = [0.0, 0.0, 1.0],
+        range: [f64; 2] = [0.0; 2],
+        limited: Option<bool> = None,
+        reference: f64 = 0.0,
+        spring_reference: f64 = 0.0,
+        stiffness: f64 = 0.0,
+        damping: f64 = 0.0,
+        /// Time constant and damping ratio that stiffness and damping follow from.
+        spring_damper: [f64; 2] = [0.0; 2],
+        armature: f64 = 0.0,
+        friction_loss: f64 = 0.0,
+        margin: f64 = 0.0,
+        solref: [f64; 2] = SOLREF,
+        solimp: [f64; 5] = SOLIMP,
+        solref_friction: [f64; 2] = SOLREF,
+        solimp_friction: [f64; 5] = SOLIMP,
+        /// The range of the actuators' force, and whether it holds.
+        force_range: [f64; 2] = [0.0; 2],
+        force_limited: Option<bool> = None,
+        actuator_gravcomp: bool = false,
+        frame: Option<Frame> = None,
     }
 }
 
@@ -136,69 +107,37 @@ impl Joint {
     }
 }
 
-/// A geom.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Geom {
-    pub(crate) place: Place,
-    pub(crate) name: Option<String>,
-    pub(crate) shape: GeomType,
-    pub(crate) size: [f64; 3],
-    pub(crate) pos: Option<[f64; 3]>,
-    pub(crate) orientation: Orientation,
-    pub(crate) fromto: Option<[f64; 6]>,
-    pub(crate) density: f64,
-    pub(crate) mass: Option<f64>,
-    pub(crate) friction: [f64; 3],
-    pub(crate) condim: u8,
-    pub(crate) contype: u32,
-    pub(crate) conaffinity: u32,
-    pub(crate) margin: f64,
-    pub(crate) gap: f64,
-    pub(crate) priority: i32,
-    pub(crate) solmix: f64,
-    pub(crate) solref: [f64; 2],
-    pub(crate) solimp: [f64; 5],
-    pub(crate) rgba: [f64; 4],
-    pub(crate) material: Option<String>,
-    pub(crate) group: i32,
-    /// Whether the mass is on the surface.
-    pub(crate) shell: bool,
-    /// Whether the medium acts on the shape as an ellipsoid, and how strongly.
-    pub(crate) fluid_ellipsoid: bool,
-    pub(crate) fluid: [f64; 5],
-    pub(crate) frame: Option<Frame>,
-}
-
-impl Default for Geom {
-    fn default() -> Self {
-        Self {
-            place: Place::default(),
-            name: None,
-            shape: GeomType::Sphere,
-            size: [0.0; 3],
-            pos: None,
-            orientation: Orientation::default(),
-            fromto: None,
-            density: 1000.0,
-            mass: None,
-            friction: [1.0, 0.005, 0.0001],
-            condim: 3,
-            contype: 1,
-            conaffinity: 1,
-            margin: 0.0,
-            gap: 0.0,
-            priority: 0,
-            solmix: 1.0,
-            solref: SOLREF,
-            solimp: SOLIMP,
-            rgba: GREY,
-            material: None,
-            group: 0,
-            shell: false,
-            fluid_ellipsoid: false,
-            fluid: [0.5, 0.25, 1.5, 1.0, 1.0],
-            frame: None,
-        }
+with_defaults! {
+    /// A geom.
+    struct Geom {
+        place: Place = Place::default(),
+        name: Option<String> = None,
+        shape: GeomType = GeomType::Sphere,
+        size: [f64; 3] = [0.0; 3],
+        pos: Option<[f64; 3]> = None,
+        orientation: Orientation = Orientation::default(),
+        fromto: Option<[f64; 6]> = None,
+        density: f64 = 1000.0,
+        mass: Option<f64> = None,
+        friction: [f64; 3] = [1.0, 0.005, 0.0001],
+        condim: u8 = 3,
+        contype: u32 = 1,
+        conaffinity: u32 = 1,
+        margin: f64 = 0.0,
+        gap: f64 = 0.0,
+        priority: i32 = 0,
+        solmix: f64 = 1.0,
+        solref: [f64; 2] = SOLREF,
+        solimp: [f64; 5] = SOLIMP,
+        rgba: [f64; 4] = GREY,
+        material: Option<String> = None,
+        group: i32 = 0,
+        /// Whether the mass is on the surface.
+        shell: bool = false,
+        /// Whether the medium acts on the shape as an ellipsoid, and how strongly.
+        fluid_ellipsoid: bool = false,
+        fluid: [f64; 5] = [0.5, 0.25, 1.5, 1.0, 1.0],
+        frame: Option<Frame> = None,
     }
 }
 
@@ -264,34 +203,18 @@ impl Geom {
     }
 }
 
-/// A site: a place that is drawn, and where sensors, tendons and actuators act.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Site {
-    pub(crate) place: Place,
-    pub(crate) name: Option<String>,
-    pub(crate) shape: u8,
-    pub(crate) size: [f64; 3],
-    pub(crate) pos: [f64; 3],
-    pub(crate) orientation: Orientation,
-    pub(crate) fromto: Option<[f64; 6]>,
-    pub(crate) rgba: [f64; 4],
-    pub(crate) frame: Option<Frame>,
-}
-
-impl Default for Site {
-    fn default() -> Self {
-        let shape = GeomType::Sphere.into();
-        Self {
-            place: Place::default(),
-            name: None,
-            shape,
-            size: [0.005; 3],
-            pos: [0.0; 3],
-            orientation: Orientation::default(),
-            fromto: None,
-            rgba: GREY,
-            frame: None,
-        }
+with_defaults! {
+    /// A site: a place that is drawn, and where sensors, tendons and actuators act.
+    struct Site {
+        place: Place = Place::default(),
+        name: Option<String> = None,
+        shape: u8 = GeomType::Sphere.into(),
+        size: [f64; 3] = [0.005; 3],
+        pos: [f64; 3] = [0.0; 3],
+        orientation: Orientation = Orientation::default(),
+        fromto: Option<[f64; 6]> = None,
+        rgba: [f64; 4] = GREY,
+        frame: Option<Frame> = None,
     }
 }
 

@@ -77,19 +77,20 @@ impl Pair {
     }
 }
 
-/// An equality constraint.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Equality {
-    pub(crate) place: Place,
-    pub(crate) name: Option<String>,
-    pub(crate) kind: EqualityType,
-    /// Whether the names are of sites, where they could be of bodies.
-    pub(crate) sites: bool,
-    pub(crate) names: [Option<String>; 2],
-    pub(crate) active: bool,
-    pub(crate) solref: [f64; 2],
-    pub(crate) solimp: [f64; 5],
-    pub(crate) data: [f64; 11],
+with_defaults! {
+    /// An equality constraint.
+    struct Equality {
+        place: Place = Place::default(),
+        name: Option<String> = None,
+        kind: EqualityType = EqualityType::Connect,
+        /// Whether the names are of sites, where they could be of bodies.
+        sites: bool = false,
+        names: [Option<String>; 2] = [None, None],
+        active: bool = true,
+        solref: [f64; 2] = SOLREF,
+        solimp: [f64; 5] = SOLIMP,
+        data: [f64; 11] = [0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
+    }
 }
 
 /// The kinds, and the attributes that name their objects.
@@ -99,24 +100,6 @@ pub(crate) const EQUALITIES: [(&str, EqualityType, [&str; 2]); 4] = [
     ("joint", EqualityType::Joint, ["joint1", "joint2"]),
     ("tendon", EqualityType::Tendon, ["tendon1", "tendon2"]),
 ];
-
-impl Default for Equality {
-    fn default() -> Self {
-        let mut data = [0.0; 11];
-        (data[1], data[10]) = (1.0, 1.0);
-        Self {
-            place: Place::default(),
-            name: None,
-            kind: EqualityType::Connect,
-            sites: false,
-            names: [None, None],
-            active: true,
-            solref: SOLREF,
-            solimp: SOLIMP,
-            data,
-        }
-    }
-}
 
 impl Equality {
     /// Reads what all kinds have.

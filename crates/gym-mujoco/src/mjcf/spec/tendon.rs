@@ -4,27 +4,28 @@ use super::{LIMITED, SOLIMP, SOLREF, read_solref, replace};
 use crate::Result;
 use crate::mjcf::xml::{Element, Place};
 
-/// A tendon: a sum of joint positions, or a path through sites and around geoms.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Tendon {
-    pub(crate) place: Place,
-    pub(crate) name: Option<String>,
-    pub(crate) limited: Option<bool>,
-    pub(crate) range: [f64; 2],
-    pub(crate) force_limited: Option<bool>,
-    pub(crate) force_range: [f64; 2],
-    pub(crate) margin: f64,
-    pub(crate) solref: [f64; 2],
-    pub(crate) solimp: [f64; 5],
-    pub(crate) solref_friction: [f64; 2],
-    pub(crate) solimp_friction: [f64; 5],
-    pub(crate) friction_loss: f64,
-    pub(crate) stiffness: f64,
-    pub(crate) damping: f64,
-    /// Lengths between which the spring is slack; -1 where they follow from the initial
-    /// configuration.
-    pub(crate) spring_length: [f64; 2],
-    pub(crate) wraps: Vec<(Place, Wrap)>,
+with_defaults! {
+    /// A tendon: a sum of joint positions, or a path through sites and around geoms.
+    struct Tendon {
+        place: Place = Place::default(),
+        name: Option<String> = None,
+        limited: Option<bool> = None,
+        range: [f64; 2] = [0.0; 2],
+        force_limited: Option<bool> = None,
+        force_range: [f64; 2] = [0.0; 2],
+        margin: f64 = 0.0,
+        solref: [f64; 2] = SOLREF,
+        solimp: [f64; 5] = SOLIMP,
+        solref_friction: [f64; 2] = SOLREF,
+        solimp_friction: [f64; 5] = SOLIMP,
+        friction_loss: f64 = 0.0,
+        stiffness: f64 = 0.0,
+        damping: f64 = 0.0,
+        /// Lengths between which the spring is slack; -1 where they follow from the initial
+        /// configuration.
+        spring_length: [f64; 2] = [-1.0; 2],
+        wraps: Vec<(Place, Wrap)> = Vec::new(),
+    }
 }
 
 /// A part of a tendon.
@@ -36,29 +37,6 @@ pub(crate) enum Wrap {
     /// A geom, and the site on whose side the tendon passes it.
     Geom(String, Option<String>),
     Pulley(f64),
-}
-
-impl Default for Tendon {
-    fn default() -> Self {
-        Self {
-            place: Place::default(),
-            name: None,
-            limited: None,
-            range: [0.0; 2],
-            force_limited: None,
-            force_range: [0.0; 2],
-            margin: 0.0,
-            solref: SOLREF,
-            solimp: SOLIMP,
-            solref_friction: SOLREF,
-            solimp_friction: SOLIMP,
-            friction_loss: 0.0,
-            stiffness: 0.0,
-            damping: 0.0,
-            spring_length: [-1.0; 2],
-            wraps: Vec::new(),
-        }
-    }
 }
 
 impl Tendon {

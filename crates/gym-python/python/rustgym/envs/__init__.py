@@ -27,7 +27,7 @@ from rustgym.envs.classic_control import (
     PendulumEnv,
 )
 from rustgym.envs.minigrid import GridEnv
-from rustgym.envs.mujoco import DEPTH_MODES, MODULES, MujocoEnv
+from rustgym.envs.mujoco import MODULES, MujocoEnv
 from rustgym.envs.toy_text import BlackjackEnv, CliffWalkingEnv, FrozenLakeEnv, TaxiEnv, generate_random_map
 from rustgym.registration import registry
 from rustgym.vector_env import VectorEnv
@@ -74,7 +74,6 @@ _BASES: dict[str, type[Env]] = {
 # Gymnasium's modes that the Rust side does not have
 _MORE_MODES = {
     "CarRacing": ["state_pixels"],
-    **dict.fromkeys(MODULES, list(DEPTH_MODES) if find_spec("mujoco") else []),
 }
 
 

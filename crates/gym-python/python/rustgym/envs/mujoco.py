@@ -88,10 +88,6 @@ def info_types(env_id: str) -> dict[str, Any]:
     return _INFO_TYPES.get(env_id.rpartition("/")[2].partition("-v")[0], {})
 
 
-#: The render modes that only MuJoCo's package has.
-DEPTH_MODES = ("depth_array", "rgbd_tuple")
-
-
 def _has_package() -> bool:
     return find_spec("mujoco") is not None
 
@@ -196,8 +192,9 @@ class MujocoEnv(ClassEnv):
         return result
 
     def render(self) -> Any:
-        """As ``Env.render``; ``"depth_array"`` and ``"rgbd_tuple"`` need MuJoCo's package."""
-        if self._native is None or (self.render_mode and (self._is_handed or self.render_mode in DEPTH_MODES)):
+        """As ``Env.render``. Depths are in metres, along the direction in which the camera looks, of our own drawing; MuJoCo's
+        package, which ``mujoco_renderer`` draws with, has the numbers of its buffer, from 0 to 1."""
+        if self._native is None or (self.render_mode and self._is_handed):
             if self._is_watched and self._native is not None:
                 self._push()
             return self.mujoco_renderer.render(self.render_mode)

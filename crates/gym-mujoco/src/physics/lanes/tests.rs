@@ -2,7 +2,7 @@ use std::sync::Arc;
 
 use super::*;
 use crate::tasks::{load as load_model, models};
-use crate::{Data, forward, step};
+use crate::{Data, Revision, forward, step};
 
 /// The levels of this CPU with registers of several widths.
 pub(crate) fn levels() -> Vec<Level> {

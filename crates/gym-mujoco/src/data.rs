@@ -445,14 +445,18 @@ impl Data {
     fn copy_state(&self, state: &mut State) {
         state.time = self.time;
         for_parts!(self, &mut *state, clone_from);
-        let applied = [&self.qfrc_applied[..], self.xfrc_applied.as_flattened()];
-        if applied
-            .iter()
-            .all(|forces| forces.iter().all(|x| *x == 0.0))
-        {
+        if !self.is_pushed() {
             state.qfrc_applied.clear();
             state.xfrc_applied.clear();
         }
+    }
+
+    /// Whether a force is applied.
+    pub(crate) fn is_pushed(&self) -> bool {
+        let applied = [&self.qfrc_applied[..], self.xfrc_applied.as_flattened()];
+        applied
+            .iter()
+            .any(|forces| forces.iter().any(|x| *x != 0.0))
     }
 
     fn set(&mut self, state: &State) {

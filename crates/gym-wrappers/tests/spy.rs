@@ -196,7 +196,7 @@ const CALLS: &[Call] = &[
     ("draw", |env| env.draw(&mut Blank)),
     ("ansi", |env| assert_eq!(env.ansi().as_deref(), Some("spy"))),
     ("depth", |env| {
-        assert_eq!(env.depth((1, 1)), Some(vec![1.5]))
+        assert_eq!(env.depth((1, 1)), Some(vec![1.5]));
     }),
     ("render_mode", |env| assert!(env.render_mode().is_some())),
     ("render_into", |env| drop(env.render().unwrap())),

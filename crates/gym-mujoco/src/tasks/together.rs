@@ -148,7 +148,7 @@ impl Crew {
 
     fn begin(&mut self, data: &Data, action: &Array) -> Option<usize> {
         let world = self.len;
-        if world == self.stepped.len() {
+        if world == self.stepped.len() || data.is_pushed() {
             return None;
         }
         let (m, own) = (&*self.model, &mut self.data);

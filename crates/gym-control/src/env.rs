@@ -126,12 +126,13 @@ impl<T: Task> ControlEnv<T> {
     }
 
     fn start(&mut self, reset: &Reset) -> Result<Box<Episode>> {
-        let (last, model) = (self.episode.as_ref(), &self.world.model);
-        let seed = match (&reset.seed, last) {
+        let model = &self.world.model;
+        let seed = match (&reset.seed, &self.episode) {
             (None, None) => Some(Seed::from_os()?),
             (seed, _) => seed.clone(),
         };
-        let mut episode = last.cloned().unwrap_or_else(|| {
+        // taken, not cloned: a clone has no room for contacts yet
+        let mut episode = self.episode.take().unwrap_or_else(|| {
             Box::new(Episode {
                 rng: RandomState::new(0),
                 generator: Generator::from(0),
@@ -248,8 +249,12 @@ impl<T: Task> Env for ControlEnv<T> {
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
         let model = &self.world.model;
+        let most = self.limit.min(1e15);
         let is_valid = |episode: &Episode| {
-            episode.data.check(model).is_ok() && self.task.has(&episode.constants)
+            episode.data.check(model).is_ok()
+                && episode.data.is_computed()
+                && episode.steps as f64 <= most
+                && self.task.has(&episode.constants)
         };
         let mut episode = snapshot.for_config(T::NAME, &self.config, is_valid)?;
         if let Some(Episode {

@@ -66,24 +66,43 @@ pub trait Task: Clone + fmt::Debug + Send + Sync + Sized + 'static {
     }
 }
 
+/// The checks that a task may fail, and why.
+pub(crate) type Exceptions = &'static [(&'static str, &'static str)];
+
+const LIMIT: (&str, &str) = (
+    "arguments-matter.time_limit",
+    "it ends episodes of a thousand steps",
+);
+const COLOURS: (&str, &str) = (
+    "arguments-matter.visualize_reward",
+    "a reward of 0 changes no colour",
+);
+
+/// For tasks with an argument `stand_height`.
+pub(crate) const STANDING: Exceptions = &[
+    LIMIT,
+    COLOURS,
+    (
+        "arguments-matter.stand_height",
+        "who lies is not rewarded at any height",
+    ),
+];
+
+/// For tasks whose controls have no limits.
+pub(crate) const UNLIMITED: Exceptions = &[
+    LIMIT,
+    COLOURS,
+    (
+        "reward-finite",
+        "the cost of a huge action is infinite, as in dm_control",
+    ),
+];
+
 /// The registration that all tasks share.
 pub const fn register<T: Task>(id: &'static str, description: &'static str) -> Registration {
     Registration::new::<ControlEnv<T>>(id)
         .description(description)
-        .exceptions(&[
-            (
-                "arguments-matter.time_limit",
-                "it ends episodes of a thousand steps",
-            ),
-            (
-                "arguments-matter.visualize_reward",
-                "a reward of 0 changes no colour",
-            ),
-            (
-                "arguments-matter.stand_height",
-                "who lies is not rewarded at any height",
-            ),
-        ])
+        .exceptions(&[LIMIT, COLOURS])
         .lockstep::<ControlEnv<T>>()
 }
 

@@ -354,6 +354,12 @@ impl Data {
         d.solver_niter.clear();
     }
 
+    /// Whether something was computed from the state, which [`resume`](Self::resume) repeats.
+    #[must_use]
+    pub fn is_computed(&self) -> bool {
+        self.last.is_some()
+    }
+
     /// Repeats the last call to compute the arrays that are not serialised. Not needed before a
     /// step or a forward call.
     ///

@@ -35,7 +35,7 @@ fn every_page_with_snippets_is_a_doc_test() {
         let has_snippets = text.contains("```rust");
         let page = page.to_str().expect("UTF-8").replace('\\', "/");
         assert!(
-            !has_snippets || tested.contains(&format!("\"{page}\"")),
+            !has_snippets || tested.contains(&format!("/{page}\"")),
             "{page}: add it to tests/src/lib.rs"
         );
         assert!(
@@ -229,6 +229,7 @@ mod imports {
     use gym::render::RecordVectorVideo as _;
     use gym::vector::native as _;
     use gym::wrappers::map as _;
+    use gym::wrappers::observing as _;
 }
 
 #[test]

@@ -18,7 +18,7 @@ use gym_mujoco::{Data, Model};
 
 use super::{check, config};
 use crate::rewards::{Sigmoid, Tolerance, small_control};
-use crate::task::named;
+use crate::task::{STANDING, named};
 use crate::{Observation, Start, Task, register};
 
 config! { 20.0;
@@ -90,10 +90,12 @@ gym_core::register!(
     register::<Hopper>(
         "dm_control/hopper-stand-v0",
         "Stand on one leg, in a plane."
-    ),
+    )
+    .exceptions(STANDING),
     register::<Hopper>(
         "dm_control/hopper-hop-v0",
         "Hop forward on one leg, in a plane."
     )
+    .exceptions(STANDING)
     .kwargs(r#"{"speed": 2.0}"#),
 );

@@ -19,7 +19,7 @@ use gym_mujoco::{Data, Model};
 use super::axis::{ZX, ZZ};
 use super::{check, config, minus, norm, times};
 use crate::rewards::{Sigmoid, Tolerance, mean, small_control};
-use crate::task::named;
+use crate::task::{STANDING, named};
 use crate::{Observation, Start, Task, register};
 
 const UPRIGHT: Tolerance = Tolerance::above(0.9).margin(1.9, Sigmoid::Linear(0.0));
@@ -114,14 +114,18 @@ impl Task for Humanoid {
 
 #[cfg(not(test))]
 gym_core::register!(
-    register::<Humanoid>("dm_control/humanoid-stand-v0", "Stand still on two legs."),
+    register::<Humanoid>("dm_control/humanoid-stand-v0", "Stand still on two legs.")
+        .exceptions(STANDING),
     register::<Humanoid>("dm_control/humanoid-walk-v0", "Walk on two legs.")
+        .exceptions(STANDING)
         .kwargs(r#"{"speed": 1.0}"#),
     register::<Humanoid>("dm_control/humanoid-run-v0", "Run on two legs.")
+        .exceptions(STANDING)
         .kwargs(r#"{"speed": 10.0}"#),
     register::<Humanoid>(
         "dm_control/humanoid-run_pure_state-v0",
         "Run on two legs, from positions and velocities alone."
     )
+    .exceptions(STANDING)
     .kwargs(r#"{"speed": 10.0, "pure_state": true}"#),
 );

@@ -18,6 +18,7 @@ use gym_mujoco::tasks::numpy::{dot, norm};
 use gym_mujoco::{CompiledModel, Data, Model};
 
 use super::{check, config};
+use crate::task::UNLIMITED;
 use crate::{Observation, Start, Task, register};
 
 const STIFFNESS: [f64; 2] = [15.0, 25.0]; // N/m
@@ -129,10 +130,12 @@ gym_core::register!(
     register::<Lqr>(
         "dm_control/lqr-lqr_2_1-v0",
         "Bring two masses on springs to rest, by one force."
-    ),
+    )
+    .exceptions(UNLIMITED),
     register::<Lqr>(
         "dm_control/lqr-lqr_6_2-v0",
         "Bring six masses on springs to rest, by two forces."
     )
+    .exceptions(UNLIMITED)
     .kwargs(r#"{"bodies": 6, "actuators": 2}"#),
 );

@@ -19,7 +19,7 @@ use gym_mujoco::{Data, Model};
 use super::axis::{XX, XZ, ZZ};
 use super::{check, config};
 use crate::rewards::{Sigmoid, Tolerance};
-use crate::task::named;
+use crate::task::{STANDING, named};
 use crate::{Observation, Start, Task, register};
 
 config! { 25.0;
@@ -91,9 +91,12 @@ gym_core::register!(
     register::<Walker>(
         "dm_control/walker-stand-v0",
         "Stand on two legs, in a plane."
-    ),
+    )
+    .exceptions(STANDING),
     register::<Walker>("dm_control/walker-walk-v0", "Walk on two legs, in a plane.")
+        .exceptions(STANDING)
         .kwargs(r#"{"speed": 1.0}"#),
     register::<Walker>("dm_control/walker-run-v0", "Run on two legs, in a plane.")
+        .exceptions(STANDING)
         .kwargs(r#"{"speed": 8.0}"#),
 );

@@ -44,8 +44,6 @@ fn refused() -> Vec<Refused> {
             Some("springdamper"),
         ),
         body("<freejoint align=\"true\"/>", "freejoint", Some("align")),
-        whole("<option integrator=\"implicit\"/>"),
-        whole("<option noslip_iterations=\"3\"/>"),
         whole("<option solver=\"PGS\" cone=\"elliptic\"/>"),
         other(
             "<compiler coordinate=\"global\"/>",

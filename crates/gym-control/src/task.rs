@@ -88,6 +88,16 @@ pub(crate) const STANDING: Exceptions = &[
     ),
 ];
 
+/// For tasks with an argument `target_size`.
+pub(crate) const TARGET: Exceptions = &[
+    LIMIT,
+    COLOURS,
+    (
+        "arguments-matter.target_size",
+        "a target is at most 0.2 m wide, which is less than what is tried for 0",
+    ),
+];
+
 /// For tasks whose controls have no limits.
 pub(crate) const UNLIMITED: Exceptions = &[
     LIMIT,

@@ -18,7 +18,7 @@ use gym_core::{Result, math};
 use gym_mujoco::{Data, Model};
 
 use super::{check, config, minus, norm};
-use crate::task::named;
+use crate::task::{TARGET, named};
 use crate::{Observation, Start, Task, register};
 
 const FAST: f64 = -15.0; // rad/s
@@ -127,15 +127,18 @@ gym_core::register!(
     register::<Finger>(
         "dm_control/finger-spin-v0",
         "Spin a body on a hinge with a finger."
-    ),
+    )
+    .exceptions(TARGET),
     register::<Finger>(
         "dm_control/finger-turn_easy-v0",
         "Turn a body's tip to a large target with a finger."
     )
+    .exceptions(TARGET)
     .kwargs(r#"{"target_size": 0.07}"#),
     register::<Finger>(
         "dm_control/finger-turn_hard-v0",
         "Turn a body's tip to a small target with a finger."
     )
+    .exceptions(TARGET)
     .kwargs(r#"{"target_size": 0.03}"#),
 );

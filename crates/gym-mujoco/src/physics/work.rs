@@ -6,6 +6,7 @@ use super::implicit;
 use super::solver::{Island, buffers, pgs};
 use super::transmission::Moments;
 use crate::Model;
+use crate::model::Cone;
 
 /// Buffers, allocated once.
 #[derive(Clone, Debug, Default)]
@@ -90,6 +91,10 @@ impl Work {
         let nv = m.nv();
         let bounds = m.plan().bounds();
         let trees = m.ntree();
+        let cones = match m.opt.cone {
+            Cone::Elliptic => bounds.contacts,
+            Cone::Pyramidal => 0,
+        };
         Self {
             tree_island: Vec::with_capacity(trees),
             tree_least: Vec::with_capacity(trees),
@@ -97,7 +102,7 @@ impl Work {
             island_trees: Vec::with_capacity(trees),
             island_blocks: Vec::with_capacity(bounds.blocks),
             islands: Vec::with_capacity(trees),
-            newton: buffers::Buffers::new(nv, bounds.rows, bounds.blocks),
+            newton: buffers::Buffers::new(nv, bounds.rows, bounds.blocks, cones),
             pgs: pgs::Buffers::new(m, &bounds),
             implicit: implicit::Buffers::new(m),
             sizes: Some(sizes(m)),

@@ -60,8 +60,9 @@ pub(super) struct Gathered {
 }
 
 impl Buffers {
-    /// Buffers that need not grow up to so many degrees of freedom, rows and blocks.
-    pub(crate) fn new(nv: usize, rows: usize, blocks: usize) -> Self {
+    /// Buffers that need not grow up to these numbers of degrees of freedom, rows, blocks and
+    /// elliptic cones.
+    pub(crate) fn new(nv: usize, rows: usize, blocks: usize, cones: usize) -> Self {
         let mut buffers = Self::default();
         buffers.ma_start.resize(nv, 0.0);
         let groups = dense::groups(nv);
@@ -90,6 +91,8 @@ impl Buffers {
             &mut buffers.force,
             &mut buffers.gathered.aref,
             &mut buffers.gathered.d,
+            &mut buffers.gathered.r,
+            &mut buffers.gathered.loss,
         ] {
             vector.reserve(rows);
         }
@@ -97,6 +100,10 @@ impl Buffers {
         buffers.states.reserve(rows);
         buffers.pieces.reserve(rows);
         buffers.rows.reserve(rows);
+        if cones > 0 {
+            buffers.cones.reserve(cones);
+            buffers.with_cones.reserve(nv * groups);
+        }
         buffers.gathered.jac.reserve(rows * groups);
         buffers.gathered.blocks.reserve(blocks);
         buffers

@@ -66,8 +66,7 @@ impl GridEnv {
         let facts = Facts::new(&*level).map_err(|reason| Error::argument(name, reason))?;
         let picture = Picture::new(&facts).map_err(|reason| Error::argument(name, reason))?;
         let mut config = config.map_err(|error| Error::argument(name, error.to_string()))?;
-        // those that follow from the others, as they are in use
-        config["max_steps"] = facts.rules.max_steps.into();
+        // as it is in use; the limit of steps may follow from the mission, and stays as it was given
         config["see_through_walls"] = facts.rules.see_through_walls.into();
         Ok(Self {
             level,

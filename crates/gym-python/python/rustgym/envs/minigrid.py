@@ -88,7 +88,7 @@ class GridEnv(ClassEnv):
 
     agent_view_size = property(lambda self: self._argument("agent_view_size"))
     see_through_walls = property(lambda self: self._argument("see_through_walls"))
-    max_steps = property(lambda self: self._argument("max_steps"))
+    max_steps = property(lambda self: self._world()["max_steps"])
     width = property(lambda self: self._world()["grid"]["width"])
     height = property(lambda self: self._world()["grid"]["height"])
     agent_pos = property(lambda self: tuple(self._world()["agent"].values()))

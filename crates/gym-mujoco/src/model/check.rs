@@ -306,17 +306,19 @@ fn numbers(m: &CompiledModel) -> Result<()> {
         o.tolerance >= 0.0 && o.ls_tolerance >= 0.0,
         "opt.tolerance and opt.ls_tolerance must not be negative"
     );
-    let finite = |what: &str, numbers: &mut dyn Iterator<Item = f64>| match numbers
-        .enumerate()
-        .find(|(_, x)| !x.is_finite())
-    {
-        Some((i, _)) => Err(bad(format!("number {i} of {what} is not finite"))),
+    let finite = |what: &str, numbers: &[f64]| match numbers.iter().position(|x| !x.is_finite()) {
+        Some(i) => Err(bad(format!("number {i} of {what} is not finite"))),
         None => Ok(()),
     };
     macro_rules! all_finite {
         (flat: $($flat:ident)+; rows: $($rows:ident)+) => {
-            $(finite(stringify!($flat), &mut m.$flat.iter().copied())?;)+
-            $(finite(stringify!($rows), &mut m.$rows.iter().flatten().copied())?;)+
+            let arrays = [
+                $((stringify!($flat), &m.$flat[..]),)+
+                $((stringify!($rows), m.$rows.as_flattened()),)+
+            ];
+            for (name, numbers) in arrays {
+                finite(name, numbers)?;
+            }
         };
     }
     all_finite!(
@@ -331,16 +333,9 @@ fn numbers(m: &CompiledModel) -> Result<()> {
             tendon_solimp_lim tendon_solref_fri tendon_solimp_fri eq_solref eq_solimp eq_data pair_solref
             pair_solreffriction pair_solimp pair_friction
     );
-    finite(
-        "opt",
-        &mut o
-            .gravity
-            .iter()
-            .chain(&o.wind)
-            .chain(&[o.density, o.viscosity])
-            .copied(),
-    )?;
-    finite("stat", &mut [m.stat.meaninertia].into_iter())?;
+    let [[gx, gy, gz], [wx, wy, wz]] = [o.gravity, o.wind];
+    finite("opt", &[gx, gy, gz, wx, wy, wz, o.density, o.viscosity])?;
+    finite("stat", &[m.stat.meaninertia])?;
     let range = |what: &str, ranges: &[[f64; 2]]| match ranges.iter().position(|r| r[0] > r[1]) {
         Some(i) => Err(bad(format!(
             "{what}[{i}] has its limits in the wrong order"

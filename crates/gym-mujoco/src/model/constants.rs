@@ -45,19 +45,19 @@ impl Model {
         let mut figures = Box::new(boxed(*figures)?.into_compiled());
         bound_geoms(&mut figures);
         mark_simple(&mut figures);
-        *self = Self::new(with_constants(figures)?)?;
+        *self = Self::new(*with_constants(figures)?)?;
         Ok(())
     }
 }
 
 /// The figures with those that follow from others.
-pub(crate) fn with_constants(mut m: Box<CompiledModel>) -> Result<CompiledModel> {
+pub(crate) fn with_constants(mut m: Box<CompiledModel>) -> Result<Box<CompiledModel>> {
     add_subtree_masses(&mut m);
     let mut d = add_inertia(&mut m)?;
     let model = boxed(*m)?;
     d.fit(&model);
     factor_inertia(&model, &mut d);
-    Ok(with_figures(&model, &mut d))
+    Ok(Box::new(with_figures(&model, &mut d)))
 }
 
 // A model and its data take several kilobytes each, and where nothing is optimised, each move of one

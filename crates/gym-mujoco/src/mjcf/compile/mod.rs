@@ -50,7 +50,7 @@ pub(super) fn finish(m: Box<CompiledModel>, spec: &Spec) -> Result<Model> {
     let mut m = with_constants(m)?;
     state_statistics(&mut m, &spec.statistic);
     add_spring_dampers(&mut m, spec);
-    Model::new(m)
+    Model::new(*m)
 }
 
 /// Stiffness and damping of joints whose time constant and damping ratio are given: MuJoCo's

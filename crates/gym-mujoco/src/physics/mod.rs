@@ -58,6 +58,10 @@ mod integrate;
 mod inverse;
 mod jacobian;
 mod kinematics;
+#[cfg_attr(
+    not(any(target_arch = "x86", target_arch = "x86_64")),
+    allow(dead_code, reason = "other processors have no lanes yet")
+)]
 pub(crate) mod lanes;
 mod muscle;
 pub(crate) mod number;

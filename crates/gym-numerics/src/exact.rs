@@ -50,7 +50,7 @@ pub fn write<T: Serialize + ?Sized>(state: &T) -> Result<Json, Error> {
     serde_json::to_value(Exact(state))
 }
 
-/// The state that [`write`] stored.
+/// The state that [`write()`] stored.
 ///
 /// # Errors
 /// For JSON that `write` did not make from this type.

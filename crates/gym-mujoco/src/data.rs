@@ -179,11 +179,11 @@ struct State {
     qacc: Vec<f64>,
 }
 
-/// Does something for each part of a state that is an array.
+/// Does something for each part of a state that is an array, but for applied forces.
 macro_rules! for_parts {
     ($from:expr, $to:expr, $do:ident) => {{
         let (from, to) = ($from, $to);
-        for_parts!(from to $do: qpos qvel ctrl qacc_warmstart act mocap_pos mocap_quat qfrc_applied xfrc_applied);
+        for_parts!(from to $do: qpos qvel ctrl qacc_warmstart act mocap_pos mocap_quat);
     }};
     ($from:ident $to:ident $do:ident: $($part:ident)+) => {
         $($to.$part.$do(&$from.$part);)+
@@ -451,7 +451,14 @@ impl Data {
     fn copy_state(&self, state: &mut State) {
         state.time = self.time;
         for_parts!(self, &mut *state, clone_from);
-        if !self.is_pushed() {
+        self.copy_applied(state);
+    }
+
+    fn copy_applied(&self, state: &mut State) {
+        if self.is_pushed() {
+            state.qfrc_applied.clone_from(&self.qfrc_applied);
+            state.xfrc_applied.clone_from(&self.xfrc_applied);
+        } else {
             state.qfrc_applied.clear();
             state.xfrc_applied.clear();
         }
@@ -468,6 +475,8 @@ impl Data {
     fn set(&mut self, state: &State) {
         self.time = state.time;
         for_parts!(state, &mut *self, clone_from);
+        self.qfrc_applied.clone_from(&state.qfrc_applied);
+        self.xfrc_applied.clone_from(&state.xfrc_applied);
     }
 
     /// Stores the state from which a call starts.
@@ -491,12 +500,12 @@ impl Data {
             return self.begin(m, Call::Step2);
         }
         (self.last, self.contact_forces) = (Some(Call::Step2), false);
-        let before = &mut self.before;
+        let mut before = std::mem::take(&mut self.before);
         before.ctrl.clone_from(&self.ctrl);
         before.act.clone_from(&self.act);
         before.qacc_warmstart.clone_from(&self.qacc_warmstart);
-        before.qfrc_applied.clone_from(&self.qfrc_applied);
-        before.xfrc_applied.clone_from(&self.xfrc_applied);
+        self.copy_applied(&mut before);
+        self.before = before;
     }
 
     /// Checks that this is data of a model, for instance from a snapshot.

@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 use std::fmt;
 
+use gym_core::registry::Exceptions;
 use gym_core::{Arguments, Error, Registration, Result};
 use gym_mujoco::{CompiledModel, Data, Model};
 
@@ -65,9 +66,6 @@ pub trait Task: Clone + fmt::Debug + Send + Sync + Sized + 'static {
         false
     }
 }
-
-/// The checks that a task may fail, and why.
-pub(crate) type Exceptions = &'static [(&'static str, &'static str)];
 
 const LIMIT: (&str, &str) = (
     "arguments-matter.time_limit",

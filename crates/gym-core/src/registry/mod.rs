@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 use std::sync::{LazyLock, PoisonError, RwLock};
 
 pub use builder::{EnvBuilder, builder, make};
-pub use registration::{Clip, Need, Registration, Source, VectorEntryPoint};
+pub use registration::{Clip, Exceptions, Need, Registration, Source, VectorEntryPoint};
 pub use vector::{VectorBuilder, make_vec};
 
 pub use crate::env::{Configure, NoArguments};

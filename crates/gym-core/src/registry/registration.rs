@@ -57,6 +57,9 @@ pub struct Clip {
     pub size: (u32, u32),
 }
 
+/// Checks of the crate gym-conform that an id may fail, each with the reason.
+pub type Exceptions = &'static [(&'static str, &'static str)];
+
 /// An entry of the registry: the facts about the environment of one id. Submit it at link time with
 /// [`register!`](crate::register!), or at run time with
 /// [`registry::register`](crate::registry::register).
@@ -74,7 +77,7 @@ pub struct Registration {
     /// JSON.
     pub reset_options: &'static [(&'static str, &'static str)],
     /// Checks of the crate gym-conform that this id may fail, each with the reason.
-    pub exceptions: &'static [(&'static str, &'static str)],
+    pub exceptions: Exceptions,
     /// A requirement outside the crates, such as ROMs.
     pub needs: Option<Need>,
     /// The constructor of its native vector.
@@ -214,7 +217,7 @@ impl Registration {
     /// Checks of the crate gym-conform that this id may fail, each with the reason.
     /// `arguments-matter.verbose` excuses the argument `verbose` from the check `arguments-matter`.
     #[must_use]
-    pub const fn exceptions(mut self, exceptions: &'static [(&'static str, &'static str)]) -> Self {
+    pub const fn exceptions(mut self, exceptions: Exceptions) -> Self {
         self.exceptions = exceptions;
         self
     }

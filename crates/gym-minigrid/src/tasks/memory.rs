@@ -11,9 +11,10 @@
 //!
 //! Source: minigrid 3.2.0, `envs/memory.py`.
 
+use gym_core::registry::Exceptions;
 use gym_core::{Generator, Outcome};
 
-use super::{Exceptions, ids};
+use super::ids;
 use crate::env::WINDOW;
 use crate::level::{Level, Rules, level};
 use crate::{Action, Cell, Color, Draft, Kind, Making, Pos, World};

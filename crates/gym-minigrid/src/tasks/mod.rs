@@ -23,6 +23,7 @@ pub mod unlock;
 pub mod unlock_pickup;
 
 use gym_core::Outcome;
+use gym_core::registry::Exceptions;
 
 use crate::draft::Area;
 use crate::{Action, Cell, Color, Draft, Kind, Making, Pos, World};
@@ -41,11 +42,6 @@ pub(crate) fn direction(direction: u32) -> Result<u8, String> {
         )),
     }
 }
-
-/// The checks that a level may fail, and why, for [`Registration::exceptions`].
-///
-/// [`Registration::exceptions`]: gym_core::Registration::exceptions
-pub(crate) type Exceptions = &'static [(&'static str, &'static str)];
 
 /// For levels with an argument `agent_start_dir`.
 pub(crate) const DIRECTION: Exceptions = &[

@@ -11,9 +11,10 @@
 //!
 //! Source: minigrid 3.2.0, `envs/obstructedmaze.py` and `envs/obstructedmaze_v1.py`.
 
+use gym_core::registry::Exceptions;
 use gym_core::{Generator, Outcome};
 
-use super::{Exceptions, ids, pick_up, square};
+use super::{ids, pick_up, square};
 use crate::env::WINDOW;
 use crate::level::{Level, Rules, level};
 use crate::rooms::{Rooms, grid_size};

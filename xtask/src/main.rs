@@ -11,6 +11,8 @@
 //!   what asks for it.
 //! - `web` builds the gallery for the browser, and is part of this program.
 
+#[path = "../../crates/gym-cli/src/collision.rs"]
+mod collision;
 mod files;
 mod web;
 

@@ -14,7 +14,7 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 use serde_json::{Map, Value as Json, json};
 
-use crate::{cargo, files, root, say, target_dir};
+use crate::{cargo, collision, files, root, say, target_dir};
 
 const TARGET: &str = "wasm32-unknown-unknown";
 const USAGE: &str = "\
@@ -198,13 +198,15 @@ fn build(plugin: Option<&Path>, small: bool) -> Result<PathBuf, String> {
 fn library(manifest: &Path) -> Result<String, String> {
     let at = |error: String| format!("{}: {error}", manifest.display());
     let output = Command::new(cargo())
-        .args(["metadata", "--no-deps", "--format-version", "1"])
-        .arg("--manifest-path")
+        .args(["metadata", "--format-version", "1", "--manifest-path"])
         .arg(manifest)
         .output()
         .map_err(|error| at(format!("cargo cannot be run: {error}")))?;
     if !output.status.success() {
-        return Err(at(String::from_utf8_lossy(&output.stderr).into_owned()));
+        let error = String::from_utf8_lossy(&output.stderr);
+        return Err(at(
+            collision::explain(&error).unwrap_or_else(|| error.trim().to_owned())
+        ));
     }
     let metadata: Json =
         serde_json::from_slice(&output.stdout).map_err(|error| at(error.to_string()))?;

@@ -7,6 +7,7 @@ use std::process::Command;
 use gym::{Error, Result};
 use serde_json::Value as Json;
 
+use crate::collision;
 use crate::workspace::Workspace;
 
 /// Where a workspace has this project's crates from.
@@ -85,8 +86,9 @@ pub(crate) fn metadata(manifest: &Path, options: &[&str]) -> Result<Json> {
         .output()
         .map_err(|error| wrong(format!("cargo cannot be run: {error}")))?;
     if !output.status.success() {
+        let error = String::from_utf8_lossy(&output.stderr);
         return Err(wrong(
-            String::from_utf8_lossy(&output.stderr).trim().to_owned(),
+            collision::explain(&error).unwrap_or_else(|| error.trim().to_owned()),
         ));
     }
     serde_json::from_slice(&output.stdout).map_err(|error| wrong(error.to_string()))

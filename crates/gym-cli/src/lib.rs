@@ -27,6 +27,7 @@
 #[cfg(feature = "families")]
 mod atari;
 mod bench;
+mod collision;
 mod conform;
 mod demo;
 mod dependency;

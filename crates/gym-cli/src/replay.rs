@@ -145,7 +145,8 @@ fn compare(path: &Path) -> Result<String> {
 fn write_answers(path: &Path, to: &Path) -> Result<()> {
     let text = read(path)?;
     let not_json = |error: serde_json::Error| Error::custom(format!("not a recording: {error}"));
-    let mut rest: Map<String, Json> = serde_json::from_str(&text).map_err(not_json)?;
+    let mut rest =
+        gym::unique::object(&mut serde_json::Deserializer::from_str(&text)).map_err(not_json)?;
     #[cfg(feature = "families")]
     if let Some(recorded) = frames::parse(&text) {
         let answers = frames::replay(&recorded)?;

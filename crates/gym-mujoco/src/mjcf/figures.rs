@@ -56,10 +56,12 @@ fn sizes(m: &CompiledModel) -> Value {
         n_c += if m.dof_simplenum[i] > 0 { 1 } else { ancestors };
     }
     json!({"sizes": {
-        "nq": m.nq(), "nv": m.nv(), "nu": m.nu(), "na": m.na(), "nbody": m.nbody(), "njnt": m.njnt(), "ngeom": m.ngeom(),
-        "nsite": m.nsite(), "ncam": m.cam_mode.len(), "nlight": m.light_type.len(), "nmat": m.mat_rgba.len(),
-        "ntendon": m.ntendon(), "nwrap": m.wrap_objid.len(), "neq": m.neq(), "nsensor": m.nsensor(), "nexclude": m.exclude_signature.len(),
-        "npair": m.pair_dim.len(), "nkey": m.key_time.len(), "nM": n_m, "nC": n_c, "ntree": m.ntree(),
+        "nq": m.nq(), "nv": m.nv(), "nu": m.nu(), "na": m.na(), "nbody": m.nbody(),
+        "njnt": m.njnt(), "ngeom": m.ngeom(), "nsite": m.nsite(), "ncam": m.cam_mode.len(),
+        "nlight": m.light_type.len(), "nmat": m.mat_rgba.len(), "ntendon": m.ntendon(),
+        "nwrap": m.wrap_objid.len(), "neq": m.neq(), "nsensor": m.nsensor(),
+        "nexclude": m.exclude_signature.len(), "npair": m.pair_dim.len(), "nkey": m.key_time.len(),
+        "nM": n_m, "nC": n_c, "ntree": m.ntree(),
     }})
 }
 
@@ -133,7 +135,7 @@ fn constant(m: &CompiledModel) -> Value {
     };
     json!({
         "geom_fluid": m.geom_fluid.iter().map(|fluid| fluid.0[0]).collect::<Vec<_>>(),
-        "actuator_gainprm": three(&m.actuator_gainprm), "actuator_biasprm": three(&m.actuator_biasprm),
-        "tendon_armature": vec![0.0; m.ntendon()],
+        "actuator_gainprm": three(&m.actuator_gainprm),
+        "actuator_biasprm": three(&m.actuator_biasprm), "tendon_armature": vec![0.0; m.ntendon()],
     })
 }

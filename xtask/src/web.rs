@@ -233,7 +233,8 @@ struct Page {
 }
 
 impl Page {
-    /// The page's own files, the module and, with `docs`, the book's pages on the environments.
+    /// Reads the page's own files and the module; with `docs`, also the book's pages on the
+    /// environments.
     fn read(module: &Path, docs: bool) -> Result<Self, String> {
         let mut files = Vec::new();
         for path in list(&root().join("crates/gym-web/page"))? {
@@ -278,8 +279,8 @@ impl Page {
         std::str::from_utf8(bytes).map_err(|error| format!("{name}: {error}"))
     }
 
-    /// The page with everything in it. A page that was opened as a file may load none beside it, so
-    /// scripts become Blobs.
+    /// The page as one file. Browsers let a page that was opened as a file load no other file, so
+    /// its scripts become Blobs.
     fn in_one_file(&self) -> Result<String, String> {
         const START: &str = r##"<script type="module">
 const sources = GYM_SINGLE.scripts;
@@ -303,7 +304,7 @@ await import(url("app.js"));
             }
         }
         single.insert("scripts".into(), scripts.into());
-        // `</` in its text would end the script element
+        // `</script>` in the data would end the script element
         let data = json!(single).to_string().replace("</", "<\\/");
         let parts = [
             (

@@ -164,6 +164,8 @@ impl Task for AcrobotDynamics {
             Self::NAME,
             [
                 ("dt", dt),
+                ("LINK_LENGTH_1", l1),
+                ("LINK_LENGTH_2", l2),
                 ("LINK_COM_POS_1", lc1),
                 ("LINK_COM_POS_2", lc2),
                 ("AVAIL_TORQUE[0]", torque_0),

@@ -274,20 +274,8 @@ fn constants_that_cannot_be_are_refused() {
 /// the environment is blamed for what follows from it.
 #[test]
 fn numbers_that_are_accepted_give_finite_steps() {
-    const NUMBERS: [f64; 12] = [
-        0.0,
-        5e-324,
-        -1e-300,
-        1e-7,
-        -1e-6,
-        1e-6,
-        -0.2,
-        3.0,
-        -1e6,
-        1e6,
-        1e9,
-        f64::MAX,
-    ];
+    const EXTREMES: [f64; 5] = [0.0, 5e-324, -1e-6, -0.2, 1e6];
+    const OTHERS: [f64; 7] = [-1e-300, 1e-7, 1e-6, 3.0, -1e6, 1e9, f64::MAX];
     let play = |id: &str, arguments: &[(&str, f64)]| {
         let all = arguments.iter().copied();
         let Ok(mut env) = all
@@ -322,10 +310,13 @@ fn numbers_that_are_accepted_give_finite_steps() {
             .collect();
         assert!(names.len() >= 4, "{id}: {names:?}");
         for (i, first) in names.iter().enumerate() {
-            for x in NUMBERS {
+            for x in OTHERS {
+                play(id, &[(first, x)]);
+            }
+            for x in EXTREMES {
                 play(id, &[(first, x)]);
                 for second in &names[..i] {
-                    for y in NUMBERS {
+                    for y in EXTREMES {
                         play(id, &[(first, x), (second, y)]);
                     }
                 }

@@ -50,7 +50,8 @@ pub(crate) fn demo(arguments: &Arguments, workspace: &Workspace) -> Result<()> {
     );
     let stems = stems(registrations.iter().map(Registration::id));
     let workers = thread::available_parallelism().map_or(1, usize::from);
-    // a free thread takes the next one: some take a hundred times as long as others
+    // each thread takes the next environment when it is free: some take a hundred times as long as
+    // others
     let waiting = Mutex::new(registrations.iter().enumerate());
     let work = || {
         let next = || {

@@ -50,15 +50,15 @@ pub(crate) fn check_distinct<const N: usize>(files: [(&str, &Option<PathBuf>); N
     Ok(())
 }
 
-/// Whether what is written to two paths is written to one file, which need not exist yet. Devices
-/// and pipes take both.
+/// Whether both paths lead to one file, which need not exist yet. Devices and pipes can take two
+/// results.
 pub(crate) fn is_one_file(a: &Path, b: &Path) -> bool {
     let is_device = |path: &Path| fs::metadata(path).is_ok_and(|found| !found.is_file());
     !is_device(a) && (a == b || written(a).is_some_and(|a| written(b) == Some(a)))
 }
 
-/// The file that is replaced where a path is written to: links are followed, also to a file that
-/// does not exist yet.
+/// The file that writing to `path` replaces. Links are followed, even to a file that does not exist
+/// yet.
 fn written(path: &Path) -> Option<PathBuf> {
     const MAX_LINKS: usize = 40; // as Linux
     let mut path = path.to_owned();

@@ -400,12 +400,8 @@ impl Trace {
 
     fn builder(&self) -> EnvBuilder {
         let mut builder = builder(&self.id);
-        let takes = |name| {
-            let taken = find(&self.id).and_then(|registration| registration.arguments());
-            taken.is_ok_and(|all| all.iter().any(|argument| argument.name == name))
-        };
         if let Some(version) = &self.mujoco
-            && takes("mujoco")
+            && self.takes("mujoco")
         {
             builder = builder.arg("mujoco", version.as_str());
         }
@@ -474,7 +470,39 @@ impl Trace {
         let recorded = PARTS.iter().chain(&[FRAME_PLAIN]).filter(|(name, part)| {
             !parts.contains(name) && self.events.iter().any(|event| part(event).is_some())
         });
-        notes.chain(recorded.map(|(name, _)| *name)).collect()
+        let recorded = recorded.map(|(name, _)| *name);
+        notes.chain(recorded).chain(self.unused()).collect()
+    }
+
+    /// The names of what this trace asks for and no event answers: a version of MuJoCo that the
+    /// environment does not take, and settings of pictures without their checksums.
+    fn unused(&self) -> impl Iterator<Item = &str> {
+        let parts = self.parts();
+        let has = |part: &str| parts.iter().any(|(name, _)| *name == part);
+        let shows = PARTS[6..].iter().any(|(name, _)| has(name));
+        let named = |name, is_unused: bool| is_unused.then_some(name);
+        let mujoco =
+            self.mujoco.is_some() && (!self.takes("mujoco") || self.kwargs.contains_key("mujoco"));
+        [
+            named("mujoco", mujoco),
+            named("render_mode", self.render_mode.is_some() && !shows),
+            named(
+                "frame_mask",
+                !self.frame_mask.is_empty() && !has("frame_masked"),
+            ),
+            named(
+                "observation_mask",
+                !self.observation_mask.is_empty() && !has("observation_masked"),
+            ),
+        ]
+        .into_iter()
+        .flatten()
+    }
+
+    /// Whether the environment has an argument.
+    fn takes(&self, name: &str) -> bool {
+        let taken = find(&self.id).and_then(|registration| registration.arguments());
+        taken.is_ok_and(|all| all.iter().any(|argument| argument.name == name))
     }
 
     /// The parts of answers that are compared.
@@ -828,6 +856,16 @@ mod tests {
             recorded.not_compared(),
             ["numpy", "policy", "return", "frame_plain"]
         );
+        let mut unused = head.clone();
+        unused["mujoco"] = json!("3.12");
+        unused["render_mode"] = json!("rgb_array");
+        for mask in ["frame_mask", "observation_mask"] {
+            unused[mask] = json!([[0, 0, 1, 1]]);
+        }
+        let named = ["mujoco", "render_mode", "frame_mask", "observation_mask"];
+        assert_eq!(read(&unused).not_compared()[4..], named);
+        unused["events"] = json!([{ "step": 0, "frame_masked": 1, "observation_masked": 2 }]);
+        assert_eq!(read(&unused).not_compared()[3..], ["mujoco"]);
         let facts = FACTS.map(|(name, _)| name);
         assert_eq!(recorded.compared(), (vec!["reward"], facts.to_vec()));
         for (name, value) in [

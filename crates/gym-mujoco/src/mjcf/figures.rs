@@ -26,7 +26,7 @@ impl Model {
         if let Some(Value::Object(opt)) = figures.get_mut("opt") {
             add_all(opt, more);
         }
-        // bits have a sign in MuJoCo
+        // MuJoCo stores bit masks as signed numbers
         for name in ["geom_contype", "geom_conaffinity"] {
             let bits = if name == "geom_contype" {
                 &self.geom_contype
@@ -65,7 +65,8 @@ fn sizes(m: &CompiledModel) -> Value {
     }})
 }
 
-/// The frames that coincide: 1 the body's, 2 its inertia's, 3 and 4 their orientations.
+/// MuJoCo's `mjtSameFrame`: 1 if a geom's frame equals the body's, 2 its inertial frame; 3 and 4 if
+/// only the orientations are equal.
 fn same_frame(m: &CompiledModel, body: usize, pos: [f64; 3], quat: [f64; 4]) -> u8 {
     let (own_pos, own_quat) = (same(&pos, &[0.0; 3]), same_quat(&quat, &UNTURNED));
     let inertia_quat = same_quat(&quat, &m.body_iquat[body]);
@@ -128,7 +129,7 @@ fn derived(m: &Model) -> Value {
     })
 }
 
-/// Figures in the form that recordings have.
+/// The figures in the form of the recordings.
 fn constant(m: &CompiledModel) -> Value {
     let three = |numbers: &[Parameters]| -> Vec<Vec<f64>> {
         numbers.iter().map(|p| p.0[..3].to_vec()).collect()

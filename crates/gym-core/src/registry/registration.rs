@@ -20,6 +20,10 @@ use crate::value::{Error, Result};
 use crate::vector::VectorEnv;
 use crate::vector::lockstep::{self, Ahead, Lockstep};
 
+/// Whether native vectors are linked. A module for a browser has none: a page steps one environment,
+/// and everybody who opens the page downloads the module.
+const NATIVE_VECTORS: bool = !cfg!(all(target_arch = "wasm32", target_os = "unknown"));
+
 /// Makes a native vector from its spec.
 ///
 /// It returns an error for anything that it does not support, such as a render mode or wrappers in
@@ -240,7 +244,9 @@ impl Registration {
     /// Declares a native vector, which [`make_vec`](crate::make_vec) then prefers.
     #[must_use]
     pub const fn vector_entry_point(mut self, entry_point: VectorEntryPoint) -> Self {
-        self.vector_entry_point = Some(entry_point);
+        if NATIVE_VECTORS {
+            self.vector_entry_point = Some(entry_point);
+        }
         self
     }
 
@@ -248,8 +254,10 @@ impl Registration {
     /// the threads of async vectors then do the same.
     #[must_use]
     pub const fn lockstep<E: Lockstep + Configure>(mut self) -> Self {
-        self.vector_entry_point = Some(entry_point::<E>);
-        self.ahead = Some(lockstep::ahead::<E>);
+        if NATIVE_VECTORS {
+            self.vector_entry_point = Some(entry_point::<E>);
+            self.ahead = Some(lockstep::ahead::<E>);
+        }
         self
     }
 

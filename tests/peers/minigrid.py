@@ -1,8 +1,8 @@
 """Times MiniGrid's and BabyAI's tasks here, in minigrid and in EnvPool, in turn, by CPU time: `minigrid.py [ID...]`.
 
 All from Python, on one core: one environment from `make` of `rustgym` and of Gymnasium with minigrid, and vectors of 64 of `rustgym` and
-of EnvPool on one thread. The actions are random, and resets are part of the time. Needs what `requirements.txt` names, minigrid==3.2.0,
-and rustgym, built as docs/python/README.md says.
+of EnvPool on one thread. The actions are random, and resets are part of the time. Needs what `requirements.txt` names and
+rustgym, built as docs/python/README.md says.
 """
 
 import os
@@ -70,7 +70,7 @@ def many(envs, actions):
 
 
 def main():
-    print("| task | `make`, steps per second | minigrid | times | vector of 64 | EnvPool | times |\\n|---|---|---|---|---|---|---|")
+    print("| task | `make`, steps per second | minigrid | times | vector of 64 | EnvPool | times |\n|---|---|---|---|---|---|---|")
     for task in sys.argv[1:] or TASKS:
         vector = rustgym.make_vec(task, num_envs=AT_ONCE)
         actions = int(vector.single_action_space.n)

@@ -142,6 +142,7 @@ class MujocoEnv(ClassEnv):
         return _AGREE[key]
 
     @classmethod
+    @cache
     def _theirs(cls) -> Any:
         """Gymnasium's class of the task."""
         env_id = getattr(cls, "_id", None)

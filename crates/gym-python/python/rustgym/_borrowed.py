@@ -40,7 +40,7 @@ class Borrowed:
             return self
         if (function := self._found.get(owner)) is None:
             function = self._found[owner] = self._find(owner)
-        if self.writes:
+        if self.writes and not env._is_handed:
             env._hand_over(f"{self.name}()")
         return function.fget(env) if isinstance(function, property) else MethodType(function, env)
 

@@ -207,3 +207,37 @@ fn colours_show_the_reward_where_that_is_asked() {
     };
     assert_ne!(draw(true), draw(false));
 }
+
+/// Whether a part of a square picture of the first state has more colours than one.
+fn shows(
+    id: &str,
+    side: usize,
+    rows: std::ops::Range<usize>,
+    columns: std::ops::Range<usize>,
+) -> bool {
+    let env = builder(id).arg("pixels", side);
+    let picture = env.build().unwrap().reset(1).unwrap();
+    let (pixels, _) = picture.as_slice::<u8>().unwrap().as_chunks::<3>();
+    let part = rows.flat_map(|row| {
+        columns
+            .clone()
+            .map(move |column| pixels[row * side + column])
+    });
+    part.collect::<std::collections::BTreeSet<_>>().len() > 1
+}
+
+#[test]
+fn the_camera_follows_the_fish_and_not_its_target() {
+    // some colours of the fish, beside those of two squares of the floor
+    assert!(shows("dm_control/fish-swim-v0", 84, 40..45, 40..45));
+}
+
+#[test]
+fn the_string_of_the_ball_is_shown() {
+    assert!(shows(
+        "dm_control/ball_in_cup-catch-v0",
+        240,
+        100..101,
+        60..180
+    ));
+}

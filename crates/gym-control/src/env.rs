@@ -68,13 +68,13 @@ impl ControlEnv {
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for an argument out of range.
-    pub fn new<D: Domain>(config: D::Config) -> Result<Self> {
-        let json = serde_json::to_value(&config);
+    pub fn new<D: Domain>(config: &D::Config) -> Result<Self> {
+        let json = serde_json::to_value(config);
         let json = json.map_err(|error| Error::argument(D::NAME, error.to_string()))?;
         let common = config.as_ref();
-        let world = World::new(&D::text(&config)?, common.mujoco)?;
+        let world = World::new(&D::text(config)?, common.mujoco)?;
         common.check(&world.model)?;
-        let task = Arc::new(D::new(&config, &world.model)?);
+        let task = Arc::new(D::new(config, &world.model)?);
         Self::of((D::NAME, task), (json, common), world, D::TIMESTEPS)
     }
 
@@ -390,7 +390,7 @@ impl<D: Domain> Configure for Of<D> {
 
     fn configure(config: D::Config, _version: u32) -> Result<Self> {
         Ok(Self {
-            env: ControlEnv::new::<D>(config)?,
+            env: ControlEnv::new::<D>(&config)?,
             domain: PhantomData,
         })
     }

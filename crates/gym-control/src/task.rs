@@ -122,7 +122,7 @@ fn vector<D: Domain>(spec: &VectorSpec) -> Result<BoxVector> {
     let version = find(&spec.env.id)?.rules();
     vector_of(spec, &|EnvSpec { id, kwargs, .. }| {
         let config = arguments::read(&D::Config::default(), version, kwargs, &format!("`{id}`"))?;
-        ControlEnv::new::<D>(config)
+        ControlEnv::new::<D>(&config)
     })
 }
 

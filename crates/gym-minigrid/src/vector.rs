@@ -15,10 +15,10 @@ pub(crate) fn entry_point<L: Level + Arguments>(spec: &VectorSpec) -> Result<Box
     let whose = format!("`{}`", spec.env.id);
     let version = find(&spec.env.id)?.rules();
     let level: L = arguments::read(&L::default(), version, &spec.env.kwargs, &whose)?;
-    vector(GridEnv::new(level)?, spec)
+    vector(&GridEnv::new(level)?, spec)
 }
 
-fn vector(env: GridEnv, spec: &VectorSpec) -> Result<BoxVector> {
+fn vector(env: &GridEnv, spec: &VectorSpec) -> Result<BoxVector> {
     let only = |what: &str| {
         let reason = format!("{what} in a native vector: make a sync or async one");
         Err(Error::argument(format!("`{}`", spec.env.id), reason))

@@ -7,6 +7,7 @@
 count of poses, and a digest of their contacts: the geoms, the distance, the place and the frame of each.
 A pose: one body is turned and put anywhere, the other beside it, at sums of lengths of the geoms, so that sides touch up to rounding.
 """
+import math
 import struct
 import sys
 
@@ -34,7 +35,7 @@ def models():
         bodies = "".join(f"<body><freejoint/>{geoms}</body>" for geoms in (first, second))
         return f"<mujoco><worldbody>{world}{bodies}</worldbody></mujoco>"
 
-    yield "capsule-box", two(BOX, CAPSULE)
+    yield "capsule-box-alone", two(BOX, CAPSULE)
     # the box has a neighbour, so that boxes around geoms are compared
     beside = '<geom type="sphere" size=".01" pos="0 0 2"/>'
     for name, shape in SHAPES.items():
@@ -54,7 +55,7 @@ def turn(random):
     if kind < 0.7:
         return [float(x) for x in TURNS[int(random.uniform(0, len(TURNS)))]]
     quat = [random.uniform(-1, 1) for _ in range(4)]
-    length = (quat[0] * quat[0] + quat[1] * quat[1] + quat[2] * quat[2] + quat[3] * quat[3]) ** 0.5
+    length = math.sqrt(quat[0] * quat[0] + quat[1] * quat[1] + quat[2] * quat[2] + quat[3] * quat[3])
     return [x / length for x in quat]
 
 

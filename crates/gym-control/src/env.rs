@@ -4,11 +4,12 @@ use std::marker::PhantomData;
 use std::sync::Arc;
 
 use gym_core::canvas::Canvas;
+use gym_core::registry::Build;
 use gym_core::render::Metadata;
 use gym_core::spaces::BoxSpace;
 use gym_core::{
-    Array, Configure, Env, Error, Generator, Inspect, Outcome, RandomState, Reset, Result, Seed,
-    Snapshot, Space, Value,
+    Array, Env, Error, Generator, Inspect, Outcome, RandomState, Reset, Result, Seed, Snapshot,
+    Space, Value,
 };
 use gym_mujoco::Data;
 use gym_mujoco::tasks::Common as Camera;
@@ -352,50 +353,15 @@ impl Inspect for ControlEnv {
     }
 }
 
-/// The environment of a domain: what a registration names.
-#[derive(Clone, Debug)]
-pub struct Of<D> {
-    env: ControlEnv,
-    domain: PhantomData<fn() -> D>,
-}
+/// Builds the environments of a domain, for a registration.
+#[derive(Debug)]
+pub struct Of<D>(PhantomData<D>);
 
-impl<D: Domain> gym_core::Wrapper for Of<D> {
-    type Inner = ControlEnv;
-    type Observation = Value;
-    type Action = Array;
-
-    fn inner(&self) -> &ControlEnv {
-        &self.env
-    }
-
-    fn inner_mut(&mut self) -> &mut ControlEnv {
-        &mut self.env
-    }
-
-    fn on_reset(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
-        self.env.reset_into(reset, observation)
-    }
-
-    fn on_step(&mut self, action: &Array, observation: &mut Value) -> Result<Outcome> {
-        self.env.step_into(action, observation)
-    }
-
-    fn on_describe(&self) -> String {
-        self.env.describe()
-    }
-}
-
-impl<D: Domain> Configure for Of<D> {
+impl<D: Domain> Build for Of<D> {
     type Config = D::Config;
+    type Env = ControlEnv;
 
-    fn configure(config: D::Config, _version: u32) -> Result<Self> {
-        Ok(Self {
-            env: ControlEnv::new::<D>(&config)?,
-            domain: PhantomData,
-        })
-    }
-
-    fn into_env(self) -> impl Env {
-        self.env
+    fn build(config: D::Config, _version: u32) -> Result<ControlEnv> {
+        ControlEnv::new::<D>(&config)
     }
 }

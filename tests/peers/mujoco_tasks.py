@@ -1,7 +1,7 @@
 """Times MuJoCo's tasks here, in Gymnasium and in EnvPool, in turn, by CPU time: `mujoco_tasks.py [ID...]`.
 
-All three from Python, on one core: one environment from `make` of `rustgym` and of Gymnasium, 16 at once in EnvPool on one thread. Needs
-what `requirements.txt` names, mujoco==3.12.0, and rustgym, built as docs/python/README.md says.
+All from Python, on one core: one environment from `make` of `rustgym` and of Gymnasium, and vectors of 64 of `rustgym` and of EnvPool on
+one thread. The actions are random. Needs what `requirements.txt` names, and rustgym, built as docs/python/README.md says.
 """
 
 import os
@@ -23,7 +23,7 @@ gymnasium.logger.min_level = gymnasium.logger.ERROR
 
 TASKS = ["InvertedPendulum", "InvertedDoublePendulum", "Reacher", "Swimmer", "HalfCheetah", "Hopper", "Walker2d", "Ant", "Pusher"]
 TASKS += ["Humanoid", "HumanoidStandup"]
-AT_ONCE = 16
+AT_ONCE = 64
 ROUNDS = 6
 SECONDS = 0.5  # of each slice
 
@@ -55,10 +55,9 @@ def one(library, task):
     return step
 
 
-def many(task):
-    envs = envpool.make_gymnasium(task, num_envs=AT_ONCE, num_threads=1, seed=0)
+def many(envs, space):
     envs.reset()
-    actions = np.random.default_rng(0).uniform(envs.action_space.low, envs.action_space.high, (100, AT_ONCE, *envs.action_space.shape))
+    actions = np.random.default_rng(0).uniform(space.low, space.high, (100, AT_ONCE, *space.shape)).astype(space.dtype)
     steps = 0
 
     def step():
@@ -73,9 +72,13 @@ def shown(rate):
     return f"{rate / 1000:.{0 if rate >= 10_000 else 1}f} k"
 
 
-print("| task | rustgym | Gymnasium | EnvPool |\n|---|---|---|---|")
+print("| task | `make` of rustgym | Gymnasium | vector of 64 of rustgym | EnvPool |\n|---|---|---|---|---|")
 for task in sys.argv[1:] or [f"{task}-v5" for task in TASKS]:
-    steps = [(one(rustgym, task), 1), (one(gymnasium, task), 1), (many(task), AT_ONCE)]
-    rates = [[rate(*step) for step in steps] for _ in range(ROUNDS)]
-    ours, *others = map(max, zip(*rates))
-    print(f"| {task} | {shown(ours)} | " + " | ".join(f"{shown(other)} ({ours / other:.1f}x)" for other in others) + " |", flush=True)
+    envs = rustgym.make_vec(task, num_envs=AT_ONCE)
+    space = envs.single_action_space
+    pool = envpool.make_gymnasium(task, num_envs=AT_ONCE, num_threads=1, seed=0)
+    works = [(one(rustgym, task), 1), (one(gymnasium, task), 1), (many(envs, space), AT_ONCE), (many(pool, space), AT_ONCE)]
+    one_here, one_there, many_here, many_there = map(max, zip(*[[rate(*work) for work in works] for _ in range(ROUNDS)]))
+    cells = [shown(one_here), f"{shown(one_there)} ({one_here / one_there:.1f}x)"]
+    cells += [shown(many_here), f"{shown(many_there)} ({many_here / many_there:.1f}x)"]
+    print(f"| {task} | {' | '.join(cells)} |", flush=True)

@@ -1,12 +1,15 @@
 //! Makes an environment of a task.
 
+use std::marker::PhantomData;
+use std::sync::Arc;
+
 use gym_core::canvas::Canvas;
+use gym_core::registry::Build;
 use gym_core::render::Metadata;
 use gym_core::spaces::BoxSpace;
-use gym_core::vector::lockstep::{Lockstep, Together};
 use gym_core::{
-    Array, Configure, Env, Error, Generator, Inspect, Outcome, RandomState, Reset, Result, Seed,
-    Snapshot, Space, Value,
+    Array, Env, Error, Generator, Inspect, Outcome, RandomState, Reset, Result, Seed, Snapshot,
+    Space, Value,
 };
 use gym_mujoco::Data;
 use gym_mujoco::tasks::Common as Camera;
@@ -18,7 +21,7 @@ use crate::arguments::Common;
 use crate::observation::{Layout, Observation};
 use crate::pixels::Pixels;
 use crate::start::Start;
-use crate::task::Task;
+use crate::task::{Domain, Task};
 use crate::world::World;
 
 /// The environment of a task.
@@ -27,9 +30,15 @@ use crate::world::World;
 /// episode; a reset without a seed is its next episode. Where dm_control raises `PhysicsError`, as
 /// for a state that diverges, MuJoCo's reset of the simulation is what follows.
 #[derive(Clone, Debug)]
-pub struct ControlEnv<T: Task> {
-    config: T::Config,
-    task: T,
+pub struct ControlEnv {
+    /// The name of the domain.
+    name: &'static str,
+    /// The arguments, as JSON, and those that all tasks share.
+    config: Arc<Json>,
+    common: Arc<Common>,
+    task: Arc<dyn Task>,
+    /// The model's timesteps per step.
+    timesteps: usize,
     world: World,
     view: View,
     observation_space: Space,
@@ -55,17 +64,28 @@ struct Episode {
 /// The bound of controls without one.
 const UNBOUNDED: f64 = 1e10;
 
-impl<T: Task> ControlEnv<T> {
+impl ControlEnv {
     /// The environment with these arguments.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for an argument out of range.
-    pub fn new(config: T::Config) -> Result<Self> {
-        let common: &Common = config.as_ref();
-        let world = World::new(&T::text(&config)?, common.mujoco)?;
+    pub fn new<D: Domain>(config: &D::Config) -> Result<Self> {
+        let json = serde_json::to_value(config);
+        let json = json.map_err(|error| Error::argument(D::NAME, error.to_string()))?;
+        let common = config.as_ref();
+        let world = World::new(&D::text(config)?, common.mujoco)?;
+        common.check(&world.model)?;
+        let task = Arc::new(D::new(config, &world.model)?);
+        Self::of((D::NAME, task), (json, common), world, D::TIMESTEPS)
+    }
+
+    fn of(
+        (name, task): (&'static str, Arc<dyn Task>),
+        (config, common): (Json, &Common),
+        world: World,
+        timesteps: usize,
+    ) -> Result<Self> {
         let model = &*world.model;
-        common.check(model)?;
-        let task = T::new(&config, model)?;
         let camera = Camera {
             camera_id: Some(common.camera_id),
             ..Camera::default()
@@ -97,12 +117,16 @@ impl<T: Task> ControlEnv<T> {
                 .collect()
         };
         let action_space = BoxSpace::new(bounds(0), bounds(1))?.into();
-        let step = model.opt.timestep * T::TIMESTEPS as f64;
+        let step = model.opt.timestep * timesteps as f64;
         let limit = common
             .time_limit
             .map_or(f64::INFINITY, |limit| limit / step);
         Ok(Self {
+            name,
+            config: config.into(),
+            common: common.clone().into(),
             task,
+            timesteps,
             world,
             view,
             observation_space,
@@ -112,12 +136,7 @@ impl<T: Task> ControlEnv<T> {
             seen,
             pixels,
             episode: None,
-            config,
         })
-    }
-
-    fn common(&self) -> &Common {
-        self.config.as_ref()
     }
 
     /// The state of the physics, once there was a reset.
@@ -161,7 +180,7 @@ impl<T: Task> ControlEnv<T> {
             constants,
             seeded: seed.is_some(),
         })?;
-        let common: &Common = self.config.as_ref();
+        let common = &*self.common;
         for (given, numbers) in [
             (&common.qpos, &mut data.qpos),
             (&common.qvel, &mut data.qvel),
@@ -177,7 +196,7 @@ impl<T: Task> ControlEnv<T> {
     /// Draws the state for a picture of a width and a height.
     fn picture(&self, data: &Data, size: (u32, u32), canvas: &mut dyn Canvas) {
         let model = &self.world.model;
-        if self.common().visualize_reward {
+        if self.common.visualize_reward {
             let coloured = self.world.coloured(self.task.reward(model, data));
             return self.view.draw(&coloured, data, size, canvas);
         }
@@ -192,7 +211,7 @@ impl<T: Task> ControlEnv<T> {
             self.pixels = Some(pixels);
             return;
         }
-        let common: &Common = self.config.as_ref();
+        let common = &*self.common;
         let (model, data) = (&*self.world.model, &episode.data);
         self.seen.clear();
         self.task.observe(model, data, &mut self.seen);
@@ -201,7 +220,7 @@ impl<T: Task> ControlEnv<T> {
     }
 }
 
-impl<T: Task> Env for ControlEnv<T> {
+impl Env for ControlEnv {
     type Observation = Value;
     type Action = Array;
 
@@ -230,7 +249,7 @@ impl<T: Task> Env for ControlEnv<T> {
         for (control, number) in episode.data.ctrl.iter_mut().zip(action.iter_f64()) {
             *control = number;
         }
-        self.world.step(&mut episode.data, T::TIMESTEPS);
+        self.world.step(&mut episode.data, self.timesteps);
         episode.steps += 1;
         let reward = self.task.reward(model, &episode.data);
         let truncated = episode.steps as f64 >= self.limit;
@@ -244,7 +263,7 @@ impl<T: Task> Env for ControlEnv<T> {
     }
 
     fn snapshot(&self) -> Result<Snapshot> {
-        Snapshot::with_config(T::NAME, &self.config, &self.episode)
+        Snapshot::with_config(self.name, &*self.config, &self.episode)
     }
 
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()> {
@@ -256,7 +275,7 @@ impl<T: Task> Env for ControlEnv<T> {
                 && episode.steps as f64 <= most
                 && self.task.has(&episode.constants)
         };
-        let mut episode = snapshot.for_config(T::NAME, &self.config, is_valid)?;
+        let mut episode = snapshot.for_config(self.name, &*self.config, is_valid)?;
         if let Some(Episode {
             constants, data, ..
         }) = &mut episode
@@ -272,20 +291,20 @@ impl<T: Task> Env for ControlEnv<T> {
     }
 
     fn metadata(&self) -> Metadata {
-        let step = self.world.model.opt.timestep * T::TIMESTEPS as f64;
-        let common = self.common();
+        let step = self.world.model.opt.timestep * self.timesteps as f64;
+        let common = &self.common;
         Metadata::drawn((1.0 / step).round() as u32, (common.width, common.height))
     }
 
     fn draw(&self, canvas: &mut dyn Canvas) {
         if let Some(data) = self.data() {
-            let size = (self.common().width, self.common().height);
+            let size = (self.common.width, self.common.height);
             self.picture(data, size, canvas);
         }
     }
 
     fn describe(&self) -> String {
-        T::NAME.to_owned()
+        self.name.to_owned()
     }
 
     fn generator(&mut self) -> Option<&mut Generator> {
@@ -306,7 +325,7 @@ impl<T: Task> Env for ControlEnv<T> {
 }
 
 /// The state is `qpos` and `qvel`.
-impl<T: Task> Inspect for ControlEnv<T> {
+impl Inspect for ControlEnv {
     fn state(&self) -> Option<Json> {
         let Data { qpos, qvel, .. } = self.data()?;
         Some(json!({"qpos": qpos, "qvel": qvel}))
@@ -330,36 +349,19 @@ impl<T: Task> Inspect for ControlEnv<T> {
     }
 
     fn arguments(&self) -> Json {
-        serde_json::to_value(&self.config).unwrap_or_default()
+        (*self.config).clone()
     }
 }
 
-impl<T: Task> Configure for ControlEnv<T> {
-    type Config = T::Config;
+/// Builds the environments of a domain, for a registration.
+#[derive(Debug)]
+pub struct Of<D>(PhantomData<D>);
 
-    fn configure(config: T::Config, _version: u32) -> Result<Self> {
-        Self::new(config)
+impl<D: Domain> Build for Of<D> {
+    type Config = D::Config;
+    type Env = ControlEnv;
+
+    fn build(config: D::Config, _version: u32) -> Result<ControlEnv> {
+        ControlEnv::new::<D>(&config)
     }
-}
-
-/// The environments of a vector step one by one.
-#[derive(Debug, Default)]
-pub struct Alone;
-
-impl Together for Alone {
-    const LEN: usize = 1;
-
-    fn solve(&mut self) {}
-
-    fn clear(&mut self) {}
-}
-
-impl<T: Task> Lockstep for ControlEnv<T> {
-    type Group = Alone;
-
-    fn begin_reset(&mut self, _: &Reset, _: &mut Alone) {}
-
-    fn begin_step(&mut self, _: &Array, _: &mut Alone) {}
-
-    fn collect(&mut self, _: &mut Alone) {}
 }

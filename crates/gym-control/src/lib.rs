@@ -13,8 +13,8 @@
 //! # }
 //! ```
 //!
-//! A domain is a file of [`domains`], with its model in `models`: it implements [`Task`], and
-//! [`ControlEnv`] makes an environment of it, on the engine of gym-mujoco.
+//! A domain is a file of [`domains`], with its model in `models`: it implements [`Domain`]
+//! and [`Task`], and [`ControlEnv`] makes an environment of it, on the engine of gym-mujoco.
 //!
 //! Linking this crate registers the tasks; name it (`use gym_control as _;`) if nothing else of it
 //! is used.
@@ -33,10 +33,10 @@ mod task;
 mod world;
 
 pub use arguments::Common;
-pub use env::ControlEnv;
+pub use env::{ControlEnv, Of};
 pub use observation::Observation;
 pub use start::Start;
-pub use task::{Task, register};
+pub use task::{Domain, Task, register};
 
 /// The example of the README, compiled and run.
 #[cfg(doctest)]

@@ -43,7 +43,7 @@ impl Start<'_> {
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] if they are not those of a model.
-    pub fn apply<T: Task>(&mut self, task: &T) -> Result<()> {
+    pub fn apply(&mut self, task: &dyn Task) -> Result<()> {
         let constants = &*self.constants;
         self.world.change(|model| task.apply(constants, model))
     }

@@ -3,22 +3,22 @@
 use std::borrow::Cow;
 use std::fmt;
 
-use gym_core::registry::Exceptions;
-use gym_core::{Arguments, Error, Registration, Result};
+use gym_core::registry::{Exceptions, find};
+use gym_core::vector::{BoxVector, SyncVectorEnv, VectorSpec};
+use gym_core::wrappers::TimeLimit;
+use gym_core::{Arguments, BoxEnv, EnvSpec, Error, Registration, Result, arguments};
 use gym_mujoco::{CompiledModel, Data, Model};
 
 use crate::arguments::Common;
-use crate::env::ControlEnv;
+use crate::env::{ControlEnv, Of};
 use crate::observation::Observation;
 use crate::start::Start;
 
-/// A domain of tasks with one model: its starts, observations and rewards.
-///
-/// It is built once for an environment from arguments, which are a struct of
-/// [`gym_core::arguments!`] with [`Common`] in it, and looks up bodies and joints then.
-pub trait Task: Clone + fmt::Debug + Send + Sync + Sized + 'static {
+/// A domain: a model, and what builds its tasks from arguments, which are a struct of
+/// [`gym_core::arguments!`] with [`Common`] in it.
+pub trait Domain: Task + Clone {
     /// The arguments.
-    type Config: Arguments + AsRef<Common> + Clone + PartialEq + fmt::Debug + Send + Sync + 'static;
+    type Config: Arguments + AsRef<Common>;
 
     /// The name of the domain.
     const NAME: &'static str;
@@ -32,12 +32,15 @@ pub trait Task: Clone + fmt::Debug + Send + Sync + Sized + 'static {
     /// [`Error::InvalidArgument`] for an argument out of range.
     fn text(config: &Self::Config) -> Result<Cow<'static, str>>;
 
-    /// The task on its model.
+    /// The task on its model. It looks up bodies and joints here, once for an environment.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for an argument out of range.
     fn new(config: &Self::Config, model: &Model) -> Result<Self>;
+}
 
+/// A task on its model: its starts, observations and rewards.
+pub trait Task: fmt::Debug + Send + Sync + 'static {
     /// Draws positions and velocities: dm_control's `initialize_episode`.
     ///
     /// # Errors
@@ -107,11 +110,40 @@ pub(crate) const UNLIMITED: Exceptions = &[
 ];
 
 /// The registration that all tasks share.
-pub const fn register<T: Task>(id: &'static str, description: &'static str) -> Registration {
-    Registration::new::<ControlEnv<T>>(id)
+pub const fn register<D: Domain>(id: &'static str, description: &'static str) -> Registration {
+    Registration::new::<Of<D>>(id)
         .description(description)
         .exceptions(&[LIMIT, COLOURS])
-        .lockstep::<ControlEnv<T>>()
+        .vector_entry_point(vector::<D>)
+}
+
+/// A native vector, whose environments share their model as long as no start changes it.
+fn vector<D: Domain>(spec: &VectorSpec) -> Result<BoxVector> {
+    let version = find(&spec.env.id)?.rules();
+    vector_of(spec, &|EnvSpec { id, kwargs, .. }| {
+        let config = arguments::read(&D::Config::default(), version, kwargs, &format!("`{id}`"))?;
+        ControlEnv::new::<D>(&config)
+    })
+}
+
+fn vector_of(
+    spec: &VectorSpec,
+    make: &dyn Fn(&EnvSpec) -> Result<ControlEnv>,
+) -> Result<BoxVector> {
+    let first = make(&spec.env)?;
+    let make = |index| {
+        if spec.each.is_empty() {
+            return Ok(first.clone());
+        }
+        make(&spec.env_at(index))
+    };
+    Ok(match spec.env.max_episode_steps {
+        Some(limit) => {
+            let limited = |index| Ok(BoxEnv::new(TimeLimit::new(make(index)?, limit)?));
+            Box::new(SyncVectorEnv::native(spec, limited)?)
+        }
+        None => Box::new(SyncVectorEnv::native(spec, make)?),
+    })
 }
 
 /// An object of the model that the task names.

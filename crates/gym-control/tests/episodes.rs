@@ -73,5 +73,5 @@ fn episodes_are_dm_controls() {
         "{}",
         unlike.join("\n")
     );
-    assert!(lines.len() >= 39);
+    assert!(lines.len() >= 79);
 }

@@ -1,6 +1,10 @@
 //! What is made by id: forms of observations, arguments, snapshots, native vectors.
 
+use std::collections::BTreeSet;
+use std::ops::Range;
+
 use gym_control as _;
+use gym_core::registry::EnvBuilder;
 use gym_core::vector::VectorKind;
 use gym_core::{BoxEnv, Env, EnvExt, Value, VectorEnv, VectorEnvExt, builder, make, registry};
 use gym_render as _;
@@ -206,4 +210,35 @@ fn colours_show_the_reward_where_that_is_asked() {
         env.build().unwrap().reset(0).unwrap()
     };
     assert_ne!(draw(true), draw(false));
+}
+
+/// Whether a part of a square picture of the first state has more colours than one.
+fn shows(env: EnvBuilder, side: usize, rows: Range<usize>, columns: Range<usize>) -> bool {
+    let made = env.arg("pixels", side).build();
+    let picture = made.unwrap().reset(1).unwrap();
+    let (pixels, _) = picture.as_slice::<u8>().unwrap().as_chunks::<3>();
+    let part = rows.flat_map(|row| {
+        columns
+            .clone()
+            .map(move |column| pixels[row * side + column])
+    });
+    part.collect::<BTreeSet<_>>().len() > 1
+}
+
+#[test]
+fn the_camera_follows_the_fish_and_not_its_target() {
+    // several colours of the fish, where the floor would be one or two
+    assert!(shows(
+        builder("dm_control/fish-swim-v0"),
+        84,
+        41..43,
+        41..43
+    ));
+}
+
+#[test]
+fn the_string_of_the_ball_is_shown() {
+    // the ball hangs below the cup
+    let env = builder("dm_control/ball_in_cup-catch-v0").arg("qpos", vec![0.0; 4]);
+    assert!(shows(env, 240, 100..101, 110..130));
 }

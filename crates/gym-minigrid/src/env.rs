@@ -6,12 +6,12 @@ use std::sync::Arc;
 
 use gym_core::canvas::Canvas;
 use gym_core::keys::json;
-use gym_core::registry::Clip;
+use gym_core::registry::{Build, Clip};
 use gym_core::render::Metadata;
 use gym_core::spaces::{BoxSpace, DictSpace, array_of};
 use gym_core::{
-    Arguments, BoxEnv, Configure, DType, Env, Error, Generator, Inspect, Keys, Outcome, Policy,
-    Registration, Reset, Result, Snapshot, Space, Value,
+    Arguments, BoxEnv, DType, Env, Error, Generator, Inspect, Keys, Outcome, Policy, Registration,
+    Reset, Result, Snapshot, Space, Value,
 };
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
@@ -320,51 +320,16 @@ impl Inspect for GridEnv {
     }
 }
 
-/// The environment of levels of one type: what a registration names.
-#[derive(Clone, Debug)]
-pub struct Of<L> {
-    env: GridEnv,
-    level: PhantomData<fn() -> L>,
-}
+/// Builds the environments of levels of one type, for a registration.
+#[derive(Debug)]
+pub struct Of<L>(PhantomData<L>);
 
-impl<L: Clone + 'static> gym_core::Wrapper for Of<L> {
-    type Inner = GridEnv;
-    type Observation = Value;
-    type Action = Action;
-
-    fn inner(&self) -> &GridEnv {
-        &self.env
-    }
-
-    fn inner_mut(&mut self) -> &mut GridEnv {
-        &mut self.env
-    }
-
-    fn on_reset(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
-        self.env.reset_into(reset, observation)
-    }
-
-    fn on_step(&mut self, action: &Action, observation: &mut Value) -> Result<Outcome> {
-        self.env.step_into(action, observation)
-    }
-
-    fn on_describe(&self) -> String {
-        self.env.describe()
-    }
-}
-
-impl<L: Level + Arguments + Clone> Configure for Of<L> {
+impl<L: Level + Arguments + Clone> Build for Of<L> {
     type Config = L;
+    type Env = GridEnv;
 
-    fn configure(level: L, _version: u32) -> Result<Self> {
-        Ok(Self {
-            env: GridEnv::new(level)?,
-            level: PhantomData,
-        })
-    }
-
-    fn into_env(self) -> impl Env {
-        self.env
+    fn build(level: L, _version: u32) -> Result<GridEnv> {
+        GridEnv::new(level)
     }
 }
 

@@ -1,37 +1,10 @@
 //! Native vectors: environments of one type, without the cost of erased ones.
 
-use gym_core::registry::{VectorKind, find};
-use gym_core::vector::{BoxVector, SyncVectorEnv, VectorEnv, VectorSpec};
+use gym_core::registry::find;
+use gym_core::vector::{BoxVector, SyncVectorEnv, VectorSpec};
 use gym_core::{Arguments, Error, Result, arguments};
 
 use crate::{GridEnv, Level};
-
-/// A vector of grids.
-struct Grids {
-    envs: SyncVectorEnv<GridEnv>,
-    spec: VectorSpec,
-}
-
-impl gym_core::VectorWrapper for Grids {
-    fn inner(&self) -> &dyn VectorEnv {
-        &self.envs
-    }
-
-    fn inner_mut(&mut self) -> &mut dyn VectorEnv {
-        &mut self.envs
-    }
-
-    fn on_spec(&self) -> Option<VectorSpec> {
-        Some(self.spec.clone())
-    }
-
-    fn on_describe(&self) -> String {
-        format!(
-            "NativeVectorEnv({}, num_envs={})",
-            self.spec.env.id, self.spec.num_envs
-        )
-    }
-}
 
 /// Makes a native vector from its spec.
 ///
@@ -42,10 +15,10 @@ pub(crate) fn entry_point<L: Level + Arguments>(spec: &VectorSpec) -> Result<Box
     let whose = format!("`{}`", spec.env.id);
     let version = find(&spec.env.id)?.rules();
     let level: L = arguments::read(&L::default(), version, &spec.env.kwargs, &whose)?;
-    vector(GridEnv::new(level)?, spec)
+    vector(&GridEnv::new(level)?, spec)
 }
 
-fn vector(env: GridEnv, spec: &VectorSpec) -> Result<BoxVector> {
+fn vector(env: &GridEnv, spec: &VectorSpec) -> Result<BoxVector> {
     let only = |what: &str| {
         let reason = format!("{what} in a native vector: make a sync or async one");
         Err(Error::argument(format!("`{}`", spec.env.id), reason))
@@ -56,8 +29,5 @@ fn vector(env: GridEnv, spec: &VectorSpec) -> Result<BoxVector> {
     if spec.env.max_episode_steps.is_some() {
         return only("`max_steps` is the limit of steps, and there is no other");
     }
-    let envs = SyncVectorEnv::new(vec![env; spec.num_envs])?.with_autoreset(spec.autoreset_mode);
-    let mut spec = spec.clone();
-    spec.vectorization_mode = VectorKind::Native;
-    Ok(Box::new(Grids { envs, spec }))
+    Ok(Box::new(SyncVectorEnv::native(spec, |_| Ok(env.clone()))?))
 }

@@ -358,6 +358,27 @@ impl Data {
         self.last.is_some()
     }
 
+    /// The state from which the last call started, by the names of `mjData`: with it, MuJoCo itself
+    /// can repeat the call. Whether that call was [`step`] comes first. `None` if nothing was
+    /// computed from the state.
+    #[must_use]
+    pub fn start(&self) -> Option<(bool, [(&'static str, &[f64]); 10])> {
+        let (last, from) = (self.last?, &self.before);
+        let arrays: [(_, &[f64]); 10] = [
+            ("time", std::slice::from_ref(&from.time)),
+            ("qpos", &from.qpos),
+            ("qvel", &from.qvel),
+            ("ctrl", &from.ctrl),
+            ("qacc_warmstart", &from.qacc_warmstart),
+            ("act", &from.act),
+            ("mocap_pos", from.mocap_pos.as_flattened()),
+            ("mocap_quat", from.mocap_quat.as_flattened()),
+            ("qfrc_applied", &from.qfrc_applied),
+            ("xfrc_applied", from.xfrc_applied.as_flattened()),
+        ];
+        Some((last == Call::Step, arrays))
+    }
+
     /// Repeats the last call to compute the arrays that are not serialised. Not needed before a
     /// step or a forward call.
     ///

@@ -2,6 +2,7 @@
 
 use anyhow::{Context, Result, ensure};
 use gym::atari::AtariEnv;
+use gym::control::ControlEnv;
 use gym::minigrid::GridEnv;
 use gym::{BoxEnv, Env, EnvExt, Space};
 use serde::{Deserialize, Serialize};
@@ -14,6 +15,8 @@ pub(crate) enum Task {
     Discrete,
     /// Observations of numbers, continuous actions.
     Continuous,
+    /// A task of the DeepMind Control Suite: continuous actions.
+    Control,
     /// A game of the Atari 2600.
     Atari,
     /// A grid of MiniGrid or BabyAI.
@@ -27,6 +30,9 @@ impl Task {
         }
         if env.layer::<GridEnv>().is_some() {
             return Self::Grid;
+        }
+        if env.layer::<ControlEnv>().is_some() {
+            return Self::Control;
         }
         match env.action_space() {
             Space::Box(_) => Self::Continuous,
@@ -109,7 +115,7 @@ impl Settings {
                     ..lander
                 };
             }
-            Task::Continuous => {}
+            Task::Continuous | Task::Control => {}
         }
         let continuous = Self {
             envs: 8,

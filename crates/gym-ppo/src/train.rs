@@ -34,6 +34,9 @@ fn spec(id: &str, settings: &Settings, task: Task) -> gym::Result<VectorSpec> {
             .wrap(WrapperSpec::new("AtariPreprocessing"));
         env = env.wrap(WrapperSpec::new("FrameStackObservation").arg("stack_size", FRAMES));
     }
+    if task == Task::Control {
+        env = env.arg("flat", true).arg("dtype", "float32");
+    }
     if task == Task::Grid {
         // the cells as zeros and ones for kind, colour and state; the mission is left out
         let names = [
@@ -52,7 +55,7 @@ fn spec(id: &str, settings: &Settings, task: Task) -> gym::Result<VectorSpec> {
         vector = vector.kind(VectorKind::Async);
     }
     let mut wrappers = vec![WrapperSpec::new("RecordEpisodeStatistics")];
-    if task == Task::Continuous {
+    if matches!(task, Task::Continuous | Task::Control) {
         wrappers.push(WrapperSpec::new("ClipAction"));
     }
     if settings.normalize {

@@ -1,14 +1,11 @@
 //! The MuJoCo tasks in Python: the arrays of `mjData`, and the parts of their model.
 
+use gym::BoxEnv;
 use gym::mujoco::tasks::{self, Simulated, Simulation};
 use gym::mujoco::{Data, Revision, simulated};
-use gym::{BoxEnv, Error};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
-use serde_json::Value as Json;
-
-use crate::error::OrRaise;
 
 /// The arrays of the state under MuJoCo's names (before the first reset, of the initial state);
 /// `None` for other environments.
@@ -46,33 +43,26 @@ pub(crate) fn before<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Boun
     let Some(data) = simulated(env).and_then(Simulated::data) else {
         return Ok(None);
     };
-    let stored = serde_json::to_value(data)
-        .map_err(|error| Error::Snapshot(error.to_string()))
-        .or_raise()?;
-    let start = match &stored["before"] {
-        Json::Null => &stored["state"],
-        before => before,
+    let dict = |arrays: &[(&str, &[f64])]| {
+        let dict = PyDict::new(py);
+        let mut filled = arrays.iter().filter(|(_, numbers)| !numbers.is_empty());
+        filled.try_for_each(|(name, numbers)| match (*name, *numbers) {
+            ("time", [time]) => dict.set_item("time", time),
+            (name, numbers) => dict.set_item(name, PyArray1::from_slice(py, numbers)),
+        })?;
+        PyResult::Ok(dict)
     };
-    let state = PyDict::new(py);
-    for (name, value) in start.as_object().into_iter().flatten() {
-        match value {
-            Json::Array(numbers) => {
-                let numbers: Vec<f64> = numbers.iter().filter_map(Json::as_f64).collect();
-                state.set_item(name, PyArray1::from_vec(py, numbers))?;
-            }
-            value => state.set_item(name, value.as_f64())?,
-        }
-    }
-    let now = PyDict::new(py);
-    now.set_item("time", data.time)?;
-    now.set_item("qpos", PyArray1::from_slice(py, &data.qpos))?;
-    now.set_item("qvel", PyArray1::from_slice(py, &data.qvel))?;
-    now.set_item(
-        "qacc_warmstart",
-        PyArray1::from_slice(py, &data.qacc_warmstart),
-    )?;
-    let stepped = stored["last"].as_str() == Some("Step");
-    (stepped, state, now).into_pyobject(py).map(Some)
+    let now: [(_, &[f64]); 4] = [
+        ("time", std::slice::from_ref(&data.time)),
+        ("qpos", &data.qpos),
+        ("qvel", &data.qvel),
+        ("qacc_warmstart", &data.qacc_warmstart),
+    ];
+    let (stepped, start) = match data.start() {
+        Some((stepped, start)) => (stepped, dict(&start)?),
+        None => (false, dict(&now)?),
+    };
+    (stepped, start, dict(&now)?).into_pyobject(py).map(Some)
 }
 
 fn vector<'py>(py: Python<'py>, numbers: &[f64]) -> PyResult<Bound<'py, PyArray1<f64>>> {

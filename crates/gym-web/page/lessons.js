@@ -79,147 +79,219 @@ function find(id, environments) {
   return lesson;
 }
 
+// Shows a lesson in `main`; returns a function that ends it.
 export async function lessons(main, id, environments) {
   const lesson = find(id, environments);
-  const engine = new Engine();
-  const list = parametersOf(lesson);
   const values = firstValues(lesson);
   const kwargs = { ...lesson.kwargs };
-  const learner = 1;
-  let env = null;
-  let running = false;
-  let returns = [];
-  let lengths = [];
-  let pace = lesson.pace ?? PACE;
-  let over = false;
-  let now = 0;
-
-  const parameters = () => ({ method: lesson.method, ...values });
-  const canvas = h("canvas", { class: "picture", width: 300, height: 200, role: "img", "aria-label": `The policy that was learned so far plays ${lesson.title}` });
-  const drawn = h("canvas", { class: "values", role: "img", "aria-label": "The values that were learned" });
-  const stage = h("div", { class: "stage" }, canvas, lesson.map ? drawn : null);
-  const chart = h("canvas", { class: "chart tall", role: "img", "aria-label": "Return of each episode of training" });
-  const [episodeText, meanText, thirdText] = [h("output", {}, "0"), h("output", {}, "–"), h("output", {}, "–")];
-  const weights = h("div", { class: "bars" });
-  const status = h("p", { class: "message error", role: "alert", hidden: true });
+  const view = elements(lesson);
   const fail = (error) => {
-    running = false;
-    status.textContent = error.message ?? error;
-    status.hidden = false;
-    showRunning();
+    training.stop();
+    view.status.textContent = error.message ?? error;
+    view.status.hidden = false;
   };
-
-  const runButton = h("button", { class: "primary", type: "button", onclick: () => (running ? stop() : run()) });
-  const paceSelect = h("select", { "aria-label": "Pace" }, PACES.map((value) => h("option", { value: String(value), selected: value === pace }, value === Infinity ? "as fast as it goes" : `${value} episode${value === 1 ? "" : "s"} a second`)));
-  paceSelect.addEventListener("change", () => (pace = Number(paceSelect.value)));
-  const showRunning = () => {
-    runButton.replaceChildren(h("span", {}, running ? "Pause" : returns.length ? "Go on" : "Learn"));
+  const training = new Training(lesson, { values, kwargs, show: () => show().catch(fail), fail });
+  training.running = (running) => {
+    view.run.replaceChildren(h("span", {}, running ? "Pause" : training.returns.length ? "Go on" : "Learn"));
   };
-  const forget = h("button", { type: "button", onclick: () => open() }, "Forget everything");
-
-  // Trains in slices, at the chosen pace.
-  async function run() {
-    running = true;
-    showRunning();
-    let last = performance.now();
-    let owed = 1;
-    try {
-      while (running && !over) {
-        const time = performance.now();
-        owed = pace === Infinity ? Infinity : Math.min(owed + ((time - last) / 1000) * pace, Math.max(1, pace / 4));
-        last = time;
-        if (owed >= 1) {
-          const ended = await engine.request({ do: "train", learner, episodes: Math.min(Math.floor(owed), 100_000), steps: 40000 });
-          owed -= ended.length;
-          for (const episode of ended) {
-            returns.push(episode.return);
-            lengths.push(episode.length);
-          }
-          await show();
-        }
-        await new Promise((done) => setTimeout(done, 30));
-      }
-    } catch (error) {
-      fail(error);
-    }
-  }
-  function stop() {
-    running = false;
-    showRunning();
-  }
-
-  async function open() {
-    stop();
-    [returns, lengths] = [[], []];
-    status.hidden = true;
-    const seed = crypto.getRandomValues(new Uint32Array(1))[0] % 100000;
-    try {
-      await engine.request({ do: "learn", learner, id: lesson.id, kwargs, seed, lesson: parameters() });
-      if (env) engine.close(env.env);
-      env = await engine.open({ id: lesson.id, kwargs, seed: String(seed), by: "learner", learner, speed: 1, interval: 30 }, ({ frame, pixels, state, error }) => {
-        if (error) return fail(error);
-        if (!frame) return;
-        paint(canvas, frame, pixels);
-        const before = now;
-        now = typeof state.observation === "number" ? state.observation : 0;
-        if (lesson.map && before % 20 !== now % 20) show().catch(fail);
-      });
-      stage.style.aspectRatio = `${env.size[0]} / ${env.size[1]}`;
-      stage.style.setProperty("--wide", env.size[0] / env.size[1]);
-      await show();
-    } catch (error) {
-      fail(error);
-    }
-    showRunning();
-  }
 
   let showing = false;
   async function show() {
-    if (showing || over) return;
+    if (showing) return;
     showing = true;
     try {
-      const { answer, attachment } = await engine.request({ do: "learned", learner });
-      const learned = new Float64Array(attachment.buffer);
-      episodeText.textContent = String(returns.length);
-      const tail = returns.slice(-100);
-      meanText.textContent = tail.length ? number(tail.reduce((a, b) => a + b, 0) / tail.length) : "–";
-      thirdText.textContent = lesson.method === "tabular" ? number(answer.epsilon) : String(answer.generation);
-      plot(chart, [{ values: returns, colour: "--line", width: 1, background: true }, { values: smooth(returns, Math.max(10, Math.floor(returns.length / 40))), colour: "--good", width: 2.25 }]);
-      if (lesson.map) drawValues(drawn, lesson, learned, answer.actions, now);
-      else drawWeights(weights, lesson, learned, answer);
+      const learned = await training.learned();
+      if (learned) showLearned(view, lesson, training, learned);
     } finally {
       showing = false;
     }
   }
+  async function open() {
+    view.status.hidden = true;
+    try {
+      const { size } = await training.open(view.canvas);
+      view.stage.style.aspectRatio = `${size[0]} / ${size[1]}`;
+      view.stage.style.setProperty("--wide", size[0] / size[1]);
+      await show();
+    } catch (error) {
+      fail(error);
+    }
+  }
 
-  const controls = list.map((parameter) => control(parameter, values, () => {
-    if (!parameter.fresh || returns.length === 0) engine.request({ do: "tune", learner, lesson: parameters() }).catch(fail);
-    if (parameter.fresh && returns.length === 0) open();
+  view.run.addEventListener("click", () => training.toggle());
+  view.forget.addEventListener("click", open);
+  view.pace.addEventListener("change", () => (training.pace = Number(view.pace.value)));
+  const controls = parametersOf(lesson).map((parameter) => control(parameter, values, () => {
+    const started = training.returns.length > 0;
+    if (!parameter.fresh || !started) training.tune().catch(fail);
+    if (parameter.fresh && !started) open();
   }));
-  const options = lesson.options.map(({ name, label }) => h("label", { class: "buttons" }, h("input", { type: "checkbox", checked: kwargs[name] === true, onchange: (event) => { kwargs[name] = event.target.checked; open(); } }), label));
-  main.replaceChildren(
-    h("section", { class: "hero" }, h("div", {}, h("h1", {}, "See an agent learn"), h("p", {}, "It learns here, in your browser, from nothing. Move a slider and watch what changes."))),
-    h("nav", { class: "lesson-tabs", "aria-label": "Lessons" }, LESSONS.filter(({ id }) => environments.some((e) => e.id === id)).map(({ id, title }) => h("a", { href: `#/learn/${id}`, "aria-current": id === lesson.id ? "page" : null }, title))),
-    h("div", { class: "lesson" },
-      h("div", { class: "lesson-column" }, h("div", { class: "lesson-first" }, stage, status),
-        h("section", { class: "card" }, h("p", {}, lesson.text)),
-        lesson.map ? h("section", { class: "card" }, h("h2", {}, "How to read the map"), h("p", { class: "quiet" }, "Each triangle is an action: the stronger its violet, the more it is worth, between the worst and the best place of the map. The arrow is the best one. A place without an arrow was never tried.")) : h("section", { class: "card" }, h("h2", {}, "Weights of pushing right, less those of pushing left"), weights)),
-      h("div", { class: "lesson-column" },
-        h("section", { class: "card lesson-start" },
-          h("div", { class: "buttons" }, runButton, forget, paceSelect),
-          options.length ? h("div", { class: "buttons" }, options) : null),
-        h("section", { class: "card" }, h("h2", {}, "Return of each episode, and its mean"), chart,
-          h("div", { class: "numbers" }, [["episodes", episodeText], ["mean of 100", meanText], [lesson.method === "tabular" ? "ε now" : "generation", thirdText]].map(([name, output]) => h("div", {}, h("span", { class: "quiet" }, name), output)))),
-        h("section", { class: "card sliders-list" }, h("h2", {}, "Parameters"), controls))));
+  const options = lesson.options.map(({ name, label }) => {
+    const onchange = (event) => {
+      kwargs[name] = event.target.checked;
+      open();
+    };
+    return h("label", { class: "buttons" }, h("input", { type: "checkbox", checked: kwargs[name] === true, onchange }), label);
+  });
+  main.replaceChildren(...layout(lesson, environments, view, { controls, options }));
   await open();
   const redraw = new ResizeObserver(() => show().catch(() => {}));
-  redraw.observe(chart);
+  redraw.observe(view.chart);
   return () => {
-    over = true;
-    running = false;
     redraw.disconnect();
-    engine.end();
+    training.end();
   };
+}
+
+// A learner in a worker, which trains in slices, and an episode of its policy.
+class Training {
+  learner = 1;
+  engine = new Engine();
+  env = null;
+  returns = [];
+  isRunning = false;
+  over = false;
+  // the place of the policy's episode, for a map
+  now = 0;
+
+  constructor(lesson, { values, kwargs, show, fail }) {
+    Object.assign(this, { lesson, values, kwargs, show, fail });
+    this.pace = lesson.pace ?? PACE;
+  }
+
+  parameters() {
+    return { method: this.lesson.method, ...this.values };
+  }
+
+  // Forgets what was learned, and starts an episode that is drawn on `canvas`.
+  async open(canvas) {
+    this.stop();
+    this.returns = [];
+    const { engine, learner, kwargs } = this;
+    const { id } = this.lesson;
+    const seed = crypto.getRandomValues(new Uint32Array(1))[0] % 100000;
+    await engine.request({ do: "learn", learner, id, kwargs, seed, lesson: this.parameters() });
+    if (this.env) engine.close(this.env.env);
+    this.env = await engine.open({ id, kwargs, seed: String(seed), by: "learner", learner, speed: 1, interval: 30 }, ({ frame, pixels, state, error }) => {
+      if (error) return this.fail(error);
+      if (!frame) return;
+      paint(canvas, frame, pixels);
+      const before = this.now;
+      this.now = typeof state.observation === "number" ? state.observation : 0;
+      if (this.lesson.map && before % 20 !== this.now % 20) this.show();
+    });
+    return this.env;
+  }
+
+  toggle() {
+    if (this.isRunning) this.stop();
+    else this.run();
+  }
+
+  stop() {
+    this.isRunning = false;
+    this.running(false);
+  }
+
+  // Trains in slices, at the chosen pace.
+  async run() {
+    this.isRunning = true;
+    this.running(true);
+    let last = performance.now();
+    let owed = 1;
+    try {
+      while (this.isRunning && !this.over) {
+        const [time, { pace }] = [performance.now(), this];
+        owed = pace === Infinity ? Infinity : Math.min(owed + ((time - last) / 1000) * pace, Math.max(1, pace / 4));
+        last = time;
+        if (owed >= 1) {
+          const episodes = Math.min(Math.floor(owed), 100_000);
+          const ended = await this.engine.request({ do: "train", learner: this.learner, episodes, steps: 40000 });
+          owed -= ended.length;
+          for (const episode of ended) this.returns.push(episode.return);
+          await this.show();
+        }
+        await new Promise((done) => setTimeout(done, 30));
+      }
+    } catch (error) {
+      this.fail(error);
+    }
+  }
+
+  // Takes changed parameters while it learns.
+  tune() {
+    return this.engine.request({ do: "tune", learner: this.learner, lesson: this.parameters() });
+  }
+
+  // Returns what was learned: numbers, and what they mean.
+  async learned() {
+    if (this.over) return null;
+    const { answer, attachment } = await this.engine.request({ do: "learned", learner: this.learner });
+    return { answer, numbers: new Float64Array(attachment.buffer) };
+  }
+
+  end() {
+    this.over = true;
+    this.isRunning = false;
+    this.engine.end();
+  }
+}
+
+// Makes the elements of a lesson that change.
+function elements(lesson) {
+  const paceName = (value) => (value === Infinity ? "as fast as it goes" : `${value} episode${value === 1 ? "" : "s"} a second`);
+  const canvas = h("canvas", { class: "picture", width: 300, height: 200, role: "img", "aria-label": `The policy that was learned so far plays ${lesson.title}` });
+  const map = h("canvas", { class: "values", role: "img", "aria-label": "The values that were learned" });
+  return {
+    canvas,
+    map,
+    stage: h("div", { class: "stage" }, canvas, lesson.map ? map : null),
+    chart: h("canvas", { class: "chart tall", role: "img", "aria-label": "Return of each episode of training" }),
+    numbers: { episodes: h("output", {}, "0"), mean: h("output", {}, "–"), third: h("output", {}, "–") },
+    weights: h("div", { class: "bars" }),
+    status: h("p", { class: "message error", role: "alert", hidden: true }),
+    run: h("button", { class: "primary", type: "button" }),
+    forget: h("button", { type: "button" }, "Forget everything"),
+    pace: h("select", { "aria-label": "Pace" }, PACES.map((value) => h("option", { value: String(value), selected: value === (lesson.pace ?? PACE) }, paceName(value)))),
+  };
+}
+
+// Places the elements of a lesson on the page.
+function layout(lesson, environments, view, { controls, options }) {
+  const card = (title, ...children) => h("section", { class: "card" }, title ? h("h2", {}, title) : null, ...children);
+  const howToRead = "Each triangle is an action: the stronger its violet, the more it is worth, between the worst and the best place of the map. The arrow is the best one. A place without an arrow was never tried.";
+  const tab = ({ id, title }) => h("a", { href: `#/learn/${id}`, "aria-current": id === lesson.id ? "page" : null }, title);
+  const { episodes, mean, third } = view.numbers;
+  const numbers = [["episodes", episodes], ["mean of 100", mean], [lesson.method === "tabular" ? "ε now" : "generation", third]];
+  return [
+    h("section", { class: "hero" }, h("div", {}, h("h1", {}, "See an agent learn"), h("p", {}, "It learns here, in your browser, from nothing. Move a slider and watch what changes."))),
+    h("nav", { class: "lesson-tabs", "aria-label": "Lessons" }, LESSONS.filter(({ id }) => environments.some((e) => e.id === id)).map(tab)),
+    h("div", { class: "lesson" },
+      h("div", { class: "lesson-column" },
+        h("div", { class: "lesson-first" }, view.stage, view.status),
+        card(null, h("p", {}, lesson.text)),
+        lesson.map ? card("How to read the map", h("p", { class: "quiet" }, howToRead)) : card("Weights of pushing right, less those of pushing left", view.weights)),
+      h("div", { class: "lesson-column" },
+        h("section", { class: "card lesson-start" },
+          h("div", { class: "buttons" }, view.run, view.forget, view.pace),
+          options.length ? h("div", { class: "buttons" }, options) : null),
+        card("Return of each episode, and its mean", view.chart,
+          h("div", { class: "numbers" }, numbers.map(([name, output]) => h("div", {}, h("span", { class: "quiet" }, name), output)))),
+        h("section", { class: "card sliders-list" }, h("h2", {}, "Parameters"), controls))),
+  ];
+}
+
+// Shows returns, numbers and values after some training.
+function showLearned(view, lesson, { returns, now }, { answer, numbers }) {
+  const { episodes, mean, third } = view.numbers;
+  episodes.textContent = String(returns.length);
+  const tail = returns.slice(-100);
+  mean.textContent = tail.length ? number(tail.reduce((a, b) => a + b, 0) / tail.length) : "–";
+  third.textContent = lesson.method === "tabular" ? number(answer.epsilon) : String(answer.generation);
+  const window = Math.max(10, Math.floor(returns.length / 40));
+  plot(view.chart, [{ values: returns, colour: "--line", width: 1, background: true }, { values: smooth(returns, window), colour: "--good", width: 2.25 }]);
+  if (lesson.map) drawValues(view.map, lesson, numbers, answer.actions, now);
+  else drawWeights(view.weights, lesson, numbers, answer);
 }
 
 function control({ name, label, low, high, step, values: choices, text, fresh }, values, changed) {

@@ -21,7 +21,7 @@ use super::axis::{XZ, ZZ};
 use super::{config, minus, norm};
 use crate::rewards::{Sigmoid, Tolerance};
 use crate::task::named;
-use crate::{Observation, Start, Task, register};
+use crate::{Domain, Observation, Start, Task, register};
 
 config! { 10.0;
     /// Whether the reward is 0 outside of the target.
@@ -37,7 +37,7 @@ pub struct Acrobot {
     near: Tolerance,
 }
 
-impl Task for Acrobot {
+impl Domain for Acrobot {
     type Config = Config;
 
     const NAME: &'static str = "Acrobot";
@@ -58,7 +58,9 @@ impl Task for Acrobot {
             near: Tolerance::within(0.0, m.site_size[target][0]).margin(margin, Sigmoid::Gaussian),
         })
     }
+}
 
+impl Task for Acrobot {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         for joint in 0..2 {
             start.data.qpos[joint] = start.uniform(-PI, PI);

@@ -18,7 +18,7 @@ use gym_mujoco::{Data, Model};
 
 use super::config;
 use crate::task::named;
-use crate::{Observation, Start, Task, register};
+use crate::{Domain, Observation, Start, Task, register};
 
 config! { 20.0; }
 
@@ -31,7 +31,7 @@ pub struct BallInCup {
     within: [f64; 2],
 }
 
-impl Task for BallInCup {
+impl Domain for BallInCup {
     type Config = Config;
 
     const NAME: &'static str = "BallInCup";
@@ -51,7 +51,9 @@ impl Task for BallInCup {
             within: [0, 2].map(|k| m.site_size[target][k] - m.geom_size[geom][0]),
         })
     }
+}
 
+impl Task for BallInCup {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         start.draw_apart(|start| {
             start.data.qpos[2] = start.uniform(-0.2, 0.2);

@@ -21,7 +21,7 @@ use gym_mujoco::{Data, Model};
 use super::axis::{XZ, ZZ};
 use super::config;
 use crate::rewards::{Sigmoid, Tolerance, mean};
-use crate::{Observation, Start, Task, register};
+use crate::{Domain, Observation, Start, Task, register};
 
 const CENTRED: Tolerance = Tolerance::within(0.0, 0.0).margin(2.0, Sigmoid::Gaussian);
 const GENTLE: Tolerance = Tolerance::within(0.0, 0.0).margin(1.0, Sigmoid::Quadratic(0.0));
@@ -50,7 +50,7 @@ fn heights(d: &Data) -> impl Iterator<Item = f64> {
     d.xmat[2..].iter().map(|mat| mat[ZZ])
 }
 
-impl Task for Cartpole {
+impl Domain for Cartpole {
     type Config = Config;
 
     const NAME: &'static str = "Cartpole";
@@ -87,7 +87,9 @@ impl Task for Cartpole {
             sparse: config.sparse,
         })
     }
+}
 
+impl Task for Cartpole {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         let Start { data, rng, .. } = start;
         if self.swing_up {

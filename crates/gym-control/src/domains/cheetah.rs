@@ -18,7 +18,7 @@ use gym_mujoco::{Data, Model};
 
 use super::{check, config};
 use crate::rewards::{Sigmoid, Tolerance};
-use crate::{Observation, Start, Task, register};
+use crate::{Domain, Observation, Start, Task, register};
 
 config! { 10.0;
     /// The speed that is rewarded by 1.
@@ -32,7 +32,7 @@ pub struct Cheetah {
     fast: Tolerance,
 }
 
-impl Task for Cheetah {
+impl Domain for Cheetah {
     type Config = Config;
 
     const NAME: &'static str = "Cheetah";
@@ -46,7 +46,9 @@ impl Task for Cheetah {
         let fast = Tolerance::above(config.speed).margin(config.speed, Sigmoid::Linear(0.0));
         Ok(Self { fast })
     }
+}
 
+impl Task for Cheetah {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         for joint in 0..start.model().njnt() {
             if start.model().jnt_limited[joint] {

@@ -19,7 +19,7 @@ use gym_mujoco::{Data, Model};
 
 use super::{check, config, minus, norm};
 use crate::task::{TARGET, named};
-use crate::{Observation, Start, Task, register};
+use crate::{Domain, Observation, Start, Task, register};
 
 const FAST: f64 = -15.0; // rad/s
 
@@ -56,7 +56,7 @@ impl Finger {
     }
 }
 
-impl Task for Finger {
+impl Domain for Finger {
     type Config = Config;
 
     const NAME: &'static str = "Finger";
@@ -90,7 +90,9 @@ impl Task for Finger {
             reach: m.geom_size[cap].iter().sum(),
         })
     }
+}
 
+impl Task for Finger {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         if self.turns() {
             let angle = start.uniform(-PI, PI);

@@ -20,7 +20,7 @@ use super::axis::ZZ;
 use super::{config, minus, norm, times};
 use crate::rewards::{Sigmoid, Tolerance};
 use crate::task::named;
-use crate::{Observation, Start, Task, register};
+use crate::{Domain, Observation, Start, Task, register};
 
 const UPRIGHT: Tolerance = Tolerance::within(1.0, 1.0).margin(1.0, Sigmoid::Gaussian);
 /// Place of the joints' positions, after the root's; their velocities come one earlier.
@@ -48,7 +48,7 @@ impl Fish {
     }
 }
 
-impl Task for Fish {
+impl Domain for Fish {
     type Config = Config;
 
     const NAME: &'static str = "Fish";
@@ -78,7 +78,9 @@ impl Task for Fish {
             near: Tolerance::within(0.0, radii).margin(2.0 * radii, Sigmoid::Gaussian),
         })
     }
+}
 
+impl Task for Fish {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         let quat = start.quaternion(RandomState::standard_normal);
         start.data.qpos[3..7].copy_from_slice(&quat);

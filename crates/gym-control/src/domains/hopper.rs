@@ -19,7 +19,7 @@ use gym_mujoco::{Data, Model};
 use super::{check, config};
 use crate::rewards::{Sigmoid, Tolerance, small_control};
 use crate::task::{STANDING, named};
-use crate::{Observation, Start, Task, register};
+use crate::{Domain, Observation, Start, Task, register};
 
 config! { 20.0;
     /// The speed that is rewarded by 1; 0 for standing.
@@ -40,7 +40,7 @@ pub struct Hopper {
     hopping: Option<Tolerance>,
 }
 
-impl Task for Hopper {
+impl Domain for Hopper {
     type Config = Config;
 
     const NAME: &'static str = "Hopper";
@@ -63,7 +63,9 @@ impl Task for Hopper {
             hopping: (speed != 0.0).then_some(hopping),
         })
     }
+}
 
+impl Task for Hopper {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         start.joints();
         Ok(())

@@ -20,7 +20,7 @@ use super::axis::{ZX, ZZ};
 use super::{check, config, minus, norm, times};
 use crate::rewards::{Sigmoid, Tolerance, mean, small_control};
 use crate::task::{STANDING, named};
-use crate::{Observation, Start, Task, register};
+use crate::{Domain, Observation, Start, Task, register};
 
 const UPRIGHT: Tolerance = Tolerance::above(0.9).margin(1.9, Sigmoid::Linear(0.0));
 const STILL: Tolerance = Tolerance::within(0.0, 0.0).margin(2.0, Sigmoid::Gaussian);
@@ -48,7 +48,7 @@ pub struct Humanoid {
     pure_state: bool,
 }
 
-impl Task for Humanoid {
+impl Domain for Humanoid {
     type Config = Config;
 
     const NAME: &'static str = "Humanoid";
@@ -79,7 +79,9 @@ impl Task for Humanoid {
             pure_state: config.pure_state,
         })
     }
+}
 
+impl Task for Humanoid {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         start.draw_apart(Start::joints)
     }

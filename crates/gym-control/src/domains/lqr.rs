@@ -19,7 +19,7 @@ use gym_mujoco::{CompiledModel, Data, Model};
 
 use super::{check, config};
 use crate::task::UNLIMITED;
-use crate::{Observation, Start, Task, register};
+use crate::{Domain, Observation, Start, Task, register};
 
 const STIFFNESS: [f64; 2] = [15.0, 25.0]; // N/m
 const AT_REST: f64 = 1e-6;
@@ -40,7 +40,7 @@ pub struct Lqr {
     control_cost: f64,
 }
 
-impl Task for Lqr {
+impl Domain for Lqr {
     type Config = Config;
 
     const NAME: &'static str = "Lqr";
@@ -82,7 +82,9 @@ impl Task for Lqr {
             control_cost: config.control_cost,
         })
     }
+}
 
+impl Task for Lqr {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         if start.seeded || start.constants.is_empty() {
             start.constants.clear();

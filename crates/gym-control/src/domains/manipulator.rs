@@ -23,7 +23,7 @@ use super::axis::{XX, ZX};
 use super::config;
 use crate::rewards::{Sigmoid, Tolerance};
 use crate::task::named;
-use crate::{Observation, Start, Task, register};
+use crate::{Domain, Observation, Start, Task, register};
 
 const CLOSE: Tolerance = Tolerance::within(0.0, 0.01).margin(0.02, Sigmoid::Gaussian);
 /// Chances that the object starts in the hand, in the target, elsewhere.
@@ -61,7 +61,7 @@ pub struct Manipulator {
     grasping: Vec<[usize; 2]>,
 }
 
-impl Task for Manipulator {
+impl Domain for Manipulator {
     type Config = Config;
 
     const NAME: &'static str = "Manipulator";
@@ -104,7 +104,9 @@ impl Task for Manipulator {
             grasping,
         })
     }
+}
 
+impl Task for Manipulator {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         let first = start.model().jnt_qposadr[self.joint];
         start.draw_apart(|start| {

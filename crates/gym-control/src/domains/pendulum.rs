@@ -22,7 +22,7 @@ use super::axis::{XZ, ZZ};
 use super::config;
 use crate::rewards::Tolerance;
 use crate::task::named;
-use crate::{Observation, Start, Task, register};
+use crate::{Domain, Observation, Start, Task, register};
 
 /// From the cosine of 8 degrees on.
 const UPRIGHT: Tolerance = Tolerance::within(0.9902680687415704, 1.0);
@@ -35,7 +35,7 @@ pub struct Pendulum {
     pole: usize,
 }
 
-impl Task for Pendulum {
+impl Domain for Pendulum {
     type Config = Config;
 
     const NAME: &'static str = "SwingUp";
@@ -48,7 +48,9 @@ impl Task for Pendulum {
         let pole = named("body", "pole", m.body_id("pole"))?;
         Ok(Self { pole })
     }
+}
 
+impl Task for Pendulum {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         start.data.qpos[0] = start.uniform(-PI, PI);
         Ok(())

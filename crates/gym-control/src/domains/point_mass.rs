@@ -19,7 +19,7 @@ use gym_mujoco::{CompiledModel, Data, Model};
 use super::{check, config, minus, norm};
 use crate::rewards::{Sigmoid, Tolerance, small_control};
 use crate::task::named;
-use crate::{Observation, Start, Task, register};
+use crate::{Domain, Observation, Start, Task, register};
 
 /// The cosine from which on two directions are too much alike.
 const PARALLEL: f64 = 0.9;
@@ -48,7 +48,7 @@ fn direction(rng: &mut RandomState) -> [f64; 2] {
     v.map(|x| x / length)
 }
 
-impl Task for PointMass {
+impl Domain for PointMass {
     type Config = Config;
 
     const NAME: &'static str = "PointMass";
@@ -70,7 +70,9 @@ impl Task for PointMass {
             near: Tolerance::within(0.0, size).margin(size, Sigmoid::Gaussian),
         })
     }
+}
 
+impl Task for PointMass {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         start.joints();
         if self.randomize_gains {

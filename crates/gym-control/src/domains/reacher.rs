@@ -20,7 +20,7 @@ use gym_mujoco::{Data, Model};
 use super::{check, config, norm};
 use crate::rewards::Tolerance;
 use crate::task::named;
-use crate::{Observation, Start, Task, register};
+use crate::{Domain, Observation, Start, Task, register};
 
 config! { 20.0;
     /// Radius of the target.
@@ -42,7 +42,7 @@ impl Reacher {
     }
 }
 
-impl Task for Reacher {
+impl Domain for Reacher {
     type Config = Config;
 
     const NAME: &'static str = "Reacher";
@@ -63,7 +63,9 @@ impl Task for Reacher {
             touching: Tolerance::within(0.0, config.target_size + m.geom_size[finger][0]),
         })
     }
+}
 
+impl Task for Reacher {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         start.joints();
         let angle = start.uniform(0.0, 2.0 * PI);

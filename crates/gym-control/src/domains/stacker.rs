@@ -21,7 +21,7 @@ use super::arm::{self, Arm, distance, pose};
 use super::config;
 use crate::rewards::{Sigmoid, Tolerance};
 use crate::task::named;
-use crate::{Observation, Start, Task, register};
+use crate::{Domain, Observation, Start, Task, register};
 
 /// Half the width of a box.
 const SIZE: f64 = 0.022; // m
@@ -47,7 +47,7 @@ pub struct Stacker {
     grasp: usize,
 }
 
-impl Task for Stacker {
+impl Domain for Stacker {
     type Config = Config;
 
     const NAME: &'static str = "Stacker";
@@ -93,7 +93,9 @@ impl Task for Stacker {
             grasp: named("site", "grasp", m.site_id("grasp"))?,
         })
     }
+}
 
+impl Task for Stacker {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         start.draw_apart(|start| {
             self.arm.start(start);

@@ -19,7 +19,7 @@ use gym_mujoco::{Data, Model};
 use super::{config, minus, norm, times};
 use crate::rewards::{Sigmoid, Tolerance};
 use crate::task::named;
-use crate::{Observation, Start, Task, register};
+use crate::{Domain, Observation, Start, Task, register};
 
 config! { 30.0;
     /// Number of links.
@@ -43,7 +43,7 @@ impl Swimmer {
     }
 }
 
-impl Task for Swimmer {
+impl Domain for Swimmer {
     type Config = Config;
 
     const NAME: &'static str = "Swimmer";
@@ -94,7 +94,9 @@ impl Task for Swimmer {
             near: Tolerance::within(0.0, size).margin(5.0 * size, Sigmoid::LongTail),
         })
     }
+}
 
+impl Task for Swimmer {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         start.joints();
         let reach = if start.rng.random() < 0.2 { 0.3 } else { 2.0 };

@@ -20,7 +20,7 @@ use super::axis::{XX, XZ, ZZ};
 use super::{check, config};
 use crate::rewards::{Sigmoid, Tolerance};
 use crate::task::{STANDING, named};
-use crate::{Observation, Start, Task, register};
+use crate::{Domain, Observation, Start, Task, register};
 
 config! { 25.0;
     /// The speed that is rewarded by 1; 0 for standing.
@@ -40,7 +40,7 @@ pub struct Walker {
     going: Option<Tolerance>,
 }
 
-impl Task for Walker {
+impl Domain for Walker {
     type Config = Config;
 
     const NAME: &'static str = "Walker";
@@ -62,7 +62,9 @@ impl Task for Walker {
             going: (speed != 0.0).then_some(going),
         })
     }
+}
 
+impl Task for Walker {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         start.joints();
         Ok(())

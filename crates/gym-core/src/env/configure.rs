@@ -24,13 +24,6 @@ pub trait Configure: Env {
         Self::Config::default()
     }
 
-    /// The environment that `make` puts its wrappers around: by default this one. A type that only
-    /// gives an environment its arguments returns that environment, so that the wrappers are
-    /// compiled once for all such types.
-    fn into_env(self) -> impl Env {
-        self
-    }
-
     /// The environment in a render mode, if it implements [`render_into`](Env::render_into): `make`
     /// then adds no [`Render`](crate::wrappers::Render). The default, `None`, is for environments
     /// that implement `draw`.
@@ -47,6 +40,65 @@ pub trait Configure: Env {
     /// so that the spec rebuilds this environment. `None` if nothing is random.
     fn config(&self) -> Option<&Self::Config> {
         None
+    }
+}
+
+/// What a registration builds its environments by. An environment that is [`Configure`] builds
+/// itself. Another type serves where many tasks, with arguments of their own, share one type of
+/// environment: the wrappers of `make` are then compiled once for all of them.
+pub trait Build: 'static {
+    /// The arguments.
+    type Config: Arguments;
+
+    /// The environment.
+    type Env: Env;
+
+    /// [`Configure::configure`].
+    ///
+    /// # Errors
+    /// [`Error::InvalidArgument`](crate::Error::InvalidArgument) for an argument out of range.
+    fn build(config: Self::Config, version: u32) -> Result<Self::Env>;
+
+    /// [`Configure::defaults`].
+    fn defaults(version: u32) -> Self::Config {
+        let _ = version;
+        Self::Config::default()
+    }
+
+    /// [`Configure::configure_to_render`].
+    ///
+    /// # Errors
+    /// Those of [`Configure::configure_to_render`].
+    fn build_to_render(config: Self::Config, mode: RenderMode) -> Result<Option<Self::Env>> {
+        let _ = (config, mode);
+        Ok(None)
+    }
+
+    /// [`Configure::config`].
+    fn config(env: &Self::Env) -> Option<&Self::Config> {
+        let _ = env;
+        None
+    }
+}
+
+impl<E: Configure> Build for E {
+    type Config = E::Config;
+    type Env = E;
+
+    fn build(config: E::Config, version: u32) -> Result<E> {
+        E::configure(config, version)
+    }
+
+    fn defaults(version: u32) -> E::Config {
+        <E as Configure>::defaults(version)
+    }
+
+    fn build_to_render(config: E::Config, mode: RenderMode) -> Result<Option<E>> {
+        E::configure_to_render(config, mode)
+    }
+
+    fn config(env: &E) -> Option<&E::Config> {
+        <E as Configure>::config(env)
     }
 }
 

@@ -34,7 +34,7 @@ use crate::spec::{EnvSpec, Reset};
 use crate::value::{Element, Error, Result, Snapshot, Value};
 
 pub use boxed::BoxEnv;
-pub use configure::{Configure, NoArguments};
+pub use configure::{Build, Configure, NoArguments};
 pub use dynamics::{Dynamics, Stateful, Task, Transition, read_state};
 pub use ext::EnvExt;
 pub use inspect::Inspect;

@@ -17,7 +17,6 @@ use crate::wrappers::TimeLimit;
 pub(super) fn entry_point<E: Lockstep + Configure>(
     spec: &VectorSpec,
 ) -> Result<Box<dyn VectorEnv>> {
-    spec.check_each()?;
     let version = find(&spec.env.id)?.rules();
     let make = |index| -> Result<E> {
         let EnvSpec { id, kwargs, .. } = spec.env_at(index);

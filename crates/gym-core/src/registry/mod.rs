@@ -21,7 +21,7 @@ pub use builder::{EnvBuilder, builder, make};
 pub use registration::{Clip, Exceptions, Need, Registration, Source, VectorEntryPoint};
 pub use vector::{VectorBuilder, make_vec};
 
-pub use crate::env::{Configure, NoArguments};
+pub use crate::env::{Build, Configure, NoArguments};
 use crate::play::policy::LinkedPolicy;
 use crate::spec::nearest;
 pub use crate::spec::{

@@ -11,7 +11,7 @@ use serde_json::Value as Json;
 
 use super::lockstep::entry_point;
 use super::stack::{Renders, stack};
-use crate::env::{BoxEnv, Configure};
+use crate::env::{BoxEnv, Build, Configure};
 use crate::play::keys::Keys;
 use crate::play::policy::Policy;
 use crate::spec::arguments::{self, Argument};
@@ -19,6 +19,10 @@ use crate::spec::{EnvId, EnvSpec, Kwargs, ResetOptions, VectorSpec};
 use crate::value::{Error, Result};
 use crate::vector::VectorEnv;
 use crate::vector::lockstep::{self, Ahead, Lockstep};
+
+/// Whether native vectors are linked. A module for a browser has none: a page steps one environment,
+/// and everybody who opens the page downloads the module.
+const NATIVE_VECTORS: bool = !cfg!(all(target_arch = "wasm32", target_os = "unknown"));
 
 /// Makes a native vector from its spec.
 ///
@@ -114,17 +118,17 @@ pub struct Source {
 }
 
 impl Registration {
-    /// The environment `E` under a constant id.
-    pub const fn new<E: Configure>(id: &'static str) -> Self {
+    /// The environment `E`, or what `E` builds, under a constant id.
+    pub const fn new<E: Build>(id: &'static str) -> Self {
         Self::with_id::<E>(Cow::Borrowed(id))
     }
 
-    /// The environment `E` under an id built at run time.
-    pub fn dynamic<E: Configure>(id: impl Into<String>) -> Self {
+    /// The environment `E`, or what `E` builds, under an id built at run time.
+    pub fn dynamic<E: Build>(id: impl Into<String>) -> Self {
         Self::with_id::<E>(Cow::Owned(id.into()))
     }
 
-    const fn with_id<E: Configure>(id: Cow<'static, str>) -> Self {
+    const fn with_id<E: Build>(id: Cow<'static, str>) -> Self {
         Self {
             id,
             source: Source {
@@ -240,7 +244,9 @@ impl Registration {
     /// Declares a native vector, which [`make_vec`](crate::make_vec) then prefers.
     #[must_use]
     pub const fn vector_entry_point(mut self, entry_point: VectorEntryPoint) -> Self {
-        self.vector_entry_point = Some(entry_point);
+        if NATIVE_VECTORS {
+            self.vector_entry_point = Some(entry_point);
+        }
         self
     }
 
@@ -248,8 +254,10 @@ impl Registration {
     /// the threads of async vectors then do the same.
     #[must_use]
     pub const fn lockstep<E: Lockstep + Configure>(mut self) -> Self {
-        self.vector_entry_point = Some(entry_point::<E>);
-        self.ahead = Some(lockstep::ahead::<E>);
+        if NATIVE_VECTORS {
+            self.vector_entry_point = Some(entry_point::<E>);
+            self.ahead = Some(lockstep::ahead::<E>);
+        }
         self
     }
 
@@ -361,19 +369,19 @@ impl fmt::Debug for Registration {
 
 inventory::collect!(Registration);
 
-fn construct<E: Configure>(registration: &Registration, spec: &EnvSpec) -> Result<BoxEnv> {
+fn construct<E: Build>(registration: &Registration, spec: &EnvSpec) -> Result<BoxEnv> {
     let (version, whose) = (registration.rules(), format!("`{}`", spec.id));
     let config = || arguments::read(&E::defaults(version), version, &spec.kwargs, &whose);
     let options = ResetOptions(registration.reset_options);
     if let Some(mode) = spec.render_mode
-        && let Some(env) = E::configure_to_render(config()?, mode.single())?
+        && let Some(env) = E::build_to_render(config()?, mode.single())?
     {
-        return stack(env.into_env(), Renders::Itself, spec, options);
+        return stack(env, Renders::Itself, spec, options);
     }
     let config = config()?;
-    let env = E::configure(config.clone(), version)?;
+    let env = E::build(config.clone(), version)?;
     let mut spec = spec.clone();
-    if let Some(decided) = env.config().filter(|decided| **decided != config) {
+    if let Some(decided) = E::config(&env).filter(|decided| **decided != config) {
         let json = |config: &E::Config| {
             serde_json::to_value(config)
                 .map_err(|error| Error::argument(whose.clone(), error.to_string()))
@@ -386,7 +394,7 @@ fn construct<E: Configure>(registration: &Registration, spec: &EnvSpec) -> Resul
             spec.kwargs.extend(by_chance);
         }
     }
-    stack(env.into_env(), Renders::Drawings, &spec, options)
+    stack(env, Renders::Drawings, &spec, options)
 }
 
 /// Registers an environment, or several, when its crate is linked.

@@ -231,8 +231,8 @@ impl VectorSpec {
         Ok(())
     }
 
-    /// The spec of a sub-environment.
-    pub(crate) fn env_at(&self, index: usize) -> EnvSpec {
+    /// The spec of the sub-environment with an index, with the arguments that are its own.
+    pub fn env_at(&self, index: usize) -> EnvSpec {
         let mut env = self.env.clone();
         for (name, each) in &self.each {
             if let Each::Values(values) = each {

@@ -15,10 +15,10 @@ use std::borrow::{Borrow, BorrowMut};
 use std::hint::black_box;
 use std::marker::PhantomData;
 
-use super::slot::{Ask, Slot, slot_bytes};
-use super::{Autoreset, SyncVectorEnv, VectorEnv, VectorSpec, size};
+use super::slot::{Ask, Slot};
+use super::{Autoreset, SyncVectorEnv, VectorEnv, VectorSpec};
 use crate::env::{BoxEnv, Env, EnvExt};
-use crate::spec::{Reset, VectorKind};
+use crate::spec::Reset;
 use crate::value::{Element, Result};
 
 /// Working memory for a group of environments, and the shared part of their steps.
@@ -157,25 +157,7 @@ pub(crate) fn native<E: Lockstep, W: Env>(
     spec: &VectorSpec,
     make: impl Fn(usize) -> Result<W>,
 ) -> Result<Box<dyn VectorEnv>> {
-    let num_envs = spec.num_envs;
-    let first = make(0)?;
-    let observation = first.observation_space();
-    size::check(
-        num_envs,
-        &observation,
-        &first.action_space(),
-        slot_bytes::<W>(&observation),
-    )?;
-    let envs: Vec<W> = std::iter::once(Ok(first))
-        .chain((1..num_envs).map(make))
-        .collect::<Result<_>>()?;
-    let spec = VectorSpec {
-        vectorization_mode: VectorKind::Native,
-        ..spec.clone()
-    };
-    let vector = SyncVectorEnv::new(envs)?
-        .with_autoreset(spec.autoreset_mode)
-        .with_spec(spec);
+    let vector = SyncVectorEnv::native(spec, make)?;
     Ok(Box::new(
         vector.with_ahead(Box::new(Within::<E, W>::default())),
     ))

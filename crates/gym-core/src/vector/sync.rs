@@ -3,8 +3,8 @@ use std::fmt;
 
 use super::lockstep::{Ahead, go_all, is_cached};
 use super::size;
-use super::slot::{self, Ask, Slot, Spaces, describe, slots};
-use super::{Autoreset, Columns, ObservationMode, VectorEnv, VectorReset, VectorSpec};
+use super::slot::{self, Ask, Slot, Spaces, describe, slot_bytes, slots};
+use super::{Autoreset, Columns, ObservationMode, VectorEnv, VectorKind, VectorReset, VectorSpec};
 use crate::drawing::render::{Metadata, Rendered};
 use crate::env::{BoxEnv, Env, EnvExt, Inspect};
 use crate::spaces::Space;
@@ -71,6 +71,30 @@ impl<E: Env> SyncVectorEnv<E> {
     #[must_use]
     pub fn with_autoreset(self, autoreset: Autoreset) -> Self {
         Self { autoreset, ..self }
+    }
+
+    /// The native vector of a spec, for an
+    /// [entry point](crate::registry::VectorEntryPoint): `make` gives the sub-environment of an
+    /// index. They step one by one, without the cost of erased types.
+    ///
+    /// # Errors
+    /// Those of `make`, and [`Error::InvalidArgument`](crate::Error::InvalidArgument) for a number
+    /// of environments that does not fit in memory, or arguments of each that it does not support.
+    pub fn native(spec: &VectorSpec, make: impl Fn(usize) -> Result<E>) -> Result<Self> {
+        spec.check_each()?;
+        let first = make(0)?;
+        let observation = first.observation_space();
+        let bytes = slot_bytes::<E>(&observation);
+        size::check(spec.num_envs, &observation, &first.action_space(), bytes)?;
+        let envs: Vec<E> = std::iter::once(Ok(first))
+            .chain((1..spec.num_envs).map(make))
+            .collect::<Result<_>>()?;
+        let spec = VectorSpec {
+            vectorization_mode: VectorKind::Native,
+            ..spec.clone()
+        };
+        let vector = Self::new(envs)?.with_autoreset(spec.autoreset_mode);
+        Ok(vector.with_spec(spec))
     }
 
     pub(crate) fn with_spec(self, spec: VectorSpec) -> Self {
@@ -225,13 +249,14 @@ impl<E: Env> VectorEnv for SyncVectorEnv<E> {
     }
 
     fn describe(&self) -> String {
-        let env = self.slots.first().and_then(|slot| slot.env.spec());
-        match &self.ahead {
-            Some(_) => {
-                let env = self.spec.clone().map(|spec| spec.env);
-                describe("NativeVectorEnv", env, self.slots.len())
+        match &self.spec {
+            Some(spec) if spec.vectorization_mode == VectorKind::Native => {
+                describe("NativeVectorEnv", Some(spec.env.clone()), self.slots.len())
             }
-            None => describe("SyncVectorEnv", env, self.slots.len()),
+            _ => {
+                let env = self.slots.first().and_then(|slot| slot.env.spec());
+                describe("SyncVectorEnv", env, self.slots.len())
+            }
         }
     }
 

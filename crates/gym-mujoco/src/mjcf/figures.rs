@@ -2,8 +2,8 @@
 
 use serde_json::{Map, Value, json};
 
-use crate::model::{GeomType, JointType, Parameters, body_sizes, same, same_quat};
-use crate::physics::{com_pos, kinematics};
+use crate::model::{JointType, Parameters, body_sizes, same, same_quat};
+use crate::physics::{bounding_box, com_pos, kinematics};
 use crate::{CompiledModel, Data, Model};
 
 const UNTURNED: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
@@ -79,17 +79,6 @@ fn same_frame(m: &CompiledModel, body: usize, pos: [f64; 3], quat: [f64; 4]) -> 
     }
 }
 
-fn bounding_box(shape: GeomType, size: [f64; 3]) -> [f64; 6] {
-    let [r, half, z] = size;
-    match shape {
-        GeomType::Plane => [0.0, 0.0, -5e9, 1e10, 1e10, 5e9],
-        GeomType::Sphere => [0.0, 0.0, 0.0, r, r, r],
-        GeomType::Capsule => [0.0, 0.0, 0.0, r, r, r + half],
-        GeomType::Cylinder => [0.0, 0.0, 0.0, r, r, half],
-        GeomType::Ellipsoid | GeomType::Box => [0.0, 0.0, 0.0, r, half, z],
-    }
-}
-
 fn derived(m: &Model) -> Value {
     let geoms = |b: usize| {
         let first = usize::try_from(m.body_geomadr[b]).unwrap_or(0);
@@ -124,7 +113,7 @@ fn derived(m: &Model) -> Value {
         "body_conaffinity": bodies.clone().map(|b| any(&m.geom_conaffinity, b)).collect::<Vec<_>>(),
         "body_margin": bodies.map(|b| geoms(b).map(|g| m.geom_margin[g] + m.geom_gap[g]).fold(0.0, f64::max)).collect::<Vec<_>>(),
         "geom_sameframe": (0..m.ngeom()).map(|g| same_frame(m, m.geom_bodyid[g], m.geom_pos[g], m.geom_quat[g])).collect::<Vec<_>>(),
-        "geom_aabb": (0..m.ngeom()).map(|g| bounding_box(m.geom_type[g], m.geom_size[g])).collect::<Vec<_>>(),
+        "geom_aabb": (0..m.ngeom()).map(|g| bounding_box(m.geom_type[g], m.geom_size[g]).concat()).collect::<Vec<_>>(),
         "dof_length": (0..m.nv()).map(dof_length).collect::<Vec<_>>(),
     })
 }

@@ -20,6 +20,9 @@ pub(crate) struct Pair {
     pub(crate) includemargin: f64,
     /// Nothing can touch where centres are further apart; from a plane, where the centre is higher.
     pub(crate) reach: f64,
+    /// Whether boxes around the geoms must meet too: MuJoCo's middle phase, which bodies of a geom
+    /// each and pairs that the model states skip.
+    pub(crate) boxed: bool,
     pub(crate) dim: u8,
     /// The rows of a contact.
     pub(crate) rows: usize,
@@ -195,6 +198,7 @@ impl Plan {
             margin,
             includemargin,
             reach: m.geom_rbound[g1] + m.geom_rbound[g2] + margin,
+            boxed: figures.boxed,
             dim,
             rows: match (dim, m.opt.cone) {
                 (1, _) => 1,
@@ -242,6 +246,7 @@ struct Figures {
     solimp: [f64; 5],
     includemargin: f64,
     gap: f64,
+    boxed: bool,
 }
 
 impl Figures {
@@ -255,6 +260,7 @@ impl Figures {
             solimp: m.pair_solimp[i],
             includemargin: m.pair_margin[i],
             gap: m.pair_gap[i],
+            boxed: false,
         }
     }
 
@@ -274,6 +280,10 @@ impl Figures {
             solimp,
             includemargin: m.geom_margin[g1] + m.geom_margin[g2],
             gap: m.geom_gap[g1] + m.geom_gap[g2],
+            boxed: !m.opt.disables(Disable::MidPhase)
+                && [g1, g2]
+                    .iter()
+                    .any(|&g| m.body_geomnum[m.geom_bodyid[g]] != 1),
         }
     }
 }

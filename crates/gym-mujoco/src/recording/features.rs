@@ -6,6 +6,7 @@
 //! some numbers of steps). The answer has the same form, for the versions that the engine has; a
 //! model that is refused is answered with `error`.
 
+use gym_core::RandomState;
 use serde::Deserialize;
 use serde_json::{Map, Value, json};
 
@@ -108,13 +109,13 @@ fn after(d: &Data) -> Value {
 
 /// Steps from the initial configuration with uniform controls; states after some of them.
 fn episode(m: &Model, marks: &[usize], seed: u32) -> Value {
-    let (mut d, mut controls) = (Data::new(m), Controls::new(seed));
+    let (mut d, mut controls) = (Data::new(m), RandomState::new(seed));
     let (mut states, mut taken) = (Map::new(), 0);
     for &mark in marks.iter().filter(|mark| **mark <= 10_000) {
         while taken < mark {
             for i in 0..m.nu() {
                 let [low, high] = m.actuator_ctrlrange[i];
-                let control = controls.uniform();
+                let control = controls.uniform(-1.0, 1.0);
                 d.ctrl[i] = if m.actuator_ctrllimited[i] {
                     low + (control + 1.0) / 2.0 * (high - low)
                 } else {
@@ -129,47 +130,4 @@ fn episode(m: &Model, marks: &[usize], seed: u32) -> Value {
         states.insert(mark.to_string(), state);
     }
     Value::Object(states)
-}
-
-/// `numpy.random.RandomState(seed).uniform(-1, 1)`: the Mersenne Twister of Matsumoto and
-/// Nishimura (1998).
-struct Controls {
-    state: [u32; 624],
-    next: usize,
-}
-
-impl Controls {
-    fn new(seed: u32) -> Self {
-        let mut state = [seed; 624];
-        for i in 1..624 {
-            let before = state[i - 1];
-            state[i] = 1_812_433_253_u32
-                .wrapping_mul(before ^ (before >> 30))
-                .wrapping_add(i as u32);
-        }
-        Self { state, next: 624 }
-    }
-
-    fn word(&mut self) -> u32 {
-        if self.next == 624 {
-            for i in 0..624 {
-                let joined =
-                    (self.state[i] & 0x8000_0000) | (self.state[(i + 1) % 624] & 0x7fff_ffff);
-                let odd = if joined & 1 == 1 { 0x9908_b0df } else { 0 };
-                self.state[i] = self.state[(i + 397) % 624] ^ (joined >> 1) ^ odd;
-            }
-            self.next = 0;
-        }
-        let mut word = self.state[self.next];
-        self.next += 1;
-        word ^= word >> 11;
-        word ^= (word << 7) & 0x9d2c_5680;
-        word ^= (word << 15) & 0xefc6_0000;
-        word ^ (word >> 18)
-    }
-
-    fn uniform(&mut self) -> f64 {
-        let (a, b) = (f64::from(self.word() >> 5), f64::from(self.word() >> 6));
-        -1.0 + 2.0 * ((a * 67_108_864.0 + b) / 9_007_199_254_740_992.0)
-    }
 }

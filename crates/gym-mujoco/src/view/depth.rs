@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::camera::{Camera, NEAR};
-use super::{View, color_of, floor_of};
+use super::{View, color_of, floor_of, is_wall};
 use crate::model::GeomType;
 use crate::physics::ray_shape;
 use crate::physics::spatial::{Vec3, add_scaled, dot, sub};
@@ -44,7 +44,7 @@ impl View {
         let floor = floor_of(model, data, self.max_geom);
         for g in (0..model.ngeom()).take(self.max_geom) {
             let plane = model.geom_type[g] == GeomType::Plane;
-            if (plane && floor != Some(g)) || color_of(model, g).a == 0 {
+            if (plane && floor != Some(g) && !is_wall(model, g)) || color_of(model, g).a == 0 {
                 continue;
             }
             let [across, down] = if plane {

@@ -4,8 +4,9 @@ use gym_core::canvas::{Canvas, Color, Point, Segment, Shape};
 
 use super::camera::{Camera, NEAR};
 use super::color_of;
+use super::shapes::lit;
 use crate::model::GeomType;
-use crate::physics::spatial::{Vec3, add_scaled, column, sub};
+use crate::physics::spatial::{Vec3, add_scaled, column, dot, sub};
 use crate::{Data, Model, libm};
 
 const ZENITH: Color = Color::rgb(96, 142, 190);
@@ -15,6 +16,8 @@ const BANDS: usize = 32;
 const SQUARES: i64 = 16;
 /// In how many steps they fade.
 const RINGS: usize = 6;
+/// The corners of a shadow.
+const CORNERS: usize = 20;
 const SHADOW: Color = Color::rgb(24, 34, 52).alpha(88);
 
 /// A colour between two.
@@ -140,37 +143,18 @@ pub(super) fn shadows(
     if camera.pos[2] <= height {
         return;
     }
-    const CORNERS: usize = 20;
     let mut path: Vec<Segment> = Vec::new();
     let mut polygon = Vec::new();
     for g in 0..model.ngeom() {
-        let [radius, half, _] = model.geom_size[g];
         let center = data.geom_xpos[g];
         if model.geom_type[g] == GeomType::Plane || color_of(model, g).a < 128 || center[2] < height
         {
             continue;
         }
-        let axis = column(&data.geom_xmat[g], 2);
-        let half = if model.geom_type[g] == GeomType::Sphere {
-            0.0
-        } else {
-            half
+        let corners = match model.geom_type[g] {
+            GeomType::Box | GeomType::Ellipsoid => solid_outline(model, data, g, height),
+            _ => round_outline(model, data, g, height),
         };
-        let ends = [
-            add_scaled(center, axis, half),
-            add_scaled(center, axis, -half),
-        ];
-        // a capsule's shadow: a half circle around each end; a cylinder's is nearly that
-        let along = sub(ends[0], ends[1]);
-        let turn = libm::atan2(along[1], along[0]);
-        let corners: [Vec3; CORNERS] = std::array::from_fn(|i| {
-            let end = ends[usize::from(i >= CORNERS / 2)];
-            let step = i - if i >= CORNERS / 2 { 1 } else { 0 };
-            let angle = turn - std::f64::consts::FRAC_PI_2
-                + step as f64 * std::f64::consts::TAU / (CORNERS - 2) as f64;
-            let (sin, cos) = libm::sin_cos(angle);
-            [end[0] + radius * cos, end[1] + radius * sin, height]
-        });
         if corners.iter().any(|corner| camera.depth(*corner) < NEAR) {
             continue;
         }
@@ -179,5 +163,96 @@ pub(super) fn shadows(
     }
     if !path.is_empty() {
         canvas.fill(Shape::Path(&path), SHADOW);
+    }
+}
+
+/// The shadow of a capsule: a half circle around each end. A cylinder's is nearly that.
+fn round_outline(model: &Model, data: &Data, g: usize, height: f64) -> [Vec3; CORNERS] {
+    let [radius, half, _] = model.geom_size[g];
+    let (center, axis) = (data.geom_xpos[g], column(&data.geom_xmat[g], 2));
+    let half = if model.geom_type[g] == GeomType::Sphere {
+        0.0
+    } else {
+        half
+    };
+    let ends = [
+        add_scaled(center, axis, half),
+        add_scaled(center, axis, -half),
+    ];
+    let along = sub(ends[0], ends[1]);
+    let turn = libm::atan2(along[1], along[0]);
+    std::array::from_fn(|i| {
+        let end = ends[usize::from(i >= CORNERS / 2)];
+        let step = i - if i >= CORNERS / 2 { 1 } else { 0 };
+        let angle = turn - std::f64::consts::FRAC_PI_2
+            + step as f64 * std::f64::consts::TAU / (CORNERS - 2) as f64;
+        let (sin, cos) = libm::sin_cos(angle);
+        [end[0] + radius * cos, end[1] + radius * sin, height]
+    })
+}
+
+/// The shadow of a box or an ellipsoid: the point that is farthest in each direction.
+fn solid_outline(model: &Model, data: &Data, g: usize, height: f64) -> [Vec3; CORNERS] {
+    let (center, size) = (data.geom_xpos[g], model.geom_size[g]);
+    let axes = [0, 1, 2].map(|k| column(&data.geom_xmat[g], k));
+    std::array::from_fn(|i| {
+        let angle = (i as f64 + 0.5) * std::f64::consts::TAU / CORNERS as f64;
+        let (sin, cos) = libm::sin_cos(angle);
+        let facing = axes.map(|axis| axis[0] * cos + axis[1] * sin);
+        let parts: Vec3 = if model.geom_type[g] == GeomType::Box {
+            std::array::from_fn(|k| size[k].copysign(facing[k]))
+        } else {
+            let scaled: Vec3 = std::array::from_fn(|k| size[k] * facing[k]);
+            let length = dot(scaled, scaled).sqrt().max(f64::MIN_POSITIVE);
+            std::array::from_fn(|k| size[k] * scaled[k] / length)
+        };
+        let at = (0..3).fold(center, |at, k| add_scaled(at, axes[k], parts[k]));
+        [at[0], at[1], height]
+    })
+}
+
+/// A bounded plane that is not the floor, from the side that is solid.
+pub(super) fn wall(camera: &Camera, model: &Model, data: &Data, g: usize, canvas: &mut dyn Canvas) {
+    let (center, mat, size) = (data.geom_xpos[g], &data.geom_xmat[g], model.geom_size[g]);
+    let normal = column(mat, 2);
+    if dot(normal, sub(camera.pos, center)) <= 0.0 {
+        return;
+    }
+    let corners = [(1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0), (1.0, -1.0)].map(|(s, t)| {
+        let along = add_scaled(center, column(mat, 0), s * size[0]);
+        add_scaled(along, column(mat, 1), t * size[1])
+    });
+    let mut polygon = Vec::with_capacity(8);
+    camera.project_polygon(&corners, &mut polygon);
+    if polygon.len() >= 3 {
+        let light = blend(color_of(model, g), Color::rgb(206, 216, 226), 0.6);
+        canvas.polygon(&polygon, lit(light, normal));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Revision;
+    use crate::physics::kinematics;
+
+    /// The largest x and y of a geom's shadow.
+    fn extent(geom: &str) -> [f64; 2] {
+        let text = format!("<mujoco><worldbody><geom {geom} pos='0 0 1'/></worldbody></mujoco>");
+        let model = Model::from_xml_with(&text, Revision::V4_0).unwrap();
+        let mut data = Data::new(&model);
+        kinematics(&model, &mut data);
+        let corners = solid_outline(&model, &data, 0, 0.0);
+        [0, 1].map(|k| corners.iter().map(|corner| corner[k]).fold(0.0, f64::max))
+    }
+
+    #[test]
+    fn the_shadow_of_a_box_is_as_large_as_the_box() {
+        let size = "size='0.31 0.005 0.01'";
+        assert_eq!(extent(&format!("type='box' {size}")), [0.31, 0.005]);
+        let [x, y] = extent(&format!("type='box' euler='0 0 90' {size}"));
+        assert!((x - 0.005).abs() < 1e-12 && (y - 0.31).abs() < 1e-12);
+        let [x, y] = extent(&format!("type='ellipsoid' {size}"));
+        assert!((0.3..=0.31).contains(&x) && y <= 0.005, "{x} {y}");
     }
 }

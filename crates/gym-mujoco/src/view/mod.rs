@@ -219,7 +219,8 @@ impl View {
         let camera = self.camera(data, size);
         let geoms = (0..model.ngeom()).take(self.max_geom);
         floor::sky(&camera, canvas);
-        if let Some(g) = floor_of(model, data, self.max_geom) {
+        let floor = floor_of(model, data, self.max_geom);
+        if let Some(g) = floor {
             let height = data.geom_xpos[g][2];
             floor::draw(
                 &camera,
@@ -230,6 +231,13 @@ impl View {
             );
             floor::shadows(&camera, model, data, height, canvas);
         }
+        for g in geoms
+            .clone()
+            .filter(|g| is_wall(model, *g) && floor != Some(*g))
+        {
+            floor::wall(&camera, model, data, g, canvas);
+        }
+        shapes::strings(&camera, model, data, canvas);
         let mut solids: Vec<(f64, usize)> = geoms
             .filter(|g| model.geom_type[*g] != GeomType::Plane && color_of(model, *g).a > 0)
             .map(|g| {
@@ -255,7 +263,13 @@ impl View {
     }
 }
 
-/// The lowest plane is the floor; other planes are not shown.
+/// Whether a geom is a plane with ends. Other planes than these and the floor are not shown.
+fn is_wall(model: &Model, g: usize) -> bool {
+    let [x, y, _] = model.geom_size[g];
+    model.geom_type[g] == GeomType::Plane && x > 0.0 && y > 0.0 && color_of(model, g).a > 0
+}
+
+/// The lowest level plane is the floor.
 fn floor_of(model: &Model, data: &Data, max_geom: usize) -> Option<usize> {
     (0..model.ngeom())
         .take(max_geom)

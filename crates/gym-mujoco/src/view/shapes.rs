@@ -8,7 +8,7 @@ use gym_core::canvas::{Canvas, Color, Point};
 use super::camera::{Camera, NEAR};
 use super::floor::blend;
 use super::solids;
-use crate::model::GeomType;
+use crate::model::{GeomType, WrapType};
 use crate::physics::spatial::{Vec3, add, add_scaled, column, dot, scale, sub};
 use crate::{Data, Model, libm};
 
@@ -67,6 +67,24 @@ pub(super) fn marker(
 ) {
     if color.a > 0 {
         round(camera, [center; 2], radius, color, canvas);
+    }
+}
+
+/// Draws the straight parts of spatial tendons, from site to site.
+pub(super) fn strings(camera: &Camera, model: &Model, data: &Data, canvas: &mut dyn Canvas) {
+    const RADIUS: f64 = 0.003; // MuJoCo's default `width`
+    const COLOR: Color = Color::rgb(128, 128, 128);
+    let site = |w: usize| match model.wrap_type[w] {
+        WrapType::Site => usize::try_from(model.wrap_objid[w]).ok(),
+        _ => None,
+    };
+    for (first, parts) in model.tendon_adr.iter().zip(&model.tendon_num) {
+        for w in *first..(first + parts).saturating_sub(1) {
+            if let (Some(a), Some(b)) = (site(w), site(w + 1)) {
+                let ends = [data.site_xpos[a], data.site_xpos[b]];
+                round(camera, ends, RADIUS, COLOR, canvas);
+            }
+        }
     }
 }
 

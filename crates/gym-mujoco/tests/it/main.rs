@@ -3,6 +3,7 @@
 mod adversarial;
 mod changes;
 mod common;
+mod contacts;
 mod episodes;
 mod features;
 mod mjcf;

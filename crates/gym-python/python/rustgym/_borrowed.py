@@ -20,6 +20,7 @@ class Borrowed:
 
     def __init__(self, writes: bool = False) -> None:
         self.writes = writes
+        self._found: dict[type[MujocoEnv], Any] = {}
 
     def __set_name__(self, owner: type, name: str) -> None:
         self.name = name
@@ -37,13 +38,15 @@ class Borrowed:
     def __get__(self, env: MujocoEnv | None, owner: type[MujocoEnv]) -> Any:
         if env is None:
             return self
-        function: Any = None
-        for theirs in owner._theirs().__mro__:
-            if self.name in vars(theirs):
-                function = vars(theirs)[self.name]
-                break
-        if function is None:
-            raise AttributeError(f"{owner.__name__} has no attribute {self.name!r}")
-        if self.writes:
+        if (function := self._found.get(owner)) is None:
+            function = self._found[owner] = self._find(owner)
+        if self.writes and not env._is_handed:
             env._hand_over(f"{self.name}()")
         return function.fget(env) if isinstance(function, property) else MethodType(function, env)
+
+    def _find(self, owner: type[MujocoEnv]) -> Any:
+        """Gymnasium's method or property for a class of ours."""
+        for theirs in owner._theirs().__mro__:
+            if self.name in vars(theirs):
+                return vars(theirs)[self.name]
+        raise AttributeError(f"{owner.__name__} has no attribute {self.name!r}")

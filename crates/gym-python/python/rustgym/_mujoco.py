@@ -19,6 +19,8 @@ __all__ = ["Mirror", "OwnData"]
 
 #: The arrays of the state that our engine has as well: what is written to them is taken over.
 KNOWN = ("qpos", "qvel", "qacc_warmstart")
+#: The arrays of the state that a call of our engine starts from.
+_STATE = (*KNOWN, "ctrl", "act", "mocap_pos", "mocap_quat", "qfrc_applied", "xfrc_applied")
 
 # arrays of the model that no step depends on, where they are large
 _LARGE = 1 << 16
@@ -69,6 +71,7 @@ class Mirror:
         mujoco = _library()
         self._everything = int(mujoco.mjtState.mjSTATE_INTEGRATION)
         self._state: npt.NDArray[np.float64] = np.empty(mujoco.mj_stateSize(self.model, self._everything))
+        self._arrays = {name: getattr(self.data, name).reshape(-1) for name in _STATE}
         self._spans = _spans(self.model)
         self._opt = opt = self.model.opt
         names = [name for name in dir(opt) if not name.startswith("_")]
@@ -81,7 +84,15 @@ class Mirror:
         return self._state.tobytes()
 
     def _known(self) -> dict[str, Any]:
-        return {"time": self.data.time, **{name: np.array(getattr(self.data, name)) for name in KNOWN}}
+        return {"time": self.data.time, **{name: np.array(self._arrays[name]) for name in KNOWN}}
+
+    def _put(self, state: dict[str, Any]) -> None:
+        """Sets parts of the state."""
+        for name, value in state.items():
+            if name == "time":
+                self.data.time = value
+            else:
+                self._arrays[name][:] = value
 
     def _read_model(self) -> tuple[Any, ...]:
         return (self._options(self._opt), *[span.tobytes() for span in self._spans])
@@ -94,10 +105,10 @@ class Mirror:
             mujoco.mj_resetData(model, data)
         if calls is not None:
             stepped, start, now = calls
-            _put(data, start)
+            self._put(start)
             if stepped:
                 mujoco.mj_step(model, data)
-                _put(data, now)
+                self._put(now)
                 if self.contact_forces:
                     mujoco.mj_rnePostConstraint(model, data)
             else:
@@ -121,7 +132,7 @@ class Mirror:
         for name, value in current.items():
             if not np.array_equal(value, before[name], equal_nan=True):
                 changed[name] = value
-        _put(data, current)
+        self._put(current)
         data.ctrl[:] = _part(self.model, written, mujoco.mjtState.mjSTATE_CTRL, self._everything)
         other = self._read_state() != written.tobytes()
         mujoco.mj_setState(self.model, data, written, self._everything)
@@ -178,15 +189,6 @@ class Mirror:
 
 def _text(array: npt.NDArray[Any]) -> str:
     return base64.b64encode(array.tobytes()).decode()
-
-
-def _put(data: Any, state: Mapping[str, Any]) -> None:
-    """Sets parts of the state."""
-    for name, value in state.items():
-        if name == "time":
-            data.time = value
-        else:
-            getattr(data, name)[:] = value
 
 
 def _part(model: Any, state: npt.NDArray[np.float64], part: Any, everything: int) -> npt.NDArray[np.float64]:

@@ -3,6 +3,7 @@
 //! All pairs that can ever touch are known from the model, in the order of their contacts. A test
 //! of bounding spheres drops most of them; it never changes the result.
 
+mod bounds;
 mod box_box;
 mod boxes;
 mod capsule_box;
@@ -16,6 +17,7 @@ mod primitive;
 use super::spatial::{Mat3, Vec3, add_scaled, column, cross, dot, norm, normalize, sub};
 use crate::model::{GeomType, Pair, Reach};
 use crate::{Contact, Data, Model, Revision};
+pub(crate) use bounds::bounding_box;
 pub(crate) use epa::Polytope;
 
 /// A geom in the world.
@@ -72,6 +74,7 @@ pub(in crate::physics) fn touch(
         mat: frames[k].1,
         size: &m.geom_size[pair.geom[k]],
     });
+    let first = contacts.len();
     let mut push = |hit: Hit| contacts.push(contact(pair, index, &hit));
     match pair.kind {
         (GeomType::Plane, GeomType::Sphere) => {
@@ -125,6 +128,14 @@ pub(in crate::physics) fn touch(
                 convex::contacts(a, b, pair.margin, apart, (m.revision, polytope), &mut push);
             }
         }
+    }
+    let shallow = |contact: &Contact| contact.dist > pair.margin - bounds::ROUNDING;
+    if pair.boxed
+        && contacts.len() > first
+        && contacts[first..].iter().all(shallow)
+        && bounds::apart(pair.kind, [a, b], pair.margin)
+    {
+        contacts.truncate(first);
     }
 }
 

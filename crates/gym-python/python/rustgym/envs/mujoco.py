@@ -142,6 +142,7 @@ class MujocoEnv(ClassEnv):
         return _AGREE[key]
 
     @classmethod
+    @cache
     def _theirs(cls) -> Any:
         """Gymnasium's class of the task."""
         env_id = getattr(cls, "_id", None)
@@ -343,6 +344,8 @@ class MujocoEnv(ClassEnv):
             )
         self._theirs()  # raises where there is none
         self._touched().is_handed = True
+        # Gymnasium's step reads them under these names
+        self.__dict__.update((f"_{name}", getattr(self, f"_{name}")) for name in self.arguments)
         if warn:
             logger.warn(f"{cause} was changed: from now on the package mujoco steps this {type(self).__name__}, at its speed")
 
@@ -353,9 +356,11 @@ class MujocoEnv(ClassEnv):
         MuJoCo's own object where its package is installed, else one of ours with the same names. It follows the environment; what
         is written to it is taken over before the next step.
         """
+        if self._mirror is not None:
+            return self._mirror.data
         if self._native is None:
             return self.__dict__["data"]
-        if self._mirror is None and not _has_package():
+        if not _has_package():
             if self._own_data is None:
                 self._own_data = OwnData(self._arrays())
                 self._watch()
@@ -377,6 +382,8 @@ class MujocoEnv(ClassEnv):
         Raises:
             gymnasium.error.DependencyNotInstalled: without MuJoCo's Python package, which nothing else here needs.
         """
+        if self._mirror is not None:
+            return self._mirror.model
         return self.__dict__["model"] if self._native is None else self._touched().model
 
     @model.setter

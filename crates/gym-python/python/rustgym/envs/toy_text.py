@@ -191,7 +191,9 @@ class TabularEnv(ToyTextEnv):
 
     @lastaction.setter
     def lastaction(self, action: int | None) -> None:
-        self._set_state(last_action=None if action is None else self._actions[operator.index(action)])
+        if action is not None and operator.index(action) not in range(len(self._actions)):
+            raise ValueError(f"lastaction is {action}: it is None or from 0 to {len(self._actions) - 1}")
+        self._set_state(last_action=None if action is None else self._actions[action])
 
 
 class BlackjackEnv(ToyTextEnv):

@@ -1,0 +1,123 @@
+#!/usr/bin/env python3
+"""Record the contacts of two bodies in random poses, touching ones above all: `record.py SEEDS [POSES] > NAME.txt`.
+
+    pip install mujoco==3.12.0        again with 4.0.0: its lines go to another file
+
+`SEEDS` are the seeds from 0 on, of `POSES` poses each (50). A line is a model's name and text, or a model's name, MuJoCo's version, a seed, a
+count of poses, and a digest of their contacts: the geoms, the distance, the place and the frame of each.
+A pose: one body is turned and put anywhere, the other beside it, at sums of lengths of the geoms, so that sides touch up to rounding.
+"""
+import math
+import struct
+import sys
+
+import mujoco
+import numpy as np
+
+HALF = 0.7071067811865476
+TURNS = [(1, 0, 0, 0), (HALF, HALF, 0, 0), (HALF, 0, HALF, 0), (HALF, 0, 0, HALF), (0, 1, 0, 0), (0.5, 0.5, 0.5, 0.5)]
+LENGTHS = [0, 0.05, 0.1, 0.125, 0.2, 0.07]
+BOX = '<geom type="box" size=".1 .125 .2"/>'
+CAPSULE = '<geom type="capsule" size=".05 .2"/>'
+SHAPES = {
+    "sphere": '<geom type="sphere" size=".05"/>',
+    "capsule": CAPSULE,
+    "ellipsoid": '<geom type="ellipsoid" size=".05 .1 .125"/>',
+    "cylinder": '<geom type="cylinder" size=".05 .2"/>',
+    "box": '<geom type="box" size=".05 .1 .125"/>',
+}
+# of cylinders, 4.0 finds contacts in a way of its own
+UNLIKE = [("cylinder", "4.0.0")]
+
+
+def models():
+    def two(first, second, world=""):
+        bodies = "".join(f"<body><freejoint/>{geoms}</body>" for geoms in (first, second))
+        return f"<mujoco><worldbody>{world}{bodies}</worldbody></mujoco>"
+
+    yield "capsule-box-alone", two(BOX, CAPSULE)
+    # the box has a neighbour, so that boxes around geoms are compared
+    beside = '<geom type="sphere" size=".01" pos="0 0 2"/>'
+    for name, shape in SHAPES.items():
+        if (name, mujoco.__version__) in UNLIKE:
+            continue
+        yield f"{name}-box", two(BOX + beside, shape)
+    peg = CAPSULE + '<geom type="capsule" size=".05 .07" pos="0 0 .2" quat="1 0 1 0"/>'
+    slot = '<geom type="box" size=".1 .05 .2" pos=".2 0 0"/><geom type="box" size=".1 .05 .2" pos="-.2 0 0"/>'
+    yield "peg-slot", two(slot, peg)
+    floor = '<geom type="plane" size="5 5 .1" pos="0 0 .07" euler="{}"/>'
+    yield "capsule-floor", two(beside, CAPSULE, floor.format("0 0 0"))
+    yield "capsule-slope", two(beside, CAPSULE, floor.format("30 20 10"))
+
+
+def turn(random):
+    kind = random.uniform(0, 1)
+    if kind < 0.7:
+        return [float(x) for x in TURNS[int(random.uniform(0, len(TURNS)))]]
+    quat = [random.uniform(-1, 1) for _ in range(4)]
+    length = math.sqrt(quat[0] * quat[0] + quat[1] * quat[1] + quat[2] * quat[2] + quat[3] * quat[3])
+    return [x / length for x in quat]
+
+
+def place(random):
+    """A sum of two lengths, at times with noise."""
+    first = LENGTHS[int(random.uniform(0, len(LENGTHS)))]
+    second = LENGTHS[int(random.uniform(0, len(LENGTHS)))]
+    if random.uniform(0, 1) < 0.5:
+        first = -first
+    if random.uniform(0, 1) < 0.5:
+        second = -second
+    noise = random.uniform(-0.1, 0.1) if random.uniform(0, 1) < 0.3 else 0.0
+    return first + second + noise
+
+
+def turned(quat, v):
+    """The vector in the frame of a quaternion."""
+    w, x, y, z = quat
+    tx, ty, tz = 2 * (y * v[2] - z * v[1]), 2 * (z * v[0] - x * v[2]), 2 * (x * v[1] - y * v[0])
+    return [v[0] + w * tx + (y * tz - z * ty), v[1] + w * ty + (z * tx - x * tz), v[2] + w * tz + (x * ty - y * tx)]
+
+
+def product(p, q):
+    return [
+        p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
+        p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
+        p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1],
+        p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0],
+    ]
+
+
+def pose(random):
+    quat = turn(random)
+    spot = [random.uniform(-1, 1) for _ in range(3)]
+    centre = spot if random.uniform(0, 1) < 0.5 else [0.0] * 3
+    away = turned(quat, [place(random) for _ in range(3)])
+    other = product(quat, turn(random))
+    return centre + quat + [centre[k] + away[k] for k in range(3)] + other
+
+
+def words(d):
+    yield d.ncon
+    for contact in d.contact:
+        yield from map(int, contact.geom)
+        for x in [contact.dist, *contact.pos, *contact.frame]:
+            yield struct.unpack("<Q", struct.pack("<d", float(x) + 0.0))[0]
+
+
+def main():
+    seeds, poses = int(sys.argv[1]), int(sys.argv[2]) if len(sys.argv) > 2 else 50
+    for name, text in models():
+        m = mujoco.MjModel.from_xml_string(text)
+        d = mujoco.MjData(m)
+        print(name, text)
+        for seed in range(seeds):
+            random, digest = np.random.RandomState(seed), 0xCBF29CE484222325
+            for _ in range(poses):
+                d.qpos[:] = pose(random)
+                mujoco.mj_fwdPosition(m, d)
+                for word in words(d):
+                    digest = (digest ^ word) * 0x100000001B3 & 0xFFFFFFFFFFFFFFFF
+            print(name, mujoco.__version__, seed, poses, f"{digest:016x}", flush=True)
+
+
+main()

@@ -43,22 +43,22 @@ impl Random {
     }
 }
 
-/// How an adversary moves; each keeps it up for some time.
+/// The kinds of controls, each applied for some time.
 #[derive(Clone, Copy, Debug)]
 enum Plan {
-    /// Each actuator at one of its limits, drawn in every step.
+    /// Each actuator at a limit that is drawn in every step.
     BangBang,
-    /// All at their limits, the other ones in the next step.
+    /// All actuators at their limits, which alternate from step to step.
     Alternating,
-    /// Neighbours against each other, for as long as the plan lasts.
+    /// Neighbouring actuators at opposite limits, for the whole plan.
     Twist,
-    /// At the limits, always in the direction in which the joints move: energy without end.
+    /// At the limit in the direction of motion: the energy grows without end.
     Pump,
-    /// Far outside of the limits.
+    /// Controls far outside the limits.
     Beyond,
-    /// As far outside as a float32 goes.
+    /// The largest `float32` numbers.
     Utmost,
-    /// Hardly anything.
+    /// Controls near 0.
     Rest,
 }
 
@@ -84,7 +84,7 @@ fn act(plan: Plan, env: &BoxEnv, most: f32, step: usize, random: &mut Random, ac
             Plan::Alternating => [most, -most][step % 2],
             Plan::Twist => [most, -most][i % 2],
             Plan::Pump => {
-                // the last velocities are those of the joints with motors, nearly everywhere
+                // in nearly all tasks, the last velocities are those of the joints with motors
                 let speed =
                     velocities.and_then(|qvel| qvel.get((qvel.len() + i).saturating_sub(n)));
                 most.copysign(speed.copied().unwrap_or_default() as f32)
@@ -140,7 +140,7 @@ fn adversarial_actions_leave_every_number_finite() {
                 assert!(x.is_finite(), "{}", what());
             }
             fastest = data.qvel.iter().fold(fastest, |most, v| most.max(v.abs()));
-            // wherever it got to, it can be stored
+            // every state can be stored
             if step % 499 == 0 {
                 let mut twin = unending(&id);
                 twin.restore(&env.snapshot().unwrap())

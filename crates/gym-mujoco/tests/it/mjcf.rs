@@ -3,21 +3,21 @@
 
 use gym_mujoco::{Error, Model};
 
-/// A model with one line at fault, line 4.
+/// A model with an error in line 4.
 fn in_the_world(line: &str) -> String {
     format!(
         "<mujoco>\n<worldbody>\n<geom type=\"plane\" size=\"1 1 1\"/>\n{line}\n</worldbody>\n</mujoco>"
     )
 }
 
-/// A model whose section is at fault, on line 6.
+/// A model with an error in a section, in line 6.
 fn section(line: &str) -> String {
     format!(
         "<mujoco>\n<worldbody>\n<body name=\"b\">\n<joint name=\"j\"/><geom size=\"0.1\"/></body><body name=\"f\"><freejoint name=\"free\"/><geom size=\"1\"/></body>\n</worldbody>\n{line}\n</mujoco>"
     )
 }
 
-/// Text, line, element and attribute of the refused part.
+/// The text of a model, and the line, element and attribute that the error names.
 type Refused = (String, u32, &'static str, Option<&'static str>);
 
 fn refused() -> Vec<Refused> {
@@ -33,7 +33,7 @@ fn refused() -> Vec<Refused> {
         )
     };
     vec![
-        // outside of the supported part
+        // features that are not supported
         world("<geom type=\"mesh\" mesh=\"m\"/>", "geom", Some("type")),
         world("<geom size=\"1\" typo=\"3\"/>", "geom", Some("typo")),
         world("<nonsense/>", "nonsense", None),
@@ -59,7 +59,7 @@ fn refused() -> Vec<Refused> {
             Some("geom1"),
         ),
         other("<keyframe><key act=\"1\"/></keyframe>", "key", Some("act")),
-        // makes no sense
+        // invalid values
         world("<geom size=\"nan\"/>", "geom", Some("size")),
         world("<geom size=\"1e999\"/>", "geom", Some("size")),
         world("<geom size=\"1,2\"/>", "geom", Some("size")),
@@ -177,7 +177,7 @@ fn refused() -> Vec<Refused> {
             "camera",
             Some("target"),
         ),
-        // damaged
+        // damaged XML
         ("<mujoco>\n<worldbody>".into(), 1, "mujoco", None),
         ("".into(), 1, "mujoco", None),
         ("<mujoco>\n\n<a></b></mujoco>".into(), 3, "mujoco", None),
@@ -235,7 +235,7 @@ fn sizes_and_depths_have_limits() {
     );
     let message = Model::from_xml(&many).unwrap_err().to_string();
     assert!(message.contains("more than 1000"), "{message}");
-    // 167 bodies and geoms, and six degrees of freedom of each
+    // 167 bodies with a geom and six degrees of freedom each
     let free = "<body><freejoint/><geom size=\"1\"/></body>".repeat(167);
     let message = Model::from_xml(&format!("<mujoco><worldbody>{free}</worldbody></mujoco>"))
         .unwrap_err()
@@ -255,7 +255,7 @@ fn sizes_and_depths_have_limits() {
     );
 }
 
-/// Runs in a thread of a small stack, whose end aborts the process.
+/// Runs in a thread with a small stack. An overflow aborts the process.
 fn in_a_small_stack(work: impl FnOnce() + Send + 'static) {
     std::thread::Builder::new()
         .stack_size(128 << 10)
@@ -265,7 +265,7 @@ fn in_a_small_stack(work: impl FnOnce() + Send + 'static) {
         .unwrap();
 }
 
-/// As deep as elements may be nested, however the crate is compiled.
+/// The deepest nesting that is allowed fits the stack, with and without optimisation.
 #[test]
 fn deep_nesting_needs_no_stack() {
     let bodies = format!(
@@ -283,7 +283,7 @@ fn deep_nesting_needs_no_stack() {
     in_a_small_stack(move || {
         let model = Model::from_xml(&bodies).unwrap();
         assert_eq!((model.nbody(), model.nv()), (199, 198));
-        // each within the one before, in the order of the text
+        // each body is the child of the one before, in the order of the text
         assert!((2..199).all(|id| model.body_parentid[id] == id - 1));
         Model::from_xml(&classes).unwrap();
         let deeper = format!(
@@ -297,7 +297,7 @@ fn deep_nesting_needs_no_stack() {
     });
 }
 
-/// Classes start from the class around them, even with other elements between.
+/// Classes inherit from the enclosing class, even with other elements in between.
 #[test]
 fn classes_within_classes_start_from_them() {
     let model = Model::from_xml(
@@ -313,8 +313,7 @@ fn classes_within_classes_start_from_them() {
     );
 }
 
-/// Texts whose reading would take a machine for minutes if it took the square of their length. Each
-/// takes a moment, which a test cannot assert: it would hang.
+/// With quadratic time, reading these texts would take minutes: the test would hang.
 #[test]
 fn large_texts_are_read_in_time_or_refused() {
     let refused = |text: String, message: &str| {
@@ -366,7 +365,7 @@ fn large_texts_are_read_in_time_or_refused() {
     }
 }
 
-/// A device that never ends.
+/// `/dev/zero` never ends.
 #[cfg(target_os = "linux")]
 #[test]
 fn endless_files_are_refused() {
@@ -378,7 +377,7 @@ fn endless_files_are_refused() {
     );
 }
 
-/// Two of the three moments of inertia of a body exceed the third, whichever that is.
+/// The sum of any two moments of inertia must not be below the third.
 #[test]
 fn moments_of_inertia_are_those_of_a_body() {
     let model = |moments: &str| {
@@ -399,7 +398,7 @@ fn moments_of_inertia_are_those_of_a_body() {
     }
 }
 
-/// Of several `size` elements the largest number of keyframes counts.
+/// With several `size` elements, the largest `nkey` applies.
 #[test]
 fn keyframes_are_as_many_as_the_largest_size_says() {
     for sizes in [[3, 1], [1, 3]] {
@@ -443,7 +442,7 @@ fn a_total_mass_scales_masses_and_moments() {
     }
 }
 
-/// A body that moves needs mass, its own or that of what is fixed to it.
+/// A body that moves needs mass: its own, or that of bodies that are fixed to it.
 #[test]
 fn what_is_fixed_to_a_body_is_its_mass_as_well() {
     let model = |inner: &str| {
@@ -454,7 +453,7 @@ fn what_is_fixed_to_a_body_is_its_mass_as_well() {
     model(heavy).unwrap();
     model(&format!("<body>{heavy}</body>")).unwrap();
     model("<geom size=\"1e-3\" mass=\"1\"/>").unwrap();
-    // bodies that move against it do not help, nor does a point, even with a mass
+    // child bodies with joints do not count, nor does a shape of nearly no size, even with a mass
     for inner in [
         "",
         "<site name=\"s\"/>",
@@ -466,7 +465,7 @@ fn what_is_fixed_to_a_body_is_its_mass_as_well() {
     }
 }
 
-/// A model with these lines before the world, or what refuses it.
+/// A model with `lines` before its world, or the error.
 fn with_lines(lines: &str) -> serde_json::Value {
     let text = format!(
         "<mujoco>{lines}<worldbody><body name=\"a\"><joint name=\"j\" range=\"-30 30\"/><geom size=\"0.1\"/>\
@@ -476,8 +475,8 @@ fn with_lines(lines: &str) -> serde_json::Value {
     serde_json::to_value(model).unwrap()
 }
 
-/// Each attribute of a section says something, and of several elements each keeps what the others
-/// do not say.
+/// Every attribute of a section has an effect. A later element keeps the values that it does not
+/// give.
 #[test]
 fn attributes_of_sections_count_wherever_they_are() {
     let sections: [(&str, &[(&str, &str)]); 3] = [
@@ -551,7 +550,7 @@ fn attributes_of_sections_count_wherever_they_are() {
     }
 }
 
-/// The stated inertia of a body counts, unless `inertiafromgeom` is set.
+/// A body has the inertia that its `inertial` gives, unless `inertiafromgeom` is set.
 #[test]
 fn inertia_comes_from_where_it_is_said_to() {
     let mass = |lines: &str| with_lines(lines)["body_mass"][1].as_f64().unwrap();
@@ -562,8 +561,8 @@ fn inertia_comes_from_where_it_is_said_to() {
     assert!((mass("<compiler inertiafromgeom=\"true\"/>") - sphere).abs() < 1e-9);
 }
 
-/// A body on slides along the axes, which is turned at most behind them, has a diagonal part of the
-/// inertia matrix: without turns with numbers that do not change.
+/// `body_simple` is 2 if a body has only slides along the axes, 1 if one hinge follows them, else
+/// 0.
 #[test]
 fn bodies_of_the_world_are_simple_by_their_joints() {
     let slide = |axis: &str| format!("<joint type=\"slide\" axis=\"{axis}\"/>");

@@ -4,7 +4,7 @@ use gym_core::{BoxEnv, Env, EnvExt, Registration, Value, builder, make, registry
 use gym_mujoco::{Data, simulated, simulated_mut};
 use serde_json::{Value as Json, json};
 
-/// An entry of the info that is a number.
+/// The number under `name` in the info.
 fn told(env: &BoxEnv, name: &str) -> f64 {
     env.info_map()[name]
         .as_float()
@@ -34,7 +34,7 @@ fn parts(env: &BoxEnv) -> Vec<(String, f64)> {
         .collect()
 }
 
-/// The parts of each of some random steps from the same seed.
+/// The parts of the rewards of random steps, always with the same seed.
 fn history(env: &mut BoxEnv, steps: usize) -> Vec<Vec<(String, f64)>> {
     let mut actions = env.action_sampler(4).unwrap();
     env.reset(3).unwrap();
@@ -56,7 +56,7 @@ fn the_reward_is_the_sum_of_its_parts() {
         let mut env = make(id).unwrap();
         let mut actions = env.action_sampler(4).unwrap();
         env.reset(3).unwrap();
-        // standing up pays 1 in each step, which no entry tells
+        // HumanoidStandup adds 1 in each step, which the info does not contain
         let always = if id.starts_with("HumanoidStandup") {
             1.0
         } else {
@@ -73,7 +73,7 @@ fn the_reward_is_the_sum_of_its_parts() {
     }
 }
 
-/// A weight scales the part of the reward that it is of, and no other.
+/// A weight scales its own part of the reward only.
 #[test]
 fn a_weight_scales_its_own_part() {
     for (id, name, weight, part) in [
@@ -108,7 +108,7 @@ fn a_weight_scales_its_own_part() {
             "reward_forward",
         ),
         ("Humanoid-v5", "ctrl_cost_weight", 0.1, "reward_ctrl"),
-        // below where the costs of forces are clipped
+        // so small that the cost of forces is not clipped
         ("Humanoid-v5", "contact_cost_weight", 5e-9, "reward_contact"),
         ("Humanoid-v5", "healthy_reward", 5.0, "reward_survive"),
         (
@@ -153,7 +153,7 @@ fn a_weight_scales_its_own_part() {
     }
 }
 
-/// A task, one of its ranges, how narrow it is made, and the numbers that must lie in it.
+/// A task, the name of a range, its narrow bounds, and the numbers that must lie in it.
 type Range = (&'static str, &'static str, [f64; 2], fn(&Data) -> Vec<f64>);
 
 const RANGES: [Range; 7] = [
@@ -163,7 +163,7 @@ const RANGES: [Range; 7] = [
     ("Hopper-v5", "healthy_angle_range", [-0.01, 0.01], |data| {
         vec![data.qpos[2]]
     }),
-    // all but the place
+    // all numbers except the position along the track
     ("Hopper-v5", "healthy_state_range", [-3.0, 3.0], |data| {
         [&data.qpos[2..], &data.qvel[..]].concat()
     }),
@@ -184,8 +184,8 @@ const RANGES: [Range; 7] = [
     }),
 ];
 
-/// A step is paid for where it ends in health, and the first that does not ends the episode, if it
-/// may.
+/// A step that ends healthy is rewarded. The first that does not ends the episode, if
+/// `terminate_when_unhealthy`.
 #[test]
 fn health_is_what_its_ranges_say() {
     for (id, name, [low, high], reads) in RANGES {
@@ -224,7 +224,7 @@ fn health_is_what_its_ranges_say() {
     }
 }
 
-/// Neither how far a hopper came nor how high it is counts among the numbers of its state range.
+/// The hopper's position and height are not part of its state range.
 #[test]
 fn a_place_is_not_unhealthy() {
     let ranges = [
@@ -242,7 +242,7 @@ fn a_place_is_not_unhealthy() {
     assert_eq!(told(&env, "reward_survive"), 1.0);
 }
 
-/// A pole that has fallen is paid for once more before version 5, and no longer since.
+/// The step in which the pole falls pays its survival reward before version 5, and not since.
 #[test]
 fn a_fall_is_not_paid_for_since_version_5() {
     for (id, upright, fallen) in [
@@ -256,7 +256,7 @@ fn a_fall_is_not_paid_for_since_version_5() {
         let mut env = make(id).unwrap();
         env.reset(3).unwrap();
         let push = Value::from([1.0_f32]);
-        // the costs of distance from the middle, and of speed, for a double pendulum
+        // the largest cost of distance and speed of a double pendulum
         let cost = if id.starts_with("InvertedDouble") {
             5.0
         } else {
@@ -278,7 +278,7 @@ fn a_fall_is_not_paid_for_since_version_5() {
     }
 }
 
-/// Forces are clipped one by one in Ant, in its cost and where they are observed.
+/// Ant clips each force, in its cost and in its observation.
 #[test]
 fn forces_of_an_ant_are_clipped_to_their_range() {
     const RANGE: [f64; 2] = [-0.05, 0.02];
@@ -302,7 +302,7 @@ fn forces_of_an_ant_are_clipped_to_their_range() {
             .map(|force| force.clamp(RANGE[0], RANGE[1]))
             .collect();
         let seen = seen.as_slice::<f64>().unwrap();
-        // the world's own are not observed
+        // the forces on the world are not observed
         assert_eq!(seen[seen.len() - clipped.len() + 6..], clipped[6..]);
         let cost = 3.0 * clipped.iter().map(|force| force * force).sum::<f64>();
         let told = told(&env, "reward_contact");
@@ -317,7 +317,7 @@ fn forces_of_an_ant_are_clipped_to_their_range() {
     );
 }
 
-/// The cost of all forces together is clipped in the tasks of the humanoid.
+/// The humanoid tasks clip the total cost of forces.
 #[test]
 fn costs_of_forces_are_clipped_to_their_range() {
     for (id, weight, range, part) in [
@@ -355,7 +355,7 @@ fn costs_of_forces_are_clipped_to_their_range() {
     }
 }
 
-/// A hopper and a walker see no speed above 10; a cheetah sees what there is.
+/// Hopper and walker observe speeds clipped to 10; the cheetah observes them unclipped.
 #[test]
 fn speeds_are_observed_up_to_a_limit() {
     for (id, limit) in [
@@ -386,7 +386,7 @@ fn speeds_are_observed_up_to_a_limit() {
     }
 }
 
-/// A reset leaves nothing of the steps before it, and tells no reward.
+/// After a reset the info is that of a new environment, without rewards.
 #[test]
 fn a_used_task_tells_after_a_reset_what_a_new_one_does() {
     for entry in registry::all() {
@@ -415,8 +415,7 @@ fn a_used_task_tells_after_a_reset_what_a_new_one_does() {
     }
 }
 
-/// Goals are drawn where they may lie: the target within the reach of the arm, the object away from
-/// its goal.
+/// The target lies within the reach of the arm, and the object lies away from its goal.
 #[test]
 fn goals_lie_where_they_may() {
     for version in ["v2", "v4", "v5"] {
@@ -433,7 +432,7 @@ fn goals_lie_where_they_may() {
             assert_eq!((&qpos[9..], &qvel[7..]), (&[0.0; 2][..], &[0.0; 4][..]));
             nearest = nearest.min(qpos[7].hypot(qpos[8]));
         }
-        // a square holds corners that a circle does not
+        // a square contains corners that a circle does not
         assert!((0.18..0.2).contains(&farthest), "{version}: {farthest}");
         assert!((0.17..0.18).contains(&nearest), "{version}: {nearest}");
     }

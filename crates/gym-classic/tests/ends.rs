@@ -214,3 +214,32 @@ fn a_torque_costs_in_its_own_precision() {
         assert_eq!(reward([single].into()), -f64::from(single * single * 0.001));
     }
 }
+
+/// JSON has no NaN, but a `Config` may have one.
+#[test]
+fn constants_that_are_not_numbers_are_refused() {
+    let goal_velocity = f64::NAN;
+    let car = mountain_car::Config {
+        goal_velocity,
+        ..Default::default()
+    };
+    let continuous = mountain_car_continuous::Config {
+        goal_velocity,
+        ..Default::default()
+    };
+    for error in [
+        mountain_car::MountainCar::new(car).unwrap_err(),
+        MountainCarContinuous::new(continuous).unwrap_err(),
+    ] {
+        assert!(
+            error.to_string().contains("goal_velocity is NaN"),
+            "{error}"
+        );
+    }
+    let pole = Config {
+        theta_threshold_radians: f64::NAN,
+        ..Config::default()
+    };
+    let error = CartPole::new(pole).unwrap_err().to_string();
+    assert!(error.contains("theta_threshold_radians is NaN"), "{error}");
+}

@@ -2,7 +2,7 @@
 
 use gym_classic as _;
 use gym_core::vector::{Autoreset, VectorKind, VectorReset};
-use gym_core::{Value, VectorEnv, VectorEnvExt, WrapperSpec, builder};
+use gym_core::{Error, Value, VectorEnv, VectorEnvExt, WrapperSpec, builder};
 use gym_wrappers::RecordEpisodeStatistics;
 
 const IDS: [&str; 6] = [
@@ -149,6 +149,29 @@ fn a_masked_reset_tells_nothing_of_those_left_out() {
                 assert!(envs.info_map(i).is_empty(), "{what}: {i}");
                 assert!(!columns.done(i) && !columns.has_final[i], "{what}: {i}");
             }
+        }
+    }
+}
+
+/// A list of actions is checked one by one, and the error names the first that does not fit.
+#[test]
+fn each_action_of_a_list_is_checked() {
+    for kind in [VectorKind::Native, VectorKind::Sync] {
+        let mut envs = builder("Pendulum-v1").vector(3).kind(kind).build().unwrap();
+        envs.reset(0).unwrap();
+        let fits = || Value::from([0.5_f64]);
+        let list = |wrong: Value| Value::Tuple(vec![fits(), wrong, fits()]);
+        envs.step(&list(fits())).unwrap();
+        for wrong in [
+            Value::from([0.5, 0.5]),
+            Value::Text("0.5".into()),
+            Value::Null,
+        ] {
+            let error = envs.step(&list(wrong)).map(drop).unwrap_err();
+            assert!(
+                matches!(error, Error::SubEnvironment { index: 1, .. }),
+                "{kind:?}: {error}"
+            );
         }
     }
 }

@@ -24,20 +24,18 @@
 // `print!` panics if the output cannot be written
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
-#[cfg(feature = "families")]
-mod atari;
 mod bench;
 mod collision;
 mod conform;
 mod demo;
 mod dependency;
 mod docs;
+#[cfg_attr(not(feature = "families"), path = "no_families.rs")]
+mod families;
 mod gif;
 mod inputs;
 mod keys;
 mod list;
-#[cfg(feature = "families")]
-mod mjcf;
 mod new;
 mod output;
 mod play;
@@ -85,12 +83,8 @@ enum Command {
     Run(run::Arguments),
     /// Repeats recorded traces and compares, or writes, the answers.
     Replay(replay::Arguments),
-    /// Compiles a model in MJCF and prints its sizes.
-    #[cfg(feature = "families")]
-    Mjcf(mjcf::Arguments),
-    /// Compares your ROMs of the Atari 2600 with recordings of ale-py.
-    #[cfg(feature = "families")]
-    Atari(atari::Arguments),
+    #[command(flatten)]
+    Families(families::Command),
     /// Writes the pages about the environments of this workspace.
     Docs(docs::Arguments),
     /// Measures steps and frames per second.
@@ -148,10 +142,7 @@ fn command(command: Command, workspace: &Workspace, book: Option<&Book>) -> Resu
         Command::Play(arguments) => play::play(&arguments),
         Command::Run(arguments) => run::run(&arguments),
         Command::Replay(arguments) => replay::replay(&arguments),
-        #[cfg(feature = "families")]
-        Command::Mjcf(arguments) => mjcf::mjcf(&arguments),
-        #[cfg(feature = "families")]
-        Command::Atari(arguments) => atari::atari(arguments),
+        Command::Families(command) => command.run(),
         Command::Docs(arguments) => docs::docs(&arguments, workspace, book),
         Command::Bench(arguments) => bench::bench(&arguments, workspace),
         Command::Conform(arguments) => return conform::conform(&arguments, workspace),

@@ -5,6 +5,7 @@ use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
+use crate::families;
 use crate::output::{say, tell};
 use gym::render::file;
 use gym::trace::Trace;
@@ -117,9 +118,8 @@ fn parse(text: &str) -> Result<Trace> {
 /// compared.
 fn compare(path: &Path) -> Result<String> {
     let text = read(path)?;
-    #[cfg(feature = "families")]
-    if let Some(recorded) = frames::parse(&text) {
-        return frames::compare(&recorded);
+    if let Some(compared) = families::compare(&text) {
+        return compared;
     }
     let recorded = parse(&text)?;
     let (parts, facts) = recorded.compared();
@@ -147,15 +147,8 @@ fn write_answers(path: &Path, to: &Path) -> Result<()> {
     let not_json = |error: serde_json::Error| Error::custom(format!("not a recording: {error}"));
     let mut rest =
         gym::unique::object(&mut serde_json::Deserializer::from_str(&text)).map_err(not_json)?;
-    #[cfg(feature = "families")]
-    if let Some(recorded) = frames::parse(&text) {
-        let answers = frames::replay(&recorded)?;
-        let json =
-            serde_json::to_vec(&answers).map_err(|error| Error::custom(error.to_string()))?;
-        return file::write(to, &json);
-    }
-    let json = match of_engine(&rest, path)? {
-        Some(answer) => serde_json::to_vec(&answer),
+    let json = match families::answer(&text, &rest, path)? {
+        Some(answer) => Ok(answer),
         None => {
             let answers = parse(&text)?.replay()?;
             rest.remove("events");
@@ -177,64 +170,10 @@ fn write_answers(path: &Path, to: &Path) -> Result<()> {
     file::write(to, &json.map_err(not_json)?)
 }
 
-/// The answer to a recording of the MuJoCo engine alone: steps, forward calls, figures of a model.
-#[cfg(feature = "families")]
-fn of_engine(file: &Map<String, Json>, path: &Path) -> Result<Option<Map<String, Json>>> {
-    use gym::mujoco::recording;
-
-    if !recording::is_of_engine(file) {
-        return Ok(None);
-    }
-    let folder = path.parent().unwrap_or(Path::new("."));
-    recording::answer(file, folder)
-        .map(Some)
-        .map_err(|error| Error::custom(error.to_string()))
-}
-
-#[cfg(not(feature = "families"))]
-fn of_engine(_: &Map<String, Json>, _: &Path) -> Result<Option<Map<String, Json>>> {
-    Ok(None)
-}
-
 /// A trace and the other parts of its file.
 #[derive(serde::Serialize)]
 struct Answers<'a> {
     #[serde(flatten)]
     rest: Map<String, Json>,
     events: &'a [gym::trace::Event],
-}
-
-/// Recordings of games of the Atari 2600, frame by frame.
-#[cfg(feature = "families")]
-mod frames {
-    use gym::atari::games::by_md5;
-    use gym::atari::recording::Recording;
-    use gym::atari::rom;
-    use gym::{Error, Result};
-
-    /// A recording, if the text is one.
-    pub(super) fn parse(text: &str) -> Option<Recording> {
-        serde_json::from_str(text)
-            .ok()
-            .filter(|recording: &Recording| recording.kind == "raw")
-    }
-
-    pub(super) fn replay(recorded: &Recording) -> Result<Recording> {
-        let game = by_md5(&recorded.md5).ok_or_else(|| {
-            Error::custom(format!("the game `{}` is not supported", recorded.rom))
-        })?;
-        recorded.replay(&rom::load(game, None)?)
-    }
-
-    pub(super) fn compare(recorded: &Recording) -> Result<String> {
-        if recorded.ops.is_empty() {
-            return Err(Error::custom(
-                "it has no frames, so there is nothing to compare",
-            ));
-        }
-        match recorded.first_difference(&replay(recorded)?) {
-            Some(difference) => Err(Error::custom(difference)),
-            None => Ok(format!("{} frames, equal", recorded.ops.len())),
-        }
-    }
 }

@@ -25,6 +25,17 @@ pub(crate) fn harmless(subject: &Subject<'_>) -> Verdict {
                 &twice,
                 "an environment that was closed twice and reset",
             )?;
+            let mut env = subject.after(seed, 5)?;
+            for other in [seed + 1, seed + 2] {
+                env.close();
+                roll_out(&mut env, other, 5)?;
+            }
+            env.close();
+            same(
+                &played,
+                &roll_out(&mut env, seed, STEPS)?,
+                "an environment that was closed in several episodes",
+            )?;
         }
         (Ok(_), Err(error)) => {
             return broken(format!(

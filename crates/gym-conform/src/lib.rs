@@ -29,6 +29,8 @@
 //!   episodes end after one number of steps, and their `TimeLimit` has not been reached, the wrapper
 //!   is a finding. A wrapper that begins episodes within a step is seen by the count of a
 //!   `TimeLimit`, so not in a stack that has none;
+//! - a seed that is cut in a way that neither the compared pairs nor some hundreds of random seeds
+//!   show;
 //! - an option that is kept over episodes without a seed, if the environment does not lend its
 //!   [`generator`](gym_core::Env::generator);
 //! - an observation that a refused step has written to: after an error it may be anything;

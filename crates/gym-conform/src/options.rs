@@ -10,6 +10,8 @@ use gym_core::{BoxEnv, Env, EnvExt, Generator, Reset, Result};
 
 /// The number of resets without a seed of which an option must change at least one.
 const UNSEEDED: usize = 20;
+/// The number of episodes after one with an option.
+const EPISODES: u64 = 5;
 
 /// Returns the options with their examples.
 fn examples(subject: &Subject<'_>) -> Verdict<Vec<(&'static str, Json)>> {
@@ -158,6 +160,7 @@ fn counts_again(subject: &Subject<'_>, name: &str, example: &Json, is_plain: boo
     if is_plain {
         return Ok(());
     }
+    begins_anew(subject, name, example)?;
     let (mut with, mut without) = (subject.midway(SEEDS[0])?, subject.midway(SEEDS[0])?);
     // some episodes begin by chance as the option asks
     for _ in 0..UNSEEDED {
@@ -170,6 +173,28 @@ fn counts_again(subject: &Subject<'_>, name: &str, example: &Json, is_plain: boo
     broken(format!(
         "the reset option {name}={example} changes nothing in {UNSEEDED} resets without a seed"
     ))
+}
+
+/// Checks that resets with an option and without a seed continue the generator: their episodes
+/// differ, if those of several seeds do.
+fn begins_anew(subject: &Subject<'_>, name: &str, example: &Json) -> Verdict {
+    let option = Some((name, example));
+    let all_equal = |reset: &dyn Fn(u64) -> Reset| -> Result<bool> {
+        let mut env = subject.midway(SEEDS[0])?;
+        let first = started(&mut env, reset(0), option)?;
+        for i in 1..UNSEEDED as u64 {
+            if started(&mut env, reset(i), option)? != first {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    };
+    if all_equal(&|_| Reset::default())? && !all_equal(&|seed| Reset::seed(seed))? {
+        return broken(format!(
+            "{UNSEEDED} resets with the option {name}={example} and without a seed give the same episode"
+        ));
+    }
+    Ok(())
 }
 
 /// Checks that an option holds for one episode only.
@@ -189,6 +214,15 @@ pub(crate) fn forgotten(subject: &Subject<'_>) -> Verdict {
         let after = started(&mut env, Reset::seed(SEEDS[0]), None)?;
         let what = format!("an environment that was reset with {name}={example} before");
         same(&with_option(subject, None)?, &after, &what)?;
+        // a time limit ends episodes without the environment's knowledge
+        let mut env = subject.unlimited()?;
+        env.reset(Reset::seed(SEEDS[1]).option(name, example.clone()))?;
+        if finish_episode(&mut env, subject.long()?)? {
+            let plain = started(&mut subject.unlimited()?, Reset::seed(SEEDS[0]), None)?;
+            let after = started(&mut env, Reset::seed(SEEDS[0]), None)?;
+            let what = format!("after a whole episode with {name}={example} the next one");
+            same(&plain, &after, &what)?;
+        }
         forgotten_with_the_seed(subject, name, &example)?;
         forgotten_without_a_seed(subject, name, &example)?;
     }
@@ -210,17 +244,27 @@ fn forgotten_with_the_seed(subject: &Subject<'_>, name: &str, example: &Json) ->
     started(&mut env, Reset::seed(SEEDS[0]), option)?;
     let what = format!("after a reset with {name}={example} the same seed without it");
     let plain = with_option(subject, None)?;
-    same(
-        &plain,
-        &started(&mut env, Reset::seed(SEEDS[0]), None)?,
-        &what,
-    )
+    for _ in 0..EPISODES {
+        let again = started(&mut env, Reset::seed(SEEDS[0]), None)?;
+        same(&plain, &again, &what)?;
+    }
+    Ok(())
+}
+
+/// Takes at most `steps` random steps, to the end of the episode. Returns whether it has ended.
+fn finish_episode(env: &mut BoxEnv, steps: usize) -> Result<bool> {
+    let mut actions = env.action_sampler(0)?;
+    for _ in 0..steps {
+        if env.step(&actions.sample())?.done() {
+            return Ok(true);
+        }
+    }
+    Ok(false)
 }
 
 /// Checks that episodes without a seed do not depend on an earlier option. Both environments get
 /// the same generator before each of these episodes.
 fn forgotten_without_a_seed(subject: &Subject<'_>, name: &str, example: &Json) -> Verdict {
-    const EPISODES: u64 = 5;
     let after = |first: Reset| -> Result<Option<Vec<Shown>>> {
         let mut env = subject.make()?;
         env.reset(first)?;

@@ -1,5 +1,7 @@
 //! Checks of seeds.
 
+use std::iter;
+
 use crate::options;
 use crate::subject::{SEEDS, STEPS, Shown, Subject, carry_on, info, roll_out, same};
 use crate::verdict::{Verdict, broken, skipped};
@@ -177,7 +179,37 @@ fn seeds_count(subject: &Subject<'_>, env: &mut BoxEnv) -> Verdict {
     let what = "environments whose first reset has no seed always begin with the same episode";
     let first = episode(&mut subject.make()?, Reset::default())?;
     let fresh = |_: &mut BoxEnv, _| Ok(episode(&mut subject.make()?, Reset::default())? == first);
-    not_always_true(env, what, seeded, fresh)
+    not_always_true(env, what, seeded, fresh)?;
+    seeds_apart(subject, env)
+}
+
+/// Checks that no two of many seeds leave the lent generator in one state. If the generator does
+/// not follow the seed at all, the check `generator-lent` reports it.
+fn seeds_apart(subject: &Subject<'_>, env: &mut BoxEnv) -> Verdict {
+    /// The number of values of the upper and of the lower 32 bits.
+    const HALVES: u64 = 12;
+    let mut rng = Generator::from(0);
+    let halves = (0..HALVES).flat_map(|high| (0..HALVES).map(move |low| (high << 32) | low));
+    let random =
+        iter::repeat_with(|| rng.integers(i64::MIN, i64::MAX) as u64).take(subject.many_resets()?);
+    let mut states: Vec<(Generator, u64)> = Vec::new();
+    for seed in halves.chain(random) {
+        env.reset(seed)?;
+        let Some(state) = env.generator() else {
+            return Ok(());
+        };
+        match states.iter().find(|(other, _)| other == state) {
+            // the first seeds are 0 and 1
+            Some(_) if states.len() == 1 => return Ok(()),
+            Some((_, other)) => {
+                return broken(format!(
+                    "the seeds {other} and {seed} leave the generator in the same state: the seed is cut"
+                ));
+            }
+            None => states.push((state.clone(), seed)),
+        }
+    }
+    Ok(())
 }
 
 /// Returns whether episodes with equal actions differ, with other seeds or without one.

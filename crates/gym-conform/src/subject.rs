@@ -137,6 +137,17 @@ impl<'a> Subject<'a> {
             .max(if self.shows_pictures()? { 0 } else { 1000 }))
     }
 
+    /// Returns the number of resets of a comparison of many seeds. Environments with few numbers in
+    /// an observation are reset fast.
+    pub(crate) fn many_resets(&self) -> Result<usize> {
+        const FEW: usize = 32;
+        Ok(match self.make()?.observation_space() {
+            Space::Box(space) if space.shape().iter().product::<usize>() <= FEW => 2000,
+            Space::Discrete(_) => 2000,
+            _ => 300,
+        })
+    }
+
     /// Returns the number of steps that are taken from each of many states.
     pub(crate) fn few(&self) -> Result<usize> {
         Ok(if self.shows_pictures()? { 5 } else { 20 })

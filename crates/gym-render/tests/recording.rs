@@ -6,7 +6,7 @@ use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use gym_core::canvas::{Canvas, Color};
-use gym_core::render::{Frame, Metadata, RenderMode};
+use gym_core::render::{Frame, Metadata, RenderMode, Rendered};
 use gym_core::vector::{Autoreset, SyncVectorEnv, VectorReset};
 use gym_core::wrappers::{Render, RenderCollection};
 use gym_core::{
@@ -259,6 +259,27 @@ fn recording_is_no_part_of_clones_and_snapshots() {
         counts(&folder.path().join("rl-video-episode-0.gif")),
         [0, 1, 2]
     );
+}
+
+/// A restore drops the frames of the abandoned history, also those that the recording has kept for
+/// a list.
+#[test]
+fn a_restored_recording_has_no_old_frames() {
+    let folder = TempDir::new().unwrap();
+    let mut env = RecordVideo::new(RenderCollection::new(drawn()), folder.path()).unwrap();
+    env.reset(0).unwrap();
+    let start = env.snapshot().unwrap();
+    env.step(&0).unwrap();
+    assert!(env.is_recording());
+    env.restore(&start).unwrap();
+    let number = |env: &mut RecordVideo<_>| match env.render().unwrap() {
+        Rendered::Frames(frames) => frames.len(),
+        other => panic!("{other:?} are not frames"),
+    };
+    assert_eq!(number(&mut env), 0);
+    env.step(&0).unwrap();
+    env.step(&0).unwrap();
+    assert_eq!(number(&mut env), 2);
 }
 
 /// Returns a vector of two sub-environments that records the first one.

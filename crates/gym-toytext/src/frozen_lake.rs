@@ -659,6 +659,18 @@ mod tests {
         FrozenLakeDynamics::new(config).unwrap_err().to_string()
     }
 
+    /// The probability is an integer after a reset, as Gymnasium's, and a float after a step.
+    #[test]
+    fn the_probability_has_the_type_of_gymnasiums() {
+        let mut env = FrozenLake::new(Config::default()).unwrap();
+        env.reset(0).unwrap();
+        assert_eq!(env.info_map()["prob"], Value::Int(1));
+        env.step(&Action::Right).unwrap();
+        assert!(matches!(env.info_map()["prob"], Value::Float(_)));
+        env.reset(()).unwrap();
+        assert_eq!(env.info_map()["prob"], Value::Int(1));
+    }
+
     /// A path may also go up and to the left.
     #[test]
     fn paths_lead_in_every_direction() {

@@ -1,7 +1,7 @@
 //! Environments made by id: older versions, and native vectors.
 
-use gym_core::vector::{Autoreset, VectorKind};
-use gym_core::{EnvExt, VectorEnv, VectorEnvExt, builder};
+use gym_core::vector::{Autoreset, VectorKind, VectorReset};
+use gym_core::{EnvExt, Value, VectorEnv, VectorEnvExt, builder};
 use gym_toytext::{CliffWalking, Taxi};
 
 /// They are equal after a snapshot too. (100 is not a multiple of the block size.)
@@ -83,5 +83,43 @@ fn older_versions_take_no_arguments() {
         let error = builder(older).arg(argument, false).build().unwrap_err();
         assert!(error.to_string().contains("takes no arguments"), "{error}");
         builder(newer).arg(argument, true).build().unwrap();
+    }
+}
+
+/// The count of steps has 16 bits, and stops below the number that stands for no limit.
+#[test]
+fn episodes_without_a_limit_are_never_truncated() {
+    let envs = builder("CliffWalking-v1").vector(3);
+    let mut envs = envs.kind(VectorKind::Native).build().unwrap();
+    let mut columns = envs.columns().unwrap();
+    envs.reset_into(&0.into(), &mut columns).unwrap();
+    let up = Value::from([0_i64; 3]);
+    for step in 0..66_000 {
+        envs.step_into(&up, &mut columns).unwrap();
+        assert_eq!(columns.truncated, [false; 3], "step {step}");
+    }
+}
+
+/// The last infos of an episode belong to the step that ended it.
+#[test]
+fn a_reset_leaves_no_last_infos() {
+    for kind in [VectorKind::Native, VectorKind::Sync, VectorKind::Async] {
+        let envs = builder("FrozenLake-v1").vector(2).kind(kind);
+        let mut envs = envs.autoreset(Autoreset::SameStep).build().unwrap();
+        let mut columns = envs.columns().unwrap();
+        envs.reset_into(&3.into(), &mut columns).unwrap();
+        let last = |envs: &dyn VectorEnv, index: usize| {
+            let mut entries = 0;
+            envs.final_info(index, &mut |_, _| entries += 1);
+            entries
+        };
+        let mut actions = envs.action_space().unwrap().sampler(0);
+        while !columns.has_final[0] {
+            envs.step_into(&actions.sample(), &mut columns).unwrap();
+        }
+        assert_eq!(last(&*envs, 0), 1, "{kind:?}");
+        let other = VectorReset::default().mask([false, true]);
+        envs.reset_into(&other, &mut columns).unwrap();
+        assert_eq!(last(&*envs, 0), 0, "{kind:?}");
     }
 }

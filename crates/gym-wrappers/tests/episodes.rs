@@ -197,5 +197,22 @@ fn a_smaller_buffer_keeps_the_last_episodes() {
     }
     play(&mut env, 40);
     assert_eq!((env.episodes().len(), env.episode_count()), (3, 60));
+    // those that are kept are the newest
+    for action in 2..6 {
+        env.reset(0).unwrap();
+        while !env.step(&action).unwrap().done() {}
+    }
+    let snapshot = Env::snapshot(&env).unwrap();
+    let config = record_episode_statistics::Config {
+        buffer_length: 2,
+        ..Default::default()
+    };
+    let mut smaller = RecordEpisodeStatistics::with_config(count(), config).unwrap();
+    Env::restore(&mut smaller, &snapshot).unwrap();
+    let returns: Vec<f64> = smaller
+        .episodes()
+        .map(|episode| episode.episode_return)
+        .collect();
+    assert_eq!(returns, [12.0, 15.0]);
     assert!(env.episodes().all(|episode| episode.length == 3));
 }

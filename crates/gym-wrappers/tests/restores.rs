@@ -16,7 +16,8 @@ use gym_wrappers::{
 };
 use serde_json::{Value as Json, json};
 
-/// Observes the square of its step, with alternating sign; an episode has `length` steps.
+/// Observes the square of its step, with alternating sign; an episode has `length` steps. Actions
+/// above 4 are refused.
 #[derive(Clone, Debug)]
 struct Squares {
     length: i64,
@@ -55,6 +56,9 @@ impl Env for Squares {
     }
 
     fn step_into(&mut self, action: &i64, observation: &mut Value) -> Result<Outcome> {
+        if *action > 4 {
+            return Err(Error::custom("the action is refused"));
+        }
         self.steps += 1;
         let sign = if self.steps % 2 == 0 { 1 } else { -1 };
         *observation = Value::from([(sign * self.steps * self.steps + action) as f64]);
@@ -151,6 +155,61 @@ fn the_last_observations_of_a_series_are_stored() {
     let last = fresh.step(&0).unwrap();
     assert!(last.terminated);
     assert_eq!(last.observation, Value::from([64.0]));
+}
+
+/// The observation of a step is the larger of its last two, also if the last one is smaller.
+#[test]
+fn the_larger_of_the_last_two_observations_is_shown() {
+    for (skip, largest) in [(2, 4.0), (3, 4.0), (4, 16.0), (5, 16.0)] {
+        let mut env = MaxAndSkipObservation::new(Squares::new(9), skip).unwrap();
+        env.reset(0).unwrap();
+        assert_eq!(
+            env.step(&0).unwrap().observation,
+            Value::from([largest]),
+            "{skip}"
+        );
+    }
+}
+
+/// A reset by the caller replaces one that is due.
+#[test]
+fn a_reset_by_hand_leaves_no_reset_due() {
+    let mut env = AutoresetWrapper::new(Squares::new(2));
+    env.reset(0).unwrap();
+    env.step(&0).unwrap();
+    assert!(env.step(&0).unwrap().terminated);
+    env.reset(0).unwrap();
+    assert_eq!(env.step(&0).unwrap().observation, Value::from([-1.0]));
+}
+
+/// A step that the environment refuses draws nothing, so that the next one is as if it had not been.
+#[test]
+fn a_refused_step_draws_nothing() {
+    let make = || {
+        let mut env = StickyAction::new(Squares::new(80), 0.5).unwrap();
+        env.reset(1).unwrap();
+        env
+    };
+    let (mut plain, mut asked) = (make(), make());
+    let mut refusals = 0;
+    for step in 0..40 {
+        let before = asked.snapshot().unwrap();
+        match asked.step(&7) {
+            Err(_) => {
+                refusals += 1;
+                assert_eq!(asked.snapshot().unwrap(), before, "step {step}");
+            }
+            // the last action is repeated instead
+            Ok(_) => asked.restore(&before).unwrap(),
+        }
+        let action = step % 4;
+        assert_eq!(
+            asked.step(&action).unwrap(),
+            plain.step(&action).unwrap(),
+            "step {step}"
+        );
+    }
+    assert!((5..35).contains(&refusals), "{refusals}");
 }
 
 /// A snapshot contains whether a reset is due.

@@ -7,7 +7,7 @@ use gym_core::spaces::{
     DictSpace, Mask, OneOfSpace, Probabilities, SequenceSpace, TextSpace, TupleSpace,
 };
 use gym_core::vector::{Autoreset, SyncVectorEnv, VectorReset};
-use gym_core::wrappers::{OrderEnforcing, Render, RenderCollection, TimeLimit};
+use gym_core::wrappers::{OrderEnforcing, Render, RenderCollection, StepCount, TimeLimit};
 use gym_core::{
     BoxEnv, Configure, Env, EnvExt, Error, Outcome, Registration, Reset, Result, Snapshot, Space,
     Value, VectorEnv, VectorEnvExt, WrapperSpec, make,
@@ -247,6 +247,33 @@ fn an_equal_or_shorter_limit_replaces_that_of_make() {
         assert_eq!(played, Some(length), "{spec:?}");
     }
     assert!(TimeLimit::new(Count::default(), 0).is_err());
+}
+
+/// Of two limits, the layer [`StepCount`] is that with fewer steps left.
+#[test]
+fn the_count_of_the_nearest_limit_is_shown() {
+    let count = |inner: u32, outer: u32| {
+        let inner = TimeLimit::new(Count::default(), inner).unwrap();
+        let mut env = BoxEnv::new(TimeLimit::new(inner, outer).unwrap());
+        env.reset(0).unwrap();
+        env.step(&Value::Int(1)).unwrap();
+        *env.layer::<StepCount>().unwrap()
+    };
+    for (inner, outer) in [(3, 8), (8, 3), (3, 3)] {
+        let count = count(inner, outer);
+        assert_eq!((count.max_episode_steps, count.elapsed_steps), (3, 1));
+    }
+}
+
+/// A wrapper around collected frames is outside of the collection, in the spec too.
+#[test]
+fn a_collection_stays_inside_of_a_later_wrapper() {
+    let mut spec = make("edges/Count-v0").unwrap().spec().unwrap();
+    spec.render_mode = Some(RenderMode::AnsiList);
+    let spec = spec.wrapped(WrapperSpec::new("TimeLimit").arg("max_episode_steps", 3));
+    let names: Vec<_> = spec.additional_wrappers.iter().map(|w| &*w.name).collect();
+    assert_eq!(names, ["RenderCollection", "TimeLimit"]);
+    assert_eq!(spec.render_mode, Some(RenderMode::Ansi));
 }
 
 /// A snapshot contains the count of steps, but not the limit.

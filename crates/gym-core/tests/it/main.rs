@@ -1,6 +1,7 @@
 //! Tests through the public interface.
 
 mod edges;
+mod groups;
 mod lockstep;
 mod rare;
 mod rooms;

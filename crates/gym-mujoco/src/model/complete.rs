@@ -55,9 +55,10 @@ const SOLIMP: [f64; 5] = [0.9, 0.95, 0.001, 0.5, 2.0];
 
 /// Fills those of `arrays` that are empty with `length` copies of `value`.
 fn fill<T: Clone, const N: usize>(length: usize, value: T, arrays: [&mut Vec<T>; N]) {
+    let value = vec![value; length];
     for array in arrays {
         if array.is_empty() {
-            array.resize(length, value.clone());
+            array.clone_from(&value);
         }
     }
 }

@@ -113,6 +113,44 @@ twists! {
         }
     }
 
+    // so does the second `close`, after another episode
+    "close-harmless.in-two-episodes" SpoiltByALaterClose {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            env.mind.own = env.mind.own.next_multiple_of(2);
+            env.walk.reset_into(reset, observation)
+        }
+
+        fn close(env: &mut Of<Self>) {
+            if env.mind.own.is_multiple_of(2) {
+                env.mind.own += 1;
+            }
+            if env.mind.own == 3 {
+                env.mind.is_spoilt.set(true);
+            }
+            env.walk.close();
+        }
+    }
+
+    // counts calls of `close` and kept options, without effect
+    "none.counts-calls" CountsCalls (Number), reset_options(&[("start", "0.25")]) {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            if let Some(start) = reset.options.get("start").and_then(start) {
+                env.mind.seen = Value::Float(start);
+            }
+            env.walk.reset_into(reset, observation)
+        }
+
+        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
+            let outcome = env.walk.step_into(action, observation)?;
+            Ok(Outcome { reward: outcome.reward * env.arguments.number, ..outcome })
+        }
+
+        fn close(env: &mut Of<Self>) {
+            env.mind.own += 1;
+            env.walk.close();
+        }
+    }
+
     "no-panic.reset-after-close" PanicsAfterClose {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             assert!(env.mind.own == 0 || env.mind.is_over, "closed");
@@ -179,6 +217,46 @@ twists! {
         }
     }
 
+    // the option counts for the next episode, if its own has ended
+    "reset-forgets.option-after-an-end" KeepsAnOptionPastAnEnd, reset_options(&[("start", "0.25")]) {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            let mut options = reset.options.clone();
+            let kept = std::mem::replace(&mut env.mind.seen, Value::Null);
+            if let Some(start) = options.get("start").and_then(start) {
+                env.mind.seen = Value::Float(start);
+            } else if let Value::Float(start) = kept && env.mind.is_over && options.is_empty() {
+                options.insert("start".into(), start.into());
+            }
+            env.walk.reset_into(&Reset { options, ..reset.clone() }, observation)
+        }
+    }
+
+    // the option counts from the third later reset with its seed on
+    "reset-forgets.option-by-seed-later" KeepsTheStartForLater, reset_options(&[("start", "0.25")]) {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            let mut options = reset.options.clone();
+            let seed = reset.seed.as_ref().map(ToString::to_string).unwrap_or_default();
+            if let Some(start) = options.get("start").and_then(start) {
+                (env.mind.seen, env.mind.own) = (Value::Dict(vec![(seed, start.into())]), 0);
+            } else if let Some(Value::Float(start)) = env.mind.seen.get(&seed) && options.is_empty() {
+                env.mind.own += 1;
+                if env.mind.own > 2 {
+                    options.insert("start".into(), (*start).into());
+                }
+            }
+            env.walk.reset_into(&Reset { options, ..reset.clone() }, observation)
+        }
+    }
+
+    // an option without a seed begins the generator anew
+    "options-matter.begins-anew" BeginsAnew, reset_options(&[("start", "0.25")]) {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            let has_option = reset.options.contains_key("start");
+            let seed = reset.seed.clone().or_else(|| has_option.then(|| 7.into()));
+            env.walk.reset_into(&Reset { seed, ..reset.clone() }, observation)
+        }
+    }
+
     // 41 resets without a step between them spoil it
     "reset-forgets.many-resets" CountsResets {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
@@ -196,6 +274,18 @@ twists! {
     "other-seed-other-episode.float" CutsToAFloat {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             with_seed(env, reset, |seed| seed as f32 as u64, observation)
+        }
+    }
+
+    "other-seed-other-episode.folded" FoldsSeeds {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            with_seed(env, reset, |seed| (seed ^ (seed >> 32)) % (1 << 32), observation)
+        }
+    }
+
+    "other-seed-other-episode.odd-remainder" TakesAnOddRemainder {
+        fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
+            with_seed(env, reset, |seed| seed % 65_521, observation)
         }
     }
 

@@ -1,0 +1,62 @@
+//! Recordings that are no traces: of games of the Atari 2600 frame by frame, and of MuJoCo's engine.
+
+use std::path::Path;
+
+use gym::atari::games::by_md5;
+use gym::atari::recording::Recording;
+use gym::atari::rom;
+use gym::mujoco::recording;
+use gym::{Error, Result};
+use serde_json::{Map, Value as Json};
+
+/// Compares a recording of a game. `None` if the text is none.
+pub(crate) fn compare(text: &str) -> Option<Result<String>> {
+    game(text).map(|recorded| {
+        if recorded.ops.is_empty() {
+            return Err(Error::custom(
+                "it has no frames, so there is nothing to compare",
+            ));
+        }
+        match recorded.first_difference(&replay(&recorded)?) {
+            Some(difference) => Err(Error::custom(difference)),
+            None => Ok(format!("{} frames, equal", recorded.ops.len())),
+        }
+    })
+}
+
+/// The answer, in JSON, to a recording with the text `text` and the parts `parts`. Files that it names lie in
+/// the folder of `path`. `None` if it is a trace.
+pub(crate) fn answer(
+    text: &str,
+    parts: &Map<String, Json>,
+    path: &Path,
+) -> Result<Option<Vec<u8>>> {
+    let json = |answer: serde_json::Result<Vec<u8>>| {
+        answer
+            .map(Some)
+            .map_err(|error| Error::custom(error.to_string()))
+    };
+    if let Some(recorded) = game(text) {
+        return json(serde_json::to_vec(&replay(&recorded)?));
+    }
+    if !recording::is_of_engine(parts) {
+        return Ok(None);
+    }
+    let folder = path.parent().unwrap_or(Path::new("."));
+    let answer =
+        recording::answer(parts, folder).map_err(|error| Error::custom(error.to_string()))?;
+    json(serde_json::to_vec(&answer))
+}
+
+/// The recording of a game, if the text is one.
+fn game(text: &str) -> Option<Recording> {
+    serde_json::from_str(text)
+        .ok()
+        .filter(|recording: &Recording| recording.kind == "raw")
+}
+
+fn replay(recorded: &Recording) -> Result<Recording> {
+    let game = by_md5(&recorded.md5)
+        .ok_or_else(|| Error::custom(format!("the game `{}` is not supported", recorded.rom)))?;
+    recorded.replay(&rom::load(game, None)?)
+}

@@ -1,0 +1,124 @@
+//! Groups of sub-environments on threads: which error is returned, and which rows are written.
+
+use gym_core::vector::{AsyncVectorEnv, Autoreset, Columns};
+use gym_core::{Array, Env, Error, Outcome, Reset, Result, Space, Value, VectorEnv, VectorEnvExt};
+
+/// Observes 100 times its number plus its steps. The action 9 ends the episode, 7 fails.
+#[derive(Clone, Debug)]
+struct Numbered {
+    number: i64,
+    steps: i64,
+}
+
+impl Env for Numbered {
+    type Observation = i64;
+    type Action = i64;
+
+    fn observation_space(&self) -> Space {
+        Space::discrete(10_000)
+    }
+
+    fn action_space(&self) -> Space {
+        Space::discrete(10)
+    }
+
+    fn reset_into(&mut self, _: &Reset, observation: &mut i64) -> Result<()> {
+        self.steps = 0;
+        *observation = 100 * self.number;
+        Ok(())
+    }
+
+    fn step_into(&mut self, action: &i64, observation: &mut i64) -> Result<Outcome> {
+        if *action == 7 {
+            return Err(Error::custom("the action 7 fails"));
+        }
+        self.steps += 1;
+        *observation = 100 * self.number + self.steps;
+        Ok(Outcome {
+            reward: *action as f64,
+            terminated: *action == 9,
+            truncated: false,
+        })
+    }
+}
+
+/// A vector on two threads, which step groups of two.
+fn vector(autoreset: Autoreset) -> AsyncVectorEnv<Numbered> {
+    let envs = (0..12).map(|number| Numbered { number, steps: 0 });
+    let envs = AsyncVectorEnv::new(envs).unwrap();
+    let mut envs = envs.with_threads(2).unwrap().with_autoreset(autoreset);
+    envs.reset(0).unwrap();
+    envs
+}
+
+/// The actions of a step: `action` for the sub-environments `at`, and 0 for the others.
+fn actions(action: i64, at: &[usize]) -> Value {
+    let actions: Vec<i64> = (0..12)
+        .map(|i| if at.contains(&i) { action } else { 0 })
+        .collect();
+    Value::Array(Array::from(actions))
+}
+
+fn failed(result: Result<()>) -> usize {
+    match result {
+        Err(Error::SubEnvironment { index, .. }) => index,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// Of several errors, a call returns that of the lowest index, in one group or in several.
+#[test]
+fn the_error_of_the_lowest_index_is_returned() {
+    for at in [&[4, 5][..], &[5, 8], &[3, 4, 9, 11], &[1, 10, 11], &[11]] {
+        for _ in 0..5 {
+            let mut envs = vector(Autoreset::NextStep);
+            let mut columns = envs.columns().unwrap();
+            let result = envs.step_into(&actions(7, at), &mut columns);
+            assert_eq!(failed(result), at[0], "{at:?}");
+        }
+    }
+}
+
+/// The row of a last observation is that of its sub-environment, also in the middle of a group.
+#[test]
+fn last_observations_have_the_rows_of_their_sub_environments() {
+    for at in 0..12 {
+        let mut envs = vector(Autoreset::SameStep);
+        let mut columns = envs.columns().unwrap();
+        envs.step_into(&actions(9, &[at]), &mut columns).unwrap();
+        let rows = |value: &Value| -> Vec<i64> {
+            let array = value.as_array().unwrap();
+            array.as_slice::<i64>().unwrap().to_vec()
+        };
+        let ended: Vec<usize> = (0..12).filter(|i| columns.has_final[*i]).collect();
+        assert_eq!(ended, [at]);
+        assert_eq!(rows(&columns.final_observations)[at], 100 * at as i64 + 1);
+        assert_eq!(rows(&columns.observations)[at], 100 * at as i64);
+    }
+}
+
+#[test]
+fn none_and_more_than_are_pending_cannot_be_received() {
+    let mut envs = vector(Autoreset::NextStep);
+    let (mut ids, mut columns) = (vec![99], Columns::default());
+    let mut refused = |envs: &mut AsyncVectorEnv<Numbered>, m| {
+        let error = envs
+            .recv_into(m, &mut ids, &mut columns)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            error.contains(&format!("m is {m}: it must be from 1 to")),
+            "{error}"
+        );
+    };
+    refused(&mut envs, 0);
+    refused(&mut envs, 1);
+    envs.send(&Value::Array(Array::from(vec![1_i64, 2])), &[3, 8])
+        .unwrap();
+    refused(&mut envs, 0);
+    refused(&mut envs, 3);
+    let (mut ids, mut columns) = (Vec::new(), Columns::default());
+    envs.recv_into(2, &mut ids, &mut columns).unwrap();
+    ids.sort_unstable();
+    assert_eq!(ids, [3, 8]);
+}

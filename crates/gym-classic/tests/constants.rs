@@ -304,7 +304,13 @@ fn numbers_that_are_accepted_give_finite_steps() {
             assert!(seen.is_finite(), "{id} with {arguments:?}: {seen}");
             let step = env.step(&sampler.sample()).unwrap();
             assert!(step.reward.is_finite(), "{id} with {arguments:?}");
-            seen = step.observation;
+            let (is_over, last) = (step.done(), step.observation);
+            assert!(last.is_finite(), "{id} with {arguments:?}: {last}");
+            seen = if is_over {
+                env.reset(()).unwrap()
+            } else {
+                last
+            };
         }
     };
     for id in [

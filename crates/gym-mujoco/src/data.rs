@@ -358,13 +358,18 @@ impl Data {
         self.last.is_some()
     }
 
-    /// The state from which the last call started, by the names of `mjData`: with it, MuJoCo itself
-    /// can repeat the call. Whether that call was [`step`] comes first. `None` if nothing was
-    /// computed from the state.
+    /// Whether the last call was [`step`].
     #[must_use]
-    pub fn start(&self) -> Option<(bool, [(&'static str, &[f64]); 10])> {
-        let (last, from) = (self.last?, &self.before);
-        let arrays: [(_, &[f64]); 10] = [
+    pub fn is_stepped(&self) -> bool {
+        self.last == Some(Call::Step)
+    }
+
+    /// The state from which the last call started, by the names of `mjData`: with it, MuJoCo itself
+    /// can repeat the call. `None` if nothing was computed from the state.
+    #[must_use]
+    pub fn start(&self) -> Option<[(&'static str, &[f64]); 10]> {
+        let from = self.last.map(|_| &self.before)?;
+        Some([
             ("time", std::slice::from_ref(&from.time)),
             ("qpos", &from.qpos),
             ("qvel", &from.qvel),
@@ -375,8 +380,7 @@ impl Data {
             ("mocap_quat", from.mocap_quat.as_flattened()),
             ("qfrc_applied", &from.qfrc_applied),
             ("xfrc_applied", from.xfrc_applied.as_flattened()),
-        ];
-        Some((last == Call::Step, arrays))
+        ])
     }
 
     /// Repeats the last call to compute the arrays that are not serialised. Not needed before a

@@ -131,10 +131,7 @@ impl Tree {
 
 /// The boxes that must meet before two geoms are compared, from the trees' first nodes on: MuJoCo's
 /// `mj_collideTree`.
-pub(crate) fn meetings<'a>(
-    trees: [&'a Tree; 2],
-    geoms: [usize; 2],
-) -> impl Iterator<Item = [&'a Bounds; 2]> {
+pub(crate) fn meetings(trees: [&Tree; 2], geoms: [usize; 2]) -> impl Iterator<Item = [&Bounds; 2]> {
     let mut at = trees.map(|tree| tree.nodes.first());
     std::iter::from_fn(move || {
         let [Some(a), Some(b)] = at else { return None };

@@ -51,8 +51,14 @@ pub fn roms() -> Vec<Vec<u8>> {
 pub fn arguments() -> Vec<Vec<u8>> {
     let requests = registry::self_contained().into_iter().map(|registration| {
         let table = registration.arguments().unwrap_or_default().into_iter();
-        let kwargs: gym::Kwargs = table.map(|argument| (argument.name.to_owned(), argument.default)).collect();
-        json!({"id": registration.id(), "kwargs": kwargs, "options": {"low": -0.1, "high": 0.1, "x_init": 0.5}})
+        let kwargs: gym::Kwargs = table
+            .map(|argument| (argument.name.to_owned(), argument.default))
+            .collect();
+        json!({
+            "id": registration.id(),
+            "kwargs": kwargs,
+            "options": {"low": -0.1, "high": 0.1, "x_init": 0.5},
+        })
     });
     requests
         .map(|request| request.to_string().into_bytes())
@@ -143,7 +149,13 @@ pub fn spaces() -> Vec<Vec<u8>> {
             .as_array()
             .is_none_or(|shape| shape.len() < 3)
     });
-    let leaf = json!({"type": "Box", "low": [-1.0, "-inf"], "high": [1.0, "inf"], "shape": [2], "dtype": "float64"});
+    let leaf = json!({
+        "type": "Box",
+        "low": [-1.0, "-inf"],
+        "high": [1.0, "inf"],
+        "shape": [2],
+        "dtype": "float64",
+    });
     let discrete = json!({"type": "Discrete", "n": 3, "start": -1, "dtype": "int64"});
     let pair = json!({"type": "Tuple", "spaces": [leaf, discrete]});
     all.extend([
@@ -179,21 +191,65 @@ pub fn spaces() -> Vec<Vec<u8>> {
 pub fn specs() -> Vec<Vec<u8>> {
     let stacks = [
         json!([]),
-        json!([{"name": "TimeLimit", "kwargs": {"max_episode_steps": 7}}, {"name": "Autoreset", "kwargs": {}}]),
-        json!([{"name": "FrameStackObservation", "kwargs": {"stack_size": 3, "padding_type": "zero"}}]),
-        json!([{"name": "FlattenObservation"}, {"name": "DelayObservation", "kwargs": {"delay": 2}}]),
-        json!([{"name": "NormalizeObservation", "kwargs": {"epsilon": 1e-8}}, {"name": "NormalizeReward", "kwargs": {"gamma": 0.9}}]),
-        json!([{"name": "RescaleAction", "kwargs": {"min_action": -0.5, "max_action": 0.5}}, {"name": "ClipAction"}]),
-        json!([{"name": "StickyAction", "kwargs": {"repeat_action_probability": 0.5, "repeat_action_duration": [1, 3]}}]),
-        json!([{"name": "ResizeObservation", "kwargs": {"shape": [7, 5]}}, {"name": "GrayscaleObservation", "kwargs": {"keep_dim": true}}]),
+        json!([
+            {"name": "TimeLimit", "kwargs": {"max_episode_steps": 7}},
+            {"name": "Autoreset", "kwargs": {}},
+        ]),
+        json!([
+            {"name": "FrameStackObservation", "kwargs": {"stack_size": 3, "padding_type": "zero"}},
+        ]),
+        json!([
+            {"name": "FlattenObservation"},
+            {"name": "DelayObservation", "kwargs": {"delay": 2}},
+        ]),
+        json!([
+            {"name": "NormalizeObservation", "kwargs": {"epsilon": 1e-8}},
+            {"name": "NormalizeReward", "kwargs": {"gamma": 0.9}},
+        ]),
+        json!([
+            {"name": "RescaleAction", "kwargs": {"min_action": -0.5, "max_action": 0.5}},
+            {"name": "ClipAction"},
+        ]),
+        json!([
+            {
+                "name": "StickyAction",
+                "kwargs": {"repeat_action_probability": 0.5, "repeat_action_duration": [1, 3]},
+            },
+        ]),
+        json!([
+            {"name": "ResizeObservation", "kwargs": {"shape": [7, 5]}},
+            {"name": "GrayscaleObservation", "kwargs": {"keep_dim": true}},
+        ]),
         json!([{"name": "DiscretizeObservation", "kwargs": {"bins": 5, "multidiscrete": true}}]),
-        json!([{"name": "TimeAwareObservation", "kwargs": {"flatten": false, "normalize_time": true}}]),
-        json!([{"name": "RepeatAction", "kwargs": {"num_repeats": 3}}, {"name": "ClipReward", "kwargs": {"min_reward": -1, "max_reward": "inf"}}]),
-        json!([{"name": "RecordEpisodeStatistics", "kwargs": {"buffer_length": 5}}, {"name": "MaxAndSkipObservation", "kwargs": {"skip": 2}}]),
-        json!([{"name": "DiscretizeAction", "kwargs": {"bins": [3, 2]}}, {"name": "DtypeObservation", "kwargs": {"dtype": "uint8"}}]),
-        json!([{"name": "RescaleObservation", "kwargs": {"min_obs": [0, 0, 0], "max_obs": 1}}, {"name": "ReshapeObservation", "kwargs": {"shape": [3, 1]}}]),
-        json!([{"name": "AddWhiteNoise", "kwargs": {"probability_of_noise_per_pixel": 0.5, "is_noise_grayscale": true}}]),
-        json!([{"name": "AddRenderObservation", "kwargs": {"render_only": false}}, {"name": "FilterObservation", "kwargs": {"filter_keys": ["pixels"]}}]),
+        json!([
+            {"name": "TimeAwareObservation", "kwargs": {"flatten": false, "normalize_time": true}},
+        ]),
+        json!([
+            {"name": "RepeatAction", "kwargs": {"num_repeats": 3}},
+            {"name": "ClipReward", "kwargs": {"min_reward": -1, "max_reward": "inf"}},
+        ]),
+        json!([
+            {"name": "RecordEpisodeStatistics", "kwargs": {"buffer_length": 5}},
+            {"name": "MaxAndSkipObservation", "kwargs": {"skip": 2}},
+        ]),
+        json!([
+            {"name": "DiscretizeAction", "kwargs": {"bins": [3, 2]}},
+            {"name": "DtypeObservation", "kwargs": {"dtype": "uint8"}},
+        ]),
+        json!([
+            {"name": "RescaleObservation", "kwargs": {"min_obs": [0, 0, 0], "max_obs": 1}},
+            {"name": "ReshapeObservation", "kwargs": {"shape": [3, 1]}},
+        ]),
+        json!([
+            {
+                "name": "AddWhiteNoise",
+                "kwargs": {"probability_of_noise_per_pixel": 0.5, "is_noise_grayscale": true},
+            },
+        ]),
+        json!([
+            {"name": "AddRenderObservation", "kwargs": {"render_only": false}},
+            {"name": "FilterObservation", "kwargs": {"filter_keys": ["pixels"]}},
+        ]),
     ];
     let mut seeds = Vec::new();
     for (i, stack) in stacks.iter().enumerate() {

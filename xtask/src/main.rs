@@ -11,6 +11,8 @@
 //!   what asks for it.
 //! - `web` builds the gallery for the browser, and is part of this program.
 
+#[path = "../../crates/gym-cli/src/collision.rs"]
+mod collision;
 mod files;
 mod web;
 
@@ -39,7 +41,7 @@ fn main() -> ExitCode {
 fn run(arguments: &[OsString]) -> Result<ExitCode, String> {
     match arguments {
         [web, ..] if web == "web" => web::web(&arguments[1..]).map(|()| ExitCode::SUCCESS),
-        // as `help` has every other command
+        // `help web`, as for the other commands
         [help, web] if help == "help" && web == "web" => {
             web::web(&["--help".into()]).map(|()| ExitCode::SUCCESS)
         }
@@ -174,12 +176,12 @@ fn root() -> &'static Path {
     own.parent().unwrap_or(own)
 }
 
-/// Where this workspace is built.
+/// The target folder of this workspace.
 fn target_dir() -> PathBuf {
     env::var_os("CARGO_TARGET_DIR").map_or_else(|| root().join("target"), PathBuf::from)
 }
 
-/// The cargo that runs this.
+/// The Cargo that runs this program.
 fn cargo() -> OsString {
     env::var_os("CARGO").unwrap_or_else(|| "cargo".into())
 }

@@ -14,7 +14,7 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 use serde_json::{Map, Value as Json, json};
 
-use crate::{cargo, files, root, say, target_dir};
+use crate::{cargo, collision, files, root, say, target_dir};
 
 const TARGET: &str = "wasm32-unknown-unknown";
 const USAGE: &str = "\
@@ -198,13 +198,15 @@ fn build(plugin: Option<&Path>, small: bool) -> Result<PathBuf, String> {
 fn library(manifest: &Path) -> Result<String, String> {
     let at = |error: String| format!("{}: {error}", manifest.display());
     let output = Command::new(cargo())
-        .args(["metadata", "--no-deps", "--format-version", "1"])
-        .arg("--manifest-path")
+        .args(["metadata", "--format-version", "1", "--manifest-path"])
         .arg(manifest)
         .output()
         .map_err(|error| at(format!("cargo cannot be run: {error}")))?;
     if !output.status.success() {
-        return Err(at(String::from_utf8_lossy(&output.stderr).into_owned()));
+        let error = String::from_utf8_lossy(&output.stderr);
+        return Err(at(
+            collision::explain(&error).unwrap_or_else(|| error.trim().to_owned())
+        ));
     }
     let metadata: Json =
         serde_json::from_slice(&output.stdout).map_err(|error| at(error.to_string()))?;
@@ -231,7 +233,8 @@ struct Page {
 }
 
 impl Page {
-    /// The page's own files, the module and, with `docs`, the book's pages on the environments.
+    /// Reads the page's own files and the module; with `docs`, also the book's pages on the
+    /// environments.
     fn read(module: &Path, docs: bool) -> Result<Self, String> {
         let mut files = Vec::new();
         for path in list(&root().join("crates/gym-web/page"))? {
@@ -276,8 +279,8 @@ impl Page {
         std::str::from_utf8(bytes).map_err(|error| format!("{name}: {error}"))
     }
 
-    /// The page with everything in it. A page that was opened as a file may load none beside it, so
-    /// scripts become Blobs.
+    /// The page as one file. Browsers let a page that was opened as a file load no other file, so
+    /// its scripts become Blobs.
     fn in_one_file(&self) -> Result<String, String> {
         const START: &str = r##"<script type="module">
 const sources = GYM_SINGLE.scripts;
@@ -301,7 +304,7 @@ await import(url("app.js"));
             }
         }
         single.insert("scripts".into(), scripts.into());
-        // `</` in its text would end the script element
+        // `</script>` in the data would end the script element
         let data = json!(single).to_string().replace("</", "<\\/");
         let parts = [
             (

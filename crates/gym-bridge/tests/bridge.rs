@@ -333,7 +333,7 @@ fn odd_results_are_named_and_the_worker_lives() {
         "an entry without a name is left out"
     );
     assert!(env.info_map().is_empty());
-    // only the environment used the space's generator: this is the second number of its seed
+    // the environment drew the first number of the space's generator, so this is the second
     let step = env.step(&Value::Int(14)).unwrap();
     assert_eq!(
         (step.reward, step.terminated, step.truncated),

@@ -166,11 +166,8 @@ impl Task for AcrobotDynamics {
                 ("dt", dt),
                 ("LINK_LENGTH_1", l1),
                 ("LINK_LENGTH_2", l2),
-                ("LINK_MASS_1", m1),
-                ("LINK_MASS_2", m2),
                 ("LINK_COM_POS_1", lc1),
                 ("LINK_COM_POS_2", lc2),
-                ("LINK_MOI", moi),
                 ("AVAIL_TORQUE[0]", torque_0),
                 ("AVAIL_TORQUE[1]", torque_1),
                 ("AVAIL_TORQUE[2]", torque_2),
@@ -179,7 +176,28 @@ impl Task for AcrobotDynamics {
         )?;
         constants::limits(
             Self::NAME,
-            [("MAX_VEL_1", max_vel_1), ("MAX_VEL_2", max_vel_2)],
+            [
+                ("LINK_MASS_1", m1),
+                ("LINK_MASS_2", m2),
+                ("LINK_MOI", moi),
+                ("MAX_VEL_1", max_vel_1),
+                ("MAX_VEL_2", max_vel_2),
+            ],
+        )?;
+        constants::positive(
+            Self::NAME,
+            [
+                ("LINK_LENGTH_1", l1),
+                ("LINK_LENGTH_2", l2),
+                (
+                    "LINK_MASS_1 * LINK_COM_POS_1^2 + LINK_MOI",
+                    m1 * square(lc1) + moi,
+                ),
+                (
+                    "LINK_MASS_2 * LINK_COM_POS_2^2 + LINK_MOI",
+                    m2 * square(lc2) + moi,
+                ),
+            ],
         )?;
         let constants = Constants::of(&config, [square(l1), square(lc1), square(lc2)]);
         Ok(Self {

@@ -25,6 +25,18 @@ pub(crate) fn divisors<const N: usize>(env: &str, constants: [(&str, f64); N]) -
     Ok(())
 }
 
+/// Refuses lengths and moments of inertia that are negative, 0 or nearly so.
+pub(crate) fn positive<const N: usize>(env: &str, constants: [(&str, f64); N]) -> Result<()> {
+    for (name, value) in constants {
+        let least = 1.0 / LIMIT;
+        if value.is_nan() || value < least {
+            let reason = format!("{name} is {value:?}: it must be at least {least:?}");
+            return Err(Error::argument(env, reason));
+        }
+    }
+    Ok(())
+}
+
 /// Refuses limits that are NaN or negative.
 pub(crate) fn limits<const N: usize>(env: &str, limits: [(&str, f64); N]) -> Result<()> {
     within(env, limits, 0.0)

@@ -3,6 +3,7 @@
 
 use gym_classic as _;
 use gym_core::prelude::*;
+use gym_core::registry::find;
 use gym_core::vector::VectorKind;
 use gym_core::{BoxEnv, Generator, Inspect, Kwargs, Value, builder};
 use serde::Deserialize;
@@ -244,6 +245,12 @@ fn constants_that_cannot_be_are_refused() {
         ("Pendulum-v1", "max_torque", -1.0, "max_torque is -1.0"),
         ("Acrobot-v1", "MAX_VEL_1", -1.0, "MAX_VEL_1 is -1.0"),
         ("Acrobot-v1", "gravity", 9.8, "unknown argument `gravity`"),
+        (
+            "Acrobot-v1",
+            "LINK_LENGTH_2",
+            -0.2,
+            "LINK_LENGTH_2 is -0.2: it must be at least 1e-6",
+        ),
     ] {
         let error = builder(id)
             .arg(name, value)
@@ -261,6 +268,67 @@ fn constants_that_cannot_be_are_refused() {
         error.contains("`euler` or `semi-implicit euler`"),
         "{error}"
     );
+}
+
+/// Whatever numbers are accepted, no step gives NaN or infinity: a length near 0 is refused before
+/// the environment is blamed for what follows from it.
+#[test]
+fn numbers_that_are_accepted_give_finite_steps() {
+    const EXTREMES: [f64; 5] = [0.0, 5e-324, -1e-6, -0.2, 1e6];
+    const OTHERS: [f64; 7] = [-1e-300, 1e-7, 1e-6, 3.0, -1e6, 1e9, f64::MAX];
+    let play = |id: &str, arguments: &[(&str, f64)]| {
+        let all = arguments.iter().copied();
+        let Ok(mut env) = all
+            .fold(builder(id), |builder, (name, x)| builder.arg(name, x))
+            .build()
+        else {
+            return;
+        };
+        env.reset(0).unwrap();
+        let mut sampler = env.action_space().sampler(0);
+        for _ in 0..12 {
+            let step = env.step(&sampler.sample());
+            let step = step.unwrap_or_else(|error| panic!("{id} with {arguments:?}: {error}"));
+            assert!(step.reward.is_finite(), "{id} with {arguments:?}");
+            if step.done() {
+                env.reset(None).unwrap();
+            }
+        }
+    };
+    for id in [
+        "Acrobot-v1",
+        "CartPole-v1",
+        "MountainCar-v0",
+        "MountainCarContinuous-v0",
+        "Pendulum-v1",
+    ] {
+        let table = find(id).unwrap().arguments().unwrap();
+        let names: Vec<_> = table
+            .iter()
+            .filter(|row| row.kind == "number")
+            .map(|row| row.name)
+            .collect();
+        assert!(names.len() >= 4, "{id}: {names:?}");
+        for (i, first) in names.iter().enumerate() {
+            for x in OTHERS {
+                play(id, &[(first, x)]);
+            }
+            for x in EXTREMES {
+                play(id, &[(first, x)]);
+                for second in &names[..i] {
+                    for y in EXTREMES {
+                        play(id, &[(first, x), (second, y)]);
+                    }
+                }
+            }
+        }
+    }
+    let singular = [
+        ("LINK_MASS_1", 0.0),
+        ("LINK_MASS_2", 0.0),
+        ("LINK_MOI", 0.0),
+    ];
+    play("Acrobot-v1", &singular);
 }
 
 /// Setting an argument works like setting Gymnasium's attribute: numbers that the constructor

@@ -70,7 +70,7 @@ enum Kind {
     Sync,
     /// A vector, stepped by as many threads as there are cores.
     Async,
-    /// A vector of its own code.
+    /// The native vector of the environment.
     Native,
     /// From `make`, with a frame after each step.
     Frames,
@@ -88,7 +88,7 @@ struct Row {
     id: String,
     kind: Kind,
     num_envs: usize,
-    /// Steps of all sub-environments together; for `frames`, frames.
+    /// Steps per second, summed over the sub-environments; for `frames`, frames per second.
     per_second: f64,
     instructions_per_step: Option<f64>,
 }
@@ -135,7 +135,7 @@ pub(crate) fn bench(arguments: &Arguments, workspace: &Workspace) -> Result<()> 
         inputs::check_writable(path)?;
     }
     let registrations = workspace.select(&arguments.ids)?;
-    // also measures what CartPole-v1 stands for, where it is one of them
+    // a run over everything also measures the start of a process and a GIF, both with CartPole-v1
     let all = arguments.ids.is_empty()
         && arguments.kind.is_empty()
         && registrations
@@ -214,7 +214,7 @@ pub(crate) fn bench(arguments: &Arguments, workspace: &Workspace) -> Result<()> 
     Ok(())
 }
 
-/// The work of a kind; `None` where an environment does not have it.
+/// The work of a kind; `None` if the environment does not support the kind.
 fn work(id: &str, kind: Kind, num_envs: usize) -> Result<Option<Work>> {
     Ok(Some(match kind {
         Kind::Make => scalar(gym::make(id)?)?,
@@ -332,7 +332,7 @@ fn instructions(id: &str, kind: Kind, num_envs: usize) -> Result<f64> {
             .and_then(|count| count.trim().parse().ok())
             .ok_or_else(|| Error::custom(format!("valgrind gives no count: {text}")))
     };
-    // enough rounds for episodes to begin and end
+    // enough steps for episodes to begin and end
     let short = (10 * num_envs as u64).max(2000);
     let long = 6 * short;
     Ok((count(long)? as f64 - count(short)? as f64) / (long - short) as f64)

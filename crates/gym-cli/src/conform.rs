@@ -23,7 +23,7 @@ pub(crate) fn conform(arguments: &Arguments, workspace: &Workspace) -> Result<Ex
 
     use gym::Error;
 
-    // not the program that runs, which cannot be replaced everywhere: another profile
+    // another profile than that of this program: some systems cannot replace a file that runs
     let mut cargo = Command::new(env::var_os("CARGO").unwrap_or_else(|| "cargo".into()));
     cargo
         .args(["run", "--features", "gym-cli/conform", "--manifest-path"])
@@ -61,7 +61,7 @@ pub(crate) fn conform(arguments: &Arguments, workspace: &Workspace) -> Result<Ex
     if format == Format::Text {
         output::text(&text)?;
     } else {
-        // for programs, which read it as it is
+        // JSON and XML escape control characters themselves
         output::write(format_args!("{text}"))?;
     }
     match reports.iter().filter(|report| !report.passes()).count() {

@@ -1,8 +1,9 @@
 //! `cargo xtask demo`: the main job over every linked environment.
 
+use std::collections::BTreeMap;
 use std::iter;
 use std::panic::resume_unwind;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::thread;
 
@@ -47,8 +48,10 @@ pub(crate) fn demo(arguments: &Arguments, workspace: &Workspace) -> Result<()> {
         ProgressStyle::with_template("{bar:40} {pos}/{len} episodes  {msg}")
             .unwrap_or_else(|_| ProgressStyle::default_bar()),
     );
+    let stems = stems(registrations.iter().map(Registration::id));
     let workers = thread::available_parallelism().map_or(1, usize::from);
-    // a free thread takes the next one: some take a hundred times as long as others
+    // each thread takes the next environment when it is free: some take a hundred times as long as
+    // others
     let waiting = Mutex::new(registrations.iter().enumerate());
     let work = || {
         let next = || {
@@ -59,13 +62,10 @@ pub(crate) fn demo(arguments: &Arguments, workspace: &Workspace) -> Result<()> {
         };
         iter::from_fn(next)
             .map(|(i, registration)| {
-                let row = show(registration.spec()?, arguments, &bar)?;
-                bar.suspend(|| {
-                    say(format_args!(
-                        "{}",
-                        gif_path(registration.id(), arguments).display()
-                    ))
-                })?;
+                let stem = arguments.out.join(&stems[i]);
+                let row = show(registration.spec()?, &stem, arguments, &bar)?;
+                let gif = with_extension(&stem, "gif");
+                bar.suspend(|| say(format_args!("{}", gif.display())))?;
                 Ok((i, row))
             })
             .collect::<Result<Vec<_>>>()
@@ -109,30 +109,47 @@ fn newest(registrations: Vec<Registration>) -> Vec<Registration> {
     registrations.into_iter().filter(is_newest).collect()
 }
 
-/// The path of an environment's recording.
-fn gif_path(id: &str, arguments: &Arguments) -> PathBuf {
-    arguments.out.join(format!("{}.gif", inputs::file_stem(id)))
+/// The names of the environments' files, without the extension. Where two ids would have one name,
+/// `+`, which no id has, stands for the `/`.
+fn stems<'a>(ids: impl Iterator<Item = &'a str> + Clone) -> Vec<String> {
+    let mut counts = BTreeMap::new();
+    for id in ids.clone() {
+        *counts.entry(inputs::file_stem(id)).or_insert(0) += 1;
+    }
+    let stem = |id: &str| match inputs::file_stem(id) {
+        stem if counts[&stem] > 1 => id.replace('/', "+"),
+        stem => stem,
+    };
+    ids.map(stem).collect()
 }
 
 /// Plays one environment, writes its files, and returns its row of the table.
-fn show(spec: EnvSpec, arguments: &Arguments, bar: &ProgressBar) -> Result<String> {
+fn show(spec: EnvSpec, stem: &Path, arguments: &Arguments, bar: &ProgressBar) -> Result<String> {
     let id = spec.id.clone();
     bar.set_message(id.clone());
-    let episodes = play(spec, arguments, bar)?;
+    let episodes = play(spec, stem, arguments, bar)?;
     let row = format!("{id:28} {}", summary(&episodes));
     let runs = [("random policy".to_owned(), episodes)];
     for extension in ["svg", "png"] {
-        let path = arguments
-            .out
-            .join(format!("{}.{extension}", inputs::file_stem(&id)));
-        plots::write(&path, &id, &runs)?;
+        plots::write(&with_extension(stem, extension), &id, &runs)?;
     }
     Ok(row)
 }
 
+/// A file of an environment. `Path::with_extension` would cut a name at its last dot.
+fn with_extension(stem: &Path, extension: &str) -> PathBuf {
+    let mut path = stem.as_os_str().to_owned();
+    path.push(format!(".{extension}"));
+    path.into()
+}
+
 /// Plays the episodes of one environment and records the first ones.
-fn play(spec: EnvSpec, arguments: &Arguments, bar: &ProgressBar) -> Result<Vec<Episode>> {
-    let path = gif_path(&spec.id, arguments);
+fn play(
+    spec: EnvSpec,
+    stem: &Path,
+    arguments: &Arguments,
+    bar: &ProgressBar,
+) -> Result<Vec<Episode>> {
     let max_episode_steps = spec.max_episode_steps.or(Some(STEP_LIMIT));
     let mut env = EnvSpec {
         max_episode_steps,
@@ -140,7 +157,8 @@ fn play(spec: EnvSpec, arguments: &Arguments, bar: &ProgressBar) -> Result<Vec<E
         ..spec
     }
     .make()?;
-    let mut recorder = Recorder::new(&path, &env)?.max_frames(arguments.max_frames);
+    let mut recorder =
+        Recorder::new(with_extension(stem, "gif"), &env)?.max_frames(arguments.max_frames);
     let episodes = (0..arguments.episodes)
         .map(|seed| {
             bar.inc(1);
@@ -149,4 +167,24 @@ fn play(spec: EnvSpec, arguments: &Arguments, bar: &ProgressBar) -> Result<Vec<E
         .collect::<Result<_>>()?;
     recorder.finish()?;
     Ok(episodes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_two_environments_have_one_file() {
+        let of = |ids: &[&str]| stems(ids.iter().copied());
+        assert_eq!(
+            of(&[
+                "a/b-v0", "a_b-v0", "a/b-v1", "c", "c_/d", "c/_d", "x/y.z-v0"
+            ]),
+            [
+                "a+b-v0", "a_b-v0", "a_b-v1", "c", "c_+d", "c+_d", "x_y.z-v0"
+            ]
+        );
+        let path = with_extension(Path::new("demo/x_y.z-v0"), "gif");
+        assert_eq!(path, Path::new("demo/x_y.z-v0.gif"));
+    }
 }

@@ -7,9 +7,10 @@ use std::process::Command;
 use gym::{Error, Result};
 use serde_json::Value as Json;
 
+use crate::collision;
 use crate::workspace::Workspace;
 
-/// Where a workspace has this project's crates from.
+/// The source from which a workspace takes this project's crates.
 #[derive(Debug, PartialEq)]
 pub(crate) enum Source {
     /// A checkout: the folder with all crates.
@@ -21,10 +22,10 @@ pub(crate) enum Source {
 }
 
 impl Source {
-    /// As the program of the workspace names this crate.
+    /// The source that the manifest of the workspace's program names.
     ///
     /// # Errors
-    /// If its manifest does not.
+    /// If the manifest does not name this crate.
     pub(crate) fn of(workspace: &Workspace) -> Result<Self> {
         let manifest = workspace.manifest();
         let metadata = metadata(&manifest, &["--no-deps"])?;
@@ -44,7 +45,7 @@ impl Source {
         })
     }
 
-    /// From a dependency in the output of `cargo metadata`.
+    /// Reads the source of a dependency in the output of `cargo metadata`.
     fn read(dependency: &Json) -> Option<Self> {
         let Some(source) = dependency["source"].as_str() else {
             let path = Path::new(dependency["path"].as_str()?);
@@ -62,7 +63,7 @@ impl Source {
         ))
     }
 
-    /// One of the crates, as the value of a dependency in a manifest.
+    /// The dependency on the crate `name`, as a value for a manifest.
     pub(crate) fn dependency(&self, name: &str) -> String {
         match self {
             Self::Folder(folder) => format!("{{ path = {:?} }}", folder.join(name)),
@@ -85,14 +86,15 @@ pub(crate) fn metadata(manifest: &Path, options: &[&str]) -> Result<Json> {
         .output()
         .map_err(|error| wrong(format!("cargo cannot be run: {error}")))?;
     if !output.status.success() {
+        let error = String::from_utf8_lossy(&output.stderr);
         return Err(wrong(
-            String::from_utf8_lossy(&output.stderr).trim().to_owned(),
+            collision::explain(&error).unwrap_or_else(|| error.trim().to_owned()),
         ));
     }
     serde_json::from_slice(&output.stdout).map_err(|error| wrong(error.to_string()))
 }
 
-/// The elements of a list in JSON; none of anything else.
+/// The elements of a list in JSON; of other JSON, none.
 pub(crate) fn list(json: &Json) -> &[Json] {
     json.as_array().map(Vec::as_slice).unwrap_or_default()
 }

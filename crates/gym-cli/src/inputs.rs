@@ -1,13 +1,10 @@
 //! What several commands take: seeds, JSON, files.
 
-use std::fmt;
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use gym::{Error, Kwargs, Result};
-use serde::Deserialize;
-use serde::de::{Deserializer, Error as _, MapAccess, SeqAccess, Visitor};
-use serde_json::{Map, Value as Json};
+use serde_json::Value as Json;
 
 /// A seed on the command line.
 pub(crate) fn parse_seed(text: &str) -> Result<u64, String> {
@@ -26,72 +23,10 @@ pub(crate) fn parse_kwargs(text: &str) -> Result<Kwargs, String> {
 
 /// JSON on the command line. A key that stands twice in an object is an error.
 pub(crate) fn parse_json(text: &str) -> Result<Json, String> {
-    serde_json::from_str(text)
-        .map(|Unique(json)| json)
+    let mut deserializer = serde_json::Deserializer::from_str(text);
+    gym::unique::json(&mut deserializer)
+        .and_then(|json| deserializer.end().map(|()| json))
         .map_err(|error| error.to_string())
-}
-
-/// JSON whose objects have each key once.
-struct Unique(Json);
-
-impl<'de> Deserialize<'de> for Unique {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Self, D::Error> {
-        deserializer.deserialize_any(UniqueVisitor).map(Self)
-    }
-}
-
-struct UniqueVisitor;
-
-impl<'de> Visitor<'de> for UniqueVisitor {
-    type Value = Json;
-
-    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("JSON")
-    }
-
-    fn visit_unit<E>(self) -> std::result::Result<Json, E> {
-        Ok(Json::Null)
-    }
-
-    fn visit_bool<E>(self, value: bool) -> std::result::Result<Json, E> {
-        Ok(value.into())
-    }
-
-    fn visit_i64<E>(self, value: i64) -> std::result::Result<Json, E> {
-        Ok(value.into())
-    }
-
-    fn visit_u64<E>(self, value: u64) -> std::result::Result<Json, E> {
-        Ok(value.into())
-    }
-
-    fn visit_f64<E>(self, value: f64) -> std::result::Result<Json, E> {
-        Ok(value.into())
-    }
-
-    fn visit_str<E>(self, value: &str) -> std::result::Result<Json, E> {
-        Ok(value.into())
-    }
-
-    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> std::result::Result<Json, A::Error> {
-        let mut all = Vec::new();
-        while let Some(Unique(json)) = list.next_element()? {
-            all.push(json);
-        }
-        Ok(all.into())
-    }
-
-    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> std::result::Result<Json, A::Error> {
-        let mut all = Map::new();
-        while let Some(key) = map.next_key::<String>()? {
-            if all.contains_key(&key) {
-                return Err(A::Error::custom(format!("the key `{key}` stands twice")));
-            }
-            let Unique(json) = map.next_value()?;
-            all.insert(key, json);
-        }
-        Ok(all.into())
-    }
 }
 
 /// Fails early if a file cannot be written.
@@ -115,15 +50,15 @@ pub(crate) fn check_distinct<const N: usize>(files: [(&str, &Option<PathBuf>); N
     Ok(())
 }
 
-/// Whether what is written to two paths is written to one file, which need not exist yet. Devices
-/// and pipes take both.
+/// Whether both paths lead to one file, which need not exist yet. Devices and pipes can take two
+/// results.
 pub(crate) fn is_one_file(a: &Path, b: &Path) -> bool {
     let is_device = |path: &Path| fs::metadata(path).is_ok_and(|found| !found.is_file());
     !is_device(a) && (a == b || written(a).is_some_and(|a| written(b) == Some(a)))
 }
 
-/// The file that is replaced where a path is written to: links are followed, also to a file that
-/// does not exist yet.
+/// The file that writing to `path` replaces. Links are followed, even to a file that does not exist
+/// yet.
 fn written(path: &Path) -> Option<PathBuf> {
     const MAX_LINKS: usize = 40; // as Linux
     let mut path = path.to_owned();

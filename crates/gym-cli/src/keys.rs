@@ -43,7 +43,7 @@ pub(crate) fn check(keys: &Keys, space: &Space) -> Result<()> {
         })
 }
 
-/// The action of the keys that are down, if one of them has an action.
+/// The action of the pressed keys, if one of them has an action.
 #[cfg_attr(
     not(any(feature = "human", test)),
     expect(dead_code, reason = "for windows")
@@ -79,7 +79,7 @@ fn digits(space: &Space) -> Json {
         .collect()
 }
 
-/// The sum of two vectors of one length.
+/// The sum of two vectors of equal length.
 fn add(a: &Json, b: &Json) -> Option<Json> {
     let (a, b) = (a.as_array()?, b.as_array()?);
     if a.len() != b.len() {

@@ -21,12 +21,13 @@
 //! `conform` is a build of its own, with the feature `conform`: the command builds it with the
 //! profile `dev`, which checks arithmetic for overflows too.
 
-// they panic where the output cannot be written
+// `print!` panics if the output cannot be written
 #![warn(clippy::print_stdout, clippy::print_stderr)]
 
 #[cfg(feature = "families")]
 mod atari;
 mod bench;
+mod collision;
 mod conform;
 mod demo;
 mod dependency;
@@ -170,7 +171,7 @@ impl log::Log for Stderr {
     }
 
     fn log(&self, record: &log::Record<'_>) {
-        // warnings of other crates are not about environments
+        // warnings of other crates are not for the user
         if record.target().starts_with("gym") {
             tell(format_args!(
                 "{}: {}",

@@ -24,8 +24,8 @@ pub(crate) struct Arguments {
     native: bool,
 }
 
-/// The files of a new crate besides its environment, with their texts; `plugin_name` stands for the
-/// name.
+/// The files of a new crate, except its environment, with their texts, in which `plugin_name` is
+/// replaced by the crate's name.
 const FILES: [(&str, &str); 8] = [
     (
         "Cargo.toml",
@@ -55,7 +55,7 @@ const FILES: [(&str, &str); 8] = [
     ),
 ];
 
-/// Its environment.
+/// The files of the environment.
 const CORRIDOR: [(&str, &str); 2] = [
     ("src/lib.rs", include_str!("../templates/plugin/src/lib.rs")),
     (
@@ -64,7 +64,7 @@ const CORRIDOR: [(&str, &str); 2] = [
     ),
 ];
 
-/// The one with a native vector.
+/// The files of the environment with a native vector.
 const ROCKET: [(&str, &str); 2] = [
     ("src/lib.rs", include_str!("../templates/native/src/lib.rs")),
     (
@@ -86,7 +86,7 @@ pub(crate) fn new(arguments: &Arguments, workspace: &Workspace) -> Result<()> {
         )));
     }
     let source = Source::of(workspace)?;
-    // under a temporary name until it is complete
+    // write to a temporary name, and rename when everything is written
     let unfinished = folder.with_file_name(format!(".{name}-{}.tmp", process::id()));
     let written = write_all(&unfinished, arguments, &source, &lock)
         .and_then(|()| fs::rename(&unfinished, &folder).map_err(|error| Error::io(&folder, error)));
@@ -170,7 +170,7 @@ fn write_all(folder: &Path, arguments: &Arguments, source: &Source, lock: &str) 
         let path = folder.join(file);
         let parent = path.parent().unwrap_or(folder);
         fs::create_dir_all(parent).map_err(|error| Error::io(parent, error))?;
-        // a dependency of one of the two
+        // only the native environment depends on gym-native
         let text = if *native {
             text.into()
         } else {
@@ -188,7 +188,7 @@ fn write_all(folder: &Path, arguments: &Arguments, source: &Source, lock: &str) 
             .replace("GYM_RENDER", &source.dependency("gym-render"));
         gym::render::file::write(&path, text.as_bytes())?;
     }
-    // the versions that are there already
+    // use the versions that this workspace has downloaded
     gym::render::file::write(folder.join("Cargo.lock"), lock.as_bytes())
 }
 

@@ -4,7 +4,7 @@
 //! command goes on, writes its files and gives its own exit status.
 
 use std::fmt::Arguments;
-use std::io::{self, ErrorKind, Write, stderr, stdout};
+use std::io::{ErrorKind, Write, stderr, stdout};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -16,7 +16,7 @@ const NAME: &str = "standard output";
 /// Whether the reader of the standard output has closed it.
 static READER_LEFT: AtomicBool = AtomicBool::new(false);
 
-/// Writes to the standard output, at once, as it is.
+/// Writes to the standard output and flushes it. Nothing is escaped.
 pub(crate) fn write(text: Arguments<'_>) -> Result<()> {
     if READER_LEFT.load(Ordering::Relaxed) {
         return Ok(());
@@ -57,10 +57,13 @@ pub(crate) fn tell(text: Arguments<'_>) {
 /// Prints the message of a command line that is refused, or the help; gives the exit status.
 pub(crate) fn refuse(error: &clap::Error) -> u8 {
     if error.use_stderr() {
-        // it may quote what was typed
+        // it may quote control characters of the arguments
         tell(format_args!("{}", error.render().to_string().trim_end()));
-    } else {
-        let _: io::Result<()> = error.print();
+    } else if let Err(error) = error.print()
+        && error.kind() != ErrorKind::BrokenPipe
+    {
+        tell(format_args!("error: {NAME}: {error}"));
+        return 1;
     }
     u8::try_from(error.exit_code()).unwrap_or(1)
 }

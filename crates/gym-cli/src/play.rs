@@ -95,17 +95,13 @@ pub(crate) fn play(arguments: &Arguments) -> Result<()> {
     }
     keys::check(&keys, &session.env.action_space())?;
     say(format_args!("{}", keys::describe(&keys)))?;
-    if arguments.terminal {
-        say(format_args!(
-            "write a key's name or the start of it and press Enter; or `restart`, or `q` to quit"
-        ))?;
-        in_terminal(&mut session, &keys)?;
+    let played = if arguments.terminal {
+        in_terminal(&mut session, &keys)
     } else {
-        say(format_args!("R = restart, Escape = quit"))?;
-        #[cfg(feature = "human")]
-        window::play(&mut session, &keys, arguments)?;
-    }
-    session.finish(arguments)
+        in_window(&mut session, &keys, arguments)
+    };
+    // the recordings are kept, whatever ended the game
+    played.and(session.finish(arguments))
 }
 
 /// The running game and its recordings.
@@ -228,26 +224,29 @@ impl Session {
 
     /// Completes the recordings.
     fn finish(self, arguments: &Arguments) -> Result<()> {
-        if let (Some(video), Some(path)) = (self.video, &arguments.record) {
-            video.finish()?;
-            say(format_args!("{}", path.display()))?;
-        }
-        if let Some(path) = &arguments.trace {
+        let recorded = match (self.video, &arguments.record) {
+            (Some(video), Some(path)) => video
+                .finish()
+                .and_then(|()| say(format_args!("{}", path.display()))),
+            _ => Ok(()),
+        };
+        let events = self.trace.events.len();
+        let write = |path: &PathBuf| {
             let json = serde_json::to_vec(&self.trace)
                 .map_err(|error| Error::custom(error.to_string()))?;
             file::write(path, &json)?;
-            say(format_args!(
-                "{}: {} events",
-                path.display(),
-                self.trace.events.len()
-            ))?;
-        }
-        Ok(())
+            say(format_args!("{}: {events} events", path.display()))
+        };
+        let traced = arguments.trace.as_ref().map_or(Ok(()), write);
+        recorded.and(traced)
     }
 }
 
 /// Plays line by line: the name of a key, or the start of it, and Enter.
 fn in_terminal(session: &mut Session, keys: &Keys) -> Result<()> {
+    say(format_args!(
+        "write a key's name or the start of it and press Enter; or `restart`, or `q` to quit"
+    ))?;
     let mut lines = std::io::stdin().lock().lines();
     let mut done = false;
     loop {
@@ -283,6 +282,18 @@ fn in_terminal(session: &mut Session, keys: &Keys) -> Result<()> {
             },
         }
     }
+}
+
+#[cfg(feature = "human")]
+fn in_window(session: &mut Session, keys: &Keys, arguments: &Arguments) -> Result<()> {
+    say(format_args!("R = restart, Escape = quit"))?;
+    window::play(session, keys, arguments)
+}
+
+/// [`play`] has refused to play in a window.
+#[cfg(not(feature = "human"))]
+fn in_window(_: &mut Session, _: &Keys, _: &Arguments) -> Result<()> {
+    Ok(())
 }
 
 #[cfg(feature = "human")]

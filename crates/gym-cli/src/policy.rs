@@ -10,7 +10,7 @@ pub(crate) enum Policy {
     /// Actions sampled from the action space.
     Random,
     /// The policy of the environment's registration: rules, or a trained network.
-    // Gymnasium's word for those of Box2D
+    // Gymnasium calls those of Box2D heuristics
     #[value(alias = "heuristic")]
     Good,
 }

@@ -12,7 +12,7 @@ use crate::dependency::{Source, list, metadata};
 use crate::output::say;
 use crate::workspace::Workspace;
 
-/// What the package takes from gym-python as it is. maturin packs no module from outside of the
+/// The files and folders that are copied from gym-python: maturin packs no module from outside the
 /// package's folder.
 const COPIED: [&str; 6] = [
     "README.md",

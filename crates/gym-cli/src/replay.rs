@@ -58,7 +58,7 @@ pub(crate) fn replay(arguments: &Arguments) -> Result<()> {
 /// The path of the answer to each recording: a file of the same name in the folder.
 ///
 /// # Errors
-/// Two recordings of one name; a recording in the folder itself, which its answer would replace.
+/// If two recordings have one file name, and if an answer would replace a recording.
 fn destinations(traces: &[PathBuf], out: &Path) -> Result<BTreeMap<PathBuf, PathBuf>> {
     let refuse = |reason: String| Err(Error::argument("--out", reason));
     let recordings: BTreeSet<PathBuf> = traces
@@ -93,8 +93,7 @@ fn destinations(traces: &[PathBuf], out: &Path) -> Result<BTreeMap<PathBuf, Path
 }
 
 fn read(path: &Path) -> Result<String> {
-    /// The largest size of a recording in bytes: larger than any, and small enough for every
-    /// memory.
+    /// The largest size of a recording, in bytes.
     const LIMIT: u64 = 256 << 20; // bytes
     let mut text = String::new();
     let file = File::open(path).map_err(|error| Error::io(path, error))?;
@@ -114,7 +113,8 @@ fn parse(text: &str) -> Result<Trace> {
     serde_json::from_str(text).map_err(|error| Error::custom(format!("not a trace: {error}")))
 }
 
-/// What is compared and equal, and what is not compared, in words.
+/// Compares a recording with its replay. Returns the parts that are equal, and those that are not
+/// compared.
 fn compare(path: &Path) -> Result<String> {
     let text = read(path)?;
     #[cfg(feature = "families")]
@@ -145,7 +145,8 @@ fn compare(path: &Path) -> Result<String> {
 fn write_answers(path: &Path, to: &Path) -> Result<()> {
     let text = read(path)?;
     let not_json = |error: serde_json::Error| Error::custom(format!("not a recording: {error}"));
-    let mut rest: Map<String, Json> = serde_json::from_str(&text).map_err(not_json)?;
+    let mut rest =
+        gym::unique::object(&mut serde_json::Deserializer::from_str(&text)).map_err(not_json)?;
     #[cfg(feature = "families")]
     if let Some(recorded) = frames::parse(&text) {
         let answers = frames::replay(&recorded)?;

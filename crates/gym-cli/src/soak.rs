@@ -72,7 +72,7 @@ fn soak_one(registration: &Registration, steps: u64, seed: u64) -> Result<(u64, 
 fn resident_memory() -> u64 {
     const PAGE: u64 = 4096; // bytes
     let statm = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
-    // size, then resident pages
+    // the size in pages, then the resident pages
     let pages = statm
         .split_whitespace()
         .nth(1)

@@ -77,11 +77,11 @@ fn is_own(registration: &Registration) -> bool {
     is_in_workspace(registration.source.file)
 }
 
-/// Whether the source file of a registration is of this workspace. Cargo gives the compiler paths
-/// from the workspace's folder for all that is in it, and whole paths for the rest.
+/// Whether the source file of a registration belongs to this workspace. Cargo calls the compiler
+/// with relative paths for members of the workspace, and with absolute paths for other crates.
 fn is_in_workspace(file: &str) -> bool {
     let file = file.replace('\\', "/");
-    // Cargo's own folder may be in the workspace too
+    // Cargo's own folder may lie in the workspace
     let is_downloaded = |folder: &str| file.contains(folder);
     Path::new(&file).is_relative()
         && !["registry/src/", "git/checkouts/"]

@@ -35,7 +35,7 @@ pub mod prelude {
 #[doc(hidden)]
 pub use inventory;
 
-pub use gym_numerics::{Generator, RandomState, Seed, math, rng};
+pub use gym_numerics::{Generator, RandomState, Seed, math, rng, unique};
 
 pub use drawing::{canvas, pygame, render};
 pub use env::{

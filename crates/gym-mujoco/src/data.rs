@@ -265,44 +265,42 @@ pub struct Contact {
     pub(crate) pair: usize,
 }
 
-/// Does something for the arrays of a model's data: how long they are, and what they hold at first.
+/// Calls `$do` for each array of a model's data, with its length and its first values.
 macro_rules! arrays {
-    ($d:ident, $m:ident, $do:ident) => {
-        $do!($d, $m.nq(), 0.0 => qpos);
-        $do!($d, $m.nv(), 0.0 => qvel qacc_warmstart qacc qfrc_applied qfrc_passive qfrc_bias
-            qfrc_actuator qfrc_smooth qacc_smooth qfrc_constraint qfrc_inverse qld_diag_inv);
-        $do!($d, $m.nu(), 0.0 => ctrl actuator_force actuator_length actuator_velocity);
-        $do!($d, $m.na(), 0.0 => act act_dot);
-        $do!($d, $m.nmocap(), [0.0; 3] => mocap_pos);
-        $do!($d, $m.nmocap(), UNTURNED => mocap_quat);
-        $do!($d, $m.nsensordata(), 0.0 => sensordata);
-        $do!($d, $m.ntendon(), 0.0 => ten_length ten_velocity);
-        $do!($d, $m.plan().paths.columns.len(), 0.0 => ten_j);
-        $do!($d, $m.plan().m_colind.len(), 0.0 => qm qld);
-        $do!($d, $m.nbody(), [0.0; 3] => xpos xipos subtree_com subtree_linvel subtree_angmom);
-        $do!($d, $m.nbody(), UNTURNED => xquat);
-        $do!($d, $m.nbody(), IDENTITY => xmat ximat);
-        $do!($d, $m.nbody(), [0.0; 10] => cinert);
-        $do!($d, $m.nbody(), [0.0; 6] => cvel cacc cfrc_int cfrc_ext xfrc_applied);
-        $do!($d, $m.njnt(), [0.0; 3] => xanchor xaxis);
-        $do!($d, $m.ngeom(), [0.0; 3] => geom_xpos);
-        $do!($d, $m.ngeom(), IDENTITY => geom_xmat);
-        $do!($d, $m.nsite(), [0.0; 3] => site_xpos);
-        $do!($d, $m.nsite(), IDENTITY => site_xmat);
-        $do!($d, $m.nv(), [0.0; 6] => cdof cdof_dot);
+    ($d:ident, $m:ident, $do:path) => {
+        arrays! { $d, $do:
+            $m.nq(), 0.0 => qpos;
+            $m.nv(), 0.0 => qvel qacc_warmstart qacc qfrc_applied qfrc_passive qfrc_bias
+            qfrc_actuator qfrc_smooth qacc_smooth qfrc_constraint qfrc_inverse qld_diag_inv;
+            $m.nu(), 0.0 => ctrl actuator_force actuator_length actuator_velocity;
+            $m.na(), 0.0 => act act_dot;
+            $m.nmocap(), [0.0; 3] => mocap_pos;
+            $m.nmocap(), UNTURNED => mocap_quat;
+            $m.nsensordata(), 0.0 => sensordata;
+            $m.ntendon(), 0.0 => ten_length ten_velocity;
+            $m.plan().paths.columns.len(), 0.0 => ten_j;
+            $m.plan().m_colind.len(), 0.0 => qm qld;
+            $m.nbody(), [0.0; 3] => xpos xipos subtree_com subtree_linvel subtree_angmom;
+            $m.nbody(), UNTURNED => xquat;
+            $m.nbody(), IDENTITY => xmat ximat;
+            $m.nbody(), [0.0; 10] => cinert;
+            $m.nbody(), [0.0; 6] => cvel cacc cfrc_int cfrc_ext xfrc_applied;
+            $m.njnt(), [0.0; 3] => xanchor xaxis;
+            $m.ngeom(), [0.0; 3] => geom_xpos;
+            $m.ngeom(), IDENTITY => geom_xmat;
+            $m.nsite(), [0.0; 3] => site_xpos;
+            $m.nsite(), IDENTITY => site_xmat;
+            $m.nv(), [0.0; 6] => cdof cdof_dot;
+        }
+    };
+    ($d:ident, $do:path: $($length:expr, $value:expr => $($array:ident)+;)+) => {
+        $($($do(&mut $d.$array, $length, $value);)+)+
     };
 }
 
-macro_rules! resize {
-    ($d:ident, $length:expr, $value:expr => $($array:ident)+) => {
-        $($d.$array.resize($length, $value);)+
-    };
-}
-
-macro_rules! fill {
-    ($d:ident, $length:expr, $value:expr => $($array:ident)+) => {
-        $($d.$array.fill($value);)+
-    };
+/// Puts a value into all places of an array.
+fn fill<T: Clone>(array: &mut [T], _length: usize, value: T) {
+    array.fill(value);
 }
 
 const UNTURNED: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
@@ -360,13 +358,18 @@ impl Data {
         self.last.is_some()
     }
 
-    /// The state from which the last call started, by the names of `mjData`: with it, MuJoCo itself
-    /// can repeat the call. Whether that call was [`step`] comes first. `None` if nothing was
-    /// computed from the state.
+    /// Whether the last call was [`step`].
     #[must_use]
-    pub fn start(&self) -> Option<(bool, [(&'static str, &[f64]); 10])> {
-        let (last, from) = (self.last?, &self.before);
-        let arrays: [(_, &[f64]); 10] = [
+    pub fn is_stepped(&self) -> bool {
+        self.last == Some(Call::Step)
+    }
+
+    /// The state from which the last call started, by the names of `mjData`: with it, MuJoCo itself
+    /// can repeat the call. `None` if nothing was computed from the state.
+    #[must_use]
+    pub fn start(&self) -> Option<[(&'static str, &[f64]); 10]> {
+        let from = self.last.map(|_| &self.before)?;
+        Some([
             ("time", std::slice::from_ref(&from.time)),
             ("qpos", &from.qpos),
             ("qvel", &from.qvel),
@@ -377,8 +380,7 @@ impl Data {
             ("mocap_quat", from.mocap_quat.as_flattened()),
             ("qfrc_applied", &from.qfrc_applied),
             ("xfrc_applied", from.xfrc_applied.as_flattened()),
-        ];
-        Some((last == Call::Step, arrays))
+        ])
     }
 
     /// Repeats the last call to compute the arrays that are not serialised. Not needed before a
@@ -596,7 +598,7 @@ impl Data {
             return;
         }
         let d = &mut *self;
-        arrays!(d, m, resize);
+        arrays!(d, m, Vec::resize);
         self.ahead.reserve(record_len(m, &Derived::ALL));
         self.work = Work::new(m);
         let bounds = m.plan().bounds();

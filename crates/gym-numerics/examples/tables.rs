@@ -176,11 +176,17 @@ fn table<const N: usize>(out: &mut String, name: &str, doc: &str, kind: &str, ro
         }
     };
     for row in rows {
-        let row = row.map(number).join(", ");
-        let _ = if N == 1 {
-            writeln!(out, "    {row},")
-        } else {
-            writeln!(out, "    [{row}],")
+        let row = row.map(number);
+        let _ = match row.len() {
+            1 => writeln!(out, "    {},", row[0]),
+            // a longer row is wider than a line
+            4.. => writeln!(
+                out,
+                "    [{},\n     {}],",
+                row[..2].join(", "),
+                row[2..].join(", ")
+            ),
+            _ => writeln!(out, "    [{}],", row.join(", ")),
         };
     }
     let _ = writeln!(out, "];");

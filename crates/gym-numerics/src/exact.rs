@@ -308,14 +308,15 @@ impl<'de> Deserializer<'de> for Stored<'de> {
 
     deserialize! {
         scalar {
-            deserialize_bool() deserialize_i8() deserialize_i16() deserialize_i32() deserialize_i64() deserialize_i128()
-            deserialize_u8() deserialize_u16() deserialize_u32() deserialize_u64() deserialize_u128() deserialize_f32()
-            deserialize_f64() deserialize_char() deserialize_str() deserialize_string() deserialize_unit()
-            deserialize_unit_struct(name: &'static str) deserialize_identifier()
+            deserialize_bool() deserialize_i8() deserialize_i16() deserialize_i32()
+            deserialize_i64() deserialize_i128() deserialize_u8() deserialize_u16()
+            deserialize_u32() deserialize_u64() deserialize_u128() deserialize_f32()
+            deserialize_f64() deserialize_char() deserialize_str() deserialize_string()
+            deserialize_unit() deserialize_unit_struct(name: &'static str) deserialize_identifier()
         }
         list {
-            deserialize_bytes() deserialize_byte_buf() deserialize_seq() deserialize_tuple(len: usize)
-            deserialize_tuple_struct(name: &'static str, len: usize)
+            deserialize_bytes() deserialize_byte_buf() deserialize_seq()
+            deserialize_tuple(len: usize) deserialize_tuple_struct(name: &'static str, len: usize)
         }
         map { deserialize_map() deserialize_struct(name: &'static str, fields: &'static [&'static str]) }
     }

@@ -5,5 +5,6 @@ pub mod exact;
 pub mod math;
 pub mod rng;
 pub mod text;
+pub mod unique;
 
 pub use rng::{Generator, RandomState, Seed, SeedError};

@@ -17,29 +17,29 @@ use gym_core::policy::{Controller, LinkedPolicy};
 use gym_core::{BoxEnv, Env, Error, Policy, Result, Space, Value, inventory, math};
 use serde_json::Value as Json;
 
-/// Declares the networks: the id of each environment, and its file.
-macro_rules! networks {
-    ($($id:literal: $file:literal;)+) => {
-        $(
-            inventory::submit! {
-                LinkedPolicy {
-                    id: $id,
-                    policy: Policy::trained("is a network that `gym-ppo` trained", |env| {
-                        network(include_str!(concat!("../networks/", $file)), env)
-                    }),
-                }
-            }
-        )+
-    };
+/// The policy of an environment, by the network that `controller` reads.
+const fn trained(id: &'static str, controller: fn(&BoxEnv) -> Result<Controller>) -> LinkedPolicy {
+    let policy = Policy::trained("is a network that `gym-ppo` trained", controller);
+    LinkedPolicy { id, policy }
 }
 
-networks! {
-    "HalfCheetah-v5": "half-cheetah.json";
-    "Hopper-v5": "hopper.json";
-    "InvertedDoublePendulum-v5": "inverted-double-pendulum.json";
-    "InvertedPendulum-v5": "inverted-pendulum.json";
-    "Reacher-v5": "reacher.json";
-    "Swimmer-v5": "swimmer.json";
+inventory::submit! {
+    trained("HalfCheetah-v5", |env| network(include_str!("../networks/half-cheetah.json"), env))
+}
+inventory::submit! {
+    trained("Hopper-v5", |env| network(include_str!("../networks/hopper.json"), env))
+}
+inventory::submit! {
+    trained("InvertedDoublePendulum-v5", |env| network(include_str!("../networks/inverted-double-pendulum.json"), env))
+}
+inventory::submit! {
+    trained("InvertedPendulum-v5", |env| network(include_str!("../networks/inverted-pendulum.json"), env))
+}
+inventory::submit! {
+    trained("Reacher-v5", |env| network(include_str!("../networks/reacher.json"), env))
+}
+inventory::submit! {
+    trained("Swimmer-v5", |env| network(include_str!("../networks/swimmer.json"), env))
 }
 
 /// Added to the variance, as by the wrapper `NormalizeObservation`.

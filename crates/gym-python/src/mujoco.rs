@@ -58,11 +58,13 @@ pub(crate) fn before<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Boun
         ("qvel", &data.qvel),
         ("qacc_warmstart", &data.qacc_warmstart),
     ];
-    let (stepped, start) = match data.start() {
-        Some((stepped, start)) => (stepped, dict(&start)?),
-        None => (false, dict(&now)?),
+    let start = match data.start() {
+        Some(start) => dict(&start)?,
+        None => dict(&now)?,
     };
-    (stepped, start, dict(&now)?).into_pyobject(py).map(Some)
+    (data.is_stepped(), start, dict(&now)?)
+        .into_pyobject(py)
+        .map(Some)
 }
 
 fn vector<'py>(py: Python<'py>, numbers: &[f64]) -> PyResult<Bound<'py, PyArray1<f64>>> {

@@ -162,7 +162,7 @@ fn a_recorder_stops_at_its_maximum_and_refuses_other_modes() {
         recorder.finish(),
         Err(Error::InvalidArgument { .. })
     ));
-    // before the first frame, too
+    // also before the first frame
     let refused = Recorder::new(folder.path().join("c.gif"), &Count::default());
     assert!(matches!(refused, Err(Error::UnsupportedMode { .. })));
     assert_eq!(names(folder.path()), ["a.gif"]);
@@ -254,7 +254,7 @@ fn recording_is_no_part_of_clones_and_snapshots() {
     env.step(&0).unwrap();
     drop(env);
     assert_eq!(names(folder.path()), ["rl-video-episode-0.gif"]);
-    // 0, 1, and after the restore 1 and 2
+    // the frames 0 and 1, then 1 and 2 after the restore
     assert_eq!(
         counts(&folder.path().join("rl-video-episode-0.gif")),
         [0, 1, 2]
@@ -275,7 +275,7 @@ fn recorded(
     RecordVectorVideo::new(envs.with_autoreset(mode), config).unwrap()
 }
 
-/// Steps a vector, and resets by a mask what is over and does not reset by itself.
+/// Steps a vector. With autoreset disabled, resets ended episodes by a mask.
 fn step_all(envs: &mut impl VectorEnv, steps: usize) {
     for _ in 0..steps {
         let columns = envs.step(&Value::from([0_i64, 0])).unwrap();
@@ -286,7 +286,8 @@ fn step_all(envs: &mut impl VectorEnv, steps: usize) {
     }
 }
 
-/// In the mode SameStep the frame of the step that ends an episode is the first of the next.
+/// In SameStep mode, the frame after the last step of an episode is the first frame of the next
+/// one.
 #[test]
 fn episodes_of_a_vector_are_recorded_in_every_mode() {
     for (mode, steps, frames) in [
@@ -302,7 +303,7 @@ fn episodes_of_a_vector_are_recorded_in_every_mode() {
         let mut envs = recorded(folder.path().into(), mode).episode_trigger(|episode| episode != 2);
         envs.reset(0).unwrap();
         step_all(&mut envs, steps);
-        // the second is running, from its first frame on
+        // the second video has begun with its first frame
         assert_eq!(counts(&video(0)), frames, "{mode:?}");
         step_all(&mut envs, steps - 1);
         assert!(
@@ -311,7 +312,7 @@ fn episodes_of_a_vector_are_recorded_in_every_mode() {
         );
         step_all(&mut envs, 1);
         assert_eq!(counts(&video(1)), frames, "{mode:?}");
-        // the third is not wanted
+        // the trigger refuses the third episode
         assert!(!envs.is_recording(), "{mode:?}");
         step_all(&mut envs, steps + 1);
         assert!(envs.is_recording(), "{mode:?}");
@@ -322,7 +323,7 @@ fn episodes_of_a_vector_are_recorded_in_every_mode() {
     }
 }
 
-/// A recording of a number of frames goes on over the ends of episodes.
+/// A recording with `video_length` continues past the ends of episodes.
 #[test]
 fn a_recording_of_a_length_goes_on_over_episodes_of_a_vector() {
     for (mode, frames) in [
@@ -347,7 +348,8 @@ fn a_recording_of_a_length_goes_on_over_episodes_of_a_vector() {
     }
 }
 
-/// The episodes are those of the first sub-environment: a reset that leaves it out begins none.
+/// Only the first sub-environment begins episodes of the recording: a masked reset of the others
+/// begins no video.
 #[test]
 fn a_reset_of_another_sub_environment_begins_no_video() {
     for mode in [
@@ -363,11 +365,11 @@ fn a_reset_of_another_sub_environment_begins_no_video() {
             .unwrap();
         step_all(&mut envs, 1);
         assert_eq!(names(folder.path()).len(), 1, "{mode:?}");
-        // its own reset ends the video
+        // a reset of the first sub-environment ends the video
         envs.reset(VectorReset::default().mask([true, false]))
             .unwrap();
         let video = folder.path().join("rl-video-episode-0.gif");
-        // the frame that stays as it was is shown for longer
+        // an unchanged frame is shown for longer
         assert_eq!(counts(&video), [0, 1, 2], "{mode:?}");
         envs.close();
         let second = folder.path().join("rl-video-episode-1.gif");
@@ -375,7 +377,7 @@ fn a_reset_of_another_sub_environment_begins_no_video() {
     }
 }
 
-/// By the number of the step, also of one that ends an episode.
+/// A step trigger gets the number of each step, including the last of an episode.
 #[test]
 fn steps_start_recordings_of_a_vector() {
     let folder = TempDir::new().unwrap();
@@ -458,7 +460,7 @@ fn formats_go_by_the_extension() {
             "{name}"
         );
     }
-    // so is a file whose frames the format cannot hold
+    // also if the format cannot hold the frames
     for (width, height) in [(65_536, 1), (1, 65_536), (0, 1), (1, 0)] {
         let frame = Frame::new(width, height).unwrap();
         let error = write_video(folder.path().join("f.gif"), 10, &[frame])

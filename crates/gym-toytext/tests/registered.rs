@@ -4,7 +4,7 @@ use gym_core::vector::{Autoreset, VectorKind};
 use gym_core::{EnvExt, VectorEnv, VectorEnvExt, builder};
 use gym_toytext::{CliffWalking, Taxi};
 
-/// Compares them also after a snapshot. (100 is not a multiple of a block.)
+/// They are equal after a snapshot too. (100 is not a multiple of the block size.)
 #[test]
 fn native_vectors_equal_scalar_environments() {
     for id in [

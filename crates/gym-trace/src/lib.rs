@@ -24,7 +24,8 @@
 //! `observation_masked`), which the trace names: `"frame_mask": [[6, 365, 65, 380]]`, as first
 //! column and row, last column and row. A masked checksum replaces the other.
 
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::de::{Deserializer, Error as _};
+use serde::{Deserialize, Serialize};
 use serde_json::{Number, Value as Json, json, value::RawValue};
 
 use gym_core::registry::{EnvBuilder, find};
@@ -34,7 +35,7 @@ use gym_core::vector::{
 };
 use gym_core::{
     BoxEnv, DType, Env, EnvExt, EnvSpec, Error, Info, Inspect, Kwargs, Reset, Result, Seed, Value,
-    WrapperSpec, builder,
+    WrapperSpec, builder, unique,
 };
 
 /// The resets and steps of one environment, or of one vector.
@@ -42,106 +43,61 @@ use gym_core::{
 /// An unknown key is an error, so that a misspelt one is not ignored. An environment with an
 /// argument `mujoco` gets the recorded version of MuJoCo, unless `kwargs` has another.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-#[serde(from = "Recorded")]
 pub struct Trace {
     /// The environment's id.
     pub id: String,
     /// Its constructor's arguments.
+    #[serde(default, deserialize_with = "unique::object")]
     pub kwargs: Kwargs,
     /// The version of MuJoCo that was recorded.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub mujoco: Option<String>,
     /// Wrappers around the environment of `make`, innermost first. Such traces leave out the
     /// wall-clock time of episode statistics.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub wrappers: Vec<WrapperSpec>,
     /// The vector around the environment, if the trace is of a vector.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub vector: Option<VectorRequest>,
     /// The render mode, if frames are compared: `rgb_array`.
-    #[serde(skip_serializing_if = "Option::is_none")]
+    #[serde(default, skip_serializing_if = "Option::is_none")]
     pub render_mode: Option<RenderMode>,
     /// Rectangles of the frame to blacken for `frame_masked`: left, top, right, bottom, inclusive.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub frame_mask: Vec<[usize; 4]>,
     /// Rectangles of the observation to blacken for `observation_masked`.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub observation_mask: Vec<[usize; 4]>,
     /// What the recorder notes besides. `observation_space`, `action_space`, `max_episode_steps`
     /// and `reward_threshold` are compared; notes such as `numpy` and `policy` are not.
-    #[serde(flatten)]
+    #[serde(flatten, deserialize_with = "notes")]
     pub about: Kwargs,
     /// The events, in order.
     pub events: Vec<Event>,
 }
 
-/// Declares the keys of a trace: its own, and the recorders'.
-macro_rules! recorded {
-    ($($about:ident)*) => {
-        #[derive(Deserialize)]
-        #[serde(deny_unknown_fields)]
-        struct Recorded {
-            id: String,
-            #[serde(default)]
-            kwargs: Kwargs,
-            mujoco: Option<String>,
-            #[serde(default)]
-            wrappers: Vec<WrapperSpec>,
-            vector: Option<VectorRequest>,
-            render_mode: Option<RenderMode>,
-            #[serde(default)]
-            frame_mask: Vec<[usize; 4]>,
-            #[serde(default)]
-            observation_mask: Vec<[usize; 4]>,
-            events: Vec<Event>,
-            $(
-                #[serde(default, deserialize_with = "noted")]
-                $about: Option<Json>,
-            )*
-        }
-
-        impl From<Recorded> for Trace {
-            fn from(recorded: Recorded) -> Self {
-                let about = [
-                    $((stringify!($about), recorded.$about),)*
-                ];
-                let about = about.into_iter().filter_map(|(name, note)| {
-                    Some((name.trim_start_matches("r#").to_owned(), note?))
-                });
-                Self {
-                    id: recorded.id,
-                    kwargs: recorded.kwargs,
-                    mujoco: recorded.mujoco,
-                    wrappers: recorded.wrappers,
-                    vector: recorded.vector,
-                    render_mode: recorded.render_mode,
-                    frame_mask: recorded.frame_mask,
-                    observation_mask: recorded.observation_mask,
-                    about: about.collect(),
-                    events: recorded.events,
-                }
-            }
-        }
-    };
-}
-
-recorded! {
+/// The notes of the recorders.
+#[rustfmt::skip]
+const NOTES: &[&str] = &[
     // versions of the programs that were recorded
-    ale_py backend backend_version gymnasium module numpy pygame_ce
+    "ale_py", "backend", "backend_version", "gymnasium", "module", "numpy", "pygame_ce",
     // how the recorder called the environment
-    action_seed deep info_left_out md5 note policy rom seed smoothscale
+    "action_seed", "deep", "info_left_out", "md5", "note", "policy", "rom", "seed", "smoothscale",
     // the environment; see `FACTS`
-    action_space dt frame_skip max_episode_steps observation_space render_fps render_modes reward_threshold
-    shape start types
+    "action_space", "dt", "frame_skip", "max_episode_steps", "observation_space", "render_fps",
+    "render_modes", "reward_threshold", "shape", "start", "types",
     // facts about the whole episode
-    emulated first_contact frame horizon horizons info_same_twice length r#return same_twice tolerance
-}
+    "emulated", "first_contact", "frame", "horizon", "horizons", "info_same_twice", "length",
+    "return", "same_twice", "tolerance",
+];
 
-/// A note that is there, which may be `null`.
-fn noted<'de, D: Deserializer<'de>>(
-    deserializer: D,
-) -> std::result::Result<Option<Json>, D::Error> {
-    Json::deserialize(deserializer).map(Some)
+/// Reads the notes. One that no recorder writes is an error, as a key that stands twice is.
+fn notes<'de, D: Deserializer<'de>>(deserializer: D) -> std::result::Result<Kwargs, D::Error> {
+    let notes = unique::object(deserializer)?;
+    match notes.keys().find(|name| !NOTES.contains(&name.as_str())) {
+        Some(name) => Err(D::Error::unknown_field(name, NOTES)),
+        None => Ok(notes),
+    }
 }
 
 /// What a recording notes of its environment and what is compared: a name in [`Trace::about`], and
@@ -187,42 +143,90 @@ pub struct Event {
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reset: Option<ResetRequest>,
     /// The action, if this is a step.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        deserialize_with = "unique::option",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub step: Option<Json>,
     /// The observation.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        deserialize_with = "unique::option",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub observation: Option<Json>,
     /// The reward of a step.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        deserialize_with = "unique::option",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub reward: Option<Json>,
     /// Whether a step ended the task.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        deserialize_with = "unique::option",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub terminated: Option<Json>,
     /// Whether a step was the last for another reason.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        deserialize_with = "unique::option",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub truncated: Option<Json>,
     /// The entries of `info`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        deserialize_with = "unique::option",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub info: Option<Json>,
     /// State beyond the observation, if the trace has it: the bodies of a CarRacing, whose
     /// observation is an image.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        deserialize_with = "unique::option",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub state: Option<Json>,
     /// CRC-32 of the frame's bytes.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        deserialize_with = "unique::option",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub frame: Option<Json>,
     /// CRC-32 of the masked frame's bytes.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        deserialize_with = "unique::option",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub frame_masked: Option<Json>,
     /// The checksum of the frame without images that Gymnasium loads from a file. It is read, and
     /// not compared.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        deserialize_with = "unique::option",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub frame_plain: Option<Json>,
     /// CRC-32 of an observation's bytes.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        deserialize_with = "unique::option",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub observation_crc32: Option<Json>,
     /// CRC-32 of the masked observation's bytes.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(
+        default,
+        deserialize_with = "unique::option",
+        skip_serializing_if = "Option::is_none"
+    )]
     pub observation_masked: Option<Json>,
 }
 
@@ -233,7 +237,18 @@ pub struct ResetRequest {
     /// The seed, of any size, or a list of them; its digits are kept as they are written.
     seed: Option<Box<RawValue>>,
     /// The options.
+    #[serde(default, deserialize_with = "options")]
     options: Option<Kwargs>,
+}
+
+/// Reads options, which may be `null`.
+fn options<'de, D: Deserializer<'de>>(
+    deserializer: D,
+) -> std::result::Result<Option<Kwargs>, D::Error> {
+    match unique::option(deserializer)? {
+        Some(options) => unique::object(options).map(Some).map_err(D::Error::custom),
+        None => Ok(None),
+    }
 }
 
 impl From<&Reset> for ResetRequest {
@@ -385,12 +400,8 @@ impl Trace {
 
     fn builder(&self) -> EnvBuilder {
         let mut builder = builder(&self.id);
-        let takes = |name| {
-            let taken = find(&self.id).and_then(|registration| registration.arguments());
-            taken.is_ok_and(|all| all.iter().any(|argument| argument.name == name))
-        };
         if let Some(version) = &self.mujoco
-            && takes("mujoco")
+            && self.takes("mujoco")
         {
             builder = builder.arg("mujoco", version.as_str());
         }
@@ -459,7 +470,39 @@ impl Trace {
         let recorded = PARTS.iter().chain(&[FRAME_PLAIN]).filter(|(name, part)| {
             !parts.contains(name) && self.events.iter().any(|event| part(event).is_some())
         });
-        notes.chain(recorded.map(|(name, _)| *name)).collect()
+        let recorded = recorded.map(|(name, _)| *name);
+        notes.chain(recorded).chain(self.unused()).collect()
+    }
+
+    /// The names of what this trace asks for and no event answers: a version of MuJoCo that the
+    /// environment does not take, and settings of pictures without their checksums.
+    fn unused(&self) -> impl Iterator<Item = &str> {
+        let parts = self.parts();
+        let has = |part: &str| parts.iter().any(|(name, _)| *name == part);
+        let shows = PARTS[6..].iter().any(|(name, _)| has(name));
+        let named = |name, is_unused: bool| is_unused.then_some(name);
+        let mujoco =
+            self.mujoco.is_some() && (!self.takes("mujoco") || self.kwargs.contains_key("mujoco"));
+        [
+            named("mujoco", mujoco),
+            named("render_mode", self.render_mode.is_some() && !shows),
+            named(
+                "frame_mask",
+                !self.frame_mask.is_empty() && !has("frame_masked"),
+            ),
+            named(
+                "observation_mask",
+                !self.observation_mask.is_empty() && !has("observation_masked"),
+            ),
+        ]
+        .into_iter()
+        .flatten()
+    }
+
+    /// Whether the environment has an argument.
+    fn takes(&self, name: &str) -> bool {
+        let taken = find(&self.id).and_then(|registration| registration.arguments());
+        taken.is_ok_and(|all| all.iter().any(|argument| argument.name == name))
     }
 
     /// The parts of answers that are compared.
@@ -813,6 +856,16 @@ mod tests {
             recorded.not_compared(),
             ["numpy", "policy", "return", "frame_plain"]
         );
+        let mut unused = head.clone();
+        unused["mujoco"] = json!("3.12");
+        unused["render_mode"] = json!("rgb_array");
+        for mask in ["frame_mask", "observation_mask"] {
+            unused[mask] = json!([[0, 0, 1, 1]]);
+        }
+        let named = ["mujoco", "render_mode", "frame_mask", "observation_mask"];
+        assert_eq!(read(&unused).not_compared()[4..], named);
+        unused["events"] = json!([{ "step": 0, "frame_masked": 1, "observation_masked": 2 }]);
+        assert_eq!(read(&unused).not_compared()[3..], ["mujoco"]);
         let facts = FACTS.map(|(name, _)| name);
         assert_eq!(recorded.compared(), (vec!["reward"], facts.to_vec()));
         for (name, value) in [

@@ -2,8 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
+use gym_core::registry::WrapperConfig;
 use gym_core::spaces::{BoxSpace, Discrete, MAX_ELEMENTS, MultiDiscrete, array_of};
 use gym_core::{DType, Error, Result, Space, Value};
+
+use crate::within::expect_box;
 
 /// The number of bins for each element of a `Box`.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -36,6 +39,49 @@ impl gym_core::ArgumentType for Bins {
 impl Default for Bins {
     fn default() -> Self {
         Self::All(0)
+    }
+}
+
+gym_core::arguments! {
+    /// How a bounded `Box` is cut into bins.
+    pub struct Binning {
+        /// The number of bins for each element of the bounded `Box`, at least 1.
+        pub bins: Bins,
+        /// Whether each element has its own integer, instead of one integer for the combination,
+        /// counted in row-major order.
+        pub multidiscrete: bool = false,
+    }
+}
+
+impl<B: Into<Bins>> From<(B, bool)> for Binning {
+    fn from((bins, multidiscrete): (B, bool)) -> Self {
+        Self {
+            bins: bins.into(),
+            multidiscrete,
+        }
+    }
+}
+
+impl From<u32> for Binning {
+    fn from(bins: u32) -> Self {
+        (bins, false).into()
+    }
+}
+
+impl<const N: usize> From<[u32; N]> for Binning {
+    fn from(bins: [u32; N]) -> Self {
+        (bins, false).into()
+    }
+}
+
+impl Binning {
+    /// The bins of a space of the `kind` "action" or "observation", and the space of their indices.
+    /// The wrapper with the arguments `C` refuses a space that is no bounded `Box`.
+    pub(crate) fn cut<C: WrapperConfig>(&self, kind: &str, space: &Space) -> Result<(Grid, Space)> {
+        let refuse = |error: Error| C::refuse(error.to_string());
+        let grid = Grid::new(expect_box::<C>(kind, space)?, &self.bins).map_err(refuse)?;
+        let indices = grid.space(self.multidiscrete).map_err(refuse)?;
+        Ok((grid, indices))
     }
 }
 

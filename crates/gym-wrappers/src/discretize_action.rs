@@ -1,12 +1,10 @@
 //! Actions out of bins.
 
-use gym_core::registry::WrapperConfig;
 use gym_core::spaces::array_of;
-use gym_core::{BoxEnv, Element, Error, Result, Space, Value};
+use gym_core::{BoxEnv, Element, Result, Space, Value};
 
-use crate::bins::{Bins, Grid};
+use crate::bins::{Binning, Grid};
 use crate::map::{ActionMap, MapAction};
-use crate::within::expect_box;
 
 /// Cuts a bounded `Box` of actions into uniform bins. An action is the index of a bin, one integer
 /// or one for each element; the environment receives the bin's centre.
@@ -15,32 +13,17 @@ pub type DiscretizeAction<T = BoxEnv> = MapAction<T, Discretize>;
 gym_core::arguments! {
     /// The arguments of [`DiscretizeAction`].
     pub struct Config {
-        /// The number of bins for each element of the bounded `Box`, at least 1.
-        pub bins: Bins,
-        /// Whether each element has its own integer, instead of one integer for the combination,
-        /// counted in row-major order.
-        pub multidiscrete: bool = false,
+        /// The bins.
+        #[flatten]
+        pub binning: Binning,
     }
 }
 
-impl<B: Into<Bins>> From<(B, bool)> for Config {
-    fn from((bins, multidiscrete): (B, bool)) -> Self {
+impl<B: Into<Binning>> From<B> for Config {
+    fn from(binning: B) -> Self {
         Self {
-            bins: bins.into(),
-            multidiscrete,
+            binning: binning.into(),
         }
-    }
-}
-
-impl From<u32> for Config {
-    fn from(bins: u32) -> Self {
-        (bins, false).into()
-    }
-}
-
-impl<const N: usize> From<[u32; N]> for Config {
-    fn from(bins: [u32; N]) -> Self {
-        (bins, false).into()
     }
 }
 
@@ -61,17 +44,12 @@ impl ActionMap for Discretize {
     type Action<A: Element> = Value;
 
     fn new(config: &Config, inner: &Space) -> Result<(Self, Space)> {
-        let refuse = |error: Error| Config::refuse(error.to_string());
-        let grid =
-            Grid::new(expect_box::<Config>("action", inner)?, &config.bins).map_err(refuse)?;
-        let space = grid.space(config.multidiscrete).map_err(refuse)?;
-        Ok((
-            Self {
-                space: space.clone(),
-                grid,
-            },
-            space,
-        ))
+        let (grid, space) = config.binning.cut::<Config>("action", inner)?;
+        let map = Self {
+            space: space.clone(),
+            grid,
+        };
+        Ok((map, space))
     }
 
     fn map<'a>(&self, action: &'a mut Value, buffer: &'a mut Value) -> &'a Value {

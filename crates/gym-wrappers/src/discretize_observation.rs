@@ -1,11 +1,10 @@
 //! Observations cut into bins.
 
-use gym_core::registry::WrapperConfig;
-use gym_core::{Array, BoxEnv, Data, Error, Result, Space, Value};
+use gym_core::{Array, BoxEnv, Data, Result, Space, Value};
 
-use crate::bins::{Bins, Grid};
+use crate::bins::{Binning, Grid};
 use crate::map::{MapObservation, ObservationMap};
-use crate::within::{expect_box, not_an_array};
+use crate::within::not_an_array;
 
 /// Cuts a bounded `Box` of observations into uniform bins. An observation is the index of a bin,
 /// one integer or one for each element.
@@ -14,32 +13,17 @@ pub type DiscretizeObservation<T = BoxEnv> = MapObservation<T, Discretize>;
 gym_core::arguments! {
     /// The arguments of [`DiscretizeObservation`].
     pub struct Config {
-        /// The number of bins for each element of the bounded `Box`, at least 1.
-        pub bins: Bins,
-        /// Whether each element has its own integer, instead of one integer for the combination,
-        /// counted in row-major order.
-        pub multidiscrete: bool = false,
+        /// The bins.
+        #[flatten]
+        pub binning: Binning,
     }
 }
 
-impl<B: Into<Bins>> From<(B, bool)> for Config {
-    fn from((bins, multidiscrete): (B, bool)) -> Self {
+impl<B: Into<Binning>> From<B> for Config {
+    fn from(binning: B) -> Self {
         Self {
-            bins: bins.into(),
-            multidiscrete,
+            binning: binning.into(),
         }
-    }
-}
-
-impl From<u32> for Config {
-    fn from(bins: u32) -> Self {
-        (bins, false).into()
-    }
-}
-
-impl<const N: usize> From<[u32; N]> for Config {
-    fn from(bins: [u32; N]) -> Self {
-        (bins, false).into()
     }
 }
 
@@ -59,17 +43,12 @@ impl ObservationMap for Discretize {
     type Config = Config;
 
     fn new(config: &Config, inner: &Space) -> Result<(Self, Space)> {
-        let refuse = |error: Error| Config::refuse(error.to_string());
-        let grid =
-            Grid::new(expect_box::<Config>("observation", inner)?, &config.bins).map_err(refuse)?;
-        let space = grid.space(config.multidiscrete).map_err(refuse)?;
-        Ok((
-            Self {
-                space: space.clone(),
-                grid,
-            },
-            space,
-        ))
+        let (grid, space) = config.binning.cut::<Config>("observation", inner)?;
+        let map = Self {
+            space: space.clone(),
+            grid,
+        };
+        Ok((map, space))
     }
 
     fn map(&self, inner: &Value, out: &mut Value) -> Result<()> {

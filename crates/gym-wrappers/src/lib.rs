@@ -59,7 +59,7 @@ mod wrap;
 
 pub use add_render_observation::AddRenderObservation;
 pub use autoreset::Autoreset;
-pub use bins::Bins;
+pub use bins::{Binning, Bins};
 pub use bounds::Bound;
 pub use clip_action::ClipAction;
 pub use clip_reward::ClipReward;

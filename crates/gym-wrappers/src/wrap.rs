@@ -5,27 +5,9 @@ use gym_core::{Element, Env, Result, Space, Value, VectorEnv};
 use crate::*;
 
 /// Declares methods that put wrappers around `self`: with their arguments, or with the defaults.
+/// `both` declares those of environments and vectors.
 macro_rules! methods {
-    ($($method:ident $(($config:ident))? => $wrapper:ident in $module:ident),* $(,)?) => {$(
-        #[doc = concat!("[`", stringify!($wrapper), "`].")]
-        ///
-        /// # Errors
-        #[doc = concat!("As [`", stringify!($wrapper), "::new`].")]
-        fn $method(self $(, $config: impl Into<$module::Config>)?) -> Result<$wrapper<Self>> {
-            methods!(@new $wrapper, $module, self $(, $config)?)
-        }
-    )*};
-    (@new $wrapper:ident, $module:ident, $self:ident) => {
-        $wrapper::new($self, $module::Config::default())
-    };
-    (@new $wrapper:ident, $module:ident, $self:ident, $config:ident) => {
-        $wrapper::new($self, $config)
-    };
-}
-
-/// The methods of environments and vectors.
-macro_rules! for_both {
-    () => {
+    (both) => {
         methods! {
             filter_observation(filter_keys) => FilterObservation in filter_observation,
             flatten_observation => FlattenObservation in flatten_observation,
@@ -42,6 +24,21 @@ macro_rules! for_both {
             clip_reward(bounds) => ClipReward in clip_reward,
             normalize_reward(gamma) => NormalizeReward in normalize_reward,
         }
+    };
+    ($($method:ident $(($config:ident))? => $wrapper:ident in $module:ident),* $(,)?) => {$(
+        #[doc = concat!("[`", stringify!($wrapper), "`].")]
+        ///
+        /// # Errors
+        #[doc = concat!("As [`", stringify!($wrapper), "::new`].")]
+        fn $method(self $(, $config: impl Into<$module::Config>)?) -> Result<$wrapper<Self>> {
+            methods!(@new $wrapper, $module, self $(, $config)?)
+        }
+    )*};
+    (@new $wrapper:ident, $module:ident, $self:ident) => {
+        $wrapper::new($self, $module::Config::default())
+    };
+    (@new $wrapper:ident, $module:ident, $self:ident, $config:ident) => {
+        $wrapper::new($self, $config)
     };
 }
 
@@ -77,7 +74,7 @@ pub trait Wrap: Env + Sized {
         RecordEpisodeStatistics::new(self)
     }
 
-    for_both! {}
+    methods! { both }
 
     methods! {
         add_render_observation => AddRenderObservation in add_render_observation,
@@ -147,7 +144,7 @@ pub trait VectorWrap: VectorEnv + Sized {
         RecordEpisodeStatistics::new(self)
     }
 
-    for_both! {}
+    methods! { both }
 
     /// [`TransformObservation`].
     fn transform_observation<F>(

@@ -107,7 +107,7 @@ fn a_masked_reset_leaves_no_episode_of_those_left_out() {
     }
 }
 
-/// A masked reset restarts the statistics of those that it selects, and of no other.
+/// A masked reset restarts the statistics of the selected sub-environments only.
 #[test]
 fn a_masked_reset_restarts_the_statistics_of_the_selected() {
     for mode in MODES {

@@ -116,7 +116,7 @@ fn normal() -> normalize_observation::Config {
     normalize_observation::Config::default()
 }
 
-/// 23 is no multiple of the steps of a series, so that an episode ends within one.
+/// 23 is not a multiple of the repeated steps, so an episode ends during a repetition.
 #[test]
 fn every_state_continues() {
     continues_everywhere(|| FrameStackObservation::new(Squares::new(23), 4).unwrap());
@@ -135,8 +135,8 @@ fn every_state_continues() {
     continues_everywhere(|| TimeAwareObservation::new(Squares::new(23), config.clone()).unwrap());
 }
 
-/// A series that ends early looks at the last observations that were kept, those of before a
-/// snapshot too.
+/// If an episode ends during a repetition, the maximum uses stored observations, also those from
+/// before a snapshot.
 #[test]
 fn the_last_observations_of_a_series_are_stored() {
     let make = || MaxAndSkipObservation::new(Squares::new(9), 4).unwrap();
@@ -147,13 +147,13 @@ fn the_last_observations_of_a_series_are_stored() {
     assert_eq!(seen, Value::from([64.0]));
     let mut fresh = make();
     fresh.restore(&env.snapshot().unwrap()).unwrap();
-    // the ninth step, the first of its series, ends the episode
+    // the ninth step is the first of a repetition and ends the episode
     let last = fresh.step(&0).unwrap();
     assert!(last.terminated);
     assert_eq!(last.observation, Value::from([64.0]));
 }
 
-/// The reset that is due is part of the state.
+/// A snapshot contains whether a reset is due.
 #[test]
 fn a_due_reset_is_stored() {
     let mut env = AutoresetWrapper::new(Squares::new(2));
@@ -176,7 +176,7 @@ fn refused<E: Env>(env: &mut E, snapshot: &Snapshot, words: &str) {
     assert_eq!(env.snapshot().unwrap(), before, "{}", env.describe());
 }
 
-/// Larger into smaller, and smaller into larger.
+/// A wrapper refuses snapshots of larger and of smaller wrappers.
 #[test]
 fn snapshots_of_another_size_are_refused() {
     let stack = |n| {
@@ -214,7 +214,7 @@ fn snapshots_of_another_size_are_refused() {
     }
 }
 
-/// The first part under a key, wherever it stands.
+/// The first value of `key`, at any depth.
 fn find<'a>(json: &'a mut Json, key: &str) -> Option<&'a mut Json> {
     if json.get(key).is_some() {
         return json.get_mut(key);
@@ -226,14 +226,14 @@ fn find<'a>(json: &'a mut Json, key: &str) -> Option<&'a mut Json> {
     }
 }
 
-/// A snapshot in which the number under `key` is another.
+/// The snapshot with the value of `key` replaced by `other`.
 fn changed(snapshot: &Snapshot, key: &str, other: Json) -> Snapshot {
     let mut json: Json = serde_json::to_value(snapshot).unwrap();
     *find(&mut json, key).unwrap_or_else(|| panic!("{key} in {snapshot:?}")) = other;
     serde_json::from_value(json).unwrap()
 }
 
-/// A count, and a state of repeats, that no wrapper arrives at.
+/// Counts and repeats that no wrapper can reach are refused.
 #[test]
 fn numbers_that_no_wrapper_has_are_refused() {
     let mut env = NormalizeObservation::new(Squares::new(9), normal()).unwrap();
@@ -351,8 +351,8 @@ fn bins_of_the_narrowest_box_are_numpys() {
     }
 }
 
-/// In the mode SameStep the last step of an episode and the first of the next are one call: the
-/// return starts anew. A reset with a mask restarts the returns that it selects.
+/// In SameStep mode the call that ends an episode begins the next one, so the return restarts. A
+/// masked reset restarts the selected returns.
 #[test]
 fn discounted_returns_start_anew() {
     let returns = |mode, length, mask: Option<[bool; 2]>| {
@@ -382,7 +382,7 @@ fn discounted_returns_start_anew() {
         );
         assert_eq!(returns(mode, 9, Some([true, true])), [0.0, 0.0], "{mode:?}");
     }
-    // so do episodes that are truncated, which no step shows in the other modes
+    // truncated episodes restart it too, in SameStep mode only
     let truncated = |mode| {
         let limited = || TimeLimit::new(Squares::new(9), 2).unwrap();
         let envs = SyncVectorEnv::new([limited(), limited()]).unwrap();
@@ -398,7 +398,7 @@ fn discounted_returns_start_anew() {
     assert_eq!(truncated(Autoreset::SameStep), [0.0, 0.0]);
     assert_eq!(truncated(Autoreset::NextStep), [3.0, 3.0]);
     assert_eq!(truncated(Autoreset::Disabled), [3.0, 3.0]);
-    // a terminated step keeps nothing of those before it, and SameStep nothing at all
+    // a terminated step drops the earlier rewards; in SameStep mode, its own reward too
     assert_eq!(returns(Autoreset::NextStep, 2, None), [2.0, 2.0]);
     assert_eq!(returns(Autoreset::SameStep, 2, None), [0.0, 0.0]);
 }

@@ -222,7 +222,7 @@ const CALLS: &[Call] = &[
     ("close", |env| env.close()),
 ];
 
-/// The methods of the trait, as they stand in its source.
+/// The methods of the trait, read from its source.
 fn methods() -> BTreeSet<&'static str> {
     let source = include_str!("../../gym-core/src/env/mod.rs");
     let (_, body) = source.split_once("pub trait Env:").unwrap();
@@ -283,7 +283,7 @@ fn wrapped(name: &str, spy: &Spy) -> Option<(BoxEnv, &'static [&'static str])> {
         "DtypeObservation" => (json!({"dtype": "float64"}), seen),
         "FilterObservation" => (json!({"filter_keys": ["a"]}), seen),
         "FrameStackObservation" => (json!({"stack_size": 2}), seen),
-        // it hands over what it has gathered
+        // it returns the frames that it has collected
         "RenderCollection" => (json!({}), &["render_into"]),
         "RepeatAction" => (json!({"num_repeats": 2}), &[]),
         "RescaleAction" => (pair("action", -2.0, 2.0), done),

@@ -14,8 +14,7 @@ use gym_wrappers::{
     TransformObservation, VectorWrap, Wrap, frame_stack_observation, normalize_observation,
 };
 
-/// Shows prepared observations, one after the other, with prepared rewards; the last one ends the
-/// episode.
+/// Returns given observations and rewards, one after the other; the last one ends the episode.
 #[derive(Clone, Debug)]
 struct Script {
     space: Space,
@@ -139,7 +138,7 @@ fn a_stack_is_the_batch_of_the_last_observations() {
         }
         let padding = space.sampler(8).sample();
         padded[..2].fill(padding.clone());
-        // these texts name other paddings
+        // these texts are names of paddings
         if padding == Value::from("reset") || padding == Value::from("zero") {
             continue;
         }
@@ -157,7 +156,7 @@ fn a_stack_is_the_batch_of_the_last_observations() {
     }
 }
 
-/// Graphs, choices and all that holds arrays: one number that is not finite anywhere is enough.
+/// One number that is not finite is found in a value of any kind.
 #[test]
 fn what_is_not_finite_is_seen_anywhere() {
     let graph = |node: f64, edge: f64| {
@@ -189,7 +188,7 @@ fn what_is_not_finite_is_seen_anywhere() {
     }
 }
 
-/// Spaces that differ in one part are others, whichever part it is.
+/// Spaces that differ in one part are not equal.
 #[test]
 fn one_part_makes_another_space() {
     let bounds = |low: [f64; 3]| Space::from(BoxSpace::new(low, [9.0; 3]).unwrap());
@@ -276,7 +275,7 @@ fn statistics_count_each_row_once() {
     assert!((mean - 2.5).abs() < 1e-3, "{mean}");
 }
 
-/// With a variance that is known and held, rewards are divided by its root.
+/// With fixed statistics, rewards are divided by the square root of the variance.
 #[test]
 fn rewards_are_divided_by_a_deviation_that_was_set() {
     let mut env = NormalizeReward::new(Script::rewarded(&[1.0, -8.0, 3.0]), 0.9).unwrap();
@@ -345,7 +344,7 @@ fn epsilon_keeps_small_variances_from_growing() {
     }
 }
 
-/// One draw decides whether to stick; the steps for which it sticks draw nothing more.
+/// One draw decides whether the action repeats; the repeated steps draw nothing.
 #[test]
 fn a_stuck_action_draws_nothing() {
     let script = Script::sampled(Space::discrete(2), 9);
@@ -391,8 +390,7 @@ fn final_observations_of_a_vector_are_normalized_too() {
     }
 }
 
-/// Before the first observation of an episode stand as many paddings as there is room for, in the
-/// second episode as well.
+/// The first observation of each episode is preceded by paddings that fill the stack.
 #[test]
 fn stacks_are_padded_to_their_size() {
     let observations: Vec<Value> = (1..9).map(Value::Int).collect();

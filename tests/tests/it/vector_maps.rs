@@ -38,7 +38,10 @@ fn cases() -> Vec<(EnvSpec, Json)> {
         ),
         (
             pictures.clone(),
-            json!([["GrayscaleObservation", {"keep_dim": true}], ["ResizeObservation", {"shape": [7, 9]}]]),
+            json!([
+                ["GrayscaleObservation", {"keep_dim": true}],
+                ["ResizeObservation", {"shape": [7, 9]}],
+            ]),
         ),
         (
             pictures,

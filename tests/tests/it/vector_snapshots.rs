@@ -179,8 +179,15 @@ fn every_kind_continues_in_every_mode() {
 fn every_wrapper_continues() {
     let stacks = [
         json!([{"name": "RecordEpisodeStatistics", "kwargs": {"buffer_length": 3}}]),
-        json!([{"name": "NormalizeObservation"}, {"name": "NormalizeReward", "kwargs": {"gamma": 0.9}}]),
-        json!([{"name": "NormalizeReward"}, {"name": "RecordEpisodeStatistics"}, {"name": "NormalizeObservation"}]),
+        json!([
+            {"name": "NormalizeObservation"},
+            {"name": "NormalizeReward", "kwargs": {"gamma": 0.9}},
+        ]),
+        json!([
+            {"name": "NormalizeReward"},
+            {"name": "RecordEpisodeStatistics"},
+            {"name": "NormalizeObservation"},
+        ]),
         json!([
             {"name": "ClipAction"},
             {"name": "RescaleAction", "kwargs": {"min_action": "-inf", "max_action": "inf"}},
@@ -268,7 +275,11 @@ fn child() {
 #[test]
 fn another_process_continues() {
     let folder = tempfile::tempdir().unwrap();
-    let wrappers = json!([{"name": "RecordEpisodeStatistics"}, {"name": "NormalizeObservation"}, {"name": "NormalizeReward"}]);
+    let wrappers = json!([
+        {"name": "RecordEpisodeStatistics"},
+        {"name": "NormalizeObservation"},
+        {"name": "NormalizeReward"},
+    ]);
     let (mut runs, mut expected) = (Vec::new(), Vec::new());
     for (kind, mode) in KINDS
         .into_iter()
@@ -344,7 +355,11 @@ fn spoilt(json: &Json) -> Vec<Json> {
 
 #[test]
 fn a_refused_snapshot_changes_nothing() {
-    let wrappers = json!([{"name": "RecordEpisodeStatistics"}, {"name": "NormalizeObservation"}, {"name": "NormalizeReward"}]);
+    let wrappers = json!([
+        {"name": "RecordEpisodeStatistics"},
+        {"name": "NormalizeObservation"},
+        {"name": "NormalizeReward"},
+    ]);
     let mut refused = 0;
     for (kind, mode) in KINDS
         .into_iter()

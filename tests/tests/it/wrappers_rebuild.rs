@@ -20,7 +20,9 @@ fn stacks() -> Vec<(&'static str, Json)> {
         ),
         (
             "CartPole-v1",
-            json!([["FrameStackObservation", {"stack_size": 3, "padding_type": [1.0, 0.0, 0.25, 2.0]}]]),
+            json!([
+                ["FrameStackObservation", {"stack_size": 3, "padding_type": [1.0, 0.0, 0.25, 2.0]}],
+            ]),
         ),
         (
             "Blackjack-v1",
@@ -33,15 +35,24 @@ fn stacks() -> Vec<(&'static str, Json)> {
         ("Blackjack-v1", json!([["DelayObservation", {"delay": 2}]])),
         (
             "CartPole-v1",
-            json!([["TimeAwareObservation", {"flatten": false}], ["FilterObservation", {"filter_keys": ["time"]}]]),
+            json!([
+                ["TimeAwareObservation", {"flatten": false}],
+                ["FilterObservation", {"filter_keys": ["time"]}],
+            ]),
         ),
         (
             "CartPole-v1",
-            json!([["TimeAwareObservation", {"normalize_time": true}], ["NormalizeObservation", {"epsilon": 0.1}]]),
+            json!([
+                ["TimeAwareObservation", {"normalize_time": true}],
+                ["NormalizeObservation", {"epsilon": 0.1}],
+            ]),
         ),
         (
             "CartPole-v1",
-            json!([["MaxAndSkipObservation", {"skip": 2}], ["ReshapeObservation", {"shape": [2, 2]}]]),
+            json!([
+                ["MaxAndSkipObservation", {"skip": 2}],
+                ["ReshapeObservation", {"shape": [2, 2]}],
+            ]),
         ),
         (
             "Taxi-v4",
@@ -57,7 +68,13 @@ fn stacks() -> Vec<(&'static str, Json)> {
         ),
         (
             "MountainCar-v0",
-            json!([["DiscretizeObservation", {"bins": 7}], ["StickyAction", {"repeat_action_probability": 0.5, "repeat_action_duration": [2, 4]}]]),
+            json!([
+                ["DiscretizeObservation", {"bins": 7}],
+                [
+                    "StickyAction",
+                    {"repeat_action_probability": 0.5, "repeat_action_duration": [2, 4]},
+                ],
+            ]),
         ),
         (
             "Pendulum-v1",
@@ -69,7 +86,10 @@ fn stacks() -> Vec<(&'static str, Json)> {
         ),
         (
             "Pendulum-v1",
-            json!([["NormalizeReward", {"gamma": 0.9, "epsilon": 1e-4}], ["ClipReward", {"max_reward": -0.1}]]),
+            json!([
+                ["NormalizeReward", {"gamma": 0.9, "epsilon": 1e-4}],
+                ["ClipReward", {"max_reward": -0.1}],
+            ]),
         ),
     ]
 }
@@ -280,7 +300,9 @@ fn time_goes_on_beyond_its_limit() {
 /// number of steps.
 #[test]
 fn an_action_sticks_for_each_number_of_steps_of_its_range() {
-    let wrappers = json!([["StickyAction", {"repeat_action_probability": 0.3, "repeat_action_duration": [2, 4]}]]);
+    let wrappers = json!([
+        ["StickyAction", {"repeat_action_probability": 0.3, "repeat_action_duration": [2, 4]}],
+    ]);
     let mut env = wrap("Taxi-v4", &wrappers);
     let drawn = |env: &BoxEnv| {
         let stored: Json = env.snapshot().unwrap().get().unwrap();

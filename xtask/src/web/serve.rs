@@ -34,7 +34,7 @@ pub(super) fn listen(port: u16) -> Result<(TcpListener, u16), String> {
 pub(super) fn serve(listener: &TcpListener, site: &Site) {
     for stream in listener.incoming().flatten() {
         let site = site.clone();
-        // a browser that goes away is not an error of the server
+        // a browser that closes the connection is no error
         thread::spawn(move || answer(stream, &site).ok());
     }
 }
@@ -58,7 +58,7 @@ fn answer(mut stream: TcpStream, site: &Site) -> std::io::Result<()> {
         Some(posts) if line.starts_with("POST ") => {
             let mut text = vec![0; length.min(LONGEST as usize)];
             request.read_exact(&mut text)?;
-            // the browser that waited for it may have gone
+            // the receiver may be gone
             let _ = posts.send(String::from_utf8_lossy(&text).into_owned());
             ("200 OK", "text/plain", Vec::new())
         }

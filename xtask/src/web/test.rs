@@ -12,12 +12,12 @@ use serde_json::Value as Json;
 use super::serve::{Site, listen, serve};
 use crate::{files, root, say};
 
-/// Longer than that the tests take on no machine.
+/// The time after which the tests have failed.
 const LONGEST: Duration = Duration::from_secs(1800);
-/// Longer than that no single test takes.
+/// The time after which a single test has failed.
 const SILENCE: Duration = Duration::from_secs(300);
-/// Added to the page as one file: once it shows a picture, or does not within a minute, the other
-/// tests begin.
+/// A script for the page as one file: opens the test page once a picture is shown, or after a
+/// minute.
 const SINGLE: &str = r#"<script>
 const wait = setInterval(() => {
   const canvas = document.querySelector(".tile canvas");
@@ -85,7 +85,7 @@ pub(super) fn test(page: &Path, single: Option<&str>, traces: Option<&Path>) -> 
                     }
                 }
             }
-            // one that cannot be asked has not ended
+            // a browser whose state is unknown counts as running
             Err(RecvTimeoutError::Timeout) if matches!(browser.0.try_wait(), Ok(Some(_))) => {
                 break Err("the browser ended before the tests".into());
             }
@@ -137,7 +137,7 @@ impl Browser {
 
 impl Drop for Browser {
     fn drop(&mut self) {
-        // it may have ended by itself
+        // the browser may have ended by itself
         let _ = self.0.kill();
         let _ = self.0.wait();
     }

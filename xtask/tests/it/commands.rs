@@ -91,7 +91,7 @@ fn demo() {
     ] {
         assert!(!ids.contains(&old), "{old} is asked for by --all");
     }
-    // environments with requirements are left out, named once for each crate
+    // environments with external requirements are left out; one line names them for each crate
     assert_eq!(
         said.matches("ids of gym-atari: they need ROMs").count(),
         1,
@@ -177,7 +177,7 @@ fn atari_check_tells_of_every_rom() {
     );
 }
 
-/// Each has a controller, and one that is better than chance.
+/// Each good policy has a controller that is better than chance.
 #[test]
 fn good_policies_beat_chance() {
     let mean = |id: &str, policy: &str| {
@@ -217,7 +217,7 @@ fn good_policies_beat_chance() {
             "{id}: {good}, at random {random}"
         );
     }
-    // by Gymnasium's word
+    // `heuristic` is Gymnasium's word
     assert_eq!(
         mean("LunarLander-v3", "heuristic"),
         mean("LunarLander-v3", "good")
@@ -288,7 +288,8 @@ fn soak_has_flat_memory() {
         "{text}"
     );
     for line in text.lines().take(3) {
-        // 20,000 steps of each: an episode takes some twenty of CartPole, and at most 200 of Taxi
+        // 20,000 steps of each: an episode of CartPole takes about 20 steps, one of Taxi at most
+        // 200
         let words: Vec<_> = line.split_whitespace().collect();
         let episodes: u64 = words[3].parse().expect(line);
         assert_eq!((words[1], words[4]), ("20000", "episodes,"), "{line}");
@@ -319,7 +320,7 @@ fn old_versions_are_pointed_out() {
     assert!(String::from_utf8_lossy(&output.stderr).contains("warn: `CartPole-v0` is out of date"));
 }
 
-/// The table says how each episode ended, and the means are those of its rows.
+/// The table says how each episode ended; the last line has the means of the rows.
 #[test]
 fn run_prints_how_episodes_end() {
     let rows = |id: &str, seeds: &str| -> Vec<Vec<String>> {
@@ -360,12 +361,12 @@ fn run_prints_how_episodes_end() {
         [format!("[{low:.1},"), format!("{high:.1}]")],
         "{pendulums:?}"
     );
-    // where every return is positive the smallest is not 0
+    // the smallest of positive returns is not 0
     let [one, other] = [1, 2].map(|row| poles[row][1].parse::<f64>().unwrap());
     assert_eq!(poles[3][2], format!("[{:.1},", one.min(other)), "{poles:?}");
 }
 
-/// Where nothing else is random, the actions are.
+/// The seed decides the actions, even if nothing else is random.
 #[test]
 fn run_draws_other_actions_from_other_seeds() {
     let lake = r#"{"is_slippery": false}"#;
@@ -405,7 +406,7 @@ fn seconds_of_a_benchmark_are_a_time() {
     );
 }
 
-/// What was typed comes back without what changes a terminal, and in short.
+/// Messages quote arguments without control characters, and shortened.
 #[test]
 fn messages_quote_what_was_typed_safely() {
     let huge = "CartPole".repeat(12_500);

@@ -119,7 +119,7 @@ fn gif_follows_its_options() {
         ["--kwargs", r#"{"sutton_barto_reward": true}"#],
     ] {
         let (_, other) = record("other.gif", &options);
-        // the reward is in no picture
+        // the reward does not change the picture
         assert_eq!(other == plain, options[0] == "--kwargs", "{options:?}");
     }
     let lake = |kwargs: &str| {
@@ -173,6 +173,8 @@ fn an_output_that_cannot_be_written_is_no_panic() {
         &["run", "CartPole-v1", "--seeds", "0..2"],
         &["soak", "CartPole-v1", "--steps", "100"],
         &["mjcf", "../crates/gym-mujoco/models/ant.xml"],
+        &["help"],
+        &["run", "--help"],
     ] {
         let (reader, writer) = std::io::pipe().unwrap();
         drop(reader);
@@ -276,11 +278,42 @@ fn a_closed_pipe_ends_the_printing_alone() {
     let unseeded = path("unseeded.json");
     run(&["play", "FrozenLake-v1", "--terminal", "--trace", &unseeded]);
     assert_eq!(run(&["replay", &trace, &unseeded]).0, Some(0));
-    // a thing that is not there is an error as ever
+    // an unknown id is an error with a closed pipe too
     assert_eq!(run(&["run", "CartPoleee-v1"]).0, Some(1));
 }
 
-/// One file by two names, where each leads to the other by links, and the file is not there yet.
+/// If the video cannot be written, the trace is written nevertheless.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_trace_is_kept_if_the_video_fails() {
+    use std::io::Write;
+    use std::process::Stdio;
+
+    let out = folder("full-video");
+    std::os::unix::fs::symlink("/dev/full", out.join("video.gif")).unwrap();
+    let mut child = program()
+        .args(["play", "FrozenLake-v1", "--terminal"])
+        .args(["--record", "video.gif", "--trace", "trace.json"])
+        .current_dir(&out)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut keys = child.stdin.take().unwrap();
+    keys.write_all(b"Right\nDown\nq\n").unwrap();
+    drop(keys);
+    let output = child.wait_with_output().unwrap();
+    let said = String::from_utf8(output.stderr).unwrap();
+    assert!(
+        output.status.code() == Some(1) && said.contains("video.gif: No space left"),
+        "{said}"
+    );
+    let trace = json(&out.join("trace.json"));
+    assert_eq!(trace["events"].as_array().unwrap().len(), 3);
+}
+
+/// Two names of one file: one is a link to the other, and the file does not exist yet.
 #[cfg(unix)]
 #[test]
 fn two_results_go_to_two_files() {

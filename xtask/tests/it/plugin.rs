@@ -13,15 +13,14 @@ use super::{folder, prints, said};
 /// The crate of a third party.
 const GOOD: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/plugins/good");
 
-/// Lets one test after the other use the folder of what is built, as the programs of all plugins have
-/// one name there.
+/// Locks the target folder, in which the programs of all plugins have one name.
 fn alone() -> MutexGuard<'static, ()> {
     static ALONE: Mutex<()> = Mutex::new(());
     ALONE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// Cargo in a folder outside of this workspace. Everything is built there anew, in less time than
-/// tests of this workspace are.
+/// Cargo in a folder outside of this workspace, with the profile that compiles fastest: everything
+/// is built anew.
 fn cargo(folder: &Path, arguments: &[&str]) -> Command {
     let mut cargo = Command::new(env!("CARGO"));
     cargo
@@ -47,7 +46,7 @@ fn xtask(folder: &Path, arguments: &[&str]) -> String {
     said(&run(folder, &[&["xtask"], arguments].concat()), arguments)
 }
 
-/// From nothing to a crate that conforms and draws, and whose faults are found.
+/// `new` makes a crate that conforms and draws, and the checks find a fault that is added.
 #[test]
 fn new_makes_a_plugin_that_works() {
     let _alone = alone();
@@ -116,7 +115,7 @@ fn commands_serve_a_plugin() {
     let bench = xtask(good, &["bench", "--seconds", "0.01", "--kind", "make"]);
     assert!(bench.contains(id) && !bench.contains("CartPole"), "{bench}");
 
-    // the keys of its registration, played from the terminal
+    // plays with the keys of the registration
     let mut play = cargo(
         good,
         &["xtask", "play", id, "--terminal", "--episodes", "1"],
@@ -195,7 +194,7 @@ fn a_plugin_has_pages_and_a_python_package() {
     }
     xtask(&copy, &["docs", "--check"]);
 
-    // without the libraries of gym-python it cannot go on
+    // without the libraries of gym-python the command fails here
     let output = run(&copy, &["xtask", "python"]);
     let text = |name: &str| fs::read_to_string(copy.join("python").join(name)).expect(name);
     let manifest = text("Cargo.toml");
@@ -213,7 +212,7 @@ fn a_plugin_has_pages_and_a_python_package() {
     }
 }
 
-/// Copies a crate, whose dependencies on folders stay where they are.
+/// Copies a crate. Its dependencies by path still lead to this workspace.
 fn copy_crate(from: &Path, to: &Path) {
     let crates = from.join("../../../crates");
     let crates: PathBuf = crates.canonicalize().expect("the crates");

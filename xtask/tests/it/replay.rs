@@ -45,7 +45,7 @@ fn replay_compares_and_writes() {
     assert!(fails(&["replay", trace.to_str().unwrap()]).contains("not a trace"));
 }
 
-/// The state of a MuJoCo task stands beside its observation.
+/// Answers contain the state of a MuJoCo task.
 #[test]
 fn replay_writes_the_state() {
     let out = folder("replay-state");
@@ -76,7 +76,7 @@ fn replay_writes_the_state() {
     assert_ne!(state[0], state[2]);
 }
 
-/// One trace that differs is enough, beside others that do not.
+/// One trace that differs makes the command fail.
 #[test]
 fn replay_fails_if_one_trace_does() {
     let out = folder("replay-some");
@@ -140,7 +140,7 @@ fn a_trace_without_events_is_not_equal() {
     assert!(fails(&["replay", trace.to_str().unwrap()]).contains("nothing to compare"));
 }
 
-/// A file without end is read up to a limit.
+/// An endless file is read up to a limit.
 #[cfg(target_os = "linux")]
 #[test]
 fn endless_files_are_refused() {
@@ -148,7 +148,7 @@ fn endless_files_are_refused() {
     assert!(fails(&["mjcf", "/dev/zero"]).contains("the limit is"));
 }
 
-/// What a recording says of its environment is compared as well, and the rest is named.
+/// Facts about the environment are compared; other notes are named.
 #[test]
 fn replay_compares_the_head_and_names_the_rest() {
     let out = folder("replay-head");
@@ -198,7 +198,7 @@ fn replay_compares_the_head_and_names_the_rest() {
         let error = fails(&["replay", path]);
         assert!(error.contains(message), "{error}");
     }
-    // neither an answer nor an event proves anything
+    // recordings without answers or without events
     for events in [
         serde_json::json!([]),
         serde_json::json!([{"reset": {"seed": 1}}, {"step": 2}]),
@@ -218,4 +218,66 @@ fn replay_compares_the_head_and_names_the_rest() {
         "{}",
         error.len()
     );
+}
+
+/// A key that stands twice in a recording has two meanings, and a setting that no event answers
+/// proves nothing.
+#[test]
+fn what_a_recording_says_is_used_or_refused_or_named() {
+    let trace = folder("replay-unused").join("trace.json");
+    let path = trace.to_str().unwrap();
+    let text = r#"{"id": "FrozenLake-v1", "kwargs": {"is_slippery": false}, "events": [
+        {"reset": {"seed": 1, "options": {}}, "observation": 0, "info": {"prob": 1}}]}"#;
+    let write = |from: &str, to: &str| {
+        assert!(text.contains(from), "{from}");
+        std::fs::write(&trace, text.replace(from, to)).unwrap();
+    };
+    for (from, to, key) in [
+        (
+            r#""is_slippery": false"#,
+            r#""is_slippery": true, "is_slippery": false"#,
+            "is_slippery",
+        ),
+        (r#""prob": 1"#, r#""prob": 2, "prob": 1"#, "prob"),
+        (r#""options": {}"#, r#""options": {"a": 1, "a": 2}"#, "a"),
+        (
+            r#""observation": 0"#,
+            r#""observation": {"b": 0, "b": 0}"#,
+            "b",
+        ),
+    ] {
+        write(from, to);
+        let error = fails(&["replay", path]);
+        assert!(
+            error.contains(&format!("the key `{key}` stands twice")),
+            "{error}"
+        );
+    }
+    for (from, to) in [
+        (r#""id": "#, r#""id": "Taxi-v4", "id": "#),
+        (
+            r#""observation": 0"#,
+            r#""observation": 1, "observation": 0"#,
+        ),
+        (r#""events": "#, r#""seed": 1, "seed": 1, "events": "#),
+    ] {
+        write(from, to);
+        fails(&["replay", path]);
+    }
+    for (name, value) in [
+        ("mujoco", r#""3.12""#),
+        ("render_mode", r#""rgb_array""#),
+        ("frame_mask", "[[0, 0, 1, 1]]"),
+        ("observation_mask", "[[0, 0, 1, 1]]"),
+    ] {
+        write(
+            r#""events": "#,
+            &format!(r#""{name}": {value}, "events": "#),
+        );
+        let text = prints(&["replay", path]);
+        assert!(
+            text.contains(&format!("equal; not compared: {name}")),
+            "{text}"
+        );
+    }
 }

@@ -46,7 +46,10 @@ games! {
         minimal: &[Noop, Fire, Right, Left, RightFire, LeftFire],
         display: Display::PAL,
         start: &[Fire],
-        select_frames: 10, press_first: true, mode_at: Some(0x2a), modes: &[(1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8)],
+        select_frames: 10,
+        press_first: true,
+        mode_at: Some(0x2a),
+        modes: &[(1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8)],
         score: |r| r.decimal(&[0x28, 0x29, 0x2a]),
         lives: |_| 1,
         over: |r| r.at(0x27) == 0xff,
@@ -86,10 +89,19 @@ games! {
     }
     asteroids "Asteroids" 4 {
         md5: "ccbd36746ed4525821a8083b0d6d2c2c", scheme: F8,
-        minimal: &[Noop, Fire, Up, Right, Left, Down, UpRight, UpLeft, UpFire, RightFire, LeftFire, DownFire, UpRightFire, UpLeftFire],
+        minimal: &[
+            Noop, Fire, Up, Right, Left, Down, UpRight, UpLeft, UpFire, RightFire, LeftFire,
+            DownFire, UpRightFire, UpLeftFire,
+        ],
         display: Display { comb: false, ..Display::NTSC },
         rewards: Rewards::Wrap(100_000),
-        mode_at: Some(0x00), modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8), (9, 9), (10, 10), (11, 11), (12, 12), (13, 13), (14, 14), (15, 15), (16, 16), (17, 17), (18, 18), (19, 19), (20, 20), (21, 21), (22, 22), (23, 23), (24, 24), (25, 25), (26, 26), (27, 27), (28, 28), (29, 29), (30, 30), (31, 31), (128, 128)],
+        mode_at: Some(0x00),
+        modes: &[
+            (0, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8), (9, 9),
+            (10, 10), (11, 11), (12, 12), (13, 13), (14, 14), (15, 15), (16, 16), (17, 17),
+            (18, 18), (19, 19), (20, 20), (21, 21), (22, 22), (23, 23), (24, 24), (25, 25),
+            (26, 26), (27, 27), (28, 28), (29, 29), (30, 30), (31, 31), (128, 128),
+        ],
         difficulties: &[0, 3],
         score: |r| 10 * r.decimal(&[0x3d, 0x3e]),
         lives: |r| r.high(0x3c),
@@ -113,7 +125,9 @@ games! {
     bank_heist "BankHeist" 4 {
         md5: "00ce0bdd43aed84a983bef38fe7f5ee3", scheme: Rom4K,
         minimal: &Action::ALL,
-        select_frames: 1, mode_at: Some(0x00), modes: &[(0, 0), (4, 4), (8, 8), (12, 12), (16, 16), (20, 20), (24, 24), (28, 28)],
+        select_frames: 1,
+        mode_at: Some(0x00),
+        modes: &[(0, 0), (4, 4), (8, 8), (12, 12), (16, 16), (20, 20), (24, 24), (28, 28)],
         difficulties: &[0, 1, 2, 3],
         score: |r| r.decimal(&[0x58, 0x59, 0x5a]),
         lives: |r| r.at(0x55),
@@ -133,7 +147,9 @@ games! {
         minimal: &Action::ALL,
         display: Display { comb: false, ..Display::NTSC },
         mode_at: Some(0x21), modes: &[(1, 1), (2, 2), (3, 3)],
-        score: |r| 1000 * r.ten_high(0x1d) + 10_000 * r.ten_digits(&[0x1e]) + 100_000 * r.ten_high(0x1e),
+        score: |r| {
+            1000 * r.ten_high(0x1d) + 10_000 * r.ten_digits(&[0x1e]) + 100_000 * r.ten_high(0x1e)
+        },
         lives: |r| r.low(0x3a),
         over: |r| r.low(0x3a) == 0,
     }
@@ -150,7 +166,11 @@ games! {
         md5: "136f75c4dd02c29283752b7e5799f978", scheme: Rom4K,
         minimal: &Action::ALL,
         idle: 20,
-        mode_at: Some(0x00), modes: &[(1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8), (9, 9), (16, 16), (17, 17), (18, 18)],
+        mode_at: Some(0x00),
+        modes: &[
+            (1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8), (9, 9), (16, 16),
+            (17, 17), (18, 18),
+        ],
         score: |r| r.decimal(&[0x5d, 0x5e, 0x5f]),
         lives: |r| r.at(0x5a) + 1,
         over: |r| r.at(0x5a) == 0xff,
@@ -182,7 +202,12 @@ games! {
         md5: "f34f08e5eb96e500e851a80be3277a56", scheme: Rom2K,
         minimal: &[Noop, Fire, Right, Left],
         controller: Controller::Paddle(0),
-        select_frames: 1, mode_at: Some(0x32), modes: &[(0, 0), (4, 4), (8, 8), (12, 12), (16, 16), (20, 20), (24, 24), (28, 28), (32, 32), (36, 36), (40, 40), (44, 44)],
+        select_frames: 1,
+        mode_at: Some(0x32),
+        modes: &[
+            (0, 0), (4, 4), (8, 8), (12, 12), (16, 16), (20, 20), (24, 24), (28, 28), (32, 32),
+            (36, 36), (40, 40), (44, 44),
+        ],
         difficulties: &[0, 1],
         score: |r| r.bcd(0x4d) + 100 * r.low(0x4c),
         lives: |r| r.at(0x39),
@@ -227,7 +252,9 @@ games! {
         md5: "55ef7b65066428367844342ed59f956c", scheme: F8,
         minimal: &[Noop, Up, Right, Left, Down, UpRight, UpLeft, DownRight, DownLeft],
         mode_at: Some(0x00), modes: &[(0, 0), (1, 1), (2, 2), (3, 3)], difficulties: &[0, 1],
-        score: |r| 100 * r.bcd(0x02) + 1000 * r.low(0x03) + 10_000 * r.bcd(0x04) + 100_000 * r.low(0x05),
+        score: |r| {
+            100 * r.bcd(0x02) + 1000 * r.low(0x03) + 10_000 * r.bcd(0x04) + 100_000 * r.low(0x05)
+        },
         lives: |r| r.at(0x2a),
         over: |r| r.at(0x2a) == 0,
     }
@@ -242,7 +269,8 @@ games! {
     defender "Defender" 4 {
         md5: "0f643c34e40e3f1daafd9c524d3ffe64", scheme: Rom4K,
         minimal: &Action::ALL,
-        mode_at: Some(0x1b), modes: &[(1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8), (9, 9), (16, 16)],
+        mode_at: Some(0x1b),
+        modes: &[(1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8), (9, 9), (16, 16)],
         difficulties: &[0, 1],
         score: |r| r.ten_digits(&[0x21, 0x20, 0x1f, 0x1e, 0x1d, 0x1c]),
         lives: |r| r.at(0x42),
@@ -251,7 +279,10 @@ games! {
     demon_attack "DemonAttack" 4 {
         md5: "f0e0addc07971561ab80d9abe1b8d333", scheme: Rom4K,
         minimal: &[Noop, Fire, Right, Left, RightFire, LeftFire],
-        select_frames: 1, mode_at: Some(0x6a), modes: &[(1, 1), (3, 3), (5, 5), (7, 7)], difficulties: &[0, 1],
+        select_frames: 1,
+        mode_at: Some(0x6a),
+        modes: &[(1, 1), (3, 3), (5, 5), (7, 7)],
+        difficulties: &[0, 1],
         score: |r| r.demon_attack(),
         lives: |r| r.at(0x72) + 1,
         over: |r| r.at(0x72) == 0 && r.at(0x71) == 0xbd,
@@ -266,8 +297,13 @@ games! {
     double_dunk "DoubleDunk" 4 {
         md5: "368d88a6c071caba60b4f778615aae94", scheme: F6,
         start: &[UpFire],
-        menu: Some(Menu { line: 0x30, set: 0x00, options: &[(2, 0x08), (3, 0x10), (4, 0x04), (5, 0x20)] }),
-        modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8), (9, 9), (10, 10), (11, 11), (12, 12), (13, 13), (14, 14), (15, 15)],
+        menu: Some(Menu {
+            line: 0x30, set: 0x00, options: &[(2, 0x08), (3, 0x10), (4, 0x04), (5, 0x20)],
+        }),
+        modes: &[
+            (0, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8), (9, 9),
+            (10, 10), (11, 11), (12, 12), (13, 13), (14, 14), (15, 15),
+        ],
         score: |r| r.bcd(0x76) - r.bcd(0x77),
         over: |r| r.double_dunk_is_over(),
     }
@@ -320,7 +356,9 @@ games! {
     freeway "Freeway" 4 {
         md5: "8e0ab801b1705a740b476b7f588c6d16", scheme: Rom2K,
         minimal: &[Noop, Up, Down],
-        select_frames: 1, mode_at: Some(0x00), modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7)],
+        select_frames: 1,
+        mode_at: Some(0x00),
+        modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7)],
         difficulties: &[0, 1],
         score: |r| r.bcd(0x67),
         over: |r| r.at(0x16) == 1,
@@ -345,7 +383,9 @@ games! {
         md5: "211774f4c5739042618be8ff67351177", scheme: F8,
         minimal: &[Noop, Fire, Right, Left, RightFire, LeftFire],
         rewards: Rewards::Wrap(1_000_000),
-        select_frames: 1, mode_at: Some(0x33), modes: &[(1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8), (9, 9)],
+        select_frames: 1,
+        mode_at: Some(0x33),
+        modes: &[(1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8), (9, 9)],
         difficulties: &[0, 1],
         score: |r| r.decimal(&[0x2c, 0x2d, 0x2e]),
         lives: |r| r.at(0x39) + 1,
@@ -384,7 +424,8 @@ games! {
     haunted_house "HauntedHouse" v5 {
         md5: "f0a6e99f5875891246c3dbecbf2d2cea", scheme: Rom4K,
         rewards: Rewards::Changes,
-        mode_at: Some(0x4c), modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8)],
+        mode_at: Some(0x4c),
+        modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8)],
         difficulties: &[0, 1],
         score: |r| r.bcd(0x02) + if r.at(0x19) == 0x44 { GAME_WON } else { 0 },
         lives: |r| r.at(0x16),
@@ -400,7 +441,8 @@ games! {
     }
     human_cannonball "HumanCannonball" v5 {
         md5: "7972e5101fa548b952d852db24ad6060", scheme: Rom2K,
-        mode_at: Some(0x36), modes: &[(0, 1), (1, 2), (2, 3), (3, 4), (4, 5), (5, 6), (6, 7), (7, 8)],
+        mode_at: Some(0x36),
+        modes: &[(0, 1), (1, 2), (2, 3), (3, 4), (4, 5), (5, 6), (6, 7), (7, 8)],
         mode_also: |r, _| r.at(0x37) == 1,
         difficulties: &[0, 1],
         score: |r| r.bcd(0x36),
@@ -440,7 +482,10 @@ games! {
     }
     keystone_kapers "KeystoneKapers" v5 {
         md5: "6c1f3f2e359dbf55df462ccbcdd2f6bf", scheme: Rom4K,
-        minimal: &[Noop, Fire, Up, Right, Left, Down, UpRight, UpLeft, DownRight, DownLeft, UpFire, RightFire, LeftFire, DownFire],
+        minimal: &[
+            Noop, Fire, Up, Right, Left, Down, UpRight, UpLeft, DownRight, DownLeft, UpFire,
+            RightFire, LeftFire, DownFire,
+        ],
         first_reset: 5, display: Display::PAL,
         score: |r| r.decimal(&[0x1b, 0x1c]),
         lives: |r| r.at(0x16),
@@ -470,7 +515,10 @@ games! {
     }
     kung_fu_master "KungFuMaster" 4 {
         md5: "5b92a93b23523ff16e2789b820e2a4c5", scheme: F8,
-        minimal: &[Noop, Up, Right, Left, Down, DownRight, DownLeft, RightFire, LeftFire, DownFire, UpRightFire, UpLeftFire, DownRightFire, DownLeftFire],
+        minimal: &[
+            Noop, Up, Right, Left, Down, DownRight, DownLeft, RightFire, LeftFire, DownFire,
+            UpRightFire, UpLeftFire, DownRightFire, DownLeftFire,
+        ],
         score: |r| r.decimal(&[0x18, 0x19, 0x1a]),
         lives: |r| (r.at(0x1d) & 7) + 1,
         over: |r| r.at(0x1d) == 0xff,
@@ -494,7 +542,10 @@ games! {
     }
     mario_bros "MarioBros" v5 {
         md5: "e908611d99890733be31733a979c62d8", scheme: F8,
-        start: &[Noop, Noop, Noop, Noop, Noop, Noop, Noop, Noop, Noop, Noop, Fire, Fire, Fire, Fire, Fire, Fire, Fire],
+        start: &[
+            Noop, Noop, Noop, Noop, Noop, Noop, Noop, Noop, Noop, Noop, Fire, Fire, Fire, Fire,
+            Fire, Fire, Fire,
+        ],
         select_frames: 5, mode_at: Some(0x00), modes: &[(0, 0), (2, 2), (4, 4), (6, 6)],
         score: |r| 100 * r.decimal(&[0x09, 0x0a]),
         lives: |r| r.at(0x07),
@@ -550,7 +601,8 @@ games! {
         md5: "fc2233fc116faef0d3c31541717ca2db", scheme: Rom4K,
         minimal: &[Noop, Up, Right, Left, Down],
         display: Display::PAL,
-        mode_at: Some(0x4c), modes: &[(0, 1), (1, 2), (2, 3), (3, 4), (4, 5), (5, 6), (6, 7), (7, 8)],
+        mode_at: Some(0x4c),
+        modes: &[(0, 1), (1, 2), (2, 3), (3, 4), (4, 5), (5, 6), (6, 7), (7, 8)],
         mode_also: |r, _| r.at(0x66) == 0,
         difficulties: &[0, 1],
         score: |r| r.decimal(&[0x50, 0x4e, 0x4c]),
@@ -661,7 +713,12 @@ games! {
     space_invaders "SpaceInvaders" 3 {
         md5: "72ffbef6504b75e69ee1045af9075f66", scheme: Rom4K,
         minimal: &[Noop, Fire, Right, Left, RightFire, LeftFire],
-        mode_at: Some(0x5c), modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8), (9, 9), (10, 10), (11, 11), (12, 12), (13, 13), (14, 14), (15, 15)], difficulties: &[0, 1],
+        mode_at: Some(0x5c),
+        modes: &[
+            (0, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8), (9, 9),
+            (10, 10), (11, 11), (12, 12), (13, 13), (14, 14), (15, 15),
+        ],
+        difficulties: &[0, 1],
         score: |r| r.bcd(0x68) + 100 * r.bcd(0x66),
         lives: |r| r.at(0x49),
         over: |r| r.at(0x49) == 0 || r.at(0x18) & 0x80 != 0,
@@ -669,7 +726,11 @@ games! {
     space_war "SpaceWar" v5 {
         md5: "b702641d698c60bcdc922dbd8c9dd49c", scheme: Rom2K,
         display: Display::PAL,
-        mode_at: Some(0x27), modes: &[(6, 0x06), (7, 0x07), (8, 0x08), (9, 0x09), (10, 0x10), (11, 0x11), (12, 0x12), (13, 0x13), (14, 0x14), (15, 0x15), (16, 0x16), (17, 0x17)],
+        mode_at: Some(0x27),
+        modes: &[
+            (6, 0x06), (7, 0x07), (8, 0x08), (9, 0x09), (10, 0x10), (11, 0x11), (12, 0x12),
+            (13, 0x13), (14, 0x14), (15, 0x15), (16, 0x16), (17, 0x17),
+        ],
         score: |r| r.bcd(0x27),
         lives: |_| 1,
         over: |r| r.bcd(0x27) == 10 || r.at(0x00) == 0,
@@ -707,7 +768,12 @@ games! {
         mode_at: Some(0x00), modes: &[(0, 0), (2, 2)],
         difficulties: &[0, 1, 2, 3],
         score: |r| GAME_WON * (r.at(0x47) - r.at(0x48)) + r.at(0x45) - r.at(0x46),
-        over: |r| (r.at(0x47) >= 6 && r.at(0x47) - r.at(0x48) >= 2) || (r.at(0x48) >= 6 && r.at(0x48) - r.at(0x47) >= 2) || r.at(0x47) == 7 || r.at(0x48) == 7,
+        over: |r| {
+            (r.at(0x47) >= 6 && r.at(0x47) - r.at(0x48) >= 2)
+                || (r.at(0x48) >= 6 && r.at(0x48) - r.at(0x47) >= 2)
+                || r.at(0x47) == 7
+                || r.at(0x48) == 7
+        },
     }
     tetris "Tetris" v5 {
         md5: "b0e1ee07fbc73493eac5651a52f90f00", scheme: Rom2K,
@@ -718,7 +784,8 @@ games! {
     tic_tac_toe_3d "TicTacToe3D" v5 {
         md5: "0db4f4150fecf77e4ce72ca4d04c052f", scheme: Rom2K,
         minimal: &[Noop, Fire, Up, Right, Left, Down, UpRight, UpLeft, DownRight, DownLeft],
-        mode_at: Some(0x08), modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8)],
+        mode_at: Some(0x08),
+        modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8)],
         difficulties: &[0, 2],
         score: |r| r.tic_tac_toe_3d(),
         lives: |_| 1,
@@ -742,9 +809,13 @@ games! {
     }
     turmoil "Turmoil" v5 {
         md5: "7a5463545dfb2dcfdafa6074b2f2c15e", scheme: Rom4K,
-        minimal: &[Noop, Fire, Up, Right, Left, Down, UpRight, UpLeft, DownRight, DownLeft, RightFire, LeftFire],
+        minimal: &[
+            Noop, Fire, Up, Right, Left, Down, UpRight, UpLeft, DownRight, DownLeft, RightFire,
+            LeftFire,
+        ],
         start: &[Fire],
-        mode_at: Some(0x6a), modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8)],
+        mode_at: Some(0x6a),
+        modes: &[(0, 0), (1, 1), (2, 2), (3, 3), (4, 4), (5, 5), (6, 6), (7, 7), (8, 8)],
         score: |r| 10 * (r.decimal(&[0x0a, 0x09]) + r.at(0x53)),
         lives: |r| r.at(0x39),
         over: |r| r.at(0x39) == 0 && r.at(0x45) == 1,
@@ -804,7 +875,10 @@ games! {
         md5: "c5930d0e8cdae3e037349bfa08e871be", scheme: Rom4K,
         minimal: &Action::ALL,
         start: &[Fire],
-        select_frames: 1, press_first: true, mode_at: Some(0x63), modes: &[(0, 0), (32, 32), (64, 64), (96, 96)],
+        select_frames: 1,
+        press_first: true,
+        mode_at: Some(0x63),
+        modes: &[(0, 0), (32, 32), (64, 64), (96, 96)],
         difficulties: &[0, 1],
         score: |r| r.decimal(&[0x60, 0x61, 0x62]),
         lives: |r| r.high(0x1e),

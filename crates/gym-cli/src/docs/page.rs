@@ -13,7 +13,7 @@ use crate::workspace::{self, Workspace};
 
 /// The environments that one module registers: one page.
 pub(super) struct Page {
-    /// Of the file.
+    /// The name of the file, without its extension.
     pub(super) name: String,
     registrations: Vec<Registration>,
     docs: Docs,
@@ -29,7 +29,7 @@ pub(super) fn all(workspace: &Workspace) -> Result<Vec<Page>> {
     let modules = registrations.chunk_by(|a, b| a.source.module == b.source.module);
     let pages = modules.map(|registrations| Page::read(registrations, workspace.folder()));
     let mut pages = pages.collect::<Result<Vec<_>>>()?;
-    // of two modules with one name, that of ids with a namespace has it in its page's name
+    // if two modules have one name, the page of ids with a namespace gets the namespace as a prefix
     let names: Vec<String> = pages.iter().map(|page| page.name.clone()).collect();
     for page in &mut pages {
         let twice = names.iter().filter(|name| **name == page.name).count() > 1;
@@ -85,7 +85,7 @@ struct Docs {
 }
 
 impl Docs {
-    /// From the text of a source file.
+    /// Reads the documentation at the start of a source file.
     fn parse(source: &str, file: &str, has_actions: bool) -> Result<Self> {
         let missing =
             |what: &str| Error::custom(format!("{file}: its module docs (`//!`) lack {what}"));
@@ -140,7 +140,7 @@ impl Docs {
 
 /// Rustdoc's links to items as plain code, without the brackets around it.
 fn without_item_links(text: &str) -> String {
-    // where more code follows at once, both become one: [`f`]`(x)` is `f(x)`
+    // code that follows at once is joined: [`f`]`(x)` becomes `f(x)`
     text.replace("`]`", "")
         .replace("[`", "`")
         .replace("`]", "`")
@@ -169,7 +169,7 @@ impl Page {
         })
     }
 
-    /// The registration that the GIF and the arguments are of.
+    /// The registration whose GIF and arguments the page shows.
     pub(super) fn shown(&self) -> &Registration {
         self.registrations
             .iter()
@@ -177,7 +177,7 @@ impl Page {
             .unwrap_or(&self.registrations[0])
     }
 
-    /// The picture, if there is one.
+    /// The line that shows the picture, if there is one.
     fn image(&self, text: &str) -> String {
         let image = self
             .shown()
@@ -187,7 +187,7 @@ impl Page {
         image.unwrap_or_default()
     }
 
-    /// The line of the list.
+    /// The line of this page in the list of pages.
     fn row(&self) -> String {
         let ids: Vec<_> = self
             .registrations
@@ -271,7 +271,7 @@ impl Page {
     }
 }
 
-/// The table of arguments: `shown` stands for all `registrations` of the page.
+/// The table of arguments, as `shown` has them; `registrations` are all of the page.
 fn arguments(shown: &Registration, registrations: &[Registration]) -> Result<String> {
     let table = shown.arguments()?;
     if table.is_empty() {
@@ -296,7 +296,7 @@ fn arguments(shown: &Registration, registrations: &[Registration]) -> Result<Str
             meaning.replace('|', "\\|")
         );
     }
-    // a value that differs from the default, if a boolean has one
+    // a boolean argument, with the other value than its default
     let example = table.iter().find_map(|argument| match &argument.default {
         Json::Bool(value) => Some((argument.name, Json::Bool(!value))),
         Json::Number(_) => Some((argument.name, argument.default.clone())),

@@ -14,16 +14,16 @@ use crate::workspace::{self, Workspace};
 /// The stored returns of the pages, so that they need not be measured each time.
 const FILE: &str = "docs/environments/returns.json";
 
-/// Seeds 0 to this, excluded.
+/// The number of episodes, with the seeds from 0 on.
 pub(super) const EPISODES: u64 = 100;
 
-/// By id.
+/// The measured returns by id.
 pub(super) type Returns = BTreeMap<String, Measured>;
 
 #[derive(Debug, Serialize, Deserialize)]
 pub(super) struct Measured {
     pub(super) random: Summary,
-    /// Of environments that have a good policy.
+    /// The results of the good policy, if the environment has one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) good: Option<Summary>,
 }
@@ -35,7 +35,7 @@ pub(super) struct Summary {
     pub(super) mean_length: f64,
 }
 
-/// The stored returns of a folder; none without a file.
+/// The stored returns of a folder; none if the file does not exist.
 pub(super) fn read(folder: &Path) -> Result<Returns> {
     let path = folder.join(FILE);
     if !path.exists() {

@@ -7,7 +7,7 @@ use gym_numerics::Generator;
 
 use crate::drawing::canvas::Canvas;
 use crate::drawing::render::{Metadata, RenderMode, Rendered};
-use crate::env::wrapper::{all_methods, forward};
+use crate::env::wrapper::{forward, methods};
 use crate::env::{Env, Inspect, Outcome};
 use crate::spaces::Space;
 use crate::spec::{EnvSpec, Reset};
@@ -74,7 +74,7 @@ trait Erased: Send {
     fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()>;
     fn step_into(&mut self, action: &Value, observation: &mut Value) -> Result<Outcome>;
     fn restore(&mut self, snapshot: &Snapshot) -> Result<()>;
-    all_methods!(forward! declared);
+    methods!(all forward! declared);
 }
 
 /// An environment of its own type behind the trait object.
@@ -119,7 +119,7 @@ impl<E: Env> Erased for Layer<E> {
         self.0.restore(snapshot)
     }
 
-    all_methods!(forward! {.0} {.0});
+    methods!(all forward! {.0} {.0});
 }
 
 impl Env for BoxEnv {
@@ -141,5 +141,5 @@ impl Env for BoxEnv {
         self.env.restore(snapshot)
     }
 
-    all_methods!(forward! {.env} {.env});
+    methods!(all forward! {.env} {.env});
 }

@@ -166,11 +166,19 @@ pub trait Wrapper: Clone + Send + 'static {
 }
 
 /// Gives another macro, behind `$words`, each method of [`Env`] that passes through a wrapper
-/// unchanged, with the name of its hook.
+/// unchanged, with the name of its hook. `all` adds the methods whose hooks have other defaults.
 ///
 /// `reset_into`, `step_into` and `restore` are not among them, because a layer may have state that
 /// they change.
 macro_rules! methods {
+    (all $then:ident! $($words:tt)*) => {
+        $crate::env::wrapper::methods!($then! $($words)*);
+        $then! { $($words)* fn spec on_spec(&self) -> Option<EnvSpec> }
+        $then! { $($words)* fn describe on_describe(&self) -> String }
+        $then! { $($words)* fn visit_layers on_visit_layers(&self, visit: &mut dyn FnMut(&'static str)) }
+        $then! { $($words)* fn any_layer on_any_layer(&self, layer: TypeId) -> Option<&dyn Any> }
+        $then! { $($words)* fn any_layer_mut on_any_layer_mut(&mut self, layer: TypeId) -> Option<&mut dyn Any> }
+    };
     ($then:ident! $($words:tt)*) => {
         $then! { $($words)* fn observation_space on_observation_space(&self) -> Space }
         $then! { $($words)* fn action_space on_action_space(&self) -> Space }
@@ -191,20 +199,7 @@ macro_rules! methods {
 }
 pub(crate) use methods;
 
-/// As [`methods`], with those whose hooks have other defaults.
-macro_rules! all_methods {
-    ($then:ident! $($words:tt)*) => {
-        $crate::env::wrapper::methods!($then! $($words)*);
-        $then! { $($words)* fn spec on_spec(&self) -> Option<EnvSpec> }
-        $then! { $($words)* fn describe on_describe(&self) -> String }
-        $then! { $($words)* fn visit_layers on_visit_layers(&self, visit: &mut dyn FnMut(&'static str)) }
-        $then! { $($words)* fn any_layer on_any_layer(&self, layer: TypeId) -> Option<&dyn Any> }
-        $then! { $($words)* fn any_layer_mut on_any_layer_mut(&mut self, layer: TypeId) -> Option<&mut dyn Any> }
-    };
-}
-pub(crate) use all_methods;
-
-/// Writes a method of [`all_methods`]: `declared`, without a body; `hooks`, the hook that calls
+/// Writes a method of [`methods`]: `declared`, without a body; `hooks`, the hook that calls
 /// `inner()`; `calls`, the method that calls the hook; `{.env}`, the method that calls the same
 /// method of `self.env`. A place is given twice, to be read and to be changed.
 macro_rules! forward {
@@ -269,5 +264,5 @@ impl<W: Wrapper> Env for W {
         self.on_restore(snapshot)
     }
 
-    all_methods!(forward! calls);
+    methods!(all forward! calls);
 }

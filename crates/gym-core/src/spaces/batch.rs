@@ -9,7 +9,7 @@ use super::{
 };
 use crate::value::array::Array;
 use crate::value::fault::{Fault, expect_array};
-use crate::value::number::{Number, can_cast, collect, into_data, with_numbers};
+use crate::value::number::{Number, can_cast, collect, into_data, with_type};
 use crate::value::{Data, Error, Result, Value, numpy_fmt};
 
 impl Space {
@@ -80,7 +80,7 @@ impl Space {
 /// The space of `n` elements in one array, for the spaces whose elements are arrays or integers.
 pub(super) fn batch_space(space: &Space, n: usize) -> Result<Space> {
     let tile = |array: &Array| {
-        let data = with_numbers!(array.data(), values => into_data(values.repeat(n)));
+        let data = with_type!(numbers array.data(), values => into_data(values.repeat(n)));
         Array::new(batch_shape(n, array.shape()), data)
     };
     Ok(match space {
@@ -228,7 +228,7 @@ pub(super) fn iterate_array(space: &Space, array: &Array) -> Result<Vec<Value>, 
             .collect();
     }
     let row = |i: usize| {
-        let data = with_numbers!(array.data(), values => into_data(values[i * len..(i + 1) * len].to_vec()));
+        let data = with_type!(numbers array.data(), values => into_data(values[i * len..(i + 1) * len].to_vec()));
         Array::new(shape, data)
             .map(Value::Array)
             .map_err(|error| Fault::new(error.to_string()))

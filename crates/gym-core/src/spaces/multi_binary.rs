@@ -5,7 +5,7 @@ use std::fmt;
 use gym_numerics::Generator;
 use serde::{Deserialize, Serialize};
 
-use crate::value::number::{Number, Numeric, with_numbers};
+use crate::value::number::{Number, Numeric, with_type};
 use crate::value::{Array, DType, Error, Result, Value, numpy_fmt};
 
 use super::selection::Selection;
@@ -60,7 +60,7 @@ impl MultiBinary {
             return false;
         };
         array.shape() == self.shape
-            && with_numbers!(array.data(), values => values.iter().all(|x| [0.0, 1.0].contains(&x.to_f64())))
+            && with_type!(numbers array.data(), values => values.iter().all(|x| [0.0, 1.0].contains(&x.to_f64())))
     }
 
     pub(super) fn check(&self, value: &Value) -> Result<(), Fault> {

@@ -27,7 +27,7 @@ pub struct EnvSpec {
     #[serde(default)]
     pub disable_env_checker: bool,
     /// Arguments of the constructor.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "gym_numerics::unique::object")]
     pub kwargs: Kwargs,
     /// The render mode, if any.
     #[serde(default, skip_serializing_if = "Option::is_none")]

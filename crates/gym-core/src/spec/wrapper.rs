@@ -12,7 +12,7 @@ pub struct WrapperSpec {
     /// Gymnasium's name of the wrapper.
     pub name: String,
     /// Arguments of its constructor.
-    #[serde(default)]
+    #[serde(default, deserialize_with = "gym_numerics::unique::object")]
     pub kwargs: Kwargs,
 }
 

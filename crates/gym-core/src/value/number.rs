@@ -5,38 +5,30 @@ use std::fmt;
 
 use crate::value::data::{DType, Data, Scalar};
 
-/// Evaluates `$body` with `$values` bound to the numbers of a [`Data`] of any type.
-macro_rules! with_numbers {
-    ($data:expr, $values:ident => $body:expr) => {
-        match $data {
-            $crate::Data::I8($values) => $body,
-            $crate::Data::U8($values) => $body,
-            $crate::Data::I16($values) => $body,
-            $crate::Data::U16($values) => $body,
-            $crate::Data::I32($values) => $body,
-            $crate::Data::U32($values) => $body,
-            $crate::Data::I64($values) => $body,
-            $crate::Data::U64($values) => $body,
-            $crate::Data::F32($values) => $body,
-            $crate::Data::F64($values) => $body,
-        }
-    };
-}
-
-/// Evaluates `$body` with `$type` standing for the Rust type of a [`DType`].
+/// Evaluates `$body` with `$type` standing for the Rust type of a [`DType`], or, after `numbers`,
+/// with `$values` bound to the numbers of a [`Data`] of any type.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! with_type {
+    (numbers $data:expr, $values:ident => $body:expr) => {
+        $crate::with_type!(@all numbers $data, $values => $body)
+    };
     ($dtype:expr, $type:ident => $body:expr) => {
-        $crate::with_type!(@ $dtype, $type => $body;
+        $crate::with_type!(@all type $dtype, $type => $body)
+    };
+    (@all $kind:tt $of:expr, $name:ident => $body:expr) => {
+        $crate::with_type!(@$kind $of, $name => $body;
             I8 i8, U8 u8, I16 i16, U16 u16, I32 i32, U32 u32, I64 i64, U64 u64, F32 f32, F64 f64)
     };
-    (@ $dtype:expr, $type:ident => $body:expr; $($variant:ident $rust:ty),*) => {
+    (@numbers $data:expr, $values:ident => $body:expr; $($variant:ident $rust:ty),*) => {
+        match $data { $($crate::Data::$variant($values) => $body,)* }
+    };
+    (@type $dtype:expr, $type:ident => $body:expr; $($variant:ident $rust:ty),*) => {
         match $dtype { $($crate::DType::$variant => { type $type = $rust; $body })* }
     };
 }
 
-pub(crate) use {with_numbers, with_type};
+pub(crate) use with_type;
 
 /// One number, exactly.
 #[derive(Clone, Copy, Debug)]
@@ -64,7 +56,7 @@ impl Number {
 
     /// The element of an array in row-major order.
     pub(crate) fn at(data: &Data, index: usize) -> Self {
-        with_numbers!(data, values => values[index].number())
+        with_type!(numbers data, values => values[index].number())
     }
 
     /// All elements of an array in row-major order.

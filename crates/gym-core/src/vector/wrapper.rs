@@ -114,8 +114,15 @@ pub trait VectorWrapper: Any + Send {
 }
 
 /// Gives another macro, behind `$words`, each method of [`VectorEnv`] that passes through a wrapper
-/// unchanged, with the name of its hook.
+/// unchanged, with the name of its hook. `all` adds the methods whose hooks have other defaults.
 macro_rules! methods {
+    (all $then:ident! $($words:tt)*) => {
+        methods!($then! $($words)*);
+        $then! { $($words)* fn observation_space on_observation_space(&self) -> Result<Space> }
+        $then! { $($words)* fn action_space on_action_space(&self) -> Result<Space> }
+        $then! { $($words)* fn spec on_spec(&self) -> Option<VectorSpec> }
+        $then! { $($words)* fn describe on_describe(&self) -> String }
+    };
     ($then:ident! $($words:tt)*) => {
         $then! { $($words)* fn num_envs on_num_envs(&self) -> usize }
         $then! { $($words)* fn single_observation_space on_single_observation_space(&self) -> Space }
@@ -138,17 +145,6 @@ macro_rules! methods {
 
 use methods;
 
-/// As [`methods`], with those whose hooks have other defaults.
-macro_rules! all_methods {
-    ($then:ident! $($words:tt)*) => {
-        methods!($then! $($words)*);
-        $then! { $($words)* fn observation_space on_observation_space(&self) -> Result<Space> }
-        $then! { $($words)* fn action_space on_action_space(&self) -> Result<Space> }
-        $then! { $($words)* fn spec on_spec(&self) -> Option<VectorSpec> }
-        $then! { $($words)* fn describe on_describe(&self) -> String }
-    };
-}
-
 /// A wrapper is a vector: each method calls its hook.
 impl<W: VectorWrapper> VectorEnv for W {
     fn within(&self) -> Option<&dyn VectorEnv> {
@@ -159,7 +155,7 @@ impl<W: VectorWrapper> VectorEnv for W {
         Some(self.inner_mut())
     }
 
-    all_methods!(forward! calls);
+    methods!(all forward! calls);
 }
 
 /// A box changes nothing, not even the description.
@@ -172,5 +168,5 @@ impl VectorEnv for Box<dyn VectorEnv> {
         Some(&mut **self)
     }
 
-    all_methods!(forward! {.as_ref()} {.as_mut()});
+    methods!(all forward! {.as_ref()} {.as_mut()});
 }

@@ -88,7 +88,7 @@ fn actions<const N: usize>(actions: [i64; N]) -> Value {
     Value::Array(actions.into())
 }
 
-/// Whatever was done to it before, a closed sub-environment is closed.
+/// A closed sub-environment stays closed, even if `call` changes it afterwards.
 #[test]
 fn a_sub_environment_that_is_changed_after_close_stays_closed() {
     let mut sync = SyncVectorEnv::new(vec![BoxEnv::new(Count::default()); 2]).unwrap();
@@ -112,14 +112,14 @@ fn a_sub_environment_that_is_changed_after_close_stays_closed() {
     is_closed(sync.step_into(&actions([1, 1]), &mut columns), "step");
     is_closed(sync.reset_into(&0.into(), &mut columns), "reset");
     is_closed(sync.restore(&snapshot), "restore");
-    // and what it stores is refused by a vector that is open
+    // an open vector refuses the snapshot of a closed one
     let closed = sync.snapshot().unwrap();
     let mut open = SyncVectorEnv::new(vec![BoxEnv::new(Count::default()); 2]).unwrap();
     let error = open.restore(&closed).unwrap_err().to_string();
     assert!(error.contains("taken after `close`"), "{error}");
 }
 
-/// One that is changed while it is open must be reset before any is stepped.
+/// After `call` has changed an open sub-environment, a step needs its reset first.
 #[test]
 fn a_sub_environment_that_is_changed_must_be_reset() {
     for mode in MODES {
@@ -144,7 +144,7 @@ fn a_sub_environment_that_is_changed_must_be_reset() {
     }
 }
 
-/// A snapshot of another observation space, of another mode, of another size.
+/// A vector refuses snapshots of vectors with another observation space, mode or size.
 #[test]
 fn snapshots_of_other_vectors_are_refused() {
     let one = |env: BoxEnv, mode| SyncVectorEnv::new([env]).unwrap().with_autoreset(mode);
@@ -191,12 +191,12 @@ fn a_restore_drops_the_frames_of_the_abandoned_history() {
     assert_eq!(texts(env.render().unwrap()), [""; 0]);
     env.step(&1).unwrap();
     assert_eq!(texts(env.render().unwrap()), ["1"]);
-    // so does a reset
+    // a reset clears the list too
     env.step(&1).unwrap();
     env.reset(0).unwrap();
     assert_eq!(texts(env.render().unwrap()), ["0"]);
     assert_eq!(env.render_mode(), Some(RenderMode::AnsiList));
-    // a clone has what is collected, and gives it away by itself
+    // a clone has its own copy of the collected frames
     env.step(&1).unwrap();
     let mut clone = env.clone();
     assert_eq!(texts(clone.render().unwrap()), ["1"]);
@@ -208,7 +208,8 @@ fn a_restore_drops_the_frames_of_the_abandoned_history() {
     assert!(error.contains("a mode of single items"), "{error}");
 }
 
-/// The time limit of a spec is that of `make`; only a longer or outer one is a wrapper.
+/// In a spec, `max_episode_steps` is the limit of `make`; a longer or an outer `TimeLimit` is an
+/// additional wrapper.
 #[test]
 fn an_equal_or_shorter_limit_replaces_that_of_make() {
     let limited = |id: &str, limit| TimeLimit::new(make(id).unwrap(), limit).unwrap();
@@ -225,14 +226,14 @@ fn an_equal_or_shorter_limit_replaces_that_of_make() {
     let endless = spec("edges/Endless-v0", 7);
     assert_eq!(endless.max_episode_steps, Some(7));
     assert!(endless.additional_wrappers.is_empty());
-    // outside of another wrapper it is a wrapper, however short
+    // a shorter limit outside of another wrapper is an additional wrapper too
     let order = OrderEnforcing::new(limited("edges/Count-v0", 6));
     let outer = TimeLimit::new(order, 2).unwrap().spec().unwrap();
     let names: Vec<_> = outer.additional_wrappers.iter().map(|w| &*w.name).collect();
     assert_eq!(names, ["TimeLimit", "OrderEnforcing", "TimeLimit"]);
     assert_eq!(outer.max_episode_steps, Some(5));
     assert_eq!(outer.time_limit(), Some(2));
-    // each rebuilds an environment whose episodes are as long
+    // an environment made from the spec has episodes of the same length
     for (spec, length) in [
         (own, 5),
         (shorter, 4),
@@ -248,7 +249,7 @@ fn an_equal_or_shorter_limit_replaces_that_of_make() {
     assert!(TimeLimit::new(Count::default(), 0).is_err());
 }
 
-/// The count of steps is part of a snapshot, and the limit is not: it belongs to the wrapper.
+/// A snapshot contains the count of steps, but not the limit.
 #[test]
 fn a_limit_holds_from_the_step_that_is_restored() {
     let limited = |limit| TimeLimit::new(Count::default(), limit).unwrap();
@@ -265,14 +266,14 @@ fn a_limit_holds_from_the_step_that_is_restored() {
     let mut shorter = limited(2);
     shorter.restore(&long.snapshot().unwrap()).unwrap();
     assert!(shorter.step(&1).unwrap().truncated);
-    // both flags are true where both reasons hold
+    // both flags are true if a step terminates at the limit
     let mut both = limited(1);
     both.reset(0).unwrap();
     let step = both.step(&9).unwrap();
     assert!(step.terminated && step.truncated);
 }
 
-/// Where no character may be chosen, the text is empty, if the space has the empty text.
+/// A mask that allows no character gives the empty text, if it is in the space.
 #[test]
 fn a_mask_of_no_character_gives_the_empty_text() {
     let text = |min| TextSpace::new(min, 5).unwrap().with_charset("abc").unwrap();
@@ -293,7 +294,7 @@ fn a_mask_of_no_character_gives_the_empty_text() {
         sampler.sample_masked(&mask(Some(0), [0, 1, 0])).unwrap(),
         Value::Text(String::new())
     );
-    // from a length and without one, each allowed character
+    // with a length and without one, all allowed characters are drawn
     let mut seen = std::collections::BTreeSet::new();
     for _ in 0..50 {
         let Value::Text(sample) = sampler.sample_masked(&mask(None, [1, 0, 1])).unwrap() else {
@@ -310,7 +311,7 @@ fn a_mask_of_no_character_gives_the_empty_text() {
         sampler.sample_weighted(&weighted).unwrap(),
         Value::Text("ccc".into())
     );
-    // refused: a text that cannot be empty, lengths outside, entries of another number
+    // refused: a space without the empty text, lengths outside the bounds, a mask of another length
     let mut sampler = Space::from(text(1)).sampler(1);
     for refused in [
         mask(None, [0, 0, 0]),
@@ -329,8 +330,8 @@ fn a_mask_of_no_character_gives_the_empty_text() {
     }
 }
 
-/// Whatever depth a space has that can be stored, it is read again; deeper ones say that they
-/// cannot be.
+/// Every space that can be stored can be read again; a space that is nested too deep gives an error
+/// when it is stored.
 #[test]
 fn every_space_that_is_stored_is_read_again() {
     type Nest = fn(Space) -> Space;
@@ -347,7 +348,7 @@ fn every_space_that_is_stored_is_read_again() {
             space = nest(space);
             match serde_json::to_string(&space) {
                 Ok(text) => {
-                    // it may stand in something else
+                    // the JSON of a space may be nested in other JSON
                     let within = format!("[[[[{text}]]]]");
                     let read: [[[[Space; 1]; 1]; 1]; 1] = serde_json::from_str(&within)
                         .unwrap_or_else(|error| panic!("{depth}: {error}"));
@@ -364,7 +365,7 @@ fn every_space_that_is_stored_is_read_again() {
     }
 }
 
-/// The stored form of a value is read back as the same value, of every kind.
+/// Reading the stored form of a value gives the same value, for every kind.
 #[test]
 fn values_are_read_from_their_stored_form() {
     for value in [
@@ -396,7 +397,8 @@ fn values_are_read_from_their_stored_form() {
     }
 }
 
-/// A batch has the form of its space in every part: kind, type, shape, number of rows, and keys.
+/// A value is a batch only if kind, type, shape, number of rows and keys fit the space in every
+/// part.
 #[test]
 fn a_batch_of_another_form_is_none() {
     let line = || Space::boxed([0.0], [1.0]);

@@ -7,8 +7,7 @@ use gym_core::{
     Configure, Env, NoArguments, Outcome, Registration, Reset, Result, Space, Value, VectorEnvExt,
 };
 
-/// Counts its steps. Action 1 panics when a step begins, 2 once the shared part is solved, 3 at its
-/// end.
+/// Counts its steps. Action 1 panics at the start of a step, 2 after its shared part, 3 at its end.
 #[derive(Clone, Debug, Default)]
 struct Brittle {
     steps: i64,
@@ -20,7 +19,7 @@ const BEGINS: i64 = 1;
 const COLLECTS: i64 = 2;
 const ENDS: i64 = 3;
 
-/// How many of a group have begun, and were counted.
+/// The number of environments of a group whose step has begun.
 #[derive(Default)]
 struct Count {
     begun: usize,
@@ -127,7 +126,7 @@ fn a_panic_ahead_of_a_step_is_an_error_of_that_sub_environment_alone() {
             );
             assert_eq!(seen(&columns.observations), [2, 1, 2], "{what}");
             assert_eq!(columns.rewards, [1.0, 0.0, 1.0], "{what}");
-            // it steps again after a reset, and not before
+            // it needs a reset before the next step
             let error = envs
                 .step_into(&actions(0), &mut columns)
                 .unwrap_err()

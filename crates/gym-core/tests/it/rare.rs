@@ -8,13 +8,13 @@ use gym_core::{
     VectorEnvExt,
 };
 
-/// Counts its steps; an episode has two, and as many resets as are asked for succeed.
+/// Counts its steps. An episode has two steps. Resets fail after a given number.
 #[derive(Clone, Debug)]
 struct Counter {
     rng: Generator,
     steps: i64,
     resets_left: u32,
-    /// Whether info is a text, where that of others is a number.
+    /// Whether the info is a text; the other environments' is a number.
     is_odd: bool,
     /// The step that observes one number instead of two.
     misfit: Option<i64>,
@@ -88,8 +88,7 @@ impl Env for Counter {
     }
 }
 
-/// numpy's draw of 16 bits takes each number equally often, and a remainder that equals the
-/// threshold counts.
+/// A 16-bit draw accepts a remainder equal to the threshold, as numpy's does.
 #[test]
 fn numbers_of_sixteen_bits_are_drawn_as_numpy_draws_them() {
     use rand::Rng;
@@ -135,8 +134,7 @@ fn the_shorter_choice_is_padded_with_its_first_number() {
     );
 }
 
-/// The step that ends an episode succeeds, the reset after it fails: neither leaves a reward or a
-/// flag behind.
+/// If the reset within a SameStep step fails, the columns have neither reward nor flag.
 #[test]
 fn a_step_that_fails_half_way_answers_nothing() {
     for autoreset in [Autoreset::SameStep, Autoreset::NextStep] {
@@ -230,7 +228,7 @@ fn a_value_that_a_column_cannot_hold_is_marked_as_missing() {
     assert_eq!(infos["_steps"], Value::Tuple(flags), "{infos:?}");
 }
 
-/// Observes and pays what it is told next, in a space of two numbers.
+/// Returns given observations and rewards, one after the other; its space has two numbers.
 #[derive(Clone, Debug)]
 struct Told(std::vec::IntoIter<(i64, f64)>);
 
@@ -266,8 +264,8 @@ impl Env for Told {
     }
 }
 
-/// Resets and steps are checked until one of each was sound, and not at all in episodes with
-/// options.
+/// The checker checks resets and steps until one of each was sound. It skips episodes whose reset
+/// has options.
 #[test]
 fn the_passive_checker_looks_until_it_has_seen_a_sound_answer() {
     /// Answers to a reset (`r`), a reset with an option (`o`) or a step (`s`), and whether they are
@@ -275,7 +273,7 @@ fn the_passive_checker_looks_until_it_has_seen_a_sound_answer() {
     const CALLS: [(char, i64, f64, bool); 18] = [
         ('r', 2, 0.0, true),
         ('r', -1, 0.0, true),
-        // a step is checked on its own
+        // steps are checked independently of resets
         ('s', 2, 0.0, true),
         ('o', 2, 0.0, false),
         ('s', 2, f64::NAN, false),

@@ -36,7 +36,7 @@ fn code(path: &Path) -> String {
 fn paths<'a>(code: &'a str, prefix: &str) -> Vec<&'a str> {
     let mut found = Vec::new();
     for (at, _) in code.match_indices(prefix) {
-        // `$crate` is the crate as a macro's user sees it
+        // `$crate` paths are those of a macro's user
         if code[..at].ends_with('$') {
             continue;
         }

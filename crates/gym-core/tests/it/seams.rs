@@ -7,7 +7,7 @@ use gym_core::{
     Result, Snapshot, Space, Stateful, Task, Transition, Value, VectorEnv, VectorEnvExt, registry,
 };
 
-/// Walk on until the budget of 3 steps is spent; observed as an array.
+/// An episode of 3 steps, whose observation is an array.
 #[derive(Clone, Debug)]
 struct Budget(Config);
 
@@ -120,12 +120,12 @@ fn nothing_opens_a_closed_environment() {
     assert!(closed(env.reset(0).map(drop)));
     assert!(closed(env.step(&Value::Int(0)).map(drop)));
     assert!(closed(env.render().map(drop)));
-    // nor one of its own type, whose episode is gone
+    // without the wrappers of `make`, a closed environment needs a reset
     let mut env = Stateful::<Budget>::new(Config::default()).unwrap();
     env.reset(0).unwrap();
     env.close();
     assert!(env.step(&0).is_err());
-    // and none that is open is closed by what it restores
+    // a snapshot of a closed environment does not close an open one
     let mut env = OrderEnforcing::new(Stateful::<Budget>::new(Config::default()).unwrap());
     env.reset(0).unwrap();
     let text = serde_json::to_string(&env.snapshot().unwrap()).unwrap();
@@ -249,7 +249,7 @@ fn snapshots_of_something_else_say_whose_they_are() {
     }
 }
 
-/// A list of arguments has one for each sub-environment, in vectors of every kind.
+/// Vectors of every kind need a list of arguments with one entry per sub-environment.
 #[test]
 fn lists_of_arguments_are_as_long_as_their_vector() {
     use gym_core::vector::VectorKind;
@@ -280,7 +280,8 @@ fn lists_of_arguments_are_as_long_as_their_vector() {
     }
 }
 
-/// Settings of the builder stay, unless an argument of the same name replaces them.
+/// Arguments given to `make` replace settings of the builder with the same name; other settings
+/// stay.
 #[test]
 fn arguments_of_make_go_before_what_the_builder_was_told() {
     let built = || {

@@ -8,7 +8,7 @@ use super::xml::Element;
 use crate::Result;
 use crate::physics::spatial::{InTurn, Order, add, rotate};
 
-/// The most elements of bodies, copies among them.
+/// The largest number of elements in bodies, with the copies that `replicate` makes.
 const MOST_ELEMENTS: usize = 200_000;
 
 /// Reads the bodies of the world.
@@ -18,17 +18,17 @@ pub(super) struct Bodies<'s> {
     elements: usize,
 }
 
-/// A body, frame or replicate whose elements are being read.
+/// A `body`, `frame` or `replicate` whose child elements are being read.
 struct Open<'a, 'input> {
     element: Element<'a, 'input>,
     children: std::vec::IntoIter<Element<'a, 'input>>,
-    /// The body that has the parts.
+    /// The body that the child elements belong to.
     id: usize,
-    /// The class of the parts that name none.
+    /// The default class of child elements that name no class.
     class: usize,
-    /// The frame in which the parts are given.
+    /// The frame that positions of child elements refer to.
     frame: Option<Frame>,
-    /// What is appended to names.
+    /// The suffix of names, with the number of the copy.
     suffix: String,
     copies: Option<Copies>,
 }
@@ -40,11 +40,11 @@ struct Copies {
     offset: [f64; 3],
     euler: [f64; 3],
     separator: String,
-    /// The frame of the next copy but for its orientation, without that around the element.
+    /// The position of the next copy, relative to the parent of the `replicate`.
     pos: [f64; 3],
     turn: [f64; 4],
     step: [f64; 4],
-    /// Frame and suffix around the element.
+    /// The frame and the suffix of the parent of the `replicate`.
     outer: (Option<Frame>, String),
 }
 
@@ -57,8 +57,8 @@ impl<'s> Bodies<'s> {
         }
     }
 
-    /// Reads the bodies of the world, each after its parent and before its children. Not by
-    /// recursion, which deep nesting would lead beyond the end of the stack.
+    /// Reads the bodies of the world, each after its parent and before its children. It does not
+    /// recurse: deep nesting would overflow the stack.
     pub(super) fn read(mut self, world: Element<'_, '_>) -> Result<()> {
         let children = world.children()?.into_iter();
         let mut open = vec![Open {
@@ -150,7 +150,7 @@ impl<'s> Bodies<'s> {
         })
     }
 
-    /// Reads the attributes of a frame: its parts belong to the body around.
+    /// Reads the attributes of a `frame`. Its child elements belong to the body that contains it.
     fn open_frame<'a, 'input>(
         &mut self,
         mut element: Element<'a, 'input>,
@@ -218,7 +218,7 @@ impl<'s> Bodies<'s> {
         })
     }
 
-    /// Begins the next copy, if there is one.
+    /// Begins the next copy; returns whether there is one.
     fn next_copy(&self, open: &mut Open<'_, '_>) -> Result<bool> {
         let Some(copies) = &mut open.copies else {
             return Ok(false);
@@ -232,7 +232,7 @@ impl<'s> Bodies<'s> {
         let quat = Orientation::of_euler(euler).resolve(&self.spec.compiler);
         let (pos, quat) = within(copies.outer.0, (copies.pos, quat));
         open.frame = Some((pos, unit(quat).0));
-        // the frame of the copy after this one: MuJoCo's `mjuu_frameaccum`
+        // the frame of the next copy: MuJoCo's `mjuu_frameaccum`
         let moved = rotate(&InTurn::quat_to_mat(copies.turn), copies.offset);
         copies.pos = add(copies.pos, moved);
         copies.turn = super::orientation::compose(copies.turn, copies.step);
@@ -258,7 +258,7 @@ impl<'s> Bodies<'s> {
             "inertial",
         ];
         let (id, frame) = (around.id, around.frame);
-        // those behind belong to bodies that are not the world
+        // the last three are not allowed in the world
         let supported = &IN_BODIES[..if id == 0 { 7 } else { 10 }];
         if !supported.contains(&child.name()) {
             return Err(around.element.unsupported(&child, supported));
@@ -333,7 +333,7 @@ impl<'s> Bodies<'s> {
     }
 }
 
-/// The name of an element, with the number of its copy.
+/// The name of an element, with the suffix of its copy.
 fn named(element: &mut Element<'_, '_>, around: &Open<'_, '_>) -> Option<String> {
     let name = element.text("name")?;
     Some(name + &around.suffix)

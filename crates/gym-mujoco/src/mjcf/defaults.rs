@@ -7,7 +7,7 @@ use super::spec::{
 use super::xml::Element;
 use crate::Result;
 
-/// The values that an element of a class starts from.
+/// The initial values of the elements of a class.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Class {
     name: String,
@@ -23,7 +23,7 @@ pub(super) struct Class {
     pub(super) actuator: Actuator,
 }
 
-/// All classes; the first is the one that holds where no class is named.
+/// All classes; the first applies to elements without a class.
 #[derive(Debug)]
 pub(super) struct Classes(Vec<Class>);
 
@@ -39,7 +39,7 @@ impl Default for Classes {
 }
 
 impl Classes {
-    /// Reads a `default` section. A later section changes what the classes are from there on.
+    /// Reads a `default` section. It changes the classes for the elements after it.
     pub(super) fn read(&mut self, mut section: Element<'_, '_>) -> Result<()> {
         match section.text("class") {
             Some(name) if name != MAIN => Err(section.place().attribute(
@@ -50,8 +50,8 @@ impl Classes {
         }
     }
 
-    /// Reads what each class changes, then the classes within it, which start from it. Not by
-    /// recursion, which deep nesting would lead beyond the end of the stack.
+    /// Reads the values of each class, then its subclasses, which inherit them. It does not
+    /// recurse: deep nesting would overflow the stack.
     fn read_classes(&mut self, main: Element<'_, '_>) -> Result<()> {
         let mut waiting = vec![(main, None)];
         while let Some((mut section, parent)) = waiting.pop() {
@@ -65,7 +65,7 @@ impl Classes {
         Ok(())
     }
 
-    /// Adds a class within another.
+    /// Adds a subclass of `parent`.
     fn add(&mut self, section: &mut Element<'_, '_>, parent: usize) -> Result<usize> {
         let name = section.required_text("class")?;
         if self.0.iter().any(|class| class.name == name) {
@@ -83,7 +83,7 @@ impl Classes {
         Ok(self.0.len() - 1)
     }
 
-    /// Reads what a class changes, and returns the classes within it.
+    /// Reads the values that a class changes; returns the elements of its subclasses.
     fn read_class<'a, 'input>(
         &mut self,
         section: Element<'a, 'input>,
@@ -121,7 +121,7 @@ impl Classes {
         Ok(within)
     }
 
-    /// The class that an attribute names, else `inherited`.
+    /// The class that an attribute names; without it, `inherited`.
     pub(super) fn named(
         &self,
         element: &mut Element<'_, '_>,

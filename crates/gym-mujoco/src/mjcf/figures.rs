@@ -27,7 +27,7 @@ impl Model {
         if let Some(Value::Object(opt)) = figures.get_mut("opt") {
             add_all(opt, more);
         }
-        // bits have a sign in MuJoCo
+        // MuJoCo stores bit masks as signed numbers
         for name in ["geom_contype", "geom_conaffinity"] {
             let bits = if name == "geom_contype" {
                 &self.geom_contype
@@ -57,14 +57,17 @@ fn sizes(m: &CompiledModel) -> Value {
         n_c += if m.dof_simplenum[i] > 0 { 1 } else { ancestors };
     }
     json!({"sizes": {
-        "nq": m.nq(), "nv": m.nv(), "nu": m.nu(), "na": m.na(), "nbody": m.nbody(), "njnt": m.njnt(), "ngeom": m.ngeom(),
-        "nsite": m.nsite(), "ncam": m.cam_mode.len(), "nlight": m.light_type.len(), "nmat": m.mat_rgba.len(),
-        "ntendon": m.ntendon(), "nwrap": m.wrap_objid.len(), "neq": m.neq(), "nsensor": m.nsensor(), "nexclude": m.exclude_signature.len(),
-        "npair": m.pair_dim.len(), "nkey": m.key_time.len(), "nM": n_m, "nC": n_c, "ntree": m.ntree(),
+        "nq": m.nq(), "nv": m.nv(), "nu": m.nu(), "na": m.na(), "nbody": m.nbody(),
+        "njnt": m.njnt(), "ngeom": m.ngeom(), "nsite": m.nsite(), "ncam": m.cam_mode.len(),
+        "nlight": m.light_type.len(), "nmat": m.mat_rgba.len(), "ntendon": m.ntendon(),
+        "nwrap": m.wrap_objid.len(), "neq": m.neq(), "nsensor": m.nsensor(),
+        "nexclude": m.exclude_signature.len(), "npair": m.pair_dim.len(), "nkey": m.key_time.len(),
+        "nM": n_m, "nC": n_c, "ntree": m.ntree(),
     }})
 }
 
-/// The frames that coincide: 1 the body's, 2 its inertia's, 3 and 4 their orientations.
+/// MuJoCo's `mjtSameFrame`: 1 if a geom's frame equals the body's, 2 its inertial frame; 3 and 4 if
+/// only the orientations are equal.
 fn same_frame(m: &CompiledModel, body: usize, pos: [f64; 3], quat: [f64; 4]) -> u8 {
     let (own_pos, own_quat) = (same(&pos, &[0.0; 3]), same_quat(&quat, &UNTURNED));
     let inertia_quat = same_quat(&quat, &m.body_iquat[body]);
@@ -116,14 +119,14 @@ fn derived(m: &Model) -> Value {
     })
 }
 
-/// Figures in the form that recordings have.
+/// The figures in the form of the recordings.
 fn constant(m: &CompiledModel) -> Value {
     let three = |numbers: &[Parameters]| -> Vec<Vec<f64>> {
         numbers.iter().map(|p| p.0[..3].to_vec()).collect()
     };
     json!({
         "geom_fluid": m.geom_fluid.iter().map(|fluid| fluid.0[0]).collect::<Vec<_>>(),
-        "actuator_gainprm": three(&m.actuator_gainprm), "actuator_biasprm": three(&m.actuator_biasprm),
-        "tendon_armature": vec![0.0; m.ntendon()],
+        "actuator_gainprm": three(&m.actuator_gainprm),
+        "actuator_biasprm": three(&m.actuator_biasprm), "tendon_armature": vec![0.0; m.ntendon()],
     })
 }

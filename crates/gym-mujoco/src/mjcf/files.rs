@@ -10,28 +10,29 @@ use roxmltree::{Document, Node, ParsingOptions};
 use super::xml::{Lines, Place};
 use crate::{Error, Result};
 
-/// The longest text that is read, in bytes: a file, and all files of a model together.
+/// The largest size in bytes of a file, and of all files of a model together.
 const MAX_LEN: usize = 8 << 20;
-/// The most nodes (elements, texts and comments) that are read.
+/// The largest number of nodes (elements, texts and comments).
 const MAX_NODES: u32 = 200_000;
-/// The most attributes of an element, and the most namespaces: the parser compares each with all
-/// others.
+/// The largest number of attributes of an element, and of namespaces: the parser compares each with
+/// all others.
 const MAX_ATTRIBUTES: usize = 1000;
 const MAX_NAMESPACES: usize = 10;
-/// The most files of a model.
+/// The largest number of files of a model.
 const MAX_FILES: usize = 100;
 
-/// Texts, before they are parsed.
+/// The texts of a model and its included files, before they are parsed.
 #[derive(Debug, Default)]
 pub(super) struct Texts {
-    /// The name for errors, which is empty for the model itself, and the text.
+    /// The name of each file, for errors (empty for the model itself), and its text.
     texts: Vec<(String, String)>,
-    /// The number of the text that an element `include` stands for, by its own text and position.
+    /// The text that each element `include` names, by the number of its own text and its position
+    /// there.
     included: BTreeMap<(usize, usize), usize>,
 }
 
 impl Texts {
-    /// A text without files: an `include` is an error.
+    /// The text of a model without files: an `include` is an error.
     pub(super) fn of(text: &str) -> Result<Self> {
         Self::load(text.to_owned(), None)
     }
@@ -89,7 +90,7 @@ impl Texts {
         Ok(all)
     }
 
-    /// Position, file and place of each `include` of a text.
+    /// The position, the file name and the place of each `include` of a text.
     fn includes(&self, number: usize) -> Result<Vec<(usize, String, Place)>> {
         let (name, text) = &self.texts[number];
         if !text.contains("<include") {
@@ -159,7 +160,7 @@ fn parse<'input>(name: &str, text: &'input str) -> Result<Document<'input>> {
         .map_err(|error| not_xml(error.pos().row, format!("the text is not XML: {error}")))
 }
 
-/// Refuses texts that the parser would read slowly; the error names the line.
+/// Refuses texts that the parser would take long to read; the error names the line.
 fn check_tags(text: &str) -> std::result::Result<(), (u32, String)> {
     let mut rest = text;
     let mut namespaces = 0;

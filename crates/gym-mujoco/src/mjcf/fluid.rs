@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use crate::libm;
 use crate::model::GeomType;
 
-/// MuJoCo's `geom_fluid`: that it is used, five coefficients, virtual masses and virtual moments of
-/// the ellipsoid that is like the shape.
+/// MuJoCo's `geom_fluid`: 1 for the ellipsoid model, five coefficients, and the virtual masses and
+/// virtual moments of the equivalent ellipsoid.
 pub(super) fn coefficients(shape: GeomType, size: [f64; 3], given: [f64; 5]) -> [f64; 12] {
     let [x, y, z] = match shape {
         GeomType::Sphere => [size[0]; 3],
@@ -18,7 +18,7 @@ pub(super) fn coefficients(shape: GeomType, size: [f64; 3], given: [f64; 5]) -> 
     let kappas = [kappa(x, y, z), kappa(y, z, x), kappa(z, x, y)];
     const LEAST: f64 = 1e-14;
     let mass = kappas.map(|kappa| volume * kappa / f64::max(LEAST, 2.0 - kappa));
-    // about an axis, from the squares and the kappas of the two others
+    // the virtual moment about an axis, from the squares and the kappas of the two other axes
     let moment = |a: f64, b: f64, ka: f64, kb: f64| {
         let square = (a * a - b * b) * (a * a - b * b);
         let below = 2.0 * (a * a - b * b) + (a * a + b * b) * (kb - ka);

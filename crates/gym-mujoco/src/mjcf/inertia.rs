@@ -19,7 +19,7 @@ pub(super) struct Inertia {
     pub(super) moments: [f64; 3],
 }
 
-/// The volume of a shape, or of a `shell` its surface.
+/// The volume of a shape; of a `shell`, its surface area.
 pub(super) fn volume(shape: GeomType, [r, half, z]: [f64; 3], shell: bool) -> f64 {
     let height = 2.0 * half;
     match (shape, shell) {
@@ -42,8 +42,8 @@ pub(super) fn volume(shape: GeomType, [r, half, z]: [f64; 3], shell: bool) -> f6
     }
 }
 
-/// The principal moments of inertia of a shape of that mass, about its own axes; of a `shell`, with
-/// the mass on the surface.
+/// The principal moments of inertia of a shape with the mass `mass`, about its own axes. The mass
+/// of a `shell` lies on its surface.
 pub(super) fn moments(shape: GeomType, mass: f64, size: [f64; 3], shell: bool) -> [f64; 3] {
     if mass == 0.0 {
         return [0.0; 3];
@@ -186,8 +186,8 @@ pub(super) fn combine(parts: &[Inertia], revision: Revision) -> Option<Inertia> 
 /// their axes: Jacobi's method on a quaternion, in the order of `mju_eig3`, because a principal
 /// frame is only determined up to the choices made on the way.
 ///
-/// From 3.14 on, it stops where the largest element off the diagonal is small beside the largest of
-/// the matrix, no longer where it or the turn is small in itself, and the half turn comes from its
+/// From MuJoCo 3.14 on, it stops when the largest off-diagonal element is small relative to the
+/// largest element of the matrix, no longer by absolute limits, and computes half the turn from its
 /// tangent.
 pub(super) fn principal_axes(
     [xx, yy, zz, xy, xz, yz]: [f64; 6],
@@ -196,7 +196,7 @@ pub(super) fn principal_axes(
     const EIG_EPS: f64 = 1e-12;
     const REST: f64 = 4e-15;
     const MAX_ITERATIONS: usize = 500;
-    // the root of one half, with as many digits as libmujoco has
+    // the square root of one half, with the digits of libmujoco
     #[expect(
         clippy::approx_constant,
         reason = "the last digits of the moments' axes depend on it"
@@ -206,7 +206,7 @@ pub(super) fn principal_axes(
     let largest = full.iter().fold(0.0, |most, x| f64::max(most, x.abs()));
     let (least, rising) = match revision {
         Revision::V3_12 => (EIG_EPS, EIG_EPS),
-        // a number that is just the limit is small
+        // a number equal to the limit counts as small
         Revision::V4_0 => ((REST * largest).next_up(), EIG_EPS * largest),
     };
     let mut quat = [1.0, 0.0, 0.0, 0.0];

@@ -10,8 +10,8 @@ const IDENTITY: Quat = [1.0, 0.0, 0.0, 0.0];
 /// A vector shorter than this has no direction: `mjEPS`.
 pub(super) const EPS: f64 = 1e-14;
 
-/// An orientation as it is written. A form other than `quat` takes precedence, even one of a
-/// default class.
+/// An orientation as the text gives it. Other forms take precedence over `quat`, even if a default
+/// class gives them.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Orientation {
     quat: Quat,
@@ -36,7 +36,7 @@ impl Default for Orientation {
 }
 
 impl Orientation {
-    /// That of some Euler angles.
+    /// The orientation of these Euler angles.
     pub(super) fn of_euler(angles: [f64; 3]) -> Self {
         Self {
             other: Some(Form::Euler(angles)),
@@ -44,7 +44,7 @@ impl Orientation {
         }
     }
 
-    /// Reads the forms, of which one may be given.
+    /// Reads the forms of an orientation. An element may have at most one.
     pub(super) fn read(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
         let mut given = Vec::new();
         if let Some(quat) = element.numbers::<4>("quat")? {
@@ -89,7 +89,7 @@ impl Orientation {
         }
     }
 
-    /// The quaternion, with the compiler's unit and order of angles.
+    /// The quaternion, with the unit and the order of angles of `compiler`.
     pub(super) fn resolve(&self, compiler: &Compiler) -> Quat {
         let degree = compiler.degree;
         let radians = |angle: f64| {
@@ -126,8 +126,8 @@ impl Orientation {
     }
 }
 
-/// A vector at length 1, and its length before: MuJoCo's `mjuu_normvec`, which leaves alone what
-/// has this length nearly, and what has none.
+/// Normalises a vector; returns it with its length: MuJoCo's `mjuu_normvec`, which returns a vector
+/// of length 0 or nearly 1 unchanged.
 pub(super) fn unit<const N: usize>(v: [f64; N]) -> ([f64; N], f64) {
     let square: f64 = v.iter().map(|x| x * x).sum();
     if square < EPS {
@@ -144,7 +144,7 @@ pub(super) fn unit<const N: usize>(v: [f64; N]) -> ([f64; N], f64) {
     )
 }
 
-/// A frame that is given in another one: MuJoCo's `mjuu_frameaccumChild`.
+/// Converts a frame within `frame` to the outer frame: MuJoCo's `mjuu_frameaccumChild`.
 pub(super) fn within(frame: Option<Frame>, (pos, quat): Frame) -> Frame {
     let Some((origin, turn)) = frame else {
         return (pos, quat);
@@ -158,8 +158,8 @@ pub(super) fn compose(a: Quat, b: Quat) -> Quat {
     unit(InTurn::mul_quat(a, b)).0
 }
 
-/// The shortest rotation that turns the z axis to a direction of length 1; by half a turn about x
-/// where it is opposite.
+/// The shortest rotation from the z axis to a unit vector; to the opposite direction, half a turn
+/// about x.
 pub(super) fn from_z(direction: [f64; 3]) -> Quat {
     let (axis, sin) = unit(cross([0.0, 0.0, 1.0], direction));
     let axis = if sin < 1e-10 { [1.0, 0.0, 0.0] } else { axis };
@@ -231,7 +231,8 @@ pub(super) fn norm(v: &[f64]) -> f64 {
 mod tests {
     use super::*;
 
-    /// Turns by about half a turn have no positive trace, and go by the largest of their axes.
+    /// Rotations by about half a turn have a negative trace; then the quaternion is computed from
+    /// its largest component.
     #[test]
     fn axes_of_every_turn_have_their_quaternion() {
         for axis in [[1.0, 0.2, -0.3], [0.1, -1.0, 0.2], [-0.2, 0.3, 1.0]] {

@@ -178,7 +178,7 @@ impl Reader<'_> {
                 option.disableactuator |= 1 << group as u32;
             }
         }
-        // of what is not supported, or not on
+        // attributes of features that are unsupported, or off by default
         element.ignore(&[
             "o_margin",
             "o_solref",
@@ -236,7 +236,7 @@ impl Reader<'_> {
             Some(false) => option.enableflags &= !ENERGY,
             None => {}
         }
-        // these concern comparisons and inverse dynamics
+        // these flags only affect comparisons and inverse dynamics
         for name in ["fwdinv", "invdiscrete"] {
             element.keyword(name, &words)?;
         }
@@ -246,7 +246,7 @@ impl Reader<'_> {
         element.finish_without_children()
     }
 
-    /// Sizes of MuJoCo's buffers are of no use here; `nkey` makes keyframes.
+    /// Ignores the sizes of MuJoCo's buffers; `nkey` adds keyframes.
     fn read_size(&mut self, mut element: Element<'_, '_>) -> Result<()> {
         const MAX_KEYS: usize = 1000;
         if let Some(nkey) = element.integer("nkey")? {
@@ -278,7 +278,7 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Keeps the colours of materials, and ignores everything else that is only looked at.
+    /// Keeps the colours of materials, and ignores the other assets that only pictures use.
     fn read_asset(&mut self, section: Element<'_, '_>) -> Result<()> {
         for mut child in section.children()? {
             match child.name() {

@@ -6,7 +6,7 @@ use roxmltree::{Attribute, Node};
 use super::files::Files;
 use crate::{Error, Result};
 
-/// An element of a model's text, and those of its attributes that were not read yet.
+/// An element of a model's text, with its attributes that were not read yet.
 pub(super) struct Element<'a, 'input> {
     node: Node<'a, 'input>,
     unread: Vec<Attribute<'a, 'input>>,
@@ -18,8 +18,8 @@ pub(super) struct Element<'a, 'input> {
     depth: usize,
 }
 
-/// Where the lines of a text begin: `roxmltree` counts them from the start of the text for each
-/// position.
+/// The positions at which the lines of a text begin. (`roxmltree` would count lines from the start
+/// of the text for each position.)
 pub(super) struct Lines(Vec<usize>);
 
 impl Lines {
@@ -37,13 +37,13 @@ impl Lines {
     }
 }
 
-/// How deep elements may be nested.
+/// The largest depth of nested elements.
 const MAX_DEPTH: usize = 200;
 
-/// Where something stands in the text, for errors that are found after reading.
+/// The place of an element in the text, for errors that are found after reading.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Place {
-    /// The included file that has it; empty for the text itself.
+    /// The included file that contains it; empty for the text itself.
     file: String,
     line: u32,
     element: String,
@@ -111,23 +111,23 @@ impl<'a, 'input> Element<'a, 'input> {
         self.node.tag_name().name()
     }
 
-    /// Where it stands.
+    /// The place of the element.
     pub(super) fn place(&self) -> Place {
         Place::new(self.files.name(self.file), self.line, self.name())
     }
 
-    /// The elements within; of an included file, those of its outermost element. Texts and comments
-    /// say nothing.
+    /// The child elements; for an `include`, those of the outermost element of the file. Texts and
+    /// comments are ignored.
     ///
     /// # Errors
-    /// If there is an element of another namespace, or too deep a nesting.
+    /// For an element of another namespace, and for nesting that is too deep.
     pub(super) fn children(&self) -> Result<Vec<Self>> {
         let mut children = Vec::new();
         self.add_children(self.node, self.file, &mut children)?;
         Ok(children)
     }
 
-    /// By recursion only for included files, of which there are few.
+    /// It recurses only into included files, of which there are few.
     fn add_children(
         &self,
         parent: Node<'a, 'input>,
@@ -150,7 +150,7 @@ impl<'a, 'input> Element<'a, 'input> {
         Ok(())
     }
 
-    /// Refuses elements within, and attributes that were not read.
+    /// Refuses child elements, and attributes that were not read.
     pub(super) fn finish_without_children(self) -> Result<()> {
         if let Some(child) = self.children()?.first() {
             return Err(child.error(format!(
@@ -182,7 +182,7 @@ impl<'a, 'input> Element<'a, 'input> {
         self.place().error(reason)
     }
 
-    /// The error of an element within that is not supported.
+    /// The error of a child element that is not supported.
     pub(super) fn unsupported(&self, child: &Self, supported: &[&str]) -> Error {
         let within = self.name();
         child.error(format!(
@@ -200,7 +200,7 @@ impl<'a, 'input> Element<'a, 'input> {
         .attribute(attribute.name(), reason)
     }
 
-    /// Takes an attribute out.
+    /// Takes the attribute `name`.
     fn take(&mut self, name: &'static str) -> Option<Attribute<'a, 'input>> {
         self.known.push(name);
         let index = self
@@ -210,36 +210,36 @@ impl<'a, 'input> Element<'a, 'input> {
         Some(self.unread.swap_remove(index))
     }
 
-    /// Whether an attribute is there that was not read yet.
+    /// Whether the attribute `name` is given and not yet read.
     pub(super) fn has(&self, name: &str) -> bool {
         self.unread.iter().any(|attribute| attribute.name() == name)
     }
 
-    /// Takes out attributes that have no effect here.
+    /// Skips attributes without effect.
     pub(super) fn ignore(&mut self, names: &[&'static str]) {
         for name in names {
             self.take(name);
         }
     }
 
-    /// Takes out a text. An empty one counts as absent.
+    /// Reads a text. An empty one counts as absent.
     pub(super) fn text(&mut self, name: &'static str) -> Option<String> {
         self.take(name)
             .map(|attribute| attribute.value().to_owned())
             .filter(|text| !text.is_empty())
     }
 
-    /// Takes out a text that must be there.
+    /// Reads a text that must be given.
     pub(super) fn required_text(&mut self, name: &'static str) -> Result<String> {
         self.text(name).ok_or_else(|| self.missing(name))
     }
 
-    /// The error of an attribute that must be there.
+    /// The error of an attribute that must be given.
     pub(super) fn missing(&self, name: &str) -> Error {
         self.place().attribute(name, "missing: it must be given")
     }
 
-    /// Takes out one of some words.
+    /// Reads one of the words of `words`.
     pub(super) fn keyword<T: Copy>(
         &mut self,
         name: &'static str,
@@ -261,13 +261,12 @@ impl<'a, 'input> Element<'a, 'input> {
         }
     }
 
-    /// Takes out `true` or `false`.
+    /// Reads `true` or `false`.
     pub(super) fn flag(&mut self, name: &'static str) -> Result<Option<bool>> {
         self.keyword(name, &[("false", false), ("true", true)])
     }
 
-    /// Takes out up to as many numbers as `out` holds, which replace its first ones; returns how
-    /// many came.
+    /// Reads at most `out.len()` numbers to the start of `out`; returns their number.
     pub(super) fn up_to(&mut self, name: &'static str, out: &mut [f64]) -> Result<usize> {
         let Some(attribute) = self.take(name) else {
             return Ok(0);
@@ -291,7 +290,7 @@ impl<'a, 'input> Element<'a, 'input> {
         }
     }
 
-    /// Takes out exactly `N` numbers.
+    /// Reads exactly `N` numbers.
     pub(super) fn numbers<const N: usize>(
         &mut self,
         name: &'static str,
@@ -305,7 +304,7 @@ impl<'a, 'input> Element<'a, 'input> {
         }
     }
 
-    /// Takes out numbers, as many as there are.
+    /// Reads any number of numbers.
     pub(super) fn list(&mut self, name: &'static str) -> Result<Option<Vec<f64>>> {
         let Some(attribute) = self.take(name) else {
             return Ok(None);
@@ -317,13 +316,13 @@ impl<'a, 'input> Element<'a, 'input> {
             .map(Some)
     }
 
-    /// Takes out a number.
+    /// Reads a number.
     pub(super) fn number(&mut self, name: &'static str) -> Result<Option<f64>> {
         self.numbers(name)
             .map(|numbers| numbers.map(|[x]: [f64; 1]| x))
     }
 
-    /// Takes out a number that must be positive.
+    /// Reads a number that must be positive.
     pub(super) fn positive(&mut self, name: &'static str) -> Result<Option<f64>> {
         let number = self.number(name)?;
         if number.is_some_and(|x| x <= 0.0) {
@@ -332,7 +331,7 @@ impl<'a, 'input> Element<'a, 'input> {
         Ok(number)
     }
 
-    /// Takes out a number that must not be negative.
+    /// Reads a number that must not be negative.
     pub(super) fn non_negative(&mut self, name: &'static str) -> Result<Option<f64>> {
         let number = self.number(name)?;
         if number.is_some_and(|x| x < 0.0) {
@@ -341,7 +340,7 @@ impl<'a, 'input> Element<'a, 'input> {
         Ok(number)
     }
 
-    /// Takes out a whole number.
+    /// Reads a whole number.
     pub(super) fn integer<T: TryFrom<i64>>(&mut self, name: &'static str) -> Result<Option<T>> {
         let Some(attribute) = self.take(name) else {
             return Ok(None);

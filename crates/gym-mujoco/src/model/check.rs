@@ -37,29 +37,57 @@ fn same_length(expected: usize, arrays: &[(&str, usize)]) -> Result<()> {
 
 fn lengths(m: &CompiledModel) -> Result<()> {
     same_length!(m, m.nq(), qpos_spring);
-    same_length!(m, m.nbody(), body_rootid body_weldid body_treeid body_jntnum body_jntadr body_dofnum body_dofadr
-        body_geomnum body_geomadr body_simple body_pos body_quat body_ipos body_iquat body_mass body_subtreemass
-        body_inertia body_invweight0 body_mocapid body_gravcomp);
-    same_length!(m, m.njnt(), jnt_qposadr jnt_dofadr jnt_bodyid jnt_limited jnt_pos jnt_axis jnt_range jnt_margin
-        jnt_stiffness jnt_solref jnt_solimp jnt_actfrclimited jnt_actfrcrange jnt_actgravcomp);
-    same_length!(m, m.nv(), dof_frictionloss dof_solref dof_solimp dof_jntid dof_parentid dof_treeid dof_simplenum dof_armature dof_damping dof_invweight0 dof_m0);
-    same_length!(m, m.ngeom(), geom_bodyid geom_contype geom_conaffinity geom_condim geom_priority geom_size geom_rbound
-        geom_pos geom_quat geom_friction geom_solmix geom_solref geom_solimp geom_margin geom_gap geom_rgba geom_matid geom_fluid);
+    same_length!(
+        m, m.nbody(),
+        body_rootid body_weldid body_treeid body_jntnum body_jntadr body_dofnum body_dofadr
+        body_geomnum body_geomadr body_simple body_pos body_quat body_ipos body_iquat body_mass
+        body_subtreemass body_inertia body_invweight0 body_mocapid body_gravcomp
+    );
+    same_length!(
+        m, m.njnt(),
+        jnt_qposadr jnt_dofadr jnt_bodyid jnt_limited jnt_pos jnt_axis jnt_range jnt_margin
+        jnt_stiffness jnt_solref jnt_solimp jnt_actfrclimited jnt_actfrcrange jnt_actgravcomp
+    );
+    same_length!(
+        m, m.nv(),
+        dof_frictionloss dof_solref dof_solimp dof_jntid dof_parentid dof_treeid dof_simplenum
+        dof_armature dof_damping dof_invweight0 dof_m0
+    );
+    same_length!(
+        m, m.ngeom(),
+        geom_bodyid geom_contype geom_conaffinity geom_condim geom_priority geom_size geom_rbound
+        geom_pos geom_quat geom_friction geom_solmix geom_solref geom_solimp geom_margin geom_gap
+        geom_rgba geom_matid geom_fluid
+    );
     same_length!(m, m.nsite(), site_pos site_quat site_type site_size site_rgba);
     same_length!(m, m.cam_bodyid.len(), cam_mode cam_targetbodyid cam_pos cam_quat cam_fovy);
-    same_length!(m, m.nu(), actuator_trntype actuator_gear actuator_dyntype actuator_gaintype actuator_biastype
-        actuator_dynprm actuator_gainprm actuator_biasprm actuator_ctrllimited actuator_ctrlrange actuator_forcelimited
-        actuator_forcerange actuator_actlimited actuator_actrange actuator_actadr actuator_actearly actuator_group
-        actuator_lengthrange actuator_length0 actuator_acc0);
-    same_length!(m, m.ntendon(), tendon_num tendon_limited tendon_range tendon_margin tendon_stiffness tendon_damping
-        tendon_frictionloss tendon_lengthspring tendon_length0 tendon_invweight0 tendon_actfrclimited tendon_actfrcrange
-        tendon_solref_lim tendon_solimp_lim tendon_solref_fri tendon_solimp_fri);
+    same_length!(
+        m, m.nu(),
+        actuator_trntype actuator_gear actuator_dyntype actuator_gaintype actuator_biastype
+        actuator_dynprm actuator_gainprm actuator_biasprm actuator_ctrllimited actuator_ctrlrange
+        actuator_forcelimited actuator_forcerange actuator_actlimited actuator_actrange
+        actuator_actadr actuator_actearly actuator_group actuator_lengthrange actuator_length0
+        actuator_acc0
+    );
+    same_length!(
+        m, m.ntendon(),
+        tendon_num tendon_limited tendon_range tendon_margin tendon_stiffness tendon_damping
+        tendon_frictionloss tendon_lengthspring tendon_length0 tendon_invweight0
+        tendon_actfrclimited tendon_actfrcrange tendon_solref_lim tendon_solimp_lim
+        tendon_solref_fri tendon_solimp_fri
+    );
     same_length!(m, m.wrap_objid.len(), wrap_type wrap_prm);
     same_length!(m, m.neq(), eq_objtype eq_obj1id eq_obj2id eq_active0 eq_solref eq_solimp eq_data);
-    same_length!(m, m.nsensor(), sensor_objtype sensor_objid sensor_reftype sensor_refid sensor_dim sensor_adr
-        sensor_cutoff sensor_noise);
-    same_length!(m, m.pair_dim.len(), pair_geom1 pair_geom2 pair_solref pair_solreffriction pair_solimp pair_margin
-        pair_gap pair_friction);
+    same_length!(
+        m, m.nsensor(),
+        sensor_objtype sensor_objid sensor_reftype sensor_refid sensor_dim sensor_adr sensor_cutoff
+        sensor_noise
+    );
+    same_length!(
+        m, m.pair_dim.len(),
+        pair_geom1 pair_geom2 pair_solref pair_solreffriction pair_solimp pair_margin pair_gap
+        pair_friction
+    );
     same_length!(m, m.key_time.len(), key_qpos key_qvel key_ctrl key_act key_mpos key_mquat);
     Ok(())
 }
@@ -322,15 +350,19 @@ fn numbers(m: &CompiledModel) -> Result<()> {
         };
     }
     all_finite!(
-        flat: body_gravcomp dof_frictionloss tendon_margin tendon_stiffness tendon_damping tendon_frictionloss
-            tendon_length0 tendon_invweight0 actuator_length0 actuator_acc0 sensor_cutoff sensor_noise pair_margin
-            pair_gap qpos0 qpos_spring body_mass body_subtreemass jnt_margin jnt_stiffness dof_armature dof_damping dof_invweight0
-            dof_m0 geom_rbound geom_solmix geom_margin geom_gap wrap_prm;
-        rows: body_pos body_quat body_ipos body_iquat body_inertia body_invweight0 jnt_pos jnt_axis jnt_range jnt_solref
-            jnt_solimp geom_size geom_pos geom_quat geom_friction geom_solref geom_solimp site_pos site_quat actuator_gear
-            actuator_ctrlrange actuator_forcerange actuator_actrange actuator_lengthrange jnt_actfrcrange dof_solref
-            dof_solimp tendon_range tendon_actfrcrange tendon_lengthspring tendon_solref_lim
-            tendon_solimp_lim tendon_solref_fri tendon_solimp_fri eq_solref eq_solimp eq_data pair_solref
+        flat:
+            body_gravcomp dof_frictionloss tendon_margin tendon_stiffness tendon_damping
+            tendon_frictionloss tendon_length0 tendon_invweight0 actuator_length0 actuator_acc0
+            sensor_cutoff sensor_noise pair_margin pair_gap qpos0 qpos_spring body_mass
+            body_subtreemass jnt_margin jnt_stiffness dof_armature dof_damping dof_invweight0 dof_m0
+            geom_rbound geom_solmix geom_margin geom_gap wrap_prm;
+        rows:
+            body_pos body_quat body_ipos body_iquat body_inertia body_invweight0 jnt_pos jnt_axis
+            jnt_range jnt_solref jnt_solimp geom_size geom_pos geom_quat geom_friction geom_solref
+            geom_solimp site_pos site_quat actuator_gear actuator_ctrlrange actuator_forcerange
+            actuator_actrange actuator_lengthrange jnt_actfrcrange dof_solref dof_solimp
+            tendon_range tendon_actfrcrange tendon_lengthspring tendon_solref_lim tendon_solimp_lim
+            tendon_solref_fri tendon_solimp_fri eq_solref eq_solimp eq_data pair_solref
             pair_solreffriction pair_solimp pair_friction
     );
     let [[gx, gy, gz], [wx, wy, wz]] = [o.gravity, o.wind];

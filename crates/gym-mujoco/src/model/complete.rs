@@ -53,19 +53,13 @@ impl From<Numbers> for Fluid {
 const SOLREF: [f64; 2] = [0.02, 1.0];
 const SOLIMP: [f64; 5] = [0.9, 0.95, 0.001, 0.5, 2.0];
 
-/// Fills an array that is empty.
-fn fill<T: Clone>(array: &mut Vec<T>, length: usize, value: &T) {
-    if array.is_empty() {
-        array.resize(length, value.clone());
+/// Fills those of `arrays` that are empty with `length` copies of `value`.
+fn fill<T: Clone, const N: usize>(length: usize, value: T, arrays: [&mut Vec<T>; N]) {
+    for array in arrays {
+        if array.is_empty() {
+            array.resize(length, value.clone());
+        }
     }
-}
-
-/// Fills those that are empty with one value.
-macro_rules! fill_all {
-    ($m:ident, $length:expr, $value:expr => $($field:ident)+) => {
-        let (length, value) = ($length, $value);
-        $(fill(&mut $m.$field, length, &value);)+
-    };
 }
 
 impl CompiledModel {
@@ -73,35 +67,98 @@ impl CompiledModel {
     pub(super) fn complete(&mut self) {
         let (nbody, njnt, nv, ngeom) = (self.nbody(), self.njnt(), self.nv(), self.ngeom());
         let (nu, ntendon, nkey) = (self.nu(), self.ntendon(), self.key_time.len());
-        fill_all!(self, nbody, -1 => body_mocapid);
-        fill_all!(self, nbody, 0.0 => body_gravcomp);
-        fill_all!(self, njnt, false => jnt_actfrclimited jnt_actgravcomp);
-        fill_all!(self, njnt, [0.0; 2] => jnt_actfrcrange);
-        fill_all!(self, nv, 0.0 => dof_frictionloss);
-        fill_all!(self, nv, SOLREF => dof_solref);
-        fill_all!(self, nv, SOLIMP => dof_solimp);
-        fill_all!(self, ngeom, Fluid::default() => geom_fluid);
-        fill_all!(self, nu, TransmissionType::Joint => actuator_trntype);
-        fill_all!(self, nu, DynamicsType::None => actuator_dyntype);
-        fill_all!(self, nu, GainType::Fixed => actuator_gaintype);
-        fill_all!(self, nu, BiasType::None => actuator_biastype);
+        let (nwrap, neq) = (self.wrap_objid.len(), self.neq());
+        fill(nbody, -1, [&mut self.body_mocapid]);
+        fill(nbody, 0.0, [&mut self.body_gravcomp]);
+        fill(
+            njnt,
+            false,
+            [&mut self.jnt_actfrclimited, &mut self.jnt_actgravcomp],
+        );
+        fill(njnt, [0.0; 2], [&mut self.jnt_actfrcrange]);
+        fill(nv, 0.0, [&mut self.dof_frictionloss]);
+        fill(nv, SOLREF, [&mut self.dof_solref]);
+        fill(nv, SOLIMP, [&mut self.dof_solimp]);
+        fill(ngeom, Fluid::default(), [&mut self.geom_fluid]);
+        fill(nu, TransmissionType::Joint, [&mut self.actuator_trntype]);
+        fill(nu, DynamicsType::None, [&mut self.actuator_dyntype]);
+        fill(nu, GainType::Fixed, [&mut self.actuator_gaintype]);
+        fill(nu, BiasType::None, [&mut self.actuator_biastype]);
         let mut one = Parameters::default();
         one.0[0] = 1.0;
-        fill_all!(self, nu, one => actuator_dynprm actuator_gainprm);
-        fill_all!(self, nu, Parameters::default() => actuator_biasprm);
-        fill_all!(self, nu, false => actuator_forcelimited actuator_actlimited actuator_actearly);
-        fill_all!(self, nu, [0.0; 2] => actuator_forcerange actuator_actrange actuator_lengthrange);
-        fill_all!(self, nu, -1 => actuator_actadr);
-        fill_all!(self, nu, 0 => actuator_group);
-        fill_all!(self, nu, 0.0 => actuator_length0 actuator_acc0);
-        fill_all!(self, ntendon, false => tendon_limited tendon_actfrclimited);
-        fill_all!(self, ntendon, [0.0; 2] => tendon_range tendon_actfrcrange tendon_lengthspring);
-        fill_all!(self, ntendon, 0.0 => tendon_margin tendon_stiffness tendon_damping
-            tendon_frictionloss tendon_length0 tendon_invweight0);
-        fill_all!(self, ntendon, SOLREF => tendon_solref_lim tendon_solref_fri);
-        fill_all!(self, ntendon, SOLIMP => tendon_solimp_lim tendon_solimp_fri);
-        fill_all!(self, self.wrap_objid.len(), WrapType::Joint => wrap_type);
-        fill_all!(self, self.neq(), ObjectType::Body => eq_objtype);
-        fill_all!(self, nkey, Vec::new() => key_act key_mpos key_mquat);
+        fill(
+            nu,
+            one,
+            [&mut self.actuator_dynprm, &mut self.actuator_gainprm],
+        );
+        fill(nu, Parameters::default(), [&mut self.actuator_biasprm]);
+        fill(
+            nu,
+            false,
+            [
+                &mut self.actuator_forcelimited,
+                &mut self.actuator_actlimited,
+                &mut self.actuator_actearly,
+            ],
+        );
+        fill(
+            nu,
+            [0.0; 2],
+            [
+                &mut self.actuator_forcerange,
+                &mut self.actuator_actrange,
+                &mut self.actuator_lengthrange,
+            ],
+        );
+        fill(nu, -1, [&mut self.actuator_actadr]);
+        fill(nu, 0, [&mut self.actuator_group]);
+        fill(
+            nu,
+            0.0,
+            [&mut self.actuator_length0, &mut self.actuator_acc0],
+        );
+        fill(
+            ntendon,
+            false,
+            [&mut self.tendon_limited, &mut self.tendon_actfrclimited],
+        );
+        fill(
+            ntendon,
+            [0.0; 2],
+            [
+                &mut self.tendon_range,
+                &mut self.tendon_actfrcrange,
+                &mut self.tendon_lengthspring,
+            ],
+        );
+        fill(
+            ntendon,
+            0.0,
+            [
+                &mut self.tendon_margin,
+                &mut self.tendon_stiffness,
+                &mut self.tendon_damping,
+                &mut self.tendon_frictionloss,
+                &mut self.tendon_length0,
+                &mut self.tendon_invweight0,
+            ],
+        );
+        fill(
+            ntendon,
+            SOLREF,
+            [&mut self.tendon_solref_lim, &mut self.tendon_solref_fri],
+        );
+        fill(
+            ntendon,
+            SOLIMP,
+            [&mut self.tendon_solimp_lim, &mut self.tendon_solimp_fri],
+        );
+        fill(nwrap, WrapType::Joint, [&mut self.wrap_type]);
+        fill(neq, ObjectType::Body, [&mut self.eq_objtype]);
+        fill(
+            nkey,
+            Vec::new(),
+            [&mut self.key_act, &mut self.key_mpos, &mut self.key_mquat],
+        );
     }
 }

@@ -116,39 +116,60 @@ impl CompiledModel {
     }
 }
 
-macro_rules! ids {
-    ($($(#[$doc:meta])* $id:ident: $names:ident;)+) => {
-        impl CompiledModel {
-            $(
-                $(#[$doc])*
-                #[must_use]
-                pub fn $id(&self, name: &str) -> Option<usize> {
-                    position(&self.names.$names, name)
-                }
-            )+
-        }
-    };
-}
-
-ids! {
+impl CompiledModel {
     /// The body of that name.
-    body_id: body;
+    #[must_use]
+    pub fn body_id(&self, name: &str) -> Option<usize> {
+        position(&self.names.body, name)
+    }
+
     /// The geom of that name.
-    geom_id: geom;
+    #[must_use]
+    pub fn geom_id(&self, name: &str) -> Option<usize> {
+        position(&self.names.geom, name)
+    }
+
     /// The site of that name.
-    site_id: site;
+    #[must_use]
+    pub fn site_id(&self, name: &str) -> Option<usize> {
+        position(&self.names.site, name)
+    }
+
     /// The camera of that name.
-    camera_id: camera;
+    #[must_use]
+    pub fn camera_id(&self, name: &str) -> Option<usize> {
+        position(&self.names.camera, name)
+    }
+
     /// The joint of that name.
-    joint_id: joint;
+    #[must_use]
+    pub fn joint_id(&self, name: &str) -> Option<usize> {
+        position(&self.names.joint, name)
+    }
+
     /// The tendon of that name.
-    tendon_id: tendon;
+    #[must_use]
+    pub fn tendon_id(&self, name: &str) -> Option<usize> {
+        position(&self.names.tendon, name)
+    }
+
     /// The actuator of that name.
-    actuator_id: actuator;
+    #[must_use]
+    pub fn actuator_id(&self, name: &str) -> Option<usize> {
+        position(&self.names.actuator, name)
+    }
+
     /// The sensor of that name.
-    sensor_id: sensor;
+    #[must_use]
+    pub fn sensor_id(&self, name: &str) -> Option<usize> {
+        position(&self.names.sensor, name)
+    }
+
     /// The keyframe of that name.
-    key_id: key;
+    #[must_use]
+    pub fn key_id(&self, name: &str) -> Option<usize> {
+        position(&self.names.key, name)
+    }
 }
 
 fn position(names: &[Option<String>], name: &str) -> Option<usize> {

@@ -120,9 +120,10 @@ pub fn after_step(m: &Model, d: &mut Data) -> Value {
     step(m, d);
     physics::rne_post_constraint(m, d);
     json!({
-        "qpos": d.qpos, "qvel": d.qvel, "qacc": d.qacc, "qacc_warmstart": d.qacc_warmstart, "time": d.time,
-        "ncon": d.contact.len(), "nefc": d.efc.nefc(), "nisland": d.efc.nisland, "solver_niter": d.solver_niter,
-        "qfrc_constraint": d.qfrc_constraint, "cfrc_ext": d.cfrc_ext,
+        "qpos": d.qpos, "qvel": d.qvel, "qacc": d.qacc, "qacc_warmstart": d.qacc_warmstart,
+        "time": d.time, "ncon": d.contact.len(), "nefc": d.efc.nefc(), "nisland": d.efc.nisland,
+        "solver_niter": d.solver_niter, "qfrc_constraint": d.qfrc_constraint,
+        "cfrc_ext": d.cfrc_ext,
     })
 }
 
@@ -132,19 +133,22 @@ pub fn after_forward(m: &Model, d: &mut Data) -> Value {
     forward(m, d);
     physics::rne_post_constraint(m, d);
     let positions = json!({
-        "xpos": d.xpos, "xquat": d.xquat, "xmat": d.xmat, "xipos": d.xipos, "ximat": d.ximat, "xanchor": d.xanchor,
-        "xaxis": d.xaxis, "geom_xpos": d.geom_xpos, "geom_xmat": d.geom_xmat, "site_xpos": d.site_xpos,
-        "subtree_com": d.subtree_com, "cinert": d.cinert, "cdof": d.cdof, "qLDiagInv": d.qld_diag_inv,
-        "ten_length": d.ten_length, "actuator_length": along_joints(m, &d.qpos, &m.jnt_qposadr),
+        "xpos": d.xpos, "xquat": d.xquat, "xmat": d.xmat, "xipos": d.xipos, "ximat": d.ximat,
+        "xanchor": d.xanchor, "xaxis": d.xaxis, "geom_xpos": d.geom_xpos, "geom_xmat": d.geom_xmat,
+        "site_xpos": d.site_xpos, "subtree_com": d.subtree_com, "cinert": d.cinert, "cdof": d.cdof,
+        "qLDiagInv": d.qld_diag_inv, "ten_length": d.ten_length,
+        "actuator_length": along_joints(m, &d.qpos, &m.jnt_qposadr),
         "qM": rows(&physics::full_m(m, d), m.nv()), "ncon": d.contact.len(), "nefc": d.efc.nefc(),
         "nisland": d.efc.nisland, "contact": d.contact.iter().map(contact).collect::<Vec<_>>(),
     });
     let dynamics = json!({
         "cvel": d.cvel, "cdof_dot": d.cdof_dot, "ten_velocity": d.ten_velocity,
-        "actuator_velocity": along_joints(m, &d.qvel, &m.jnt_dofadr), "actuator_force": d.actuator_force,
-        "qfrc_bias": d.qfrc_bias, "qfrc_passive": d.qfrc_passive, "qfrc_actuator": d.qfrc_actuator,
+        "actuator_velocity": along_joints(m, &d.qvel, &m.jnt_dofadr),
+        "actuator_force": d.actuator_force, "qfrc_bias": d.qfrc_bias,
+        "qfrc_passive": d.qfrc_passive, "qfrc_actuator": d.qfrc_actuator,
         "qfrc_smooth": d.qfrc_smooth, "qacc_smooth": d.qacc_smooth, "qacc": d.qacc,
-        "qfrc_constraint": d.qfrc_constraint, "cfrc_ext": d.cfrc_ext, "solver_niter": d.solver_niter,
+        "qfrc_constraint": d.qfrc_constraint, "cfrc_ext": d.cfrc_ext,
+        "solver_niter": d.solver_niter,
     });
     let mut all = Map::new();
     for part in [positions, dynamics, constraints(m, d)] {
@@ -169,16 +173,18 @@ fn constraints(m: &Model, d: &Data) -> Value {
         _ => efc.b.iter().map(|b| u8::from(*b < 0.0)).collect(),
     };
     json!({
-        "efc_pos": efc.pos, "efc_margin": efc.margin, "efc_diagApprox": efc.diag_approx, "efc_R": efc.r, "efc_D": efc.d,
-        "efc_KBIP": efc.kbip, "efc_vel": efc.vel, "efc_aref": efc.aref, "efc_b": efc.b, "efc_force": efc.force,
-        "efc_state": active, "efc_J": jacobian, "efc_island": efc.island,
+        "efc_pos": efc.pos, "efc_margin": efc.margin, "efc_diagApprox": efc.diag_approx,
+        "efc_R": efc.r, "efc_D": efc.d, "efc_KBIP": efc.kbip, "efc_vel": efc.vel,
+        "efc_aref": efc.aref, "efc_b": efc.b, "efc_force": efc.force, "efc_state": active,
+        "efc_J": jacobian, "efc_island": efc.island,
     })
 }
 
 fn contact(c: &crate::Contact) -> Value {
     json!({
-        "geom": c.geom, "dim": c.dim, "dist": c.dist, "pos": c.pos, "frame": c.frame, "includemargin": c.includemargin,
-        "friction": c.friction, "solref": c.solref, "solimp": c.solimp, "mu": c.mu, "efc_address": c.efc_address,
+        "geom": c.geom, "dim": c.dim, "dist": c.dist, "pos": c.pos, "frame": c.frame,
+        "includemargin": c.includemargin, "friction": c.friction, "solref": c.solref,
+        "solimp": c.solimp, "mu": c.mu, "efc_address": c.efc_address,
     })
 }
 

@@ -160,16 +160,43 @@ struct BuiltIn {
     models: [OnceLock<Arc<Model>>; 2],
 }
 
-macro_rules! built_in {
-    ($($name:literal)+) => {
-        [$(BuiltIn { name: $name, text: include_str!(concat!("../../models/", $name)), models: [const { OnceLock::new() }; 2] }),+]
-    };
+impl BuiltIn {
+    const fn new(name: &'static str, text: &'static str) -> Self {
+        let models = [const { OnceLock::new() }; 2];
+        Self { name, text, models }
+    }
 }
 
-static MODELS: [BuiltIn; 13] = built_in!(
-    "ant.xml" "half_cheetah.xml" "hopper.xml" "humanoid.xml" "humanoidstandup.xml" "inverted_double_pendulum.xml"
-    "inverted_pendulum.xml" "pusher.xml" "pusher_v5.xml" "reacher.xml" "swimmer.xml" "walker2d.xml" "walker2d_v5.xml"
-);
+static MODELS: [BuiltIn; 13] = [
+    BuiltIn::new("ant.xml", include_str!("../../models/ant.xml")),
+    BuiltIn::new(
+        "half_cheetah.xml",
+        include_str!("../../models/half_cheetah.xml"),
+    ),
+    BuiltIn::new("hopper.xml", include_str!("../../models/hopper.xml")),
+    BuiltIn::new("humanoid.xml", include_str!("../../models/humanoid.xml")),
+    BuiltIn::new(
+        "humanoidstandup.xml",
+        include_str!("../../models/humanoidstandup.xml"),
+    ),
+    BuiltIn::new(
+        "inverted_double_pendulum.xml",
+        include_str!("../../models/inverted_double_pendulum.xml"),
+    ),
+    BuiltIn::new(
+        "inverted_pendulum.xml",
+        include_str!("../../models/inverted_pendulum.xml"),
+    ),
+    BuiltIn::new("pusher.xml", include_str!("../../models/pusher.xml")),
+    BuiltIn::new("pusher_v5.xml", include_str!("../../models/pusher_v5.xml")),
+    BuiltIn::new("reacher.xml", include_str!("../../models/reacher.xml")),
+    BuiltIn::new("swimmer.xml", include_str!("../../models/swimmer.xml")),
+    BuiltIn::new("walker2d.xml", include_str!("../../models/walker2d.xml")),
+    BuiltIn::new(
+        "walker2d_v5.xml",
+        include_str!("../../models/walker2d_v5.xml"),
+    ),
+];
 
 /// The names of the built-in models, and their texts in MJCF.
 pub fn models() -> impl Iterator<Item = (&'static str, &'static str)> {

@@ -7,12 +7,12 @@ use serde_json::{Value, json};
 
 use crate::common::same;
 
-/// What `tests/peers/mujoco_models.py` wrote.
+/// The recording of `tests/peers/mujoco_models.py`.
 fn recording() -> Value {
     serde_json::from_str(include_str!("../recorded/changes.json")).unwrap()
 }
 
-/// For each version the model, and what libmujoco made of it.
+/// The model and the recording of libmujoco, for each version.
 fn versions() -> Vec<(Model, Value)> {
     let file = recording();
     let versions = file["versions"].as_object().unwrap().iter();
@@ -46,7 +46,7 @@ fn steps(m: &Model, take: impl Fn(&Model, &mut Data)) -> Data {
     d
 }
 
-/// Puts a number, or the first numbers of a row, into the figure of a name.
+/// Replaces a number, or the first numbers of a row, of the named figure.
 fn apply(m: &CompiledModel, change: &Value) -> CompiledModel {
     let mut figures = serde_json::to_value(m).unwrap();
     let mut place = &mut figures;
@@ -114,7 +114,7 @@ fn a_change_that_is_refused_leaves_the_model() {
         "{error}"
     );
     assert_eq!(before, *m);
-    // nothing changes where nothing is changed
+    // an empty change keeps every figure
     m.change(|_| ()).unwrap();
     assert_eq!(before, *m);
 }

@@ -293,9 +293,8 @@ fn bad_controls_count_as_none() {
     }
 }
 
-/// The figures of a model, as they are stored, with another number in one place: each in turn is
-/// changed a little, much, and to the impossible. Of an array the first, middle and last row stand
-/// for all.
+/// Copies of the stored figures of a model, each with one number changed: a little, a lot, or to an
+/// impossible value. Of each array, only the first, the middle and the last row are changed.
 fn damaged(figures: &Json) -> Vec<Json> {
     let mut all = Vec::new();
     for (field, numbers) in figures.as_object().unwrap() {

@@ -62,29 +62,29 @@ pub fn widest<K: Kernel>(level: Level, kernel: K) -> K::Output {
     if cfg!(feature = "emulate-fma") {
         return kernel.run::<One<Emulated>>(());
     }
-    #[cfg(any(target_arch = "x86", target_arch = "x86_64", target_arch = "aarch64"))]
-    macro_rules! run {
-        ($simd:expr) => {{
-            let simd = $simd;
-            return simd.vectorize(
-                #[inline(always)]
-                || kernel.run::<Lanes<_>>(simd),
-            );
-        }};
-    }
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     if let Some(simd) = level.as_avx512() {
-        run!(simd)
+        return in_lanes(simd, kernel);
     } else if let Some(simd) = level.as_avx2() {
-        run!(simd)
+        return in_lanes(simd, kernel);
     }
     #[cfg(target_arch = "aarch64")]
     if let Some(simd) = level.as_neon() {
-        run!(simd)
+        return in_lanes(simd, kernel);
     }
     // other CPUs compute one number at a time
     let _ = level;
     kernel.run::<One<Emulated>>(())
+}
+
+/// Runs `kernel` with the registers of `simd`.
+#[cfg(any(target_arch = "x86", target_arch = "x86_64", target_arch = "aarch64"))]
+#[inline(always)]
+fn in_lanes<S: Simd, K: Kernel>(simd: S, kernel: K) -> K::Output {
+    simd.vectorize(
+        #[inline(always)]
+        || kernel.run::<Lanes<S>>(simd),
+    )
 }
 
 /// Calls `hardware`, compiled with FMA, if this CPU has it, otherwise `emulated`. Both must be

@@ -29,7 +29,7 @@ pub trait Real:
     /// Proof that the CPU has the required instructions.
     type Token: Copy;
 
-    /// The number of numbers.
+    /// The number of lanes.
     const LANES: usize;
 
     /// Returns a register in which every number is `x`.

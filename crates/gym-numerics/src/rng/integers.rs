@@ -7,26 +7,26 @@ use super::Generator;
 use crate::math::ln_1p;
 
 /// Lemire's method (<https://arxiv.org/abs/1805.10941>): draws a number below `n` from words of
-/// `next`; `n` must not be 0.
-macro_rules! lemire {
-    ($name:ident, $word:ty, $product:ty) => {
-        #[inline]
-        fn $name(n: $word, mut next: impl FnMut() -> $word) -> $word {
-            let mut product = <$product>::from(next()) * <$product>::from(n);
-            // the threshold costs a division; it is below `n`, so most draws do not need it
-            if (product as $word) < n {
-                let threshold = n.wrapping_neg() % n;
-                while (product as $word) < threshold {
-                    product = <$product>::from(next()) * <$product>::from(n);
-                }
-            }
-            (product >> <$word>::BITS) as $word
-        }
+/// `next`, which have `BITS` bits; `n` must be a word and not 0.
+#[inline(always)]
+fn below<const BITS: u32>(n: u64, mut next: impl FnMut() -> u64) -> u64 {
+    let mut draw = || {
+        let product = u128::from(next()) * u128::from(n);
+        (
+            (product >> BITS) as u64,
+            product as u64 & (u64::MAX >> (64 - BITS)),
+        )
     };
+    let (mut whole, mut rest) = draw();
+    // the threshold costs a division; it is below `n`, so most draws do not need it
+    if rest < n {
+        let threshold = ((1 << BITS) - u128::from(n)) as u64 % n;
+        while rest < threshold {
+            (whole, rest) = draw();
+        }
+    }
+    whole
 }
-lemire!(below_u8, u8, u16);
-lemire!(below_u32, u32, u64);
-lemire!(below_u64, u64, u128);
 
 impl Generator {
     /// Draws uniformly from `[low, high)`: numpy's `integers(low, high)`.
@@ -41,9 +41,9 @@ impl Generator {
         };
         let offset = match u32::try_from(n) {
             Ok(1) => 0,
-            Ok(n) => u64::from(below_u32(n, || self.next_u32())),
+            Ok(n) => below::<32>(n.into(), || self.next_u32().into()),
             Err(_) if n == 1 << 32 => u64::from(self.next_u32()),
-            Err(_) => below_u64(n, || self.next_u64()),
+            Err(_) => below::<64>(n, || self.next_u64()),
         };
         low.wrapping_add(offset as i64)
     }
@@ -113,7 +113,7 @@ impl Generator {
             *out = match high.saturating_sub(low) {
                 0 => low,
                 u8::MAX => next(),
-                range => low + below_u8(range + 1, &mut next),
+                range => low + below::<8>(u64::from(range) + 1, || next().into()) as u8,
             };
         }
     }

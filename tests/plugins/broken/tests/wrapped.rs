@@ -35,7 +35,10 @@ fn stacks() -> Vec<(Json, &'static [&'static str])> {
             KEEPS_OBSERVATIONS,
         ),
         (
-            json!([["TimeAwareObservation", {"flatten": false}], ["FilterObservation", {"filter_keys": ["time"]}]]),
+            json!([
+                ["TimeAwareObservation", {"flatten": false}],
+                ["FilterObservation", {"filter_keys": ["time"]}],
+            ]),
             COUNTS_STEPS,
         ),
         (
@@ -47,7 +50,10 @@ fn stacks() -> Vec<(Json, &'static [&'static str])> {
             ESTIMATES,
         ),
         (
-            json!([["MaxAndSkipObservation", {"skip": 2}], ["ReshapeObservation", {"shape": [2, 1]}]]),
+            json!([
+                ["MaxAndSkipObservation", {"skip": 2}],
+                ["ReshapeObservation", {"shape": [2, 1]}],
+            ]),
             &[],
         ),
         (json!([["DtypeObservation", {"dtype": "float64"}]]), &[]),
@@ -61,7 +67,12 @@ fn stacks() -> Vec<(Json, &'static [&'static str])> {
         ),
         (json!([["DiscretizeObservation", {"bins": 7}]]), &[]),
         (
-            json!([["StickyAction", {"repeat_action_probability": 0.5, "repeat_action_duration": [2, 4]}]]),
+            json!([
+                [
+                    "StickyAction",
+                    {"repeat_action_probability": 0.5, "repeat_action_duration": [2, 4]},
+                ],
+            ]),
             &[],
         ),
         (json!([["RepeatAction", {"num_repeats": 2}]]), &[]),

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use gym::{Error, Result};
 use gym_cli::Document;
 
-/// A limit, because the list of environments loads all GIFs.
+/// The limit for all images of a page: the list of environments loads every GIF.
 const MAX_IMAGE_BYTES: u64 = 4_000_000;
 
 /// The lines around a part of a page that the commands write.
@@ -123,7 +123,7 @@ fn prose(text: &str) -> impl Iterator<Item = &str> {
 
 /// The file that a link of `page` leads to, if it is in the book; or the fault.
 fn target(folder: &Path, page: &Path, link: &str) -> Result<Option<PathBuf>, String> {
-    // the chapters to come have no target
+    // links without a target are chapters that are not written yet
     if link.is_empty() || link.starts_with("https://") || link.starts_with("http://") {
         return Ok(None);
     }

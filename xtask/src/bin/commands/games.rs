@@ -14,7 +14,7 @@ const MARKS: Marks = [
     "<!-- end of games -->\n",
 ];
 
-/// The page with its table as the games are.
+/// The page, with the table of the supported games.
 pub(crate) fn document(folder: &Path) -> Result<Document> {
     book::page(folder, PAGE, MARKS, &table())
 }

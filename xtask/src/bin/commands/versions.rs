@@ -18,10 +18,10 @@ const MARKS: Marks = [
 ];
 const STEPS: usize = 1000;
 const SEED: u64 = 0;
-/// Differences whose first steps are told; the first is any bit.
+/// The limits of differences in the table; with 0, a difference of one bit counts.
 const LIMITS: [f64; 3] = [0.0, 1e-9, 1e-3];
 
-/// The page with its tables.
+/// The page, with the tables of versions and of differences.
 pub(crate) fn document(folder: &Path) -> Result<Document> {
     let written = |error: std::fmt::Error| Error::custom(error.to_string());
     let mut text = String::from("| `mujoco` | equal to MuJoCo |\n|---|---|\n");

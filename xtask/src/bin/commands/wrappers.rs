@@ -15,13 +15,13 @@ const MARKS: Marks = [
     "<!-- end of wrappers -->\n",
 ];
 
-/// The page with its table as the registrations are.
+/// The page, with the table of the registered wrappers.
 pub(crate) fn document(folder: &Path) -> Result<Document> {
     let mut table =
         String::from("| wrapper | around | what it does | arguments |\n|---|---|---|---|\n");
     let all = registry::wrappers();
     for (i, wrapper) in all.iter().enumerate() {
-        // one row where an environment's and a vector's are two types
+        // one row for a wrapper of environments and its counterpart for vectors
         if i > 0 && all[i - 1].name == wrapper.name {
             continue;
         }

@@ -68,7 +68,7 @@ pub(super) fn add_actuators(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
     Ok(())
 }
 
-/// What an actuator acts on.
+/// The kind and the id of an actuator's target.
 fn transmission(m: &CompiledModel, actuator: &Actuator) -> Result<(TransmissionType, [i32; 2])> {
     let place = &actuator.place;
     let Some((attribute, name)) = &actuator.target else {
@@ -101,7 +101,7 @@ fn transmission(m: &CompiledModel, actuator: &Actuator) -> Result<(TransmissionT
     })
 }
 
-/// The range of a servo, as a part of its target's.
+/// The range of a servo: `inheritrange` times the range of its target.
 fn inherited(
     m: &CompiledModel,
     actuator: &Actuator,

@@ -105,7 +105,7 @@ pub(super) fn add_body(m: &mut CompiledModel, spec: &Spec, id: usize, body: &Bod
     Ok(())
 }
 
-/// The first of so many elements; -1 if there is none.
+/// The id of the first of `count` elements, if the next free id is `next`; -1 if `count` is 0.
 fn address(next: usize, count: usize) -> i32 {
     if count == 0 { -1 } else { next as i32 }
 }
@@ -133,7 +133,7 @@ fn add_joint(
     let (free, ball) = (*kind == JointType::Free, *kind == JointType::Ball);
     let names = ["range", "limited"];
     let range = if ball {
-        // of the angle to the initial orientation
+        // a ball joint limits the angle from its initial orientation
         [-1.0, joint.range[1]]
     } else {
         joint.range
@@ -231,8 +231,9 @@ fn add_joint(
     Ok(())
 }
 
-/// The frame between two ends, along z, and the half length between them as the second size: of a
-/// geom or a site with `fromto`. It does not go with a position.
+/// The frame and the size of a geom or site that has `fromto`: the centre of the segment, the z
+/// axis along it, and half its length as the second size. `fromto` and a position exclude each
+/// other.
 fn between(
     place: &Place,
     [x0, y0, z0, x1, y1, z1]: [f64; 6],
@@ -251,7 +252,7 @@ fn between(
     Ok((pos, from_z(along)))
 }
 
-/// A direction that is given in a frame.
+/// Turns a direction from `frame` to its body's frame.
 pub(super) fn turned(frame: Option<Frame>, direction: [f64; 3]) -> [f64; 3] {
     match frame {
         Some((_, quat)) if quat != IDENTITY => rotate_quat(direction, quat),
@@ -259,7 +260,7 @@ pub(super) fn turned(frame: Option<Frame>, direction: [f64; 3]) -> [f64; 3] {
     }
 }
 
-/// Adds a geom and returns its mass and where it is in its body.
+/// Adds a geom; returns its mass, and its centre and axes in the body's frame.
 fn add_geom(m: &mut CompiledModel, spec: &Spec, body: usize, geom: &Geom) -> Result<Inertia> {
     let Geom { place, shape, .. } = geom;
     let mut size = geom.size;
@@ -296,7 +297,7 @@ fn add_geom(m: &mut CompiledModel, spec: &Spec, body: usize, geom: &Geom) -> Res
     }
     let volume = inertia::volume(*shape, size, geom.shell);
     let mass = match geom.mass {
-        // a stated mass of a shape without volume does not count
+        // MuJoCo ignores the `mass` of a shape without volume
         Some(mass) if mass == 0.0 || volume > EPS => mass,
         Some(_) => 0.0,
         None => geom.density * volume,
@@ -378,10 +379,9 @@ pub(super) fn single(rgba: [f64; 4]) -> [f64; 4] {
     rgba.map(|x| f64::from(x as f32))
 }
 
-/// The mass of a body: that of its element `inertial`, or that of its geoms.
+/// The inertia of a body: from its element `inertial`, or from its geoms.
 ///
-/// Where there is neither, MuJoCo takes the body's frame in its parent for the inertial frame, and
-/// so does this.
+/// Without both, the inertial frame is the body's frame in its parent, as in MuJoCo.
 fn inertia_of(body: &Body, id: usize, spec: &Spec, parts: &[Inertia]) -> Result<Inertia> {
     let compiler = &spec.compiler;
     let heavy: Vec<Inertia> = parts

@@ -13,11 +13,11 @@ use super::xml::Place;
 use crate::model::{CompiledModel, mark_simple, with_constants};
 use crate::{Model, Result};
 
-/// The most bodies, geoms and degrees of freedom, as the engine's matrices are dense; and the most
-/// of everything that is looked up by its name.
+/// The largest number of bodies, geoms and degrees of freedom, because the engine's matrices are
+/// dense, and of each kind of object that is looked up by name.
 pub(super) const MOST: usize = 1000;
 
-/// The figures, but for those that follow from the inertia matrix in the initial configuration.
+/// Computes all figures except those that need the inertia matrix of the initial configuration.
 pub(super) fn compile(spec: &Spec) -> Result<Box<CompiledModel>> {
     let mut m = Box::new(CompiledModel {
         model: spec.name.clone(),
@@ -44,8 +44,7 @@ pub(super) fn compile(spec: &Spec) -> Result<Box<CompiledModel>> {
     Ok(m)
 }
 
-/// The model, with the figures that follow from others, and with those that the text states in
-/// their place.
+/// Completes the model: computes the remaining figures, and replaces those that the text states.
 pub(super) fn finish(m: Box<CompiledModel>, spec: &Spec) -> Result<Model> {
     let mut m = with_constants(m)?;
     state_statistics(&mut m, &spec.statistic);
@@ -70,7 +69,7 @@ fn add_spring_dampers(m: &mut CompiledModel, spec: &Spec) {
     }
 }
 
-/// Numbers that the model states replace computed ones.
+/// Replaces computed statistics by those that the model states.
 fn state_statistics(m: &mut CompiledModel, stated: &Statistic) {
     let stat = &mut m.stat;
     for (value, stated) in [
@@ -94,7 +93,7 @@ fn scale_mass(m: &mut CompiledModel, total: Option<f64>) {
         .for_each(|moment| *moment *= scale);
 }
 
-/// Refuses bodies that can move and have no mass: nothing would resist a force on them.
+/// Refuses bodies that can move and have no mass: their acceleration would be infinite.
 fn check_mass(m: &CompiledModel, spec: &Spec) -> Result<()> {
     let mut heavy: Vec<bool> = (0..m.nbody())
         .map(|b| {
@@ -156,7 +155,7 @@ fn add_looks(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
     Ok(())
 }
 
-/// Refuses more of a kind than can be looked up in a moment.
+/// Refuses more than [`MOST`] objects of a kind: look-ups by name would take too long.
 fn check_counts(spec: &Spec) -> Result<()> {
     let sections = [
         ("materials", spec.materials.len()),
@@ -223,7 +222,7 @@ fn check_names(spec: &Spec) -> Result<()> {
     Ok(())
 }
 
-/// Whether a range holds, which by default it does where it is given.
+/// Whether a range is a limit. By default it is one if it is given.
 fn limited(
     stated: Option<bool>,
     range: [f64; 2],

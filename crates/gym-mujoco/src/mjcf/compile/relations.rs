@@ -49,13 +49,14 @@ pub(super) fn add_excludes(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
     Ok(())
 }
 
-/// Two bodies as one number.
+/// MuJoCo's number of a pair of bodies.
 fn signature([b1, b2]: [usize; 2]) -> u32 {
     let (first, second) = (b1.min(b2), b1.max(b2));
     ((first as u32) << 16) + second as u32
 }
 
-/// Pairs of geoms, sorted by their bodies; what they do not say follows from the geoms.
+/// Adds the pairs of geoms, sorted by their bodies. Figures that a pair does not give follow from
+/// its geoms.
 pub(super) fn add_pairs(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
     let mut pairs = Vec::new();
     for pair in &spec.pairs {
@@ -83,7 +84,8 @@ pub(super) fn add_pairs(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
         m.pair_geom2.push(g2);
         m.pair_dim.push(pair.condim.unwrap_or(mixed.dim));
         m.pair_friction.push(friction);
-        // MuJoCo 3.12 takes the lesser numbers of geoms of one priority, however these are given
+        // between geoms of equal priority, MuJoCo 3.12 takes the smaller numbers, whether direct or
+        // not
         let solref = if m.revision == Revision::V3_12 && m.geom_priority[g1] == m.geom_priority[g2]
         {
             let (a, b) = (m.geom_solref[g1], m.geom_solref[g2]);
@@ -187,7 +189,7 @@ fn add_wrap(m: &mut CompiledModel, place: &Place, wrap: &Wrap) -> Result<()> {
     Ok(())
 }
 
-/// Refuses paths that lead nowhere.
+/// Refuses paths that MuJoCo cannot follow.
 fn check_path(place: &Place, path: &[WrapType]) -> Result<()> {
     let at = |i: usize| path.get(i).copied();
     let before = |i: usize| i.checked_sub(1).and_then(at);
@@ -234,7 +236,7 @@ pub(super) fn add_equalities(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
             _ if equality.sites => ObjectType::Site,
             _ => ObjectType::Body,
         };
-        // a body that is not named is the world
+        // the second body is the world, if it is not named
         let second = if objects == ObjectType::Body {
             second.max(0)
         } else {

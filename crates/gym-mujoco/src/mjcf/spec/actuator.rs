@@ -13,7 +13,7 @@ with_defaults! {
     struct Actuator {
         place: Place = Place::default(),
         name: Option<String> = None,
-        /// The attribute that names what it acts on, and the name.
+        /// The attribute that names the target, and the target's name.
         target: Option<(&'static str, String)> = None,
         reference_site: Option<String> = None,
         gear: [f64; 6] = [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
@@ -24,7 +24,8 @@ with_defaults! {
         act_range: [f64; 2] = [0.0; 2],
         act_limited: Option<bool> = None,
         length_range: [f64; 2] = [0.0; 2],
-        /// The part of the target's range that the control's or the activation's is.
+        /// `inheritrange`: the range of the control or of the activation, as a share of the
+        /// target's range.
         inherit_range: f64 = 0.0,
         dynamics: DynamicsType = DynamicsType::None,
         gain: GainType = GainType::Fixed,
@@ -37,7 +38,7 @@ with_defaults! {
     }
 }
 
-/// The elements.
+/// The names of the elements.
 pub(crate) const KINDS: [&str; 8] = [
     "general",
     "motor",
@@ -132,7 +133,8 @@ impl Actuator {
         Ok(())
     }
 
-    /// A servo for the position, or for the velocity by an integrated position.
+    /// Reads a servo: of `position`, or of `intvelocity`, which integrates its control to a
+    /// position.
     fn read_servo(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
         let kp = element.number("kp")?.unwrap_or(self.gainprm[0]);
         (self.gainprm[0], self.biasprm[1]) = (kp, -kp);
@@ -207,7 +209,7 @@ impl Actuator {
     }
 
     fn read_muscle(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
-        // the numbers of other actuators give way to those of a muscle
+        // the defaults of other actuators become a muscle's
         for (k, general, own) in [(0, 1.0, 0.01), (1, 0.0, 0.04)] {
             if self.dynprm[k] == general {
                 self.dynprm[k] = own;

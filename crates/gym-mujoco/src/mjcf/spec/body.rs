@@ -5,7 +5,7 @@ use crate::Result;
 use crate::mjcf::orientation::{EPS, Orientation, norm};
 use crate::mjcf::xml::{Element, Place};
 
-/// A body and what belongs to it.
+/// A body and its parts.
 #[derive(Debug, Default)]
 pub(crate) struct Body {
     pub(crate) place: Place,
@@ -24,7 +24,7 @@ pub(crate) struct Body {
     pub(crate) lights: Vec<Light>,
 }
 
-/// The mass of a body as it is written.
+/// The mass of a body as the text gives it.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Inertial {
     pub(crate) place: Place,
@@ -34,12 +34,12 @@ pub(crate) struct Inertial {
     pub(crate) moments: Moments,
 }
 
-/// Moments of inertia as they are written.
+/// Moments of inertia as the text gives them.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Moments {
-    /// About the axes of the orientation.
+    /// `diaginertia`: about the axes of the orientation.
     Principal([f64; 3]),
-    /// xx, yy, zz, xy, xz, yz.
+    /// `fullinertia`: xx, yy, zz, xy, xz, yz.
     Full([f64; 6]),
 }
 
@@ -123,7 +123,7 @@ impl Camera {
 }
 
 with_defaults! {
-    /// A light. Its colours are ignored: pictures have a light of their own.
+    /// A light. Its colours are ignored: the renderer has its own light.
     struct Light {
         name: Option<String> = None,
         directional: bool = false,

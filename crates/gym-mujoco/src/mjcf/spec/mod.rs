@@ -59,7 +59,7 @@ pub(crate) struct Spec {
 }
 
 impl Spec {
-    /// Says where in the text the cause of an error is that was found in the figures.
+    /// Adds to an error about a figure the place of its cause in the text.
     pub(crate) fn located(&self, error: Error) -> Error {
         let geom = match error {
             Error::Pair { second, .. } => {
@@ -80,7 +80,7 @@ with_defaults! {
     struct Compiler {
         degree: bool = true,
         autolimits: bool = true,
-        /// `None`: where a body has no `inertial`.
+        /// `None` is MJCF's `auto`: for bodies without an element `inertial`.
         inertia_from_geom: Option<bool> = None,
         /// The groups of geoms that have mass.
         inertia_groups: [i32; 2] = [0, 5],
@@ -92,7 +92,7 @@ with_defaults! {
     }
 }
 
-/// The axes of Euler angles: for each angle the axis, and whether it is one that does not turn.
+/// The axis of each Euler angle, and whether that axis is fixed.
 pub(crate) type Sequence = [(usize, bool); 3];
 
 impl Compiler {
@@ -127,7 +127,7 @@ impl Compiler {
                     .attribute("eulerseq", "needs three of xyzXYZ")
             })?;
         }
-        // of files that are not read, or without effect on the figures
+        // attributes of files that are not read, and attributes without effect on the figures
         element.ignore(&[
             "assetdir",
             "meshdir",
@@ -202,7 +202,7 @@ fn read_solref(
     Err(element.place().attribute(name, reason))
 }
 
-/// The axes of a text such as `xyz`, where capital letters name axes that do not turn.
+/// The axes in a text such as `xyz`. Capital letters name fixed axes.
 fn sequence(text: &str) -> Option<Sequence> {
     let axis = |letter: char| {
         let small = letter.to_ascii_lowercase();
@@ -212,7 +212,7 @@ fn sequence(text: &str) -> Option<Sequence> {
     axes?.try_into().ok()
 }
 
-/// The limits that hold where they are said to, or where there is a range.
+/// The values of a `limited` attribute. `auto` means limited if there is a range.
 const LIMITED: [(&str, Option<bool>); 3] =
     [("auto", None), ("false", Some(false)), ("true", Some(true))];
 

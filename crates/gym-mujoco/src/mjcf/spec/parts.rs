@@ -6,7 +6,7 @@ use crate::mjcf::orientation::{EPS, Orientation, norm};
 use crate::mjcf::xml::{Element, Place};
 use crate::model::{GeomType, JointType};
 
-/// A frame within a body, in which parts are given: position and quaternion.
+/// The position and the quaternion of an element `frame`, relative to its body.
 pub(crate) type Frame = ([f64; 3], [f64; 4]);
 
 with_defaults! {
@@ -23,7 +23,7 @@ with_defaults! {
         spring_reference: f64 = 0.0,
         stiffness: f64 = 0.0,
         damping: f64 = 0.0,
-        /// Time constant and damping ratio that stiffness and damping follow from.
+        /// The time constant and the damping ratio that determine stiffness and damping.
         spring_damper: [f64; 2] = [0.0; 2],
         armature: f64 = 0.0,
         friction_loss: f64 = 0.0,
@@ -32,7 +32,7 @@ with_defaults! {
         solimp: [f64; 5] = SOLIMP,
         solref_friction: [f64; 2] = SOLREF,
         solimp_friction: [f64; 5] = SOLIMP,
-        /// The range of the actuators' force, and whether it holds.
+        /// The range of the actuators' force, and whether it limits the force.
         force_range: [f64; 2] = [0.0; 2],
         force_limited: Option<bool> = None,
         actuator_gravcomp: bool = false,
@@ -132,9 +132,9 @@ with_defaults! {
         rgba: [f64; 4] = GREY,
         material: Option<String> = None,
         group: i32 = 0,
-        /// Whether the mass is on the surface.
+        /// Whether the mass lies on the surface.
         shell: bool = false,
-        /// Whether the medium acts on the shape as an ellipsoid, and how strongly.
+        /// Whether fluid forces use the ellipsoid model, and its coefficients.
         fluid_ellipsoid: bool = false,
         fluid: [f64; 5] = [0.5, 0.25, 1.5, 1.0, 1.0],
         frame: Option<Frame> = None,
@@ -171,7 +171,7 @@ impl Geom {
             }
             self.condim = condim;
         }
-        // bits, which may be written as a negative number
+        // bit masks, which may be given as negative numbers
         replace(
             &mut self.contype,
             element.integer::<i32>("contype")?.map(|bits| bits as u32),
@@ -204,7 +204,7 @@ impl Geom {
 }
 
 with_defaults! {
-    /// A site: a place that is drawn, and where sensors, tendons and actuators act.
+    /// A site: a visible place to which sensors, tendons and actuators refer.
     struct Site {
         place: Place = Place::default(),
         name: Option<String> = None,

@@ -28,7 +28,7 @@ impl Exclude {
     }
 }
 
-/// A pair of geoms that collide, with figures of their own where they are given.
+/// A pair of geoms that collide, and the figures that it gives.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Pair {
     pub(crate) place: Place,
@@ -83,7 +83,7 @@ with_defaults! {
         place: Place = Place::default(),
         name: Option<String> = None,
         kind: EqualityType = EqualityType::Connect,
-        /// Whether the names are of sites, where they could be of bodies.
+        /// Whether the names are of sites, not of bodies.
         sites: bool = false,
         names: [Option<String>; 2] = [None, None],
         active: bool = true,
@@ -102,7 +102,7 @@ pub(crate) const EQUALITIES: [(&str, EqualityType, [&str; 2]); 4] = [
 ];
 
 impl Equality {
-    /// Reads what all kinds have.
+    /// Reads the attributes that all kinds share.
     pub(crate) fn read_common(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
         self.place = element.place();
         replace(&mut self.active, element.flag("active")?);
@@ -156,7 +156,7 @@ impl Equality {
     }
 }
 
-/// A stored state; what is not given is that of the initial configuration.
+/// A keyframe. Parts that it does not give are those of the initial configuration.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Key {
     pub(crate) place: Place,

@@ -17,7 +17,7 @@ pub(crate) struct Sensor {
     pub(crate) noise: f64,
 }
 
-/// A named object that a sensor is about, and the attribute that names it.
+/// The name of a sensor's object, and the attribute that gives the name.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Target {
     pub(crate) kind: ObjectType,

@@ -21,7 +21,7 @@ with_defaults! {
         friction_loss: f64 = 0.0,
         stiffness: f64 = 0.0,
         damping: f64 = 0.0,
-        /// Lengths between which the spring is slack; -1 where they follow from the initial
+        /// The lengths between which the spring is slack; -1 for the length in the initial
         /// configuration.
         spring_length: [f64; 2] = [-1.0; 2],
         wraps: Vec<(Place, Wrap)> = Vec::new(),
@@ -34,13 +34,13 @@ pub(crate) enum Wrap {
     /// A joint and its coefficient.
     Joint(String, f64),
     Site(String),
-    /// A geom, and the site on whose side the tendon passes it.
+    /// A geom that the tendon wraps around, and its side site.
     Geom(String, Option<String>),
     Pulley(f64),
 }
 
 impl Tendon {
-    /// Reads the attributes, which the kinds share.
+    /// Reads the attributes, which both kinds of tendon share.
     pub(crate) fn read(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
         self.place = element.place();
         replace(&mut self.limited, element.keyword("limited", &LIMITED)?);

@@ -2,8 +2,9 @@
 
 use serde_json::{Map, Value, json};
 
+use crate::model::bounds::bounding_box;
 use crate::model::{JointType, Parameters, body_sizes, same, same_quat};
-use crate::physics::{bounding_box, com_pos, kinematics};
+use crate::physics::{com_pos, kinematics};
 use crate::{CompiledModel, Data, Model};
 
 const UNTURNED: [f64; 4] = [1.0, 0.0, 0.0, 0.0];

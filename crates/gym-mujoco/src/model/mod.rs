@@ -13,6 +13,7 @@ macro_rules! ensure {
     };
 }
 
+pub(crate) mod bounds;
 mod check;
 mod complete;
 mod constants;

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::bounds::Tree;
 use super::laws::Laws;
 use super::pairs::{Pair, Reach, most_contacts};
 use super::paths::Paths;
@@ -39,6 +40,8 @@ pub(crate) struct Plan {
     /// enough.
     pub(crate) pairs: Vec<Pair>,
     pub(crate) reaches: Vec<Reach>,
+    /// The boxes around the geoms of each body.
+    pub(crate) bounds: Vec<Tree>,
     /// Whether the depth of some takes a polytope.
     pub(crate) deep: bool,
     /// Joints with limits.
@@ -277,6 +280,7 @@ impl Plan {
             last_dof,
             trees,
             pairs: Vec::new(),
+            bounds: Vec::new(),
             reaches: Vec::new(),
             deep: false,
             limits: Vec::new(),
@@ -327,6 +331,9 @@ impl Plan {
             plan.pairs = plan.find_pairs(m)?;
         }
         plan.deep = plan.pairs.iter().any(Pair::is_convex);
+        plan.bounds = (0..m.nbody())
+            .map(|body| Tree::new(m, body, self::geoms(m, body)))
+            .collect();
         plan.reaches = plan.pairs.iter().map(Reach::new).collect();
         plan.limits = (0..m.njnt())
             .filter(|&j| constraints && !off(Disable::Limit) && m.jnt_limited[j])

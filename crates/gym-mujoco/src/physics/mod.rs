@@ -79,7 +79,6 @@ mod work;
 mod wrap;
 
 pub use actuation::fwd_actuation;
-pub(crate) use collision::bounding_box;
 pub use collision::collision;
 pub use com::com_pos;
 pub use constraint::{Constraints, make_constraint, reference_constraint};

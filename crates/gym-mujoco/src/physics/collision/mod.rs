@@ -17,7 +17,7 @@ mod primitive;
 use super::spatial::{Mat3, Vec3, add_scaled, column, cross, dot, norm, normalize, sub};
 use crate::model::{GeomType, Pair, Reach};
 use crate::{Contact, Data, Model, Revision};
-pub(crate) use bounds::bounding_box;
+pub(in crate::physics) use bounds::Frame;
 pub(crate) use epa::Polytope;
 
 /// A geom in the world.
@@ -56,15 +56,23 @@ pub fn collision(m: &Model, d: &mut Data) {
         let frames = plan.pairs[index]
             .geom
             .map(|g| (d.geom_xpos[g], &d.geom_xmat[g]));
-        touch(m, index, frames, &mut d.work.polytope, &mut d.contact);
+        let inertial = |body: usize| (d.xipos[body], d.ximat[body]);
+        touch(
+            m,
+            index,
+            (frames, inertial),
+            &mut d.work.polytope,
+            &mut d.contact,
+        );
     }
 }
 
-/// Adds the contacts of a pair of geoms that are near, given the geoms' frames.
+/// Adds the contacts of a pair of geoms that are near, given the geoms' frames, and the inertial
+/// frames of bodies.
 pub(in crate::physics) fn touch(
     m: &Model,
     index: usize,
-    frames: [(Vec3, &Mat3); 2],
+    (frames, inertial): ([(Vec3, &Mat3); 2], impl Fn(usize) -> Frame),
     polytope: &mut Polytope,
     contacts: &mut Vec<Contact>,
 ) {
@@ -133,7 +141,7 @@ pub(in crate::physics) fn touch(
     if pair.boxed
         && contacts.len() > first
         && contacts[first..].iter().all(shallow)
-        && bounds::apart(pair.kind, [a, b], pair.margin)
+        && bounds::apart(m, pair, [a, b], inertial)
     {
         contacts.truncate(first);
     }

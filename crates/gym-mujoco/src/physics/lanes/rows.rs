@@ -160,11 +160,15 @@ impl Rows {
             .geom
             .map(|g| a.geom_xmat[g].each_ref().map(|cell| cell.0[world]));
         let frames = [0, 1].map(|k| (of(&a.geom_xpos[pair.geom[k]]), &mats[k]));
+        let inertial = |body: usize| {
+            let mat = a.ximat[body].each_ref().map(|cell| cell.0[world]);
+            (of(&a.xipos[body]), mat)
+        };
         let first = self.contacts[world].len();
         touch(
             m,
             index,
-            frames,
+            (frames, inertial),
             &mut self.polytope,
             &mut self.contacts[world],
         );

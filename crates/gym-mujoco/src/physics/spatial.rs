@@ -127,16 +127,25 @@ pub(crate) trait Order {
     /// The quaternion at length 1; the identity for one shorter than [`MINVAL`].
     #[inline(always)]
     fn normalize_quat<N: Number>(place: N::Place, q: [N; 4]) -> [N; 4] {
-        let length = Self::sum(q.map(|x| x * x)).sqrt();
-        let long = || {
-            let scaled = || {
-                let s = length.inverse();
-                q.map(|x| x * s)
-            };
-            N::choose(length.is_off(1.0, MINVAL), scaled, || q)
-        };
-        let none = || number::of(place, [1.0, 0.0, 0.0, 0.0]);
-        N::choose(length.is_below(MINVAL), none, long)
+        let length = Self::sum([q[0] * q[0], q[1] * q[1], q[2] * q[2], q[3] * q[3]]).sqrt();
+        N::choose(
+            length.is_below(MINVAL),
+            #[inline(always)]
+            || number::of(place, [1.0, 0.0, 0.0, 0.0]),
+            #[inline(always)]
+            || {
+                N::choose(
+                    length.is_off(1.0, MINVAL),
+                    #[inline(always)]
+                    || {
+                        let s = length.inverse();
+                        [q[0] * s, q[1] * s, q[2] * s, q[3] * s]
+                    },
+                    #[inline(always)]
+                    || q,
+                )
+            },
+        )
     }
 
     /// The rotation matrix of a quaternion of length 1.
@@ -175,7 +184,9 @@ pub(crate) trait Order {
         let speed = dot(velocity, velocity).sqrt();
         let axis = N::choose(
             speed.is_below(MINVAL),
+            #[inline(always)]
             || number::of(place, [1.0, 0.0, 0.0]),
+            #[inline(always)]
             || scale(velocity, speed.inverse()),
         );
         Self::mul_quat(
@@ -245,12 +256,16 @@ pub(crate) fn axis_angle<N: Number + Mul<V, Output = N>, V: Copy>(
     axis: [V; 3],
     angle: N,
 ) -> [N; 4] {
-    let turned = || {
-        let (s, c) = (angle * 0.5).sin_cos();
-        [c, s * axis[0], s * axis[1], s * axis[2]]
-    };
-    let none = || number::of(place, [1.0, 0.0, 0.0, 0.0]);
-    N::choose(angle.is_zero(), none, turned)
+    N::choose(
+        angle.is_zero(),
+        #[inline(always)]
+        || number::of(place, [1.0, 0.0, 0.0, 0.0]),
+        #[inline(always)]
+        || {
+            let (s, c) = (angle * 0.5).sin_cos();
+            [c, s * axis[0], s * axis[1], s * axis[2]]
+        },
+    )
 }
 
 /// `v` rotated by a quaternion.

@@ -62,12 +62,21 @@ pub(crate) fn norm(a: Vec3) -> f64 {
 /// The vector at length 1, and its length before; `(1, 0, 0)` for one shorter than [`MINVAL`].
 #[inline]
 pub(crate) fn normalize(a: Vec3) -> (Vec3, f64) {
-    let length = norm(a);
-    if length < MINVAL {
-        ([1.0, 0.0, 0.0], length)
-    } else {
-        (scale(a, 1.0 / length), length)
-    }
+    unit((), a)
+}
+
+/// The same, of one world or several.
+#[inline(always)]
+pub(crate) fn unit<N: Number>(place: N::Place, a: [N; 3]) -> ([N; 3], N) {
+    let length = dot(a, a).sqrt();
+    let direction = N::choose(
+        length.is_below(MINVAL),
+        #[inline(always)]
+        || number::of(place, [1.0, 0.0, 0.0]),
+        #[inline(always)]
+        || scale(a, length.inverse()),
+    );
+    (direction, length)
 }
 
 /// Column `k` of a matrix.
@@ -181,14 +190,7 @@ pub(crate) trait Order {
         velocity: [N; 3],
         time: f64,
     ) -> [N; 4] {
-        let speed = dot(velocity, velocity).sqrt();
-        let axis = N::choose(
-            speed.is_below(MINVAL),
-            #[inline(always)]
-            || number::of(place, [1.0, 0.0, 0.0]),
-            #[inline(always)]
-            || scale(velocity, speed.inverse()),
-        );
+        let (axis, speed) = unit(place, velocity);
         Self::mul_quat(
             Self::normalize_quat(place, q),
             axis_angle(place, axis, speed * time),

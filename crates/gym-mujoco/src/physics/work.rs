@@ -13,6 +13,8 @@ use crate::model::Cone;
 pub(crate) struct Work {
     /// Sizes of the model that they are for.
     sizes: Option<[usize; 15]>,
+    /// Whether a force is applied to a joint or a body.
+    pub(crate) pushed: bool,
     /// Composite inertias.
     pub(crate) crb: Vec<[f64; 10]>,
     /// Motion axes by components, of four degrees of freedom each.
@@ -106,6 +108,7 @@ impl Work {
             pgs: pgs::Buffers::new(m, &bounds),
             implicit: implicit::Buffers::new(m),
             sizes: Some(sizes(m)),
+            pushed: false,
             crb: vec![[0.0; 10]; m.nbody()],
             axes: vec![[[0.0; 4]; 6]; dense::groups(nv)],
             acc: vec![[0.0; 6]; m.nbody()],

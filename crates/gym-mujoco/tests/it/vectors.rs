@@ -68,7 +68,7 @@ fn the_bits_are_the_same_on_any_number_of_threads() {
 }
 
 /// Tasks whose worlds step together, and one that steps them one by one.
-const TOGETHER: [&str; 10] = [
+const TOGETHER: [&str; 13] = [
     "HalfCheetah-v5",
     "Hopper-v4",
     "Walker2d-v5",
@@ -78,6 +78,9 @@ const TOGETHER: [&str; 10] = [
     "Ant-v5",
     "Ant-v3",
     "Hopper-v5",
+    "Humanoid-v5",
+    "Humanoid-v3",
+    "HumanoidStandup-v5",
     "Reacher-v5",
 ];
 

@@ -9,6 +9,7 @@
     reason = "indices are those of the formulas"
 )]
 
+mod alone;
 mod derived;
 mod newton;
 mod rows;
@@ -18,6 +19,7 @@ mod tree;
 use fearless_simd::{Level, Simd};
 use gym_core::math::{Lanes, Real};
 
+use self::alone::Alone;
 pub use self::derived::Derived;
 use self::newton::Newton;
 use self::rows::{Rows, worlds};
@@ -221,6 +223,8 @@ pub(crate) struct Worlds {
     arrays: Arrays,
     rows: Rows,
     newton: Newton,
+    /// For projected Gauss-Seidel.
+    alone: Option<Alone>,
     /// A buffer: forces of contacts on the bodies of a world.
     cfrc_ext: Vec<[f64; 6]>,
     /// The bits of the worlds that diverged.
@@ -270,7 +274,7 @@ pub(crate) fn fits(m: &Model) -> bool {
         && m.ntree() == 1
         && m.na() == 0
         && m.nmocap() == 0
-        && m.opt.solver == Solver::Newton
+        && matches!(m.opt.solver, Solver::Newton | Solver::PGS)
         && matches!(m.opt.integrator, Integrator::Euler | Integrator::RK4)
         && m.opt.impratio == 1.0
         && m.opt.noslip_iterations == 0
@@ -283,15 +287,19 @@ pub(crate) fn fits(m: &Model) -> bool {
         && plan.laws.tendon_limits.is_empty()
         && plan.boxes.iter().all(|(_, edges)| edges.is_some())
         && plan.pairs.iter().all(|pair| pair.dim <= 3)
-        && (bounds.rows > 0 || plan.pairs.is_empty() && plan.limits.is_empty())
+        && (bounds.rows > 0
+            || m.opt.solver == Solver::PGS
+            || plan.pairs.is_empty() && plan.limits.is_empty())
 }
 
 impl Worlds {
-    pub(crate) fn new(m: &Model) -> Self {
+    /// Worlds of which these arrays are read.
+    pub(crate) fn new(m: &Model, reads: &[Derived]) -> Self {
         Self {
             arrays: Arrays::new(m),
-            rows: Rows::new(m),
+            rows: Rows::new(m, reads.contains(&Derived::CfrcExt)),
             newton: Newton::new(m),
+            alone: (m.opt.solver == Solver::PGS).then(|| Alone::new(m)),
             cfrc_ext: vec![[0.0; 6]; m.nbody()],
             diverged: 0,
         }
@@ -339,12 +347,16 @@ impl Worlds {
     fn contact_forces(&mut self, m: &Model, world: usize) {
         let a = &mut self.arrays;
         let mut forces = std::mem::take(&mut self.cfrc_ext);
+        let forces_of_rows = match &self.alone {
+            Some(alone) => &alone.force[..],
+            None => self.newton.forces(),
+        };
         forces.fill([0.0; 6]);
         for contact in &self.rows.contacts[world] {
             let Ok(row) = usize::try_from(contact.efc_address) else {
                 continue;
             };
-            let edge = |k: usize| Some(self.newton.forces()[row + k].0[world]);
+            let edge = |k: usize| Some(forces_of_rows.get(row + k)?.0[world]);
             let com = |body: usize| a.subtree_com[body].each_ref().map(|row| row.0[world]);
             push_apart(m, contact, edge, com, &mut forces);
         }
@@ -476,6 +488,7 @@ impl Worlds {
             arrays,
             rows,
             newton,
+            alone,
             ..
         } = self;
         simd.vectorize(
@@ -485,7 +498,11 @@ impl Worlds {
                 rows.reference(m, at, &arrays.qvel);
             },
         );
-        if rows.used > 0 {
+        if rows.used > 0
+            && let Some(alone) = alone
+        {
+            alone.solve(m, arrays, rows, (at.1, Lanes::<S>::LANES));
+        } else if rows.used > 0 {
             newton.solve(m, at, arrays, rows, live);
         } else {
             simd.vectorize(

@@ -4,6 +4,8 @@ use gym_core::registry::Each;
 use gym_core::vector::{Autoreset, Columns, VectorEnv, VectorEnvExt, VectorKind, VectorReset};
 use gym_core::{BoxEnv, Result, Value, builder, registry};
 use gym_mujoco::simulated;
+use gym_mujoco::tasks::models;
+use serde_json::json;
 
 /// The bits of all that a step gives back.
 fn bits(columns: &Columns) -> Vec<u64> {
@@ -227,23 +229,35 @@ fn all_arrays_are_there_when_asked_for() {
     }
 }
 
-/// One of the sub-environments has another number of timesteps in a step.
+/// One of the sub-environments has another number of timesteps in a step, or another model.
 #[test]
 fn sub_environments_with_other_arguments_step_by_themselves() {
-    let skips: Vec<_> = (0..9).map(|i| if i == 4 { 3 } else { 5 }.into()).collect();
-    let make = |kind| {
-        builder("HalfCheetah-v5")
-            .vector(9)
-            .arg_each("frame_skip", Each::Values(skips.clone()))
-            .kind(kind)
-            .build()
-    };
-    let mut pair = Pair::new(NATIVE, make, "HalfCheetah-v5".into());
-    let mut actions = pair.envs[1].action_sampler(5).unwrap();
-    let seeds = VectorReset::seeds(0..9);
-    pair.go(|envs, columns| envs.reset_into(&seeds, columns));
-    for _ in 0..50 {
-        let batch = actions.sample();
-        pair.step(&batch);
+    let (_, text) = models()
+        .find(|(name, _)| *name == "half_cheetah.xml")
+        .unwrap();
+    let rough = text.replace("friction=\"0.4 ", "friction=\"0.9 ");
+    assert_ne!(rough, text);
+    for (name, usual, other) in [
+        ("frame_skip", json!(5), json!(3)),
+        ("mujoco", json!("4.0"), json!("3.12")),
+        ("xml_file", json!("half_cheetah.xml"), json!(rough)),
+    ] {
+        let each = (0..9).map(|i| if i == 4 { other.clone() } else { usual.clone() });
+        let values: Vec<_> = each.collect();
+        let make = |kind| {
+            builder("HalfCheetah-v5")
+                .vector(9)
+                .arg_each(name, Each::Values(values.clone()))
+                .kind(kind)
+                .build()
+        };
+        let mut pair = Pair::new(NATIVE, make, format!("HalfCheetah-v5, {name}"));
+        let mut actions = pair.envs[1].action_sampler(5).unwrap();
+        let seeds = VectorReset::seeds(0..9);
+        pair.go(|envs, columns| envs.reset_into(&seeds, columns));
+        for _ in 0..50 {
+            let batch = actions.sample();
+            pair.step(&batch);
+        }
     }
 }

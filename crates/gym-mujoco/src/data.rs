@@ -183,7 +183,12 @@ struct State {
 macro_rules! for_parts {
     ($from:expr, $to:expr, $do:ident) => {{
         let (from, to) = ($from, $to);
-        for_parts!(from to $do: qpos qvel ctrl qacc_warmstart act mocap_pos mocap_quat);
+        for_parts!(from to $do: qpos qvel ctrl qacc_warmstart);
+        // most models have none of these
+        let some = [from.act.len(), from.mocap_pos.len(), to.act.len(), to.mocap_pos.len()];
+        if some != [0; 4] {
+            for_parts!(from to $do: act mocap_pos mocap_quat);
+        }
     }};
     ($from:ident $to:ident $do:ident: $($part:ident)+) => {
         $($to.$part.$do(&$from.$part);)+

@@ -148,14 +148,14 @@ impl Constraints {
         self.nisland = 0;
     }
 
-    /// Replaces the rows by rows of one tree that push: `numbers` gives stiffness, regularisation
-    /// and reference acceleration, `jac` an element of the Jacobian.
+    /// Replaces the rows by rows of one tree that push. `jac` has their Jacobians, `nv` numbers
+    /// each; `numbers` gives stiffness, regularisation and reference acceleration.
     pub(super) fn set_rows(
         &mut self,
         rows: usize,
         nv: usize,
+        mut jac: impl Iterator<Item = f64>,
         numbers: impl Fn(usize) -> [f64; 3],
-        jac: impl Fn(usize, usize) -> f64,
     ) {
         self.clear();
         push_block(self, Source::Limit(0), Kind::Limit, rows, self.stride, 0);
@@ -166,10 +166,13 @@ impl Constraints {
         }
         for row in 0..rows {
             [self.d[row], self.r[row], self.aref[row]] = numbers(row);
-            let elements = self.jac[row * self.stride..].as_flattened_mut();
-            for (dof, x) in elements[..nv].iter_mut().enumerate() {
-                *x = jac(row, dof);
-            }
+        }
+        for row in self.jac.chunks_exact_mut(self.stride) {
+            let elements = &mut row.as_flattened_mut()[..nv];
+            elements
+                .iter_mut()
+                .zip(&mut jac)
+                .for_each(|(to, x)| *to = x);
         }
     }
 

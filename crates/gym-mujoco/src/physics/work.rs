@@ -67,27 +67,6 @@ pub(crate) struct Work {
     pub(crate) qvel_start: Vec<f64>,
 }
 
-fn sizes(m: &Model) -> [usize; 15] {
-    let plan = m.plan();
-    [
-        m.nq(),
-        m.nv(),
-        m.nu(),
-        m.nbody(),
-        m.njnt(),
-        m.ngeom(),
-        m.nsite(),
-        plan.m_colind.len(),
-        m.na(),
-        m.nsensordata(),
-        plan.paths.columns.len(),
-        m.ntendon(),
-        m.ntree(),
-        m.opt.integrator as usize,
-        usize::from(m.plan().deep),
-    ]
-}
-
 impl Work {
     pub(crate) fn new(m: &Model) -> Self {
         let nv = m.nv();
@@ -107,7 +86,7 @@ impl Work {
             newton: buffers::Buffers::new(nv, bounds.rows, bounds.blocks, cones),
             pgs: pgs::Buffers::new(m, &bounds),
             implicit: implicit::Buffers::new(m),
-            sizes: Some(sizes(m)),
+            sizes: Some(m.plan().sizes),
             pushed: false,
             crb: vec![[0.0; 10]; m.nbody()],
             axes: vec![[[0.0; 4]; 6]; dense::groups(nv)],
@@ -139,6 +118,6 @@ impl Work {
     }
 
     pub(crate) fn fits(&self, m: &Model) -> bool {
-        self.sizes == Some(sizes(m))
+        self.sizes.as_ref() == Some(&m.plan().sizes)
     }
 }

@@ -1,9 +1,12 @@
 //! Projected Gauss-Seidel, world by world: the order in which it visits rows depends on their
 //! number, which differs between worlds.
 
-use super::{Arrays, Row, Rows, WORLDS};
+use fearless_simd::Simd;
+use gym_core::math::{Lanes, Real};
+
+use super::{Arrays, Place, Row, Rows, copy, load, same, store, tree};
 use crate::libm::wide;
-use crate::physics::solver::fwd_one_tree;
+use crate::physics::solver::forces_of_one_tree;
 use crate::{Data, Model};
 
 /// The solver of one world.
@@ -22,61 +25,73 @@ impl Alone {
         }
     }
 
-    /// `qacc` and `qfrc_constraint` of `lanes` worlds from the first one on.
-    pub(super) fn solve(
-        &mut self,
-        m: &Model,
-        a: &mut Arrays,
-        rows: &Rows,
-        (first, lanes): (usize, usize),
-    ) {
-        let d = &mut *self.data;
+    /// `qacc` and `qfrc_constraint` of the worlds in a register.
+    pub(super) fn solve<S: Simd>(&mut self, m: &Model, at: Place<S>, a: &mut Arrays, rows: &Rows) {
+        let (simd, first) = at;
         if self.force.len() < rows.used {
             self.force.resize(rows.used, Row::default());
         }
-        for world in first..(first + lanes).min(WORLDS) {
-            let count = rows.count[world];
-            if count == 0 {
-                for (qacc, smooth) in a.qacc.iter_mut().zip(&a.qacc_smooth) {
-                    qacc.0[world] = smooth.0[world];
-                }
+        let mut has = Row::ZERO;
+        for world in first..first + Lanes::<S>::LANES {
+            if rows.count[world] > 0 {
+                has.0[world] = 1.0;
+                self.forces(m, a, rows, world);
+            } else {
                 for force in &mut a.qfrc_constraint {
                     force.0[world] = 0.0;
                 }
-                continue;
             }
-            let of = |rows: &[Row], numbers: &mut [f64]| {
-                for (x, row) in numbers.iter_mut().zip(rows) {
-                    *x = row.0[world];
+        }
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let has = load::<S>(at, &has).gt(same(at, 0.0));
+                copy(at, &a.qfrc_constraint, &mut a.qacc);
+                tree::solve(m, at, &a.qld, &a.qld_diag_inv, &mut a.qacc);
+                for (qacc, smooth) in a.qacc.iter_mut().zip(&a.qacc_smooth) {
+                    let smooth = load(at, smooth);
+                    let pushed = load::<S>(at, qacc) + smooth;
+                    store(at, qacc, Lanes::select(has, pushed, smooth));
                 }
-            };
-            of(&a.qm, &mut d.qm);
-            of(&a.qld, &mut d.qld);
-            of(&a.qld_diag_inv, &mut d.qld_diag_inv);
-            of(&a.qacc_smooth, &mut d.qacc_smooth);
-            of(&a.warm, &mut d.qacc_warmstart);
-            let nv = m.nv();
-            d.efc.set_rows(
-                count,
-                nv,
-                |row| [&rows.d, &rows.r, &rows.aref].map(|numbers| numbers[row].0[world]),
-                |row, dof| rows.jac[row * nv + dof].0[world],
-            );
-            wide(
-                (m, &mut *d),
-                #[inline(always)]
-                |(m, d)| fwd_one_tree(m, d),
-                #[inline(always)]
-                |(m, d)| fwd_one_tree(m, d),
-            );
-            for (rows, numbers) in [
-                (&mut a.qacc, &d.qacc),
-                (&mut a.qfrc_constraint, &d.qfrc_constraint),
-                (&mut self.force, &d.efc.force),
-            ] {
-                for (row, x) in rows.iter_mut().zip(numbers) {
-                    row.0[world] = *x;
-                }
+            },
+        );
+    }
+
+    /// The forces of a world's rows, and `qfrc_constraint`.
+    fn forces(&mut self, m: &Model, a: &mut Arrays, rows: &Rows, world: usize) {
+        let (d, nv, count) = (&mut *self.data, m.nv(), rows.count[world]);
+        for i in 0..nv {
+            let diagonal = m.plan().m_diagonal(i);
+            d.qm[diagonal] = a.qm[diagonal].0[world];
+        }
+        for (numbers, rows) in [
+            (&mut d.qld, &a.qld),
+            (&mut d.qacc_smooth, &a.qacc_smooth),
+            (&mut d.qacc_warmstart, &a.warm),
+        ] {
+            for (x, row) in numbers.iter_mut().zip(rows) {
+                *x = row.0[world];
+            }
+        }
+        d.efc.set_rows(
+            count,
+            nv,
+            rows.jac[..count * nv].iter().map(|row| row.0[world]),
+            |row| [&rows.d, &rows.r, &rows.aref].map(|numbers| numbers[row].0[world]),
+        );
+        wide(
+            (m, &mut *d),
+            #[inline(always)]
+            |(m, d)| forces_of_one_tree(m, d),
+            #[inline(always)]
+            |(m, d)| forces_of_one_tree(m, d),
+        );
+        for (rows, numbers) in [
+            (&mut a.qfrc_constraint, &d.qfrc_constraint),
+            (&mut self.force, &d.efc.force),
+        ] {
+            for (row, x) in rows.iter_mut().zip(numbers) {
+                row.0[world] = *x;
             }
         }
     }

@@ -455,7 +455,7 @@ impl Worlds {
         if rows.used > 0
             && let Some(alone) = alone
         {
-            alone.solve(m, arrays, rows, (at.1, Lanes::<S>::LANES));
+            alone.solve(m, at, arrays, rows);
         } else if rows.used > 0 {
             newton.solve(m, at, arrays, rows, live);
         } else {

@@ -38,9 +38,10 @@ pub fn fwd_constraint(m: &Model, d: &mut Data) {
     }
 }
 
-/// The same by projected Gauss-Seidel, for a model of one tree and data with rows.
+/// The rows' forces and `qfrc_constraint` by projected Gauss-Seidel, for a model of one tree and
+/// data with rows.
 #[inline(always)]
-pub(super) fn fwd_one_tree(m: &Model, d: &mut Data) {
+pub(super) fn forces_of_one_tree(m: &Model, d: &mut Data) {
     d.work.tree_island.clear();
     d.work.tree_island.push(0);
     d.solver_niter.clear();
@@ -48,7 +49,8 @@ pub(super) fn fwd_one_tree(m: &Model, d: &mut Data) {
     residuals(m, &d.efc, &d.qacc_smooth, &mut d.work.dofs, &mut b);
     d.efc.b = b;
     islands(m, d);
-    pgs::solve(m, d);
+    pgs::forces(m, d);
+    add_forces(m, d);
 }
 
 /// Lists the trees and the blocks of each island, in their order.

@@ -2,8 +2,7 @@
 //! --example together -- 64 HalfCheetah-v5`.
 //!
 //! Steps two vectors by the same random actions, in turn, and prints the most steps per second of
-//! each: of many short slices, some are not interrupted. Both must see
-//! the same.
+//! each: of many short slices, some are not interrupted. Both vectors must give the same numbers.
 
 use std::time::Instant;
 

@@ -120,11 +120,14 @@ fn steps_of_sync_vectors_do_not_allocate() {
 
 /// Vectors that solve their worlds together, up to the first end of an episode.
 #[test]
-fn steps_of_native_vectors_of_box2d_do_not_allocate() {
-    for id in [
-        "LunarLander-v3",
-        "LunarLanderContinuous-v3",
-        "BipedalWalker-v3",
+fn steps_of_native_vectors_of_worlds_do_not_allocate() {
+    for (id, least) in [
+        ("LunarLander-v3", 30),
+        ("LunarLanderContinuous-v3", 30),
+        ("BipedalWalker-v3", 30),
+        ("HalfCheetah-v5", 60),
+        ("Ant-v5", 10),
+        ("InvertedDoublePendulum-v5", 2),
     ] {
         let mut envs = gym::builder(id)
             .vector(20)
@@ -134,14 +137,14 @@ fn steps_of_native_vectors_of_box2d_do_not_allocate() {
         let mut actions = envs.action_space().unwrap().sampler(1);
         let mut columns = envs.reset(0).unwrap();
         let mut steps = 0;
-        while !(0..20).any(|i| columns.done(i)) {
+        while steps < 100 && !(0..20).any(|i| columns.done(i)) {
             let actions = actions.sample();
             let count =
                 allocation_counter::measure(|| envs.step_into(&actions, &mut columns).unwrap());
             assert!(steps == 0 || count.count_total == 0, "{id}: step {steps}");
             steps += 1;
         }
-        assert!(steps > 30, "{id}: {steps}");
+        assert!(steps > least, "{id}: {steps}");
     }
 }
 

@@ -183,7 +183,12 @@ struct State {
 macro_rules! for_parts {
     ($from:expr, $to:expr, $do:ident) => {{
         let (from, to) = ($from, $to);
-        for_parts!(from to $do: qpos qvel ctrl qacc_warmstart act mocap_pos mocap_quat);
+        for_parts!(from to $do: qpos qvel ctrl qacc_warmstart);
+        // most models have none of these
+        let some = [from.act.len(), from.mocap_pos.len(), to.act.len(), to.mocap_pos.len()];
+        if some != [0; 4] {
+            for_parts!(from to $do: act mocap_pos mocap_quat);
+        }
     }};
     ($from:ident $to:ident $do:ident: $($part:ident)+) => {
         $($to.$part.$do(&$from.$part);)+
@@ -466,19 +471,19 @@ impl Data {
 
     fn state(&self) -> State {
         let mut state = State::default();
-        self.copy_state(&mut state);
+        self.copy_state(&mut state, self.is_pushed());
         state
     }
 
     /// Copies the state; nothing for forces of which none is applied.
-    fn copy_state(&self, state: &mut State) {
+    fn copy_state(&self, state: &mut State, pushed: bool) {
         state.time = self.time;
         for_parts!(self, &mut *state, clone_from);
-        self.copy_applied(state);
+        self.copy_applied(state, pushed);
     }
 
-    fn copy_applied(&self, state: &mut State) {
-        if self.is_pushed() {
+    fn copy_applied(&self, state: &mut State, pushed: bool) {
+        if pushed {
             state.qfrc_applied.clone_from(&self.qfrc_applied);
             state.xfrc_applied.clone_from(&self.xfrc_applied);
         } else {
@@ -490,9 +495,12 @@ impl Data {
     /// Whether a force is applied.
     pub(crate) fn is_pushed(&self) -> bool {
         let applied = [&self.qfrc_applied[..], self.xfrc_applied.as_flattened()];
-        applied
-            .iter()
-            .any(|forces| forces.iter().any(|x| *x != 0.0))
+        // all bits but those of signs: a loop without an exit takes several numbers at once
+        let bits = applied
+            .into_iter()
+            .flatten()
+            .fold(0, |bits, x| bits | x.to_bits());
+        bits << 1 != 0
     }
 
     fn set(&mut self, state: &State) {
@@ -508,8 +516,9 @@ impl Data {
         self.fit(m);
         (self.last, self.contact_forces) = (Some(call), false);
         (self.behind, self.is_ahead) = (false, false);
+        self.work.pushed = self.is_pushed();
         let mut before = std::mem::take(&mut self.before);
-        self.copy_state(&mut before);
+        self.copy_state(&mut before, self.work.pushed);
         before.qacc.clear();
         if call == Call::Inverse {
             before.qacc.clone_from(&self.qacc);
@@ -523,11 +532,12 @@ impl Data {
             return self.begin(m, Call::Step2);
         }
         (self.last, self.contact_forces) = (Some(Call::Step2), false);
+        self.work.pushed = self.is_pushed();
         let mut before = std::mem::take(&mut self.before);
         before.ctrl.clone_from(&self.ctrl);
         before.act.clone_from(&self.act);
         before.qacc_warmstart.clone_from(&self.qacc_warmstart);
-        self.copy_applied(&mut before);
+        self.copy_applied(&mut before, self.work.pushed);
         self.before = before;
     }
 

@@ -44,6 +44,8 @@ pub(crate) struct Plan {
     pub(crate) bounds: Vec<Tree>,
     /// Whether the depth of some takes a polytope.
     pub(crate) deep: bool,
+    /// What the sizes of buffers depend on.
+    pub(crate) sizes: [usize; 15],
     /// Joints with limits.
     pub(crate) limits: Vec<Limit>,
     /// Constraints of equality, friction and tendons.
@@ -283,6 +285,7 @@ impl Plan {
             bounds: Vec::new(),
             reaches: Vec::new(),
             deep: false,
+            sizes: [0; 15],
             limits: Vec::new(),
             plain: {
                 let elliptic = m.opt.cone == Cone::Elliptic;
@@ -339,6 +342,23 @@ impl Plan {
             .filter(|&j| constraints && !off(Disable::Limit) && m.jnt_limited[j])
             .map(|j| limit(m, j))
             .collect();
+        plan.sizes = [
+            m.nq(),
+            m.nv(),
+            m.nu(),
+            m.nbody(),
+            m.njnt(),
+            m.ngeom(),
+            m.nsite(),
+            plan.m_colind.len(),
+            m.na(),
+            m.nsensordata(),
+            plan.paths.columns.len(),
+            m.ntendon(),
+            m.ntree(),
+            m.opt.integrator as usize,
+            usize::from(plan.deep),
+        ];
         Ok(plan)
     }
 

@@ -8,11 +8,12 @@
 
 use super::bias;
 use super::dense::{self, Lanes};
+use super::number::Number;
 use super::rows;
-use super::spatial::{Vec3, Vec6, add, cross, dot, rotate, sub};
+use super::spatial::{add, cross, dot, rotate, sub};
 use crate::libm;
 use crate::model::{Bounds, Cone, Pair, Softness};
-use crate::{Contact, Data, Model};
+use crate::{Data, Model};
 
 /// The constraints of the last forward call: MuJoCo's `efc_*` arrays.
 ///
@@ -145,6 +146,34 @@ impl Constraints {
         self.loss.clear();
         self.island.clear();
         self.nisland = 0;
+    }
+
+    /// Replaces the rows by rows of one tree that push. `jac` has their Jacobians, `nv` numbers
+    /// each; `numbers` gives stiffness, regularisation and reference acceleration.
+    pub(super) fn set_rows(
+        &mut self,
+        rows: usize,
+        nv: usize,
+        mut jac: impl Iterator<Item = f64>,
+        numbers: impl Fn(usize) -> [f64; 3],
+    ) {
+        self.clear();
+        push_block(self, Source::Limit(0), Kind::Limit, rows, self.stride, 0);
+        self.nisland = 1;
+        self.island.resize(rows, 0);
+        for column in columns!(self) {
+            column.resize(rows, 0.0);
+        }
+        for row in 0..rows {
+            [self.d[row], self.r[row], self.aref[row]] = numbers(row);
+        }
+        for row in self.jac.chunks_exact_mut(self.stride) {
+            let elements = &mut row.as_flattened_mut()[..nv];
+            elements
+                .iter_mut()
+                .zip(&mut jac)
+                .for_each(|(to, x)| *to = x);
+        }
     }
 
     /// The Jacobian, row by row.
@@ -304,9 +333,17 @@ fn contacts(m: &Model, d: &mut Data) {
         contact_jacobian(
             pair,
             frames,
-            contact,
+            (contact.pos, &contact.frame, mu),
             #[inline(always)]
-            |row, dof, value| jac[row * width + dof] = value,
+            |dof, values| {
+                if rows == 1 {
+                    jac[dof] = values[0];
+                } else {
+                    for (row, value) in values.into_iter().enumerate() {
+                        jac[row * width + dof] = value;
+                    }
+                }
+            },
         );
         let (dist, margin) = (contact.dist, contact.includemargin);
         if rows == 1 {
@@ -322,31 +359,31 @@ fn contacts(m: &Model, d: &mut Data) {
     }
 }
 
-/// How the contact point moves, on the second body against the first, along the contact's normal or
-/// the edges of its pyramid. `axis` and `com` give motion axes and centres of mass, `set` receives
-/// row, degree of freedom and value.
+/// How a contact's point moves, on the second body against the first: along the edges of its
+/// pyramid or, for a pair of one dimension, four times along the normal. `axis` and `com` give
+/// motion axes and centres of mass, `set` receives degree of freedom and values.
 #[inline(always)]
-pub(super) fn contact_jacobian(
+pub(super) fn contact_jacobian<N: Number>(
     pair: &Pair,
-    (axis, com): (impl Fn(usize) -> Vec6, impl Fn(usize) -> Vec3),
-    contact: &Contact,
-    mut set: impl FnMut(usize, usize, f64),
+    (axis, com): (impl Fn(usize) -> [N; 6], impl Fn(usize) -> [N; 3]),
+    (pos, frame, mu): ([N; 3], &[N; 9], f64),
+    mut set: impl FnMut(usize, [N; 4]),
 ) {
-    let frame = &contact.frame;
     for column in &pair.columns {
         let c = axis(column.dof);
-        let offset = sub(contact.pos, com(column.root));
+        let offset = sub(pos, com(column.root));
         let moves = add([c[3], c[4], c[5]], cross([c[0], c[1], c[2]], offset));
         // libmujoco's sums begin with 0, and so are never -0
-        if contact.dim == 1 {
+        if pair.dim == 1 {
             let along = dot([frame[0], frame[1], frame[2]], moves);
-            set(0, column.dof, column.sign * along + 0.0);
+            set(column.dof, [along * column.sign + 0.0; 4]);
         } else {
-            let [n, t1, t2] = rotate(frame, moves).map(|along| column.sign * along + 0.0);
-            let (t1, t2) = (t1 * contact.mu, t2 * contact.mu);
-            for (row, value) in [n + t1, n - t1, n + t2, n - t2].into_iter().enumerate() {
-                set(row, column.dof, value);
-            }
+            let [n, t1, t2] = rotate(frame, moves).map(
+                #[inline(always)]
+                |along| along * column.sign + 0.0,
+            );
+            let (t1, t2) = (t1 * mu, t2 * mu);
+            set(column.dof, [n + t1, n - t1, n + t2, n - t2]);
         }
     }
 }

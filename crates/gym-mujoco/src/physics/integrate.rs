@@ -131,15 +131,23 @@ pub fn runge_kutta(m: &Model, d: &mut Data) {
     d.work.qvel_start.copy_from_slice(&d.qvel);
     d.work.vel_sum.fill(0.0);
     d.work.acc_sum.fill(0.0);
-    d.work.act_start.copy_from_slice(&d.act);
-    d.work.act_sum.fill(0.0);
+    if m.na() > 0 {
+        d.work.act_start.copy_from_slice(&d.act);
+        d.work.act_sum.fill(0.0);
+    }
+    let turns = m.revision == Revision::V4_0
+        && (m.jnt_type.iter()).any(|kind| matches!(kind, JointType::Free | JointType::Ball));
     // the time from the start to the stage
     let mut way = 0.0;
     for (weight, part) in WEIGHTS.into_iter().zip(PARTS) {
-        rates(m, &d.qvel, way, &mut d.work.rates);
+        if turns {
+            rates(m, &d.qvel, way, &mut d.work.rates);
+        }
+        let rates = if turns { &d.work.rates } else { &d.qvel };
+        let (vel_sum, acc_sum) = (&mut d.work.vel_sum[..nv], &mut d.work.acc_sum[..nv]);
         for i in 0..nv {
-            d.work.vel_sum[i] += weight * d.work.rates[i];
-            d.work.acc_sum[i] += weight * d.qacc[i];
+            vel_sum[i] += weight * rates[i];
+            acc_sum[i] += weight * d.qacc[i];
         }
         for (sum, rate) in d.work.act_sum.iter_mut().zip(&d.act_dot) {
             *sum += weight * rate;
@@ -147,7 +155,7 @@ pub fn runge_kutta(m: &Model, d: &mut Data) {
         if part > 0.0 {
             d.qpos.copy_from_slice(&d.work.qpos_start);
             way = part * dt;
-            integrate_pos(m, &mut d.qpos, &d.work.rates, way);
+            integrate_pos(m, &mut d.qpos, rates, way);
             for i in 0..nv {
                 d.qvel[i] = d.work.qvel_start[i] + way * d.qacc[i];
             }
@@ -182,7 +190,7 @@ pub fn runge_kutta(m: &Model, d: &mut Data) {
 /// (the method of Runge, Kutta and Munthe-Kaas). `rates` holds those that led to the stage for the
 /// time `way`.
 fn rates(m: &Model, qvel: &[f64], way: f64, rates: &mut [f64]) {
-    if m.revision == Revision::V3_12 || way == 0.0 {
+    if way == 0.0 {
         rates.copy_from_slice(qvel);
         return;
     }

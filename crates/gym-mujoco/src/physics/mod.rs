@@ -207,16 +207,23 @@ fn measure(m: &Model, d: &mut Data, stages: &[Stage]) {
     }
 }
 
-/// Compiles stages for the processor at hand.
+/// Compiles stages for the processor at hand. A function in the place of a closure would be
+/// compiled for the oldest one: a call of it is not inlined.
 macro_rules! compiled {
     ($(#[$doc:meta])* $name:ident: $($stage:ident)+) => {
         $(#[$doc])*
         fn $name(m: &Model, d: &mut Data) {
-            #[inline(always)]
-            fn stages((m, d): (&Model, &mut Data)) {
-                $($stage(m, d);)+
-            }
-            wide((m, d), stages, stages);
+            wide(
+                (m, d),
+                #[inline(always)]
+                |(m, d)| {
+                    $($stage(m, d);)+
+                },
+                #[inline(always)]
+                |(m, d)| {
+                    $($stage(m, d);)+
+                },
+            );
         }
     };
 }
@@ -269,6 +276,16 @@ fn fwd_acceleration(m: &Model, d: &mut Data) {
         let free = d.qfrc_passive[i] - d.qfrc_bias[i];
         d.qfrc_smooth[i] = free + d.qfrc_applied[i] + d.qfrc_actuator[i];
     }
+    if d.work.pushed {
+        push_bodies(m, d);
+    }
+    d.qacc_smooth.copy_from_slice(&d.qfrc_smooth);
+    inertia::solve(m, &d.qld, &d.qld_diag_inv, &mut d.qacc_smooth);
+}
+
+/// Adds the forces that are applied to bodies.
+#[cold]
+fn push_bodies(m: &Model, d: &mut Data) {
     for b in 1..m.nbody() {
         let [x, y, z, roll, pitch, yaw] = d.xfrc_applied[b];
         if d.xfrc_applied[b] != [0.0; 6] {
@@ -278,8 +295,6 @@ fn fwd_acceleration(m: &Model, d: &mut Data) {
             d.qfrc_smooth = sum;
         }
     }
-    d.qacc_smooth.copy_from_slice(&d.qfrc_smooth);
-    inertia::solve(m, &d.qld, &d.qld_diag_inv, &mut d.qacc_smooth);
 }
 
 /// Whether a number is not finite, or beyond what a simulation reaches.

@@ -22,7 +22,8 @@ pub fn rne_post_constraint(m: &Model, d: &mut Data) {
 /// The forces that are applied to bodies and those of contacts, about the centres of mass of their trees.
 fn contacts(m: &Model, d: &mut Data) {
     d.cfrc_ext.fill([0.0; 6]);
-    for b in 1..m.nbody() {
+    let pushed = if d.is_pushed() { m.nbody() } else { 0 };
+    for b in 1..pushed {
         let [x, y, z, roll, pitch, yaw] = d.xfrc_applied[b];
         if d.xfrc_applied[b] != [0.0; 6] {
             let offset = sub(d.subtree_com[m.body_rootid[b]], d.xipos[b]);

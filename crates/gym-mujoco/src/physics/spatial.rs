@@ -62,12 +62,21 @@ pub(crate) fn norm(a: Vec3) -> f64 {
 /// The vector at length 1, and its length before; `(1, 0, 0)` for one shorter than [`MINVAL`].
 #[inline]
 pub(crate) fn normalize(a: Vec3) -> (Vec3, f64) {
-    let length = norm(a);
-    if length < MINVAL {
-        ([1.0, 0.0, 0.0], length)
-    } else {
-        (scale(a, 1.0 / length), length)
-    }
+    unit((), a)
+}
+
+/// The same, of one world or several.
+#[inline(always)]
+pub(crate) fn unit<N: Number>(place: N::Place, a: [N; 3]) -> ([N; 3], N) {
+    let length = dot(a, a).sqrt();
+    let direction = N::choose(
+        length.is_below(MINVAL),
+        #[inline(always)]
+        || number::of(place, [1.0, 0.0, 0.0]),
+        #[inline(always)]
+        || scale(a, length.inverse()),
+    );
+    (direction, length)
 }
 
 /// Column `k` of a matrix.
@@ -127,16 +136,25 @@ pub(crate) trait Order {
     /// The quaternion at length 1; the identity for one shorter than [`MINVAL`].
     #[inline(always)]
     fn normalize_quat<N: Number>(place: N::Place, q: [N; 4]) -> [N; 4] {
-        let length = Self::sum(q.map(|x| x * x)).sqrt();
-        let long = || {
-            let scaled = || {
-                let s = length.inverse();
-                q.map(|x| x * s)
-            };
-            N::choose(length.is_off(1.0, MINVAL), scaled, || q)
-        };
-        let none = || number::of(place, [1.0, 0.0, 0.0, 0.0]);
-        N::choose(length.is_below(MINVAL), none, long)
+        let length = Self::sum([q[0] * q[0], q[1] * q[1], q[2] * q[2], q[3] * q[3]]).sqrt();
+        N::choose(
+            length.is_below(MINVAL),
+            #[inline(always)]
+            || number::of(place, [1.0, 0.0, 0.0, 0.0]),
+            #[inline(always)]
+            || {
+                N::choose(
+                    length.is_off(1.0, MINVAL),
+                    #[inline(always)]
+                    || {
+                        let s = length.inverse();
+                        [q[0] * s, q[1] * s, q[2] * s, q[3] * s]
+                    },
+                    #[inline(always)]
+                    || q,
+                )
+            },
+        )
     }
 
     /// The rotation matrix of a quaternion of length 1.
@@ -172,12 +190,7 @@ pub(crate) trait Order {
         velocity: [N; 3],
         time: f64,
     ) -> [N; 4] {
-        let speed = dot(velocity, velocity).sqrt();
-        let axis = N::choose(
-            speed.is_below(MINVAL),
-            || number::of(place, [1.0, 0.0, 0.0]),
-            || scale(velocity, speed.inverse()),
-        );
+        let (axis, speed) = unit(place, velocity);
         Self::mul_quat(
             Self::normalize_quat(place, q),
             axis_angle(place, axis, speed * time),
@@ -245,12 +258,16 @@ pub(crate) fn axis_angle<N: Number + Mul<V, Output = N>, V: Copy>(
     axis: [V; 3],
     angle: N,
 ) -> [N; 4] {
-    let turned = || {
-        let (s, c) = (angle * 0.5).sin_cos();
-        [c, s * axis[0], s * axis[1], s * axis[2]]
-    };
-    let none = || number::of(place, [1.0, 0.0, 0.0, 0.0]);
-    N::choose(angle.is_zero(), none, turned)
+    N::choose(
+        angle.is_zero(),
+        #[inline(always)]
+        || number::of(place, [1.0, 0.0, 0.0, 0.0]),
+        #[inline(always)]
+        || {
+            let (s, c) = (angle * 0.5).sin_cos();
+            [c, s * axis[0], s * axis[1], s * axis[2]]
+        },
+    )
 }
 
 /// `v` rotated by a quaternion.

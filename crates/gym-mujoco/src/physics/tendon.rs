@@ -28,6 +28,12 @@ fn tendons(m: &Model, d: &mut Data) {
 
 /// Velocities of the tendons.
 pub fn tendon_velocity(m: &Model, d: &mut Data) {
+    if m.ntendon() > 0 {
+        velocities(m, d);
+    }
+}
+
+fn velocities(m: &Model, d: &mut Data) {
     let paths = &m.plan().paths;
     for (velocity, row) in d.ten_velocity.iter_mut().zip(&paths.rows) {
         let columns = &paths.columns[row.clone()];

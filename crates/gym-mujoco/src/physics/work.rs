@@ -13,6 +13,8 @@ use crate::model::Cone;
 pub(crate) struct Work {
     /// Sizes of the model that they are for.
     sizes: Option<[usize; 15]>,
+    /// Whether a force is applied to a joint or a body.
+    pub(crate) pushed: bool,
     /// Composite inertias.
     pub(crate) crb: Vec<[f64; 10]>,
     /// Motion axes by components, of four degrees of freedom each.
@@ -65,27 +67,6 @@ pub(crate) struct Work {
     pub(crate) qvel_start: Vec<f64>,
 }
 
-fn sizes(m: &Model) -> [usize; 15] {
-    let plan = m.plan();
-    [
-        m.nq(),
-        m.nv(),
-        m.nu(),
-        m.nbody(),
-        m.njnt(),
-        m.ngeom(),
-        m.nsite(),
-        plan.m_colind.len(),
-        m.na(),
-        m.nsensordata(),
-        plan.paths.columns.len(),
-        m.ntendon(),
-        m.ntree(),
-        m.opt.integrator as usize,
-        usize::from(m.plan().deep),
-    ]
-}
-
 impl Work {
     pub(crate) fn new(m: &Model) -> Self {
         let nv = m.nv();
@@ -105,7 +86,8 @@ impl Work {
             newton: buffers::Buffers::new(nv, bounds.rows, bounds.blocks, cones),
             pgs: pgs::Buffers::new(m, &bounds),
             implicit: implicit::Buffers::new(m),
-            sizes: Some(sizes(m)),
+            sizes: Some(m.plan().sizes),
+            pushed: false,
             crb: vec![[0.0; 10]; m.nbody()],
             axes: vec![[[0.0; 4]; 6]; dense::groups(nv)],
             acc: vec![[0.0; 6]; m.nbody()],
@@ -136,6 +118,6 @@ impl Work {
     }
 
     pub(crate) fn fits(&self, m: &Model) -> bool {
-        self.sizes == Some(sizes(m))
+        self.sizes.as_ref() == Some(&m.plan().sizes)
     }
 }

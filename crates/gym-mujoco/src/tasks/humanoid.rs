@@ -29,6 +29,7 @@ use super::numpy::{norm, sum, sum_of_squares};
 use super::range::Range;
 use super::simulation::{Simulation, uniform_noise, uniform_velocities};
 use crate::Data;
+use crate::physics::lanes::Derived;
 use crate::view::CameraConfig;
 
 gym_core::arguments! {
@@ -170,7 +171,18 @@ impl Task {
     }
 }
 
+/// What observations and rewards have beside the state, also those of HumanoidStandup.
+pub(super) const READS: [Derived; 5] = [
+    Derived::Xipos,
+    Derived::Cinert,
+    Derived::Cvel,
+    Derived::QfrcActuator,
+    Derived::CfrcExt,
+];
+
 impl env::Task for Task {
+    const READS: Option<&'static [Derived]> = Some(&READS);
+
     type Config = Config;
     type Step = Step;
 

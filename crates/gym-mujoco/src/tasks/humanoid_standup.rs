@@ -24,11 +24,12 @@ use serde::{Deserialize, Serialize};
 use super::HumanoidStandup;
 use super::arguments::{Common, TaskArguments};
 use super::env;
-use super::humanoid::Observed;
+use super::humanoid::{Observed, READS};
 use super::numpy::sum_of_squares;
 use super::range::Range;
 use super::simulation::{Simulation, uniform_noise, uniform_velocities};
 use crate::Data;
+use crate::physics::lanes::Derived;
 use crate::view::CameraConfig;
 
 gym_core::arguments! {
@@ -88,6 +89,8 @@ pub struct Step {
 }
 
 impl env::Task for Task {
+    const READS: Option<&'static [Derived]> = Some(&READS);
+
     type Config = Config;
     type Step = Step;
 

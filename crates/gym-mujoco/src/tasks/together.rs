@@ -132,7 +132,7 @@ impl Crew {
             steps,
             reads: reads.to_vec(),
             length,
-            worlds: fits.then(|| Box::new(lanes::Worlds::new(model))),
+            worlds: fits.then(|| Box::new(lanes::Worlds::new(model, reads))),
             data: if fits {
                 Data::new(model)
             } else {

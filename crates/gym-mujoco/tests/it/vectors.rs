@@ -4,6 +4,8 @@ use gym_core::registry::Each;
 use gym_core::vector::{Autoreset, Columns, VectorEnv, VectorEnvExt, VectorKind, VectorReset};
 use gym_core::{BoxEnv, Result, Value, builder, registry};
 use gym_mujoco::simulated;
+use gym_mujoco::tasks::models;
+use serde_json::json;
 
 /// The bits of all that a step gives back.
 fn bits(columns: &Columns) -> Vec<u64> {
@@ -68,7 +70,7 @@ fn the_bits_are_the_same_on_any_number_of_threads() {
 }
 
 /// Tasks whose worlds step together, and one that steps them one by one.
-const TOGETHER: [&str; 10] = [
+const TOGETHER: [&str; 13] = [
     "HalfCheetah-v5",
     "Hopper-v4",
     "Walker2d-v5",
@@ -78,6 +80,9 @@ const TOGETHER: [&str; 10] = [
     "Ant-v5",
     "Ant-v3",
     "Hopper-v5",
+    "Humanoid-v5",
+    "Humanoid-v3",
+    "HumanoidStandup-v5",
     "Reacher-v5",
 ];
 
@@ -224,23 +229,35 @@ fn all_arrays_are_there_when_asked_for() {
     }
 }
 
-/// One of the sub-environments has another number of timesteps in a step.
+/// One of the sub-environments has another number of timesteps in a step, or another model.
 #[test]
 fn sub_environments_with_other_arguments_step_by_themselves() {
-    let skips: Vec<_> = (0..9).map(|i| if i == 4 { 3 } else { 5 }.into()).collect();
-    let make = |kind| {
-        builder("HalfCheetah-v5")
-            .vector(9)
-            .arg_each("frame_skip", Each::Values(skips.clone()))
-            .kind(kind)
-            .build()
-    };
-    let mut pair = Pair::new(NATIVE, make, "HalfCheetah-v5".into());
-    let mut actions = pair.envs[1].action_sampler(5).unwrap();
-    let seeds = VectorReset::seeds(0..9);
-    pair.go(|envs, columns| envs.reset_into(&seeds, columns));
-    for _ in 0..50 {
-        let batch = actions.sample();
-        pair.step(&batch);
+    let (_, text) = models()
+        .find(|(name, _)| *name == "half_cheetah.xml")
+        .unwrap();
+    let rough = text.replace("friction=\"0.4 ", "friction=\"0.9 ");
+    assert_ne!(rough, text);
+    for (name, usual, other) in [
+        ("frame_skip", json!(5), json!(3)),
+        ("mujoco", json!("4.0"), json!("3.12")),
+        ("xml_file", json!("half_cheetah.xml"), json!(rough)),
+    ] {
+        let each = (0..9).map(|i| if i == 4 { other.clone() } else { usual.clone() });
+        let values: Vec<_> = each.collect();
+        let make = |kind| {
+            builder("HalfCheetah-v5")
+                .vector(9)
+                .arg_each(name, Each::Values(values.clone()))
+                .kind(kind)
+                .build()
+        };
+        let mut pair = Pair::new(NATIVE, make, format!("HalfCheetah-v5, {name}"));
+        let mut actions = pair.envs[1].action_sampler(5).unwrap();
+        let seeds = VectorReset::seeds(0..9);
+        pair.go(|envs, columns| envs.reset_into(&seeds, columns));
+        for _ in 0..50 {
+            let batch = actions.sample();
+            pair.step(&batch);
+        }
     }
 }

@@ -93,7 +93,7 @@ pub(super) fn contacts(
     }
     let mut kept = [first.pos; MOST];
     let mut number = 1;
-    let frame = frame(first.normal, [0.0; 3]);
+    let frame = frame((), first.normal, [0.0; 3]);
     for tangent in [
         [frame[3], frame[4], frame[5]],
         [frame[6], frame[7], frame[8]],

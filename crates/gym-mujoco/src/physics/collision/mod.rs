@@ -14,11 +14,13 @@ mod gjk;
 mod on_end;
 mod primitive;
 
-use super::spatial::{Mat3, Vec3, add_scaled, column, cross, dot, norm, normalize, sub};
+use super::number::{self, Number};
+use super::spatial::{Mat3, Vec3, add_scaled, column, cross, dot, norm, normalize, sub, unit};
 use crate::model::{GeomType, Pair, Reach};
 use crate::{Contact, Data, Model, Revision};
 pub(in crate::physics) use bounds::Frame;
 pub(crate) use epa::Polytope;
+pub(super) use primitive::above_plane;
 
 /// A geom in the world.
 #[derive(Clone, Copy)]
@@ -160,11 +162,19 @@ fn out_of_reach(d: &Data, reach: &Reach) -> bool {
     dot(between, along) > reach.most
 }
 
+#[inline(never)]
 fn contact(pair: &Pair, index: usize, hit: &Hit) -> Contact {
+    let frame = frame((), hit.normal, hit.tangent);
+    contact_at(pair, index, hit.dist, hit.pos, frame)
+}
+
+/// A contact without rows.
+#[inline]
+pub(super) fn contact_at(pair: &Pair, index: usize, dist: f64, pos: Vec3, frame: Mat3) -> Contact {
     Contact {
-        dist: hit.dist,
-        pos: hit.pos,
-        frame: frame(hit.normal, hit.tangent),
+        dist,
+        pos,
+        frame,
         includemargin: pair.includemargin,
         friction: pair.friction,
         solref: pair.solref,
@@ -179,14 +189,25 @@ fn contact(pair: &Pair, index: usize, hit: &Hit) -> Contact {
 
 /// Rows of a frame: the normal, a tangent near the one given or else near y or z, and their
 /// product: MuJoCo's `mju_makeFrame`.
-fn frame(normal: Vec3, tangent: Vec3) -> Mat3 {
-    let (x, _) = normalize(normal);
-    let near = match tangent {
-        t if dot(t, t) >= 0.25 => t,
-        _ if x[1].abs() < 0.5 => [0.0, 1.0, 0.0],
-        _ => [0.0, 0.0, 1.0],
-    };
-    let (y, _) = normalize(add_scaled(near, x, -dot(x, near)));
+#[inline(always)]
+pub(super) fn frame<N: Number>(place: N::Place, normal: [N; 3], tangent: [N; 3]) -> [N; 9] {
+    let (x, _) = unit(place, normal);
+    let near = N::choose(
+        dot(tangent, tangent).is_below(0.25),
+        #[inline(always)]
+        || {
+            N::choose(
+                x[1].abs().is_below(0.5),
+                #[inline(always)]
+                || number::of(place, [0.0, 1.0, 0.0]),
+                #[inline(always)]
+                || number::of(place, [0.0, 0.0, 1.0]),
+            )
+        },
+        #[inline(always)]
+        || tangent,
+    );
+    let (y, _) = unit(place, add_scaled(near, x, -dot(x, near)));
     let z = cross(x, y);
     [x[0], x[1], x[2], y[0], y[1], y[2], z[0], z[1], z[2]]
 }

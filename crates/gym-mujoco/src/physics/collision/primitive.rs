@@ -1,10 +1,24 @@
 //! Pairs of shapes whose contacts have a closed form.
 
+use super::super::number::Number;
 use super::super::spatial::{
     MINVAL, Vec3, add, add_scaled, column, cross, dot, norm, normalize, scale, sub,
 };
 use super::{Hit, Shape, spheres};
 use crate::Revision;
+
+/// How far a sphere of some centre and radius is from a plane, and where they touch.
+#[inline(always)]
+pub(in crate::physics) fn above_plane<N: Number>(
+    (origin, normal): ([N; 3], [N; 3]),
+    centre: [N; 3],
+    radius: f64,
+) -> (N, [N; 3]) {
+    let height = dot(sub(centre, origin), normal);
+    let dist = height - radius;
+    let pos = add_scaled(centre, normal, -(dist * 0.5 + radius));
+    (dist, pos)
+}
 
 /// A plane and a sphere of some centre and radius.
 fn plane_point(
@@ -15,11 +29,10 @@ fn plane_point(
     margin: f64,
 ) -> Option<Hit> {
     let normal = plane.axis();
-    let height = dot(sub(centre, plane.pos), normal);
-    let dist = height - radius;
-    (dist <= margin).then(|| Hit {
+    let (dist, pos) = above_plane((plane.pos, normal), centre, radius);
+    (dist <= margin).then_some(Hit {
         dist,
-        pos: add_scaled(centre, normal, -(dist * 0.5 + radius)),
+        pos,
         normal,
         tangent,
     })

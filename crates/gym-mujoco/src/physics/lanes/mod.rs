@@ -9,7 +9,9 @@
     reason = "indices are those of the formulas"
 )]
 
+mod alone;
 mod derived;
+mod fits;
 mod newton;
 mod rows;
 mod stages;
@@ -18,7 +20,9 @@ mod tree;
 use fearless_simd::{Level, Simd};
 use gym_core::math::{Lanes, Real};
 
+use self::alone::Alone;
 pub use self::derived::Derived;
+pub(crate) use self::fits::{fits, width};
 use self::newton::Newton;
 use self::rows::{Rows, worlds};
 use super::MAXVAL;
@@ -26,7 +30,7 @@ use super::integrate::{PARTS, WEIGHTS, integrate_pos_of};
 use super::number::Number;
 use super::post_constraint::push_apart;
 use crate::Model;
-use crate::model::{Integrator, JointType, Solver};
+use crate::model::{Integrator, Solver};
 
 /// The most worlds that are stepped at once.
 pub(crate) const WORLDS: usize = 8;
@@ -221,6 +225,8 @@ pub(crate) struct Worlds {
     arrays: Arrays,
     rows: Rows,
     newton: Newton,
+    /// For projected Gauss-Seidel.
+    alone: Option<Alone>,
     /// A buffer: forces of contacts on the bodies of a world.
     cfrc_ext: Vec<[f64; 6]>,
     /// The bits of the worlds that diverged.
@@ -240,58 +246,14 @@ pub(crate) fn record_len(m: &Model, reads: &[Derived]) -> usize {
     2 * state_len(m) + derived
 }
 
-/// The number of worlds that a CPU's registers hold; none where it has no fused multiply-add or
-/// registers of two.
-pub(crate) fn width(level: Level) -> Option<usize> {
-    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-    {
-        if level.as_avx512().is_some() {
-            return Some(8);
-        }
-        if level.as_avx2().is_some() {
-            return Some(4);
-        }
-    }
-    let _ = level;
-    None
-}
-
-/// Whether the stages for several worlds have all that a model needs: one tree of slides and
-/// hinges, perhaps on a free joint, with motors, limits and contacts with pyramids.
-pub(crate) fn fits(m: &Model) -> bool {
-    let plan = m.plan();
-    let joints = (0..m.njnt()).all(|j| match m.jnt_type[j] {
-        JointType::Slide | JointType::Hinge => true,
-        JointType::Free => m.jnt_stiffness[j] == 0.0,
-        JointType::Ball => false,
-    });
-    let bounds = plan.bounds();
-    joints
-        && m.ntree() == 1
-        && m.na() == 0
-        && m.nmocap() == 0
-        && m.opt.solver == Solver::Newton
-        && matches!(m.opt.integrator, Integrator::Euler | Integrator::RK4)
-        && m.opt.impratio == 1.0
-        && m.opt.noslip_iterations == 0
-        && plan.plain
-        && plan.motors
-        && !plan.transmits
-        && !plan.measures
-        && !plan.gravcomp
-        && plan.paths.elastic.is_empty()
-        && plan.laws.tendon_limits.is_empty()
-        && plan.boxes.iter().all(|(_, edges)| edges.is_some())
-        && plan.pairs.iter().all(|pair| pair.dim <= 3)
-        && (bounds.rows > 0 || plan.pairs.is_empty() && plan.limits.is_empty())
-}
-
 impl Worlds {
-    pub(crate) fn new(m: &Model) -> Self {
+    /// Worlds of which these arrays are read.
+    pub(crate) fn new(m: &Model, reads: &[Derived]) -> Self {
         Self {
             arrays: Arrays::new(m),
-            rows: Rows::new(m),
+            rows: Rows::new(m, reads.contains(&Derived::CfrcExt)),
             newton: Newton::new(m),
+            alone: (m.opt.solver == Solver::PGS).then(|| Alone::new(m)),
             cfrc_ext: vec![[0.0; 6]; m.nbody()],
             diverged: 0,
         }
@@ -339,12 +301,16 @@ impl Worlds {
     fn contact_forces(&mut self, m: &Model, world: usize) {
         let a = &mut self.arrays;
         let mut forces = std::mem::take(&mut self.cfrc_ext);
+        let forces_of_rows = match &self.alone {
+            Some(alone) => &alone.force[..],
+            None => self.newton.forces(),
+        };
         forces.fill([0.0; 6]);
         for contact in &self.rows.contacts[world] {
             let Ok(row) = usize::try_from(contact.efc_address) else {
                 continue;
             };
-            let edge = |k: usize| Some(self.newton.forces()[row + k].0[world]);
+            let edge = |k: usize| Some(forces_of_rows.get(row + k)?.0[world]);
             let com = |body: usize| a.subtree_com[body].each_ref().map(|row| row.0[world]);
             push_apart(m, contact, edge, com, &mut forces);
         }
@@ -476,6 +442,7 @@ impl Worlds {
             arrays,
             rows,
             newton,
+            alone,
             ..
         } = self;
         simd.vectorize(
@@ -485,7 +452,11 @@ impl Worlds {
                 rows.reference(m, at, &arrays.qvel);
             },
         );
-        if rows.used > 0 {
+        if rows.used > 0
+            && let Some(alone) = alone
+        {
+            alone.solve(m, at, arrays, rows);
+        } else if rows.used > 0 {
             newton.solve(m, at, arrays, rows, live);
         } else {
             simd.vectorize(

@@ -12,7 +12,7 @@ use gym_core::math::{Lanes, Real};
 use super::rows::{Rows, worlds};
 use super::tree::{cholesky, cholesky_solve, cholesky_update, dot, multiply, solve};
 use super::{Arrays, Place, Row, WORLDS, load, same, store};
-use crate::model::Disable;
+use crate::model::{Disable, Solver};
 use crate::physics::solver::line_search;
 use crate::physics::spatial::MINVAL;
 use crate::{Model, Revision};
@@ -48,11 +48,62 @@ pub(super) struct Newton {
     line: Vec<line_search::Row>,
 }
 
+/// Runs a block for the elements from `$first` to `$n`: for `$K` of them, four as long as there are
+/// as many.
+macro_rules! by_four {
+    ($n:expr, $first:ident, $K:ident => $block:block) => {
+        while $first < $n {
+            match $n - $first {
+                1 => {
+                    const $K: usize = 1;
+                    $block
+                }
+                2 => {
+                    const $K: usize = 2;
+                    $block
+                }
+                3 => {
+                    const $K: usize = 3;
+                    $block
+                }
+                _ => {
+                    const $K: usize = 4;
+                    $block
+                }
+            }
+            $first += 4;
+        }
+    };
+}
+
+/// The sums of vectors, from element `first` on, each times its factor.
+#[inline(always)]
+fn sums<'a, S: Simd, const K: usize>(
+    at: Place<S>,
+    first: usize,
+    terms: impl Iterator<Item = (&'a [Row], &'a Row)>,
+) -> [Lanes<S>; K] {
+    let mut sums = [same(at, 0.0); K];
+    for (vector, factor) in terms {
+        let Some(vector) = vector.get(first..).and_then(<[Row]>::first_chunk::<K>) else {
+            break;
+        };
+        let factor = load::<S>(at, factor);
+        for k in 0..K {
+            sums[k] = sums[k] + load(at, &vector[k]) * factor;
+        }
+    }
+    sums
+}
+
 /// The first and second half of a step's search: lengths and gains.
 type Found = [Row; 2];
 
 impl Newton {
     pub(super) fn new(m: &Model) -> Self {
+        if m.opt.solver != Solver::Newton {
+            return Self::default();
+        }
         let (nv, rows) = (m.nv(), m.plan().bounds().rows);
         let dofs = || vec![Row::ZERO; nv];
         let of_rows = || vec![Row::ZERO; rows];
@@ -152,7 +203,9 @@ impl Newton {
             let (smooth, warm) = (load(at, &a.qacc_smooth[i]), load(at, &a.warm[i]));
             store(at, &mut self.acc[i], Lanes::select(cold, smooth, warm));
         }
-        multiply(m, at, &a.qm, &self.acc, &mut self.ma);
+        if Lanes::<S>::any(cold) {
+            multiply(m, at, &a.qm, &self.acc, &mut self.ma);
+        }
         for (row, smooth) in self.jv[..rows.used].iter().enumerate() {
             let jar = Lanes::select(cold, load(at, smooth), load(at, &self.jar[row]));
             store(at, &mut self.jar[row], jar);
@@ -238,23 +291,15 @@ impl Newton {
             store(at, &mut self.force[row], force);
         }
         let mut first = 0;
-        while first < n {
-            let four = (n - first).min(4);
-            let mut sums = [zero; 4];
-            for row in 0..rows.used {
-                let force = load(at, &self.force[row]);
-                let jac = &rows.jac[row * n + first..][..four];
-                for (sum, jac) in sums.iter_mut().zip(jac) {
-                    *sum = *sum + load(at, jac) * force;
-                }
-            }
-            for (i, sum) in (first..first + four).zip(sums) {
+        by_four!(n, first, K => {
+            let terms = rows.jac.chunks_exact(n).zip(&self.force[..rows.used]);
+            let sums = sums::<S, K>(at, first, terms);
+            for (i, sum) in (first..).zip(sums) {
                 store(at, &mut self.constraint[i], sum);
                 let grad = load::<S>(at, &self.ma[i]) - load(at, &a.qfrc_smooth[i]) - sum;
                 store(at, &mut self.grad[i], grad);
             }
-            first += 4;
-        }
+        });
     }
 
     /// Half of what a step of Newton's method gains.
@@ -350,21 +395,17 @@ impl Newton {
         };
         for (i, column) in into.chunks_exact_mut(n).enumerate() {
             let mut first = i;
-            while first < n {
-                let four = (n - first).min(4);
-                let mut sums = [zero; 4];
-                for (place, &row) in self.pushing.iter().enumerate() {
-                    let factor = load::<S>(at, &rows.jac[row * n + i]);
-                    let pushed = &self.pushed[place * n + first..][..four];
-                    for (sum, pushed) in sums.iter_mut().zip(pushed) {
-                        *sum = *sum + load(at, pushed) * factor;
-                    }
-                }
-                for (x, sum) in column[first..first + four].iter_mut().zip(sums) {
+            by_four!(n, first, K => {
+                let pushing = self.pushing.iter().zip(self.pushed.chunks_exact(n));
+                let terms = pushing.map(
+                    #[inline(always)]
+                    |(&row, pushed)| (pushed, &rows.jac[row * n + i]),
+                );
+                let sums = sums::<S, K>(at, first, terms);
+                for (x, sum) in column[first..].iter_mut().zip(sums) {
                     store(at, x, sum);
                 }
-                first += 4;
-            }
+            });
         }
         // the inertia matrix comes last
         for dof in 0..n {

@@ -1,17 +1,19 @@
 //! Rows of constraints of several worlds. Each world has its own number of rows: the rows of a
 //! world are its first ones, and what is beyond them is zero.
 //!
-//! Limits and bounding spheres are tested for all worlds at once. The contacts and rows that they
-//! find are few, and different in each world, so they are made world by world.
+//! Limits, bounding spheres and what touches a plane are computed for all worlds at once. Other
+//! contacts are rare, and are found world by world.
 
 use fearless_simd::Simd;
 use gym_core::math::{Lanes, Real};
 
 use super::tree::dot;
-use super::{Arrays, Place, Row, WORLDS, load, store};
-use crate::model::Softness;
-use crate::physics::collision::{Polytope, touch};
+use super::{Arrays, Place, Row, WORLDS, load, same, store};
+use crate::model::{GeomType, Pair};
+use crate::physics::collision::{Polytope, above_plane, contact_at, frame, touch};
 use crate::physics::constraint::{contact_jacobian, pyramid, regularization};
+use crate::physics::number;
+use crate::physics::spatial::{add, column, scale};
 use crate::{Contact, Model};
 
 /// The rows.
@@ -21,6 +23,8 @@ pub(super) struct Rows {
     pub(super) jac: Vec<Row>,
     /// Stiffness that the solver sees.
     pub(super) d: Vec<Row>,
+    /// Its inverse.
+    pub(super) r: Vec<Row>,
     pub(super) aref: Vec<Row>,
     /// Damping, and the acceleration at rest.
     damping: Vec<Row>,
@@ -29,8 +33,12 @@ pub(super) struct Rows {
     pub(super) count: [usize; WORLDS],
     /// The largest of these numbers.
     pub(super) used: usize,
+    /// The contacts that act; those with planes only where forces of contacts are read.
     pub(super) contacts: [Vec<Contact>; WORLDS],
+    keeps: bool,
     polytope: Polytope,
+    /// A buffer: the degrees of freedom that a contact moves, and its Jacobian.
+    moved: Vec<(usize, [Row; 4])>,
 }
 
 /// The worlds whose bits are set, of those from `first` on.
@@ -47,23 +55,41 @@ pub(super) fn worlds(mut bits: u64, first: usize) -> impl Iterator<Item = usize>
 }
 
 impl Rows {
-    pub(super) fn new(m: &Model) -> Self {
+    /// Buffers; `keeps` tells whether forces of contacts are read.
+    pub(super) fn new(m: &Model, keeps: bool) -> Self {
         let (bounds, nv) = (m.plan().bounds(), m.nv());
-        let rows = || vec![Row::ZERO; bounds.rows];
-        Self {
-            jac: vec![Row::ZERO; bounds.rows * nv],
-            d: rows(),
-            aref: rows(),
-            damping: rows(),
-            rest: rows(),
+        let mut buffers = Self {
             contacts: std::array::from_fn(|_| Vec::with_capacity(bounds.contacts)),
+            moved: Vec::with_capacity(nv),
+            keeps,
             polytope: if m.plan().pairs.iter().any(crate::model::Pair::is_convex) {
                 Polytope::new()
             } else {
                 Polytope::default()
             },
             ..Self::default()
+        };
+        buffers.reserve(nv, bounds.rows);
+        buffers
+    }
+
+    /// Makes room for so many rows.
+    #[cold]
+    fn reserve(&mut self, nv: usize, rows: usize) {
+        self.jac.resize(rows * nv, Row::ZERO);
+        for column in self.columns() {
+            column.resize(rows, Row::ZERO);
         }
+    }
+
+    fn columns(&mut self) -> [&mut Vec<Row>; 5] {
+        [
+            &mut self.d,
+            &mut self.r,
+            &mut self.aref,
+            &mut self.damping,
+            &mut self.rest,
+        ]
     }
 
     /// Makes the rows of the worlds in `live`: limits, then contacts.
@@ -87,12 +113,13 @@ impl Rows {
                 let mut dists = Row::ZERO;
                 store(at, &mut dists, dist);
                 for world in worlds(near, first) {
-                    let place = (self.open(nv, world), world);
-                    self.jac[place.0 * nv + limit.dof].0[world] = side;
-                    let (softness, dist) = (&limit.softness, dists.0[world]);
-                    let (impedance, _) = softness.impedance(dist, limit.margin);
+                    let row = self.open(nv, world);
+                    self.jac[row * nv + limit.dof].0[world] = side;
+                    let (softness, beyond) = (&limit.softness, dists.0[world] - limit.margin);
+                    let (impedance, _) = softness.impedance(dists.0[world], limit.margin);
                     let r = regularization(impedance, limit.diag);
-                    self.set(place, softness, impedance, dist - limit.margin, 1.0 / r);
+                    self.set(row, world, r, softness.damping);
+                    self.rest[row].0[world] = softness.stiffness * impedance * beyond;
                 }
             }
         }
@@ -116,8 +143,17 @@ impl Rows {
             };
             let height = crate::physics::spatial::dot(between, along);
             let far = height.gt(height.same(reach.most));
-            for world in worlds(!Lanes::<S>::bits(far) & live, first) {
-                self.touch(m, a, index, world);
+            let near = !Lanes::<S>::bits(far) & live;
+            if near == 0 {
+                continue;
+            }
+            if let (GeomType::Plane, GeomType::Sphere | GeomType::Capsule) = plan.pairs[index].kind
+            {
+                self.touch_plane(m, at, a, index, near);
+            } else {
+                for world in worlds(near, first) {
+                    self.touch(m, a, index, world);
+                }
             }
         }
     }
@@ -128,8 +164,11 @@ impl Rows {
         let row = self.count[world];
         self.count[world] += 1;
         if row == self.used {
+            if row == self.d.len() {
+                self.reserve(nv, 2 * row + 32);
+            }
             self.jac[row * nv..(row + 1) * nv].fill(Row::ZERO);
-            for column in [&mut self.d, &mut self.damping, &mut self.rest] {
+            for column in self.columns() {
                 column[row] = Row::ZERO;
             }
             self.used += 1;
@@ -137,18 +176,147 @@ impl Rows {
         row
     }
 
+    /// Opens the rows of a contact of a world, and returns the first.
     #[inline(always)]
-    fn set(
+    fn open_contact(&mut self, nv: usize, pair: &Pair, dist: f64, world: usize) -> usize {
+        let first = self.count[world];
+        let softness = &pair.softness;
+        let (impedance, _) = softness.impedance(dist, pair.includemargin);
+        let (rows, r) = if pair.dim == 1 {
+            (1, regularization(impedance, pair.diag))
+        } else {
+            let (diag, edge) = pyramid(pair.diag, pair.friction[0]);
+            (4, edge(regularization(impedance, diag)))
+        };
+        let rest = softness.stiffness * impedance * (dist - pair.includemargin);
+        for _ in 0..rows {
+            let row = self.open(nv, world);
+            self.set(row, world, r, softness.damping);
+            self.rest[row].0[world] = rest;
+        }
+        first
+    }
+
+    #[inline(always)]
+    fn set(&mut self, row: usize, world: usize, r: f64, damping: f64) {
+        self.r[row].0[world] = r;
+        self.d[row].0[world] = 1.0 / r;
+        self.damping[row].0[world] = damping;
+    }
+
+    /// Adds the contacts of a plane and a sphere or capsule in the worlds where they are near, and
+    /// their rows.
+    #[inline(always)]
+    fn touch_plane<S: Simd>(
         &mut self,
-        (row, world): (usize, usize),
-        softness: &Softness,
-        impedance: f64,
-        beyond: f64,
-        d: f64,
+        m: &Model,
+        at: Place<S>,
+        a: &Arrays,
+        index: usize,
+        near: u64,
     ) {
-        self.d[row].0[world] = d;
-        self.damping[row].0[world] = softness.damping;
-        self.rest[row].0[world] = softness.stiffness * impedance * beyond;
+        let (pair, nv) = (&m.plan().pairs[index], m.nv());
+        if pair.trees == [None, None] {
+            return;
+        }
+        let [plane, other] = pair.geom;
+        let [radius, half, _] = m.geom_size[other];
+        let normal = column(&number::get::<Lanes<S>, 9>(at, &a.geom_xmat[plane]), 2);
+        let origin = number::get::<Lanes<S>, 3>(at, &a.geom_xpos[plane]);
+        let centre = number::get::<Lanes<S>, 3>(at, &a.geom_xpos[other]);
+        let round = pair.kind.1 == GeomType::Sphere;
+        let axis = if round {
+            number::of(at, [0.0; 3])
+        } else {
+            column(&number::get::<Lanes<S>, 9>(at, &a.geom_xmat[other]), 2)
+        };
+        let ends = if round { &[0.0][..] } else { &[half, -half] };
+        for end in ends {
+            let centre = if round {
+                centre
+            } else {
+                add(centre, scale(axis, *end))
+            };
+            let (dist, pos) = above_plane((origin, normal), centre, radius);
+            let acts = dist.le(dist.same(pair.margin)) & dist.lt(dist.same(pair.includemargin));
+            let acting = Lanes::<S>::bits(acts) & near;
+            if acting == 0 {
+                continue;
+            }
+            let frame = frame(at, normal, axis);
+            let mu = if pair.dim == 1 { 0.0 } else { pair.friction[0] };
+            self.moved.clear();
+            let (moved,) = (&mut self.moved,);
+            contact_jacobian(
+                pair,
+                (
+                    #[inline(always)]
+                    |dof: usize| number::get::<Lanes<S>, 6>(at, &a.cdof[dof]),
+                    #[inline(always)]
+                    |body: usize| number::get::<Lanes<S>, 3>(at, &a.subtree_com[body]),
+                ),
+                (pos, &frame, mu),
+                #[inline(always)]
+                |dof, values| {
+                    let mut cells = [Row::ZERO; 4];
+                    number::put(at, values, &mut cells);
+                    moved.push((dof, cells));
+                },
+            );
+            let mut dists = Row::ZERO;
+            store(at, &mut dists, dist);
+            let mut rows = [0; WORLDS];
+            for world in worlds(acting, at.1) {
+                rows[world] = self.open_contact(nv, pair, dists.0[world], world);
+            }
+            self.put_jacobian(at, nv, pair, acting, &rows);
+            if self.keeps {
+                let (mut points, mut frames) = ([Row::ZERO; 3], [Row::ZERO; 9]);
+                number::put(at, pos, &mut points);
+                number::put(at, frame, &mut frames);
+                for world in worlds(acting, at.1) {
+                    let pos = points.each_ref().map(|row| row.0[world]);
+                    let frame = frames.each_ref().map(|row| row.0[world]);
+                    self.contacts[world].push(Contact {
+                        mu,
+                        efc_address: rows[world] as i32,
+                        ..contact_at(pair, index, dists.0[world], pos, frame)
+                    });
+                }
+            }
+        }
+    }
+
+    /// Writes the Jacobian of a contact to the rows that begin at those in `rows`, of the worlds
+    /// in `left`.
+    #[inline(always)]
+    fn put_jacobian<S: Simd>(
+        &mut self,
+        at: Place<S>,
+        nv: usize,
+        pair: &Pair,
+        mut left: u64,
+        rows: &[usize; WORLDS],
+    ) {
+        let edges = if pair.dim == 1 { 1 } else { 4 };
+        while left != 0 {
+            let row = rows[at.1 + left.trailing_zeros() as usize];
+            let (mut which, mut bits) = (Row::ZERO, 0_u64);
+            for world in worlds(left, at.1) {
+                if rows[world] == row {
+                    which.0[world] = 1.0;
+                    bits |= 1 << (world - at.1);
+                }
+            }
+            left &= !bits;
+            let which = load::<S>(at, &which).gt(same(at, 0.0));
+            for (dof, values) in &self.moved {
+                for (edge, value) in values[..edges].iter().enumerate() {
+                    let to = &mut self.jac[(row + edge) * nv + dof];
+                    store(at, to, Lanes::select(which, load(at, value), load(at, to)));
+                }
+            }
+        }
     }
 
     /// Adds the contacts of a pair of geoms in one world, and their rows.
@@ -164,46 +332,36 @@ impl Rows {
             let mat = a.ximat[body].each_ref().map(|cell| cell.0[world]);
             (of(&a.xipos[body]), mat)
         };
-        let first = self.contacts[world].len();
+        let mut contacts = std::mem::take(&mut self.contacts[world]);
+        let first = contacts.len();
         touch(
             m,
             index,
             (frames, inertial),
             &mut self.polytope,
-            &mut self.contacts[world],
+            &mut contacts,
         );
-        for k in first..self.contacts[world].len() {
-            let contact = &mut self.contacts[world][k];
+        for contact in &mut contacts[first..] {
             if contact.dist >= contact.includemargin || pair.trees == [None, None] {
                 continue;
             }
-            let row = self.count[world];
+            let row = self.open_contact(nv, pair, contact.dist, world);
             contact.efc_address = row as i32;
-            contact.mu = if contact.dim == 1 {
-                0.0
-            } else {
-                contact.friction[0]
-            };
-            let contact = contact.clone();
-            let beyond = contact.dist - contact.includemargin;
-            let (impedance, _) = pair.softness.impedance(contact.dist, contact.includemargin);
-            let (rows, r) = if contact.dim == 1 {
-                (1, regularization(impedance, pair.diag))
-            } else {
-                let (diag, edge) = pyramid(pair.diag, contact.mu);
-                (4, edge(regularization(impedance, diag)))
-            };
-            for _ in 0..rows {
-                let place = (self.open(nv, world), world);
-                self.set(place, &pair.softness, impedance, beyond, 1.0 / r);
+            if pair.dim > 1 {
+                contact.mu = pair.friction[0];
             }
             let axis = |dof: usize| a.cdof[dof].each_ref().map(|cell| cell.0[world]);
             let frames = (axis, |body: usize| of(&a.subtree_com[body]));
             let jac = &mut self.jac[row * nv..];
-            contact_jacobian(pair, frames, &contact, |edge, dof, value| {
-                jac[edge * nv + dof].0[world] = value;
+            let edges = if pair.dim == 1 { 1 } else { 4 };
+            let place = (contact.pos, &contact.frame, contact.mu);
+            contact_jacobian(pair, frames, place, |dof, values| {
+                for (edge, value) in values[..edges].iter().enumerate() {
+                    jac[edge * nv + dof].0[world] = *value;
+                }
             });
         }
+        self.contacts[world] = contacts;
     }
 
     /// Reference accelerations of all rows.

@@ -64,16 +64,19 @@ impl Arrays {
             |_, _, _| 0,
         );
         copy(at, &self.qm, &mut self.qld);
-        tree::factor(m, at, &mut self.qld, &mut self.qld_diag_inv);
-        if m.plan().implicit {
-            copy(at, &self.qm, &mut self.qh);
-            for i in 0..m.nv() {
-                let diagonal = &mut self.qh[m.plan().m_diagonal(i)];
-                let damped = load::<S>(at, diagonal) + m.opt.timestep * m.dof_damping[i];
-                store(at, diagonal, damped);
-            }
-            tree::factor(m, at, &mut self.qh, &mut self.qh_diag_inv);
+        let own = (&mut self.qld[..], &mut self.qld_diag_inv[..]);
+        if !m.plan().implicit {
+            tree::factor(m, at, [own]);
+            return;
         }
+        copy(at, &self.qm, &mut self.qh);
+        for i in 0..m.nv() {
+            let diagonal = &mut self.qh[m.plan().m_diagonal(i)];
+            let damped = load::<S>(at, diagonal) + m.opt.timestep * m.dof_damping[i];
+            store(at, diagonal, damped);
+        }
+        let damped = (&mut self.qh[..], &mut self.qh_diag_inv[..]);
+        tree::factor(m, at, [own, damped]);
     }
 
     /// Velocities, the forces that follow from them, and accelerations without constraints.

@@ -77,7 +77,7 @@ fn smooth_stages_have_the_bits_of_one_world() {
             forward(&m, d);
         }
         for level in levels() {
-            let mut worlds = Worlds::new(&m);
+            let mut worlds = Worlds::new(&m, &Derived::ALL);
             for (world, d) in alone.iter().enumerate() {
                 worlds.gather(world, &[&d.qpos[..], &d.qvel].concat());
             }
@@ -116,7 +116,7 @@ fn steps_have_the_bits_of_one_world() {
         for level in levels() {
             for len in [1, 5, WORLDS] {
                 let mut random = random(3);
-                let mut worlds = Worlds::new(&m);
+                let mut worlds = Worlds::new(&m, &Derived::ALL);
                 let mut alone: Vec<Data> = (0..len).map(|_| Data::new(&m)).collect();
                 for (world, d) in alone.iter_mut().enumerate() {
                     for _ in 0..5 * world {

@@ -41,15 +41,18 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
         contacts: &d.contact,
         revision: m.revision,
     };
-    let cost = |b: &mut Buffers, jar: &[f64]| {
-        if general {
-            b.force.resize(jar.len(), 0.0);
-            b.states.resize(jar.len(), State::Satisfied);
-            law.update(jar, &mut b.force, &mut b.states, &mut b.cones)
-        } else {
-            cost_of_rows(&efc.d, jar)
-        }
-    };
+    let (cost,) = (
+        #[inline(always)]
+        |b: &mut Buffers, jar: &[f64]| {
+            if general {
+                b.force.resize(jar.len(), 0.0);
+                b.states.resize(jar.len(), State::Satisfied);
+                law.update(jar, &mut b.force, &mut b.states, &mut b.cones)
+            } else {
+                cost_of_rows(&efc.d, jar)
+            }
+        },
+    );
     let jar = std::mem::take(&mut b.jar);
     let mut warm = cost(b, &jar);
     b.jar = jar;

@@ -71,6 +71,13 @@ impl Buffers {
 /// Solves all islands: MuJoCo's `mj_solPGS_island`.
 #[inline(always)]
 pub(super) fn solve(m: &Model, d: &mut Data) {
+    forces(m, d);
+    finish(m, d);
+}
+
+/// The forces of the rows of all islands.
+#[inline(always)]
+pub(super) fn forces(m: &Model, d: &mut Data) {
     let mut s = std::mem::take(&mut d.work.pgs);
     let nefc = d.efc.nefc();
     project(m, d, &mut s);
@@ -118,7 +125,6 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
     d.efc.force.copy_from_slice(&s.force.as_flattened()[..nefc]);
 
     d.work.pgs = s;
-    finish(m, d);
 }
 
 /// `qfrc_constraint` and `qacc` from the rows' forces: MuJoCo's `mj_dualFinish`.

@@ -1,0 +1,54 @@
+//! Which models and processors let several worlds step together.
+
+use fearless_simd::Level;
+
+use crate::Model;
+use crate::model::{Integrator, JointType, Solver};
+
+/// The number of worlds that a CPU's registers hold; none where it has no fused multiply-add or
+/// registers of two.
+pub(crate) fn width(level: Level) -> Option<usize> {
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    {
+        if level.as_avx512().is_some() {
+            return Some(8);
+        }
+        if level.as_avx2().is_some() {
+            return Some(4);
+        }
+    }
+    let _ = level;
+    None
+}
+
+/// Whether the stages for several worlds have all that a model needs: one tree of slides and
+/// hinges, perhaps on a free joint, with motors, limits and contacts with pyramids.
+pub(crate) fn fits(m: &Model) -> bool {
+    let plan = m.plan();
+    let joints = (0..m.njnt()).all(|j| match m.jnt_type[j] {
+        JointType::Slide | JointType::Hinge => true,
+        JointType::Free => m.jnt_stiffness[j] == 0.0,
+        JointType::Ball => false,
+    });
+    let bounds = plan.bounds();
+    joints
+        && m.ntree() == 1
+        && m.na() == 0
+        && m.nmocap() == 0
+        && matches!(m.opt.solver, Solver::Newton | Solver::PGS)
+        && matches!(m.opt.integrator, Integrator::Euler | Integrator::RK4)
+        && m.opt.impratio == 1.0
+        && m.opt.noslip_iterations == 0
+        && plan.plain
+        && plan.motors
+        && !plan.transmits
+        && !plan.measures
+        && !plan.gravcomp
+        && plan.paths.elastic.is_empty()
+        && plan.laws.tendon_limits.is_empty()
+        && plan.boxes.iter().all(|(_, edges)| edges.is_some())
+        && plan.pairs.iter().all(|pair| pair.dim <= 3)
+        && (bounds.rows > 0
+            || m.opt.solver == Solver::PGS
+            || plan.pairs.is_empty() && plan.limits.is_empty())
+}

@@ -126,7 +126,7 @@ fn steps_of_native_vectors_of_worlds_do_not_allocate() {
         ("LunarLanderContinuous-v3", 30),
         ("BipedalWalker-v3", 30),
         ("HalfCheetah-v5", 60),
-        ("Ant-v5", 10),
+        ("Ant-v5", 5),
         ("InvertedDoublePendulum-v5", 2),
     ] {
         let mut envs = gym::builder(id)

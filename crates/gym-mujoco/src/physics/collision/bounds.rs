@@ -7,7 +7,7 @@
 //!
 //! MuJoCo's broad phase, `mj_SAP`, has boxes around whole bodies, in a frame that all geoms' places
 //! give. It is not repeated: of 180,000 random poses of two bodies whose sides touch up to rounding,
-//! it dropped the contacts of 13.
+//! 13 of 3,600 groups of 50 had a pose whose contacts it dropped.
 
 use super::super::spatial::{Mat3, Vec3, add, column, dot, rotate};
 use super::Shape;
@@ -17,7 +17,7 @@ use crate::model::{GeomType, Pair};
 
 /// Contacts that are further below the margin are never dropped by rounding: a plane's box has
 /// sides of 1e10.
-pub(super) const ROUNDING: f64 = 1e-5;
+pub(in crate::physics) const ROUNDING: f64 = 1e-5;
 
 /// Sizes from here on count as infinite: MuJoCo's `mjMAXVAL`.
 const INFINITE: f64 = 1e10;

@@ -18,7 +18,7 @@ use super::number::{self, Number};
 use super::spatial::{Mat3, Vec3, add_scaled, column, cross, dot, norm, normalize, sub, unit};
 use crate::model::{GeomType, Pair, Reach};
 use crate::{Contact, Data, Model, Revision};
-pub(in crate::physics) use bounds::Frame;
+pub(in crate::physics) use bounds::{Frame, ROUNDING};
 pub(crate) use epa::Polytope;
 pub(super) use primitive::above_plane;
 
@@ -139,7 +139,7 @@ pub(in crate::physics) fn touch(
             }
         }
     }
-    let shallow = |contact: &Contact| contact.dist > pair.margin - bounds::ROUNDING;
+    let shallow = |contact: &Contact| contact.dist > pair.margin - ROUNDING;
     if pair.boxed
         && contacts.len() > first
         && contacts[first..].iter().all(shallow)

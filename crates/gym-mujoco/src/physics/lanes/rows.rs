@@ -10,7 +10,7 @@ use gym_core::math::{Lanes, Real};
 use super::tree::dot;
 use super::{Arrays, Place, Row, WORLDS, load, same, store};
 use crate::model::{GeomType, Pair};
-use crate::physics::collision::{Polytope, above_plane, contact_at, frame, touch};
+use crate::physics::collision::{Polytope, ROUNDING, above_plane, contact_at, frame, touch};
 use crate::physics::constraint::{contact_jacobian, pyramid, regularization};
 use crate::physics::number;
 use crate::physics::spatial::{add, column, scale};
@@ -231,13 +231,34 @@ impl Rows {
             column(&number::get::<Lanes<S>, 9>(at, &a.geom_xmat[other]), 2)
         };
         let ends = if round { &[0.0][..] } else { &[half, -half] };
+        let (end_above_plane,) = (
+            #[inline(always)]
+            |end: f64| {
+                let centre = if round {
+                    centre
+                } else {
+                    add(centre, scale(axis, end))
+                };
+                above_plane((origin, normal), centre, radius)
+            },
+        );
+        let mut near = near;
+        if pair.boxed {
+            // boxes may drop what only just touches
+            let mut shallow = 0;
+            for end in ends {
+                let (dist, _) = end_above_plane(*end);
+                let touches = dist.le(dist.same(pair.margin));
+                let deep = dist.le(dist.same(pair.margin - ROUNDING));
+                shallow |= Lanes::<S>::bits(touches) & !Lanes::<S>::bits(deep);
+            }
+            for world in worlds(near & shallow, at.1) {
+                self.touch(m, a, index, world);
+            }
+            near &= !shallow;
+        }
         for end in ends {
-            let centre = if round {
-                centre
-            } else {
-                add(centre, scale(axis, *end))
-            };
-            let (dist, pos) = above_plane((origin, normal), centre, radius);
+            let (dist, pos) = end_above_plane(*end);
             let acts = dist.le(dist.same(pair.margin)) & dist.lt(dist.same(pair.includemargin));
             let acting = Lanes::<S>::bits(acts) & near;
             if acting == 0 {

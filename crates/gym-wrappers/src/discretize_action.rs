@@ -64,7 +64,7 @@ impl<T> DiscretizeAction<T> {
     /// The action whose bin centres are nearest to a continuous action.
     ///
     /// # Errors
-    /// [`Error::InvalidAction`] if that has another number of elements.
+    /// [`Error::InvalidAction`](gym_core::Error::InvalidAction) if that has another number of elements.
     pub fn revert_action(&self, action: &impl Element) -> Result<Value> {
         let Discretize { space, grid } = self.map();
         let action = action.to_value();

@@ -71,7 +71,7 @@ impl<T> DiscretizeObservation<T> {
     /// element.
     ///
     /// # Errors
-    /// [`Error::NotInSpace`] if it is not an element of the observation space.
+    /// [`Error::NotInSpace`](gym_core::Error::NotInSpace) if it is not an element of the observation space.
     pub fn revert_observation(&self, observation: &Value) -> Result<(Array, Array)> {
         let Discretize { space, grid } = self.map();
         space.check(observation)?;

@@ -7,13 +7,14 @@ dm-control==1.0.45, mujoco==3.12.0, what `requirements.txt` names, and rustgym, 
 
 import os
 
-os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
-os.environ |= {"OMP_NUM_THREADS": "1", "MUJOCO_GL": "egl", "LP_NUM_THREADS": "0"}
+os.environ |= {"MUJOCO_GL": "egl", "LP_NUM_THREADS": "0"}
 
+import itertools
 import sys
-import time
 import warnings
 from collections import deque
+
+from timing import best, many, one, shown
 
 import numpy as np
 import rustgym
@@ -21,21 +22,9 @@ import rustgym
 warnings.filterwarnings("ignore")
 
 AT_ONCE = 64
-ROUNDS = 6
-SECONDS = 0.2  # of each slice
 FRAMES = 3
 DRAWN = "ball_in_cup-catch cartpole-swingup cheetah-run finger-spin humanoid-run manipulator-bring_ball reacher-easy walker-walk".split()
 VECTORS = DRAWN + "fish-swim hopper-hop pendulum-swingup swimmer-swimmer6".split()
-
-
-def rate(step, at_once):
-    """Steps per CPU second in one slice."""
-    done, start = 0, time.process_time()
-    while (elapsed := time.process_time() - start) < SECONDS:
-        for _ in range(5):
-            step()
-        done += 5 * at_once
-    return done / elapsed
 
 
 def id(task):
@@ -58,21 +47,9 @@ def stacked(see):
     return step
 
 
-def turns(acts):
-    while True:
-        yield from acts
-
-
 def ours(task, **kwargs):
     env = rustgym.make(id(task), mujoco="3.12", **kwargs)
-    env.reset(seed=0)
-    acts = turns(actions(env.action_space))
-
-    def step():
-        observation, _, terminated, truncated, _ = env.step(next(acts))
-        return env.reset()[0] if terminated or truncated else observation
-
-    return step
+    return one(env, actions(env.action_space))
 
 
 def theirs(task, drawn=False):
@@ -80,7 +57,7 @@ def theirs(task, drawn=False):
 
     env = suite.load(*task.split("-", 1), task_kwargs={"random": 0})
     env.reset()
-    acts = turns(actions(rustgym.make(id(task)).action_space))
+    acts = itertools.cycle(actions(rustgym.make(id(task)).action_space))
 
     def step():
         if env.step(next(acts)).last():
@@ -88,12 +65,6 @@ def theirs(task, drawn=False):
         return env.physics.render(84, 84, camera_id=0) if drawn else None
 
     return step
-
-
-def vector(envs, space):
-    envs.reset()
-    acts = turns(actions(space, AT_ONCE))
-    return lambda: envs.step(next(acts))
 
 
 def pair(kind, task):
@@ -104,13 +75,9 @@ def pair(kind, task):
     import envpool
 
     name = "".join(word.capitalize() for word in task.replace("-", "_").split("_")) + "-v1"
-    space = rustgym.make(id(task)).action_space
+    acts = actions(rustgym.make(id(task)).action_space, AT_ONCE)
     envs = rustgym.make_vec(id(task), num_envs=AT_ONCE, vectorization_mode="vector_entry_point", mujoco="3.12")
-    return vector(envs, space), vector(envpool.make_gymnasium(name, num_envs=AT_ONCE, num_threads=1, seed=0), space), AT_ONCE
-
-
-def shown(rate):
-    return f"{rate / 1000:.{0 if rate >= 10_000 else 1}f} k" if rate >= 1000 else f"{rate:.0f}"
+    return many(envs, acts), many(envpool.make_gymnasium(name, num_envs=AT_ONCE, num_threads=1, seed=0), acts), AT_ONCE
 
 
 def main():
@@ -121,8 +88,7 @@ def main():
     logs = []
     for task in filter(lambda task: word in task, tasks):
         own, other, at_once = pair(kind, task)
-        rates = [(rate(own, at_once), rate(other, at_once)) for _ in range(ROUNDS)]
-        here, there = map(max, zip(*rates))
+        here, there = best([(own, at_once), (other, at_once)], seconds=0.2, calls=5)
         logs.append(np.log(here / there))
         print(f"| {task} | {shown(here)} | {shown(there)} ({here / there:.1f}x) |", flush=True)
     print(f"\nGeometric mean: {np.exp(np.mean(logs)):.1f}x")

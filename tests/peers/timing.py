@@ -1,0 +1,49 @@
+"""What the scripts beside it share: rates by CPU time on one core. Import it before numpy, which then starts no threads."""
+
+import os
+
+os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+os.environ["OMP_NUM_THREADS"] = "1"
+
+import itertools
+import time
+
+
+def rate(step, at_once, seconds=0.5, calls=20):
+    """Steps per CPU second in one slice of time; a call of `step` takes `at_once` of them."""
+    done, start = 0, time.process_time()
+    while (elapsed := time.process_time() - start) < seconds:
+        for _ in range(calls):
+            step()
+        done += calls * at_once
+    return done / elapsed
+
+
+def best(works, rounds=6, **slices):
+    """The best rate of each work, a pair of `step` and `at_once`, over rounds in which they take turns."""
+    rounds = [[rate(*work, **slices) for work in works] for _ in range(rounds)]
+    return list(map(max, zip(*rounds)))
+
+
+def one(env, actions):
+    """A step of an environment, and a reset where an episode ends; returns the observation."""
+    env.reset(seed=0)
+    actions = itertools.cycle(actions)
+
+    def step():
+        observation, _, terminated, truncated, _ = env.step(next(actions))
+        return env.reset()[0] if terminated or truncated else observation
+
+    return step
+
+
+def many(envs, actions):
+    """A step of a vector."""
+    envs.reset()
+    actions = itertools.cycle(actions)
+    return lambda: envs.step(next(actions))
+
+
+def shown(rate):
+    """`12 k`, `1.2 k`, `120`."""
+    return f"{rate / 1000:.{0 if rate >= 10_000 else 1}f} k" if rate >= 1000 else f"{rate:.0f}"

@@ -3,10 +3,10 @@
 use std::borrow::Cow;
 use std::fmt;
 
-use gym_core::registry::{Exceptions, find};
+use gym_core::registry::{Exceptions, build};
 use gym_core::vector::{BoxVector, SyncVectorEnv, VectorSpec};
 use gym_core::wrappers::TimeLimit;
-use gym_core::{Arguments, BoxEnv, EnvSpec, Error, Registration, Result, arguments};
+use gym_core::{Arguments, BoxEnv, EnvSpec, Error, Registration, Result};
 use gym_mujoco::{CompiledModel, Data, Model};
 
 use crate::arguments::Common;
@@ -119,17 +119,10 @@ pub const fn register<D: Domain>(id: &'static str, description: &'static str) ->
 
 /// A native vector, whose environments share their model as long as no start changes it.
 fn vector<D: Domain>(spec: &VectorSpec) -> Result<BoxVector> {
-    let version = find(&spec.env.id)?.rules();
-    vector_of(spec, &|EnvSpec { id, kwargs, .. }| {
-        let config = arguments::read(&D::Config::default(), version, kwargs, &format!("`{id}`"))?;
-        ControlEnv::new::<D>(&config)
-    })
+    vector_of(spec, build::<Of<D>>)
 }
 
-fn vector_of(
-    spec: &VectorSpec,
-    make: &dyn Fn(&EnvSpec) -> Result<ControlEnv>,
-) -> Result<BoxVector> {
+fn vector_of(spec: &VectorSpec, make: fn(&EnvSpec) -> Result<ControlEnv>) -> Result<BoxVector> {
     let first = make(&spec.env)?;
     let make = |index| {
         if spec.each.is_empty() {

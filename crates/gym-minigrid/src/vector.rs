@@ -1,21 +1,18 @@
 //! Native vectors: environments of one type, without the cost of erased ones.
 
-use gym_core::registry::find;
+use gym_core::registry::build;
 use gym_core::vector::{BoxVector, SyncVectorEnv, VectorSpec};
-use gym_core::{Arguments, Error, Result, arguments};
+use gym_core::{Arguments, Error, Result};
 
-use crate::{GridEnv, Level};
+use crate::{GridEnv, Level, Of};
 
 /// Makes a native vector from its spec.
 ///
 /// # Errors
 /// [`Error::InvalidArgument`] for arguments that the level does not take, and for what only sync
 /// and async vectors have.
-pub(crate) fn entry_point<L: Level + Arguments>(spec: &VectorSpec) -> Result<BoxVector> {
-    let whose = format!("`{}`", spec.env.id);
-    let version = find(&spec.env.id)?.rules();
-    let level: L = arguments::read(&L::default(), version, &spec.env.kwargs, &whose)?;
-    vector(&GridEnv::new(level)?, spec)
+pub(crate) fn entry_point<L: Level + Arguments + Clone>(spec: &VectorSpec) -> Result<BoxVector> {
+    vector(&build::<Of<L>>(&spec.env)?, spec)
 }
 
 fn vector(env: &GridEnv, spec: &VectorSpec) -> Result<BoxVector> {

@@ -9,7 +9,7 @@
 //! with `use my_envs as _;`.
 
 mod builder;
-mod lockstep;
+mod native;
 mod registration;
 mod stack;
 mod vector;
@@ -18,6 +18,7 @@ use std::collections::BTreeMap;
 use std::sync::{LazyLock, PoisonError, RwLock};
 
 pub use builder::{EnvBuilder, builder, make};
+pub use native::build;
 pub use registration::{Clip, Exceptions, Need, Registration, Source, VectorEntryPoint};
 pub use vector::{VectorBuilder, make_vec};
 

@@ -9,7 +9,7 @@ use std::ops::Range;
 
 use serde_json::Value as Json;
 
-use super::lockstep::entry_point;
+use super::native::entry_point;
 use super::stack::{Renders, stack};
 use crate::env::{BoxEnv, Build, Configure};
 use crate::play::keys::Keys;

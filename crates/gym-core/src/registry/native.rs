@@ -1,11 +1,25 @@
-//! Native vectors of registered environments that step in lockstep.
+//! Native vectors of registered environments: from a spec to an environment of its own type, and to
+//! vectors that step in lockstep.
 
-use super::{Configure, find};
+use super::{Build, Configure, find};
 use crate::spec::{EnvSpec, VectorSpec, arguments};
 use crate::value::Result;
 use crate::vector::VectorEnv;
 use crate::vector::lockstep::{self, Lockstep};
 use crate::wrappers::TimeLimit;
+
+/// Builds the environment of a spec by its own type, without the wrappers of [`make`](super::make):
+/// for the entry point of a native vector.
+///
+/// # Errors
+/// If the id is not registered, and [`Error::InvalidArgument`](crate::Error) for arguments that the
+/// environment does not take.
+pub fn build<B: Build>(spec: &EnvSpec) -> Result<B::Env> {
+    let EnvSpec { id, kwargs, .. } = spec;
+    let version = find(id)?.rules();
+    let config = arguments::read(&B::defaults(version), version, kwargs, &format!("`{id}`"))?;
+    B::build(config, version)
+}
 
 /// Makes a native vector of a registered environment that is [`Lockstep`], for
 /// [`Registration::vector_entry_point`](crate::Registration::vector_entry_point). It is a sync
@@ -17,14 +31,7 @@ use crate::wrappers::TimeLimit;
 pub(super) fn entry_point<E: Lockstep + Configure>(
     spec: &VectorSpec,
 ) -> Result<Box<dyn VectorEnv>> {
-    let version = find(&spec.env.id)?.rules();
-    let make = |index| -> Result<E> {
-        let EnvSpec { id, kwargs, .. } = spec.env_at(index);
-        E::configure(
-            arguments::read(&E::defaults(version), version, &kwargs, &format!("`{id}`"))?,
-            version,
-        )
-    };
+    let make = |index| build::<E>(&spec.env_at(index));
     match spec.env.max_episode_steps {
         Some(limit) => lockstep::native::<E, _>(spec, |index| TimeLimit::new(make(index)?, limit)),
         None => lockstep::native::<E, _>(spec, make),

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use gym::{Error, Kwargs, Result};
+use gym::{Error, Kwargs, Result, unique};
 use serde_json::Value as Json;
 
 /// A seed on the command line.
@@ -23,10 +23,7 @@ pub(crate) fn parse_kwargs(text: &str) -> Result<Kwargs, String> {
 
 /// JSON on the command line. A key that stands twice in an object is an error.
 pub(crate) fn parse_json(text: &str) -> Result<Json, String> {
-    let mut deserializer = serde_json::Deserializer::from_str(text);
-    gym::unique::json(&mut deserializer)
-        .and_then(|json| deserializer.end().map(|()| json))
-        .map_err(|error| error.to_string())
+    unique::from_str(text).map_err(|error| error.to_string())
 }
 
 /// Fails early if a file cannot be written.

@@ -9,7 +9,7 @@ use crate::families;
 use crate::output::{say, tell};
 use gym::render::file;
 use gym::trace::Trace;
-use gym::{Error, Result};
+use gym::{Error, Result, unique};
 use serde_json::{Map, Value as Json};
 
 #[derive(clap::Args)]
@@ -145,8 +145,9 @@ fn compare(path: &Path) -> Result<String> {
 fn write_answers(path: &Path, to: &Path) -> Result<()> {
     let text = read(path)?;
     let not_json = |error: serde_json::Error| Error::custom(format!("not a recording: {error}"));
-    let mut rest =
-        gym::unique::object(&mut serde_json::Deserializer::from_str(&text)).map_err(not_json)?;
+    let mut rest = unique::from_str(&text)
+        .and_then(unique::object)
+        .map_err(not_json)?;
     let json = match families::answer(&text, &rest, path)? {
         Some(answer) => Ok(answer),
         None => {

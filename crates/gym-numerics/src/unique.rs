@@ -15,6 +15,16 @@ pub fn json<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Json, D::Error
     Unique::deserialize(deserializer).map(|Unique(json)| json)
 }
 
+/// Reads a text of JSON, to its end.
+///
+/// # Errors
+/// As [`json`], and for what follows the JSON.
+pub fn from_str(text: &str) -> serde_json::Result<Json> {
+    let mut deserializer = serde_json::Deserializer::from_str(text);
+    let value = json(&mut deserializer)?;
+    deserializer.end().map(|()| value)
+}
+
 /// Reads an object.
 ///
 /// # Errors
@@ -134,6 +144,15 @@ mod tests {
                 );
             }
         }
+        for (text, fault) in [
+            ("{} {}", "trailing"),
+            (r#"{"a": 1, "a": 1}"#, "twice"),
+            ("{", "EOF"),
+        ] {
+            let error = from_str(text).unwrap_err().to_string();
+            assert!(error.contains(fault), "{text}: {error}");
+        }
+        assert_eq!(from_str(" [1] ").unwrap(), serde_json::json!([1]));
         let none = read(r#"{"option": null}"#).unwrap();
         assert!(none.option.is_none() && none.object.is_empty());
         let error = read(r#"{"object": [1]}"#).unwrap_err().to_string();

@@ -43,6 +43,17 @@ fn replay_compares_and_writes() {
     );
     std::fs::write(&trace, "[]").unwrap();
     assert!(fails(&["replay", trace.to_str().unwrap()]).contains("not a trace"));
+    // of no kind of recording may more follow
+    let model = r#"{"model": "ant.xml", "xml": "<mujoco/>", "versions": {}, "seed": 0} {}"#;
+    std::fs::write(&trace, model).unwrap();
+    let arguments = [
+        "replay",
+        "--out",
+        answers.to_str().unwrap(),
+        trace.to_str().unwrap(),
+    ];
+    let error = fails(&arguments);
+    assert!(error.contains("trailing characters"), "{error}");
 }
 
 /// Answers contain the state of a MuJoCo task.

@@ -2,13 +2,10 @@
 
 use super::spec::{Compiler, Frame};
 use super::xml::Element;
-use crate::physics::spatial::{InTurn, Order, Quat, add, axis_angle, cross, rotate};
+use crate::physics::spatial::{EPS, InTurn, Order, Quat, add, axis_angle, cross, rotate};
 use crate::{Result, libm};
 
 const IDENTITY: Quat = [1.0, 0.0, 0.0, 0.0];
-
-/// A vector shorter than this has no direction: `mjEPS`.
-pub(super) const EPS: f64 = 1e-14;
 
 /// An orientation as the text gives it. Other forms take precedence over `quat`, even if a default
 /// class gives them.

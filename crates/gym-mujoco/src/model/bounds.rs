@@ -7,10 +7,7 @@
 use std::ops::Range;
 
 use super::{CompiledModel, GeomType};
-use crate::physics::spatial::{Vec3, cross, scale, sub};
-
-/// Lengths that MuJoCo's compiler takes for equal: `mjEPS`.
-const EPS: f64 = 1e-14;
+use crate::physics::spatial::{EPS, Quat, Vec3, rotate_quat, sub};
 
 /// The centre and the half sizes of a box.
 pub(crate) type Bounds = [Vec3; 2];
@@ -156,16 +153,12 @@ pub(crate) fn meetings(trees: [&Tree; 2], geoms: [usize; 2]) -> impl Iterator<It
     })
 }
 
-/// A vector turned by a quaternion: the compiler's `mjuu_rotVecQuat`.
-fn turned([w, x, y, z]: [f64; 4], v: Vec3) -> Vec3 {
-    if v == [0.0; 3] || [w, x, y, z] == [1.0, 0.0, 0.0, 0.0] {
-        return v;
+/// A vector turned by a quaternion: the compiler's `mjuu_rotVecQuat`. The identity keeps the signs
+/// of zeros.
+fn turned(quat: Quat, v: Vec3) -> Vec3 {
+    if v == [0.0; 3] || quat == [1.0, 0.0, 0.0, 0.0] {
+        v
+    } else {
+        rotate_quat(v, quat)
     }
-    let t = [
-        w * v[0] + y * v[2] - z * v[1],
-        w * v[1] + z * v[0] - x * v[2],
-        w * v[2] + x * v[1] - y * v[0],
-    ];
-    let twice = scale(cross([x, y, z], t), 2.0);
-    [v[0] + twice[0], v[1] + twice[1], v[2] + twice[2]]
 }

@@ -4,13 +4,10 @@
 use super::{CompiledModel, EqualityType, GeomType, JointType, Model, ObjectType, Revision};
 use crate::physics::dense::dot_slices;
 use crate::physics::spatial::{
-    InTurn, MINVAL, Order, Pairwise, add, cross, norm, rotate, rotate_back, sub,
+    EPS, InTurn, MINVAL, Order, Pairwise, add, cross, norm, rotate, rotate_back, sub,
 };
 use crate::physics::{com_pos, crb, factor_m, kinematics, solve_m, tendon, transmission};
 use crate::{Data, Result};
-
-/// Lengths below this count as zero: MuJoCo's `mjEPS`.
-const EPS: f64 = 1e-14;
 
 impl Model {
     /// Changes figures, and recomputes what follows from them: MuJoCo's `mj_setConst`. Where the

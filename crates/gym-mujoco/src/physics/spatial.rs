@@ -11,6 +11,8 @@ use crate::libm;
 
 /// Lengths below this count as zero: MuJoCo's `mjMINVAL`.
 pub(crate) const MINVAL: f64 = 1e-15;
+/// Lengths that MuJoCo's compiler takes for equal, or for zero: `mjEPS`.
+pub(crate) const EPS: f64 = 1e-14;
 
 pub(crate) type Vec3 = [f64; 3];
 pub(crate) type Quat = [f64; 4];

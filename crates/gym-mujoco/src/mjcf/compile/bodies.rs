@@ -4,10 +4,11 @@ use super::MOST;
 use crate::Result;
 use crate::mjcf::fluid;
 use crate::mjcf::inertia::{self, Inertia};
-use crate::mjcf::orientation::{EPS, from_z, unit, within};
+use crate::mjcf::orientation::{from_z, unit, within};
 use crate::mjcf::spec::{Body, Frame, Geom, Inertial, Joint, Moments, Spec};
 use crate::mjcf::xml::Place;
 use crate::model::{CompiledModel, Fluid, GeomType, JointType, bounding_radius};
+use crate::physics::spatial::EPS;
 use crate::physics::spatial::rotate_quat;
 
 const IDENTITY: [f64; 4] = [1.0, 0.0, 0.0, 0.0];

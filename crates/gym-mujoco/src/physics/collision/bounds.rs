@@ -14,13 +14,11 @@ use super::Shape;
 use crate::Model;
 use crate::model::bounds::{Bounds, bounding_box, meetings};
 use crate::model::{GeomType, Pair};
+use crate::physics::MAXVAL;
 
 /// Contacts that are further below the margin are never dropped by rounding: a plane's box has
 /// sides of 1e10.
 pub(in crate::physics) const ROUNDING: f64 = 1e-5;
-
-/// Sizes from here on count as infinite: MuJoCo's `mjMAXVAL`.
-const INFINITE: f64 = 1e10;
 
 /// A frame: its origin and axes.
 pub(in crate::physics) type Frame = (Vec3, Mat3);
@@ -86,7 +84,7 @@ fn separated(
     margin: f64,
     reach: impl Fn(usize, Vec3) -> (f64, f64),
 ) -> bool {
-    let endless = halves.map(|half| half.map(|half| half >= INFINITE));
+    let endless = halves.map(|half| half.map(|half| half >= MAXVAL));
     if endless.contains(&[true; 3]) {
         return false;
     }

@@ -10,7 +10,7 @@ pub(crate) enum Policy {
     /// Actions sampled from the action space.
     Random,
     /// The policy of the environment's registration: rules, or a trained network.
-    // Gymnasium calls those of Box2D heuristics
+    // Gymnasium's word for the good policies of Box2D
     #[value(alias = "heuristic")]
     Good,
 }

@@ -175,8 +175,8 @@ fn counts_again(subject: &Subject<'_>, name: &str, example: &Json, is_plain: boo
     ))
 }
 
-/// Checks that resets with an option and without a seed continue the generator: their episodes
-/// differ, if those of several seeds do.
+/// Checks that resets with an option and without a seed continue the generator: if episodes of
+/// several seeds differ, these episodes differ too.
 fn begins_anew(subject: &Subject<'_>, name: &str, example: &Json) -> Verdict {
     let option = Some((name, example));
     let all_equal = |reset: &dyn Fn(u64) -> Reset| -> Result<bool> {

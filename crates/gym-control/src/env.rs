@@ -33,8 +33,9 @@ use crate::world::World;
 pub struct ControlEnv {
     /// The name of the domain.
     name: &'static str,
-    /// The arguments, as JSON, and those that all tasks share.
+    /// All arguments, as JSON.
     config: Arc<Json>,
+    /// The arguments that all tasks share.
     common: Arc<Common>,
     task: Arc<dyn Task>,
     /// The model's timesteps per step.

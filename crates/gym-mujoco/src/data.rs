@@ -495,7 +495,7 @@ impl Data {
     /// Whether a force is applied.
     pub(crate) fn is_pushed(&self) -> bool {
         let applied = [&self.qfrc_applied[..], self.xfrc_applied.as_flattened()];
-        // all bits but those of signs: a loop without an exit takes several numbers at once
+        // the bits of all numbers, without signs: the compiler vectorizes a loop without an exit
         let bits = applied
             .into_iter()
             .flatten()

@@ -474,12 +474,12 @@ impl Trace {
         notes.chain(recorded).chain(self.unused()).collect()
     }
 
-    /// The names of what this trace asks for and no event answers: a version of MuJoCo that the
-    /// environment does not take, and settings of pictures without their checksums.
+    /// The names of settings that no event depends on: a version of MuJoCo that the environment does
+    /// not take, and settings of pictures if no checksum of a picture is recorded.
     fn unused(&self) -> impl Iterator<Item = &str> {
         let parts = self.parts();
         let has = |part: &str| parts.iter().any(|(name, _)| *name == part);
-        let shows = PARTS[6..].iter().any(|(name, _)| has(name));
+        let shows = PICTURES.iter().any(|name| has(name));
         let named = |name, is_unused: bool| is_unused.then_some(name);
         let mujoco =
             self.mujoco.is_some() && (!self.takes("mujoco") || self.kwargs.contains_key("mujoco"));
@@ -550,6 +550,14 @@ const PARTS: [Part; 10] = [
     ("observation_masked", |event| {
         event.observation_masked.as_ref()
     }),
+];
+
+/// The parts that need pictures.
+const PICTURES: [&str; 4] = [
+    "frame",
+    "frame_masked",
+    "observation_crc32",
+    "observation_masked",
 ];
 
 impl Event {

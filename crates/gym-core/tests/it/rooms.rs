@@ -36,7 +36,7 @@ fn code(path: &Path) -> String {
 fn paths<'a>(code: &'a str, prefix: &str) -> Vec<&'a str> {
     let mut found = Vec::new();
     for (at, _) in code.match_indices(prefix) {
-        // `$crate` paths are those of a macro's user
+        // a path after `$` belongs to the user of a macro
         if code[..at].ends_with('$') {
             continue;
         }

@@ -116,8 +116,8 @@ impl<'a, 'input> Element<'a, 'input> {
         Place::new(self.files.name(self.file), self.line, self.name())
     }
 
-    /// The child elements; for an `include`, those of the outermost element of the file. Texts and
-    /// comments are ignored.
+    /// The child elements. Those of an `include` are the child elements of the outermost element of
+    /// its file. Texts and comments are ignored.
     ///
     /// # Errors
     /// For an element of another namespace, and for nesting that is too deep.

@@ -171,7 +171,8 @@ impl Task {
     }
 }
 
-/// What observations and rewards have beside the state, also those of HumanoidStandup.
+/// The arrays, beside the state, that the observations and rewards of Humanoid and HumanoidStandup
+/// contain.
 pub(super) const READS: [Derived; 5] = [
     Derived::Xipos,
     Derived::Cinert,

@@ -156,7 +156,7 @@ impl Equality {
     }
 }
 
-/// A keyframe. Parts that it does not give are those of the initial configuration.
+/// A keyframe. Parts that it does not give are as in the initial configuration.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Key {
     pub(crate) place: Place,

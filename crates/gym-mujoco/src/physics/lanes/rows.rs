@@ -33,8 +33,9 @@ pub(super) struct Rows {
     pub(super) count: [usize; WORLDS],
     /// The largest of these numbers.
     pub(super) used: usize,
-    /// The contacts that act; those with planes only where forces of contacts are read.
+    /// The contacts that act. Contacts with planes are kept only if `keeps` is set.
     pub(super) contacts: [Vec<Contact>; WORLDS],
+    /// Whether forces of contacts are read.
     keeps: bool,
     polytope: Polytope,
     /// A buffer: the degrees of freedom that a contact moves, and its Jacobian.
@@ -73,7 +74,7 @@ impl Rows {
         buffers
     }
 
-    /// Makes room for so many rows.
+    /// Makes room for `rows` rows.
     #[cold]
     fn reserve(&mut self, nv: usize, rows: usize) {
         self.jac.resize(rows * nv, Row::ZERO);
@@ -308,8 +309,8 @@ impl Rows {
         }
     }
 
-    /// Writes the Jacobian of a contact to the rows that begin at those in `rows`, of the worlds
-    /// in `left`.
+    /// Writes the Jacobian of a contact, for the worlds in `left`. `rows` has the first row of the
+    /// contact in each world.
     #[inline(always)]
     fn put_jacobian<S: Simd>(
         &mut self,

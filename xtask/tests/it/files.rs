@@ -292,7 +292,7 @@ fn a_trace_is_kept_if_the_video_fails() {
     let out = folder("full-video");
     std::os::unix::fs::symlink("/dev/full", out.join("video.gif")).unwrap();
     let mut child = program()
-        .args(["play", "FrozenLake-v1", "--terminal"])
+        .args(["play", "FrozenLake-v1", "--seed=0", "--terminal"])
         .args(["--record", "video.gif", "--trace", "trace.json"])
         .current_dir(&out)
         .stdin(Stdio::piped())

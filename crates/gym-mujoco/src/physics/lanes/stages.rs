@@ -17,10 +17,17 @@ impl Arrays {
     /// Frames and inertias.
     #[inline(always)]
     pub(super) fn positions<S: Simd>(&mut self, m: &Model, at: Place<S>) {
+        self.frames(m, at);
+        self.inertias(m, at);
+    }
+
+    /// Frames.
+    #[inline(always)]
+    pub(super) fn frames<S: Simd>(&mut self, m: &Model, at: Place<S>) {
         let frames = Frames {
             qpos: &self.qpos,
-            mocap_pos: &[],
-            mocap_quat: &[],
+            mocap_pos: &self.mocap_pos,
+            mocap_quat: &self.mocap_quat,
             xpos: &mut self.xpos,
             xquat: &mut self.xquat,
             xmat: &mut self.xmat,
@@ -34,6 +41,11 @@ impl Arrays {
             site_xmat: &mut self.site_xmat,
         };
         kinematics_of::<Lanes<S>>(m, at, frames);
+    }
+
+    /// Inertias about the trees' centres of mass.
+    #[inline(always)]
+    pub(super) fn inertias<S: Simd>(&mut self, m: &Model, at: Place<S>) {
         let inertias = Inertias {
             xmat: &self.xmat,
             xipos: &self.xipos,
@@ -82,13 +94,7 @@ impl Arrays {
     /// Velocities, the forces that follow from them, and accelerations without constraints.
     #[inline(always)]
     pub(super) fn velocities<S: Simd>(&mut self, m: &Model, at: Place<S>) {
-        let motion = Motion {
-            qvel: &self.qvel,
-            cdof: &self.cdof,
-            cvel: &mut self.cvel,
-            cdof_dot: &mut self.cdof_dot,
-        };
-        com_vel_of::<Lanes<S>>(m, at, motion);
+        self.motions(m, at);
         let bias = Bias {
             qvel: &self.qvel,
             cinert: &self.cinert,
@@ -109,6 +115,18 @@ impl Arrays {
         }
         let (factors, inverses) = (&self.qld, &self.qld_diag_inv);
         tree::solve(m, at, factors, inverses, &mut self.qacc_smooth);
+    }
+
+    /// Velocities of bodies.
+    #[inline(always)]
+    pub(super) fn motions<S: Simd>(&mut self, m: &Model, at: Place<S>) {
+        let motion = Motion {
+            qvel: &self.qvel,
+            cdof: &self.cdof,
+            cvel: &mut self.cvel,
+            cdof_dot: &mut self.cdof_dot,
+        };
+        com_vel_of::<Lanes<S>>(m, at, motion);
     }
 
     /// The forces of springs and dampers.

@@ -427,3 +427,57 @@ impl<D: Domain> Build for Of<D> {
         ControlEnv::new::<D>(&config)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use gym_core::vector::lockstep::Together;
+
+    use super::*;
+    use crate::domains::{
+        acrobot, cartpole, cheetah, fish, hopper, humanoid, pendulum, point_mass, reacher, swimmer,
+        walker,
+    };
+
+    /// How many of eight worlds step together where registers hold four or eight.
+    fn together<D: Domain>() -> usize
+    where
+        D::Config: Default,
+    {
+        let made = ControlEnv::new::<D>(&D::Config::default()).unwrap();
+        let (mut envs, mut seen) = (vec![made; 8], Value::default());
+        let mut worlds = Worlds::default();
+        let action = Array::from(vec![0.1; envs[0].world.model.nu()]);
+        for (seed, env) in (0_u64..).zip(&mut envs) {
+            env.reset_into(&seed.into(), &mut seen).unwrap();
+            env.begin_step(&action, &mut worlds);
+        }
+        worlds.solve();
+        let behind = envs.iter_mut().map(|env| {
+            env.collect(&mut worlds);
+            env.step_into(&action, &mut seen).unwrap();
+            let episode = env.episode.as_ref().unwrap();
+            usize::from(episode.data.is_behind())
+        });
+        behind.sum()
+    }
+
+    #[test]
+    fn worlds_of_these_domains_step_together() {
+        let expected = if Worlds::can_step() { 8 } else { 0 };
+        for (name, together) in [
+            ("acrobot", together::<acrobot::Acrobot>()),
+            ("cartpole", together::<cartpole::Cartpole>()),
+            ("cheetah", together::<cheetah::Cheetah>()),
+            ("fish", together::<fish::Fish>()),
+            ("hopper", together::<hopper::Hopper>()),
+            ("humanoid", together::<humanoid::Humanoid>()),
+            ("pendulum", together::<pendulum::Pendulum>()),
+            ("point_mass", together::<point_mass::PointMass>()),
+            ("reacher", together::<reacher::Reacher>()),
+            ("swimmer", together::<swimmer::Swimmer>()),
+            ("walker", together::<walker::Walker>()),
+        ] {
+            assert_eq!(together, expected, "{name}");
+        }
+    }
+}

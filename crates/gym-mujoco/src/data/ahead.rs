@@ -4,7 +4,7 @@
 use super::Data;
 use crate::Model;
 use crate::physics::Call;
-use crate::physics::lanes::Stride;
+use crate::physics::lanes::{Stride, state_len};
 
 impl Data {
     /// Whether the derived arrays are not of the last call: several worlds took it together, and
@@ -26,55 +26,57 @@ impl Data {
         if !self.is_ahead {
             return false;
         }
-        self.begin(m, Call::Step);
-        let mut ahead = std::mem::take(&mut self.ahead);
-        let mut numbers = ahead.iter();
-        let before = &mut self.before;
-        for vector in [
-            &mut self.qpos,
-            &mut self.qvel,
-            &mut self.qacc_warmstart,
-            &mut before.qpos,
-            &mut before.qvel,
-            &mut before.qacc_warmstart,
-        ] {
-            vector
-                .iter_mut()
-                .zip(&mut numbers)
-                .for_each(|(to, from)| *to = *from);
+        if stride.settles {
+            self.fit(m);
+        } else {
+            self.begin(m, Call::Step);
+        }
+        let (mut ahead, d) = (std::mem::take(&mut self.ahead), &mut *self);
+        let (after, rest) = ahead.split_at(state_len(m));
+        let (start, derived) = rest.split_at(state_len(m));
+        put(after, [&mut d.qpos, &mut d.qvel, &mut d.qacc_warmstart]);
+        let before = &mut d.before;
+        if !stride.settles {
+            let vectors = [
+                &mut before.qpos,
+                &mut before.qvel,
+                &mut before.qacc_warmstart,
+            ];
+            put(start, vectors);
         }
         for _ in 0..stride.steps {
-            before.time = self.time;
-            self.time += m.opt.timestep;
+            before.time = d.time;
+            d.time += m.opt.timestep;
         }
+        let mut numbers = derived.iter();
         for array in &stride.reads {
-            let to = array.of_data(self).iter_mut();
+            let to = array.of_data(d).iter_mut();
             to.zip(&mut numbers).for_each(|(to, from)| *to = *from);
         }
         if stride.settles {
             ahead.push(self.before.time);
             self.begin(m, Call::Step1);
         }
-        self.ahead = ahead;
-        self.behind = true;
+        (self.ahead, self.is_ahead, self.behind) = (ahead, false, true);
         true
     }
 
     /// Goes back to the start of the last timestep of a step that [ended](Stride::settles) with a
     /// [`step1`] and was taken together with other worlds, so that both can be repeated.
     pub fn rewind(&mut self) {
-        let length = self.qpos.len() + 2 * self.qvel.len();
         let Some(time) = self.ahead.pop().filter(|_| self.behind) else {
             return;
         };
         self.time = time;
-        let mut numbers = self.ahead[length..].iter();
-        for vector in [&mut self.qpos, &mut self.qvel, &mut self.qacc_warmstart] {
-            vector
-                .iter_mut()
-                .zip(&mut numbers)
-                .for_each(|(to, from)| *to = *from);
-        }
+        let length = self.qpos.len() + 2 * self.qvel.len();
+        let vectors = [&mut self.qpos, &mut self.qvel, &mut self.qacc_warmstart];
+        put(&self.ahead[length..], vectors);
         self.behind = false;
     }
+}
+
+/// Copies the first numbers to vectors.
+fn put(numbers: &[f64], vectors: [&mut Vec<f64>; 3]) {
+    let places = vectors.into_iter().flatten();
+    places.zip(numbers).for_each(|(to, from)| *to = *from);
 }

@@ -7,7 +7,7 @@ use gym_core::Array;
 use gym_core::vector::lockstep::Together;
 
 use crate::physics::lanes::Stride;
-use crate::physics::{fwd_actuation, lanes};
+use crate::physics::{forward, fwd_actuation, lanes};
 use crate::{Data, Model};
 
 /// The most models of which worlds step together; environments of others step one by one.
@@ -69,6 +69,12 @@ impl Worlds {
         }
     }
 
+    /// Whether this CPU steps worlds together.
+    #[must_use]
+    pub fn can_step() -> bool {
+        lanes::width(Level::new()).is_some()
+    }
+
     /// Takes the state of a world, and the action of its next step, as many finite numbers as the
     /// model has controls. None if it steps by itself.
     pub fn begin(
@@ -127,16 +133,21 @@ impl Crew {
         let length = lanes::record_len(model, &stride.reads);
         let fits = lanes::fits(model, stride);
         let worlds = if fits { Worlds::LEN } else { 0 };
+        let mut data = Data::default();
+        if fits {
+            data = Data::new(model);
+            // for the moments of tendons, which stay
+            forward(model, &mut data);
+            // forces without what positions add
+            data.actuator_length.fill(0.0);
+            data.actuator_velocity.fill(0.0);
+        }
         Self {
             model: Arc::clone(model),
             stride: stride.clone(),
             length,
             worlds: fits.then(|| Box::new(lanes::Worlds::new(model, stride))),
-            data: if fits {
-                Data::new(model)
-            } else {
-                Data::default()
-            },
+            data,
             records: vec![0.0; worlds * length],
             len: 0,
             stepped: vec![false; worlds],
@@ -163,6 +174,7 @@ impl Crew {
             &own.qfrc_actuator,
             data.mocap_pos.as_flattened(),
             data.mocap_quat.as_flattened(),
+            &own.actuator_force,
         ];
         let record = &mut self.records[world * length..][..length];
         for (to, from) in record.iter_mut().zip(parts.into_iter().flatten()) {

@@ -38,6 +38,8 @@ pub enum Derived {
     Xipos,
     /// [`Data::geom_xpos`].
     GeomXpos,
+    /// [`Data::geom_xmat`].
+    GeomXmat,
     /// [`Data::site_xpos`].
     SiteXpos,
     /// [`Data::cinert`].
@@ -61,6 +63,7 @@ impl Derived {
             Self::Xpos | Self::Xipos => 3 * m.nbody(),
             Self::Xmat => 9 * m.nbody(),
             Self::GeomXpos => 3 * m.ngeom(),
+            Self::GeomXmat => 9 * m.ngeom(),
             Self::SiteXpos => 3 * m.nsite(),
             Self::Cinert => 10 * m.nbody(),
             Self::QfrcActuator | Self::QfrcConstraint => m.nv(),
@@ -75,6 +78,7 @@ impl Derived {
             Self::Xmat => a.xmat.as_flattened(),
             Self::Xipos => a.xipos.as_flattened(),
             Self::GeomXpos => a.geom_xpos.as_flattened(),
+            Self::GeomXmat => a.geom_xmat.as_flattened(),
             Self::SiteXpos => a.site_xpos.as_flattened(),
             Self::Cinert => a.cinert.as_flattened(),
             Self::Cvel => a.cvel.as_flattened(),
@@ -91,6 +95,7 @@ impl Derived {
             Self::Xmat => d.xmat.as_flattened_mut(),
             Self::Xipos => d.xipos.as_flattened_mut(),
             Self::GeomXpos => d.geom_xpos.as_flattened_mut(),
+            Self::GeomXmat => d.geom_xmat.as_flattened_mut(),
             Self::SiteXpos => d.site_xpos.as_flattened_mut(),
             Self::Cinert => d.cinert.as_flattened_mut(),
             Self::Cvel => d.cvel.as_flattened_mut(),
@@ -102,11 +107,12 @@ impl Derived {
     }
 
     /// All of them but for sensors.
-    pub(crate) const ALL: [Self; 10] = [
+    pub(crate) const ALL: [Self; 11] = [
         Self::Xpos,
         Self::Xmat,
         Self::Xipos,
         Self::GeomXpos,
+        Self::GeomXmat,
         Self::SiteXpos,
         Self::Cinert,
         Self::Cvel,

@@ -2,7 +2,7 @@
 
 use fearless_simd::Level;
 
-use super::{Stride, sensors};
+use super::{Stride, drives, sensors};
 use crate::Model;
 use crate::model::{Integrator, JointType, Solver};
 
@@ -23,7 +23,7 @@ pub(crate) fn width(level: Level) -> Option<usize> {
 }
 
 /// Whether the stages for several worlds have all that a model needs: one tree of slides and
-/// hinges, perhaps on a free joint, with motors, limits and contacts with pyramids.
+/// hinges, perhaps on a free joint, with motors and servos of joints and fixed tendons, limits and contacts with pyramids.
 pub(crate) fn fits(m: &Model, stride: &Stride) -> bool {
     let plan = m.plan();
     let joints = (0..m.njnt()).all(|j| match m.jnt_type[j] {
@@ -40,12 +40,11 @@ pub(crate) fn fits(m: &Model, stride: &Stride) -> bool {
         && m.opt.impratio == 1.0
         && m.opt.noslip_iterations == 0
         && plan.plain
-        && plan.motors
-        && !plan.transmits
+        && (plan.steady || plan.servos)
         && (stride.settles || !plan.measures)
         && sensors::fit(m, stride.sensors())
         && !plan.gravcomp
-        && plan.paths.elastic.is_empty()
+        && drives::fit(m)
         && plan.laws.tendon_limits.is_empty()
         && plan.boxes.iter().all(|(_, edges)| edges.is_some())
         && plan.pairs.iter().all(|pair| pair.dim <= 3)

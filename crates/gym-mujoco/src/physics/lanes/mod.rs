@@ -11,6 +11,7 @@
 
 mod alone;
 mod derived;
+mod drives;
 mod fits;
 mod newton;
 mod rows;
@@ -204,6 +205,8 @@ arrays! {
     cfrc_ext: [Row; 6] = ([Row::ZERO; 6], |m| m.nbody()),
     fluid: Row = (Row::ZERO, |m| m.nv()),
     sensordata: Row = (Row::ZERO, |m| m.nsensordata()),
+    // of actuators whose forces follow from positions too
+    input: Row = (Row::ZERO, |m| drives::inputs(m)),
     // of the integrators
     acc_sum: Row = (Row::ZERO, |m| m.nv()),
     vel_sum: Row = (Row::ZERO, |m| m.nv()),
@@ -247,11 +250,11 @@ pub(crate) fn state_len(m: &Model) -> usize {
 }
 
 /// The numbers that a world brings, and those that it takes away: its state, the forces of its
-/// actuators and the poses of mocap bodies; its state, the one at the start of the last step, and the derived arrays that its
+/// actuators, the poses of mocap bodies and the actuators' inputs; its state, the one at the start of the last step, and the derived arrays that its
 /// task reads.
 pub(crate) fn record_len(m: &Model, reads: &[Derived]) -> usize {
     let derived: usize = reads.iter().map(|array| array.len(m)).sum();
-    let brings = state_len(m) + m.nv() + 7 * m.nmocap();
+    let brings = state_len(m) + m.nv() + 7 * m.nmocap() + drives::inputs(m);
     brings.max(2 * state_len(m) + derived)
 }
 
@@ -277,16 +280,17 @@ impl Worlds {
         }
     }
 
-    /// Takes the state of a world, the forces of its actuators and the poses of its mocap bodies.
+    /// Takes what a world brings.
     pub(crate) fn gather(&mut self, world: usize, record: &[f64]) {
         let a = &mut self.arrays;
         let rows = [&mut a.qpos, &mut a.qvel, &mut a.warm, &mut a.qfrc_actuator];
-        let mocap = [
+        let others = [
             a.mocap_pos.as_flattened_mut(),
             a.mocap_quat.as_flattened_mut(),
+            &mut a.input,
         ];
         let rows = rows.into_iter().flatten();
-        for (row, x) in rows.chain(mocap.into_iter().flatten()).zip(record) {
+        for (row, x) in rows.chain(others.into_iter().flatten()).zip(record) {
             row.0[world] = *x;
         }
     }

@@ -107,6 +107,9 @@ impl Arrays {
         };
         rne_of::<Lanes<S>>(m, at, bias);
         self.passive(m, at);
+        if !m.plan().steady {
+            self.actuate(m, at);
+        }
         for i in 0..m.nv() {
             let passive = load::<S>(at, &self.qfrc_passive[i]);
             let free = passive - load(at, &self.qfrc_bias[i]) + load(at, &self.qfrc_actuator[i]);
@@ -145,6 +148,7 @@ impl Arrays {
             let force = spring_force(q, rest, m.jnt_stiffness[j]);
             store(at, &mut self.qfrc_passive[i], force);
         }
+        self.pull(m, at);
         for (i, force) in self.qfrc_passive.iter_mut().enumerate() {
             let damper = damper_force(at, load::<S>(at, &self.qvel[i]), plan.damping[i]);
             store(at, force, load::<S>(at, force) + damper);

@@ -179,3 +179,123 @@ fn steps_have_the_bits_of_one_world() {
     }
     assert!(stepped > 0 || width(Level::new()).is_none());
 }
+
+/// A model with all that worlds measure together: it falls, and touches the floor.
+const MEASURED: &str = r#"<mujoco>
+  <option timestep="0.005"/>
+  <default><motor ctrllimited="true" ctrlrange="-1 1" gear="20"/></default>
+  <worldbody>
+    <geom type="plane" size="5 5 1"/>
+    <body name="mark" mocap="true" pos="0 0.5 0.2"><geom size="0.05" contype="0" conaffinity="0"/></body>
+    <body name="torso" pos="0 0 0.35">
+      <freejoint/>
+      <geom type="capsule" size="0.05 0.2" euler="0 80 0"/>
+      <site name="back" pos="-0.1 0 0.02" euler="10 20 30"/>
+      <body name="leg" pos="0.2 0 0">
+        <joint name="hip" axis="0 1 0" range="-60 60" limited="true" damping="0.2"/>
+        <geom type="capsule" size="0.03" fromto="0 0 0 0.05 0.02 -0.2"/>
+        <site name="foot" pos="0.05 0.02 -0.2" size="0.05"/>
+        <site name="knee" pos="0.02 0 -0.1" type="box" size="0.1 0.1 0.2"/>
+      </body>
+    </body>
+  </worldbody>
+  <tendon><fixed name="pull" stiffness="{stiffness}" springlength="0.1 0.2"><joint joint="hip" coef="0.7"/></fixed></tendon>
+  <actuator>{actuators}</actuator>
+  <sensor>
+    <touch site="foot"/><subtreelinvel body="torso"/><velocimeter site="back"/><gyro site="foot"/>
+    <touch site="knee"/><subtreelinvel body="leg"/><accelerometer site="back"/>
+  </sensor>
+</mujoco>"#;
+
+/// Steps that end with the first half of the next: frames and sensors are those of the new state.
+#[test]
+fn settled_steps_have_the_bits_of_one_world() {
+    let mut touched = 0;
+    let motors = r#"<motor joint="hip"/><motor tendon="pull"/>"#;
+    let servos = r#"<position joint="hip" kp="3"/><position tendon="pull" kp="2" gear="0.5"/>"#;
+    let all = Revision::ALL
+        .into_iter()
+        .flat_map(|revision| [(revision, motors, "0"), (revision, servos, "2.5")]);
+    for (revision, actuators, stiffness) in all {
+        let text = MEASURED
+            .replace("{actuators}", actuators)
+            .replace("{stiffness}", stiffness);
+        let m = Model::from_xml_with(&text, revision).unwrap();
+        let stride = Stride {
+            steps: 3,
+            settles: true,
+            reads: vec![
+                Derived::Xpos,
+                Derived::Xmat,
+                Derived::GeomXpos,
+                Derived::Sensors(14),
+            ],
+        };
+        assert!(fits(&m, &stride));
+        for level in levels() {
+            let mut random = random(5);
+            let mut worlds = Worlds::new(&m, &stride);
+            let mut alone: Vec<Data> = (0..WORLDS).map(|_| Data::new(&m)).collect();
+            let mut record = vec![0.0; record_len(&m, &stride.reads)];
+            for round in 0..80 {
+                for (world, d) in alone.iter_mut().enumerate() {
+                    d.mocap_pos[0] = [random(), random(), random()];
+                    act(d, &mut random);
+                    if round % 30 == 0 {
+                        d.qpos[2] = 0.1 + 0.1 * world as f64;
+                    }
+                    forward(&m, d);
+                    let mut inputs = d.ctrl.clone();
+                    for (i, input) in inputs.iter_mut().enumerate() {
+                        if m.actuator_ctrllimited[i] {
+                            *input = input.clamp(-1.0, 1.0);
+                        }
+                        *input *= m.actuator_gainprm[i].0[0];
+                    }
+                    let mocap = [d.mocap_pos.as_flattened(), d.mocap_quat.as_flattened()];
+                    let parts = [
+                        &d.qpos[..],
+                        &d.qvel,
+                        &d.qacc_warmstart,
+                        &d.qfrc_actuator,
+                        mocap[0],
+                        mocap[1],
+                        &inputs,
+                    ];
+                    worlds.gather(world, &parts.concat());
+                }
+                if !worlds.step(&m, level, WORLDS, 3) {
+                    break;
+                }
+                for (world, d) in alone.iter_mut().enumerate() {
+                    for _ in 0..3 {
+                        step(&m, d);
+                    }
+                    crate::step1(&m, d);
+                    let what = format!("{revision} {level:?}, world {world}, round {round}");
+                    assert!(
+                        worlds.scatter(&m, world, &stride.reads, &mut record),
+                        "{what}"
+                    );
+                    let derived = &record[2 * state_len(&m)..];
+                    let mut expected = [&d.qpos[..], &d.qvel, &d.qacc_warmstart].concat();
+                    let bits = |x: &f64| x.to_bits();
+                    assert!(
+                        record
+                            .iter()
+                            .zip(&expected)
+                            .all(|(a, b)| bits(a) == bits(b)),
+                        "{what}"
+                    );
+                    expected.clear();
+                    for array in &stride.reads {
+                        expected.extend_from_slice(array.of_data(d));
+                    }
+                    assert_eq!(derived[..expected.len()], expected, "{what}");
+                    touched += usize::from(d.sensordata[0] > 0.0 && d.sensordata[10] > 0.0);
+                }
+            }
+        }
+    }
+    assert!(touched > 0 || width(Level::new()).is_none());
+}

@@ -22,6 +22,9 @@ impl Data {
     }
 
     /// Takes the timesteps of a step that were taken ahead; false if there are none.
+    ///
+    /// # Panics
+    /// If the data is of another model, or the step was another one.
     pub fn catch_up(&mut self, m: &Model, stride: &Stride) -> bool {
         if !self.is_ahead {
             return false;

@@ -91,6 +91,8 @@ impl Worlds {
             .position(|crew| Arc::ptr_eq(&crew.model, model) && crew.stride.steps == stride.steps);
         let crew = match known {
             Some(crew) => crew,
+            // nobody else has this model
+            None if Arc::strong_count(model) == 1 => return None,
             None if self.crews.len() < MODELS => {
                 self.crews.push(Crew::new(model, stride));
                 self.crews.len() - 1

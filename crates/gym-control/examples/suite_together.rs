@@ -1,5 +1,5 @@
 //! How much faster worlds of the Control Suite step together than one by one: `cargo run --release
-//! --package gym-control --example together -- 64 dm_control/cheetah-run-v0`.
+//! --package gym-control --example suite_together -- 64 dm_control/cheetah-run-v0`.
 
 use gym_control as _;
 

@@ -250,8 +250,8 @@ pub(crate) fn state_len(m: &Model) -> usize {
 }
 
 /// The numbers that a world brings, and those that it takes away: its state, the forces of its
-/// actuators, the poses of mocap bodies and the actuators' inputs; its state, the one at the start of the last step, and the derived arrays that its
-/// task reads.
+/// actuators, the poses of mocap bodies and the actuators' inputs; its state, the one at the start
+/// of the last step, and the derived arrays that its task reads.
 pub(crate) fn record_len(m: &Model, reads: &[Derived]) -> usize {
     let derived: usize = reads.iter().map(|array| array.len(m)).sum();
     let brings = state_len(m) + m.nv() + 7 * m.nmocap() + drives::inputs(m);

@@ -1,18 +1,19 @@
 //! Makes an environment of a task.
 
 use std::marker::PhantomData;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 use gym_core::canvas::Canvas;
 use gym_core::registry::Build;
 use gym_core::render::Metadata;
 use gym_core::spaces::BoxSpace;
+use gym_core::vector::lockstep::Lockstep;
 use gym_core::{
     Array, Env, Error, Generator, Inspect, Outcome, RandomState, Reset, Result, Seed, Snapshot,
     Space, Value,
 };
 use gym_mujoco::Data;
-use gym_mujoco::tasks::Common as Camera;
+use gym_mujoco::tasks::{Common as Camera, Place, Stride, Worlds};
 use gym_mujoco::view::View;
 use serde::{Deserialize, Serialize};
 use serde_json::{Value as Json, json};
@@ -49,7 +50,13 @@ pub struct ControlEnv {
     limit: f64,
     seen: Observation,
     pixels: Option<Pixels>,
+    /// A step, if worlds can step together.
+    stride: Option<Stride>,
     episode: Option<Box<Episode>>,
+    /// The data with its derived arrays, where the episode's are behind: made when asked for.
+    resumed: OnceLock<Box<Data>>,
+    /// The step that has begun together with those of other environments.
+    place: Option<Place>,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -122,6 +129,16 @@ impl ControlEnv {
         let limit = common
             .time_limit
             .map_or(f64::INFINITY, |limit| limit / step);
+        // a picture needs all frames
+        let reads = match pixels {
+            None => task.reads(model),
+            Some(_) => None,
+        };
+        let stride = reads.map(|reads| Stride {
+            steps: timesteps,
+            settles: true,
+            reads,
+        });
         Ok(Self {
             name,
             config: config.into(),
@@ -136,13 +153,24 @@ impl ControlEnv {
             limit,
             seen,
             pixels,
+            stride,
             episode: None,
+            resumed: OnceLock::new(),
+            place: None,
         })
     }
 
     /// The state of the physics, once there was a reset.
     pub fn data(&self) -> Option<&Data> {
-        self.episode.as_ref().map(|episode| &episode.data)
+        let data = &self.episode.as_ref()?.data;
+        if !data.is_behind() {
+            return Some(data);
+        }
+        Some(self.resumed.get_or_init(|| {
+            let mut data = data.clone();
+            self.world.resume(&mut data);
+            Box::new(data)
+        }))
     }
 
     fn start(&mut self, reset: &Reset) -> Result<Box<Episode>> {
@@ -234,6 +262,7 @@ impl Env for ControlEnv {
     }
 
     fn reset_into(&mut self, reset: &Reset, observation: &mut Value) -> Result<()> {
+        self.resumed.take();
         self.episode = Some(self.start(reset)?);
         self.observe(observation);
         Ok(())
@@ -250,7 +279,12 @@ impl Env for ControlEnv {
         for (control, number) in episode.data.ctrl.iter_mut().zip(action.iter_f64()) {
             *control = number;
         }
-        self.world.step(&mut episode.data, self.timesteps);
+        self.resumed.take();
+        let data = &mut episode.data;
+        let stride = self.stride.as_ref();
+        if !stride.is_some_and(|stride| data.catch_up(model, stride)) {
+            self.world.step(data, self.timesteps);
+        }
         episode.steps += 1;
         let reward = self.task.reward(model, &episode.data);
         let truncated = episode.steps as f64 >= self.limit;
@@ -288,6 +322,7 @@ impl Env for ControlEnv {
             data.resume(&self.world.model);
         }
         self.episode = episode.map(Box::new);
+        self.resumed.take();
         Ok(())
     }
 
@@ -322,6 +357,31 @@ impl Env for ControlEnv {
 
     fn close(&mut self) {
         self.episode = None;
+        self.resumed.take();
+    }
+}
+
+impl Lockstep for ControlEnv {
+    type Group = Worlds;
+
+    fn begin_reset(&mut self, _: &Reset, _: &mut Worlds) {
+        self.place = None;
+    }
+
+    fn begin_step(&mut self, action: &Array, worlds: &mut Worlds) {
+        let model = &self.world.model;
+        let fits = action.shape() == [model.nu()] && action.is_finite();
+        // a start that draws constants makes a model of its own
+        let shares = |episode: &&Box<Episode>| fits && episode.constants.is_empty();
+        let episode = self.episode.as_ref().filter(shares);
+        self.place = episode
+            .and_then(|episode| worlds.begin(model, self.stride.as_ref()?, &episode.data, action));
+    }
+
+    fn collect(&mut self, worlds: &mut Worlds) {
+        if let (Some(place), Some(episode)) = (self.place.take(), &mut self.episode) {
+            worlds.collect(place, &mut episode.data);
+        }
     }
 }
 
@@ -346,6 +406,7 @@ impl Inspect for ControlEnv {
         checked.map_err(|error| Error::argument("state", error.to_string()))?;
         self.world.settle(&mut data);
         episode.data = data;
+        self.resumed.take();
         Ok(())
     }
 
@@ -364,5 +425,59 @@ impl<D: Domain> Build for Of<D> {
 
     fn build(config: D::Config, _version: u32) -> Result<ControlEnv> {
         ControlEnv::new::<D>(&config)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use gym_core::vector::lockstep::Together;
+
+    use super::*;
+    use crate::domains::{
+        acrobot, cartpole, cheetah, fish, hopper, humanoid, pendulum, point_mass, reacher, swimmer,
+        walker,
+    };
+
+    /// How many of eight worlds step together where registers hold four or eight.
+    fn together<D: Domain>() -> usize
+    where
+        D::Config: Default,
+    {
+        let made = ControlEnv::new::<D>(&D::Config::default()).unwrap();
+        let (mut envs, mut seen) = (vec![made; 8], Value::default());
+        let mut worlds = Worlds::default();
+        let action = Array::from(vec![0.1; envs[0].world.model.nu()]);
+        for (seed, env) in (0_u64..).zip(&mut envs) {
+            env.reset_into(&seed.into(), &mut seen).unwrap();
+            env.begin_step(&action, &mut worlds);
+        }
+        worlds.solve();
+        let behind = envs.iter_mut().map(|env| {
+            env.collect(&mut worlds);
+            env.step_into(&action, &mut seen).unwrap();
+            let episode = env.episode.as_ref().unwrap();
+            usize::from(episode.data.is_behind())
+        });
+        behind.sum()
+    }
+
+    #[test]
+    fn worlds_of_these_domains_step_together() {
+        let expected = if Worlds::can_step() { 8 } else { 0 };
+        for (name, together) in [
+            ("acrobot", together::<acrobot::Acrobot>()),
+            ("cartpole", together::<cartpole::Cartpole>()),
+            ("cheetah", together::<cheetah::Cheetah>()),
+            ("fish", together::<fish::Fish>()),
+            ("hopper", together::<hopper::Hopper>()),
+            ("humanoid", together::<humanoid::Humanoid>()),
+            ("pendulum", together::<pendulum::Pendulum>()),
+            ("point_mass", together::<point_mass::PointMass>()),
+            ("reacher", together::<reacher::Reacher>()),
+            ("swimmer", together::<swimmer::Swimmer>()),
+            ("walker", together::<walker::Walker>()),
+        ] {
+            assert_eq!(together, expected, "{name}");
+        }
     }
 }

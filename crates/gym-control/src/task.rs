@@ -4,9 +4,10 @@ use std::borrow::Cow;
 use std::fmt;
 
 use gym_core::registry::{Exceptions, build};
-use gym_core::vector::{BoxVector, SyncVectorEnv, VectorSpec};
+use gym_core::vector::{BoxVector, VectorSpec, lockstep};
 use gym_core::wrappers::TimeLimit;
-use gym_core::{Arguments, BoxEnv, EnvSpec, Error, Registration, Result};
+use gym_core::{Arguments, EnvSpec, Error, Registration, Result};
+use gym_mujoco::tasks::Derived;
 use gym_mujoco::{CompiledModel, Data, Model};
 
 use crate::arguments::Common;
@@ -55,6 +56,14 @@ pub trait Task: fmt::Debug + Send + Sync + 'static {
     /// Whether there are as many constants as a start draws.
     fn has(&self, constants: &[f64]) -> bool {
         constants.is_empty()
+    }
+
+    /// What observations, rewards and ends read of the data beside time, positions, velocities and
+    /// controls. Vectors then step worlds together, if they can, and leave out other arrays until
+    /// they are asked for. `None` if worlds step one by one.
+    fn reads(&self, model: &Model) -> Option<Vec<Derived>> {
+        let _ = model;
+        None
     }
 
     /// Puts the parts of the observation in, in the order of the package.
@@ -114,10 +123,11 @@ pub const fn register<D: Domain>(id: &'static str, description: &'static str) ->
     Registration::new::<Of<D>>(id)
         .description(description)
         .exceptions(&[LIMIT, COLOURS])
-        .vector_entry_point(vector::<D>)
+        .lockstep_by::<ControlEnv>(vector::<D>)
 }
 
-/// A native vector, whose environments share their model as long as no start changes it.
+/// A native vector, whose environments share their model as long as no start changes it, so that
+/// their worlds can step together.
 fn vector<D: Domain>(spec: &VectorSpec) -> Result<BoxVector> {
     vector_of(spec, build::<Of<D>>)
 }
@@ -130,13 +140,13 @@ fn vector_of(spec: &VectorSpec, make: fn(&EnvSpec) -> Result<ControlEnv>) -> Res
         }
         make(&spec.env_at(index))
     };
-    Ok(match spec.env.max_episode_steps {
+    match spec.env.max_episode_steps {
         Some(limit) => {
-            let limited = |index| Ok(BoxEnv::new(TimeLimit::new(make(index)?, limit)?));
-            Box::new(SyncVectorEnv::native(spec, limited)?)
+            let limited = |index| TimeLimit::new(make(index)?, limit);
+            lockstep::native::<ControlEnv, _>(spec, limited)
         }
-        None => Box::new(SyncVectorEnv::native(spec, make)?),
-    })
+        None => lockstep::native::<ControlEnv, _>(spec, make),
+    }
 }
 
 /// An object of the model that the task names.

@@ -79,12 +79,22 @@ impl World {
         physics::forward(&self.still, data);
     }
 
+    /// Computes what the state of a step that was taken together with other worlds leaves out, by
+    /// repeating the last timestep.
+    pub(crate) fn resume(&self, data: &mut Data) {
+        data.rewind();
+        let last = if self.feels { &self.model } else { &self.quiet };
+        physics::step(last, data);
+        physics::step1(&self.model, data);
+    }
+
     /// Advances a state by some timesteps, and computes what follows from its positions and
     /// velocities: dm_control's `step`.
     pub(crate) fn step(&self, data: &mut Data, timesteps: usize) {
         let last = if self.feels { &self.model } else { &self.quiet };
         let mut steps = 0..timesteps;
-        if self.model.opt.integrator != Integrator::RK4 {
+        // after a step that was taken together the first half of the next is not there
+        if self.model.opt.integrator != Integrator::RK4 && !data.is_behind() {
             steps.next();
             let model = if timesteps == 1 { last } else { &self.quiet };
             physics::step2(model, data);

@@ -10,7 +10,7 @@ use gym_core::vector::{VectorEnvExt, VectorKind};
 use gym_core::{Error, Value, builder};
 use gym_mujoco as _;
 
-fn main() -> Result<(), Error> {
+pub fn main() -> Result<(), Error> {
     const TRIES: usize = 60;
     let mut arguments = std::env::args().skip(1);
     let number = arguments.next().and_then(|number| number.parse().ok());

@@ -1,8 +1,10 @@
 //! A state, and everything computed from it.
 
+mod ahead;
+
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::physics::lanes::{Derived, record_len};
+use crate::physics::lanes::most_len;
 use crate::physics::spatial::IDENTITY;
 use crate::physics::{Call, Constraints, MAXVAL, Work, inverse, rne_post_constraint, step1, step2};
 use crate::{Error, Model, Result, forward, step};
@@ -422,53 +424,6 @@ impl Data {
         self.xfrc_applied.resize(m.nbody(), [0.0; 6]);
     }
 
-    /// Whether the derived arrays need [`resume`](Self::resume).
-    pub(crate) fn is_behind(&self) -> bool {
-        self.behind
-    }
-
-    /// Keeps what the next step leads to: see [`lanes`](crate::physics::lanes).
-    pub(crate) fn look_ahead(&mut self, record: &[f64]) {
-        self.ahead.clear();
-        self.ahead.extend_from_slice(record);
-        self.is_ahead = true;
-    }
-
-    /// Takes the timesteps of a step that were taken ahead; false if there are none.
-    pub(crate) fn catch_up(&mut self, m: &Model, steps: usize, reads: &[Derived]) -> bool {
-        if !self.is_ahead {
-            return false;
-        }
-        self.begin(m, Call::Step);
-        let ahead = std::mem::take(&mut self.ahead);
-        let mut numbers = ahead.iter();
-        let before = &mut self.before;
-        for vector in [
-            &mut self.qpos,
-            &mut self.qvel,
-            &mut self.qacc_warmstart,
-            &mut before.qpos,
-            &mut before.qvel,
-            &mut before.qacc_warmstart,
-        ] {
-            vector
-                .iter_mut()
-                .zip(&mut numbers)
-                .for_each(|(to, from)| *to = *from);
-        }
-        for _ in 0..steps {
-            before.time = self.time;
-            self.time += m.opt.timestep;
-        }
-        for array in reads {
-            let to = array.of_data(self).iter_mut();
-            to.zip(&mut numbers).for_each(|(to, from)| *to = *from);
-        }
-        self.ahead = ahead;
-        self.behind = true;
-        true
-    }
-
     fn state(&self) -> State {
         let mut state = State::default();
         self.copy_state(&mut state, self.is_pushed());
@@ -616,7 +571,7 @@ impl Data {
         }
         let d = &mut *self;
         arrays!(d, m, Vec::resize);
-        self.ahead.reserve(record_len(m, &Derived::ALL));
+        self.ahead.reserve(most_len(m));
         self.work = Work::new(m);
         let bounds = m.plan().bounds();
         self.contact.reserve(bounds.contacts);

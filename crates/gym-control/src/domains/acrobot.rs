@@ -15,6 +15,7 @@ use std::borrow::Cow;
 use std::f64::consts::PI;
 
 use gym_core::Result;
+use gym_mujoco::tasks::Derived;
 use gym_mujoco::{Data, Model};
 
 use super::axis::{XZ, ZZ};
@@ -66,6 +67,10 @@ impl Task for Acrobot {
             start.data.qpos[joint] = start.uniform(-PI, PI);
         }
         Ok(())
+    }
+
+    fn reads(&self, _: &Model) -> Option<Vec<Derived>> {
+        Some(vec![Derived::Xmat, Derived::SiteXpos])
     }
 
     fn observe(&self, _: &Model, d: &Data, out: &mut Observation) {

@@ -16,6 +16,7 @@ use std::f64::consts::PI;
 
 use gym_core::keys::json;
 use gym_core::{Error, Keys, Registration, Result};
+use gym_mujoco::tasks::Derived;
 use gym_mujoco::{Data, Model};
 
 use super::axis::{XZ, ZZ};
@@ -102,6 +103,10 @@ impl Task for Cartpole {
         }
         data.qvel.fill_with(|| 0.01 * rng.standard_normal());
         Ok(())
+    }
+
+    fn reads(&self, _: &Model) -> Option<Vec<Derived>> {
+        Some(vec![Derived::Xmat])
     }
 
     fn observe(&self, _: &Model, d: &Data, out: &mut Observation) {

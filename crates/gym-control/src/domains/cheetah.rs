@@ -14,6 +14,7 @@
 use std::borrow::Cow;
 
 use gym_core::Result;
+use gym_mujoco::tasks::Derived;
 use gym_mujoco::{Data, Model};
 
 use super::{check, config};
@@ -59,6 +60,10 @@ impl Task for Cheetah {
         start.step(200);
         start.data.time = 0.0;
         Ok(())
+    }
+
+    fn reads(&self, _: &Model) -> Option<Vec<Derived>> {
+        Some(vec![Derived::Sensors(3)])
     }
 
     fn observe(&self, _: &Model, d: &Data, out: &mut Observation) {

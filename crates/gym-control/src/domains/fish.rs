@@ -14,6 +14,7 @@
 use std::borrow::Cow;
 
 use gym_core::{RandomState, Result};
+use gym_mujoco::tasks::Derived;
 use gym_mujoco::{Data, Model};
 
 use super::axis::ZZ;
@@ -92,6 +93,10 @@ impl Task for Fish {
             start.data.mocap_pos[0] = place.map(|[low, high]| start.rng.uniform(low, high));
         }
         Ok(())
+    }
+
+    fn reads(&self, _: &Model) -> Option<Vec<Derived>> {
+        Some(vec![Derived::Xmat, Derived::GeomXpos, Derived::GeomXmat])
     }
 
     fn observe(&self, _: &Model, d: &Data, out: &mut Observation) {

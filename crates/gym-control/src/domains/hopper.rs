@@ -14,6 +14,7 @@
 use std::borrow::Cow;
 
 use gym_core::{Result, math};
+use gym_mujoco::tasks::Derived;
 use gym_mujoco::{Data, Model};
 
 use super::{check, config};
@@ -69,6 +70,10 @@ impl Task for Hopper {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         start.joints();
         Ok(())
+    }
+
+    fn reads(&self, _: &Model) -> Option<Vec<Derived>> {
+        Some(vec![Derived::Xipos, Derived::Sensors(5)])
     }
 
     fn observe(&self, _: &Model, d: &Data, out: &mut Observation) {

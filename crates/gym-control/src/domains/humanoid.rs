@@ -14,6 +14,7 @@
 use std::borrow::Cow;
 
 use gym_core::Result;
+use gym_mujoco::tasks::Derived;
 use gym_mujoco::{Data, Model};
 
 use super::axis::{ZX, ZZ};
@@ -84,6 +85,10 @@ impl Domain for Humanoid {
 impl Task for Humanoid {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         start.draw_apart(Start::joints)
+    }
+
+    fn reads(&self, _: &Model) -> Option<Vec<Derived>> {
+        Some(vec![Derived::Xpos, Derived::Xmat, Derived::Sensors(3)])
     }
 
     fn observe(&self, _: &Model, d: &Data, out: &mut Observation) {

@@ -16,6 +16,7 @@ use std::f64::consts::PI;
 
 use gym_core::keys::json;
 use gym_core::{Keys, Result};
+use gym_mujoco::tasks::Derived;
 use gym_mujoco::{Data, Model};
 
 use super::axis::{XZ, ZZ};
@@ -54,6 +55,10 @@ impl Task for Pendulum {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         start.data.qpos[0] = start.uniform(-PI, PI);
         Ok(())
+    }
+
+    fn reads(&self, _: &Model) -> Option<Vec<Derived>> {
+        Some(vec![Derived::Xmat])
     }
 
     fn observe(&self, _: &Model, d: &Data, out: &mut Observation) {

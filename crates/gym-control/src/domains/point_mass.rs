@@ -14,6 +14,7 @@
 use std::borrow::Cow;
 
 use gym_core::{RandomState, Result};
+use gym_mujoco::tasks::Derived;
 use gym_mujoco::{CompiledModel, Data, Model};
 
 use super::{check, config, minus, norm};
@@ -97,6 +98,10 @@ impl Task for PointMass {
     fn has(&self, constants: &[f64]) -> bool {
         let number = if self.randomize_gains { 4 } else { 0 };
         constants.len() == number && constants.iter().all(|x| x.is_finite())
+    }
+
+    fn reads(&self, _: &Model) -> Option<Vec<Derived>> {
+        Some(vec![Derived::GeomXpos])
     }
 
     fn observe(&self, _: &Model, d: &Data, out: &mut Observation) {

@@ -15,6 +15,7 @@ use std::borrow::Cow;
 use std::f64::consts::PI;
 
 use gym_core::{Result, math};
+use gym_mujoco::tasks::Derived;
 use gym_mujoco::{Data, Model};
 
 use super::{check, config, norm};
@@ -73,6 +74,10 @@ impl Task for Reacher {
         let place = &mut start.data.mocap_pos[0];
         (place[0], place[1]) = (radius * math::sin(angle), radius * math::cos(angle));
         Ok(())
+    }
+
+    fn reads(&self, _: &Model) -> Option<Vec<Derived>> {
+        Some(vec![Derived::GeomXpos])
     }
 
     fn observe(&self, _: &Model, d: &Data, out: &mut Observation) {

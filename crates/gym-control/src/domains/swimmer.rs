@@ -14,6 +14,7 @@
 use std::borrow::Cow;
 
 use gym_core::{Error, Result};
+use gym_mujoco::tasks::Derived;
 use gym_mujoco::{Data, Model};
 
 use super::{config, minus, norm, times};
@@ -104,6 +105,14 @@ impl Task for Swimmer {
             start.data.mocap_pos[0][k] = start.uniform(-reach, reach);
         }
         Ok(())
+    }
+
+    fn reads(&self, model: &Model) -> Option<Vec<Derived>> {
+        Some(vec![
+            Derived::GeomXpos,
+            Derived::Xmat,
+            Derived::Sensors(model.nsensordata()),
+        ])
     }
 
     fn observe(&self, _: &Model, d: &Data, out: &mut Observation) {

@@ -14,6 +14,7 @@
 use std::borrow::Cow;
 
 use gym_core::Result;
+use gym_mujoco::tasks::Derived;
 use gym_mujoco::{Data, Model};
 
 use super::axis::{XX, XZ, ZZ};
@@ -68,6 +69,10 @@ impl Task for Walker {
     fn start(&self, start: &mut Start<'_>) -> Result<()> {
         start.joints();
         Ok(())
+    }
+
+    fn reads(&self, _: &Model) -> Option<Vec<Derived>> {
+        Some(vec![Derived::Xpos, Derived::Xmat, Derived::Sensors(3)])
     }
 
     fn observe(&self, _: &Model, d: &Data, out: &mut Observation) {

@@ -253,9 +253,16 @@ impl Registration {
     /// Declares a native vector of environments that step in [`lockstep`](crate::vector::lockstep);
     /// the threads of async vectors then do the same.
     #[must_use]
-    pub const fn lockstep<E: Lockstep + Configure>(mut self) -> Self {
+    pub const fn lockstep<E: Lockstep + Configure>(self) -> Self {
+        self.lockstep_by::<E>(entry_point::<E>)
+    }
+
+    /// The same for environments that are not [`Configure`], whose native vector is made by
+    /// `entry_point`: see [`native`](crate::vector::lockstep::native).
+    #[must_use]
+    pub const fn lockstep_by<E: Lockstep>(mut self, entry_point: VectorEntryPoint) -> Self {
         if NATIVE_VECTORS {
-            self.vector_entry_point = Some(entry_point::<E>);
+            self.vector_entry_point = Some(entry_point);
             self.ahead = Some(lockstep::ahead::<E>);
         }
         self

@@ -153,7 +153,10 @@ impl<E: Lockstep, W: Env> Ahead<W> for Within<E, W> {
 
 /// Makes a native vector of the environments that `make` gives for each index: a sync vector whose
 /// sub-environments step together.
-pub(crate) fn native<E: Lockstep, W: Env>(
+///
+/// # Errors
+/// Those of `make`, and as [`SyncVectorEnv::native`].
+pub fn native<E: Lockstep, W: Env>(
     spec: &VectorSpec,
     make: impl Fn(usize) -> Result<W>,
 ) -> Result<Box<dyn VectorEnv>> {

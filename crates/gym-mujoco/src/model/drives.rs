@@ -2,7 +2,7 @@
 
 use super::{
     BiasType, CompiledModel, Disable, DynamicsType, GainType, JointType, ObjectType,
-    TransmissionType,
+    TransmissionType, WrapType,
 };
 
 fn scalar(m: &CompiledModel, joint: i32) -> bool {
@@ -28,6 +28,53 @@ pub(super) fn motors(m: &CompiledModel) -> bool {
         && m.opt.disableactuator == 0
         && !m.opt.disables(Disable::Actuation)
         && !m.opt.disables(Disable::ClampCtrl)
+        && !m.jnt_actfrclimited.contains(&true)
+        && !m.jnt_actgravcomp.contains(&true)
+}
+
+/// Whether the force of an actuator acts along a slide, a hinge, or a sum of such joints' positions,
+/// and is the control times a constant but for what the bias adds.
+fn straight(m: &CompiledModel, i: usize) -> bool {
+    let id = m.actuator_trnid[i][0];
+    let moved = match m.actuator_trntype[i] {
+        TransmissionType::Joint => scalar(m, id),
+        TransmissionType::Tendon => {
+            let parts = m.tendon_adr[id as usize]..;
+            let mut joints: Vec<i32> = parts
+                .take(m.tendon_num[id as usize])
+                .filter(|&w| m.wrap_type[w] == WrapType::Joint)
+                .map(|w| m.wrap_objid[w])
+                .collect();
+            joints.sort_unstable();
+            joints.dedup();
+            joints.len() == m.tendon_num[id as usize]
+        }
+        _ => false,
+    };
+    moved
+        && m.actuator_dyntype[i] == DynamicsType::None
+        && m.actuator_gaintype[i] == GainType::Fixed
+}
+
+/// Whether the forces of all actuators on degrees of freedom follow from controls alone.
+pub(super) fn steady(m: &CompiledModel) -> bool {
+    let plain = |i: usize| straight(m, i) && m.actuator_biastype[i] == BiasType::None;
+    (0..m.nu()).all(plain) && !m.jnt_actgravcomp.contains(&true)
+}
+
+/// Whether they are the control times a constant, and the position times another one.
+pub(super) fn servos(m: &CompiledModel) -> bool {
+    let plain = |i: usize| {
+        let [rest, _, damping] = [0, 1, 2].map(|k| m.actuator_biasprm[i].0[k]);
+        straight(m, i)
+            && m.actuator_biastype[i] == BiasType::Affine
+            && (rest, damping) == (0.0, 0.0)
+            && !m.actuator_forcelimited[i]
+    };
+    (0..m.nu()).all(plain)
+        && m.opt.disableactuator == 0
+        && !m.opt.disables(Disable::Actuation)
+        && !m.tendon_actfrclimited.contains(&true)
         && !m.jnt_actfrclimited.contains(&true)
         && !m.jnt_actgravcomp.contains(&true)
 }

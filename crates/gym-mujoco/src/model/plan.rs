@@ -56,6 +56,10 @@ pub(crate) struct Plan {
     pub(crate) paths: Paths,
     /// Whether all actuators are motors of slides and hinges, without anything else.
     pub(crate) motors: bool,
+    /// Whether the forces of all actuators on degrees of freedom follow from controls alone.
+    pub(crate) steady: bool,
+    /// Whether they follow from controls and positions, as a sum.
+    pub(crate) servos: bool,
     /// Whether lengths and velocities of actuators are needed.
     pub(crate) transmits: bool,
     /// The periods of setpoints that are angles about any axis; 0 for others.
@@ -294,6 +298,8 @@ impl Plan {
             laws: Laws::new(m),
             paths: Paths::default(),
             motors: super::drives::motors(m),
+            steady: super::drives::steady(m),
+            servos: super::drives::servos(m),
             transmits: super::drives::transmits(m),
             periods: super::drives::periods(m),
             tendon_forces: m.tendon_actfrclimited.contains(&true),

@@ -10,7 +10,7 @@ use super::spatial::{
 };
 use crate::model::{Disable, ObjectType, SensorType, Stage, TransmissionType};
 use crate::physics::constraint::Source;
-use crate::{Data, Model, Revision};
+use crate::{Contact, Data, Model, Revision};
 
 /// `sensordata` of some stages: MuJoCo's `mj_sensorPos`, `mj_sensorVel` and `mj_sensorAcc`.
 #[inline(never)]
@@ -260,14 +260,27 @@ fn of_acceleration(m: &Model, d: &Data, i: usize) -> Quat {
 
 /// The sum of the normal forces of contacts within a site.
 fn touch(m: &Model, d: &Data, site: usize) -> f64 {
+    let place = (site, d.site_xpos[site], &d.site_xmat[site]);
+    touch_of(m, place, &d.contact, |contact| {
+        contact_force(m, d, contact)[0]
+    })
+}
+
+/// The same, of the contacts of a world whose normal forces `normal_force` gives.
+pub(super) fn touch_of(
+    m: &Model,
+    (site, pos, mat): (usize, Vec3, &Mat3),
+    contacts: &[Contact],
+    normal_force: impl Fn(&Contact) -> f64,
+) -> f64 {
     let body = m.site_bodyid[site];
     let mut sum = 0.0;
-    for contact in d.contact.iter().filter(|contact| contact.efc_address >= 0) {
+    for contact in contacts.iter().filter(|contact| contact.efc_address >= 0) {
         let bodies = contact.geom.map(|g| m.geom_bodyid[g]);
         if !bodies.contains(&body) {
             continue;
         }
-        let normal = contact_force(m, d, contact)[0];
+        let normal = normal_force(contact);
         if normal <= 0.0 {
             continue;
         }
@@ -276,9 +289,8 @@ fn touch(m: &Model, d: &Data, site: usize) -> f64 {
         if body == bodies[1] {
             along = scale(along, -1.0);
         }
-        let place = (d.site_xpos[site], &d.site_xmat[site]);
         let shape = m.site_type[site];
-        if ray_shape(shape, place, m.site_size[site], contact.pos, along) >= 0.0 {
+        if ray_shape(shape, (pos, mat), m.site_size[site], contact.pos, along) >= 0.0 {
             sum += normal;
         }
     }
@@ -286,7 +298,7 @@ fn touch(m: &Model, d: &Data, site: usize) -> f64 {
 }
 
 /// Whether no degree of freedom moves a body.
-fn fixed(m: &Model, body: usize) -> bool {
+pub(super) fn fixed(m: &Model, body: usize) -> bool {
     m.plan().chain(body).is_empty()
 }
 

@@ -399,7 +399,7 @@ pub(crate) fn inertia_at<N: Number>(
 
 /// A motion about another point: MuJoCo's `mju_transformSpatial`.
 #[inline]
-pub(crate) fn transform_motion(v: &Vec6, to: Vec3, from: Vec3) -> Vec6 {
+pub(crate) fn transform_motion<N: Number>(v: &[N; 6], to: [N; 3], from: [N; 3]) -> [N; 6] {
     let across = cross(sub(to, from), rotation(v));
     join(rotation(v), sub(translation(v), across))
 }

@@ -417,8 +417,10 @@ impl<T: Task> Lockstep for MujocoEnv<T> {
     fn begin_step(&mut self, action: &Array, worlds: &mut Worlds) {
         let fits = action.shape() == [self.simulation.model.nu()] && action.is_finite();
         let episode = self.episode.as_ref().filter(|_| fits);
-        self.place =
-            episode.and_then(|episode| worlds.begin(&self.simulation, &episode.data, action));
+        self.place = episode.and_then(|episode| {
+            let Simulation { model, stride, .. } = &self.simulation;
+            worlds.begin(model, stride.as_ref()?, &episode.data, action)
+        });
     }
 
     fn collect(&mut self, worlds: &mut Worlds) {

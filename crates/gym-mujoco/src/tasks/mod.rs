@@ -30,12 +30,12 @@ pub mod walker2d;
 
 use gym_core::{Env, EnvExt, Result};
 
-pub use crate::physics::lanes::Derived;
+pub use crate::physics::lanes::{Derived, Stride};
 pub use arguments::{Common, TaskArguments};
 pub use env::{MujocoEnv, Task};
 pub use range::Range;
 pub use simulation::{Simulation, load, models};
-pub use together::Worlds;
+pub use together::{Place, Worlds};
 
 use crate::Data;
 

@@ -6,7 +6,7 @@ use gym_core::spaces::BoxSpace;
 use gym_core::{Array, Error, Generator, Result, Space};
 
 use super::arguments::Common;
-use crate::physics::lanes::Derived;
+use crate::physics::lanes::{Derived, Stride};
 use crate::view::View;
 use crate::{Data, Model, Revision, forward, physics, step};
 
@@ -26,8 +26,8 @@ pub struct Simulation {
     /// Whether contact forces are computed after a step, which MuJoCo 2.0's Python interface did
     /// not do.
     contact_forces: bool,
-    /// The derived arrays that the task reads after a step, if its worlds can step together.
-    pub(super) reads: Option<Vec<Derived>>,
+    /// A step, if the task's worlds can step together.
+    pub(super) stride: Option<Stride>,
 }
 
 impl Simulation {
@@ -44,14 +44,18 @@ impl Simulation {
             dt,
             view,
             contact_forces: version >= 4,
-            reads: None,
+            stride: None,
         })
     }
 
     /// Lets worlds step together, for a task that reads these derived arrays after a step.
     pub(super) fn read(&mut self, reads: &[Derived]) {
         let computed = |array: &Derived| self.contact_forces || *array != Derived::CfrcExt;
-        self.reads = Some(reads.iter().copied().filter(computed).collect());
+        self.stride = Some(Stride {
+            steps: self.frame_skip,
+            settles: false,
+            reads: reads.iter().copied().filter(computed).collect(),
+        });
     }
 
     /// The state at the start of an episode, from positions and velocities.
@@ -64,8 +68,8 @@ impl Simulation {
         for (ctrl, a) in data.ctrl.iter_mut().zip(action.iter_f64()) {
             *ctrl = a;
         }
-        if let Some(reads) = &self.reads
-            && data.catch_up(&self.model, self.frame_skip, reads)
+        if let Some(stride) = &self.stride
+            && data.catch_up(&self.model, stride)
         {
             data.contact_forces = self.contact_forces;
             return;

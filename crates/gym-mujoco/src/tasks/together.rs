@@ -6,9 +6,8 @@ use fearless_simd::Level;
 use gym_core::Array;
 use gym_core::vector::lockstep::Together;
 
-use super::Simulation;
-use crate::physics::lanes::Derived;
-use crate::physics::{fwd_actuation, lanes};
+use crate::physics::lanes::Stride;
+use crate::physics::{forward, fwd_actuation, lanes};
 use crate::{Data, Model};
 
 /// The most models of which worlds step together; environments of others step one by one.
@@ -29,8 +28,7 @@ pub struct Worlds {
 #[derive(Clone, Debug)]
 struct Crew {
     model: Arc<Model>,
-    steps: usize,
-    reads: Vec<Derived>,
+    stride: Stride,
     /// The numbers of a world's record.
     length: usize,
     /// None for a model that does not fit.
@@ -50,7 +48,7 @@ struct Crew {
 
 /// A world in a group.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Place {
+pub struct Place {
     crew: usize,
     world: usize,
 }
@@ -62,31 +60,41 @@ impl Default for Worlds {
 }
 
 impl Worlds {
-    pub(super) fn new(level: Level) -> Self {
+    /// Worlds that step by the vector instructions of a level.
+    #[must_use]
+    pub fn new(level: Level) -> Self {
         Self {
             level,
             crews: Vec::with_capacity(MODELS),
         }
     }
 
-    /// Takes the state of a world, and the action of its next step. None if it steps by itself.
-    pub(super) fn begin(
+    /// Whether this CPU steps worlds together.
+    #[must_use]
+    pub fn can_step() -> bool {
+        lanes::width(Level::new()).is_some()
+    }
+
+    /// Takes the state of a world, and the action of its next step, as many finite numbers as the
+    /// model has controls. None if it steps by itself.
+    pub fn begin(
         &mut self,
-        simulation: &Simulation,
+        model: &Arc<Model>,
+        stride: &Stride,
         data: &Data,
         action: &Array,
     ) -> Option<Place> {
-        let reads = simulation.reads.as_ref()?;
         lanes::width(self.level)?;
-        let (model, steps) = (&simulation.model, simulation.frame_skip);
         let known = self
             .crews
             .iter()
-            .position(|crew| Arc::ptr_eq(&crew.model, model) && crew.steps == steps);
+            .position(|crew| Arc::ptr_eq(&crew.model, model) && crew.stride.steps == stride.steps);
         let crew = match known {
             Some(crew) => crew,
+            // nobody else has this model
+            None if Arc::strong_count(model) == 1 => return None,
             None if self.crews.len() < MODELS => {
-                self.crews.push(Crew::new(model, steps, reads));
+                self.crews.push(Crew::new(model, stride));
                 self.crews.len() - 1
             }
             None => return None,
@@ -95,8 +103,8 @@ impl Worlds {
         Some(Place { crew, world })
     }
 
-    /// Gives a world the result of its step.
-    pub(super) fn collect(&self, place: Place, data: &mut Data) {
+    /// Gives a world the result of its step, which [`Data::catch_up`] then takes.
+    pub fn collect(&self, place: Place, data: &mut Data) {
         let crew = &self.crews[place.crew];
         if crew.stepped[place.world] {
             let length = crew.length;
@@ -123,21 +131,25 @@ impl Together for Worlds {
 }
 
 impl Crew {
-    fn new(model: &Arc<Model>, steps: usize, reads: &[Derived]) -> Self {
-        let length = lanes::record_len(model, reads);
-        let fits = lanes::fits(model);
+    fn new(model: &Arc<Model>, stride: &Stride) -> Self {
+        let length = lanes::record_len(model, &stride.reads);
+        let fits = lanes::fits(model, stride);
         let worlds = if fits { Worlds::LEN } else { 0 };
+        let mut data = Data::default();
+        if fits {
+            data = Data::new(model);
+            // for the moments of tendons, which stay
+            forward(model, &mut data);
+            // forces without what positions add
+            data.actuator_length.fill(0.0);
+            data.actuator_velocity.fill(0.0);
+        }
         Self {
             model: Arc::clone(model),
-            steps,
-            reads: reads.to_vec(),
+            stride: stride.clone(),
             length,
-            worlds: fits.then(|| Box::new(lanes::Worlds::new(model, reads))),
-            data: if fits {
-                Data::new(model)
-            } else {
-                Data::default()
-            },
+            worlds: fits.then(|| Box::new(lanes::Worlds::new(model, stride))),
+            data,
             records: vec![0.0; worlds * length],
             len: 0,
             stepped: vec![false; worlds],
@@ -158,10 +170,13 @@ impl Crew {
         fwd_actuation(m, own);
         let length = self.length;
         let parts = [
-            &data.qpos,
+            &data.qpos[..],
             &data.qvel,
             &data.qacc_warmstart,
             &own.qfrc_actuator,
+            data.mocap_pos.as_flattened(),
+            data.mocap_quat.as_flattened(),
+            &own.actuator_force,
         ];
         let record = &mut self.records[world * length..][..length];
         for (to, from) in record.iter_mut().zip(parts.into_iter().flatten()) {
@@ -190,12 +205,14 @@ impl Crew {
             for (lane, &world) in order.iter().enumerate() {
                 worlds.gather(lane, &self.records[world * length..][..length]);
             }
-            if order.is_empty() || !worlds.step(&self.model, level, order.len(), self.steps) {
+            if order.is_empty() || !worlds.step(&self.model, level, order.len(), self.stride.steps)
+            {
                 continue;
             }
             for (lane, &world) in order.iter().enumerate() {
                 let record = &mut self.records[world * length..][..length];
-                self.stepped[world] = worlds.scatter(&self.model, lane, &self.reads, record);
+                let reads = &self.stride.reads;
+                self.stepped[world] = worlds.scatter(&self.model, lane, reads, record);
                 rows[world] = worlds.rows(lane);
             }
         }

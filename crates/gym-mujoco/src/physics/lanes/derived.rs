@@ -1,7 +1,30 @@
-//! Arrays beside the state that worlds leave behind.
+//! What a step of an environment is, and what its worlds leave behind beside the state.
 
 use super::{Arrays, Row};
 use crate::{Data, Model};
+
+/// A step of an environment whose worlds step together.
+#[derive(Clone, Debug)]
+pub struct Stride {
+    /// The number of the model's timesteps.
+    pub steps: usize,
+    /// Whether a [`step1`](crate::step1) follows them, so that frames and sensors are those of the
+    /// new state.
+    pub settles: bool,
+    /// The derived arrays that the environment reads after a step.
+    pub reads: Vec<Derived>,
+}
+
+impl Stride {
+    /// The number of `sensordata`'s first numbers that are read.
+    pub(super) fn sensors(&self) -> usize {
+        let numbers = self.reads.iter().map(|array| match array {
+            Derived::Sensors(numbers) => *numbers,
+            _ => 0,
+        });
+        numbers.max().unwrap_or(0)
+    }
+}
 
 /// A derived array that a task reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -9,8 +32,14 @@ use crate::{Data, Model};
 pub enum Derived {
     /// [`Data::xpos`].
     Xpos,
+    /// [`Data::xmat`].
+    Xmat,
     /// [`Data::xipos`].
     Xipos,
+    /// [`Data::geom_xpos`].
+    GeomXpos,
+    /// [`Data::geom_xmat`].
+    GeomXmat,
     /// [`Data::site_xpos`].
     SiteXpos,
     /// [`Data::cinert`].
@@ -23,6 +52,8 @@ pub enum Derived {
     QfrcConstraint,
     /// [`Data::cfrc_ext`], where contact forces are computed after a step.
     CfrcExt,
+    /// The first numbers of [`Data::sensordata`].
+    Sensors(usize),
 }
 
 impl Derived {
@@ -30,43 +61,58 @@ impl Derived {
     pub(super) fn len(self, m: &Model) -> usize {
         match self {
             Self::Xpos | Self::Xipos => 3 * m.nbody(),
+            Self::Xmat => 9 * m.nbody(),
+            Self::GeomXpos => 3 * m.ngeom(),
+            Self::GeomXmat => 9 * m.ngeom(),
             Self::SiteXpos => 3 * m.nsite(),
             Self::Cinert => 10 * m.nbody(),
             Self::QfrcActuator | Self::QfrcConstraint => m.nv(),
             Self::Cvel | Self::CfrcExt => 6 * m.nbody(),
+            Self::Sensors(numbers) => numbers,
         }
     }
 
     pub(super) fn of(self, a: &Arrays) -> &[Row] {
         match self {
             Self::Xpos => a.xpos.as_flattened(),
+            Self::Xmat => a.xmat.as_flattened(),
             Self::Xipos => a.xipos.as_flattened(),
+            Self::GeomXpos => a.geom_xpos.as_flattened(),
+            Self::GeomXmat => a.geom_xmat.as_flattened(),
             Self::SiteXpos => a.site_xpos.as_flattened(),
             Self::Cinert => a.cinert.as_flattened(),
             Self::Cvel => a.cvel.as_flattened(),
             Self::QfrcActuator => &a.qfrc_actuator,
             Self::QfrcConstraint => &a.qfrc_constraint,
             Self::CfrcExt => a.cfrc_ext.as_flattened(),
+            Self::Sensors(numbers) => &a.sensordata[..numbers],
         }
     }
 
     pub(crate) fn of_data(self, d: &mut Data) -> &mut [f64] {
         match self {
             Self::Xpos => d.xpos.as_flattened_mut(),
+            Self::Xmat => d.xmat.as_flattened_mut(),
             Self::Xipos => d.xipos.as_flattened_mut(),
+            Self::GeomXpos => d.geom_xpos.as_flattened_mut(),
+            Self::GeomXmat => d.geom_xmat.as_flattened_mut(),
             Self::SiteXpos => d.site_xpos.as_flattened_mut(),
             Self::Cinert => d.cinert.as_flattened_mut(),
             Self::Cvel => d.cvel.as_flattened_mut(),
             Self::QfrcActuator => &mut d.qfrc_actuator,
             Self::QfrcConstraint => &mut d.qfrc_constraint,
             Self::CfrcExt => d.cfrc_ext.as_flattened_mut(),
+            Self::Sensors(numbers) => &mut d.sensordata[..numbers],
         }
     }
 
-    /// All of them.
-    pub(crate) const ALL: [Self; 8] = [
+    /// All of them but for sensors.
+    pub(crate) const ALL: [Self; 11] = [
         Self::Xpos,
+        Self::Xmat,
         Self::Xipos,
+        Self::GeomXpos,
+        Self::GeomXmat,
         Self::SiteXpos,
         Self::Cinert,
         Self::Cvel,

@@ -2,6 +2,7 @@
 
 use fearless_simd::Level;
 
+use super::{Stride, drives, sensors};
 use crate::Model;
 use crate::model::{Integrator, JointType, Solver};
 
@@ -22,8 +23,8 @@ pub(crate) fn width(level: Level) -> Option<usize> {
 }
 
 /// Whether the stages for several worlds have all that a model needs: one tree of slides and
-/// hinges, perhaps on a free joint, with motors, limits and contacts with pyramids.
-pub(crate) fn fits(m: &Model) -> bool {
+/// hinges, perhaps on a free joint, with motors and servos of joints and fixed tendons, limits and contacts with pyramids.
+pub(crate) fn fits(m: &Model, stride: &Stride) -> bool {
     let plan = m.plan();
     let joints = (0..m.njnt()).all(|j| match m.jnt_type[j] {
         JointType::Slide | JointType::Hinge => true,
@@ -34,17 +35,16 @@ pub(crate) fn fits(m: &Model) -> bool {
     joints
         && m.ntree() == 1
         && m.na() == 0
-        && m.nmocap() == 0
         && matches!(m.opt.solver, Solver::Newton | Solver::PGS)
         && matches!(m.opt.integrator, Integrator::Euler | Integrator::RK4)
         && m.opt.impratio == 1.0
         && m.opt.noslip_iterations == 0
         && plan.plain
-        && plan.motors
-        && !plan.transmits
-        && !plan.measures
+        && (plan.steady || plan.servos)
+        && (stride.settles || !plan.measures)
+        && sensors::fit(m, stride.sensors())
         && !plan.gravcomp
-        && plan.paths.elastic.is_empty()
+        && drives::fit(m)
         && plan.laws.tendon_limits.is_empty()
         && plan.boxes.iter().all(|(_, edges)| edges.is_some())
         && plan.pairs.iter().all(|pair| pair.dim <= 3)

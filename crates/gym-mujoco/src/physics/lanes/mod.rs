@@ -11,9 +11,11 @@
 
 mod alone;
 mod derived;
+mod drives;
 mod fits;
 mod newton;
 mod rows;
+mod sensors;
 mod stages;
 mod tree;
 
@@ -21,7 +23,7 @@ use fearless_simd::{Level, Simd};
 use gym_core::math::{Lanes, Real};
 
 use self::alone::Alone;
-pub use self::derived::Derived;
+pub use self::derived::{Derived, Stride};
 pub(crate) use self::fits::{fits, width};
 use self::newton::Newton;
 use self::rows::{Rows, worlds};
@@ -162,6 +164,8 @@ macro_rules! arrays {
 arrays! {
     qpos: Row = (Row::ZERO, |m| m.nq()),
     qvel: Row = (Row::ZERO, |m| m.nv()),
+    mocap_pos: [Row; 3] = ([Row::ZERO; 3], |m| m.nmocap()),
+    mocap_quat: [Row; 4] = ([ONE, Row::ZERO, Row::ZERO, Row::ZERO], |m| m.nmocap()),
     warm: Row = (Row::ZERO, |m| m.nv()),
     // the state at the start of the last step
     qpos_before: Row = (Row::ZERO, |m| m.nq()),
@@ -200,6 +204,9 @@ arrays! {
     qacc: Row = (Row::ZERO, |m| m.nv()),
     cfrc_ext: [Row; 6] = ([Row::ZERO; 6], |m| m.nbody()),
     fluid: Row = (Row::ZERO, |m| m.nv()),
+    sensordata: Row = (Row::ZERO, |m| m.nsensordata()),
+    // of actuators whose forces follow from positions too
+    input: Row = (Row::ZERO, |m| drives::inputs(m)),
     // of the integrators
     acc_sum: Row = (Row::ZERO, |m| m.nv()),
     vel_sum: Row = (Row::ZERO, |m| m.nv()),
@@ -227,6 +234,10 @@ pub(crate) struct Worlds {
     newton: Newton,
     /// For projected Gauss-Seidel.
     alone: Option<Alone>,
+    /// Whether the frames of the new state are needed after a step, and how many of the sensors'
+    /// numbers.
+    settles: bool,
+    sensors: usize,
     /// A buffer: forces of contacts on the bodies of a world.
     cfrc_ext: Vec<[f64; 6]>,
     /// The bits of the worlds that diverged.
@@ -238,20 +249,30 @@ pub(crate) fn state_len(m: &Model) -> usize {
     m.nq() + 2 * m.nv()
 }
 
-/// The numbers that a world brings, and those that it takes away: its state and the forces of its
-/// actuators; its state, the one at the start of the last step, and the derived arrays that its
-/// task reads.
+/// The numbers that a world brings, and those that it takes away: its state, the forces of its
+/// actuators, the poses of mocap bodies and the actuators' inputs; its state, the one at the start
+/// of the last step, and the derived arrays that its task reads.
 pub(crate) fn record_len(m: &Model, reads: &[Derived]) -> usize {
     let derived: usize = reads.iter().map(|array| array.len(m)).sum();
-    2 * state_len(m) + derived
+    let brings = state_len(m) + m.nv() + 7 * m.nmocap() + drives::inputs(m);
+    brings.max(2 * state_len(m) + derived)
+}
+
+/// The most numbers that data keeps of a step that was taken ahead: the last is a time.
+pub(crate) fn most_len(m: &Model) -> usize {
+    record_len(m, &Derived::ALL) + m.nsensordata() + 1
 }
 
 impl Worlds {
-    /// Worlds of which these arrays are read.
-    pub(crate) fn new(m: &Model, reads: &[Derived]) -> Self {
+    /// Worlds that take such steps.
+    pub(crate) fn new(m: &Model, stride: &Stride) -> Self {
+        let sensors = stride.sensors();
+        let keeps = stride.reads.contains(&Derived::CfrcExt) || sensors::touch(m, sensors);
         Self {
             arrays: Arrays::new(m),
-            rows: Rows::new(m, reads.contains(&Derived::CfrcExt)),
+            rows: Rows::new(m, keeps),
+            settles: stride.settles,
+            sensors,
             newton: Newton::new(m),
             alone: (m.opt.solver == Solver::PGS).then(|| Alone::new(m)),
             cfrc_ext: vec![[0.0; 6]; m.nbody()],
@@ -259,11 +280,17 @@ impl Worlds {
         }
     }
 
-    /// Takes the state of a world and the forces of its actuators.
+    /// Takes what a world brings.
     pub(crate) fn gather(&mut self, world: usize, record: &[f64]) {
         let a = &mut self.arrays;
         let rows = [&mut a.qpos, &mut a.qvel, &mut a.warm, &mut a.qfrc_actuator];
-        for (row, x) in rows.into_iter().flatten().zip(record) {
+        let others = [
+            a.mocap_pos.as_flattened_mut(),
+            a.mocap_quat.as_flattened_mut(),
+            &mut a.input,
+        ];
+        let rows = rows.into_iter().flatten();
+        for (row, x) in rows.chain(others.into_iter().flatten()).zip(record) {
             row.0[world] = *x;
         }
     }
@@ -297,14 +324,18 @@ impl Worlds {
         self.rows.count[world]
     }
 
+    /// The forces of the rows.
+    fn forces_of_rows(&self) -> &[Row] {
+        match &self.alone {
+            Some(alone) => &alone.force,
+            None => self.newton.forces(),
+        }
+    }
+
     /// The forces of a world's contacts on its bodies.
     fn contact_forces(&mut self, m: &Model, world: usize) {
-        let a = &mut self.arrays;
         let mut forces = std::mem::take(&mut self.cfrc_ext);
-        let forces_of_rows = match &self.alone {
-            Some(alone) => &alone.force[..],
-            None => self.newton.forces(),
-        };
+        let (a, forces_of_rows) = (&self.arrays, self.forces_of_rows());
         forces.fill([0.0; 6]);
         for contact in &self.rows.contacts[world] {
             let Ok(row) = usize::try_from(contact.efc_address) else {
@@ -314,7 +345,8 @@ impl Worlds {
             let com = |body: usize| a.subtree_com[body].each_ref().map(|row| row.0[world]);
             push_apart(m, contact, edge, com, &mut forces);
         }
-        for (row, x) in a
+        for (row, x) in self
+            .arrays
             .cfrc_ext
             .as_flattened_mut()
             .iter_mut()
@@ -369,6 +401,9 @@ impl Worlds {
                     }
                 },
             );
+            if self.settles {
+                self.settle(m, at, len);
+            }
         }
     }
 

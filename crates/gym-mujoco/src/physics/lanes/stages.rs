@@ -17,10 +17,17 @@ impl Arrays {
     /// Frames and inertias.
     #[inline(always)]
     pub(super) fn positions<S: Simd>(&mut self, m: &Model, at: Place<S>) {
+        self.frames(m, at);
+        self.inertias(m, at);
+    }
+
+    /// Frames.
+    #[inline(always)]
+    pub(super) fn frames<S: Simd>(&mut self, m: &Model, at: Place<S>) {
         let frames = Frames {
             qpos: &self.qpos,
-            mocap_pos: &[],
-            mocap_quat: &[],
+            mocap_pos: &self.mocap_pos,
+            mocap_quat: &self.mocap_quat,
             xpos: &mut self.xpos,
             xquat: &mut self.xquat,
             xmat: &mut self.xmat,
@@ -34,6 +41,11 @@ impl Arrays {
             site_xmat: &mut self.site_xmat,
         };
         kinematics_of::<Lanes<S>>(m, at, frames);
+    }
+
+    /// Inertias about the trees' centres of mass.
+    #[inline(always)]
+    pub(super) fn inertias<S: Simd>(&mut self, m: &Model, at: Place<S>) {
         let inertias = Inertias {
             xmat: &self.xmat,
             xipos: &self.xipos,
@@ -82,13 +94,7 @@ impl Arrays {
     /// Velocities, the forces that follow from them, and accelerations without constraints.
     #[inline(always)]
     pub(super) fn velocities<S: Simd>(&mut self, m: &Model, at: Place<S>) {
-        let motion = Motion {
-            qvel: &self.qvel,
-            cdof: &self.cdof,
-            cvel: &mut self.cvel,
-            cdof_dot: &mut self.cdof_dot,
-        };
-        com_vel_of::<Lanes<S>>(m, at, motion);
+        self.motions(m, at);
         let bias = Bias {
             qvel: &self.qvel,
             cinert: &self.cinert,
@@ -101,6 +107,9 @@ impl Arrays {
         };
         rne_of::<Lanes<S>>(m, at, bias);
         self.passive(m, at);
+        if !m.plan().steady {
+            self.actuate(m, at);
+        }
         for i in 0..m.nv() {
             let passive = load::<S>(at, &self.qfrc_passive[i]);
             let free = passive - load(at, &self.qfrc_bias[i]) + load(at, &self.qfrc_actuator[i]);
@@ -109,6 +118,18 @@ impl Arrays {
         }
         let (factors, inverses) = (&self.qld, &self.qld_diag_inv);
         tree::solve(m, at, factors, inverses, &mut self.qacc_smooth);
+    }
+
+    /// Velocities of bodies.
+    #[inline(always)]
+    pub(super) fn motions<S: Simd>(&mut self, m: &Model, at: Place<S>) {
+        let motion = Motion {
+            qvel: &self.qvel,
+            cdof: &self.cdof,
+            cvel: &mut self.cvel,
+            cdof_dot: &mut self.cdof_dot,
+        };
+        com_vel_of::<Lanes<S>>(m, at, motion);
     }
 
     /// The forces of springs and dampers.
@@ -127,6 +148,7 @@ impl Arrays {
             let force = spring_force(q, rest, m.jnt_stiffness[j]);
             store(at, &mut self.qfrc_passive[i], force);
         }
+        self.pull(m, at);
         for (i, force) in self.qfrc_passive.iter_mut().enumerate() {
             let damper = damper_force(at, load::<S>(at, &self.qvel[i]), plan.damping[i]);
             store(at, force, load::<S>(at, force) + damper);

@@ -13,6 +13,15 @@ pub(crate) fn levels() -> Vec<Level> {
     levels
 }
 
+/// A step of two timesteps that leaves all arrays.
+fn stride() -> Stride {
+    Stride {
+        steps: 2,
+        settles: false,
+        reads: Derived::ALL.to_vec(),
+    }
+}
+
 fn random(seed: u64) -> impl FnMut() -> f64 {
     let mut seed = seed;
     move || {
@@ -77,7 +86,7 @@ fn smooth_stages_have_the_bits_of_one_world() {
             forward(&m, d);
         }
         for level in levels() {
-            let mut worlds = Worlds::new(&m, &Derived::ALL);
+            let mut worlds = Worlds::new(&m, &stride());
             for (world, d) in alone.iter().enumerate() {
                 worlds.gather(world, &[&d.qpos[..], &d.qvel].concat());
             }
@@ -112,11 +121,11 @@ fn smooth_stages_have_the_bits_of_one_world() {
 #[test]
 fn steps_have_the_bits_of_one_world() {
     let mut stepped = 0;
-    for (name, m) in all().filter(|(_, m)| fits(m)) {
+    for (name, m) in all().filter(|(_, m)| fits(m, &stride())) {
         for level in levels() {
             for len in [1, 5, WORLDS] {
                 let mut random = random(3);
-                let mut worlds = Worlds::new(&m, &Derived::ALL);
+                let mut worlds = Worlds::new(&m, &stride());
                 let mut alone: Vec<Data> = (0..len).map(|_| Data::new(&m)).collect();
                 for (world, d) in alone.iter_mut().enumerate() {
                     for _ in 0..5 * world {
@@ -169,4 +178,121 @@ fn steps_have_the_bits_of_one_world() {
         }
     }
     assert!(stepped > 0 || width(Level::new()).is_none());
+}
+
+/// A model with all that worlds measure together: it falls, and touches the floor.
+const MEASURED: &str = r#"<mujoco>
+  <option timestep="0.005"/>
+  <default><motor ctrllimited="true" ctrlrange="-1 1" gear="20"/></default>
+  <worldbody>
+    <geom type="plane" size="5 5 1"/>
+    <body name="mark" mocap="true" pos="0 0.5 0.2"><geom size="0.05" contype="0" conaffinity="0"/></body>
+    <body name="torso" pos="0 0 0.35">
+      <freejoint/>
+      <geom type="capsule" size="0.05 0.2" euler="0 80 0"/>
+      <site name="back" pos="-0.1 0 0.02" euler="10 20 30"/>
+      <body name="leg" pos="0.2 0 0">
+        <joint name="hip" axis="0 1 0" range="-60 60" limited="true" damping="0.2"/>
+        <geom type="capsule" size="0.03" fromto="0 0 0 0.05 0.02 -0.2"/>
+        <site name="foot" pos="0.05 0.02 -0.2" size="0.05"/>
+        <site name="knee" pos="0.02 0 -0.1" type="box" size="0.1 0.1 0.2"/>
+      </body>
+    </body>
+  </worldbody>
+  <tendon><fixed name="pull" stiffness="{stiffness}" springlength="0.1 0.2"><joint joint="hip" coef="0.7"/></fixed></tendon>
+  <actuator>{actuators}</actuator>
+  <sensor>
+    <touch site="foot"/><subtreelinvel body="torso"/><velocimeter site="back"/><gyro site="foot"/>
+    <touch site="knee"/><subtreelinvel body="leg"/><accelerometer site="back"/>
+  </sensor>
+</mujoco>"#;
+
+/// Steps that end with the first half of the next: frames and sensors are those of the new state.
+#[test]
+fn settled_steps_have_the_bits_of_one_world() {
+    let mut touched = 0;
+    let motors = r#"<motor joint="hip"/><motor tendon="pull"/>"#;
+    let servos = r#"<position joint="hip" kp="3"/><position tendon="pull" kp="2" gear="0.5"/>"#;
+    let all = Revision::ALL
+        .into_iter()
+        .flat_map(|revision| [(revision, motors, "0"), (revision, servos, "2.5")]);
+    for (revision, actuators, stiffness) in all {
+        let text = MEASURED
+            .replace("{actuators}", actuators)
+            .replace("{stiffness}", stiffness);
+        let m = Model::from_xml_with(&text, revision).unwrap();
+        let stride = Stride {
+            steps: 3,
+            settles: true,
+            reads: vec![
+                Derived::Xpos,
+                Derived::Xmat,
+                Derived::GeomXpos,
+                Derived::Sensors(14),
+            ],
+        };
+        assert!(fits(&m, &stride));
+        for level in levels() {
+            let mut random = random(5);
+            let mut worlds = Worlds::new(&m, &stride);
+            let mut alone: Vec<Data> = (0..WORLDS).map(|_| Data::new(&m)).collect();
+            let mut record = vec![0.0; record_len(&m, &stride.reads)];
+            for round in 0..80 {
+                for (world, d) in alone.iter_mut().enumerate() {
+                    d.mocap_pos[0] = [random(), random(), random()];
+                    act(d, &mut random);
+                    if round % 30 == 0 {
+                        d.qpos[2] = 0.1 + 0.1 * world as f64;
+                    }
+                    forward(&m, d);
+                    let mut inputs = d.ctrl.clone();
+                    for (i, input) in inputs.iter_mut().enumerate() {
+                        if m.actuator_ctrllimited[i] {
+                            *input = input.clamp(-1.0, 1.0);
+                        }
+                        *input *= m.actuator_gainprm[i].0[0];
+                    }
+                    let mocap = [d.mocap_pos.as_flattened(), d.mocap_quat.as_flattened()];
+                    let parts = [
+                        &d.qpos[..],
+                        &d.qvel,
+                        &d.qacc_warmstart,
+                        &d.qfrc_actuator,
+                        mocap[0],
+                        mocap[1],
+                        &inputs,
+                    ];
+                    worlds.gather(world, &parts.concat());
+                }
+                if !worlds.step(&m, level, WORLDS, 3) {
+                    break;
+                }
+                for (world, d) in alone.iter_mut().enumerate() {
+                    for _ in 0..3 {
+                        step(&m, d);
+                    }
+                    crate::step1(&m, d);
+                    let what = format!("{revision} {level:?}, world {world}, round {round}");
+                    assert!(
+                        worlds.scatter(&m, world, &stride.reads, &mut record),
+                        "{what}"
+                    );
+                    let state = [&d.qpos[..], &d.qvel, &d.qacc_warmstart].concat();
+                    let mut derived = Vec::new();
+                    for array in &stride.reads {
+                        derived.extend_from_slice(array.of_data(d));
+                    }
+                    let bits = |numbers: &[f64]| -> Vec<u64> {
+                        numbers.iter().map(|x| x.to_bits()).collect()
+                    };
+                    let (own, rest) = record.split_at(state.len());
+                    assert_eq!(bits(own), bits(&state), "{what}");
+                    let rest = &rest[state.len()..][..derived.len()];
+                    assert_eq!(bits(rest), bits(&derived), "{what}");
+                    touched += usize::from(d.sensordata[0] > 0.0 && d.sensordata[10] > 0.0);
+                }
+            }
+        }
+    }
+    assert!(touched > 0 || width(Level::new()).is_none());
 }

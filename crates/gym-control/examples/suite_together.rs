@@ -1,0 +1,11 @@
+//! How much faster worlds of the Control Suite step together than one by one: `cargo run --release
+//! --package gym-control --example suite_together -- 64 dm_control/cheetah-run-v0`.
+
+use gym_control as _;
+
+#[path = "../../gym-mujoco/examples/together.rs"]
+mod measure;
+
+fn main() -> Result<(), gym_core::Error> {
+    measure::main()
+}

@@ -1,0 +1,166 @@
+//! Worlds that step together have the bits of worlds that step one by one.
+
+use fearless_simd::Level;
+use gym_control::ControlEnv;
+use gym_core::vector::lockstep::{Lockstep, Together};
+use gym_core::vector::{Autoreset, Columns, VectorKind};
+use gym_core::{Array, Env, EnvExt, Value, VectorEnvExt, builder, registry};
+use gym_mujoco::Data;
+use gym_mujoco::tasks::Worlds;
+use gym_render as _;
+
+fn ids() -> impl Iterator<Item = String> {
+    let own = registry::all().into_iter();
+    let own = own.filter(|entry| entry.source.package == "gym-control");
+    own.map(|entry| entry.id().to_owned())
+}
+
+/// The levels of this CPU with registers of several widths.
+fn levels() -> Vec<Level> {
+    let level = Level::new();
+    let mut levels = vec![level];
+    #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+    if level.as_avx512().is_some() {
+        levels.extend(level.as_avx2().map(Level::Avx2));
+    }
+    levels
+}
+
+/// The bits of what a step or a reset shows.
+fn bits(seen: &Value, reward: f64) -> Vec<u64> {
+    let numbers = seen.as_slice::<f64>().expect("a row of float64");
+    let numbers = numbers.iter().chain([&reward]);
+    numbers.map(|x| x.to_bits()).collect()
+}
+
+/// All that follows from a state.
+fn arrays(d: &Data) -> impl PartialEq + std::fmt::Debug + '_ {
+    let numbers = [
+        &d.qpos,
+        &d.qvel,
+        &d.qacc,
+        &d.qacc_warmstart,
+        &d.sensordata,
+        &d.qfrc_smooth,
+        &d.qfrc_constraint,
+        &d.qfrc_actuator,
+        &d.efc.force,
+    ];
+    let vectors = [
+        &d.xpos,
+        &d.geom_xpos,
+        &d.site_xpos,
+        &d.subtree_com,
+        &d.subtree_linvel,
+    ];
+    (
+        d.time,
+        numbers,
+        vectors,
+        &d.cvel,
+        &d.cfrc_int,
+        &d.contact,
+        d.energy,
+    )
+}
+
+/// Worlds of each task step together and alone, with starts in between. Fewer than a register holds
+/// step by themselves.
+#[test]
+fn every_task_has_the_bits_of_worlds_alone() {
+    for id in ids() {
+        for (mujoco, n) in [("4.0", 13), ("3.12", 8)] {
+            let spec = builder(&id).arg("flat", true).arg("mujoco", mujoco);
+            let made = spec.build().unwrap();
+            let made = made.layer::<ControlEnv>().expect("a task");
+            for level in levels() {
+                play(made, n, level, &format!("{id} {mujoco} {level:?}"));
+            }
+        }
+    }
+}
+
+fn play(made: &ControlEnv, n: usize, level: Level, what: &str) {
+    let mut worlds = Worlds::new(level);
+    let mut envs = vec![made.clone(); n];
+    let mut alone = envs.clone();
+    let (mut seen, mut expected) = (Value::default(), Value::default());
+    let mut sampler = made.action_sampler(4).unwrap();
+    for step in 0..110 {
+        for (i, (env, alone)) in envs.iter_mut().zip(&mut alone).enumerate() {
+            // episodes of different lengths
+            if step % (40 + i) == 0 {
+                let reset = if step == 0 {
+                    (i as u64).into()
+                } else {
+                    ().into()
+                };
+                env.reset_into(&reset, &mut seen).unwrap();
+                alone.reset_into(&reset, &mut expected).unwrap();
+                assert_eq!(bits(&seen, 0.0), bits(&expected, 0.0), "{what}, world {i}");
+            }
+        }
+        let actions: Vec<Array> = (0..n).map(|_| sampler.sample().clone()).collect();
+        worlds.clear();
+        for (env, action) in envs.iter_mut().zip(&actions) {
+            env.begin_step(action, &mut worlds);
+        }
+        worlds.solve();
+        for (i, (env, alone)) in envs.iter_mut().zip(&mut alone).enumerate() {
+            env.collect(&mut worlds);
+            let outcome = env.step_into(&actions[i], &mut seen).unwrap();
+            let other = alone.step_into(&actions[i], &mut expected).unwrap();
+            let what = format!("{what}, world {i}, step {step}");
+            assert_eq!(
+                bits(&seen, outcome.reward),
+                bits(&expected, other.reward),
+                "{what}"
+            );
+            assert_eq!(outcome, other, "{what}");
+            if (step + i) % 37 == 0 {
+                let [own, other] = [&*env, &*alone].map(|env| env.data().unwrap());
+                assert_eq!(arrays(own), arrays(other), "{what}");
+            }
+            if (step, i) == (60, 1) {
+                let snapshot = env.snapshot().unwrap();
+                assert_eq!(snapshot, alone.snapshot().unwrap(), "{what}");
+                env.restore(&snapshot).unwrap();
+            }
+        }
+    }
+}
+
+/// The bits of all that a step of a vector gives back.
+fn column_bits(columns: &Columns) -> Vec<u64> {
+    let flags = columns.terminated.iter().chain(&columns.truncated);
+    let flags = flags.map(|flag| u64::from(*flag));
+    let numbers = columns.observations.as_slice::<f64>().expect("rows");
+    let numbers = numbers.iter().chain(&columns.rewards);
+    numbers.map(|x| x.to_bits()).chain(flags).collect()
+}
+
+/// Native, async and sync vectors agree, with time limits and autoresets.
+#[test]
+fn vectors_have_the_bits_of_sync_ones() {
+    let kinds = [VectorKind::Sync, VectorKind::Native, VectorKind::Async];
+    for id in ids() {
+        for (n, mode) in [(13, Autoreset::NextStep), (8, Autoreset::SameStep)] {
+            let make = |kind| {
+                let spec = builder(&id).arg("flat", true).max_episode_steps(60);
+                spec.vector(n).autoreset(mode).kind(kind).build().unwrap()
+            };
+            let mut vectors = kinds.map(make);
+            let mut columns = vectors.each_mut().map(|envs| envs.reset(8).unwrap());
+            let mut actions = vectors[0].action_sampler(3).unwrap();
+            for step in 0..130 {
+                let batch = actions.sample();
+                for (envs, columns) in vectors.iter_mut().zip(&mut columns) {
+                    envs.step_into(&batch, columns).unwrap();
+                }
+                let [sync, native, pool] = columns.each_ref().map(column_bits);
+                assert!(native == sync, "{id}, {n}, {mode:?}, native, step {step}");
+                assert!(pool == sync, "{id}, {n}, {mode:?}, async, step {step}");
+            }
+        }
+    }
+}

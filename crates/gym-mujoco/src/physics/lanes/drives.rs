@@ -1,0 +1,100 @@
+//! Forces of actuators and springs that follow from positions: servos, and springs of tendons that
+//! are sums of joints' positions.
+
+use fearless_simd::Simd;
+use gym_core::math::{Lanes, Real};
+
+use super::{Arrays, Place, load, same, store};
+use crate::Model;
+use crate::model::TransmissionType;
+
+/// Where a part of a tendon is: the position and the degree of freedom of its joint, and its
+/// coefficient.
+fn parts(m: &Model, tendon: usize) -> impl Iterator<Item = (usize, usize, f64)> {
+    let first = m.tendon_adr[tendon];
+    (first..first + m.tendon_num[tendon]).map(|w| {
+        let joint = m.wrap_objid[w] as usize;
+        (m.jnt_qposadr[joint], m.jnt_dofadr[joint], m.wrap_prm[w])
+    })
+}
+
+/// Whether the springs of tendons are among those that worlds compute together.
+pub(super) fn fit(m: &Model) -> bool {
+    let paths = &m.plan().paths;
+    let still = |dof: usize| m.jnt_stiffness[m.dof_jntid[dof]] == 0.0;
+    paths.elastic.iter().all(|&(tendon, _, damping)| {
+        let row = paths.rows[tendon].clone();
+        damping == 0.0
+            && paths.fixed[tendon]
+            && row.len() == m.tendon_num[tendon]
+            && paths.columns[row].iter().all(|&dof| still(dof))
+    })
+}
+
+/// The number of inputs of actuators whose forces follow from positions too.
+pub(super) fn inputs(m: &Model) -> usize {
+    if m.plan().steady { 0 } else { m.nu() }
+}
+
+impl Arrays {
+    #[inline(always)]
+    fn tendon_length<S: Simd>(&self, m: &Model, at: Place<S>, tendon: usize) -> Lanes<S> {
+        let mut length = same(at, 0.0);
+        for (q, _, coefficient) in parts(m, tendon) {
+            length = length + load::<S>(at, &self.qpos[q]) * coefficient;
+        }
+        length
+    }
+
+    /// Forces of actuators, from inputs and positions. Forces of zero may be added: sums that begin
+    /// with zero are never -0.
+    #[inline(always)]
+    pub(super) fn actuate<S: Simd>(&mut self, m: &Model, at: Place<S>) {
+        for force in &mut self.qfrc_actuator {
+            store(at, force, same::<S>(at, 0.0));
+        }
+        for i in 0..m.nu() {
+            let (id, gear) = (m.actuator_trnid[i][0] as usize, m.actuator_gear[i][0]);
+            let tendon = m.actuator_trntype[i] == TransmissionType::Tendon;
+            let length = if tendon {
+                self.tendon_length(m, at, id)
+            } else {
+                load::<S>(at, &self.qpos[m.jnt_qposadr[id]])
+            };
+            let bias = length * gear * m.actuator_biasprm[i].0[1] + 0.0;
+            let force = load::<S>(at, &self.input[i]) + bias;
+            let (push,) = (
+                #[inline(always)]
+                |row: &mut super::Row, moment: f64| {
+                    let sum = load::<S>(at, row) + force * moment;
+                    store(at, row, sum);
+                },
+            );
+            if tendon {
+                for (_, dof, coefficient) in parts(m, id) {
+                    push(&mut self.qfrc_actuator[dof], coefficient * gear);
+                }
+            } else {
+                push(&mut self.qfrc_actuator[m.jnt_dofadr[id]], gear);
+            }
+        }
+    }
+
+    /// Adds the springs of tendons.
+    #[inline(always)]
+    pub(super) fn pull<S: Simd>(&mut self, m: &Model, at: Place<S>) {
+        for &(tendon, stiffness, _) in &m.plan().paths.elastic {
+            let length = self.tendon_length(m, at, tendon);
+            let [lower, upper] = m.tendon_lengthspring[tendon];
+            let zero = same(at, 0.0);
+            let below = Lanes::select(length.lt(same(at, lower)), length - lower, zero);
+            let beyond = Lanes::select(length.gt(same(at, upper)), length - upper, below);
+            let spring = -beyond * stiffness;
+            for (_, dof, coefficient) in parts(m, tendon) {
+                let row = &mut self.qfrc_passive[dof];
+                let sum = load::<S>(at, row) + spring * coefficient;
+                store(at, row, sum);
+            }
+        }
+    }
+}

@@ -105,7 +105,7 @@ impl World {
             } else {
                 &self.quiet
             };
-            physics::step(model, data);
+            physics::substep(model, data);
         }
         physics::step1(&self.model, data);
     }

@@ -274,9 +274,9 @@ pub fn reports_with(ids: &[String], tell: impl Fn(Progress<'_>) + Sync) -> Resul
         .iter()
         .map(|id| registry::resolve(id)?.0.spec())
         .collect::<Result<Vec<_>>>()?;
-    let workers = thread::available_parallelism()
-        .map_or(1, usize::from)
-        .min(specs.len().max(1));
+    // two for each core: a check of the clock waits for a second
+    let workers = 2 * thread::available_parallelism().map_or(1, usize::from);
+    let workers = workers.min(specs.len().max(1));
     // Each thread takes the last spec that is left. Some take a hundred times as long as others,
     // and those in a namespace, such as `rapier/CarRacing-v3`, take longest.
     let queue = Mutex::new(specs.iter().enumerate());

@@ -372,8 +372,8 @@ impl Lockstep for ControlEnv {
         let model = &self.world.model;
         let fits = action.shape() == [model.nu()] && action.is_finite();
         // a start that draws constants makes a model of its own
-        let shares = |episode: &&Box<Episode>| fits && episode.constants.is_empty();
-        let episode = self.episode.as_ref().filter(shares);
+        let episode = self.episode.as_deref();
+        let episode = episode.filter(|episode| fits && episode.constants.is_empty());
         self.place = episode
             .and_then(|episode| worlds.begin(model, self.stride.as_ref()?, &episode.data, action));
     }

@@ -10,6 +10,10 @@ use gym_core::vector::{VectorEnvExt, VectorKind};
 use gym_core::{Error, Value, builder};
 use gym_mujoco as _;
 
+/// Measures vectors of the size and the ids that the command line names.
+///
+/// # Errors
+/// Those of making and stepping a vector.
 pub fn main() -> Result<(), Error> {
     const TRIES: usize = 60;
     let mut arguments = std::env::args().skip(1);

@@ -23,7 +23,8 @@ pub(crate) fn width(level: Level) -> Option<usize> {
 }
 
 /// Whether the stages for several worlds have all that a model needs: one tree of slides and
-/// hinges, perhaps on a free joint, with motors and servos of joints and fixed tendons, limits and contacts with pyramids.
+/// hinges, perhaps on a free joint, with motors or servos of joints and fixed tendons, limits and
+/// contacts with pyramids.
 pub(crate) fn fits(m: &Model, stride: &Stride) -> bool {
     let plan = m.plan();
     let joints = (0..m.njnt()).all(|j| match m.jnt_type[j] {

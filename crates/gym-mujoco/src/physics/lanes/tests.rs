@@ -183,7 +183,7 @@ fn steps_have_the_bits_of_one_world() {
 /// A model with all that worlds measure together: it falls, and touches the floor.
 const MEASURED: &str = r#"<mujoco>
   <option timestep="0.005"/>
-  <default><motor ctrllimited="true" ctrlrange="-1 1" gear="20"/></default>
+  <default><motor ctrllimited="true" ctrlrange="-1 1" gear="2"/></default>
   <worldbody>
     <geom type="plane" size="5 5 1"/>
     <body name="mark" mocap="true" pos="0 0.5 0.2"><geom size="0.05" contype="0" conaffinity="0"/></body>
@@ -242,7 +242,7 @@ fn settled_steps_have_the_bits_of_one_world() {
                     d.mocap_pos[0] = [random(), random(), random()];
                     act(d, &mut random);
                     if round % 30 == 0 {
-                        d.qpos[2] = 0.1 + 0.1 * world as f64;
+                        d.qpos[2] = 0.3 + 0.05 * world as f64;
                     }
                     forward(&m, d);
                     let mut inputs = d.ctrl.clone();
@@ -273,10 +273,11 @@ fn settled_steps_have_the_bits_of_one_world() {
                     }
                     crate::step1(&m, d);
                     let what = format!("{revision} {level:?}, world {world}, round {round}");
-                    assert!(
-                        worlds.scatter(&m, world, &stride.reads, &mut record),
-                        "{what}"
-                    );
+                    if !worlds.scatter(&m, world, &stride.reads, &mut record) {
+                        // a world that diverges steps by itself, and begins anew
+                        assert!(d.time < 4.0 * m.opt.timestep, "{what}");
+                        continue;
+                    }
                     let state = [&d.qpos[..], &d.qvel, &d.qacc_warmstart].concat();
                     let mut derived = Vec::new();
                     for array in &stride.reads {

@@ -18,7 +18,7 @@ use gym_mujoco::{Data, Model};
 
 use super::{check, config};
 use crate::rewards::{Sigmoid, Tolerance, small_control};
-use crate::task::{STANDING, named};
+use crate::task::{STANDING, clip, named};
 use crate::{Domain, Observation, Start, Task, register};
 
 config! { 20.0;
@@ -93,7 +93,8 @@ gym_core::register!(
         "dm_control/hopper-stand-v0",
         "Stand on one leg, in a plane."
     )
-    .exceptions(STANDING),
+    .exceptions(STANDING)
+    .clip(clip(2)),
     register::<Hopper>(
         "dm_control/hopper-hop-v0",
         "Hop forward on one leg, in a plane."

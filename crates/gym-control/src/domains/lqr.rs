@@ -18,7 +18,7 @@ use gym_mujoco::tasks::numpy::{dot, norm};
 use gym_mujoco::{CompiledModel, Data, Model};
 
 use super::{check, config};
-use crate::task::UNLIMITED;
+use crate::task::{UNLIMITED, clip};
 use crate::{Domain, Observation, Start, Task, register};
 
 const STIFFNESS: [f64; 2] = [15.0, 25.0]; // N/m
@@ -138,6 +138,7 @@ gym_core::register!(
         "dm_control/lqr-lqr_6_2-v0",
         "Bring six masses on springs to rest, by two forces."
     )
+    .clip(clip(2))
     .exceptions(UNLIMITED)
     .kwargs(r#"{"bodies": 6, "actuators": 2}"#),
 );

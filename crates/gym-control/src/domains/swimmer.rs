@@ -18,7 +18,7 @@ use gym_mujoco::{Data, Model};
 
 use super::{config, minus, norm, times};
 use crate::rewards::{Sigmoid, Tolerance};
-use crate::task::named;
+use crate::task::{clip, named};
 use crate::{Domain, Observation, Start, Task, register};
 
 config! { 30.0;
@@ -126,7 +126,8 @@ gym_core::register!(
     register::<Swimmer>(
         "dm_control/swimmer-swimmer6-v0",
         "Swim to a target with six links."
-    ),
+    )
+    .clip(clip(2)),
     register::<Swimmer>(
         "dm_control/swimmer-swimmer15-v0",
         "Swim to a target with fifteen links."

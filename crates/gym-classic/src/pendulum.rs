@@ -296,8 +296,8 @@ impl Task for PendulumDynamics {
         } else {
             reset.options(Self::NAME)?
         };
-        let x = reset::check(Self::NAME, "x_init", x_init.unwrap_or(PI))?;
-        let y = reset::check(Self::NAME, "y_init", y_init.unwrap_or(1.0))?;
+        let x = reset::check_bound(Self::NAME, "x_init", x_init.unwrap_or(PI))?;
+        let y = reset::check_bound(Self::NAME, "y_init", y_init.unwrap_or(1.0))?;
         Ok(State {
             theta: rng.uniform(-x, x),
             theta_dot: rng.uniform(-y, y),

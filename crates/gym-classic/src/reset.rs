@@ -22,6 +22,17 @@ pub(crate) fn check(env: &str, name: &str, value: f64) -> Result<f64> {
     Err(Error::argument(format!("reset options of {env}"), reason))
 }
 
+/// Checks a reset option that bounds a number on both sides of 0.
+pub(crate) fn check_bound(env: &str, name: &str, value: f64) -> Result<f64> {
+    if value >= 0.0 {
+        return check(env, name, value);
+    }
+    let reason = format!(
+        "`{name}` is {value:?}: a start between -`{name}` and `{name}` needs a positive number"
+    );
+    Err(Error::argument(format!("reset options of {env}"), reason))
+}
+
 #[derive(Deserialize)]
 struct Bounds {
     #[serde(default, deserialize_with = "number")]

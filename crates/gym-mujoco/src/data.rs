@@ -513,10 +513,8 @@ impl Data {
     /// Stores the state from which a call starts.
     #[inline]
     pub(crate) fn begin(&mut self, m: &Model, call: Call) {
-        self.fit(m);
-        (self.last, self.contact_forces) = (Some(call), false);
-        (self.behind, self.is_ahead) = (false, false);
-        self.work.pushed = self.is_pushed();
+        self.pass(m);
+        self.last = Some(call);
         let mut before = std::mem::take(&mut self.before);
         self.copy_state(&mut before, self.work.pushed);
         before.qacc.clear();
@@ -524,6 +522,15 @@ impl Data {
             before.qacc.clone_from(&self.qacc);
         }
         self.before = before;
+    }
+
+    /// Prepares a call without storing the state from which it starts.
+    #[inline]
+    pub(crate) fn pass(&mut self, m: &Model) {
+        self.fit(m);
+        (self.last, self.contact_forces) = (None, false);
+        (self.behind, self.is_ahead) = (false, false);
+        self.work.pushed = self.is_pushed();
     }
 
     /// Stores what the second half of a step starts from, beside the first half.

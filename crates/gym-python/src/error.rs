@@ -123,7 +123,7 @@ fn exception(py: Python<'_>, error: &Error) -> PyErr {
 /// The exception `gymnasium.error.NAME`, or the package's own of that name.
 pub(crate) fn gymnasium(py: Python<'_>, name: &str, text: String) -> PyErr {
     let module = match name {
-        "InvalidAction" | "ResetNeeded" => "rustgym._errors",
+        "InvalidAction" | "InvalidArgument" | "ResetNeeded" => "rustgym._errors",
         _ => "gymnasium.error",
     };
     let raised = py
@@ -139,9 +139,8 @@ enum Class {
 
 fn class(error: &Error) -> Class {
     Class::Gymnasium(match error {
-        Error::InvalidArgument { .. } | Error::InvalidSpace(_) | Error::Snapshot(_) => {
-            return Class::Value;
-        }
+        Error::InvalidSpace(_) | Error::Snapshot(_) => return Class::Value,
+        Error::InvalidArgument { .. } => "InvalidArgument",
         Error::SubEnvironment { source, .. } => return class(source),
         Error::NamespaceNotFound { .. } => "NamespaceNotFound",
         Error::NameNotFound { .. } => "NameNotFound",

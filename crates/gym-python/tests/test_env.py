@@ -388,6 +388,30 @@ def test_no_message_speaks_of_rust() -> None:
                 assert not words_of_rust(raised.value), raised.value
 
 
+@pytest.mark.parametrize(
+    ("env_id", "kwargs", "options"),
+    [
+        ("FrozenLake-v1", {"map_name": "9x9"}, None),
+        ("LunarLander-v3", {"gravity": -20.0}, None),
+        ("LunarLander-v3", {"gravity": 1.0}, None),
+        ("CartPole-v1", {}, {"low": 1.0, "high": -1.0}),
+        ("Pendulum-v1", {}, {"x_init": -5.0}),
+        ("Pendulum-v1", {}, {"y_init": -1e-3}),
+    ],
+)
+def test_what_is_refused_has_gymnasiums_class(env_id, kwargs, options) -> None:
+    with pytest.raises(Exception) as theirs:
+        gymnasium.make(env_id, **kwargs).reset(options=options)
+    with pytest.raises(theirs.type, match=" "):
+        rustgym.make(env_id, **kwargs).reset(options=options)
+
+
+def test_maps_have_a_size() -> None:
+    for size in (-1, 0, 1):
+        with pytest.raises(ValueError, match=f"size is {size}: the smallest map is 2 by 2"):
+            rustgym.envs.generate_random_map(size)
+
+
 def words_of_rust(error: BaseException) -> list[str]:
     words = r"crate|cargo|usize|\b[iuf](?:8|16|32|64)\b|Option|unwrap|serde|untagged|variant|null|os error|boolean|F64|NaN|shape:"
     return re.findall(words, str(error))

@@ -62,7 +62,7 @@ def test_what_is_no_state_changes_nothing(without_mujoco):
     env = made("Hopper-v5")
     env.reset(seed=1)
     before = env.state_vector()
-    with pytest.raises(ValueError, match="qpos"):
+    with pytest.raises(AssertionError, match="qpos"):
         env.set_state(np.zeros(5), np.zeros(6))
     with pytest.raises(ValueError, match="qvel"):
         env.set_state(np.zeros(6), np.full(6, np.nan))
@@ -123,6 +123,20 @@ def test_data_of_our_own_is_live(without_mujoco):
         _ = data.xfrc_applied
     env.reset(seed=1)
     assert data.time == 0.0
+
+
+@pytest.mark.parametrize("limits", [(0.6, np.inf), (-np.inf, 0.6), [-np.inf, np.inf], np.array([0.6, np.inf])], ids=str)
+def test_ranges_may_be_open(limits):
+    env = made("Ant-v5", healthy_z_range=limits)
+    assert tuple(env._healthy_z_range) == tuple(limits)
+    env.reset(seed=1)
+    low, high = limits
+    for _ in range(40):
+        observation, _, is_done, _, _ = env.step(np.full(8, 0.7))
+        assert is_done == (not low <= observation[0] <= high)
+        if is_done:
+            break
+    assert is_done == np.isfinite(limits).any()
 
 
 def test_what_needs_the_package_says_so(without_mujoco):

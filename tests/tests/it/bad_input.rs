@@ -239,6 +239,14 @@ fn reset_options() {
         env.reset(reset().option("colour", "blue")),
         &["unknown option `colour`", "`low`, `high`"],
     );
+    let mut env = gym::make("Pendulum-v1").unwrap();
+    for name in ["x_init", "y_init"] {
+        says(
+            env.reset(reset().option(name, -0.5)),
+            &[name, "is -0.5", "needs a positive number"],
+        );
+        assert!(env.reset(reset().option(name, 0.0)).is_ok());
+    }
     says(
         "-1".parse::<gym::Seed>().map_err(Into::into),
         &["`-1`", "zero or greater"],

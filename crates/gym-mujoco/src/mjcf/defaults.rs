@@ -105,7 +105,7 @@ impl Classes {
                 "pair" => values.pair.read(&mut child)?,
                 "equality" => values.equality.read_common(&mut child)?,
                 "tendon" => values.tendon.read(&mut child)?,
-                // a geom that uses a mesh is refused
+                // only pictures show a mesh
                 "mesh" => child.ignore(&["scale", "maxhullvert", "inertia"]),
                 name if ACTUATORS.contains(&name) => values.actuator.read(&mut child)?,
                 _ => {

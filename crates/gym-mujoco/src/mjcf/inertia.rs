@@ -23,7 +23,7 @@ pub(super) struct Inertia {
 pub(super) fn volume(shape: GeomType, [r, half, z]: [f64; 3], shell: bool) -> f64 {
     let height = 2.0 * half;
     match (shape, shell) {
-        (GeomType::Plane, _) => 0.0,
+        (GeomType::Plane | GeomType::Mesh, _) => 0.0,
         (GeomType::Sphere, false) => 4.0 * PI * r * r * r / 3.0,
         (GeomType::Sphere, true) => 4.0 * PI * r * r,
         (GeomType::Capsule, false) => PI * (r * r * height + 4.0 * r * r * r / 3.0),
@@ -55,7 +55,7 @@ pub(super) fn moments(shape: GeomType, mass: f64, size: [f64; 3], shell: bool) -
     let height = 2.0 * half;
     let [xx, yy, zz] = size.map(|x| x * x);
     match shape {
-        GeomType::Plane => [0.0; 3],
+        GeomType::Plane | GeomType::Mesh => [0.0; 3],
         GeomType::Sphere => [2.0 * mass * r * r / 5.0; 3],
         GeomType::Cylinder => {
             let across = mass * (3.0 * r * r + height * height) / 12.0;
@@ -78,7 +78,7 @@ fn shell_moments(shape: GeomType, mass: f64, size: [f64; 3]) -> [f64; 3] {
     let [r, half, _] = size;
     let height = 2.0 * half;
     match shape {
-        GeomType::Plane => [0.0; 3],
+        GeomType::Plane | GeomType::Mesh => [0.0; 3],
         GeomType::Sphere => [2.0 * mass * r * r / 3.0; 3],
         GeomType::Capsule => {
             let (balls, tube) = (4.0 * PI * r * r, 2.0 * PI * r * height);

@@ -10,7 +10,7 @@
 //! | `compiler` | angle, eulerseq, autolimits, inertiafromgeom, inertiagrouprange, balanceinertia, boundmass, boundinertia, settotalmass, strippath, coordinate="local" |
 //! | `option` | timestep, gravity, wind, magnetic, density, viscosity, cone, impratio, solver, iterations, ls_iterations, tolerance, noslip_iterations, noslip_tolerance, integrator, `flag` |
 //! | bodies | `body` (mocap, gravcomp), `frame`, `replicate`, `inertial`; all joints with springs, dampers, dry friction, limits; sites, cameras, lights |
-//! | `geom` | plane, sphere, capsule, ellipsoid, cylinder, box; fluidshape; all figures of contacts |
+//! | `geom` | plane, sphere, capsule, ellipsoid, cylinder, box; fluidshape; all figures of contacts; meshes without mass and contacts |
 //! | `contact` | pair, exclude |
 //! | `equality` | connect, weld, joint, tendon |
 //! | `tendon` | fixed, spatial (sites, pulleys, spheres and cylinders with side sites) |
@@ -19,8 +19,10 @@
 //! | `keyframe` | key |
 //!
 //! `asset` gives colours of materials, `statistic` and `size` the figures that MuJoCo takes from
-//! them; `visual`, `custom`, `user`, `group`, textures and skins are read and ignored. Refused are
-//! meshes, height fields as geoms, composites, flexes and plugins.
+//! them; `visual`, `custom`, `user`, `group`, textures and skins are read and ignored. A mesh that
+//! only pictures show is a geom without size, and its file is not read: the place of such a geom is
+//! its frame, where MuJoCo has the centre of the mesh. Refused are meshes with mass or contacts,
+//! height fields as geoms, composites, flexes and plugins.
 
 mod bodies;
 mod compile;

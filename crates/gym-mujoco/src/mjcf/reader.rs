@@ -278,7 +278,8 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Keeps the colours of materials, and ignores the other assets that only pictures use.
+    /// Keeps the colours of materials and the names of meshes, and ignores the other assets that
+    /// only pictures use.
     fn read_asset(&mut self, section: Element<'_, '_>) -> Result<()> {
         for mut child in section.children()? {
             match child.name() {
@@ -291,11 +292,11 @@ impl Reader<'_> {
                     material.read(&mut child)?;
                     self.spec.materials.push(material);
                 }
+                "mesh" => self.spec.meshes.push(mesh_name(&mut child)?),
                 "texture" | "skin" | "hfield" => {}
                 _ => {
-                    return Err(
-                        section.unsupported(&child, &["material", "texture", "skin", "hfield"])
-                    );
+                    let known = ["material", "mesh", "texture", "skin", "hfield"];
+                    return Err(section.unsupported(&child, &known));
                 }
             }
         }
@@ -396,5 +397,19 @@ impl Reader<'_> {
             }
         }
         section.finish()
+    }
+}
+
+/// The name of a mesh: its attribute `name`, or that of its file without folder and extension.
+fn mesh_name(mesh: &mut Element<'_, '_>) -> Result<String> {
+    let file = mesh.text("file");
+    let of_file = file.as_deref().and_then(|file| {
+        let (_, name) = file.rsplit_once(['/', '\\']).unwrap_or(("", file));
+        name.split('.').next()
+    });
+    match (mesh.text("name"), of_file) {
+        (Some(name), _) => Ok(name),
+        (None, Some(name)) => Ok(name.to_owned()),
+        (None, None) => Err(mesh.missing("name")),
     }
 }

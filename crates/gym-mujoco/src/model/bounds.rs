@@ -25,6 +25,7 @@ pub(crate) fn bounding_box(kind: GeomType, size: Vec3) -> Bounds {
         GeomType::Capsule => [r, r, r + half],
         GeomType::Cylinder => [r, r, half],
         GeomType::Ellipsoid | GeomType::Box => [r, half, z],
+        GeomType::Mesh => [0.0; 3],
     };
     [centre, half]
 }

@@ -281,7 +281,7 @@ fn geoms(m: &CompiledModel) -> Result<()> {
             m.geom_condim[g]
         );
         let needed = match m.geom_type[g] {
-            GeomType::Plane => 0,
+            GeomType::Plane | GeomType::Mesh => 0,
             GeomType::Sphere => 1,
             GeomType::Capsule | GeomType::Cylinder => 2,
             GeomType::Ellipsoid | GeomType::Box => 3,
@@ -289,6 +289,11 @@ fn geoms(m: &CompiledModel) -> Result<()> {
         ensure!(
             m.geom_size[g][..needed].iter().all(|&s| s > 0.0),
             "geom_size[{g}] must be positive"
+        );
+        ensure!(
+            m.geom_type[g] != GeomType::Mesh
+                || m.geom_contype[g] == 0 && m.geom_conaffinity[g] == 0,
+            "geom {g} is a mesh that collides, which is not supported: set its contype and conaffinity to 0"
         );
         ensure!(
             m.geom_friction[g].iter().all(|&f| f >= 0.0),

@@ -64,10 +64,10 @@ fn boxed(m: CompiledModel) -> Result<Box<Model>> {
     Model::new(m).map(Box::new)
 }
 
-/// The radius of the ball around a shape; 0 for a plane.
+/// The radius of the ball around a shape; 0 for a plane and a mesh.
 pub(crate) fn bounding_radius(shape: GeomType, size: [f64; 3]) -> f64 {
     match shape {
-        GeomType::Plane => 0.0,
+        GeomType::Plane | GeomType::Mesh => 0.0,
         GeomType::Sphere => size[0],
         GeomType::Capsule => size[0] + size[1],
         GeomType::Cylinder => (size[0] * size[0] + size[1] * size[1]).sqrt(),

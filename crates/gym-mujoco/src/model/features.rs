@@ -1,8 +1,8 @@
 //! Ids of the features that refer to other objects, and the features that the engine lacks.
 
 use super::{
-    CompiledModel, Cone, Disable, DynamicsType, EqualityType, GainType, Integrator, JointType,
-    ObjectType, Solver, TransmissionType, WrapType,
+    CompiledModel, Cone, Disable, DynamicsType, EqualityType, GainType, GeomType, Integrator,
+    JointType, ObjectType, SensorType, Solver, TransmissionType, WrapType,
 };
 use crate::Result;
 
@@ -203,11 +203,30 @@ fn unsupported(m: &CompiledModel) -> Result<()> {
             fast && (0..m.nbody()).any(|body| is_free(m, body)),
             "free bodies of their own with the integrator implicitfast",
         ),
+        (
+            m.geom_type.contains(&GeomType::Mesh)
+                && m.sensor_type.contains(&SensorType::Rangefinder),
+            "rangefinders, which see meshes, in a model with meshes",
+        ),
+        (
+            senses_mesh(m),
+            "sensors of a mesh, whose centre is not computed",
+        ),
         (o.disables(Disable::Island), "islands that are switched off"),
     ] {
         ensure!(!used, "{what}: not supported");
     }
     Ok(())
+}
+
+/// Whether a sensor refers to a mesh.
+fn senses_mesh(m: &CompiledModel) -> bool {
+    let objects = m.sensor_objtype.iter().zip(&m.sensor_objid);
+    let references = m.sensor_reftype.iter().zip(&m.sensor_refid);
+    objects.chain(references).any(|(kind, id)| {
+        let geom = usize::try_from(*id).ok().and_then(|g| m.geom_type.get(g));
+        *kind == ObjectType::Geom && geom == Some(&GeomType::Mesh)
+    })
 }
 
 /// Whether a body has a free joint and no children.

@@ -66,6 +66,8 @@ numbered! {
         Cylinder = 5,
         /// A box.
         Box = 6,
+        /// A mesh that only pictures show: it has no size here, and no contacts.
+        Mesh = 7,
     }
 }
 

@@ -158,7 +158,7 @@ impl Plan {
     /// The pair of two geoms; none for two planes, which never touch.
     ///
     /// # Errors
-    /// For shapes whose contacts are not supported.
+    /// For a mesh, whose contacts are not supported.
     fn pair(
         &self,
         m: &CompiledModel,
@@ -173,6 +173,13 @@ impl Plan {
         let kind = (m.geom_type[g1], m.geom_type[g2]);
         if kind == (GeomType::Plane, GeomType::Plane) {
             return Ok(None);
+        }
+        if kind.1 == GeomType::Mesh {
+            return Err(Error::Pair {
+                first: g1,
+                second: g2,
+                kinds: format!("{:?} and mesh", kind.0).to_lowercase(),
+            });
         }
         let (b1, b2) = (m.geom_bodyid[g1], m.geom_bodyid[g2]);
         let Figures {

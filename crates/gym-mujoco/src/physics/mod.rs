@@ -124,6 +124,20 @@ pub(crate) enum Call {
 /// If the data is of another model.
 pub fn step(m: &Model, d: &mut Data) {
     d.begin(m, Call::Step);
+    advance(m, d);
+}
+
+/// One of several timesteps that another call follows: as [`step`], but it does not store the state
+/// from which it starts, so that a snapshot after it has the state alone.
+///
+/// # Panics
+/// If the data is of another model.
+pub fn substep(m: &Model, d: &mut Data) {
+    d.pass(m);
+    advance(m, d);
+}
+
+fn advance(m: &Model, d: &mut Data) {
     reset_diverged(m, d);
     evaluate(m, d);
     if diverged(&d.qacc) {

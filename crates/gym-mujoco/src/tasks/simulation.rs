@@ -70,9 +70,10 @@ impl Simulation {
             data.contact_forces = self.contact_forces;
             return;
         }
-        for _ in 0..self.frame_skip {
-            step(&self.model, data);
+        for _ in 1..self.frame_skip {
+            physics::substep(&self.model, data);
         }
+        step(&self.model, data);
         if self.contact_forces {
             physics::rne_post_constraint(&self.model, data);
         }

@@ -147,8 +147,8 @@ pub(super) fn shadows(
     let mut polygon = Vec::new();
     for g in 0..model.ngeom() {
         let center = data.geom_xpos[g];
-        if model.geom_type[g] == GeomType::Plane || color_of(model, g).a < 128 || center[2] < height
-        {
+        let flat = matches!(model.geom_type[g], GeomType::Plane | GeomType::Mesh);
+        if flat || color_of(model, g).a < 128 || center[2] < height {
             continue;
         }
         let corners = match model.geom_type[g] {

@@ -48,7 +48,7 @@ pub(super) fn draw(
         add_scaled(center, axis, -half),
     ];
     match model.geom_type[g] {
-        GeomType::Plane => {}
+        GeomType::Plane | GeomType::Mesh => {}
         GeomType::Sphere => round(camera, [center; 2], radius, color, canvas),
         GeomType::Capsule => round(camera, ends, radius, color, canvas),
         GeomType::Cylinder => cylinder(camera, ends, &data.geom_xmat[g], radius, color, canvas),

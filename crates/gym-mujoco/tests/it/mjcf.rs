@@ -17,6 +17,14 @@ fn section(line: &str) -> String {
     )
 }
 
+/// A body with a mesh and attributes of its geom, in line 4.
+fn with_mesh(attributes: &str) -> String {
+    in_the_world(&format!(
+        "<body><geom mesh=\"m\" {attributes}/></body></worldbody>\
+         <asset><mesh file=\"parts/m.stl\"/></asset><worldbody>"
+    ))
+}
+
 /// The text of a model, and the line, element and attribute that the error names.
 type Refused = (String, u32, &'static str, Option<&'static str>);
 
@@ -34,7 +42,16 @@ fn refused() -> Vec<Refused> {
     };
     vec![
         // features that are not supported
-        world("<geom type=\"mesh\" mesh=\"m\"/>", "geom", Some("type")),
+        world("<geom type=\"mesh\" mesh=\"m\"/>", "geom", Some("mesh")),
+        world("<geom type=\"mesh\"/>", "geom", Some("mesh")),
+        (with_mesh("type=\"mesh\""), 4, "geom", Some("type")),
+        (
+            with_mesh("type=\"mesh\" contype=\"0\" conaffinity=\"0\""),
+            4,
+            "geom",
+            Some("type"),
+        ),
+        (with_mesh(""), 4, "geom", Some("mesh")),
         world("<geom size=\"1\" typo=\"3\"/>", "geom", Some("typo")),
         world("<nonsense/>", "nonsense", None),
         world("<joint/>", "joint", None),
@@ -51,7 +68,7 @@ fn refused() -> Vec<Refused> {
             Some("coordinate"),
         ),
         other("<include file=\"x.xml\"/>", "include", Some("file")),
-        other("<asset><mesh file=\"x.obj\"/></asset>", "mesh", None),
+        other("<asset><mesh/></asset>", "mesh", Some("name")),
         other("<tendon><spatial/></tendon>", "spatial", None),
         other(
             "<contact><pair geom1=\"a\" geom2=\"b\"/></contact>",

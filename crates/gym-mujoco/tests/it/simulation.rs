@@ -391,3 +391,89 @@ fn few_evaluations_find_the_same_accelerations() {
         }
     }
 }
+
+/// What only pictures show changes no figure but that of geoms, and what does more is refused.
+#[test]
+fn meshes_are_pictures() {
+    let read = |mesh: &str, more: &str| {
+        Model::from_xml(&format!(
+            "<mujoco><default><default class=\"seen\"><geom type=\"mesh\" contype=\"0\" conaffinity=\"0\" group=\"2\"/></default>\
+             </default><asset><mesh file=\"parts/arm.v2.stl\" scale=\"2 2 2\"/><mesh name=\"m\" file=\"x.obj\"/></asset>\
+             <worldbody><geom type=\"plane\" size=\"1 1 1\"/><body name=\"b\" pos=\"0 0 0.2\"><freejoint/>\
+             <inertial pos=\"0.1 0 0\" mass=\"2\" diaginertia=\"1 1 1\"/>{mesh}<geom name=\"g\" size=\"0.1\"/><site name=\"s\"/>\
+             </body></worldbody>{more}</mujoco>"
+        ))
+    };
+    let arm = "<geom name=\"arm\" class=\"seen\" mesh=\"arm\" pos=\"1 0 0\"/>";
+    let places = |m: &Model| {
+        let mut d = Data::new(m);
+        for _ in 0..300 {
+            step(m, &mut d);
+        }
+        (d.qpos, d.contact.len())
+    };
+    let seen = read(&format!("{arm}<geom class=\"seen\" mesh=\"m\"/>"), "").unwrap();
+    assert_eq!(seen.ngeom(), 4);
+    let (qpos, contacts) = places(&seen);
+    assert_eq!((qpos, contacts), places(&read("", "").unwrap()));
+    assert!(contacts > 0);
+
+    let sensor = |sensor: &str| format!("<sensor>{sensor}</sensor>");
+    let fitted = arm.replace("class=\"seen\"", "type=\"box\"");
+    for (mesh, more, message) in [
+        (arm, sensor("<rangefinder site=\"s\"/>"), "rangefinders"),
+        (
+            arm,
+            sensor("<framepos objtype=\"geom\" objname=\"arm\"/>"),
+            "sensors of a mesh",
+        ),
+        (
+            arm,
+            sensor("<framepos objtype=\"geom\" objname=\"g\" reftype=\"geom\" refname=\"arm\"/>"),
+            "sensors of a mesh",
+        ),
+        (
+            arm,
+            "<contact><pair geom1=\"arm\" geom2=\"g\"/></contact>".to_owned(),
+            "contacts of sphere and mesh",
+        ),
+        (&fitted, String::new(), "fitted to a mesh"),
+    ] {
+        let error = read(mesh, &more).unwrap_err().to_string();
+        assert!(error.contains(message), "{error}");
+    }
+    // a mesh that begins to collide later
+    let mut seen = seen;
+    let error = seen.change(|m| m.geom_contype[1] = 1).unwrap_err();
+    assert!(
+        error.to_string().contains("a mesh that collides"),
+        "{error}"
+    );
+}
+
+/// A timestep between others leads to the same state; what follows from the state is not stored,
+/// and a snapshot says so.
+#[test]
+fn substeps_are_steps() {
+    for name in MODELS {
+        let m = built_in(name);
+        let (mut one, mut other) = (Data::new(&m), Data::new(&m));
+        let mut random = Random(7);
+        for i in 0..60 {
+            random.control(&m, &mut one, 0);
+            other.ctrl.clone_from(&one.ctrl);
+            step(&m, &mut one);
+            if i % 3 == 2 {
+                step(&m, &mut other);
+                assert_eq!(json!(one), json!(other), "{name}");
+            } else {
+                physics::substep(&m, &mut other);
+                assert!(!other.is_computed());
+                let mut stored: Data = serde_json::from_value(json!(other)).unwrap();
+                stored.check(&m).unwrap();
+                stored.resume(&m);
+                assert_eq!(stored.qpos, one.qpos, "{name}");
+            }
+        }
+    }
+}

@@ -4,11 +4,17 @@ from __future__ import annotations
 
 import gymnasium
 
-__all__ = ["InvalidAction", "ResetNeeded"]
+__all__ = ["InvalidAction", "InvalidArgument", "ResetNeeded"]
 
 
 class InvalidAction(gymnasium.error.InvalidAction, AssertionError, KeyError, IndexError, ValueError):
     """What is not an action: Gymnasium's environments raise one of these classes."""
+
+    __str__ = Exception.__str__
+
+
+class InvalidArgument(ValueError, AssertionError, KeyError):
+    """What an environment does not take as an argument, an option or a state: Gymnasium's environments raise one of these classes."""
 
     __str__ = Exception.__str__
 

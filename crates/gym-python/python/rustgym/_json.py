@@ -29,16 +29,26 @@ def _plain(value: Any) -> Any:
         return repr(value)
 
 
+def _open(value: Any) -> Any:
+    """A range with `None` in place of an infinite end, as JSON has no infinity; any other value as it is."""
+    if isinstance(value, np.ndarray) and value.shape == (2,):
+        value = value.tolist()
+    if isinstance(value, (list, tuple)) and len(value) == 2:
+        ends = zip(value, (-np.inf, np.inf), strict=True)
+        return [None if np.isscalar(number) and number == end else number for number, end in ends]
+    return value
+
+
 def to_json(values: Mapping[str, Any]) -> str:
     """A JSON object of named values, numpy's among them.
 
     Raises:
-        ValueError: for a number that is not finite, and for values that contain themselves.
+        ValueError: for a number that is not finite, but for the ends of a range, and for values that contain themselves.
     """
     entries = []
     for name, value in values.items():
         try:
-            entries.append(f"{json.dumps(str(name))}: {json.dumps(value, default=_plain, allow_nan=False)}")
+            entries.append(f"{json.dumps(str(name))}: {json.dumps(_open(value), default=_plain, allow_nan=False)}")
         except ValueError as error:
             is_endless = str(error).startswith("Circular")
             wrong = "it must not contain itself" if is_endless else "every number must be finite"

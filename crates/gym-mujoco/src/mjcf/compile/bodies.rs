@@ -63,10 +63,13 @@ pub(super) fn add_body(m: &mut CompiledModel, spec: &Spec, id: usize, body: &Bod
     m.body_geomadr.push(address(m.ngeom(), body.geoms.len()));
     let mut parts = Vec::with_capacity(body.geoms.len());
     let [first, last] = spec.compiler.inertia_groups;
+    // the world has no mass
+    let weighs = id > 0 && from_geoms(body, spec);
     for geom in &body.geoms {
+        let weighs = weighs && (first..=last).contains(&geom.group);
+        check_mesh(geom, spec, weighs)?;
         let part = add_geom(m, spec, id, geom)?;
-        // the world has no mass
-        if id > 0 && (first..=last).contains(&geom.group) {
+        if weighs {
             parts.push(part);
         }
     }
@@ -271,7 +274,7 @@ fn add_geom(m: &mut CompiledModel, spec: &Spec, body: usize, geom: &Geom) -> Res
             geom.orientation.resolve(&spec.compiler),
         ),
         Some(ends) => {
-            if matches!(shape, GeomType::Plane | GeomType::Sphere) {
+            if matches!(shape, GeomType::Plane | GeomType::Sphere | GeomType::Mesh) {
                 return Err(place.attribute(
                     "fromto",
                     "only capsules, cylinders, ellipsoids and boxes have ends: give type=\"capsule\"",
@@ -348,6 +351,45 @@ fn add_geom(m: &mut CompiledModel, spec: &Spec, body: usize, geom: &Geom) -> Res
     })
 }
 
+/// Refuses a mesh that is more than a picture: the engine does not read its surface. `weighs` says
+/// whether the mass of the geom counts.
+fn check_mesh(geom: &Geom, spec: &Spec, weighs: bool) -> Result<()> {
+    let error = |name, reason: &str| Err(geom.place.attribute(name, reason));
+    let Some(mesh) = &geom.mesh else {
+        return match geom.shape {
+            GeomType::Mesh => error("mesh", "missing: it must be given for type=\"mesh\""),
+            _ => Ok(()),
+        };
+    };
+    if !spec.meshes.contains(mesh) {
+        return error("mesh", &format!("there is no mesh {mesh:?}"));
+    }
+    if geom.shape != GeomType::Mesh {
+        return error(
+            "mesh",
+            "a shape fitted to a mesh is not supported: give the shape's size",
+        );
+    }
+    if geom.contype != 0 || geom.conaffinity != 0 {
+        return error(
+            "type",
+            "a mesh that collides is not supported: set contype and conaffinity to 0 to only show \
+             it, and give other geoms for contacts",
+        );
+    }
+    if weighs && geom.mass != Some(0.0) && geom.density != 0.0 {
+        return error(
+            "type",
+            "the mass of a mesh is not supported: give its body an element inertial, or the geom \
+             mass=\"0\"",
+        );
+    }
+    if geom.fluid_ellipsoid {
+        return error("fluidshape", "the fluid forces on a mesh are not supported");
+    }
+    Ok(())
+}
+
 fn check_size(geom: &Geom, size: [f64; 3]) -> Result<()> {
     let (needed, what) = match geom.shape {
         GeomType::Plane => {
@@ -365,6 +407,7 @@ fn check_size(geom: &Geom, size: [f64; 3]) -> Result<()> {
         GeomType::Cylinder => (2, "a radius and a half length (or fromto)"),
         GeomType::Ellipsoid => (3, "three half axes (or one and fromto)"),
         GeomType::Box => (3, "three half sizes (or one and fromto)"),
+        GeomType::Mesh => return Ok(()),
     };
     if size[..needed].iter().any(|x| *x <= 0.0) {
         return Err(geom.place.attribute(
@@ -380,7 +423,13 @@ pub(super) fn single(rgba: [f64; 4]) -> [f64; 4] {
     rgba.map(|x| f64::from(x as f32))
 }
 
-/// The inertia of a body: from its element `inertial`, or from its geoms.
+/// Whether the geoms of a body give its inertia.
+fn from_geoms(body: &Body, spec: &Spec) -> bool {
+    let stated = spec.compiler.inertia_from_geom;
+    stated.unwrap_or(body.inertial.is_none())
+}
+
+/// The inertia of a body: from its geoms `parts`, or from its element `inertial`.
 ///
 /// Without both, the inertial frame is the body's frame in its parent, as in MuJoCo.
 fn inertia_of(body: &Body, id: usize, spec: &Spec, parts: &[Inertia]) -> Result<Inertia> {
@@ -390,14 +439,7 @@ fn inertia_of(body: &Body, id: usize, spec: &Spec, parts: &[Inertia]) -> Result<
         .copied()
         .filter(|part| part.mass > EPS)
         .collect();
-    let from_geoms = compiler
-        .inertia_from_geom
-        .unwrap_or(body.inertial.is_none());
-    let combined = if from_geoms {
-        inertia::combine(&heavy, spec.revision)
-    } else {
-        None
-    };
+    let combined = inertia::combine(&heavy, spec.revision);
     let (mut inertia, place) = match (combined, &body.inertial) {
         (Some(combined), _) => (combined, &body.place),
         (None, Some(inertial)) => (explicit(inertial, spec), &inertial.place),

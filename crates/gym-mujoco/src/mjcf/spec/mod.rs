@@ -47,6 +47,8 @@ pub(crate) struct Spec {
     pub(crate) statistic: Statistic,
     pub(crate) nkey: usize,
     pub(crate) materials: Vec<Material>,
+    /// The names of the meshes.
+    pub(crate) meshes: Vec<String>,
     /// The world, then the others, each after its parent.
     pub(crate) bodies: Vec<Body>,
     pub(crate) excludes: Vec<Exclude>,

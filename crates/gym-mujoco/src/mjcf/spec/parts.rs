@@ -132,6 +132,7 @@ with_defaults! {
         solimp: [f64; 5] = SOLIMP,
         rgba: [f64; 4] = GREY,
         material: Option<String> = None,
+        mesh: Option<String> = None,
         group: i32 = 0,
         /// Whether the mass lies on the surface.
         shell: bool = false,
@@ -152,6 +153,7 @@ impl Geom {
             ("ellipsoid", GeomType::Ellipsoid),
             ("cylinder", GeomType::Cylinder),
             ("box", GeomType::Box),
+            ("mesh", GeomType::Mesh),
         ];
         replace(&mut self.shape, element.keyword("type", &shapes)?);
         element.up_to("size", &mut self.size)?;
@@ -191,6 +193,7 @@ impl Geom {
         element.up_to("solimp", &mut self.solimp)?;
         replace(&mut self.rgba, element.numbers("rgba")?);
         replace_some(&mut self.material, element.text("material"));
+        replace_some(&mut self.mesh, element.text("mesh"));
         replace(&mut self.group, element.integer("group")?);
         replace(&mut self.shell, element.flag("shellinertia")?);
         let shapes = [("none", false), ("ellipsoid", true)];

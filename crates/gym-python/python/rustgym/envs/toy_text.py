@@ -35,7 +35,12 @@ def generate_random_map(size: int = 8, p: float = 0.8, seed: int | None = None) 
         size: Rows and columns, at least 2.
         p: The probability of a frozen cell, above 0 and at most 1.
         seed: The seed; without one the operating system gives it.
+
+    Raises:
+        ValueError: for a size or a probability out of its range.
     """
+    if size < 0:
+        raise ValueError(f"size is {size}: the smallest map is 2 by 2")
     return _native.generate_random_map(size, p, seed)
 
 

@@ -93,12 +93,12 @@ gym_core::register!(
         "dm_control/hopper-stand-v0",
         "Stand on one leg, in a plane."
     )
-    .exceptions(STANDING)
-    .clip(clip(2)),
+    .exceptions(STANDING),
     register::<Hopper>(
         "dm_control/hopper-hop-v0",
         "Hop forward on one leg, in a plane."
     )
     .exceptions(STANDING)
-    .kwargs(r#"{"speed": 2.0}"#),
+    .kwargs(r#"{"speed": 2.0}"#)
+    .clip(clip(2)),
 );

@@ -120,11 +120,11 @@ gym_core::register!(
         .exceptions(STANDING),
     register::<Humanoid>("dm_control/humanoid-walk-v0", "Walk on two legs.")
         .exceptions(STANDING)
-        .kwargs(r#"{"speed": 1.0}"#)
-        .clip(clip(2)),
+        .kwargs(r#"{"speed": 1.0}"#),
     register::<Humanoid>("dm_control/humanoid-run-v0", "Run on two legs.")
         .exceptions(STANDING)
-        .kwargs(r#"{"speed": 10.0}"#),
+        .kwargs(r#"{"speed": 10.0}"#)
+        .clip(clip(2)),
     register::<Humanoid>(
         "dm_control/humanoid-run_pure_state-v0",
         "Run on two legs, from positions and velocities alone."

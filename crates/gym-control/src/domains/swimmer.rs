@@ -126,11 +126,11 @@ gym_core::register!(
     register::<Swimmer>(
         "dm_control/swimmer-swimmer6-v0",
         "Swim to a target with six links."
-    )
-    .clip(clip(2)),
+    ),
     register::<Swimmer>(
         "dm_control/swimmer-swimmer15-v0",
         "Swim to a target with fifteen links."
     )
-    .kwargs(r#"{"links": 15}"#),
+    .kwargs(r#"{"links": 15}"#)
+    .clip(clip(2)),
 );

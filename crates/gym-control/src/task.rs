@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::fmt;
 
-use gym_core::registry::{Exceptions, build};
+use gym_core::registry::{Clip, Exceptions, build};
 use gym_core::vector::{BoxVector, VectorSpec, lockstep};
 use gym_core::wrappers::TimeLimit;
 use gym_core::{Arguments, EnvSpec, Error, Registration, Result};
@@ -117,6 +117,16 @@ pub(crate) const UNLIMITED: Exceptions = &[
         "the cost of a huge action is infinite, as in dm_control",
     ),
 ];
+
+/// The clip on a domain's page, of one episode: it shows every n-th state.
+pub(crate) const fn clip(every: u32) -> Clip {
+    Clip {
+        seeds: 0..1,
+        every,
+        frames: 48,
+        size: (160, 120),
+    }
+}
 
 /// The registration that all tasks share.
 pub const fn register<D: Domain>(id: &'static str, description: &'static str) -> Registration {

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::ops::Range;
 
 use gym_control as _;
+use gym_core::keys::Idle;
 use gym_core::registry::EnvBuilder;
 use gym_core::vector::VectorKind;
 use gym_core::{BoxEnv, Env, EnvExt, Value, VectorEnv, VectorEnvExt, builder, make, registry};
@@ -241,4 +242,56 @@ fn the_string_of_the_ball_is_shown() {
     // the ball hangs below the cup
     let env = builder("dm_control/ball_in_cup-catch-v0").arg("qpos", vec![0.0; 4]);
     assert!(shows(env, 240, 100..101, 110..130));
+}
+
+#[test]
+fn pendulum_and_cartpole_are_played_with_the_arrows() {
+    let mut played = 0;
+    for id in ids() {
+        let Some(keys) = registry::find(&id).unwrap().keys else {
+            continue;
+        };
+        let mut env = make(&id).unwrap();
+        let keys = keys(&env);
+        assert!(matches!(keys.idle, Idle::Action(_)), "{id}");
+        let speeds: Vec<(String, f64)> = keys
+            .actions
+            .iter()
+            .map(|(key, action)| {
+                env.reset(1).unwrap();
+                let action = env.action_space().from_json(action).unwrap();
+                let seen = env.step(&action).unwrap().observation;
+                let velocities = seen.get("velocity").and_then(Value::as_array).unwrap();
+                (key.clone(), velocities.iter_f64().next().unwrap())
+            })
+            .collect();
+        let names: Vec<&str> = speeds.iter().map(|(key, _)| key.as_str()).collect();
+        assert_eq!(names, ["Left", "Right"], "{id}");
+        assert!(speeds[0].1 < speeds[1].1, "{id}: {speeds:?}");
+        played += 1;
+    }
+    assert_eq!(played, 7, "pendulum's task and cartpole's six");
+}
+
+#[test]
+fn masses_are_brought_to_rest_by_the_rule_of_lqr() {
+    for id in ["dm_control/lqr-lqr_2_1-v0", "dm_control/lqr-lqr_6_2-v0"] {
+        let policy = registry::find(id).unwrap().policy.unwrap();
+        let mut env = make(id).unwrap();
+        let energy = |seen: &Value| -> f64 {
+            let parts = ["position", "velocity"].map(|part| seen.get(part).unwrap());
+            let numbers = parts.map(|part| part.as_array().unwrap().iter_f64().collect::<Vec<_>>());
+            numbers.iter().flatten().map(|x| x * x).sum()
+        };
+        let mut seen = env.reset(1).unwrap();
+        let before = energy(&seen);
+        let mut controller = policy.controller(&env).unwrap().unwrap();
+        for _ in 0..3000 {
+            let action = controller(&env, &seen).unwrap();
+            seen = env.step(&action).unwrap().observation;
+        }
+        assert!(energy(&seen) < 0.5 * before, "{id}: {}", energy(&seen));
+        let flat = builder(id).arg("flat", true).build().unwrap();
+        assert!(policy.controller(&flat).unwrap().is_none(), "{id}");
+    }
 }

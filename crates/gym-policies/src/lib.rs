@@ -14,7 +14,7 @@
 #![warn(clippy::disallowed_methods)]
 
 use gym_core::policy::{Controller, LinkedPolicy};
-use gym_core::{BoxEnv, Env, Error, Policy, Result, Space, Value, inventory, math};
+use gym_core::{BoxEnv, DType, Env, Error, Policy, Result, Space, Value, inventory, math};
 use serde_json::Value as Json;
 
 /// The policy of an environment, by the network that `controller` reads.
@@ -50,6 +50,20 @@ const EPSILON: f64 = 1e-8;
 /// # Errors
 /// [`Error::InvalidArgument`] for a network that is damaged or does not fit the spaces of `env`.
 pub fn network(json: &str, env: &BoxEnv) -> Result<Controller> {
+    network_of_parts(json, &[], env)
+}
+
+/// A [`network`] that was trained on observations as one vector, such as those of
+/// `dm_control/walker-walk-v0` with `flat=true`, for an environment that observes a dict. `parts`
+/// names the dict's entries in the order that they have in the vector.
+///
+/// # Errors
+/// Those of [`network`].
+pub fn network_of_parts(
+    json: &str,
+    parts: &'static [&'static str],
+    env: &BoxEnv,
+) -> Result<Controller> {
     let wrong = |reason: String| Error::argument(format!("the network of {env}"), reason);
     let stored: Json = serde_json::from_str(json).map_err(|error| wrong(error.to_string()))?;
     // weights, inputs by outputs, and bias of each layer
@@ -71,10 +85,16 @@ pub fn network(json: &str, env: &BoxEnv) -> Result<Controller> {
         .iter_f64()
         .zip(space.high().iter_f64())
         .collect();
-    let mut width = env
-        .observation_space()
-        .shape()
-        .map_or(0, |shape| shape.iter().product::<usize>());
+    let mut width = match env.observation_space() {
+        Space::Dict(dict) => {
+            let missing = |part| wrong(format!("the observation has no part `{part}`"));
+            let sizes = parts
+                .iter()
+                .map(|part| dict.get(part).map(size).ok_or_else(|| missing(part)));
+            sizes.sum::<Result<usize>>()?
+        }
+        space => size(&space),
+    };
     if moments
         .as_ref()
         .is_some_and(|(mean, var)| mean.len() != width || var.len() != width)
@@ -101,21 +121,48 @@ pub fn network(json: &str, env: &BoxEnv) -> Result<Controller> {
             bounds.len()
         )));
     }
+    let dtype = space.dtype();
     Ok(Box::new(move |_, seen| {
-        let seen = seen.as_array()?.iter_f64();
+        let seen = numbers_of(seen, parts)?;
         let x = match &moments {
             Some((mean, var)) => seen
+                .into_iter()
                 .zip(mean.iter().zip(var))
                 .map(|(x, (m, v))| ((x - m) / (v + EPSILON).sqrt()) as f32)
                 .collect(),
-            None => seen.map(|x| x as f32).collect(),
+            None => seen.into_iter().map(|x| x as f32).collect(),
         };
         let action = forward(&layers, x).into_iter().zip(&bounds);
         let clipped: Vec<f32> = action
             .map(|(a, (low, high))| f64::from(a).clamp(*low, *high) as f32)
             .collect();
-        Some(Value::Array(clipped.into()))
+        Some(Value::Array(if dtype == DType::F64 {
+            clipped
+                .into_iter()
+                .map(f64::from)
+                .collect::<Vec<_>>()
+                .into()
+        } else {
+            clipped.into()
+        }))
     }))
+}
+
+/// How many numbers an observation of `space` has.
+fn size(space: &Space) -> usize {
+    space.shape().map_or(0, |shape| shape.iter().product())
+}
+
+/// The numbers of an observation: of an array, or of the `parts` of a dict, one after the other.
+fn numbers_of(seen: &Value, parts: &[&str]) -> Option<Vec<f64>> {
+    if let Some(array) = seen.as_array() {
+        return Some(array.iter_f64().collect());
+    }
+    let mut numbers = Vec::new();
+    for part in parts {
+        numbers.extend(seen.get(part)?.as_array()?.iter_f64());
+    }
+    Some(numbers)
 }
 
 /// Linear layers with tanh between them.
@@ -166,12 +213,15 @@ mod tests {
 
     #[test]
     fn every_network_plays_its_environment() {
+        use gym_control as _;
         use gym_core::{EnvExt, make, registry};
         use gym_mujoco as _;
 
         let mut played = 0;
         for registration in registry::all() {
-            let Some(policy) = registration.policy else {
+            let policy = registration.policy;
+            let Some(policy) = policy.filter(|policy| policy.description.contains("network"))
+            else {
                 continue;
             };
             let mut env = make(registration.id()).unwrap();
@@ -183,6 +233,39 @@ mod tests {
             played += 1;
         }
         assert_eq!(played, 6);
+    }
+
+    #[test]
+    fn a_network_reads_a_dict_as_the_vector_that_it_was_trained_on() {
+        use gym_control as _;
+        use gym_core::{EnvExt, builder};
+
+        // from 24 numbers to 6 actions
+        let weights: Vec<f32> = (0..144).map(|i| (i % 7) as f32 * 0.02 - 0.06).collect();
+        let bias = vec![0.0; 6];
+        let json = serde_json::json!({"network": [weights, bias]}).to_string();
+        let played = |flat: bool, parts: &'static [&'static str]| {
+            let id = "dm_control/walker-walk-v0";
+            let mut env = builder(id).arg("flat", flat).build().unwrap();
+            let mut controller = network_of_parts(&json, parts, &env).unwrap();
+            let observation = env.reset(3).unwrap();
+            let action = controller(&env, &observation).unwrap();
+            assert!(env.action_space().contains(&action), "{action}");
+            action
+        };
+        let vector = played(true, &[]);
+        assert_eq!(
+            vector,
+            played(false, &["orientations", "height", "velocity"])
+        );
+        assert_ne!(
+            vector,
+            played(false, &["height", "orientations", "velocity"])
+        );
+        let env = gym_core::make("dm_control/walker-walk-v0").unwrap();
+        let error = network_of_parts(&json, &["height", "speed"], &env);
+        let error = error.err().unwrap().to_string();
+        assert!(error.contains("has no part `speed`"), "{error}");
     }
 
     #[test]

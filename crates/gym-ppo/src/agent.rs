@@ -46,8 +46,8 @@ enum Head {
     /// The outputs are the logits of the actions.
     Discrete,
     /// The outputs are the mean of a normal distribution. The logarithm of its standard deviation,
-    /// `log_std`, does not depend on the state.
-    Gaussian { log_std: Var },
+    /// `log_std`, does not depend on the state. The environments take actions of `dtype`.
+    Gaussian { log_std: Var, dtype: gym::DType },
 }
 
 impl Agent {
@@ -59,19 +59,20 @@ impl Agent {
     ) -> anyhow::Result<Self> {
         let (outputs, head) = match action {
             Space::Discrete(space) => (space.n() as usize, Head::Discrete),
-            Space::Box(space) if space.dtype() == gym::DType::F32 && space.shape().len() == 1 => {
+            Space::Box(space) if is_float(space.dtype()) && space.shape().len() == 1 => {
                 let log_std = Var::zeros(space.shape()[0], DType::F32, &Device::Cpu)?;
-                (space.shape()[0], Head::Gaussian { log_std })
+                let dtype = space.dtype();
+                (space.shape()[0], Head::Gaussian { log_std, dtype })
             }
             other => {
                 bail!(
-                    "the actions are {other}: this example needs a Discrete or a row of float32 numbers"
+                    "the actions are {other}: this example needs a Discrete or a row of float32 or float64 numbers"
                 )
             }
         };
         let network = Network::new(observation, outputs, rng)?;
         let mut variables: Vec<Var> = network.variables().cloned().collect();
-        if let Head::Gaussian { log_std } = &head {
+        if let Head::Gaussian { log_std, .. } = &head {
             variables.push(log_std.clone());
         }
         // one thread for each core: candle's own thread count is for a single matrix product
@@ -119,7 +120,7 @@ impl Agent {
                 let drawn: Vec<i64> = rows.iter().map(|row| choose(row, rng) as i64).collect();
                 Value::Array(drawn.into())
             }
-            Head::Gaussian { log_std } => {
+            Head::Gaussian { log_std, dtype } => {
                 let std = log_std.exp()?.to_vec1::<f32>()?;
                 let rows = outputs.to_vec2::<f32>()?;
                 let drawn = rows
@@ -129,7 +130,7 @@ impl Agent {
                         let noise = rng.standard_normal() as f32;
                         mean + std * noise
                     });
-                matrix_value(drawn.collect(), &[rows.len(), std.len()])
+                matrix_value(drawn.collect(), &[rows.len(), std.len()], *dtype)
             }
         };
         let (log_probabilities, _) = self.judge(&outputs, &tensor(&actions)?)?;
@@ -148,9 +149,9 @@ impl Agent {
                 let best = outputs.argmax(D::Minus1)?.to_vec1::<u32>()?;
                 Value::Array(best.into_iter().map(i64::from).collect::<Vec<_>>().into())
             }
-            Head::Gaussian { .. } => {
+            Head::Gaussian { dtype, .. } => {
                 let (rows, width) = outputs.dims2()?;
-                matrix_value(outputs.flatten_all()?.to_vec1()?, &[rows, width])
+                matrix_value(outputs.flatten_all()?.to_vec1()?, &[rows, width], *dtype)
             }
         })
     }
@@ -167,7 +168,7 @@ impl Agent {
                     (all.exp()? * &all)?.sum(D::Minus1)?.mean_all()?.neg()?,
                 ))
             }
-            Head::Gaussian { log_std } => {
+            Head::Gaussian { log_std, .. } => {
                 let log_std = log_std.as_tensor();
                 let distance = (actions - outputs)?.broadcast_div(&log_std.exp()?)?;
                 let density = (distance.sqr()? * -0.5)?.broadcast_sub(log_std)?;
@@ -289,17 +290,20 @@ impl Agent {
     }
 }
 
-/// Returns a tensor with the shape, dtype and numbers of `value`.
+/// Returns a tensor with the shape and numbers of `value`. Numbers of float64 become float32, which
+/// changes no action of this agent: it computes in float32.
 pub(crate) fn tensor(value: &Value) -> Result<Tensor> {
     let refuse = || {
         candle_core::Error::Msg(format!(
-            "{value} is not an array of float32, int64 or uint8 numbers"
+            "{value} is not an array of float32, float64, int64 or uint8 numbers"
         ))
     };
     let array = value.as_array().ok_or_else(refuse)?;
     let shape = array.shape();
     if let Some(numbers) = array.as_slice::<f32>() {
         Tensor::from_slice(numbers, shape, &Device::Cpu)
+    } else if let Some(numbers) = array.as_slice::<f64>() {
+        Tensor::from_slice(numbers, shape, &Device::Cpu)?.to_dtype(DType::F32)
     } else if let Some(numbers) = array.as_slice::<i64>() {
         Tensor::from_slice(numbers, shape, &Device::Cpu)
     } else {
@@ -311,12 +315,17 @@ pub(crate) fn tensor(value: &Value) -> Result<Tensor> {
     }
 }
 
-fn matrix_value(numbers: Vec<f32>, shape: &[usize; 2]) -> Value {
-    Value::Array(
+fn is_float(dtype: gym::DType) -> bool {
+    matches!(dtype, gym::DType::F32 | gym::DType::F64)
+}
+
+fn matrix_value(numbers: Vec<f32>, shape: &[usize; 2], dtype: gym::DType) -> Value {
+    let array = if dtype == gym::DType::F64 {
+        Array::from(numbers.into_iter().map(f64::from).collect::<Vec<_>>())
+    } else {
         Array::from(numbers)
-            .reshape(shape.as_slice())
-            .unwrap_or_default(),
-    )
+    };
+    Value::Array(array.reshape(shape.as_slice()).unwrap_or_default())
 }
 
 /// Draws an index from the distribution with these log-probabilities.

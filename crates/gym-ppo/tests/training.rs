@@ -126,6 +126,11 @@ fn continuous_actions_with_normalization_resume() {
 }
 
 #[test]
+fn actions_in_float64_resume() {
+    killed_and_resumed("dm_control/cartpole-swingup-v0", 8192);
+}
+
+#[test]
 fn a_checkpoint_of_another_training_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     assert!(

@@ -21,7 +21,7 @@ use gym_mujoco::{Data, Model};
 use super::axis::{XZ, ZZ};
 use super::{config, minus, norm};
 use crate::rewards::{Sigmoid, Tolerance};
-use crate::task::named;
+use crate::task::{clip, named};
 use crate::{Domain, Observation, Start, Task, register};
 
 config! { 10.0;
@@ -90,7 +90,8 @@ gym_core::register!(
     register::<Acrobot>(
         "dm_control/acrobot-swingup-v0",
         "Swing an arm up by its elbow, and balance it."
-    ),
+    )
+    .clip(clip(5)),
     register::<Acrobot>(
         "dm_control/acrobot-swingup_sparse-v0",
         "Swing an arm up by its elbow; only the goal is rewarded."

@@ -17,7 +17,7 @@ use gym_core::Result;
 use gym_mujoco::{Data, Model};
 
 use super::config;
-use crate::task::named;
+use crate::task::{clip, named};
 use crate::{Domain, Observation, Start, Task, register};
 
 config! { 20.0; }
@@ -74,7 +74,10 @@ impl Task for BallInCup {
 }
 
 #[cfg(not(test))]
-gym_core::register!(register::<BallInCup>(
-    "dm_control/ball_in_cup-catch-v0",
-    "Swing a ball on a string into a cup."
-));
+gym_core::register!(
+    register::<BallInCup>(
+        "dm_control/ball_in_cup-catch-v0",
+        "Swing a ball on a string into a cup."
+    )
+    .clip(clip(2))
+);

@@ -22,6 +22,7 @@ use gym_mujoco::{Data, Model};
 use super::axis::{XZ, ZZ};
 use super::config;
 use crate::rewards::{Sigmoid, Tolerance, mean};
+use crate::task::clip;
 use crate::{Domain, Observation, Start, Task, register};
 
 const CENTRED: Tolerance = Tolerance::within(0.0, 0.0).margin(2.0, Sigmoid::Gaussian);
@@ -151,7 +152,8 @@ gym_core::register!(
         "dm_control/cartpole-swingup-v0",
         "Swing up a pole on a cart, and balance it."
     )
-    .kwargs(r#"{"swing_up": true}"#),
+    .kwargs(r#"{"swing_up": true}"#)
+    .clip(clip(5)),
     cartpole(
         "dm_control/cartpole-swingup_sparse-v0",
         "Swing up a pole on a cart; only the goal is rewarded."

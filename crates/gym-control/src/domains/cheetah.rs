@@ -19,6 +19,7 @@ use gym_mujoco::{Data, Model};
 
 use super::{check, config};
 use crate::rewards::{Sigmoid, Tolerance};
+use crate::task::clip;
 use crate::{Domain, Observation, Start, Task, register};
 
 config! { 10.0;
@@ -77,7 +78,6 @@ impl Task for Cheetah {
 }
 
 #[cfg(not(test))]
-gym_core::register!(register::<Cheetah>(
-    "dm_control/cheetah-run-v0",
-    "Run on two legs, in a plane."
-));
+gym_core::register!(
+    register::<Cheetah>("dm_control/cheetah-run-v0", "Run on two legs, in a plane.").clip(clip(4))
+);

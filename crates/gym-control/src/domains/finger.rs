@@ -18,7 +18,7 @@ use gym_core::{Result, math};
 use gym_mujoco::{Data, Model};
 
 use super::{check, config, minus, norm};
-use crate::task::{TARGET, named};
+use crate::task::{TARGET, clip, named};
 use crate::{Domain, Observation, Start, Task, register};
 
 const FAST: f64 = -15.0; // rad/s
@@ -130,7 +130,8 @@ gym_core::register!(
         "dm_control/finger-spin-v0",
         "Spin a body on a hinge with a finger."
     )
-    .exceptions(TARGET),
+    .exceptions(TARGET)
+    .clip(clip(2)),
     register::<Finger>(
         "dm_control/finger-turn_easy-v0",
         "Turn a body's tip to a large target with a finger."

@@ -20,7 +20,7 @@ use gym_mujoco::{Data, Model};
 use super::axis::ZZ;
 use super::{config, minus, norm, times};
 use crate::rewards::{Sigmoid, Tolerance};
-use crate::task::named;
+use crate::task::{clip, named};
 use crate::{Domain, Observation, Start, Task, register};
 
 const UPRIGHT: Tolerance = Tolerance::within(1.0, 1.0).margin(1.0, Sigmoid::Gaussian);
@@ -121,5 +121,7 @@ impl Task for Fish {
 #[cfg(not(test))]
 gym_core::register!(
     register::<Fish>("dm_control/fish-upright-v0", "Keep a fish upright."),
-    register::<Fish>("dm_control/fish-swim-v0", "Swim to a target.").kwargs(r#"{"swim": true}"#),
+    register::<Fish>("dm_control/fish-swim-v0", "Swim to a target.")
+        .kwargs(r#"{"swim": true}"#)
+        .clip(clip(2)),
 );

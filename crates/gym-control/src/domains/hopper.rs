@@ -19,7 +19,7 @@ use gym_mujoco::{Data, Model};
 
 use super::{check, config};
 use crate::rewards::{Sigmoid, Tolerance, small_control};
-use crate::task::{STANDING, named};
+use crate::task::{STANDING, clip, named};
 use crate::{Domain, Observation, Start, Task, register};
 
 config! { 20.0;
@@ -104,5 +104,6 @@ gym_core::register!(
         "Hop forward on one leg, in a plane."
     )
     .exceptions(STANDING)
-    .kwargs(r#"{"speed": 2.0}"#),
+    .kwargs(r#"{"speed": 2.0}"#)
+    .clip(clip(2)),
 );

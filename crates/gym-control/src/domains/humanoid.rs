@@ -20,7 +20,7 @@ use gym_mujoco::{Data, Model};
 use super::axis::{ZX, ZZ};
 use super::{check, config, minus, norm, times};
 use crate::rewards::{Sigmoid, Tolerance, mean, small_control};
-use crate::task::{STANDING, named};
+use crate::task::{STANDING, clip, named};
 use crate::{Domain, Observation, Start, Task, register};
 
 const UPRIGHT: Tolerance = Tolerance::above(0.9).margin(1.9, Sigmoid::Linear(0.0));
@@ -128,7 +128,8 @@ gym_core::register!(
         .kwargs(r#"{"speed": 1.0}"#),
     register::<Humanoid>("dm_control/humanoid-run-v0", "Run on two legs.")
         .exceptions(STANDING)
-        .kwargs(r#"{"speed": 10.0}"#),
+        .kwargs(r#"{"speed": 10.0}"#)
+        .clip(clip(2)),
     register::<Humanoid>(
         "dm_control/humanoid-run_pure_state-v0",
         "Run on two legs, from positions and velocities alone."

@@ -13,12 +13,12 @@
 
 use std::borrow::Cow;
 
-use gym_core::{Error, Result};
+use gym_core::{Env, Error, Policy, Result, Space, Value};
 use gym_mujoco::tasks::numpy::{dot, norm};
 use gym_mujoco::{CompiledModel, Data, Model};
 
 use super::{check, config};
-use crate::task::UNLIMITED;
+use crate::task::{UNLIMITED, clip};
 use crate::{Domain, Observation, Start, Task, register};
 
 const STIFFNESS: [f64; 2] = [15.0, 25.0]; // N/m
@@ -127,17 +127,31 @@ impl Task for Lqr {
     }
 }
 
+/// Brakes the masses that a force moves.
+const BRAKE: Policy = Policy::rules("pushes against the velocities of the masses", |env| {
+    let forces: usize = env.action_space().shape()?.iter().product();
+    matches!(env.observation_space(), Space::Dict(_)).then_some(())?;
+    Some(Box::new(move |_, seen| {
+        let velocities = seen.get("velocity")?.as_array()?.iter_f64();
+        let pushes: Vec<f64> = velocities.take(forces).map(|v| -v).collect();
+        Some(Value::Array(pushes.into()))
+    }))
+});
+
 #[cfg(not(test))]
 gym_core::register!(
     register::<Lqr>(
         "dm_control/lqr-lqr_2_1-v0",
         "Bring two masses on springs to rest, by one force."
     )
+    .policy(BRAKE)
+    .clip(clip(2))
     .exceptions(UNLIMITED),
     register::<Lqr>(
         "dm_control/lqr-lqr_6_2-v0",
         "Bring six masses on springs to rest, by two forces."
     )
+    .policy(BRAKE)
     .exceptions(UNLIMITED)
     .kwargs(r#"{"bodies": 6, "actuators": 2}"#),
 );

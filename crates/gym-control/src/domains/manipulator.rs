@@ -22,7 +22,7 @@ use super::arm::{self, Arm, distance, pose, turned};
 use super::axis::{XX, ZX};
 use super::config;
 use crate::rewards::{Sigmoid, Tolerance};
-use crate::task::named;
+use crate::task::{clip, named};
 use crate::{Domain, Observation, Start, Task, register};
 
 const CLOSE: Tolerance = Tolerance::within(0.0, 0.01).margin(0.02, Sigmoid::Gaussian);
@@ -169,7 +169,8 @@ gym_core::register!(
     register::<Manipulator>(
         "dm_control/manipulator-bring_ball-v0",
         "Bring a ball to a target with an arm."
-    ),
+    )
+    .clip(clip(5)),
     register::<Manipulator>(
         "dm_control/manipulator-bring_peg-v0",
         "Bring a peg to a target with an arm."

@@ -22,7 +22,7 @@ use gym_mujoco::{Data, Model};
 use super::axis::{XZ, ZZ};
 use super::config;
 use crate::rewards::Tolerance;
-use crate::task::named;
+use crate::task::{clip, named};
 use crate::{Domain, Observation, Start, Task, register};
 
 /// From the cosine of 8 degrees on.
@@ -77,5 +77,6 @@ gym_core::register!(
         "dm_control/pendulum-swingup-v0",
         "Swing a pendulum up, and balance it."
     )
-    .keys(|_| Keys::new(json!({"Left": [-1.0], "Right": [1.0]})).idle(json!([0.0]))),
+    .keys(|_| Keys::new(json!({"Left": [-1.0], "Right": [1.0]})).idle(json!([0.0])))
+    .clip(clip(2)),
 );

@@ -19,7 +19,7 @@ use gym_mujoco::{CompiledModel, Data, Model};
 
 use super::{check, config, minus, norm};
 use crate::rewards::{Sigmoid, Tolerance, small_control};
-use crate::task::named;
+use crate::task::{clip, named};
 use crate::{Domain, Observation, Start, Task, register};
 
 /// The cosine from which on two directions are too much alike.
@@ -129,7 +129,8 @@ gym_core::register!(
     register::<PointMass>(
         "dm_control/point_mass-easy-v0",
         "Bring a mass on a plane to a target."
-    ),
+    )
+    .clip(clip(2)),
     register::<PointMass>(
         "dm_control/point_mass-hard-v0",
         "Bring a mass to a target by forces of unknown directions."

@@ -20,7 +20,7 @@ use gym_mujoco::{Data, Model};
 
 use super::{check, config, norm};
 use crate::rewards::Tolerance;
-use crate::task::named;
+use crate::task::{clip, named};
 use crate::{Domain, Observation, Start, Task, register};
 
 config! { 20.0;
@@ -96,7 +96,8 @@ gym_core::register!(
     register::<Reacher>(
         "dm_control/reacher-easy-v0",
         "Bring the tip of an arm to a large target."
-    ),
+    )
+    .clip(clip(2)),
     register::<Reacher>(
         "dm_control/reacher-hard-v0",
         "Bring the tip of an arm to a small target."

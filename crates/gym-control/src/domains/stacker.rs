@@ -20,7 +20,7 @@ use gym_mujoco::{Data, Model};
 use super::arm::{self, Arm, distance, pose};
 use super::config;
 use crate::rewards::{Sigmoid, Tolerance};
-use crate::task::named;
+use crate::task::{clip, named};
 use crate::{Domain, Observation, Start, Task, register};
 
 /// Half the width of a box.
@@ -146,7 +146,8 @@ gym_core::register!(
     register::<Stacker>(
         "dm_control/stacker-stack_2-v0",
         "Stack two boxes with an arm."
-    ),
+    )
+    .clip(clip(5)),
     register::<Stacker>(
         "dm_control/stacker-stack_4-v0",
         "Stack four boxes with an arm."

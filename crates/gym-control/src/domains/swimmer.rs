@@ -19,7 +19,7 @@ use gym_mujoco::{Data, Model};
 
 use super::{config, minus, norm, times};
 use crate::rewards::{Sigmoid, Tolerance};
-use crate::task::named;
+use crate::task::{clip, named};
 use crate::{Domain, Observation, Start, Task, register};
 
 config! { 30.0;
@@ -140,5 +140,6 @@ gym_core::register!(
         "dm_control/swimmer-swimmer15-v0",
         "Swim to a target with fifteen links."
     )
-    .kwargs(r#"{"links": 15}"#),
+    .kwargs(r#"{"links": 15}"#)
+    .clip(clip(2)),
 );

@@ -20,7 +20,7 @@ use gym_mujoco::{Data, Model};
 use super::axis::{XX, XZ, ZZ};
 use super::{check, config};
 use crate::rewards::{Sigmoid, Tolerance};
-use crate::task::{STANDING, named};
+use crate::task::{STANDING, clip, named};
 use crate::{Domain, Observation, Start, Task, register};
 
 config! { 25.0;
@@ -102,7 +102,8 @@ gym_core::register!(
     .exceptions(STANDING),
     register::<Walker>("dm_control/walker-walk-v0", "Walk on two legs, in a plane.")
         .exceptions(STANDING)
-        .kwargs(r#"{"speed": 1.0}"#),
+        .kwargs(r#"{"speed": 1.0}"#)
+        .clip(clip(2)),
     register::<Walker>("dm_control/walker-run-v0", "Run on two legs, in a plane.")
         .exceptions(STANDING)
         .kwargs(r#"{"speed": 8.0}"#),

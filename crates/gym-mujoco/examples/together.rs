@@ -14,7 +14,7 @@ use gym_mujoco as _;
 ///
 /// # Errors
 /// Those of making and stepping a vector.
-pub fn main() -> Result<(), Error> {
+pub(crate) fn main() -> Result<(), Error> {
     const TRIES: usize = 60;
     let mut arguments = std::env::args().skip(1);
     let number = arguments.next().and_then(|number| number.parse().ok());

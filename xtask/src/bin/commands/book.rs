@@ -8,7 +8,7 @@ use gym::{Error, Result};
 use gym_cli::Document;
 
 /// The limit for all images of a page: the list of environments loads every GIF.
-const MAX_IMAGE_BYTES: u64 = 4_000_000;
+const MAX_IMAGE_BYTES: u64 = 6_000_000;
 
 /// The lines around a part of a page that the commands write.
 pub(crate) type Marks = [&'static str; 2];

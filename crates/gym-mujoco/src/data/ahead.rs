@@ -65,7 +65,7 @@ impl Data {
     }
 
     /// Goes back to the start of the last timestep of a step that [ended](Stride::settles) with a
-    /// [`step1`] and was taken together with other worlds, so that both can be repeated.
+    /// [`step1`](crate::step1) and was taken together with other worlds, so that both can be repeated.
     pub fn rewind(&mut self) {
         let Some(time) = self.ahead.pop().filter(|_| self.behind) else {
             return;

@@ -150,68 +150,61 @@ fn in_order<N: Number, O: Order>(m: &Model, at: N::Place, frames: Frames<'_, N::
         put(at, pos, &mut xpos[b]);
         put(at, quat, &mut xquat[b]);
         put(at, mat, &mut xmat[b]);
-        let body = (pos, quat, mat);
-        let (ipos, imat) = local_to_global::<N, O>(body, inertias[b], body_ipos[b], body_iquat[b]);
-        put(at, ipos, &mut xipos[b]);
-        put(at, imat, &mut ximat[b]);
+        local_to_global::<N, O>(
+            at,
+            (&xpos[b], &xquat[b], &xmat[b]),
+            inertias[b],
+            (body_ipos[b], body_iquat[b]),
+            (&mut xipos[b], &mut ximat[b]),
+        );
     }
-    let (body,) = (
-        #[inline(always)]
-        |b: usize, xpos: &[[N::Cell; 3]], xquat: &[[N::Cell; 4]], xmat: &[[N::Cell; 9]]| {
-            (
-                get::<N, 3>(at, &xpos[b]),
-                get::<N, 4>(at, &xquat[b]),
-                get::<N, 9>(at, &xmat[b]),
-            )
-        },
-    );
     let n = m.ngeom();
     let (bodies, placed) = (&m.geom_bodyid[..n], &m.plan().geoms[..n]);
     let (geom_xpos, geom_xmat) = (&mut f.geom_xpos[..n], &mut f.geom_xmat[..n]);
     for g in 0..n {
         let b = bodies[g];
-        let (pos, mat) = match placed[g] {
-            None => (get::<N, 3>(at, &xipos[b]), get(at, &ximat[b])),
+        match placed[g] {
+            None => (geom_xpos[g], geom_xmat[g]) = (xipos[b], ximat[b]),
             Some(placed) => local_to_global::<N, O>(
-                body(b, xpos, xquat, xmat),
+                at,
+                (&xpos[b], &xquat[b], &xmat[b]),
                 placed,
-                m.geom_pos[g],
-                m.geom_quat[g],
+                (m.geom_pos[g], m.geom_quat[g]),
+                (&mut geom_xpos[g], &mut geom_xmat[g]),
             ),
-        };
-        put(at, pos, &mut geom_xpos[g]);
-        put(at, mat, &mut geom_xmat[g]);
+        }
     }
     for (s, &placed) in m.plan().sites.iter().enumerate() {
-        let (pos, mat) = local_to_global::<N, O>(
-            body(m.site_bodyid[s], xpos, xquat, xmat),
+        let b = m.site_bodyid[s];
+        local_to_global::<N, O>(
+            at,
+            (&xpos[b], &xquat[b], &xmat[b]),
             placed,
-            m.site_pos[s],
-            m.site_quat[s],
+            (m.site_pos[s], m.site_quat[s]),
+            (&mut f.site_xpos[s], &mut f.site_xmat[s]),
         );
-        put(at, pos, &mut f.site_xpos[s]);
-        put(at, mat, &mut f.site_xmat[s]);
     }
 }
 
 /// A frame given in a body's frame: MuJoCo's `mj_local2Global`.
 #[inline(always)]
 fn local_to_global<N: Number, O: Order>(
-    (xpos, xquat, xmat): ([N; 3], [N; 4], [N; 9]),
+    at: N::Place,
+    (xpos, xquat, xmat): (&[N::Cell; 3], &[N::Cell; 4], &[N::Cell; 9]),
     placed: Placed,
-    pos: [f64; 3],
-    quat: [f64; 4],
-) -> ([N; 3], [N; 9]) {
-    (
-        if placed.moved {
-            add(rotate(&xmat, pos), xpos)
-        } else {
-            xpos
-        },
-        if placed.turned {
-            O::quat_to_mat(O::mul_quat(xquat, quat))
-        } else {
-            xmat
-        },
-    )
+    (pos, quat): ([f64; 3], [f64; 4]),
+    (to_pos, to_mat): (&mut [N::Cell; 3], &mut [N::Cell; 9]),
+) {
+    if placed.moved {
+        let moved = rotate(&get::<N, 9>(at, xmat), pos);
+        put(at, add(moved, get::<N, 3>(at, xpos)), to_pos);
+    } else {
+        *to_pos = *xpos;
+    }
+    if placed.turned {
+        let turned = O::mul_quat(get::<N, 4>(at, xquat), quat);
+        put(at, O::quat_to_mat(turned), to_mat);
+    } else {
+        *to_mat = *xmat;
+    }
 }

@@ -186,11 +186,14 @@ fn in_order<N: Number, O: Order>(m: &Model, at: N::Place, frames: Frames<'_, N::
     }
 }
 
+/// Where a body is: `xpos`, `xquat` and `xmat`.
+type Body<'a, C> = (&'a [C; 3], &'a [C; 4], &'a [C; 9]);
+
 /// A frame given in a body's frame: MuJoCo's `mj_local2Global`.
 #[inline(always)]
 fn local_to_global<N: Number, O: Order>(
     at: N::Place,
-    (xpos, xquat, xmat): (&[N::Cell; 3], &[N::Cell; 4], &[N::Cell; 9]),
+    (xpos, xquat, xmat): Body<'_, N::Cell>,
     placed: Placed,
     (pos, quat): ([f64; 3], [f64; 4]),
     (to_pos, to_mat): (&mut [N::Cell; 3], &mut [N::Cell; 9]),

@@ -349,8 +349,9 @@ impl<T: Task> Env for MujocoEnv<T> {
         self.task
             .info(&self.simulation, data, step.as_ref(), &mut |name, x| {
                 visit(name, Value::Float(x));
+                let there = self.simulation.has(Derived::TenVelocity);
                 if tendons_follow == Some(name)
-                    && let Some(data) = self.data()
+                    && let Some(data) = if there { Some(data) } else { self.data() }
                 {
                     visit(
                         "tendon_length",

@@ -173,12 +173,14 @@ impl Task {
 
 /// The arrays, beside the state, that the observations and rewards of Humanoid and HumanoidStandup
 /// contain.
-pub(super) const READS: [Derived; 5] = [
+pub(super) const READS: [Derived; 7] = [
     Derived::Xipos,
     Derived::Cinert,
     Derived::Cvel,
     Derived::QfrcActuator,
     Derived::CfrcExt,
+    Derived::TenLength,
+    Derived::TenVelocity,
 ];
 
 impl env::Task for Task {

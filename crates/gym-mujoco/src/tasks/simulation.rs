@@ -50,12 +50,20 @@ impl Simulation {
 
     /// Lets worlds step together, for a task that reads these derived arrays after a step.
     pub(super) fn read(&mut self, reads: &[Derived]) {
-        let computed = |array: &Derived| self.contact_forces || *array != Derived::CfrcExt;
+        let computed = |array: &Derived| {
+            array.is_known(&self.model) && (self.contact_forces || *array != Derived::CfrcExt)
+        };
         self.stride = Some(Stride {
             steps: self.frame_skip,
             settles: false,
             reads: reads.iter().copied().filter(computed).collect(),
         });
+    }
+
+    /// Whether a derived array is there after a step, even if it was taken together with others.
+    pub(super) fn has(&self, array: Derived) -> bool {
+        let stride = self.stride.as_ref();
+        stride.is_none_or(|stride| stride.reads.contains(&array))
     }
 
     /// The state at the start of an episode, from positions and velocities.

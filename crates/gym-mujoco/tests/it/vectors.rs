@@ -229,6 +229,34 @@ fn all_arrays_are_there_when_asked_for() {
     }
 }
 
+/// Tendons that are sums of joint positions are shown without a repeated timestep.
+#[test]
+fn infos_of_vectors_show_tendons() {
+    for id in ["Humanoid-v5", "HumanoidStandup-v5"] {
+        let [mut native, mut sync] = [VectorKind::Native, VectorKind::Sync].map(|kind| {
+            let vector = builder(id).max_episode_steps(25);
+            let mut envs = vector.vector(8).kind(kind).build().unwrap();
+            let columns = envs.reset(1).unwrap();
+            (envs, columns)
+        });
+        let mut actions = native.0.action_sampler(5).unwrap();
+        let mut lengths = Vec::new();
+        for step in 0..60 {
+            let batch = actions.sample();
+            for (envs, columns) in [&mut native, &mut sync] {
+                envs.step_into(&batch, columns).unwrap();
+            }
+            for index in 0..8 {
+                let [shown, expected] = [&native, &sync].map(|(envs, _)| envs.info_map(index));
+                assert_eq!(shown, expected, "{id}, step {step}, {index}");
+                lengths.extend(shown.get("tendon_length").map(ToString::to_string));
+            }
+        }
+        lengths.dedup();
+        assert!(lengths.len() > 200, "{id}: {}", lengths.len());
+    }
+}
+
 /// One of the sub-environments has another number of timesteps in a step, or another model.
 #[test]
 fn sub_environments_with_other_arguments_step_by_themselves() {

@@ -1,6 +1,6 @@
 //! What a step of an environment is, and what its worlds leave behind beside the state.
 
-use super::{Arrays, Row};
+use super::{Arrays, Row, drives};
 use crate::{Data, Model};
 
 /// A step of an environment whose worlds step together.
@@ -52,6 +52,10 @@ pub enum Derived {
     QfrcConstraint,
     /// [`Data::cfrc_ext`], where contact forces are computed after a step.
     CfrcExt,
+    /// [`Data::ten_length`].
+    TenLength,
+    /// [`Data::ten_velocity`].
+    TenVelocity,
     /// The first numbers of [`Data::sensordata`].
     Sensors(usize),
 }
@@ -68,6 +72,7 @@ impl Derived {
             Self::Cinert => 10 * m.nbody(),
             Self::QfrcActuator | Self::QfrcConstraint => m.nv(),
             Self::Cvel | Self::CfrcExt => 6 * m.nbody(),
+            Self::TenLength | Self::TenVelocity => m.ntendon(),
             Self::Sensors(numbers) => numbers,
         }
     }
@@ -85,6 +90,8 @@ impl Derived {
             Self::QfrcActuator => &a.qfrc_actuator,
             Self::QfrcConstraint => &a.qfrc_constraint,
             Self::CfrcExt => a.cfrc_ext.as_flattened(),
+            Self::TenLength => &a.ten_length,
+            Self::TenVelocity => &a.ten_velocity,
             Self::Sensors(numbers) => &a.sensordata[..numbers],
         }
     }
@@ -102,11 +109,21 @@ impl Derived {
             Self::QfrcActuator => &mut d.qfrc_actuator,
             Self::QfrcConstraint => &mut d.qfrc_constraint,
             Self::CfrcExt => d.cfrc_ext.as_flattened_mut(),
+            Self::TenLength => &mut d.ten_length,
+            Self::TenVelocity => &mut d.ten_velocity,
             Self::Sensors(numbers) => &mut d.sensordata[..numbers],
         }
     }
 
-    /// All of them but for sensors.
+    /// Whether worlds that step together have this array of a model.
+    pub(crate) fn is_known(self, m: &Model) -> bool {
+        match self {
+            Self::TenLength | Self::TenVelocity => drives::shows(m),
+            _ => true,
+        }
+    }
+
+    /// All of them but for those of tendons and sensors.
     pub(crate) const ALL: [Self; 11] = [
         Self::Xpos,
         Self::Xmat,

@@ -31,6 +31,13 @@ pub(super) fn fit(m: &Model) -> bool {
     })
 }
 
+/// Whether worlds know lengths and velocities of the tendons: of sums of up to three joints'
+/// positions.
+pub(super) fn shows(m: &Model) -> bool {
+    let paths = &m.plan().paths;
+    paths.fixed.iter().all(|&fixed| fixed) && paths.rows.iter().all(|row| row.len() < 4)
+}
+
 /// The number of inputs of actuators whose forces follow from positions too.
 pub(super) fn inputs(m: &Model) -> usize {
     if m.plan().steady { 0 } else { m.nu() }
@@ -44,6 +51,23 @@ impl Arrays {
             length = length + load::<S>(at, &self.qpos[q]) * coefficient;
         }
         length
+    }
+
+    /// Lengths and velocities of the tendons.
+    #[inline(always)]
+    pub(super) fn tendons<S: Simd>(&mut self, m: &Model, at: Place<S>) {
+        let paths = &m.plan().paths;
+        for t in 0..self.ten_length.len() {
+            let length = self.tendon_length(m, at, t);
+            store(at, &mut self.ten_length[t], length);
+            let mut velocity = same(at, 0.0);
+            for &column in &paths.columns[paths.rows[t].clone()] {
+                let own = parts(m, t).filter(|&(_, dof, _)| dof == column);
+                let moment: f64 = own.fold(0.0, |sum, (.., coefficient)| sum + coefficient);
+                velocity = velocity + load::<S>(at, &self.qvel[column]) * moment;
+            }
+            store(at, &mut self.ten_velocity[t], velocity);
+        }
     }
 
     /// Forces of actuators, from inputs and positions. Forces of zero may be added: sums that begin

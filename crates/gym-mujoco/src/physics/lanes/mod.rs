@@ -204,6 +204,8 @@ arrays! {
     qacc: Row = (Row::ZERO, |m| m.nv()),
     cfrc_ext: [Row; 6] = ([Row::ZERO; 6], |m| m.nbody()),
     fluid: Row = (Row::ZERO, |m| m.nv()),
+    ten_length: Row = (Row::ZERO, |m| if drives::shows(m) { m.ntendon() } else { 0 }),
+    ten_velocity: Row = (Row::ZERO, |m| if drives::shows(m) { m.ntendon() } else { 0 }),
     sensordata: Row = (Row::ZERO, |m| m.nsensordata()),
     // of actuators whose forces follow from positions too
     input: Row = (Row::ZERO, |m| drives::inputs(m)),
@@ -260,7 +262,7 @@ pub(crate) fn record_len(m: &Model, reads: &[Derived]) -> usize {
 
 /// The most numbers that data keeps of a step that was taken ahead: the last is a time.
 pub(crate) fn most_len(m: &Model) -> usize {
-    record_len(m, &Derived::ALL) + m.nsensordata() + 1
+    record_len(m, &Derived::ALL) + 2 * m.ntendon() + m.nsensordata() + 1
 }
 
 impl Worlds {

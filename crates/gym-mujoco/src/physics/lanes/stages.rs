@@ -106,6 +106,7 @@ impl Arrays {
             qfrc_bias: &mut self.qfrc_bias,
         };
         rne_of::<Lanes<S>>(m, at, bias);
+        self.tendons(m, at);
         self.passive(m, at);
         if !m.plan().steady {
             self.actuate(m, at);

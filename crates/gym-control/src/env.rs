@@ -55,7 +55,7 @@ pub struct ControlEnv {
     episode: Option<Box<Episode>>,
     /// The data with its derived arrays, where the episode's are behind: made when asked for.
     resumed: OnceLock<Box<Data>>,
-    /// The step that has begun together with those of other environments.
+    /// The place of this world's step among the steps that worlds take together.
     place: Option<Place>,
 }
 

@@ -53,9 +53,9 @@ pub fn network(json: &str, env: &BoxEnv) -> Result<Controller> {
     network_of_parts(json, &[], env)
 }
 
-/// A [`network`] that was trained on observations as one vector, such as those of
-/// `dm_control/walker-walk-v0` with `flat=true`, for an environment that observes a dict. `parts`
-/// names the dict's entries in the order that they have in the vector.
+/// As [`network`], for an environment that observes a dict. The network was trained on the dict's
+/// entries as one vector, for instance on `dm_control/walker-walk-v0` with `flat=true`. `parts`
+/// names the entries in the order of the vector.
 ///
 /// # Errors
 /// Those of [`network`].

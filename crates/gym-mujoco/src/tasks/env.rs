@@ -346,10 +346,10 @@ impl<T: Task> Env for MujocoEnv<T> {
         let Some(episode) = &self.episode else { return };
         let Episode { data, step, .. } = &**episode;
         let tendons_follow = self.task.tendons_follow();
+        let there = self.simulation.has(Derived::TenVelocity);
         self.task
             .info(&self.simulation, data, step.as_ref(), &mut |name, x| {
                 visit(name, Value::Float(x));
-                let there = self.simulation.has(Derived::TenVelocity);
                 if tendons_follow == Some(name)
                     && let Some(data) = if there { Some(data) } else { self.data() }
                 {

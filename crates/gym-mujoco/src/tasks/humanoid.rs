@@ -171,8 +171,8 @@ impl Task {
     }
 }
 
-/// The arrays, beside the state, that the observations and rewards of Humanoid and HumanoidStandup
-/// contain.
+/// The arrays, beside the state, that observations, rewards and infos of Humanoid and
+/// HumanoidStandup contain.
 pub(super) const READS: [Derived; 7] = [
     Derived::Xipos,
     Derived::Cinert,

@@ -8,8 +8,8 @@ use crate::{Data, Model};
 pub struct Stride {
     /// The number of the model's timesteps.
     pub steps: usize,
-    /// Whether a [`step1`](crate::step1) follows them, so that frames and sensors are those of the
-    /// new state.
+    /// Whether a [`step1`](crate::step1) follows the timesteps: frames and sensors then belong to
+    /// the new state.
     pub settles: bool,
     /// The derived arrays that the environment reads after a step.
     pub reads: Vec<Derived>,
@@ -123,7 +123,7 @@ impl Derived {
         }
     }
 
-    /// All of them but for those of tendons and sensors.
+    /// All arrays except the tendons' and `sensordata`.
     pub(crate) const ALL: [Self; 11] = [
         Self::Xpos,
         Self::Xmat,

@@ -41,7 +41,7 @@ pub(super) fn touch(m: &Model, numbers: usize) -> bool {
 impl Worlds {
     /// The frames of the new state, and what sensors measure, of the worlds in a register.
     pub(super) fn settle<S: Simd>(&mut self, m: &Model, at: Place<S>, len: usize) {
-        // forces and contacts are those of the last timestep, with the frames of its start
+        // touch needs the last timestep's forces and contacts, and the frames of its start
         self.feel(m, at.1..len.min(at.1 + Lanes::<S>::LANES));
         let (simd, sensors) = (at.0, self.sensors);
         simd.vectorize(

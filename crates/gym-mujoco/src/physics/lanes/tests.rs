@@ -207,7 +207,7 @@ const MEASURED: &str = r#"<mujoco>
   </sensor>
 </mujoco>"#;
 
-/// Steps that end with the first half of the next: frames and sensors are those of the new state.
+/// A step ends with the first half of the next one: frames and sensors belong to the new state.
 #[test]
 fn settled_steps_have_the_bits_of_one_world() {
     let mut touched = 0;

@@ -248,6 +248,15 @@ def test_names_that_are_unknown_are_warned_of() -> None:
         gymnasium.logger.min_level = gymnasium.logger.ERROR
 
 
+def test_constants_cannot_be_set() -> None:
+    env = rustgym.make("LunarLander-v3").unwrapped
+    env.helipad_x1 = 8.0
+    with pytest.raises(AttributeError, match="helipad_y of LunarLander-v3 is 3.33.* and cannot be set"):
+        env.helipad_y = 5.0
+    with pytest.raises(AttributeError, match="locs of Taxi-v4"):
+        rustgym.make("Taxi-v4").unwrapped.locs = ((0, 0),) * 4
+
+
 def test_environments_of_a_vector_are_live() -> None:
     envs = rustgym.VectorEnv("CartPole-v1", 3, kind="sync")
     envs.reset(seed=1)

@@ -14,7 +14,7 @@ from gymnasium import logger
 
 from rustgym import _native as native
 from rustgym._json import to_json
-from rustgym._live import Live
+from rustgym._live import Live, same
 from rustgym._spaces import space_from
 from rustgym._specs import class_of, metadata_from, native_arguments, native_options, spec_of
 from rustgym._window import Window
@@ -81,7 +81,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
     # wrappers of the Rust side, as JSON
     _wrappers = "[]"
 
-    # arguments fixed when the dynamics were made: setting them changes nothing
+    # attributes that cannot be set
     _constants: frozenset[str] = frozenset()
 
     # whether a step does more than the native one: it follows a generator held outside, or shows a picture
@@ -433,7 +433,10 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
             self._watch()
 
     def __setattr__(self, name: str, value: Any) -> None:
-        if name in self._constants or name in self.__dict__.get("arguments", ()):
+        if name in self._constants:
+            if not same(value, getattr(self, name)):
+                raise AttributeError(f"{name} of {self.env_id} is {getattr(self, name)!r} and cannot be set")
+        elif name in self.__dict__.get("arguments", ()):
             logger.warn(
                 f"{name} is what this {type(self).__name__} was made with: setting it changes nothing but the attribute"
             )

@@ -88,27 +88,6 @@ impl Core {
             Ok(snapshot.to_string())
         })
     }
-
-    /// The info after a reset, or after a step with `action`.
-    fn info<'py>(
-        &self,
-        py: Python<'py>,
-        numbers: &Numbers,
-        action: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Bound<'py, PyDict>> {
-        let info = PyDict::new(py);
-        let mut result = Ok(());
-        let is_single = action.is_some_and(|action| numbers.is_single(action));
-        guard(|| {
-            self.env.info(&mut |key, value| {
-                let value = numbers.value(py, key, &value, is_single);
-                let set = value.and_then(|value| info.set_item(key, value));
-                result = std::mem::replace(&mut result, Ok(())).and(set);
-            });
-            Ok(())
-        })?;
-        result.map(|()| info)
-    }
 }
 
 impl Env {
@@ -190,6 +169,16 @@ impl Env {
         Ok(self.lock(py)?.env.clone())
     }
 
+    /// The info after a reset, or after a step with `action`.
+    fn info<'py>(
+        &self,
+        py: Python<'py>,
+        core: &Core,
+        action: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        guard(|| self.numbers.single(py, &core.env, action))
+    }
+
     /// Waits until no other thread uses the environment.
     fn lock(&self, py: Python<'_>) -> PyResult<MutexGuard<'_, Core>> {
         match self.core.try_lock() {
@@ -262,7 +251,7 @@ impl Env {
         self.run(py, &mut core, |core| core.reset(&reset))?;
         Ok((
             to_python(py, &core.observation)?,
-            core.info(py, &self.numbers, None)?,
+            self.info(py, &core, None)?,
         ))
     }
 
@@ -280,7 +269,7 @@ impl Env {
             self.numbers.reward(&outcome, action)?,
             outcome.terminated,
             outcome.truncated,
-            core.info(py, &self.numbers, Some(action))?,
+            self.info(py, &core, Some(action))?,
         )
             .into_pyobject(py)
     }

@@ -2,7 +2,7 @@
 
 use gym::{BoxEnv, Env as _, EnvExt as _, EnvSpec, Info, Value};
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyDict, PyString};
 
 use crate::convert::{new_array, numpy, to_python};
 use crate::numbers::Numbers;
@@ -11,51 +11,94 @@ use crate::registry;
 /// The keys of a vector with `SameStep` that come before those of the environments.
 const FINAL: [&str; 2] = ["final_obs", "final_info"];
 
+/// A key of infos and that of its mask.
+#[derive(Debug)]
+pub(crate) struct Key {
+    name: String,
+    mask: String,
+    python: [Py<PyString>; 2],
+}
+
+impl Key {
+    fn new(py: Python<'_>, name: &str) -> Self {
+        let mask = format!("_{name}");
+        let python = [name, &mask].map(|text| PyString::intern(py, text).unbind());
+        let name = name.to_owned();
+        Self { name, mask, python }
+    }
+}
+
 /// Adds the columns with the keys of `order`, then all others; each is followed by its mask. Numbers
 /// are of the types that `numbers` says, after actions of `float32` or not.
 pub(crate) fn ordered<'py>(
     py: Python<'py>,
     infos: &Info,
-    order: &[String],
-    (numbers, is_single): (&Numbers, bool),
+    order: &[Key],
+    numbers: (&Numbers, bool),
     dict: &Bound<'py, PyDict>,
 ) -> PyResult<()> {
-    let known = FINAL
-        .into_iter()
-        .chain(order.iter().map(String::as_str))
-        .filter(|key| infos.contains_key(*key));
-    let is_mask = |key: &str| {
-        key.strip_prefix('_')
-            .is_some_and(|key| infos.contains_key(key))
-    };
-    let others = infos.keys().map(String::as_str).filter(|key| {
-        !is_mask(key) && !FINAL.contains(key) && !order.iter().any(|known| known == key)
-    });
-    for key in known.chain(others) {
-        let column = match &infos[key] {
-            Value::Dict(entries) => {
-                let inner: Info = entries.clone().into_iter().collect();
-                let dict = PyDict::new(py);
-                ordered(py, &inner, order, (numbers, is_single), &dict)?;
-                dict.into_any()
-            }
-            column => match numbers.column(py, key, column, is_single) {
-                Some(column) => column,
-                None => column_to_python(py, column)?,
-            },
+    let add = |key: &Key| -> PyResult<usize> {
+        let Some(column) = infos.get(&key.name) else {
+            return Ok(0);
         };
-        dict.set_item(key, column)?;
-        let mask = format!("_{key}");
-        if let Some(column) = infos.get(&mask) {
-            dict.set_item(mask, column_to_python(py, column)?)?;
+        let [name, mask] = &key.python;
+        dict.set_item(name, typed_column(py, &key.name, column, order, numbers)?)?;
+        let Some(column) = infos.get(&key.mask) else {
+            return Ok(1);
+        };
+        dict.set_item(mask, column_to_python(py, column)?)?;
+        Ok(2)
+    };
+    let mut added = 0;
+    if infos.contains_key(FINAL[0]) {
+        for key in FINAL {
+            added += add(&Key::new(py, key))?;
+        }
+    }
+    for key in order {
+        added += add(key)?;
+    }
+    if added < infos.len() {
+        let is_known = |key: &str| {
+            let is_mask = key
+                .strip_prefix('_')
+                .is_some_and(|key| infos.contains_key(key));
+            is_mask || FINAL.contains(&key) || order.iter().any(|known| known.name == key)
+        };
+        for key in infos.keys().filter(|key| !is_known(key)) {
+            add(&Key::new(py, key))?;
         }
     }
     Ok(())
 }
 
+/// A column of infos with the type of its numbers, or a dict of columns.
+fn typed_column<'py>(
+    py: Python<'py>,
+    key: &str,
+    column: &Value,
+    order: &[Key],
+    (numbers, is_single): (&Numbers, bool),
+) -> PyResult<Bound<'py, PyAny>> {
+    if let Value::Dict(entries) = column {
+        let inner: Info = entries.clone().into_iter().collect();
+        let dict = PyDict::new(py);
+        ordered(py, &inner, order, (numbers, is_single), &dict)?;
+        return Ok(dict.into_any());
+    }
+    match numbers.column(py, key, column, is_single) {
+        Some(column) => Ok(column),
+        None => column_to_python(py, column),
+    }
+}
+
 /// The keys of an environment's `info` in the order in which it gives them after a reset, and after
 /// a step. (None of an environment that cannot be made or stepped without further ado.)
-pub(crate) fn info_keys(spec: &EnvSpec) -> [Vec<String>; 2] {
+pub(crate) fn info_keys(py: Python<'_>, spec: &EnvSpec) -> [Vec<Key>; 2] {
+    found_keys(spec).map(|keys| keys.iter().map(|key| Key::new(py, key)).collect())
+}
+
+fn found_keys(spec: &EnvSpec) -> [Vec<String>; 2] {
     let mut keys = [Vec::new(), Vec::new()];
     let made = registry::bare(
         &spec.id,

@@ -1,10 +1,13 @@
 //! The types of the numbers that Gymnasium's environments return: Python's, or numpy's.
 
+use std::sync::OnceLock;
+
 use gym::registry::find;
-use gym::{Kwargs, Outcome, Value};
+use gym::{BoxEnv, Env as _, Kwargs, Outcome, Value};
 use numpy::{PyArrayDescrMethods, PyUntypedArray, PyUntypedArrayMethods, dtype};
 use pyo3::IntoPyObjectExt;
 use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyString};
 use serde_json::Value as Json;
 
 use crate::convert::{new_array, scalar, to_python};
@@ -26,7 +29,7 @@ enum Number {
 }
 
 /// The types of an id's rewards and infos.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(crate) struct Numbers {
     /// The name of the id without namespace and version.
     task: String,
@@ -36,6 +39,16 @@ pub(crate) struct Numbers {
     reward: Number,
     /// The size of the reward that is an `int` where it ends an episode; 0 for none.
     last_reward: f64,
+    /// The keys of an environment's info after a step, in their order.
+    keys: OnceLock<Vec<Key>>,
+}
+
+/// A key of an info.
+#[derive(Debug)]
+struct Key {
+    name: String,
+    python: Py<PyString>,
+    kind: Number,
 }
 
 impl Numbers {
@@ -64,6 +77,7 @@ impl Numbers {
             is_old,
             reward,
             last_reward,
+            keys: OnceLock::new(),
         }
     }
 
@@ -124,18 +138,47 @@ impl Numbers {
         number(py, self.reward, reward, self.is_single(action))
     }
 
-    /// A value of an info; `is_single` says whether the action was of `float32`.
-    pub(crate) fn value<'py>(
+    /// The info of an environment after a reset, or after a step with `action`.
+    pub(crate) fn single<'py>(
         &self,
         py: Python<'py>,
-        key: &str,
-        value: &Value,
-        is_single: bool,
-    ) -> PyResult<Bound<'py, PyAny>> {
-        match value {
-            Value::Float(x) => number(py, self.info(key), *x, is_single),
-            _ => to_python(py, value),
+        env: &BoxEnv,
+        action: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let info = PyDict::new(py);
+        let is_single = action.is_some_and(|action| self.is_single(action));
+        let keys = self.keys.get();
+        let (mut at, mut result) = (0, Ok(()));
+        env.info(&mut |name, value| {
+            let key = keys
+                .and_then(|keys| keys.get(at))
+                .filter(|key| key.name == name);
+            let kind = key.map_or_else(|| self.info(name), |key| key.kind);
+            let set = match value {
+                Value::Float(x) => number(py, kind, x, is_single),
+                value => to_python(py, &value),
+            }
+            .and_then(|value| match key {
+                Some(key) => info.set_item(&key.python, value),
+                None => info.set_item(name, value),
+            });
+            at += 1;
+            result = std::mem::replace(&mut result, Ok(())).and(set);
+        });
+        result?;
+        if keys.is_none() && action.is_some() {
+            let key = |python: Bound<'py, PyAny>| -> PyResult<Key> {
+                let name: String = python.extract()?;
+                let kind = self.info(&name);
+                let python = python.cast_into::<PyString>()?.unbind();
+                Ok(Key { name, python, kind })
+            };
+            // another thread may have been first, with the same keys
+            let _ = self
+                .keys
+                .set(info.keys().iter().map(key).collect::<PyResult<_>>()?);
         }
+        Ok(info)
     }
 
     /// A column of infos, where its numbers are not of `float64`.
@@ -148,6 +191,9 @@ impl Numbers {
         is_single: bool,
     ) -> Option<Bound<'py, PyAny>> {
         let kind = self.info(key);
+        if matches!(kind, Number::Float | Number::Float64) {
+            return None;
+        }
         let numbers = column.as_slice::<f64>()?;
         let n = [numbers.len()];
         match kind {

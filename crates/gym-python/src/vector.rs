@@ -21,7 +21,7 @@ use crate::convert::{action_from_python, new_array, refill, rendered, to_python}
 use crate::env::{Env, from_json};
 use crate::error::{OrRaise, guard, gymnasium};
 use crate::fork::Origin;
-use crate::infos::{info_keys, ordered};
+use crate::infos::{Key, info_keys, ordered};
 use crate::numbers::Numbers;
 
 /// A vector of environments. The lock of Python is released while it works.
@@ -37,7 +37,7 @@ pub(crate) struct Vector {
     /// The types of infos.
     numbers: Numbers,
     /// See [`info_keys`].
-    info_keys: OnceLock<[Vec<String>; 2]>,
+    info_keys: OnceLock<[Vec<Key>; 2]>,
     origin: Origin,
 }
 
@@ -104,8 +104,8 @@ impl Vector {
         }
     }
 
-    fn info_keys(&self) -> &[Vec<String>; 2] {
-        self.info_keys.get_or_init(|| info_keys(&self.spec.env))
+    fn info_keys(&self, py: Python<'_>) -> &[Vec<Key>; 2] {
+        self.info_keys.get_or_init(|| info_keys(py, &self.spec.env))
     }
 
     /// Actions for `n` of the environments, whose space is `batch`.
@@ -159,7 +159,7 @@ impl Core {
     fn infos<'py, 'a>(
         &mut self,
         py: Python<'py>,
-        order: impl FnOnce() -> &'a [String],
+        order: impl FnOnce() -> &'a [Key],
         numbers: (&Numbers, bool),
     ) -> PyResult<Bound<'py, PyDict>> {
         let Self { envs, columns, .. } = self;
@@ -284,7 +284,7 @@ impl Vector {
         let [observations, ..] = core.arrays(py)?;
         Ok((
             observations,
-            core.infos(py, || &self.info_keys()[0], (&self.numbers, false))?,
+            core.infos(py, || &self.info_keys(py)[0], (&self.numbers, false))?,
         ))
     }
 
@@ -305,7 +305,7 @@ impl Vector {
             rewards,
             terminated,
             truncated,
-            core.infos(py, || &self.info_keys()[1], numbers)?,
+            core.infos(py, || &self.info_keys(py)[1], numbers)?,
         )
             .into_pyobject(py)
     }

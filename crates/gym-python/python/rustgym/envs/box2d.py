@@ -55,7 +55,10 @@ def _field(name: str, kind: Callable[[Any], Any], doc: str) -> property:
         return None if value is None else kind(value)
 
     def put(self: Box2DEnv, value: Any) -> None:
-        self._set(lambda episode: episode.update({name: None if value is None else kind(value)}))
+        try:
+            self._set(lambda episode: episode.update({name: None if value is None else kind(value)}))
+        except ValueError as error:
+            raise ValueError(f"{name} of this {self.env_id} cannot be {value!r} now") from error
 
     return property(get, put, doc=doc)
 

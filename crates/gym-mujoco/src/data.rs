@@ -469,6 +469,7 @@ impl Data {
     #[inline]
     pub(crate) fn begin(&mut self, m: &Model, call: Call) {
         self.pass(m);
+        self.work.skips = false;
         self.last = Some(call);
         let mut before = std::mem::take(&mut self.before);
         self.copy_state(&mut before, self.work.pushed);
@@ -479,13 +480,15 @@ impl Data {
         self.before = before;
     }
 
-    /// Prepares a call without storing the state from which it starts.
+    /// Prepares a timestep without storing the state from which it starts, and without frames that
+    /// it does not read.
     #[inline]
     pub(crate) fn pass(&mut self, m: &Model) {
         self.fit(m);
         (self.last, self.contact_forces) = (None, false);
         (self.behind, self.is_ahead) = (false, false);
         self.work.pushed = self.is_pushed();
+        self.work.skips = true;
     }
 
     /// Stores what the second half of a step starts from, beside the first half.

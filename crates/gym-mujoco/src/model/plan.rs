@@ -6,7 +6,9 @@ use super::bounds::Tree;
 use super::laws::Laws;
 use super::pairs::{Pair, Reach, most_contacts};
 use super::paths::Paths;
-use super::{CompiledModel, Cone, Disable, Integrator, JointType, Options, Stage};
+use super::{
+    CompiledModel, Cone, Disable, Integrator, JointType, Options, Stage, TransmissionType,
+};
 use crate::Result;
 
 /// Impedances are kept within these: MuJoCo's `mjMINIMP` and `mjMAXIMP`.
@@ -94,6 +96,9 @@ pub(crate) struct Plan {
     /// How each geom is placed in its body's frame; `None` for one whose frame is that of the
     /// body's inertia.
     pub(crate) geoms: Vec<Option<Placed>>,
+    /// Whether a timestep reads the frame of each geom, and those of sites.
+    pub(crate) geoms_read: Vec<bool>,
+    pub(crate) sites_read: bool,
     /// Whether each joint's anchor is not its body's origin.
     pub(crate) anchored: Vec<bool>,
 }
@@ -332,6 +337,8 @@ impl Plan {
             inertias: Placed::all(Placed::within, &m.body_ipos, &m.body_iquat),
             sites: Placed::all(Placed::within, &m.site_pos, &m.site_quat),
             geoms: geoms.collect(),
+            geoms_read: Vec::new(),
+            sites_read: false,
             anchored: m.jnt_pos.iter().map(|pos| *pos != [0.0; 3]).collect(),
         };
         plan.paths = Paths::new(m, |body| plan.chain(body));
@@ -340,6 +347,14 @@ impl Plan {
             plan.pairs = plan.find_pairs(m)?;
         }
         plan.deep = plan.pairs.iter().any(Pair::is_convex);
+        let paths = plan.measures || plan.paths.fixed.contains(&false);
+        plan.geoms_read =
+            vec![paths || m.geom_fluid.iter().any(|fluid| fluid.0[0] != 0.0); m.ngeom()];
+        for g in plan.pairs.iter().flat_map(|pair| pair.geom) {
+            plan.geoms_read[g] = true;
+        }
+        plan.sites_read =
+            paths || m.neq() > 0 || m.actuator_trntype.contains(&TransmissionType::Site);
         plan.bounds = (0..m.nbody())
             .map(|body| Tree::new(m, body, self::geoms(m, body)))
             .collect();

@@ -139,7 +139,9 @@ pub fn runge_kutta(m: &Model, d: &mut Data) {
         && (m.jnt_type.iter()).any(|kind| matches!(kind, JointType::Free | JointType::Ball));
     // the time from the start to the stage
     let mut way = 0.0;
-    for (weight, part) in WEIGHTS.into_iter().zip(PARTS) {
+    let skips = d.work.skips;
+    d.work.skips = true;
+    for (stage, (weight, part)) in WEIGHTS.into_iter().zip(PARTS).enumerate() {
         if turns {
             rates(m, &d.qvel, way, &mut d.work.rates);
         }
@@ -163,6 +165,9 @@ pub fn runge_kutta(m: &Model, d: &mut Data) {
                 d.act[i] = d.work.act_start[i] + way * d.act_dot[i];
             }
             d.time = start + way;
+            if stage == 2 {
+                d.work.skips = skips; // no evaluation follows
+            }
             evaluate(m, d);
         }
     }

@@ -27,8 +27,15 @@ pub(crate) struct Frames<'a, C> {
 }
 
 /// Frames of bodies, joints, geoms and sites from `qpos`: MuJoCo's `mj_kinematics`.
-#[inline(always)]
 pub fn kinematics(m: &Model, d: &mut Data) {
+    d.work.skips = false;
+    find_frames(m, d);
+}
+
+/// The same. Where `skips` is set, geoms and sites that no later stage reads keep their frames.
+#[inline(always)]
+pub(super) fn find_frames(m: &Model, d: &mut Data) {
+    let whole = !d.work.skips;
     let frames = Frames {
         qpos: &d.qpos,
         mocap_pos: &d.mocap_pos,
@@ -45,20 +52,30 @@ pub fn kinematics(m: &Model, d: &mut Data) {
         site_xpos: &mut d.site_xpos,
         site_xmat: &mut d.site_xmat,
     };
-    kinematics_of::<f64>(m, (), frames);
+    kinematics_of::<f64>(m, (), frames, whole);
 }
 
 /// The same for one world or several.
 #[inline(always)]
-pub(crate) fn kinematics_of<N: Number>(m: &Model, place: N::Place, frames: Frames<'_, N::Cell>) {
+pub(crate) fn kinematics_of<N: Number>(
+    m: &Model,
+    place: N::Place,
+    frames: Frames<'_, N::Cell>,
+    whole: bool,
+) {
     match m.revision {
-        Revision::V3_12 => in_order::<N, InTurn>(m, place, frames),
-        Revision::V4_0 => in_order::<N, Pairwise>(m, place, frames),
+        Revision::V3_12 => in_order::<N, InTurn>(m, place, frames, whole),
+        Revision::V4_0 => in_order::<N, Pairwise>(m, place, frames, whole),
     }
 }
 
 #[inline(always)]
-fn in_order<N: Number, O: Order>(m: &Model, at: N::Place, frames: Frames<'_, N::Cell>) {
+fn in_order<N: Number, O: Order>(
+    m: &Model,
+    at: N::Place,
+    frames: Frames<'_, N::Cell>,
+    whole: bool,
+) {
     // slices of one length: an index is checked once for all of them
     let n = m.nbody();
     let parents = &m.body_parentid[..n];
@@ -160,8 +177,12 @@ fn in_order<N: Number, O: Order>(m: &Model, at: N::Place, frames: Frames<'_, N::
     }
     let n = m.ngeom();
     let (bodies, placed) = (&m.geom_bodyid[..n], &m.plan().geoms[..n]);
+    let read = &m.plan().geoms_read[..n];
     let (geom_xpos, geom_xmat) = (&mut f.geom_xpos[..n], &mut f.geom_xmat[..n]);
     for g in 0..n {
+        if !(whole || read[g]) {
+            continue;
+        }
         let b = bodies[g];
         match placed[g] {
             None => (geom_xpos[g], geom_xmat[g]) = (xipos[b], ximat[b]),
@@ -173,6 +194,9 @@ fn in_order<N: Number, O: Order>(m: &Model, at: N::Place, frames: Frames<'_, N::
                 (&mut geom_xpos[g], &mut geom_xmat[g]),
             ),
         }
+    }
+    if !(whole || m.plan().sites_read) {
+        return;
     }
     for (s, &placed) in m.plan().sites.iter().enumerate() {
         let b = m.site_bodyid[s];

@@ -86,6 +86,7 @@ pub use contact_force::contact_force;
 pub use energy::energy;
 pub use inertia::{crb, factor_m, full_m, mul_m, solve_m};
 pub use integrate::{euler, integrate_pos, runge_kutta};
+use kinematics::find_frames;
 pub use kinematics::kinematics;
 pub use passive::passive;
 pub use post_constraint::rne_post_constraint;
@@ -128,7 +129,8 @@ pub fn step(m: &Model, d: &mut Data) {
 }
 
 /// One of several timesteps that another call follows: as [`step`], but it does not store the state
-/// from which it starts, so that a snapshot after it has the state alone.
+/// from which it starts, so that a snapshot after it has the state alone, and it leaves frames of
+/// geoms and sites as they were where it does not read them.
 ///
 /// # Panics
 /// If the data is of another model.
@@ -139,15 +141,21 @@ pub fn substep(m: &Model, d: &mut Data) {
 
 fn advance(m: &Model, d: &mut Data) {
     reset_diverged(m, d);
+    let in_stages = m.opt.integrator == Integrator::RK4;
+    let skips = d.work.skips;
+    // the last stage's frames stay
+    d.work.skips |= in_stages;
     evaluate(m, d);
     if diverged(&d.qacc) {
         d.clear(m);
         evaluate(m, d);
     }
+    d.work.skips = skips;
     measure(m, d, &ALL);
-    match m.opt.integrator {
-        Integrator::RK4 => runge_kutta(m, d),
-        _ => euler(m, d),
+    if in_stages {
+        runge_kutta(m, d);
+    } else {
+        euler(m, d);
     }
 }
 
@@ -258,7 +266,7 @@ compiled! {
 /// Everything that depends on positions: MuJoCo's `mj_fwdPosition`.
 #[inline(always)]
 fn fwd_position(m: &Model, d: &mut Data) {
-    kinematics(m, d);
+    find_frames(m, d);
     com_pos(m, d);
     tendon(m, d);
     crb(m, d);

@@ -15,6 +15,8 @@ pub(crate) struct Work {
     sizes: Option<[usize; 15]>,
     /// Whether a force is applied to a joint or a body.
     pub(crate) pushed: bool,
+    /// Whether frames of geoms and sites that no stage reads are left as they were.
+    pub(crate) skips: bool,
     /// Composite inertias.
     pub(crate) crb: Vec<[f64; 10]>,
     /// Motion axes by components, of four degrees of freedom each.
@@ -88,6 +90,7 @@ impl Work {
             implicit: implicit::Buffers::new(m),
             sizes: Some(m.plan().sizes),
             pushed: false,
+            skips: false,
             crb: vec![[0.0; 10]; m.nbody()],
             axes: vec![[[0.0; 4]; 6]; dense::groups(nv)],
             acc: vec![[0.0; 6]; m.nbody()],

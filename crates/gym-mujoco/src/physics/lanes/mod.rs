@@ -240,6 +240,8 @@ pub(crate) struct Worlds {
     /// numbers.
     settles: bool,
     sensors: usize,
+    /// Whether a task reads frames of geoms and sites.
+    shows: bool,
     /// A buffer: forces of contacts on the bodies of a world.
     cfrc_ext: Vec<[f64; 6]>,
     /// The bits of the worlds that diverged.
@@ -275,6 +277,12 @@ impl Worlds {
             rows: Rows::new(m, keeps),
             settles: stride.settles,
             sensors,
+            shows: stride.reads.iter().any(|array| {
+                matches!(
+                    array,
+                    Derived::GeomXpos | Derived::GeomXmat | Derived::SiteXpos
+                )
+            }),
             newton: Newton::new(m),
             alone: (m.opt.solver == Solver::PGS).then(|| Alone::new(m)),
             cfrc_ext: vec![[0.0; 6]; m.nbody()],
@@ -390,8 +398,10 @@ impl Worlds {
                     row.0[world] = row.0[len - 1];
                 }
             }
-            for _ in 0..steps {
-                self.one_step(m, at, live);
+            for step in 1..=steps {
+                // what follows reads the frames of the last timestep, or makes those of the new state
+                let whole = self.shows && !self.settles && step == steps;
+                self.one_step(m, at, live, whole);
             }
             simd.vectorize(
                 #[inline(always)]
@@ -409,14 +419,16 @@ impl Worlds {
         }
     }
 
-    /// One step of the worlds in a register.
-    fn one_step<S: Simd>(&mut self, m: &Model, at: Place<S>, live: u64) {
+    /// One step of the worlds in a register. If `whole` is false, it leaves frames that it does not
+    /// read as they were.
+    fn one_step<S: Simd>(&mut self, m: &Model, at: Place<S>, live: u64, whole: bool) {
         let simd = at.0;
         simd.vectorize(
             #[inline(always)]
             || self.begin(m, at),
         );
-        self.evaluate(m, at, live);
+        let in_stages = m.opt.integrator == Integrator::RK4;
+        self.evaluate(m, at, live, whole && !in_stages);
         simd.vectorize(
             #[inline(always)]
             || {
@@ -424,14 +436,14 @@ impl Worlds {
                 self.diverged |= bad << at.1;
             },
         );
-        if m.opt.integrator == Integrator::RK4 {
+        if in_stages {
             for stage in 0..4 {
                 simd.vectorize(
                     #[inline(always)]
                     || self.stage(m, at, stage),
                 );
                 if PARTS[stage] > 0.0 {
-                    self.evaluate(m, at, live);
+                    self.evaluate(m, at, live, whole && stage == 2);
                 }
             }
         }
@@ -461,11 +473,11 @@ impl Worlds {
     }
 
     /// All stages of a forward call.
-    fn evaluate<S: Simd>(&mut self, m: &Model, at: Place<S>, live: u64) {
+    fn evaluate<S: Simd>(&mut self, m: &Model, at: Place<S>, live: u64, whole: bool) {
         let simd = at.0;
         simd.vectorize(
             #[inline(always)]
-            || self.arrays.positions(m, at),
+            || self.arrays.positions(m, at, whole),
         );
         simd.vectorize(
             #[inline(always)]

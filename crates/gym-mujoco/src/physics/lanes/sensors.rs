@@ -43,10 +43,10 @@ impl Worlds {
     pub(super) fn settle<S: Simd>(&mut self, m: &Model, at: Place<S>, len: usize) {
         // touch needs the last timestep's forces and contacts, and the frames of its start
         self.feel(m, at.1..len.min(at.1 + Lanes::<S>::LANES));
-        let (simd, sensors) = (at.0, self.sensors);
+        let (simd, sensors, whole) = (at.0, self.sensors, self.shows);
         simd.vectorize(
             #[inline(always)]
-            || self.arrays.frames(m, at),
+            || self.arrays.frames(m, at, whole),
         );
         if sensors > 0 {
             simd.vectorize(

@@ -16,14 +16,14 @@ use crate::{Model, Revision};
 impl Arrays {
     /// Frames and inertias.
     #[inline(always)]
-    pub(super) fn positions<S: Simd>(&mut self, m: &Model, at: Place<S>) {
-        self.frames(m, at);
+    pub(super) fn positions<S: Simd>(&mut self, m: &Model, at: Place<S>, whole: bool) {
+        self.frames(m, at, whole);
         self.inertias(m, at);
     }
 
     /// Frames.
     #[inline(always)]
-    pub(super) fn frames<S: Simd>(&mut self, m: &Model, at: Place<S>) {
+    pub(super) fn frames<S: Simd>(&mut self, m: &Model, at: Place<S>, whole: bool) {
         let frames = Frames {
             qpos: &self.qpos,
             mocap_pos: &self.mocap_pos,
@@ -40,7 +40,7 @@ impl Arrays {
             site_xpos: &mut self.site_xpos,
             site_xmat: &mut self.site_xmat,
         };
-        kinematics_of::<Lanes<S>>(m, at, frames);
+        kinematics_of::<Lanes<S>>(m, at, frames, whole);
     }
 
     /// Inertias about the trees' centres of mass.

@@ -1,4 +1,4 @@
-//! Where everything is: positions and orientations of bodies, joints, geoms and sites.
+//! Positions and orientations of bodies, joints, geoms and sites.
 
 use super::number::{self, Number, get, put};
 use super::spatial::{
@@ -8,7 +8,7 @@ use super::velocity::joints;
 use crate::model::{JointType, Placed};
 use crate::{Data, Model, Revision};
 
-/// The numbers that this stage reads and writes, of one world or of several.
+/// The arrays that this stage reads and writes, of one world or of several.
 pub(crate) struct Frames<'a, C> {
     pub(crate) qpos: &'a [C],
     pub(crate) mocap_pos: &'a [[C; 3]],
@@ -26,13 +26,13 @@ pub(crate) struct Frames<'a, C> {
     pub(crate) site_xmat: &'a mut [[C; 9]],
 }
 
-/// Frames of bodies, joints, geoms and sites from `qpos`: MuJoCo's `mj_kinematics`.
+/// Computes the frames of bodies, joints, geoms and sites from `qpos`: MuJoCo's `mj_kinematics`.
 pub fn kinematics(m: &Model, d: &mut Data) {
     d.work.skips = false;
     find_frames(m, d);
 }
 
-/// The same. Where `skips` is set, geoms and sites that no later stage reads keep their frames.
+/// [`kinematics`]; if `skips` is set, it leaves out geoms and sites that no later stage reads.
 #[inline(always)]
 pub(super) fn find_frames(m: &Model, d: &mut Data) {
     let whole = !d.work.skips;
@@ -55,7 +55,7 @@ pub(super) fn find_frames(m: &Model, d: &mut Data) {
     kinematics_of::<f64>(m, (), frames, whole);
 }
 
-/// The same for one world or several.
+/// [`kinematics`] for one world or several.
 #[inline(always)]
 pub(crate) fn kinematics_of<N: Number>(
     m: &Model,
@@ -76,7 +76,7 @@ fn in_order<N: Number, O: Order>(
     frames: Frames<'_, N::Cell>,
     whole: bool,
 ) {
-    // slices of one length: an index is checked once for all of them
+    // slices of equal length let the compiler check an index once for all of them
     let n = m.nbody();
     let parents = &m.body_parentid[..n];
     let (body_pos, body_quat, body_ipos, body_iquat) = (
@@ -210,10 +210,10 @@ fn in_order<N: Number, O: Order>(
     }
 }
 
-/// Where a body is: `xpos`, `xquat` and `xmat`.
+/// The frame of a body: `xpos`, `xquat` and `xmat`.
 type Body<'a, C> = (&'a [C; 3], &'a [C; 4], &'a [C; 9]);
 
-/// A frame given in a body's frame: MuJoCo's `mj_local2Global`.
+/// Transforms a frame from a body's frame to the world: MuJoCo's `mj_local2Global`.
 #[inline(always)]
 fn local_to_global<N: Number, O: Order>(
     at: N::Place,

@@ -176,6 +176,12 @@ mod tests {
                 "{sigmoid:?}"
             );
         }
+        // a line and a parabola end at 0
+        let outer = |sigmoid| [4.29, 4.31, 1e9, -3.71].map(|x| all(sigmoid).of(x));
+        let [inside, beyond @ ..] = outer(Sigmoid::Linear(0.5));
+        assert!(inside > 0.0 && inside < 0.01 && beyond == [0.0; 3]);
+        let [inside, beyond @ ..] = outer(Sigmoid::Quadratic(0.75));
+        assert!(inside > 0.0 && inside < 0.01 && beyond == [0.0; 3]);
         let none = Tolerance::within(-1.0, 1.0);
         assert_eq!([0.5, 1.0, 1.1].map(|x| none.of(x)), [1.0, 1.0, 0.0]);
         assert!(none.of(f64::NAN) == 0.0);

@@ -295,3 +295,68 @@ fn masses_are_brought_to_rest_by_the_rule_of_lqr() {
         assert!(policy.controller(&flat).unwrap().is_none(), "{id}");
     }
 }
+
+/// The last step of a limit truncates, also where the masses have come to rest.
+#[test]
+fn a_limit_comes_before_the_end_of_a_task() {
+    let first = |steps: f64| {
+        let mut env = builder("dm_control/lqr-lqr_2_1-v0")
+            .arg("qpos", json!([0.0, 0.0]))
+            .arg("qvel", json!([0.0, 0.0]))
+            .arg("time_limit", 0.03 * steps)
+            .build()
+            .unwrap();
+        env.reset(0).unwrap();
+        let step = env.step(&Value::from(vec![0.0])).unwrap();
+        (step.terminated, step.truncated)
+    };
+    assert_eq!(first(1.0), (false, true));
+    assert_eq!(first(2.0), (true, false));
+}
+
+/// A state has as many steps as an episode can have, no more.
+#[test]
+fn states_beyond_the_limit_are_refused() {
+    let make = || {
+        let env = builder("dm_control/cartpole-balance-v0").arg("time_limit", 0.1);
+        env.build().unwrap()
+    };
+    let mut env = make();
+    env.reset(0).unwrap();
+    play(&mut env, 10);
+    let last = env.snapshot().unwrap();
+    make().restore(&last).unwrap();
+    // a step after the last one is no state of an episode
+    play(&mut env, 1);
+    let beyond = env.snapshot().unwrap();
+    let mut other = make();
+    other.reset(3).unwrap();
+    let before = other.snapshot().unwrap();
+    assert!(other.restore(&beyond).is_err());
+    assert_eq!(other.snapshot().unwrap(), before);
+}
+
+/// JSON has no NaN: these come from Rust.
+#[test]
+fn a_start_of_no_numbers_is_refused() {
+    use gym_control::ControlEnv;
+    use gym_control::domains::pendulum::{Config, Pendulum};
+    for (x, fits) in [
+        (1e10, true),
+        (-1e10, true),
+        (1e10_f64.next_up(), false),
+        (f64::NAN, false),
+        (f64::NEG_INFINITY, false),
+    ] {
+        for velocity in [false, true] {
+            let mut config = Config::default();
+            let given = Some(vec![x]);
+            if velocity {
+                config.common.qvel = given;
+            } else {
+                config.common.qpos = given;
+            }
+            assert_eq!(ControlEnv::new::<Pendulum>(&config).is_ok(), fits, "{x}");
+        }
+    }
+}

@@ -316,4 +316,22 @@ mod tests {
         let space = BoxSpace::new([0.0f32; 2], [f32::INFINITY; 2]).unwrap();
         assert!(Grid::new(&space, &Bins::All(2)).is_err());
     }
+
+    /// Gymnasium clips to the upper bound less 1e-8, which is below the lower bound here.
+    #[test]
+    fn a_box_narrower_than_the_margin_has_one_bin_in_use() {
+        let narrow = BoxSpace::uniform(0.0, 1e-9, [1], DType::F64).unwrap();
+        let grid = Grid::new(&narrow, &2.into()).unwrap();
+        assert_eq!([0.0, 4e-10, 6e-10, 1e-9].map(|x| grid.index(0, x)), [0; 4]);
+        let wide = BoxSpace::uniform(0.0, 1.0, [1], DType::F64).unwrap();
+        let grid = Grid::new(&wide, &2.into()).unwrap();
+        let xs = [
+            f64::NEG_INFINITY,
+            0.5_f64.next_down(),
+            0.5,
+            f64::INFINITY,
+            f64::NAN,
+        ];
+        assert_eq!(xs.map(|x| grid.index(0, x)), [0, 0, 1, 1, 1]);
+    }
 }

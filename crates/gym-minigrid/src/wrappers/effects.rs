@@ -99,11 +99,17 @@ impl<C: Effect, E: Env> gym_core::Wrapper for Affected<C, E> {
     fn on_step(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         let Self { env, config, state } = self;
         let rng = env.generator().ok_or(Error::ResetNeeded("step"))?;
+        let before = rng.clone();
         let other = config.before(state, rng);
         let front = world(env)?.front();
         let other = other.and_then(|number| E::Action::from_value(&Value::Int(number)));
         let action = other.as_ref().unwrap_or(action);
-        let mut outcome = env.step_into(action, observation)?;
+        let stepped = env.step_into(action, observation);
+        // a step that was refused has drawn nothing
+        if let (Err(_), Some(rng)) = (&stepped, env.generator()) {
+            *rng = before;
+        }
+        let mut outcome = stepped?;
         let number = action.to_value().as_int().unwrap_or(-1);
         config.after(state, world(env)?, (number, front), &mut outcome);
         Ok(outcome)

@@ -431,4 +431,25 @@ mod tests {
         }
         assert!(RunningMeanStd::new(0).is_empty());
     }
+
+    /// numpy keeps the product of variance and count in `float32` in the update in which a row of
+    /// `float64` makes the statistics `float64`.
+    #[test]
+    fn the_first_row_of_float64_meets_a_product_of_float32() {
+        let mut running = RunningMeanStd::new(1);
+        for x in [0.1, 0.7, -0.3] {
+            running.update_row(DType::F32, std::iter::once(x));
+        }
+        let number = |array: Array| array.iter_f64().next().unwrap();
+        let (mean, count) = (number(running.mean()), running.count());
+        let var = number(running.variance()) as f32;
+        let product = f64::from(var * count as f32);
+        assert_ne!(product, f64::from(var) * count);
+        running.update(&[0.2_f64].into()).unwrap();
+        let (delta, total) = (0.2 - mean, count + 1.0);
+        assert_eq!(number(running.mean()), mean + delta / total);
+        let m2 = product + delta * delta * count / total;
+        assert_eq!(number(running.variance()), m2 / total);
+        assert_eq!(running.count(), total);
+    }
 }

@@ -1,8 +1,14 @@
 //! Values of ours as Python objects, and Python objects as values.
 
+use std::ptr::null_mut;
+
 use gym::render::{Depth, Frame, Rendered};
 use gym::{Array, DType, Data, GraphInstance, Space, Value, with_type};
-use numpy::{Element, IxDyn, PyArray, PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods};
+use numpy::npyffi::PY_ARRAY_API;
+use numpy::{
+    Element, IxDyn, PyArray, PyArray1, PyArrayDescrMethods, PyArrayDyn, PyArrayMethods,
+    PyUntypedArrayMethods,
+};
 use pyo3::IntoPyObjectExt;
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
@@ -27,6 +33,20 @@ pub(crate) fn new_array<'py, T: Element + Copy>(
             .expect("a new array is contiguous")
             .copy_from_slice(numbers);
         array.into_any()
+    }
+}
+
+/// A number as one of numpy's, such as `numpy.float64`.
+pub(crate) fn scalar<T: Element + Copy>(
+    py: Python<'_>,
+    mut number: T,
+) -> PyResult<Bound<'_, PyAny>> {
+    let (data, dtype) = ((&raw mut number).cast(), numpy::dtype::<T>(py));
+    // SAFETY: numpy reads a number of the type `T` there, and returns a new reference, or null with
+    // an exception set.
+    unsafe {
+        let made = PY_ARRAY_API.PyArray_Scalar(py, data, dtype.as_dtype_ptr(), null_mut());
+        Bound::from_owned_ptr_or_err(py, made)
     }
 }
 

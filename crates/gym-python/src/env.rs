@@ -18,9 +18,11 @@ use pyo3::types::{PyDict, PyTuple};
 use serde::de::DeserializeOwned;
 use serde_json::{Value as Json, json};
 
-use crate::convert::{action_from_python, rendered, to_python};
-use crate::error::{OrRaise, guard, gymnasium};
+use crate::action::Check;
+use crate::convert::{rendered, to_python};
+use crate::error::{OrRaise, guard};
 use crate::fork::Origin;
+use crate::numbers::Numbers;
 use crate::{mujoco, peek, registry};
 
 /// An environment without wrappers. Several threads may use it: their calls come one after the
@@ -39,6 +41,9 @@ pub(crate) struct Env {
     /// The wrappers of the Rust side, as JSON.
     wrappers: String,
     action_space: Space,
+    check: Check,
+    /// The types of rewards and infos.
+    numbers: Numbers,
     /// Whether a step is worth releasing the lock of Python.
     is_slow: bool,
     origin: Origin,
@@ -84,12 +89,20 @@ impl Core {
         })
     }
 
-    fn info<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+    /// The info after a reset, or after a step with `action`.
+    fn info<'py>(
+        &self,
+        py: Python<'py>,
+        numbers: &Numbers,
+        action: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
         let info = PyDict::new(py);
         let mut result = Ok(());
+        let is_single = action.is_some_and(|action| numbers.is_single(action));
         guard(|| {
             self.env.info(&mut |key, value| {
-                let set = to_python(py, &value).and_then(|value| info.set_item(key, value));
+                let value = numbers.value(py, key, &value, is_single);
+                let set = value.and_then(|value| info.set_item(key, value));
                 result = std::mem::replace(&mut result, Ok(())).and(set);
             });
             Ok(())
@@ -130,6 +143,8 @@ impl Env {
             render_mode: render_mode.map(str::to_owned),
             wrappers: wrappers.to_owned(),
             action_space: env.action_space(),
+            check: Check::of(id),
+            numbers: Numbers::of(id, &serde_json::from_str(kwargs).unwrap_or_default()),
             is_slow: is_slow || render_mode == Some("human"),
             core: Mutex::new(Core {
                 env,
@@ -223,21 +238,6 @@ impl Env {
         };
         guard(|| change(inspect, value).or_raise())
     }
-
-    fn action(&self, action: &Bound<'_, PyAny>) -> PyResult<Value> {
-        action_from_python(&self.action_space, None, action).map_err(|error| {
-            let py = action.py();
-            let shown = action
-                .repr()
-                .map_or_else(|_| "?".to_owned(), |text| text.to_string());
-            let text = format!(
-                "invalid action {shown}: the action space is {} ({})",
-                self.action_space,
-                error.value(py)
-            );
-            gymnasium(py, "InvalidAction", text)
-        })
-    }
 }
 
 #[pymethods]
@@ -260,7 +260,10 @@ impl Env {
         let reset = reset_of(seed, options).or_raise()?;
         let mut core = self.lock(py)?;
         self.run(py, &mut core, |core| core.reset(&reset))?;
-        Ok((to_python(py, &core.observation)?, core.info(py)?))
+        Ok((
+            to_python(py, &core.observation)?,
+            core.info(py, &self.numbers, None)?,
+        ))
     }
 
     /// Takes a step: observation, reward, terminated, truncated, info.
@@ -269,19 +272,15 @@ impl Env {
         py: Python<'py>,
         action: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyTuple>> {
-        let action = self.action(action)?;
+        let taken = self.check.action(&self.action_space, action)?;
         let mut core = self.lock(py)?;
-        let Outcome {
-            reward,
-            terminated,
-            truncated,
-        } = self.run(py, &mut core, |core| core.step(&action))?;
+        let outcome = self.run(py, &mut core, |core| core.step(&taken))?;
         (
             to_python(py, &core.observation)?,
-            reward,
-            terminated,
-            truncated,
-            core.info(py)?,
+            self.numbers.reward(&outcome, action)?,
+            outcome.terminated,
+            outcome.truncated,
+            core.info(py, &self.numbers, Some(action))?,
         )
             .into_pyobject(py)
     }
@@ -392,6 +391,7 @@ impl Env {
         if let Ok(known) = find(&self.id).and_then(|registration| registration.arguments()) {
             arguments.retain(|name, _| known.iter().any(|argument| argument.name == name));
         }
+        self.numbers.restore(&mut arguments);
         Ok(Json::Object(arguments).to_string())
     }
 
@@ -407,7 +407,7 @@ impl Env {
     /// `P` and `initial_state_distrib`, for environments that have them.
     fn table<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyTuple>>> {
         let core = self.lock(py)?;
-        peek::table(py, &core.env)
+        peek::table(py, &core.env, self.numbers.has_whole_rewards())
     }
 
     /// The rows of the map, for FrozenLake.

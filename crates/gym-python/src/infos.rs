@@ -5,16 +5,19 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
 use crate::convert::{new_array, numpy, to_python};
+use crate::numbers::Numbers;
 use crate::registry;
 
 /// The keys of a vector with `SameStep` that come before those of the environments.
 const FINAL: [&str; 2] = ["final_obs", "final_info"];
 
-/// Adds the columns with the keys of `order`, then all others; each is followed by its mask.
+/// Adds the columns with the keys of `order`, then all others; each is followed by its mask. Numbers
+/// are of the types that `numbers` says, after actions of `float32` or not.
 pub(crate) fn ordered<'py>(
     py: Python<'py>,
     infos: &Info,
     order: &[String],
+    (numbers, is_single): (&Numbers, bool),
     dict: &Bound<'py, PyDict>,
 ) -> PyResult<()> {
     let known = FINAL
@@ -33,10 +36,13 @@ pub(crate) fn ordered<'py>(
             Value::Dict(entries) => {
                 let inner: Info = entries.clone().into_iter().collect();
                 let dict = PyDict::new(py);
-                ordered(py, &inner, order, &dict)?;
+                ordered(py, &inner, order, (numbers, is_single), &dict)?;
                 dict.into_any()
             }
-            column => column_to_python(py, column)?,
+            column => match numbers.column(py, key, column, is_single) {
+                Some(column) => column,
+                None => column_to_python(py, column)?,
+            },
         };
         dict.set_item(key, column)?;
         let mask = format!("_{key}");

@@ -9,6 +9,7 @@
 //! line here. An environment is in a `Mutex`, because `BoxEnv` is only `Send`; a thread that waits
 //! for it releases the GIL.
 
+mod action;
 mod atari;
 mod convert;
 mod env;
@@ -18,6 +19,7 @@ mod faults;
 mod fork;
 mod infos;
 mod mujoco;
+mod numbers;
 mod peek;
 mod registry;
 mod vector;
@@ -40,6 +42,8 @@ mod _native {
     use crate::error::PanicError;
     #[pymodule_export]
     use crate::fork::after_fork_in_child;
+    #[pymodule_export]
+    use crate::mujoco::mujoco_models;
     #[pymodule_export]
     use crate::registry::{describe, generate_random_map, specs};
     #[pymodule_export]

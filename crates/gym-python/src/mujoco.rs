@@ -37,6 +37,12 @@ pub(crate) fn data<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound<
     Ok(Some(arrays))
 }
 
+/// The names of the built-in models.
+#[pyfunction]
+pub(crate) fn mujoco_models() -> Vec<&'static str> {
+    tasks::models().map(|(name, _)| name).collect()
+}
+
 /// Whether the last call of the engine was a step; the state from which it started; and where the
 /// step led. `None` before the first reset, and for other environments.
 pub(crate) fn before<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound<'py, PyTuple>>> {

@@ -7,8 +7,14 @@ use pyo3::types::{PyDict, PyList, PyTuple};
 use serde_json::Value as Json;
 
 /// Gymnasium's `P` and `initial_state_distrib`, for environments that have them: `{state: {action:
-/// [(probability, next state, reward, terminated), ...]}}`, and a list of probabilities.
-pub(crate) fn table<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound<'py, PyTuple>>> {
+/// [(probability, next state, reward, terminated), ...]}}`, and a list of probabilities. `is_whole`
+/// says whether rewards that are whole numbers are of the type `int`.
+#[expect(clippy::cast_possible_truncation, reason = "rewards are small numbers")]
+pub(crate) fn table<'py>(
+    py: Python<'py>,
+    env: &BoxEnv,
+    is_whole: bool,
+) -> PyResult<Option<Bound<'py, PyTuple>>> {
     let Some(table) = env.inspect().and_then(Inspect::table) else {
         return Ok(None);
     };
@@ -18,10 +24,16 @@ pub(crate) fn table<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound
         for (action, outcomes) in row.as_array().into_iter().flatten().enumerate() {
             let outcomes = outcomes.as_array().into_iter().flatten().map(|outcome| {
                 let [probability, next, reward, terminated] = [0, 1, 2, 3].map(|i| &outcome[i]);
+                let reward = reward.as_f64();
+                let whole = reward.filter(|reward| is_whole && reward.fract() == 0.0);
+                let reward = match whole {
+                    Some(whole) => (whole as i64).into_bound_py_any(py)?,
+                    None => reward.into_bound_py_any(py)?,
+                };
                 (
                     probability.as_f64(),
                     next.as_u64(),
-                    reward.as_f64(),
+                    reward,
                     terminated.as_bool(),
                 )
                     .into_bound_py_any(py)

@@ -22,6 +22,7 @@ use crate::env::{Env, from_json};
 use crate::error::{OrRaise, guard, gymnasium};
 use crate::fork::Origin;
 use crate::infos::{info_keys, ordered};
+use crate::numbers::Numbers;
 
 /// A vector of environments. The lock of Python is released while it works.
 #[pyclass(frozen, module = "rustgym._native")]
@@ -33,6 +34,8 @@ pub(crate) struct Vector {
     /// The space of one action, and the batched space.
     action: Space,
     actions: Space,
+    /// The types of infos.
+    numbers: Numbers,
     /// See [`info_keys`].
     info_keys: OnceLock<[Vec<String>; 2]>,
     origin: Origin,
@@ -157,6 +160,7 @@ impl Core {
         &mut self,
         py: Python<'py>,
         order: impl FnOnce() -> &'a [String],
+        numbers: (&Numbers, bool),
     ) -> PyResult<Bound<'py, PyDict>> {
         let Self { envs, columns, .. } = self;
         let infos: Info = guard(|| Ok(envs.as_dyn().infos(columns)))?;
@@ -164,7 +168,7 @@ impl Core {
         if infos.is_empty() {
             return Ok(dict);
         }
-        ordered(py, &infos, order(), &dict)?;
+        ordered(py, &infos, order(), numbers, &dict)?;
         Ok(dict)
     }
 }
@@ -278,7 +282,10 @@ impl Vector {
         let Core { envs, columns, .. } = &mut *core;
         py.detach(|| guard(|| envs.as_dyn().reset_into(&reset, columns).or_raise()))?;
         let [observations, ..] = core.arrays(py)?;
-        Ok((observations, core.infos(py, || &self.info_keys()[0])?))
+        Ok((
+            observations,
+            core.infos(py, || &self.info_keys()[0], (&self.numbers, false))?,
+        ))
     }
 
     /// Takes a step in each: observations, rewards, terminated, truncated, infos.
@@ -287,6 +294,7 @@ impl Vector {
         py: Python<'py>,
         actions: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyTuple>> {
+        let numbers = (&self.numbers, self.numbers.is_single(actions));
         let actions = self.actions(self.spec.num_envs, &self.actions, actions)?;
         let mut core = self.lock(py)?;
         let Core { envs, columns, .. } = &mut *core;
@@ -297,7 +305,7 @@ impl Vector {
             rewards,
             terminated,
             truncated,
-            core.infos(py, || &self.info_keys()[1])?,
+            core.infos(py, || &self.info_keys()[1], numbers)?,
         )
             .into_pyobject(py)
     }
@@ -510,6 +518,7 @@ impl Vector {
         });
         Ok(Self {
             core: ManuallyDrop::new(core),
+            numbers: Numbers::of(&spec.env.id, &spec.env.kwargs),
             spec,
             action,
             actions,

@@ -157,6 +157,28 @@ def test_torques_in_place() -> None:
     assert rustgym.make("Acrobot-v1").unwrapped.AVAIL_TORQUE == [-1.0, 0.0, 1.0]
 
 
+def test_a_list_that_was_read_is_replaced() -> None:
+    env = rustgym.make("Acrobot-v1").unwrapped
+    assert env.AVAIL_TORQUE == [-1.0, 0.0, 1.0]
+    env.AVAIL_TORQUE = [-2.0, 0.0, 2.0]
+    assert env.AVAIL_TORQUE == [-2.0, 0.0, 2.0]
+    env.AVAIL_TORQUE[0] = -3.0
+    env.reset(seed=0)
+    env.step(0)
+    assert env.AVAIL_TORQUE == [-3.0, 0.0, 2.0]
+
+
+def test_metadata_is_the_classes() -> None:
+    env, theirs = (module.make("CartPole-v1").unwrapped for module in (rustgym, gymnasium))
+    try:
+        for e in (env, theirs):
+            e.metadata["render_fps"] = 7
+        assert rustgym.make("CartPole-v1").metadata["render_fps"] == gymnasium.make("CartPole-v1").metadata["render_fps"] == 7
+    finally:
+        for e in (env, theirs):
+            e.metadata["render_fps"] = 50
+
+
 def test_reading_a_table_changes_nothing() -> None:
     env, twin = (rustgym.make("Taxi-v4") for _ in range(2))
     assert len(env.unwrapped.P) == 500
@@ -226,6 +248,15 @@ def test_names_that_are_unknown_are_warned_of() -> None:
         gymnasium.logger.min_level = gymnasium.logger.ERROR
 
 
+def test_constants_cannot_be_set() -> None:
+    env = rustgym.make("LunarLander-v3").unwrapped
+    env.helipad_x1 = 8.0
+    with pytest.raises(AttributeError, match="helipad_y of LunarLander-v3 is 3.33.* and cannot be set"):
+        env.helipad_y = 5.0
+    with pytest.raises(AttributeError, match="locs of Taxi-v4"):
+        rustgym.make("Taxi-v4").unwrapped.locs = ((0, 0),) * 4
+
+
 def test_environments_of_a_vector_are_live() -> None:
     envs = rustgym.VectorEnv("CartPole-v1", 3, kind="sync")
     envs.reset(seed=1)
@@ -254,3 +285,81 @@ def test_frames_per_second_follow_the_step() -> None:
     assert rustgym.make("Ant-v5", frame_skip=2).metadata["render_fps"] == 50
     assert rustgym.make("Hopper-v5", frame_skip=1).metadata["render_fps"] == 500
     assert rustgym.make("Ant-v5").metadata["render_fps"] == 20
+
+
+def walker(env: Any) -> list[Any]:
+    lower = [leg.ground_contact for leg in env.legs[1::2]]
+    joints = [(joint.angle, joint.speed, joint.motorSpeed) for joint in env.joints]
+    return [lower, joints, [ray.fraction for ray in env.lidar], env.terrain_x, env.terrain_y, env.scroll]
+
+
+def lander(env: Any) -> list[Any]:
+    body = env.lander
+    position, velocity = body.position, body.linearVelocity
+    sums = position + velocity, position - velocity, position * 2.0, 2.0 * position, -position, position / 2.0
+    return [position.x, velocity.y, tuple(body.worldCenter), velocity.length, *map(tuple, sums), tuple(env.world.gravity)]
+
+
+def car(env: Any) -> list[Any]:
+    wheels = [(w.gas, w.brake, w.steer, w.phase, w.omega, tuple(w.position), w.joint.angle) for w in env.car.wheels]
+    return [*wheels, tuple(env.car.hull.linearVelocity)]
+
+
+@pytest.mark.parametrize(
+    ("env_id", "see", "action"),
+    [
+        ("BipedalWalker-v3", walker, np.array([0.5, -0.5, 0.2, 0.1], np.float32)),
+        ("LunarLander-v3", lander, 2),
+        ("CarRacing-v3", car, np.array([0.1, 0.5, 0.1], np.float32)),
+    ],
+)
+def test_bodies_are_seen(env_id: str, see: Callable[[Any], list[Any]], action: Any) -> None:
+    pytest.importorskip("Box2D")
+    found = []
+    for module in (rustgym, gymnasium):
+        env = module.make(env_id, disable_env_checker=True).unwrapped
+        env.reset(seed=3)
+        for _ in range(5):
+            env.step(action)
+        found.append(see(env))
+    assert_same(*found)
+
+
+def test_a_wheel_is_changed() -> None:
+    env, twin = (rustgym.make("CarRacing-v3").unwrapped for _ in range(2))
+    for e in (env, twin):
+        e.reset(seed=3)
+    env.car.wheels[2].omega = 50.0
+    for e in (env, twin):
+        e.step(np.zeros(3, np.float32))
+    assert env.car.wheels[2].omega != twin.car.wheels[2].omega
+    with pytest.raises(AttributeError, match="angle of a wheel cannot be set: angularVelocity, brake, gas"):
+        env.car.wheels[2].angle = 1.0
+
+
+@pytest.mark.parametrize("make", [lambda: rustgym.make("CartPole-v1").unwrapped, lambda: rustgym.VectorEnv("CartPole-v1", 2)])
+def test_a_step_of_ones_own_stays(make: Callable[[], Any]) -> None:
+    env = make()
+    env.reset(seed=1)
+    env.step = lambda action: "mine"
+    _ = env.state if hasattr(env, "np_random") else env.envs
+    env.reset(seed=2)
+    assert env.step(0) == "mine"
+    del env.step
+    assert len(env.step(env.action_space.sample())) == 5
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_copies_step_themselves(way: str) -> None:
+    env = rustgym.make("CartPole-v1").unwrapped
+    env.reset(seed=1)
+    twin = WAYS[way](env)
+    expected = env.step(1)
+    if twin is not env:
+        assert_same(twin.step(1), expected)
+        twin.state[0] = 1.0  # watched from now on
+        assert twin.step(1)[0][0] > 0.9 and env.state[0] < 0.9
+    envs = rustgym.VectorEnv("CartPole-v1", 2)
+    envs.reset(seed=1)
+    other = WAYS[way](envs) if way != "copy" else envs
+    assert len(other.step([0, 1])) == 5

@@ -185,3 +185,10 @@ def test_another_installed_version_is_told_once(installed, own, hint, monkeypatc
         warnings.simplefilter("error")
         monkeypatch.setattr(mujoco_envs, "_installed", lambda: "4.0.0")
         made("Hopper-v5")
+
+
+@pytest.mark.parametrize("make", [rustgym.make, rustgym.make_vec])
+@pytest.mark.parametrize("xml_file", ["/nowhere/robot.xml", "./nowhere.xml", "~/nowhere.xml", "nowhere.xml"])
+def test_a_model_that_is_nowhere(make, xml_file):
+    with pytest.raises(OSError, match="does not exist|no built-in model 'nowhere.xml'"):
+        make("Hopper-v5", xml_file=xml_file)

@@ -75,7 +75,7 @@ class Live:
         if env._handed is None:
             env._handed, env._seen = {}, {}
         env._handed[self.name], env._seen[self.name] = value, self._copy(value)
-        env._is_watched = True
+        env._watch()
 
     def copy(self, twin: Env, value: Any) -> None:
         """Gives a copy of the environment its own object, which is taken over again."""

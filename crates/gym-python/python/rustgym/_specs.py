@@ -17,6 +17,30 @@ from rustgym._json import to_json
 
 SPECS: dict[str, dict[str, Any]] = {spec["id"]: spec for spec in json.loads(native.specs())}
 
+#: Defaults that are ``int`` in Gymnasium, by the name of an id without namespace and version.
+_WHOLE = {
+    "Ant": ("forward_reward_weight",),
+    "HumanoidStandup": ("uph_cost_weight",),
+    "MountainCar": ("goal_velocity",),
+    "MountainCarContinuous": ("goal_velocity",),
+    "Pendulum": ("max_speed",),
+    "Pusher": ("reward_dist_weight",),
+    "Reacher": ("reward_control_weight", "reward_dist_weight"),
+}
+
+
+def task_of(env_id: str) -> str:
+    """The name of an id without namespace and version: ``CartPole`` for ``rapier/CartPole-v1``."""
+    return re.sub(r"-v\d+$", "", env_id.rpartition("/")[2])
+
+
+for _env_id, _spec in SPECS.items():
+    for _name in _WHOLE.get(task_of(_env_id), ()):
+        if isinstance(_default := _spec["defaults"].get(_name), float) and _default.is_integer():
+            _spec["defaults"][_name] = int(_default)
+    if "AVAIL_TORQUE" in _spec["defaults"]:
+        _spec["defaults"]["AVAIL_TORQUE"] = [-1.0, 0.0, 1]
+
 
 def spec_of(env_id: str) -> dict[str, Any]:
     """The Rust registry's data about an id."""
@@ -38,7 +62,20 @@ def native_arguments(env_id: str, arguments: Mapping[str, Any]) -> str:
         arguments = {**arguments, "rom_dir": next(filter(os.path.isdir, folders), None)}
     if isinstance(arguments.get("desc"), Sequence):  # FrozenLake's map: rows, or lists of characters
         arguments = {**arguments, "desc": np.asarray(arguments["desc"], dtype="c")}
+    if isinstance(xml_file := arguments.get("xml_file"), str):
+        _find_model(xml_file)
     return to_json(arguments)
+
+
+def _find_model(xml_file: str) -> None:
+    """Raises what Gymnasium raises for a model that is nowhere."""
+    if xml_file.startswith((".", "/", "~")):
+        if not os.path.exists(path := os.path.expanduser(xml_file)):
+            raise OSError(f"File {path} does not exist")
+    elif xml_file and not xml_file.startswith("<") and xml_file not in (names := native.mujoco_models()):
+        raise OSError(
+            f"there is no built-in model {xml_file!r}: the models are {', '.join(names)}; a file's path begins with `.`, `/` or `~`"
+        )
 
 
 def native_options(env_id: str, options: Any) -> str | None:

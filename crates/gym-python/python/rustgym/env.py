@@ -14,7 +14,7 @@ from gymnasium import logger
 
 from rustgym import _native as native
 from rustgym._json import to_json
-from rustgym._live import Live
+from rustgym._live import Live, same
 from rustgym._spaces import space_from
 from rustgym._specs import class_of, metadata_from, native_arguments, native_options, spec_of
 from rustgym._window import Window
@@ -81,7 +81,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
     # wrappers of the Rust side, as JSON
     _wrappers = "[]"
 
-    # arguments fixed when the dynamics were made: setting them changes nothing
+    # attributes that cannot be set
     _constants: frozenset[str] = frozenset()
 
     # whether a step does more than the native one: it follows a generator held outside, or shows a picture
@@ -92,6 +92,9 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
     # the objects that attributes of the kind `Live` have handed out, by their names, and what they said last
     _handed: dict[str, Any] | None = None
     _seen: dict[str, Any] = {}
+
+    # frames per second with the default arguments
+    _fps: int | None = None
 
     # None in a class of somebody's own, which brings its own `reset` and `step`
     _native: native.Env = None  # type: ignore[assignment]
@@ -110,8 +113,8 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         self.env_id = env_id
         self.render_mode = render_mode
         self._given = kwargs
-        self._is_watched = False
         self._native = self._make_native(native_arguments(env_id, kwargs))
+        self._watch()
         self._take_spaces()
         self.arguments = {**defaults, **spec["kwargs"], **kwargs}
         for name, value in self.arguments.items():
@@ -124,7 +127,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
             self.metadata = metadata_from(description)
         self.observation_space = space_from(description["observation_space"])
         self.action_space = space_from(description["action_space"])
-        if description["render_fps"] != self.metadata.get("render_fps"):  # it follows the length of a step
+        if description["render_fps"] != self._fps:  # it follows the length of a step
             self.metadata = {**self.metadata, "render_fps": description["render_fps"]}
 
     @staticmethod
@@ -132,6 +135,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         """The environment around a native one, which may have wrappers of the Rust side."""
         env: Env = class_of(env_id)(render_mode=render_mode, **json.loads(inner.arguments()))
         env._native = inner
+        env._watch()
         env._take_spaces()
         env._np_random_seed = -1
         return env
@@ -186,7 +190,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         snapshot = self._native.snapshot()
         self._native = native.Env(self.env_id, self._native.arguments(), "rgb_array", self._wrappers)
         self._native.restore(snapshot, False)
-        self._is_watched = True
+        self._watch()
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Takes a step.
@@ -196,7 +200,8 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
                 a ``Box`` are clipped or not, as Gymnasium's environment does.
 
         Returns:
-            The next observation, the reward as ``float``, ``terminated`` and ``truncated`` as ``bool``, and the info.
+            The next observation, the reward (a number of the type of Gymnasium's, such as ``float``), ``terminated`` and
+            ``truncated`` as ``bool``, and the info.
 
         Raises:
             gymnasium.error.InvalidAction: for what is not an action; nothing has changed then.
@@ -246,7 +251,18 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
     def _watch(self) -> None:
         """Whether anybody outside holds something that must be looked at in each step."""
         held = self._native is None or self._generator is not None or self._window is not None or self._handed
-        self.__dict__["_is_watched"] = bool(held)
+        self._set_watched(bool(held))
+
+    def _set_watched(self, is_watched: bool) -> None:
+        # where a step does no more than the native one, it is that one: this saves a call
+        own = self.__dict__
+        own["_is_watched"] = is_watched
+        if "step" in own and not isinstance(getattr(own["step"], "__self__", None), native.Env):
+            return  # somebody's own
+        if is_watched or type(self).step is not Env.step:
+            own.pop("step", None)
+        else:
+            own["step"] = self._native.step
 
     def render(self) -> Any:
         """The picture or text that the render mode asks for.
@@ -309,6 +325,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         state["config"] = json.loads(native.snapshot())["config"]
         native.restore(json.dumps(state), self._native.is_running())
         self._native = native
+        self._watch()
 
     def _take_apart(self) -> tuple[Any, Any]:
         """The stored state, and the part of it that is the episode: ``None`` before the first reset."""
@@ -324,7 +341,8 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
     def _np_random(self) -> np.random.Generator | None:
         has_one = self._native is not None and self._np_random_seed is not None and self._native.generator() is not None
         if self._generator is None and has_one:
-            self._generator, self._is_watched = np.random.Generator(np.random.PCG64(0)), True
+            self._generator = np.random.Generator(np.random.PCG64(0))
+            self._watch()
             self._pull_generator()
         return self._generator
 
@@ -339,7 +357,8 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
             raise ValueError(
                 f"np_random must be a generator on PCG64, not {kind}: np.random.default_rng(seed) makes one"
             )
-        self._generator, self._is_watched = generator, True
+        self._generator = generator
+        self._watch()
         self._push_generator()
 
     def _pull_generator(self) -> None:
@@ -401,13 +420,23 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
             return self.__dict__ if get_state is None else get_state()
         self._push()
         state = {**self.__dict__, "_window": None}
+        if isinstance(getattr(state.get("step"), "__self__", None), native.Env):
+            del state["step"]
         if self._handed:  # what is no part of a snapshot is taken over again
             lasting = (name for name in self._seen if getattr(type(self), name).outlives_reset is True)
             state["_seen"] = {**self._seen, **dict.fromkeys(lasting)}
         return state
 
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        self.__dict__.update(state)
+        if self._native is not None:
+            self._watch()
+
     def __setattr__(self, name: str, value: Any) -> None:
-        if name in self._constants or name in self.__dict__.get("arguments", ()):
+        if name in self._constants:
+            if not same(value, getattr(self, name)):
+                raise AttributeError(f"{name} of {self.env_id} is {getattr(self, name)!r} and cannot be set")
+        elif name in self.__dict__.get("arguments", ()):
             logger.warn(
                 f"{name} is what this {type(self).__name__} was made with: setting it changes nothing but the attribute"
             )
@@ -419,7 +448,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         """Whether setting an attribute is nothing to warn of: a class of somebody's own has attributes of its own."""
         if name in self.__dict__ or hasattr(type(self), name) or "arguments" not in self.__dict__:
             return True
-        return name.startswith("_") or type(self).__module__ != "rustgym.envs"
+        return type(self).__module__ != "rustgym.envs"
 
 
 class ClassEnv(Env):
@@ -449,7 +478,7 @@ class TunableEnv(ClassEnv):
         self.__dict__.update((name, self.arguments[name]) for name in defaults)
 
     def __setattr__(self, name: str, value: Any) -> None:
-        if name in self._fixed or name not in self.__dict__.get("arguments", ()) or isinstance(vars(type(self)).get(name), Live):
+        if name in self._fixed or name not in self.__dict__.get("arguments", ()) or isinstance(getattr(type(self), name, None), Live):
             super().__setattr__(name, value)
         else:
             self._native.set_argument(to_json({name: self._names.get(name, lambda value: value)(value)}))

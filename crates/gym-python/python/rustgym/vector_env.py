@@ -20,7 +20,6 @@ from rustgym._seeds import Seeds
 from rustgym._spaces import space_from
 from rustgym._specs import class_of, metadata_from, native_arguments, native_options, spec_of
 from rustgym.env import Env, checked_seed
-from rustgym.envs.mujoco import info_types
 
 __all__ = ["VectorEnv"]
 
@@ -98,9 +97,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
 
     metadata: dict[str, Any] = {"autoreset_mode": AutoresetMode.NEXT_STEP}
 
-    # the environments, once somebody asked for them, and whether a step does more than the native one
+    # the environments, once somebody asked for them
     _envs: tuple[Env, ...] | None = None
-    _is_watched = False
     _keeps_envs = False
 
     def __init__(
@@ -183,10 +181,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         )
         self.kind = self._native.kind
         self._take_spaces()
-        crate = spec_of(env_id)["crate"]
-        self._info_types = info_types(env_id) if crate == "gym-mujoco" else {}
         self._seeds = None if seeds is None else Seeds(seeds, self.autoreset_mode)
-        self._is_watched = bool(self._info_types or self._seeds)
+        self._watch()
 
     def _take_spaces(self) -> None:
         description = json.loads(self._native.describe())
@@ -256,26 +252,23 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
             Observations, rewards (``float64``), terminated, truncated (``bool``), each with a row for each environment, and
             infos: for each key a column, and under ``_key`` which rows of it count.
         """
-        return self._watched_step(actions) if self._is_watched else self._native.step(actions)
-
-    def _watched_step(self, actions: Any) -> Any:
         if self._envs is not None:
             self._push_envs()
         native, seeds = self._native, self._seeds
         result = native.step(actions) if seeds is None else seeds.step(native, actions, self.num_envs)
-        if self._info_types:
-            self._set_types(result[4], actions)
         if self._envs is not None:
             self._follow_envs(is_reset=False)
         return result
 
-    def _set_types(self, infos: dict[str, Any], actions: Any) -> None:
-        """Gives the columns the types of Gymnasium's."""
-        for name, kind in self._info_types.items():
-            if name in infos and (kind is not np.float32 or getattr(actions, "dtype", None) == kind):
-                infos[name] = infos[name].astype(kind)
-        if "final_info" in infos:
-            self._set_types(infos["final_info"], actions)
+    def _watch(self) -> None:
+        # where a step does no more than the native one, it is that one: this saves a call
+        own = self.__dict__
+        if "step" in own and not isinstance(getattr(own["step"], "__self__", None), _native.Vector):
+            return  # somebody's own
+        if self._envs is not None or self._seeds is not None or type(self).step is not VectorEnv.step:
+            own.pop("step", None)
+        else:
+            own["step"] = self._native.step
 
     def send(self, actions: Any, env_ids: Sequence[int] | npt.NDArray[np.integer[Any]] | None = None) -> None:
         """Lets some environments of an async vector take a step, and returns at once.
@@ -338,7 +331,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         if self._envs is None:
             natives = self._native.envs()
             self._envs = tuple(Env._of(native, self.env_id, self.render_mode, self._given) for native in natives)
-            self._is_watched = True
+            self._watch()
         return self._envs
 
     def _push_envs(self) -> None:
@@ -357,16 +350,19 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         self._let_go()
 
     def __getstate__(self) -> dict[str, Any]:
+        state = dict(self.__dict__)
+        if isinstance(getattr(state.get("step"), "__self__", None), _native.Vector):
+            del state["step"]
         if self._envs is None:
-            return self.__dict__
+            return state
         self._push_envs()
         lasting = [env._lasting() for env in self._envs]
-        return {**self.__dict__, "_envs": None, "_keeps_envs": False, "_lasting": lasting}
+        return {**state, "_envs": None, "_keeps_envs": False, "_lasting": lasting}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         lasting = state.pop("_lasting", ())
         self.__dict__.update(state)
-        self._is_watched = bool(self._info_types or self._seeds)
+        self._watch()
         if any(lasting):
             for env, objects in zip(self._look_at_envs(), lasting, strict=True):
                 env._take_lasting(objects)
@@ -374,7 +370,8 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
     def _let_go(self) -> None:
         """Forgets the environments where nobody holds one of them, or something of one."""
         if not self._keeps_envs and not any(env._is_watched for env in self._envs or ()):
-            self._envs, self._is_watched = None, bool(self._info_types or self._seeds)
+            self._envs = None
+            self._watch()
 
     def call(self, name: str, *args: Any, **kwargs: Any) -> tuple[Any, ...]:
         """The attribute ``name`` of each environment, or the result of the method of that name."""

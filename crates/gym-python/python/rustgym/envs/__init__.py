@@ -7,7 +7,6 @@ The classes are made when they are asked for. Ids that Gymnasium's users know by
 from __future__ import annotations
 
 import json
-import re
 from functools import partial
 from importlib.util import find_spec
 from typing import Any
@@ -15,7 +14,7 @@ from typing import Any
 import gymnasium
 
 from rustgym import _modules, _native
-from rustgym._specs import SPECS, class_name, metadata_from
+from rustgym._specs import SPECS, class_name, metadata_from, task_of
 from rustgym.env import ClassEnv, Env
 from rustgym.envs.atari import AtariEnv
 from rustgym.envs.box2d import BipedalWalker, CarRacing, LunarLander
@@ -80,11 +79,6 @@ _MORE_MODES = {
 _IDS = {class_name(env_id): env_id for env_id in SPECS}
 
 
-def _task(env_id: str) -> str:
-    """``CartPole`` for ``rapier/CartPole-v1``."""
-    return re.sub(r"-v\d+$", "", env_id.rpartition("/")[2])
-
-
 def _documented(argument: dict[str, str], defaults: dict[str, Any]) -> str:
     """The line of a docstring about an argument."""
     name, unit = argument["name"], argument["unit"] and f" {argument['unit']}"
@@ -94,17 +88,18 @@ def _documented(argument: dict[str, str], defaults: dict[str, Any]) -> str:
 def _env_class(name: str, env_id: str) -> type[Env]:
     spec = SPECS[env_id]
     of_crate: dict[str, type[Env]] = {"gym-atari": AtariEnv, "gym-minigrid": GridEnv}
-    base = of_crate.get(spec["crate"]) or _BASES.get(_task(env_id), ClassEnv)
+    base = of_crate.get(spec["crate"]) or _BASES.get(task_of(env_id), ClassEnv)
     # without its ROM a game cannot be made, and so not described
     metadata = dict(base.metadata) if base is AtariEnv else metadata_from(json.loads(_native.describe(env_id)))
-    metadata["render_modes"] = metadata["render_modes"] + _MORE_MODES.get(_task(env_id), [])
+    metadata["render_modes"] = metadata["render_modes"] + _MORE_MODES.get(task_of(env_id), [])
     arguments = "".join(_documented(argument, spec["defaults"]) for argument in spec["arguments"])
     doc = f"{spec['description'] or env_id}\n\n    ``{env_id}`` without Gymnasium's wrappers, with the arguments:\n{arguments}"
 
-    made = type(name, (base,), {"__doc__": doc, "__module__": __name__, "_id": env_id, "metadata": metadata})
+    own = {"__doc__": doc, "__module__": __name__, "_id": env_id, "metadata": metadata, "_fps": metadata.get("render_fps")}
+    made = type(name, (base,), own)
     # under the name that Gymnasium's class has: environments print it
     if base is MujocoEnv:
-        made.__name__ = f"{_task(env_id)}Env"
+        made.__name__ = f"{task_of(env_id)}Env"
     elif base is not ClassEnv:
         made.__name__ = base.__name__
     return made

@@ -291,6 +291,10 @@ class AtariEnv(ClassEnv):
 
     metadata: dict[str, Any] = {"render_modes": ["human", "rgb_array"], "render_fps": 30}
 
+    _constants = frozenset({"_frameskip", "_game", "_obs_type"})
+    _game_mode: int | None
+    _game_difficulty: int | None
+
     def __init__(
         self, render_mode: str | None = None, preprocessing: bool | Mapping[str, Any] | None = None, **kwargs: Any
     ) -> None:
@@ -304,9 +308,13 @@ class AtariEnv(ClassEnv):
         if preprocessing:
             self._given = {**kwargs, "preprocessing": preprocessing}
         skip = self.arguments["frameskip"]
-        self._frameskip = skip if isinstance(skip, int) else tuple(skip)
-        self._game, self._obs_type = self.arguments["game"], self.arguments["obs_type"]
-        self._game_mode, self._game_difficulty = self.arguments["mode"], self.arguments["difficulty"]
+        self.__dict__.update(
+            _frameskip=skip if isinstance(skip, int) else tuple(skip),
+            _game=self.arguments["game"],
+            _obs_type=self.arguments["obs_type"],
+            _game_mode=self.arguments["mode"],
+            _game_difficulty=self.arguments["difficulty"],
+        )
 
     @property
     def ale(self) -> Ale:

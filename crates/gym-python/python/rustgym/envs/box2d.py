@@ -60,6 +60,40 @@ def _field(name: str, kind: Callable[[Any], Any], doc: str) -> property:
     return property(get, put, doc=doc)
 
 
+class Vec2(NamedTuple):
+    """A vector in the plane, with the operators of Box2D's, in single precision."""
+
+    x: float
+    y: float
+
+    @classmethod
+    def _of(cls, x: Any, y: Any) -> Vec2:
+        return cls(float(np.float32(x)), float(np.float32(y)))
+
+    @property
+    def length(self) -> float:
+        """The Euclidean norm."""
+        x, y = np.float32(self.x), np.float32(self.y)
+        return float(np.sqrt(x * x + y * y))
+
+    def __add__(self, other: Any) -> Vec2:
+        return Vec2._of(self.x + other[0], self.y + other[1])
+
+    def __sub__(self, other: Any) -> Vec2:
+        return Vec2._of(self.x - other[0], self.y - other[1])
+
+    def __mul__(self, factor: Any) -> Vec2:
+        return Vec2._of(self.x * factor, self.y * factor)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, divisor: float) -> Vec2:
+        return Vec2._of(self.x / divisor, self.y / divisor)
+
+    def __neg__(self) -> Vec2:
+        return Vec2(-self.x, -self.y)
+
+
 class Body:
     """A body of the physics engine. Its velocities can be set; the rest is read-only."""
 
@@ -78,10 +112,14 @@ class Body:
         return self._slot(self._env._episode())
 
     @property
-    def position(self) -> tuple[float, float]:
+    def position(self) -> Vec2:
         """The body's origin, in m."""
-        x, y = self._read()["xf"]["translation"]
-        return x, y
+        return Vec2(*self._read()["xf"]["translation"])
+
+    @property
+    def worldCenter(self) -> Vec2:  # noqa: N802 - Box2D's name
+        """The centre of mass, in m."""
+        return Vec2(*self._read()["sweep"]["c"])
 
     @property
     def angle(self) -> float:
@@ -99,10 +137,9 @@ class Body:
         return bool(self._read()["awake"])
 
     @property
-    def linearVelocity(self) -> tuple[float, float]:  # noqa: N802 - Box2D's name
+    def linearVelocity(self) -> Vec2:  # noqa: N802 - Box2D's name
         """The velocity of the centre of mass, in m/s."""
-        x, y = self._read()["velocity"]
-        return x, y
+        return Vec2(*self._read()["velocity"])
 
     @linearVelocity.setter
     def linearVelocity(self, velocity: Any) -> None:  # noqa: N802 - Box2D's name
@@ -161,10 +198,12 @@ class Body:
         self._env._set(change)
 
     def __setattr__(self, name: str, value: Any) -> None:
-        if isinstance(getattr(type(self), name, None), property) and "Velocity" in name:
-            object.__setattr__(self, name, value)
-        else:
-            raise AttributeError(f"{name} of a body cannot be set: linearVelocity and angularVelocity can")
+        found = getattr(type(self), name, None)
+        if not isinstance(found, property) or found.fset is None:
+            names = dir(type(self))
+            free = [n for n in names if isinstance(f := getattr(type(self), n), property) and f.fset is not None]
+            raise AttributeError(f"{name} of a {type(self).__name__.lower()} cannot be set: {', '.join(free)} can")
+        object.__setattr__(self, name, value)
 
 
 class World:
@@ -176,11 +215,10 @@ class World:
         self.__dict__["_env"] = env
 
     @property
-    def gravity(self) -> tuple[float, float]:
+    def gravity(self) -> Vec2:
         """The gravity, in m/s². It can be set, until the next reset."""
         (engine,) = self._env._episode()["world"]["engine"].values()
-        x, y = engine["gravity"]
-        return x, y
+        return Vec2(*engine["gravity"])
 
     @gravity.setter
     def gravity(self, gravity: Any) -> None:
@@ -198,20 +236,89 @@ class World:
         object.__setattr__(self, name, value)
 
 
+class Joint:
+    """A hinge with a motor between two bodies. Read-only."""
+
+    __slots__ = ("_env", "_find")
+
+    def __init__(self, env: Box2DEnv, find: Callable[[dict[str, Any]], int]) -> None:
+        self._env, self._find = env, find
+
+    def _read(self) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
+        episode = self._env._episode()
+        (engine,) = episode["world"]["engine"].values()
+        joint, bodies = engine["joints"]["slots"][self._find(episode)], engine["bodies"]["slots"]
+        return joint, bodies[joint["body_a"]], bodies[joint["body_b"]]
+
+    @property
+    def angle(self) -> float:
+        """The angle, in rad."""
+        joint, a, b = self._read()
+        return float(np.float32(b["sweep"]["a"]) - np.float32(a["sweep"]["a"]) - np.float32(joint["reference_angle"]))
+
+    @property
+    def speed(self) -> float:
+        """The angular velocity, in rad/s."""
+        _, a, b = self._read()
+        return float(np.float32(b["angular_velocity"]) - np.float32(a["angular_velocity"]))
+
+    @property
+    def motorSpeed(self) -> float:  # noqa: N802 - Box2D's name
+        """The angular velocity that the motor aims at, in rad/s."""
+        return float(self._read()[0]["motor_speed"])
+
+    @property
+    def maxMotorTorque(self) -> float:  # noqa: N802 - Box2D's name
+        """The motor's largest torque, in N m."""
+        return float(self._read()[0]["max_motor_torque"])
+
+
+class Wheel(Body):
+    """A wheel of the car."""
+
+    _index: int
+
+    def __init__(self, env: Box2DEnv, index: int) -> None:
+        super().__init__(env, lambda episode: int(episode["car"]["wheels"][index]["body"]))
+        self.__dict__["_index"] = index
+
+    @staticmethod
+    def _own(name: str, doc: str) -> property:
+        def get(self: Wheel) -> float:
+            return float(self._env._episode()["car"]["wheels"][self._index][name])
+
+        def put(self: Wheel, value: float) -> None:
+            self._env._set(lambda episode: episode["car"]["wheels"][self._index].update({name: float(value)}))
+
+        return property(get, put, doc=doc)
+
+    gas = _own("gas", "How much gas it gets, 0 to 1.")
+    brake = _own("brake", "How much it brakes, 0 to 1.")
+    steer = _own("steer", "The angle to which it is steered, in rad.")
+    phase = _own("phase", "Its angle around the axle, in rad.")
+    omega = _own("omega", "Its angular velocity around the axle, in rad/s.")
+
+    @property
+    def joint(self) -> Joint:
+        """The joint that holds it."""
+        return Joint(self._env, lambda episode: int(episode["car"]["wheels"][self._index]["joint"]))
+
+
 class Car:
     """The car of CarRacing."""
 
     def __init__(self, env: Box2DEnv) -> None:
         self.hull = Body(env, lambda episode: int(episode["car"]["hull"]))
+        self.wheels = [Wheel(env, i) for i in range(4)]
 
 
 class Leg(Body):
-    """A leg."""
+    """A leg that feels the ground."""
 
     _index: int
 
-    def __init__(self, env: Box2DEnv, find: Callable[[dict[str, Any]], int], index: int) -> None:
-        super().__init__(env, find)
+    def __init__(self, env: Box2DEnv, body: int, index: int) -> None:
+        super().__init__(env, lambda episode: int(episode["legs"][body]))
         self.__dict__["_index"] = index
 
     @property
@@ -242,7 +349,7 @@ class LunarLander(Box2DEnv):
     @property
     def legs(self) -> list[Leg]:
         """The legs."""
-        return [Leg(self, lambda episode, i=i: int(episode["legs"][i]), i) for i in range(2)]  # type: ignore[misc]
+        return [Leg(self, i, i) for i in range(2)]
 
 
 class Terrain(NamedTuple):
@@ -250,6 +357,13 @@ class Terrain(NamedTuple):
 
     color1: tuple[int, int, int]
     color2: tuple[int, int, int]
+
+
+class Ray(NamedTuple):
+    """A ray of the lidar."""
+
+    fraction: float
+    """The distance to the ground, as a part of the ray's length."""
 
 
 class BipedalWalker(Box2DEnv):
@@ -272,6 +386,40 @@ class BipedalWalker(Box2DEnv):
     def hull(self) -> Body:
         """The hull."""
         return Body(self, lambda episode: int(episode["hull"]))
+
+    @property
+    def legs(self) -> list[Body]:
+        """The upper and the lower part of each leg; the lower ones have ``ground_contact``."""
+
+        def upper(i: int) -> Body:
+            return Body(self, lambda episode: int(episode["legs"][i]))
+
+        return [upper(0), Leg(self, 1, 0), upper(2), Leg(self, 3, 1)]
+
+    @property
+    def joints(self) -> list[Joint]:
+        """The hip and the knee of each leg."""
+        return [Joint(self, lambda episode, i=i: int(episode["joints"][i])) for i in range(4)]  # type: ignore[misc]
+
+    @property
+    def lidar(self) -> list[Ray]:
+        """The rays of the last observation."""
+        return [Ray(fraction) for fraction in self._episode()["lidar"]]
+
+    @property
+    def terrain_x(self) -> list[float]:
+        """The points of the ground, in m."""
+        return [i * (14 / 30) for i in range(len(self._episode()["terrain_y"]))]
+
+    @property
+    def terrain_y(self) -> list[float]:
+        """The heights of the points of the ground, in m."""
+        return [float(y) for y in self._episode()["terrain_y"]]
+
+    @property
+    def scroll(self) -> float:
+        """The left edge of a picture, in m."""
+        return self.hull.position.x - 600 / 30 / 5
 
 
 def _score_glyphs() -> str:
@@ -328,7 +476,7 @@ class CarRacing(Box2DEnv):
             self._native.set_score_glyphs(self._glyphs)
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        self.__dict__.update(state)
+        super().__setstate__(state)
         self._write_score()
 
     def render(self) -> Any:

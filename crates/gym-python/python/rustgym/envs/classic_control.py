@@ -140,6 +140,10 @@ class MountainCarEnv(ClassicControlEnv):
     state_names = ("position", "velocity")
     _beside = {"low": _bounds("min_position", -1.0), "high": _bounds("max_position", 1.0)}
 
+    def get_keys_to_action(self) -> dict[tuple[int, ...], int]:
+        """The actions of the arrow keys, by the numbers of the keys that are down."""
+        return {(): 1, (276,): 0, (275,): 2, (275, 276): 1}
+
 
 class Continuous_MountainCarEnv(ClassicControlEnv):
     """Drive a weak car up a hill, with as much force as needed; ``state`` is position and velocity."""
@@ -196,6 +200,14 @@ class AcrobotEnv(ClassicControlEnv):
     # in Gymnasium these belong to the class
     vars().update((name, value) for name, value in spec_of(_id)["defaults"].items())
     actions_num = 3
+
+    def _get_ob(self) -> npt.NDArray[np.float32]:
+        theta1, theta2, dtheta1, dtheta2 = self.state
+        return np.array([np.cos(theta1), np.sin(theta1), np.cos(theta2), np.sin(theta2), dtheta1, dtheta2], np.float32)
+
+    def _terminal(self) -> bool:
+        theta1, theta2 = self.state[:2]
+        return bool(-np.cos(theta1) - np.cos(theta2 + theta1) > 1.0)
 
     def _set_torques(self, torques: Any) -> None:
         self._native.set_argument(to_json({"AVAIL_TORQUE": torques}))

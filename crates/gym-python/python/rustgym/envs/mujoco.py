@@ -8,6 +8,7 @@ as another model, hands the environment over: from then on the package steps it,
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from functools import cache, cached_property
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
@@ -23,6 +24,7 @@ from rustgym._borrowed import Borrowed
 from rustgym._live import Live, same
 from rustgym._modules import forwarder
 from rustgym._mujoco import Mirror, OwnData, load
+from rustgym._specs import task_of
 from rustgym.env import ClassEnv, Env, entropy
 
 __all__ = ["MujocoEnv"]
@@ -49,11 +51,10 @@ MODULES = {
 # the number of positions that the tasks can leave out of an observation
 _CAN_EXCLUDE = {"Ant": 2, "HalfCheetah": 1, "Hopper": 1, "Humanoid": 2, "HumanoidStandup": 2, "Swimmer": 2, "Walker2d": 1}
 
-
-# what a column of infos has as another type than `float64`; `float32` where the action is
-_INFO_TYPES: dict[str, dict[str, Any]] = {
-    **dict.fromkeys(["Ant", "HalfCheetah", "Hopper", "Pusher", "Reacher", "Swimmer", "Walker2d"], {"reward_ctrl": np.float32}),
-    "InvertedPendulum": {"reward_survive": np.int64},
+# attributes that Gymnasium's reset sets, as parts of the positions
+_OF_START: dict[str, dict[str, Callable[[npt.NDArray[np.float64]], npt.NDArray[Any]]]] = {
+    "Pusher": {"goal_pos": lambda qpos: np.asarray([0, 0]), "cylinder_pos": lambda qpos: qpos[-4:-2].copy()},
+    "Reacher": {"goal": lambda qpos: qpos[-2:].copy()},
 }
 
 
@@ -83,11 +84,6 @@ def _tell_other(own: str, installed: str, name: str | None) -> None:
     )
 
 
-def info_types(env_id: str) -> dict[str, Any]:
-    """The types of the columns of infos that are not ``float64``."""
-    return _INFO_TYPES.get(env_id.rpartition("/")[2].partition("-v")[0], {})
-
-
 def _has_package() -> bool:
     return find_spec("mujoco") is not None
 
@@ -97,12 +93,15 @@ class MujocoEnv(ClassEnv):
 
     A class of your own on top of a task may override what Gymnasium's tasks call, such as ``reset_model`` or ``_get_obs``; and a
     class of your own on top of this one is made as one of ``gymnasium.envs.mujoco.MujocoEnv`` is, from the path of a model. Both
-    are stepped by MuJoCo's package.
+    are stepped by MuJoCo's package. A class that overrides one of these methods or ``step`` has the numbers of the installed
+    package unless it is made with another ``mujoco``.
     """
 
     # MuJoCo's own model and data, made on first use; without the package data of our own
     _mirror: Mirror | None = None
     _own_data: OwnData | None = None
+    # the positions at the start of the episode, where Gymnasium's task keeps some of them
+    _start: npt.NDArray[np.float64] | None = None
     _overrides = False
 
     _get_obs = Borrowed()
@@ -125,12 +124,17 @@ class MujocoEnv(ClassEnv):
             self._theirs().__init__(self, *args, **kwargs)
             return
         super().__init__(*args, **kwargs)
+        self.metadata = dict(self.metadata)
+        own = {name for cls in type(self).__mro__[: type(self).__mro__.index(MujocoEnv)] for name in vars(cls)}
+        self._overrides = any(isinstance(vars(MujocoEnv).get(name), Borrowed) for name in own)
         if (installed := _installed()) is not None and not self._is_of_version(installed):
             versions = self._made_of["versions"]
             name = next((name for name in versions if _is_of(installed, versions[name])), None)
-            _tell_other(self._made_of["mujoco"], installed, name)
-        own = (vars(cls) for cls in type(self).__mro__[: type(self).__mro__.index(MujocoEnv)])
-        self._overrides = any(isinstance(found, Borrowed) for names in own for found in map(vars(MujocoEnv).get, names))
+            if name is not None and "mujoco" not in kwargs and (self._overrides or "step" in own):
+                super().__init__(*args, **kwargs, mujoco=name)  # the package will step it
+                self.__dict__.pop("_made_of")
+            else:
+                _tell_other(self._made_of["mujoco"], installed, name)
         if self._overrides:
             self._hand_over("a method that Gymnasium's task calls", warn=False)
 
@@ -163,7 +167,9 @@ class MujocoEnv(ClassEnv):
             if self._is_watched:
                 self._push()
             if not self._is_handed:
-                return super().reset(seed=seed, options=options)
+                result = super().reset(seed=seed, options=options)
+                self._keep_start()
+                return result
         gymnasium.Env.reset(self, seed=seed)
         import_module("mujoco").mj_resetData(self.model, self.data)
         observation = self.reset_model()
@@ -172,15 +178,18 @@ class MujocoEnv(ClassEnv):
             self.render()
         return observation, info
 
-    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        """As ``Env.step``; raises ``ValueError`` for an action of another shape, as Gymnasium's tasks do."""
-        try:
-            return super().step(action)
-        except gymnasium.error.InvalidAction:
-            expected, found = self.action_space.shape, np.shape(action)
-            if found == expected:
-                raise
-            raise ValueError(f"Action dimension mismatch. Expected {expected}, found {found}") from None
+    def _keep_start(self) -> None:
+        """Sets what a reset of Gymnasium's task keeps beside its result."""
+        if (parts := _OF_START.get(task_of(self.env_id))) is None:
+            return
+        called = self._native.mujoco_before()
+        assert called is not None, "it was reset"
+        start = self._start = called[2]["qpos"]
+        self.__dict__.update((name, part(start)) for name, part in parts.items())
+        if self._handed and "init_qpos" in self._handed and "cylinder_pos" in parts:
+            # Gymnasium's reset writes the objects' places there
+            self._handed["init_qpos"][-4:] = start[-4:]
+            self._seen["init_qpos"] = self._handed["init_qpos"].copy()
 
     def _watched_step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         if not self._is_handed:
@@ -261,7 +270,7 @@ class MujocoEnv(ClassEnv):
         if self._mirror is None and self._own_data is None:
             super()._watch()
         else:
-            self.__dict__["_is_watched"] = True
+            self._set_watched(True)
 
     def _push(self, call: str = "") -> None:
         super()._push(call)
@@ -451,10 +460,7 @@ class MujocoEnv(ClassEnv):
             super().__setattr__(name, value)
 
     def _knows(self, name: str) -> bool:
-        # Gymnasium's tasks read many attributes with an underscore
-        if not name.startswith("_") or type(self).__module__ != "rustgym.envs" or "arguments" not in self.__dict__:
-            return super()._knows(name)
-        return name in self.__dict__ or hasattr(type(self), name)
+        return super()._knows(name) or name in _OF_START.get(task_of(self.env_id), ())
 
     def _set_argument(self, name: str, value: Any) -> None:
         """The environment with another value of an argument, where it is."""
@@ -492,7 +498,12 @@ class MujocoEnv(ClassEnv):
         return float((self._made_of["timestep"] if has_own else self.model.opt.timestep) * self.frame_skip)
 
     def _initial(self, name: str) -> npt.NDArray[np.float64]:
-        return np.array(self._made_of["qpos0"]) if name == "init_qpos" else np.zeros(self._made_of["nv"])
+        if name == "init_qvel":
+            return np.zeros(self._made_of["nv"])
+        initial = np.array(self._made_of["qpos0"])
+        if self._start is not None and task_of(self.env_id) == "Pusher":
+            initial[-4:] = self._start[-4:]
+        return initial
 
     def _write_initial(self, name: str, value: Any) -> None:
         if self._native is not None and not same(value, self._initial(name)):

@@ -107,16 +107,6 @@ class TabularEnv(ToyTextEnv):
         doc="The probability of each state at the start.",
     )
 
-    def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        """As ``Env.step``; an action is whatever is equal to one, such as ``1.0`` and ``np.True_``."""
-        try:
-            return self._watched_step(action) if self._is_watched else self._native.step(action)
-        except gymnasium.error.InvalidAction:
-            whole = self._whole(action)
-            if whole is action:
-                raise
-            return self.step(whole)
-
     def _whole(self, action: Any) -> Any:
         """The action that is equal to ``action``, if there is one."""
         actions = range(int(self.action_space.n))  # type: ignore[attr-defined]
@@ -126,6 +116,7 @@ class TabularEnv(ToyTextEnv):
         table: Any = (self._handed or {}).get("P")
         if table is None or not self._native.is_running():
             return super()._watched_step(action)
+        action = self._whole(action)
         state = self.s
         row = table[state][action]
         if row == self._table[0][state].get(action):
@@ -234,6 +225,10 @@ class BlackjackEnv(ToyTextEnv):
         follow=_follow_dealer,
         doc="The dealer's cards, of which the first is open; an ace is 1.",
     )
+
+    def _get_obs(self) -> tuple[int, int, int]:
+        has_ace = 1 in self.player and sum(self.player) + 10 <= 21
+        return sum(self.player) + 10 * has_ace, self.dealer[0], int(has_ace)
 
     @property
     def dealer_top_card_suit(self) -> str:

@@ -1,0 +1,80 @@
+//! Actions of a single environment, and how Gymnasium's environments refuse what is none.
+
+use gym::registry::find;
+use gym::{Space, Value};
+use numpy::{PyUntypedArray, PyUntypedArrayMethods};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyTuple;
+
+use crate::convert::{action_from_python, numpy};
+use crate::error::gymnasium;
+
+/// How Gymnasium's environment looks at an action.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Check {
+    /// It must be an element of the action space.
+    Element,
+    /// It must be equal to one: a table is asked for it.
+    Equal,
+    /// It must be of the space's shape.
+    Shape,
+}
+
+impl Check {
+    /// That of an id.
+    pub(crate) fn of(id: &str) -> Self {
+        match find(id).map_or("", |registration| registration.source.package) {
+            "gym-toytext" if !id.starts_with("Blackjack") => Self::Equal,
+            "gym-mujoco" => Self::Shape,
+            _ => Self::Element,
+        }
+    }
+
+    /// An element of the action space from Python.
+    pub(crate) fn action(self, space: &Space, action: &Bound<'_, PyAny>) -> PyResult<Value> {
+        action_from_python(space, None, action).or_else(|error| match self {
+            Self::Equal => equal(space, action).ok_or_else(|| refused(space, action, &error)),
+            Self::Shape => {
+                Err(mismatch(space, action).unwrap_or_else(|| refused(space, action, &error)))
+            }
+            Self::Element => Err(refused(space, action, &error)),
+        })
+    }
+}
+
+/// The action that is equal to an object, such as `1.0` and `np.True_`.
+fn equal(space: &Space, action: &Bound<'_, PyAny>) -> Option<Value> {
+    let Space::Discrete(space) = space else {
+        return None;
+    };
+    let array = action.cast::<PyUntypedArray>();
+    if array.is_ok_and(|array| array.ndim() > 0) {
+        return None;
+    }
+    let mut actions = space.start()..space.start() + space.n();
+    let found = actions.find(|number| action.eq(number).unwrap_or(false));
+    found.map(Value::Int)
+}
+
+/// The error for an action of another shape, which Gymnasium's MuJoCo tasks compare first.
+fn mismatch(space: &Space, action: &Bound<'_, PyAny>) -> Option<PyErr> {
+    let py = action.py();
+    let expected = PyTuple::new(py, space.shape()?).ok()?;
+    let found = numpy(py).ok()?.call_method1("shape", (action,)).ok()?;
+    if found.eq(&expected).ok()? {
+        return None;
+    }
+    let text = format!("Action dimension mismatch. Expected {expected}, found {found}");
+    Some(PyValueError::new_err(text))
+}
+
+fn refused(space: &Space, action: &Bound<'_, PyAny>, error: &PyErr) -> PyErr {
+    let py = action.py();
+    let shown = action
+        .repr()
+        .map_or_else(|_| "?".to_owned(), |text| text.to_string());
+    let reason = error.value(py);
+    let text = format!("invalid action {shown}: the action space is {space} ({reason})");
+    gymnasium(py, "InvalidAction", text)
+}

@@ -1,0 +1,180 @@
+//! The types of the numbers that Gymnasium's environments return: Python's, or numpy's.
+
+use gym::registry::find;
+use gym::{Kwargs, Outcome, Value};
+use numpy::{PyArrayDescrMethods, PyUntypedArray, PyUntypedArrayMethods, dtype};
+use pyo3::IntoPyObjectExt;
+use pyo3::prelude::*;
+use serde_json::Value as Json;
+
+use crate::convert::{new_array, scalar, to_python};
+
+/// FrozenLake's argument of rewards.
+const REWARDS: &str = "reward_schedule";
+
+/// The type of a number.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Number {
+    /// Python's `float`; in a column numpy's `float64`.
+    Float,
+    /// Python's `int`, for a whole number; in a column `int64`.
+    Int,
+    /// numpy's `float64`.
+    Float64,
+    /// numpy's `float32` where the action is of that type, else `float64`.
+    OfAction,
+}
+
+/// The types of an id's rewards and infos.
+#[derive(Clone, Debug)]
+pub(crate) struct Numbers {
+    /// The name of the id without namespace and version.
+    task: String,
+    is_mujoco: bool,
+    /// Whether the version is before 5.
+    is_old: bool,
+    reward: Number,
+    /// The size of the reward that is an `int` where it ends an episode; 0 for none.
+    last_reward: f64,
+}
+
+impl Numbers {
+    /// Those of the environment `id` with these arguments.
+    pub(crate) fn of(id: &str, kwargs: &Kwargs) -> Self {
+        let package = find(id).map_or("", |registration| registration.source.package);
+        let name = id.rsplit_once('/').map_or(id, |(_, name)| name);
+        let (task, version) = name.rsplit_once("-v").unwrap_or((name, ""));
+        let is_old = version != "5";
+        let rewards = kwargs.get(REWARDS).and_then(Json::as_array);
+        let is_whole = rewards.is_none_or(|rewards| !rewards.iter().any(Json::is_f64));
+        let (reward, last_reward) = match (package, task) {
+            ("gym-toytext", "Blackjack") => (Number::Float, 0.0),
+            ("gym-toytext", _) if is_whole => (Number::Int, 0.0),
+            ("gym-classic", "Pendulum") => (Number::Float64, 0.0),
+            ("gym-box2d", "LunarLander" | "LunarLanderContinuous") => (Number::Float64, 100.0),
+            ("gym-box2d", "BipedalWalker" | "BipedalWalkerHardcore") => (Number::OfAction, 100.0),
+            ("gym-mujoco", "InvertedPendulum") if is_old => (Number::Float, 0.0),
+            ("gym-mujoco", "InvertedPendulum") => (Number::Int, 0.0),
+            ("gym-mujoco", _) => (Number::Float64, 0.0),
+            _ => (Number::Float, 0.0),
+        };
+        Self {
+            task: task.to_owned(),
+            is_mujoco: package == "gym-mujoco",
+            is_old,
+            reward,
+            last_reward,
+        }
+    }
+
+    /// Whether the rewards are of the type `int`.
+    pub(crate) fn has_whole_rewards(&self) -> bool {
+        self.reward == Number::Int
+    }
+
+    /// Gives the arguments, which the environment has as `f64`, the types from which [`of`](Self::of)
+    /// makes the same.
+    #[expect(clippy::cast_possible_truncation, reason = "they were whole numbers")]
+    pub(crate) fn restore(&self, arguments: &mut Kwargs) {
+        let rewards = arguments.get_mut(REWARDS).and_then(Json::as_array_mut);
+        for reward in rewards.into_iter().flatten() {
+            if let Some(number) = reward.as_f64().filter(|_| self.has_whole_rewards()) {
+                *reward = Json::from(number as i64);
+            }
+        }
+    }
+
+    fn info(&self, key: &str) -> Number {
+        if !self.is_mujoco {
+            return Number::Float;
+        }
+        match (self.task.as_str(), key) {
+            ("InvertedPendulum", "reward_survive") => Number::Int,
+            ("Hopper" | "InvertedDoublePendulum", "reward_survive") => Number::Float,
+            (_, "reward_survive" | "reward_alive") if self.is_old => Number::Float,
+            ("Humanoid" | "HumanoidStandup", _) => Number::Float64,
+            (_, "reward_ctrl") => Number::OfAction,
+            _ => Number::Float64,
+        }
+    }
+
+    /// Whether an action, or a batch of them, is an array of `float32`, where it matters.
+    pub(crate) fn is_single(&self, action: &Bound<'_, PyAny>) -> bool {
+        if !self.is_mujoco && self.reward != Number::OfAction {
+            return false;
+        }
+        let array = action.cast::<PyUntypedArray>();
+        array.is_ok_and(|array| array.dtype().is_equiv_to(&dtype::<f32>(action.py())))
+    }
+
+    /// The reward of a step with this action.
+    pub(crate) fn reward<'py>(
+        &self,
+        outcome: &Outcome,
+        action: &Bound<'py, PyAny>,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        let (py, reward) = (action.py(), outcome.reward);
+        if self.reward == Number::Float {
+            return reward.into_bound_py_any(py);
+        }
+        let is_last = outcome.terminated && self.last_reward > 0.0;
+        if is_last && reward.abs() == self.last_reward {
+            return number(py, Number::Int, reward, false);
+        }
+        number(py, self.reward, reward, self.is_single(action))
+    }
+
+    /// A value of an info; `is_single` says whether the action was of `float32`.
+    pub(crate) fn value<'py>(
+        &self,
+        py: Python<'py>,
+        key: &str,
+        value: &Value,
+        is_single: bool,
+    ) -> PyResult<Bound<'py, PyAny>> {
+        match value {
+            Value::Float(x) => number(py, self.info(key), *x, is_single),
+            _ => to_python(py, value),
+        }
+    }
+
+    /// A column of infos, where its numbers are not of `float64`.
+    #[expect(clippy::cast_possible_truncation, reason = "the type is Gymnasium's")]
+    pub(crate) fn column<'py>(
+        &self,
+        py: Python<'py>,
+        key: &str,
+        column: &Value,
+        is_single: bool,
+    ) -> Option<Bound<'py, PyAny>> {
+        let kind = self.info(key);
+        let numbers = column.as_slice::<f64>()?;
+        let n = [numbers.len()];
+        match kind {
+            Number::Int => {
+                let numbers: Vec<i64> = numbers.iter().map(|x| *x as i64).collect();
+                Some(new_array(py, &n, &numbers))
+            }
+            Number::OfAction if is_single => {
+                let numbers: Vec<f32> = numbers.iter().map(|x| *x as f32).collect();
+                Some(new_array(py, &n, &numbers))
+            }
+            _ => None,
+        }
+    }
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "the type is Gymnasium's")]
+fn number<'py>(
+    py: Python<'py>,
+    kind: Number,
+    x: f64,
+    is_single: bool,
+) -> PyResult<Bound<'py, PyAny>> {
+    match kind {
+        Number::Int if x.fract() == 0.0 => (x as i64).into_bound_py_any(py),
+        Number::Float | Number::Int => x.into_bound_py_any(py),
+        Number::OfAction if is_single => scalar(py, x as f32),
+        Number::Float64 | Number::OfAction => scalar(py, x),
+    }
+}

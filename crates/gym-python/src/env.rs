@@ -23,23 +23,22 @@ use crate::error::{OrRaise, guard, gymnasium};
 use crate::fork::Origin;
 use crate::{mujoco, peek, registry};
 
-/// An environment without wrappers. Several threads may use it: their calls come one after the
-/// other.
+/// An environment, with Rust wrappers only. Several threads may use it: their calls are serialised.
 ///
-/// The lock of Python is released while an environment works, unless its steps are so short that
-/// this would take longer.
+/// The GIL is released while an environment works, unless its steps are shorter than releasing it
+/// takes.
 #[pyclass(frozen, module = "rustgym._native")]
 #[derive(Debug)]
 pub(crate) struct Env {
     core: Mutex<Core>,
-    /// The constructor's arguments: id, arguments as JSON, render mode.
+    /// The constructor's arguments: the id, the arguments as JSON, the render mode.
     id: String,
     kwargs: String,
     render_mode: Option<String>,
-    /// The wrappers of the Rust side, as JSON.
+    /// The Rust wrappers, as JSON.
     wrappers: String,
     action_space: Space,
-    /// Whether a step is worth releasing the lock of Python.
+    /// Whether steps are long enough to release the GIL.
     is_slow: bool,
     origin: Origin,
 }
@@ -49,7 +48,7 @@ struct Core {
     env: BoxEnv,
     observation: Value,
     frame: Rendered,
-    /// Whether an episode was started, and none has panicked since.
+    /// Whether an episode was started, and no call has panicked since.
     is_running: bool,
 }
 
@@ -66,7 +65,7 @@ impl Core {
             return Err(Error::ResetNeeded("step")).or_raise();
         }
         self.is_running = false;
-        // a refused action changes nothing; only after a panic the episode cannot continue
+        // a refused action changes nothing; after a panic, the episode cannot continue
         let outcome = guard(|| Ok(self.env.step_into(action, &mut self.observation)))?;
         self.is_running = true;
         outcome.or_raise()
@@ -141,7 +140,7 @@ impl Env {
         }
     }
 
-    /// A copy of an environment of a vector, with the wrappers it has there.
+    /// A copy of a vector's environment, with its wrappers.
     pub(crate) fn of_vector(env: BoxEnv, spec: &EnvSpec) -> Self {
         let kwargs = Json::Object(spec.kwargs.clone()).to_string();
         let render_mode = spec.render_mode.map(RenderMode::name);
@@ -157,7 +156,7 @@ impl Env {
         )
     }
 
-    /// Runs something with the game of an Atari environment.
+    /// Runs `f` with the game of an Atari environment.
     pub(crate) fn with_atari<T>(
         &self,
         py: Python<'_>,
@@ -190,7 +189,7 @@ impl Env {
         }
     }
 
-    /// Runs a long computation without the GIL.
+    /// Runs `f` without the GIL, if the environment is slow.
     fn run<T: Send>(
         &self,
         py: Python<'_>,
@@ -204,7 +203,7 @@ impl Env {
         }
     }
 
-    /// Changes what the environment lets be changed; `json` says how.
+    /// Changes the environment through its [`Inspect`] interface, with the value in `json`.
     fn inspect<T: DeserializeOwned>(
         &self,
         py: Python<'_>,
@@ -242,14 +241,14 @@ impl Env {
 
 #[pymethods]
 impl Env {
-    /// The environment `id` with these arguments, a JSON object.
+    /// Makes the environment `id`; `kwargs` has its arguments as a JSON object.
     #[new]
     #[pyo3(signature = (id, kwargs, render_mode, wrappers = "[]"))]
     fn new(id: &str, kwargs: &str, render_mode: Option<&str>, wrappers: &str) -> PyResult<Self> {
         Self::make(id, kwargs, render_mode, wrappers)
     }
 
-    /// Starts an episode; `seed` in decimal digits, `options` as a JSON object.
+    /// Starts an episode. `seed` has decimal digits, `options` is a JSON object.
     #[pyo3(signature = (seed, options))]
     fn reset<'py>(
         &self,
@@ -263,7 +262,7 @@ impl Env {
         Ok((to_python(py, &core.observation)?, core.info(py)?))
     }
 
-    /// Takes a step: observation, reward, terminated, truncated, info.
+    /// Takes a step. Returns observation, reward, terminated, truncated and info.
     fn step<'py>(
         &self,
         py: Python<'py>,
@@ -286,7 +285,7 @@ impl Env {
             .into_pyobject(py)
     }
 
-    /// The picture or text of the render mode.
+    /// The picture or text of the environment's render mode.
     fn render<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let mut core = self.lock(py)?;
         let Core { env, frame, .. } = &mut *core;
@@ -310,7 +309,7 @@ impl Env {
         self.lock(py)?.snapshot()
     }
 
-    /// Goes on from a snapshot; `is_running` says whether it is of an episode.
+    /// Continues from a snapshot; `is_running` says whether an episode was running.
     fn restore(&self, py: Python<'_>, snapshot: &str, is_running: bool) -> PyResult<()> {
         let snapshot = serde_json::from_str(snapshot)
             .and_then(serde_json::from_value::<Snapshot>)
@@ -327,7 +326,7 @@ impl Env {
         Ok(self.lock(py)?.is_running)
     }
 
-    /// The state of the generator as JSON; `None` before the first reset, or where there is none.
+    /// The state of the generator as JSON; `None` before the first reset, or if there is none.
     fn generator(&self, py: Python<'_>) -> PyResult<Option<String>> {
         let mut core = self.lock(py)?;
         Ok(core
@@ -343,7 +342,8 @@ impl Env {
             .or_raise()?;
         let mut core = self.lock(py)?;
         if core.env.generator().is_none() {
-            // an environment has a generator once it was reset; the next reset carries that one on
+            // an environment has a generator only after a reset; the next reset without a seed
+            // continues it
             let is_running = core.is_running;
             core.reset(&Reset::seed(0))?;
             core.is_running = is_running;
@@ -360,42 +360,43 @@ impl Env {
         Ok(())
     }
 
-    /// The state as JSON, for environments whose dynamics are pure functions of one.
+    /// The state as JSON, for environments whose dynamics are pure functions of it.
     fn state(&self, py: Python<'_>) -> PyResult<Option<String>> {
         let core = self.lock(py)?;
         let state = core.env.inspect().and_then(Inspect::state);
         Ok(state.map(|state| state.to_string()))
     }
 
-    /// Continues from another state, of the form of [`state`](Self::state).
+    /// Continues from a state in the form of [`state`](Self::state).
     fn set_state(&self, py: Python<'_>, state: &str) -> PyResult<()> {
         self.inspect(py, "state", state, |inspect, state| {
             inspect.set_state(state)
         })
     }
 
-    /// Replaces the table: a JSON object of `P`, lists of outcomes by state and action, and
-    /// `initial_state_distrib`.
+    /// Replaces the table of the dynamics. `table` is a JSON object of `P`, lists of outcomes by
+    /// state and action, and `initial_state_distrib`.
     fn set_table(&self, py: Python<'_>, table: &str) -> PyResult<()> {
         self.inspect(py, "table", table, |inspect, table| {
             inspect.set_table(table)
         })
     }
 
-    /// The arguments as they are, as JSON; those it was made with, where they cannot be set.
+    /// The current arguments as JSON; if the environment cannot show them, those of the
+    /// constructor.
     fn arguments(&self, py: Python<'_>) -> PyResult<String> {
         let core = self.lock(py)?;
         let Some(Json::Object(mut arguments)) = core.env.inspect().map(Inspect::arguments) else {
             return Ok(self.kwargs.clone());
         };
-        // an id may be of a version that lacks some
+        // drop arguments that this version of the environment lacks
         if let Ok(known) = find(&self.id).and_then(|registration| registration.arguments()) {
             arguments.retain(|name, _| known.iter().any(|argument| argument.name == name));
         }
         Ok(Json::Object(arguments).to_string())
     }
 
-    /// Sets an argument: a JSON object of its name and value.
+    /// Sets an argument. `argument` is a JSON object of its name and value.
     fn set_argument(&self, py: Python<'_>, argument: &str) -> PyResult<()> {
         self.inspect(py, "arguments", argument, |inspect, argument: Kwargs| {
             argument
@@ -404,26 +405,26 @@ impl Env {
         })
     }
 
-    /// `P` and `initial_state_distrib`, for environments that have them.
+    /// `P` and `initial_state_distrib`; `None` for environments without a table.
     fn table<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyTuple>>> {
         let core = self.lock(py)?;
         peek::table(py, &core.env)
     }
 
-    /// The rows of the map, for FrozenLake.
+    /// The rows of FrozenLake's map; `None` for other environments.
     fn map(&self, py: Python<'_>) -> PyResult<Option<Vec<String>>> {
         let core = self.lock(py)?;
         let table = core.env.inspect().and_then(Inspect::table);
         Ok(table.and_then(|table| serde_json::from_value(table["desc"].clone()).ok()))
     }
 
-    /// The state of a MuJoCo task, array by array.
+    /// The state of a MuJoCo task, as arrays.
     fn mujoco_data<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyDict>>> {
         mujoco::data(py, &self.lock(py)?.env)
     }
 
-    /// The last call of the engine of a MuJoCo task: whether it was a step, where it started, where
-    /// it led.
+    /// The last call of a MuJoCo task's engine: whether it was a step, the state before, the state
+    /// after.
     fn mujoco_before<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyTuple>>> {
         mujoco::before(py, &self.lock(py)?.env)
     }
@@ -448,7 +449,7 @@ impl Env {
         }
     }
 
-    /// Writes the score of CarRacing with these digits: the text of a file of `ScoreGlyphs`.
+    /// Sets the font of CarRacing's score; `glyphs` is the text of a file of `ScoreGlyphs`.
     fn set_score_glyphs(&self, py: Python<'_>, glyphs: &str) -> PyResult<()> {
         let glyphs = ScoreGlyphs::parse(glyphs).or_raise()?;
         match self.lock(py)?.env.layer_mut::<CarRacing>() {
@@ -460,7 +461,7 @@ impl Env {
         Ok(())
     }
 
-    /// Closes the window, if there is one; everything else is as it was.
+    /// Closes the window, if there is one. The episode continues.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
         if self.render_mode.as_deref() != Some("human") {
             return Ok(());
@@ -530,7 +531,7 @@ impl Env {
         ))
     }
 
-    /// The environment that `__reduce__` took apart.
+    /// Rebuilds an environment from the parts that `__reduce__` returned.
     #[staticmethod]
     #[pyo3(signature = (id, kwargs, render_mode, wrappers, snapshot, is_running, observation))]
     #[expect(
@@ -556,20 +557,20 @@ impl Env {
         Ok(env)
     }
 
-    /// The stack of the environment.
+    /// A description of the environment and its wrappers.
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         Ok(self.lock(py)?.env.describe())
     }
 }
 
-/// Reads JSON from Python about an id.
+/// Parses JSON from Python; errors name the id.
 pub(crate) fn from_json<T: DeserializeOwned>(id: &str, json: &str) -> PyResult<T> {
     serde_json::from_str(json)
         .map_err(|error| Error::argument(format!("`{id}`"), error.to_string()))
         .or_raise()
 }
 
-/// A reset from its Python form.
+/// A reset from the arguments of Python's `reset`.
 pub(crate) fn reset_of(seed: Option<&str>, options: Option<&str>) -> Result<Reset> {
     let seed = seed.map(str::parse::<Seed>).transpose()?;
     let options = match options {

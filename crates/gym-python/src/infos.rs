@@ -1,4 +1,5 @@
-//! The infos of a vector as Gymnasium has them: columns in an order, each followed by its mask.
+//! The infos of a vector in Gymnasium's form: columns in Gymnasium's order, each followed by its
+//! mask.
 
 use gym::{BoxEnv, Env as _, EnvExt as _, EnvSpec, Info, Value};
 use pyo3::prelude::*;
@@ -7,10 +8,10 @@ use pyo3::types::PyDict;
 use crate::convert::{new_array, numpy, to_python};
 use crate::registry;
 
-/// The keys of a vector with `SameStep` that come before those of the environments.
+/// In `SameStep` mode: the keys that come before those of the environments.
 const FINAL: [&str; 2] = ["final_obs", "final_info"];
 
-/// Adds the columns with the keys of `order`, then all others; each is followed by its mask.
+/// Adds the columns with the keys of `order`, then the others; a mask follows each column.
 pub(crate) fn ordered<'py>(
     py: Python<'py>,
     infos: &Info,
@@ -47,8 +48,8 @@ pub(crate) fn ordered<'py>(
     Ok(())
 }
 
-/// The keys of an environment's `info` in the order in which it gives them after a reset, and after
-/// a step. (None of an environment that cannot be made or stepped without further ado.)
+/// The keys of an environment's `info` in their order, after a reset and after a step. Both are
+/// empty if the environment cannot be made or stepped here.
 pub(crate) fn info_keys(spec: &EnvSpec) -> [Vec<String>; 2] {
     let mut keys = [Vec::new(), Vec::new()];
     let made = registry::bare(
@@ -83,8 +84,8 @@ pub(crate) fn info_keys(spec: &EnvSpec) -> [Vec<String>; 2] {
     keys
 }
 
-/// A column of infos: flags and numbers are arrays, anything else an array of objects, a dict one
-/// of columns.
+/// A column of infos in Python: an array for flags and numbers, a dict of columns for a dict, else
+/// an array of objects.
 fn column_to_python<'py>(py: Python<'py>, column: &Value) -> PyResult<Bound<'py, PyAny>> {
     match column {
         Value::Tuple(items) => {

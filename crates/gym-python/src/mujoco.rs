@@ -1,4 +1,4 @@
-//! The MuJoCo tasks in Python: the arrays of `mjData`, and the parts of their model.
+//! MuJoCo tasks in Python: the arrays of `mjData`, and properties of their model.
 
 use gym::BoxEnv;
 use gym::mujoco::tasks::{self, Simulated, Simulation};
@@ -7,7 +7,7 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyTuple};
 
-/// The arrays of the state under MuJoCo's names (before the first reset, of the initial state);
+/// The arrays of the state under MuJoCo's names; before the first reset, of the initial state.
 /// `None` for other environments.
 pub(crate) fn data<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound<'py, PyDict>>> {
     let Some(env) = simulated(env) else {
@@ -37,8 +37,8 @@ pub(crate) fn data<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound<
     Ok(Some(arrays))
 }
 
-/// Whether the last call of the engine was a step; the state from which it started; and where the
-/// step led. `None` before the first reset, and for other environments.
+/// The last call of the engine: whether it was a step, the state before, and the state after a
+/// step. `None` before the first reset, and for other environments.
 pub(crate) fn before<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound<'py, PyTuple>>> {
     let Some(data) = simulated(env).and_then(Simulated::data) else {
         return Ok(None);
@@ -78,9 +78,9 @@ fn matrix<'py, const N: usize>(
     PyArray1::from_slice(py, rows.as_flattened()).reshape([rows.len(), N])
 }
 
-/// The parts of the model, and its stepping: its source, the text of a built-in one, initial
-/// positions, number of velocities, names of bodies, timestep, and the version of MuJoCo with the
-/// names of all versions. `None` for other environments.
+/// Properties of the model: its source, the text of a built-in model, initial positions, the number
+/// of velocities, names of bodies, the timestep, and the version of MuJoCo with the names of all
+/// versions. `None` for other environments.
 pub(crate) fn model<'py>(py: Python<'py>, env: &BoxEnv) -> PyResult<Option<Bound<'py, PyDict>>> {
     let Some(env) = simulated(env) else {
         return Ok(None);

@@ -19,14 +19,14 @@ from rustgym._spaces import space_from
 from rustgym._specs import class_of, metadata_from, native_arguments, native_options, spec_of
 from rustgym._window import Window
 
-#: The render modes that the Rust side has.
+#: The render modes that the Rust side supports.
 _NATIVE_MODES = ("human", "rgb_array", "depth_array", "rgbd_tuple", "ansi")
 
 __all__ = ["Env"]
 
 
 class _Kind(type):
-    """Makes ``Env("CartPole-v1")`` an instance of the id's class."""
+    """Makes ``Env("CartPole-v1")`` return an instance of the id's class."""
 
     def __call__(cls, *args: Any, **kwargs: Any) -> Any:
         if cls is not Env or not (args or "env_id" in kwargs):
@@ -50,8 +50,8 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         >>> observation, info
         (0, {'prob': 1})
 
-    It is an instance of the class that stands for the id, such as ``rustgym.envs.FrozenLake_v1``, with what Gymnasium's users
-    know of that: ``state`` in classic control, ``P`` in toy text, ``data`` in the MuJoCo tasks, ``ale`` in Atari.
+    It is an instance of the class that stands for the id, such as ``rustgym.envs.FrozenLake_v1``, with the attributes of
+    Gymnasium's class: ``state`` in classic control, ``P`` in toy text, ``data`` in the MuJoCo tasks, ``ale`` in Atari.
 
     Args:
         env_id: An id of the Rust registry, without the namespace ``rustgym/``; ``rustgym.ids()`` lists them.
@@ -78,22 +78,23 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
     #: The id of the Rust registry.
     env_id: str
 
-    # wrappers of the Rust side, as JSON
+    # the Rust wrappers around the environment, as JSON
     _wrappers = "[]"
 
-    # arguments fixed when the dynamics were made: setting them changes nothing
+    # arguments that have an effect only in the constructor; setting the attribute changes nothing
     _constants: frozenset[str] = frozenset()
 
-    # whether a step does more than the native one: it follows a generator held outside, or shows a picture
+    # whether a step must do more than the Rust side's step: update a generator or an object that a user holds, or show a
+    # picture
     _is_watched = True
     _generator: np.random.Generator | None = None
     _window: Window | None = None
 
-    # the objects that attributes of the kind `Live` have handed out, by their names, and what they said last
+    # the `Live` objects that users hold, by attribute name; `_seen` has a copy of each for comparison
     _handed: dict[str, Any] | None = None
     _seen: dict[str, Any] = {}
 
-    # None in a class of somebody's own, which brings its own `reset` and `step`
+    # `None` in a user's own subclass, which has its own `reset` and `step`
     _native: native.Env = None  # type: ignore[assignment]
 
     def __init__(self, env_id: str | None = None, *, render_mode: str | None = None, **kwargs: Any) -> None:
@@ -129,7 +130,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
 
     @staticmethod
     def _of(inner: native.Env, env_id: str, render_mode: str | None, kwargs: dict[str, Any]) -> Env:
-        """The environment around a native one, which may have wrappers of the Rust side."""
+        """Wraps an environment of the Rust side, which may have Rust wrappers."""
         env: Env = class_of(env_id)(render_mode=render_mode, **json.loads(inner.arguments()))
         env._native = inner
         env._take_spaces()
@@ -141,16 +142,16 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         try:
             return native.Env(self.env_id, kwargs, mode, self._wrappers)
         except gymnasium.error.UnsupportedMode:
-            # Gymnasium's environments take any mode, of which `make` warns; `render` says which there are
+            # Gymnasium's environments accept any mode, and `make` warns of unknown ones; `render` then lists the modes
             return native.Env(self.env_id, kwargs, None, self._wrappers)
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
         """Starts an episode.
 
         Args:
-            seed: A whole number, zero or greater, of any size, which settles the episode. Without one the generator goes on
-                from the last episode; the first time the operating system seeds it.
-            options: What the environment's documentation names, such as ``low`` and ``high``.
+            seed: An integer of at least 0, of any size, which determines the episode. Without a seed, the generator continues
+                from the last episode; the first time, the operating system seeds it.
+            options: The options that the environment's documentation lists, such as ``low`` and ``high``.
 
         Returns:
             The first observation, an element of ``observation_space``, and the info.
@@ -181,7 +182,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         return result
 
     def _open_window(self, reason: str) -> None:
-        """Goes on with a window of pygame, where no other can be opened."""
+        """Replaces the window by one of pygame, if the Rust side cannot open its own."""
         self._window = Window(self.env_id, self.metadata["render_fps"], reason)
         snapshot = self._native.snapshot()
         self._native = native.Env(self.env_id, self._native.arguments(), "rgb_array", self._wrappers)
@@ -199,7 +200,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
             The next observation, the reward as ``float``, ``terminated`` and ``truncated`` as ``bool``, and the info.
 
         Raises:
-            gymnasium.error.InvalidAction: for what is not an action; nothing has changed then.
+            gymnasium.error.InvalidAction: for an invalid action; the environment is then unchanged.
             gymnasium.error.ResetNeeded: before the first ``reset``.
         """
         if self._is_watched:
@@ -217,14 +218,14 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         return result
 
     def _push(self, call: str = "") -> None:
-        """Brings the environment to what the objects say that were handed out, before a ``call``: a reset or step, or another."""
+        """Writes the changes to the objects that users hold to the Rust side, before ``call`` ("reset", "step" or "")."""
         self._push_generator()
         for name in list(self._handed or ()):
             attribute: Live = getattr(type(self), name)
             attribute.push(self, self._handed[name], call)  # type: ignore[index]
 
     def _follow(self, is_reset: bool = False) -> None:
-        """Brings the objects that were handed out to the environment's state."""
+        """Updates the objects that users hold after a call."""
         self._pull_generator()
         for name in list(self._handed or ()):
             attribute: Live = getattr(type(self), name)
@@ -234,17 +235,17 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         self._watch()
 
     def _push_into_vector(self) -> None:
-        """As ``_push``, for an environment of a vector, which is stepped there: all that matters must be in the native one."""
+        """As ``_push``, for an environment that a vector steps: all changes must reach the Rust side."""
         self._push()
 
     def _drop(self, name: str) -> None:
-        """Lets go of an object that was handed out: the next who asks gets a new one."""
+        """Forgets an object that users hold: the next access to the attribute makes a new one."""
         if self._handed:
             self._handed.pop(name, None)
             self._seen.pop(name, None)
 
     def _watch(self) -> None:
-        """Whether anybody outside holds something that must be looked at in each step."""
+        """Sets ``_is_watched``: whether users hold an object that each step must check or update."""
         held = self._native is None or self._generator is not None or self._window is not None or self._handed
         self.__dict__["_is_watched"] = bool(held)
 
@@ -269,7 +270,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
             modes = ", ".join(self.metadata["render_modes"])
             raise gymnasium.error.UnsupportedMode(f"{self.env_id} cannot render as {self.render_mode}: its modes are {modes}")
         if self.render_mode.endswith("_list"):
-            # Gymnasium's environments give nothing here, too
+            # Gymnasium's environments return `None` here too
             logger.warn(
                 f"{self.env_id} itself collects no frames for {self.render_mode}: gymnasium.make adds the wrapper that does"
             )
@@ -279,22 +280,22 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         return None if self.render_mode == "human" else self._native.render()
 
     def close(self) -> None:
-        """Closes the window, if there is one. The episode is as it was, and the generator; more than once is fine."""
+        """Closes the window, if there is one. The episode continues; closing again has no effect."""
         if self._native is not None:
             self._native.close()
         if self._window is not None:
             self._window.close()
 
     def get_state(self) -> str:
-        """The whole state, generator included, as JSON text: for planners, and to store."""
+        """The whole state, including the generator, as JSON text."""
         self._push()
         return self._native.snapshot()
 
     def set_state(self, state: str) -> None:
-        """Continues from a text that ``get_state`` returned, of this environment or another with the same arguments.
+        """Continues from the result of ``get_state`` of this environment, or of another with the same arguments.
 
         Raises:
-            ValueError: for the state of something else; the environment is then as it was.
+            ValueError: for any other text; the environment is then unchanged.
         """
         if not isinstance(state, str):
             raise TypeError(f"a state must be a text returned by get_state, not {state!r} of type {type(state).__name__}")
@@ -302,7 +303,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         self._follow(is_reset=True)
 
     def _rebuild(self, changed: dict[str, Any]) -> None:
-        """The environment as it is, with other values of arguments that cannot be set in the native one."""
+        """Rebuilds the Rust side with changed arguments, for arguments that it cannot set, and keeps the state."""
         given = {**json.loads(self._native.arguments()), **changed}
         native = self._make_native(native_arguments(self.env_id, given))
         state = self._take_apart()[0]
@@ -311,14 +312,14 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         self._native = native
 
     def _take_apart(self) -> tuple[Any, Any]:
-        """The stored state, and the part of it that is the episode: ``None`` before the first reset."""
+        """The stored state, and the part of it that is the episode (``None`` before the first reset)."""
         whole = json.loads(self._native.snapshot())
         inner = whole
         while isinstance(inner, list):  # wrappers of the Rust side: `[what is within, their own]`
             inner = inner[0]
         return whole, inner["episode"]
 
-    # -- the generator: Gymnasium and its wrappers draw from `np_random`, and look at it under its private name
+    # -- the generator: Gymnasium and its wrappers draw from `np_random`, and also read its private attribute
 
     @property
     def _np_random(self) -> np.random.Generator | None:
@@ -343,7 +344,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         self._push_generator()
 
     def _pull_generator(self) -> None:
-        """Brings the generator that somebody holds to where the environment's is."""
+        """Sets the generator that users hold to the state of the Rust side's."""
         if self._generator is None or (state := self._native.generator()) is None:
             return
         state_high, state, inc_high, inc, half = json.loads(state)
@@ -355,7 +356,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         }
 
     def _push_generator(self) -> None:
-        """Brings the environment's generator to where the one is that somebody holds."""
+        """Sets the Rust side's generator to the state of the one that users hold."""
         if self._generator is None or self._native is None:
             return
         state = self._generator.bit_generator.state
@@ -385,12 +386,12 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         return twin
 
     def _lasting(self) -> dict[str, Any]:
-        """Copies of the objects that were handed out and are no part of a snapshot, such as a table."""
+        """Copies of the objects that users hold and that a snapshot does not contain, such as a table."""
         handed = (self._handed or {}).items()
         return {name: deepcopy(value) for name, value in handed if getattr(type(self), name).outlives_reset is True}
 
     def _take_lasting(self, objects: dict[str, Any]) -> None:
-        """Goes by what ``_lasting`` of another returned."""
+        """Takes over the result of another environment's ``_lasting``."""
         for name, value in objects.items():
             attribute: Live = getattr(type(self), name)
             attribute.copy(self, value)
@@ -416,14 +417,14 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         super().__setattr__(name, value)
 
     def _knows(self, name: str) -> bool:
-        """Whether setting an attribute is nothing to warn of: a class of somebody's own has attributes of its own."""
+        """Whether an attribute can be set without a warning. A user's subclass may have any attributes."""
         if name in self.__dict__ or hasattr(type(self), name) or "arguments" not in self.__dict__:
             return True
         return name.startswith("_") or type(self).__module__ != "rustgym.envs"
 
 
 class ClassEnv(Env):
-    """The base of the classes of single ids."""
+    """The base class of the classes of ids."""
 
     _id: ClassVar[str]
 
@@ -432,16 +433,16 @@ class ClassEnv(Env):
 
 
 class TunableEnv(ClassEnv):
-    """The base of the classes whose arguments are attributes that take effect when they are set, as Gymnasium's do."""
+    """The base class of environments whose arguments are attributes that take effect when set, as in Gymnasium."""
 
-    #: Arguments that decide the spaces, and cannot be set.
+    #: Arguments that determine the spaces, and cannot be set.
     _fixed: ClassVar[frozenset[str]] = frozenset()
-    #: Functions from an argument's value to one of two names, where Gymnasium takes any other text as the second.
+    #: For arguments where Gymnasium takes any other text as the second of two names: a function to one of these names.
     _names: ClassVar[dict[str, Callable[[Any], Any]]] = {}
 
     def __init__(self, render_mode: str | None = None, **kwargs: Any) -> None:
         defaults = spec_of(self._id)["defaults"]
-        # arguments that a user's subclass sets
+        # arguments that a user's subclass sets as class attributes
         own = {name: getattr(type(self), name, value) for name, value in defaults.items()}
         own.update((name, defaults[name]) for name, value in own.items() if isinstance(value, Live))
         changed = {name: value for name, value in own.items() if value != defaults[name]}
@@ -457,7 +458,7 @@ class TunableEnv(ClassEnv):
 
 
 def checked_seed(seed: Any, name: str = "Seed") -> int:
-    """A seed as an integer of Python's; the Rust side refuses negative ones."""
+    """A seed as a Python integer. The Rust side refuses negative ones."""
     try:
         return operator.index(seed)
     except TypeError:
@@ -466,7 +467,7 @@ def checked_seed(seed: Any, name: str = "Seed") -> int:
 
 
 def entropy() -> int:
-    """A seed from the operating system, as numpy takes it."""
+    """A seed from the operating system."""
     seed = np.random.SeedSequence().entropy
     assert isinstance(seed, int)
     return seed

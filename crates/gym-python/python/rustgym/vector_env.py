@@ -26,7 +26,7 @@ __all__ = ["VectorEnv"]
 
 
 def _whole(name: str, number: Any, least: int) -> int:
-    """A whole number of at least ``least``."""
+    """An integer of at least ``least``."""
     try:
         whole = operator.index(number)
     except TypeError:
@@ -46,7 +46,7 @@ def _text(name: str, text: Any) -> str | None:
 
 
 def _pixels(gray: bool, frame_stack: int) -> str:
-    """The wrappers of the Rust side that observe pictures, as JSON."""
+    """Rust wrappers, as JSON, that observe pictures."""
     wrappers: list[tuple[str, dict[str, Any]]] = [("AddRenderObservation", {"render_only": True})]
     if gray:
         wrappers.append(("GrayscaleObservation", {"keep_dim": False}))
@@ -71,25 +71,25 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
 
     Args:
         env_id: An id of the Rust registry, without the namespace ``rustgym/``.
-        num_envs: How many environments there are.
+        num_envs: The number of environments.
         kind: ``"sync"`` steps one after the other, ``"async"`` on a pool of threads, ``"native"`` by one loop with vector
-            instructions, where the id has it. ``None`` is native where there is one and no render mode is wanted, else sync.
+            instructions, for ids that have one. ``None`` is native if the id has it and there is no render mode, else sync.
             All give the same results, to the last bit.
-        autoreset_mode: When environments are reset whose episode has ended: ``AutoresetMode`` or its value.
-        threads: How many threads an async vector has; one for each core unless given. It makes no difference to results.
-        copy: With ``True`` each call returns new arrays. With ``False`` two sets of arrays take turns: what a call returned
-            is valid until the call after next, which is enough for ``obs, next_obs`` and saves some allocations.
+        autoreset_mode: When an environment whose episode has ended is reset: ``AutoresetMode`` or its value.
+        threads: The number of threads of an async vector; by default one for each core. It does not change results.
+        copy: With ``True`` each call returns new arrays. With ``False``, calls return two sets of arrays in turn: the arrays
+            of a call are overwritten by the call after next. That suffices for ``obs, next_obs`` and saves allocations.
         arg_each: An argument for each environment, by name: a list with one value for each, or a pair ``(low, high)``, from which
             each draws a new value at each reset. ``arg_each={"gravity": (3.7, 11.2)}``
-        preprocessing: For the games of Atari: as of ``rustgym.envs.AtariEnv``.
-        render_size: Width and height of pictures, which are drawn at that size. With it, or with ``gray`` or ``frame_stack``, the
-            observations are the pictures, of any task that draws; with ``render_mode="rgb_array"`` as well, the size is that of
-            ``render`` alone.
-        gray: Whether the pictures are gray, without an axis of colours.
-        frame_stack: How many pictures an observation has, the last ones, along a first axis; 0 for one, without that axis.
-        seeds: A list or an iterator of the seeds of all resets to come, those included that the vector makes by itself, such as
-            ``itertools.count(1000)``: each takes the next, in a step by index. ``reset(seed=...)`` does not use them.
-        max_episode_steps: The steps after which an episode is truncated, instead of the number registered; -1 for never.
+        preprocessing: For Atari games: as of ``rustgym.envs.AtariEnv``.
+        render_size: Width and height of the pictures. With it, or with ``gray`` or ``frame_stack``, the observations are
+            pictures, for any task that draws. With ``render_mode="rgb_array"``, it is only the size of ``render``.
+        gray: Whether the pictures are gray, without an axis for colours.
+        frame_stack: The number of pictures in an observation: the last ones, along a first axis. 0 is one picture without
+            that axis.
+        seeds: A list or an iterator of seeds, such as ``itertools.count(1000)``. Each reset, also an automatic one, takes the
+            next seed; resets in the same step take them by index. ``reset(seed=...)`` does not use them.
+        max_episode_steps: The time limit of an episode instead of the registered one; -1 for none.
         render_mode: As of ``rustgym.Env``; ``render`` then returns a tuple with the current picture of each.
         kwargs: The arguments of the environment.
 
@@ -98,7 +98,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
 
     metadata: dict[str, Any] = {"autoreset_mode": AutoresetMode.NEXT_STEP}
 
-    # the environments, once somebody asked for them, and whether a step does more than the native one
+    # the environments, once a user has read `envs`; `_is_watched` is whether a step must update them
     _envs: tuple[Env, ...] | None = None
     _is_watched = False
     _keeps_envs = False
@@ -205,9 +205,10 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         """Starts episodes.
 
         Args:
-            seed: Of the first environment, the next ones having one more each; or a list with one for each.
-            options: Those of the environment, and ``"reset_mask"``: a ``bool`` array of shape ``(num_envs,)`` that says which
-                environments start an episode. The others stay where they are, and ``infos`` says nothing of them.
+            seed: The seed of the first environment, and one more for each next one; or a list with one seed for each.
+            options: The options of the environment, and ``"reset_mask"``: a ``bool`` array of shape ``(num_envs,)`` that says
+                which
+                environments start an episode. The others continue their episodes, and have no ``infos``.
 
         Returns:
             Observations, with a row for each environment, and infos, with a column for each key.
@@ -254,7 +255,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
 
         Returns:
             Observations, rewards (``float64``), terminated, truncated (``bool``), each with a row for each environment, and
-            infos: for each key a column, and under ``_key`` which rows of it count.
+            infos: a column for each key, and under ``_key`` a mask of its valid rows.
         """
         return self._watched_step(actions) if self._is_watched else self._native.step(actions)
 
@@ -270,7 +271,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         return result
 
     def _set_types(self, infos: dict[str, Any], actions: Any) -> None:
-        """Gives the columns the types of Gymnasium's."""
+        """Casts the columns to the types of Gymnasium's infos."""
         for name, kind in self._info_types.items():
             if name in infos and (kind is not np.float32 or getattr(actions, "dtype", None) == kind):
                 infos[name] = infos[name].astype(kind)
@@ -282,7 +283,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
 
         Args:
             actions: A row for each of ``env_ids``.
-            env_ids: Which; all unless given. None of them may be pending.
+            env_ids: The environments; by default all. None of them may be pending.
         """
         if self._seeds is not None:
             raise gymnasium.error.Error("a vector with seeds steps all of its environments at once: it has no send and recv")
@@ -290,13 +291,14 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         self._native.send(actions, [_whole("an id of env_ids", i, 0) for i in ids])
 
     def recv(self, m: int | None = None) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
-        """Waits until ``m`` of the environments that were sent have taken their step, and returns the results of these.
+        """Waits until ``m`` of the environments that were sent have taken their step, and returns their results.
 
         Args:
-            m: How many; ``num_envs`` unless given.
+            m: The number of environments; by default ``num_envs``.
 
         Returns:
-            As ``step``, with ``m`` rows in the order in which they were ready; ``infos["env_id"]`` says whose they are. The other
+            As ``step``, with ``m`` rows in the order in which they were ready; ``infos["env_id"]`` has the environment of
+            each row. The other
             columns of ``infos`` have a row for each environment.
         """
         *results, infos, ids = self._native.recv(self.num_envs if m is None else _whole("m", m, 1))
@@ -317,19 +319,19 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         return self._native.render()
 
     def close_extras(self, **kwargs: Any) -> None:
-        """Ends the threads of an async vector, and with them its use; closes the windows of others, which go on as they were."""
+        """Ends the threads of an async vector, which cannot be used afterwards. Closes the windows of other vectors."""
         self._native.close()
 
     def __repr__(self) -> str:
         return f"rustgym.VectorEnv({self.env_id!r}, num_envs={self.num_envs}, kind={self.kind!r})"
 
-    # -- the environments within
+    # -- the environments of the vector
 
     @property
     def envs(self) -> tuple[Env, ...]:
-        """The environments: what is done with them is done in the vector. A native vector has none.
+        """The environments: a change to one of them changes the vector. A native vector has none.
 
-        From the first look on each call of the vector takes them over before and brings them up to date after, which takes time.
+        After the first access, each call of the vector copies them to the Rust side before and back after, which takes time.
         """
         self._keeps_envs = True
         return self._look_at_envs()
@@ -342,14 +344,14 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         return self._envs
 
     def _push_envs(self) -> None:
-        """Takes over what was done with the environments that were handed out."""
+        """Writes the environments that users hold to the Rust side."""
         assert self._envs is not None
         for env in self._envs:
             env._push_into_vector()
         self._native.set_envs([env._native for env in self._envs])
 
     def _follow_envs(self, is_reset: bool) -> None:
-        """Brings the environments that were handed out up to date."""
+        """Updates the environments that users hold from the Rust side."""
         assert self._envs is not None
         for env, native in zip(self._envs, self._native.envs(), strict=True):
             env._native = native
@@ -372,7 +374,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
                 env._take_lasting(objects)
 
     def _let_go(self) -> None:
-        """Forgets the environments where nobody holds one of them, or something of one."""
+        """Forgets the environments if users hold neither them nor an object of theirs."""
         if not self._keeps_envs and not any(env._is_watched for env in self._envs or ()):
             self._envs, self._is_watched = None, bool(self._info_types or self._seeds)
 
@@ -390,7 +392,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         return self.call(name)
 
     def set_attr(self, name: str, values: Any) -> None:
-        """Sets the attribute ``name`` of each environment, such as ``state``: to one value, or to the values of a list."""
+        """Sets the attribute ``name`` of each environment, such as ``state``: to one value, or to an element of a list each."""
         if not isinstance(values, list | tuple):
             values = [values] * self.num_envs
         if len(values) != self.num_envs:

@@ -1,6 +1,6 @@
-"""A class for each id, such as ``CartPole_v1`` and ``CartPole_v1_Vector``, and the registry of Gymnasium with ours.
+"""A class for each id, such as ``CartPole_v1`` and ``CartPole_v1_Vector``, and Gymnasium's registry including these ids.
 
-The classes are made when they are asked for. Ids that Gymnasium's users know by a class have it as their base:
+The classes are made on first use. If Gymnasium has a class for the environment, a class of that name is the base:
 ``CartPole_v1`` is a ``CartPoleEnv``.
 """
 
@@ -71,7 +71,7 @@ _BASES: dict[str, type[Env]] = {
     **dict.fromkeys(MODULES, MujocoEnv),
 }
 
-# Gymnasium's modes that the Rust side does not have
+# Gymnasium's render modes that the Rust side does not support
 _MORE_MODES = {
     "CarRacing": ["state_pixels"],
 }
@@ -86,7 +86,7 @@ def _task(env_id: str) -> str:
 
 
 def _documented(argument: dict[str, str], defaults: dict[str, Any]) -> str:
-    """The line of a docstring about an argument."""
+    """A docstring's line about an argument."""
     name, unit = argument["name"], argument["unit"] and f" {argument['unit']}"
     return f"\n        {name}: {argument['meaning']} {argument['type']}; {defaults[name]!r}{unit} unless given."
 
@@ -95,14 +95,14 @@ def _env_class(name: str, env_id: str) -> type[Env]:
     spec = SPECS[env_id]
     of_crate: dict[str, type[Env]] = {"gym-atari": AtariEnv, "gym-minigrid": GridEnv}
     base = of_crate.get(spec["crate"]) or _BASES.get(_task(env_id), ClassEnv)
-    # without its ROM a game cannot be made, and so not described
+    # a game cannot be made, and so not described, without its ROM
     metadata = dict(base.metadata) if base is AtariEnv else metadata_from(json.loads(_native.describe(env_id)))
     metadata["render_modes"] = metadata["render_modes"] + _MORE_MODES.get(_task(env_id), [])
     arguments = "".join(_documented(argument, spec["defaults"]) for argument in spec["arguments"])
     doc = f"{spec['description'] or env_id}\n\n    ``{env_id}`` without Gymnasium's wrappers, with the arguments:\n{arguments}"
 
     made = type(name, (base,), {"__doc__": doc, "__module__": __name__, "_id": env_id, "metadata": metadata})
-    # under the name that Gymnasium's class has: environments print it
+    # the name of Gymnasium's class, because environments print it
     if base is MujocoEnv:
         made.__name__ = f"{_task(env_id)}Env"
     elif base is not ClassEnv:
@@ -115,7 +115,7 @@ def _vector_class(name: str, env_id: str) -> type[VectorEnv]:
         VectorEnv.__init__(self, env_id, num_envs, **kwargs)
 
     doc = f"A vector of ``{env_id}``; see ``rustgym.VectorEnv`` for its arguments."
-    # (skrl tells a vector by the direct bases of its class)
+    # (skrl recognises a vector by the direct bases of its class)
     return type(name, (VectorEnv, gymnasium.vector.VectorEnv), {"__doc__": doc, "__module__": __name__, "__init__": __init__})
 
 
@@ -175,7 +175,7 @@ def _class(name: str) -> Any:
 
 
 def _replace() -> None:
-    """Puts our classes into our forms of Gymnasium's modules."""
+    """Puts this package's classes into its copies of Gymnasium's modules."""
     for name, made in stand_ins().items():
         module, _, attribute = name.removeprefix("gymnasium.").partition(":")
         if module.count(".") > 1:  # the modules of the families are ours

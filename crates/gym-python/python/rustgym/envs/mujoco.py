@@ -1,8 +1,8 @@
 """The MuJoCo tasks, with Gymnasium's attributes: ``data``, ``model``, ``set_state``, ``dt``.
 
-Nothing here needs MuJoCo. Where its Python package is installed, ``data`` and ``model`` are MuJoCo's own objects, and both ways
-are open: they follow the environment, and the environment takes over what is written to them. What our engine does not know, such
-as another model, hands the environment over: from then on the package steps it, by Gymnasium's own task.
+MuJoCo's Python package is optional. If it is installed, ``data`` and ``model`` are MuJoCo's own objects. Each call of the
+environment updates them, and changes to them are written to the environment. After a change that the Rust engine does not
+support, such as a change of the model, MuJoCo's package steps the environment, in Gymnasium's own task.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ from rustgym.env import ClassEnv, Env, entropy
 
 __all__ = ["MujocoEnv"]
 
-# a package, as Gymnasium's is: the modules below it are those of `rustgym._modules`
+# a package, as in Gymnasium: `rustgym._modules` finds the modules below it
 __path__: list[str] = []
 __getattr__ = forwarder(__name__)
 
-# the tasks, and the modules that Gymnasium has them in, without the version
+# the tasks, and Gymnasium's modules of them, without the version
 MODULES = {
     "Ant": "ant",
     "HalfCheetah": "half_cheetah",
@@ -46,11 +46,11 @@ MODULES = {
     "Walker2d": "walker2d",
 }
 
-# the number of positions that the tasks can leave out of an observation
+# the number of positions that a task can leave out of its observation
 _CAN_EXCLUDE = {"Ant": 2, "HalfCheetah": 1, "Hopper": 1, "Humanoid": 2, "HumanoidStandup": 2, "Swimmer": 2, "Walker2d": 1}
 
 
-# what a column of infos has as another type than `float64`; `float32` where the action is
+# the types of info columns that are not `float64`; `float32` for a `float32` action
 _INFO_TYPES: dict[str, dict[str, Any]] = {
     **dict.fromkeys(["Ant", "HalfCheetah", "Hopper", "Pusher", "Reacher", "Swimmer", "Walker2d"], {"reward_ctrl": np.float32}),
     "InvertedPendulum": {"reward_survive": np.int64},
@@ -59,14 +59,14 @@ _INFO_TYPES: dict[str, dict[str, Any]] = {
 
 @cache
 def _installed() -> str | None:
-    """The version of MuJoCo's Python package, with whose numbers Gymnasium plays."""
+    """The version of MuJoCo's installed Python package, which Gymnasium uses; ``None`` without it."""
     try:
         return version("mujoco")
     except PackageNotFoundError:
         return None
 
 
-# whether a version of the package and one that was asked for have the same numbers
+# whether an installed version and a requested version give the same results
 _AGREE: dict[tuple[str, str], bool] = {}
 
 
@@ -76,7 +76,7 @@ def _is_of(installed: str, versions: list[str]) -> bool:
 
 @cache
 def _tell_other(own: str, installed: str, name: str | None) -> None:
-    """Logs, once, that Gymnasium has other numbers here."""
+    """Warns, once, that Gymnasium's results differ, because the installed MuJoCo differs."""
     hint = f'make it with mujoco="{name}" for these' if name else "whose numbers rustgym does not repeat"
     gymnasium.logger.warn(
         f"the environment has the numbers of MuJoCo {own}, and Gymnasium has those of the installed mujoco {installed}: {hint}"
@@ -95,12 +95,12 @@ def _has_package() -> bool:
 class MujocoEnv(ClassEnv):
     """A robot that moves by MuJoCo's equations.
 
-    A class of your own on top of a task may override what Gymnasium's tasks call, such as ``reset_model`` or ``_get_obs``; and a
-    class of your own on top of this one is made as one of ``gymnasium.envs.mujoco.MujocoEnv`` is, from the path of a model. Both
-    are stepped by MuJoCo's package.
+    A subclass of a task may override methods that Gymnasium's tasks call, such as ``reset_model`` or ``_get_obs``. A direct
+    subclass of this class takes the path of a model, like one of ``gymnasium.envs.mujoco.MujocoEnv``. MuJoCo's package steps
+    both kinds.
     """
 
-    # MuJoCo's own model and data, made on first use; without the package data of our own
+    # MuJoCo's own model and data, made on first use; without MuJoCo's package, data of this package
     _mirror: Mirror | None = None
     _own_data: OwnData | None = None
     _overrides = False
@@ -135,7 +135,7 @@ class MujocoEnv(ClassEnv):
             self._hand_over("a method that Gymnasium's task calls", warn=False)
 
     def _is_of_version(self, installed: str) -> bool:
-        """Whether a version of MuJoCo's package has the numbers of this environment."""
+        """Whether an installed version of MuJoCo's package gives the results of this environment."""
         key = installed, str(self.arguments.get("mujoco"))
         if key not in _AGREE:
             _AGREE[key] = _is_of(installed, self._made_of["versions"][self._made_of["mujoco"]])
@@ -144,7 +144,7 @@ class MujocoEnv(ClassEnv):
     @classmethod
     @cache
     def _theirs(cls) -> Any:
-        """Gymnasium's class of the task."""
+        """Gymnasium's class of the task, which needs MuJoCo's package."""
         env_id = getattr(cls, "_id", None)
         if not _has_package():
             raise gymnasium.error.DependencyNotInstalled("this needs the package mujoco: run `pip install mujoco`")
@@ -173,7 +173,7 @@ class MujocoEnv(ClassEnv):
         return observation, info
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        """As ``Env.step``; raises ``ValueError`` for an action of another shape, as Gymnasium's tasks do."""
+        """As ``Env.step``. Raises ``ValueError`` for an action of another shape, as Gymnasium's tasks do."""
         try:
             return super().step(action)
         except gymnasium.error.InvalidAction:
@@ -193,8 +193,8 @@ class MujocoEnv(ClassEnv):
         return result
 
     def render(self) -> Any:
-        """As ``Env.render``. Depths are in metres, along the direction in which the camera looks, of our own drawing; MuJoCo's
-        package, which ``mujoco_renderer`` draws with, has the numbers of its buffer, from 0 to 1."""
+        """As ``Env.render``. Depths are in metres along the viewing direction, and belong to this package's own pictures.
+        MuJoCo's package, which ``mujoco_renderer`` uses, returns the values of its depth buffer, from 0 to 1. """
         if self._native is None or (self.render_mode and self._is_handed):
             if self._is_watched and self._native is not None:
                 self._push()
@@ -217,7 +217,7 @@ class MujocoEnv(ClassEnv):
             qvel: The velocities (``nv`` numbers).
 
         Raises:
-            ValueError: for what is no state of this environment, which is then as it was.
+            ValueError: for an invalid state; the environment is then unchanged.
         """
         if qvel is None:
             self._set_whole_state(state)
@@ -313,7 +313,7 @@ class MujocoEnv(ClassEnv):
         return int(self.env_id.rpartition("-v")[2]) >= 4
 
     def _touched(self) -> Mirror:
-        """MuJoCo's objects, which follow from now on."""
+        """MuJoCo's model and data, made on first use and updated from then on."""
         if self._mirror is None:
             if not _has_package():
                 raise gymnasium.error.DependencyNotInstalled(
@@ -328,7 +328,7 @@ class MujocoEnv(ClassEnv):
         return self._mirror
 
     def _hand_over(self, cause: str, warn: bool = True) -> None:
-        """From now on MuJoCo's package steps the environment."""
+        """Lets MuJoCo's package step the environment from now on."""
         if self._is_handed:
             return
         version = self._made_of["mujoco"]
@@ -344,7 +344,7 @@ class MujocoEnv(ClassEnv):
             )
         self._theirs()  # raises where there is none
         self._touched().is_handed = True
-        # Gymnasium's step reads them under these names
+        # Gymnasium's step reads the arguments under these names
         self.__dict__.update((f"_{name}", getattr(self, f"_{name}")) for name in self.arguments)
         if warn:
             logger.warn(f"{cause} was changed: from now on the package mujoco steps this {type(self).__name__}, at its speed")
@@ -353,8 +353,8 @@ class MujocoEnv(ClassEnv):
     def data(self) -> Any:
         """The state and the arrays computed from it, under the names of ``mjData``: ``qpos``, ``qvel``, ``xpos``, ``cfrc_ext``, ...
 
-        MuJoCo's own object where its package is installed, else one of ours with the same names. It follows the environment; what
-        is written to it is taken over before the next step.
+        MuJoCo's own object if its package is installed, else an object with the same names. Each call of the environment
+        updates it; changes to it are written to the environment before the next step.
         """
         if self._mirror is not None:
             return self._mirror.data
@@ -377,7 +377,7 @@ class MujocoEnv(ClassEnv):
 
     @property
     def model(self) -> Any:
-        """MuJoCo's own object for the model. The first change to it hands the environment over to MuJoCo's package.
+        """MuJoCo's own object for the model. After the first change to it, MuJoCo's package steps the environment.
 
         Raises:
             gymnasium.error.DependencyNotInstalled: without MuJoCo's Python package, which nothing else here needs.
@@ -429,7 +429,7 @@ class MujocoEnv(ClassEnv):
     # -- arguments and attributes
 
     def __getattr__(self, name: str) -> Any:
-        # Gymnasium's tasks keep their arguments under names with an underscore
+        # Gymnasium's tasks store their arguments under names with an underscore
         arguments = self.__dict__.get("arguments", {})
         if name.startswith("_") and name[1:] in arguments:
             value = arguments[name[1:]]
@@ -457,7 +457,7 @@ class MujocoEnv(ClassEnv):
         return name in self.__dict__ or hasattr(type(self), name)
 
     def _set_argument(self, name: str, value: Any) -> None:
-        """The environment with another value of an argument, where it is."""
+        """Changes an argument. If the Rust side steps the environment, it is rebuilt."""
         self.arguments[name] = value
         if self._is_handed:
             return
@@ -469,7 +469,7 @@ class MujocoEnv(ClassEnv):
 
     @property
     def frame_skip(self) -> int:
-        """The number of the model's timesteps per step. It can be set."""
+        """The number of timesteps per step. It can be set."""
         own = self.__dict__.get("frame_skip")
         return int(self._made_of["frame_skip"] if own is None else own)
 
@@ -487,7 +487,7 @@ class MujocoEnv(ClassEnv):
 
     @property
     def dt(self) -> float:
-        """Seconds from one step to the next: the timestep of ``model`` times ``frame_skip``."""
+        """Seconds per step: the timestep of ``model`` times ``frame_skip``."""
         has_own = self._native is not None and self._mirror is None
         return float((self._made_of["timestep"] if has_own else self.model.opt.timestep) * self.frame_skip)
 
@@ -518,7 +518,7 @@ class MujocoEnv(ClassEnv):
         """The number of elements of each array in an observation, in this order, and the number of positions left out.
 
         Raises:
-            AttributeError: for versions before 5 and tasks whose observation is made in another way, as in Gymnasium.
+            AttributeError: for versions before 5, and for tasks that do not have it in Gymnasium.
         """
         task, _, version = self.env_id.partition("-v")
         if version != "5" or task in ("InvertedDoublePendulum", "Pusher", "Reacher"):
@@ -546,7 +546,7 @@ class MujocoEnv(ClassEnv):
         return np.concatenate([arrays["qpos"], arrays["qvel"]])
 
     def get_body_com(self, body_name: str) -> npt.NDArray[np.float64]:
-        """The position of a body's frame, in metres; after a step as of the engine's last forward call, as in MuJoCo.
+        """The position of a body's frame, in metres. As in MuJoCo, after a step it is that of the engine's last forward call.
 
         Raises:
             KeyError: for a name that no body of the model has.

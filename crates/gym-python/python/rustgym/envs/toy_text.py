@@ -20,7 +20,7 @@ from rustgym.env import ClassEnv, checked_seed, entropy
 
 __all__ = ["BlackjackEnv", "CliffWalkingEnv", "FrozenLakeEnv", "TaxiEnv", "generate_random_map"]
 
-# a package, as Gymnasium's is: the modules below it are those of `rustgym._modules`
+# a package, as in Gymnasium: `rustgym._modules` finds the modules below it
 __path__: list[str] = []
 __getattr__ = forwarder(__name__)
 
@@ -34,7 +34,7 @@ def generate_random_map(size: int = 8, p: float = 0.8, seed: int | None = None) 
     Args:
         size: Rows and columns, at least 2.
         p: The probability of a frozen cell, above 0 and at most 1.
-        seed: The seed; without one the operating system gives it.
+        seed: The seed; by default the operating system gives it.
 
     Raises:
         ValueError: for a size or a probability out of its range.
@@ -47,7 +47,7 @@ def generate_random_map(size: int = 8, p: float = 0.8, seed: int | None = None) 
 class ToyTextEnv(ClassEnv):
     """An environment of a few cards or cells."""
 
-    # arguments that Gymnasium's environment looks at when it is played
+    # arguments that have an effect when they are set, as in Gymnasium
     _settable: ClassVar[frozenset[str]] = frozenset()
 
     def __setattr__(self, name: str, value: Any) -> None:
@@ -65,25 +65,25 @@ class ToyTextEnv(ClassEnv):
         return result
 
     def _set_state(self, **fields: Any) -> None:
-        """Continues from a state that differs in these fields."""
+        """Changes fields of the state, and continues from it."""
         if self._native.state() is None:
             self._native.reset(str(entropy()), None)
         self._native.set_state(json.dumps({**self._state(), **fields}))
 
 
 def _draw(probabilities: Any, rng: np.random.Generator) -> int:
-    """Gymnasium's ``categorical_sample``: the first at which the sum of the probabilities exceeds a draw."""
+    """Gymnasium's ``categorical_sample``: the first index at which the sum of the probabilities exceeds a random number."""
     return int(np.argmax(np.cumsum(np.asarray(probabilities)) > rng.random()))
 
 
 class TabularEnv(ToyTextEnv):
     """An environment whose dynamics are a table.
 
-    An action for which ``P`` was changed, and a start whose ``initial_state_distrib`` was, is played from these, as Gymnasium
-    plays all.
+    The Rust side plays its own table. If a user changed ``P`` for an action, or ``initial_state_distrib``, this class draws
+    the outcome of that action, or the start, from the changed table, in Gymnasium's way.
     """
 
-    # the name under which the state's number is stored
+    # the field of the stored state that has the state's number
     _cell: ClassVar[str] = "cell"
     _actions: ClassVar[tuple[str, ...]]
 
@@ -94,7 +94,7 @@ class TabularEnv(ToyTextEnv):
 
     @cached_property
     def _table(self) -> tuple[dict[int, dict[int, Outcomes]], list[float]]:
-        """The table that the native environment plays."""
+        """The table that the Rust side plays."""
         return self._made_table()
 
     P = Own(
@@ -108,7 +108,7 @@ class TabularEnv(ToyTextEnv):
     )
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        """As ``Env.step``; an action is whatever is equal to one, such as ``1.0`` and ``np.True_``."""
+        """As ``Env.step``. An action may also be a value that equals one, such as ``1.0`` or ``np.True_``."""
         try:
             return self._watched_step(action) if self._is_watched else self._native.step(action)
         except gymnasium.error.InvalidAction:
@@ -118,7 +118,7 @@ class TabularEnv(ToyTextEnv):
             return self.step(whole)
 
     def _whole(self, action: Any) -> Any:
-        """The action that is equal to ``action``, if there is one."""
+        """The valid action that equals ``action``; ``action`` itself if there is none."""
         actions = range(int(self.action_space.n))  # type: ignore[attr-defined]
         return next((whole for whole in actions if np.ndim(action) == 0 and whole == action), action)
 
@@ -154,7 +154,7 @@ class TabularEnv(ToyTextEnv):
             self.__dict__.pop("_table", None)
 
     def _moved(self, state: int, cell: int, rng: np.random.Generator) -> int:
-        """The state after what happens beyond the table."""
+        """The next state after changes that the table does not contain."""
         return cell
 
     def _fields(self, action: Any) -> dict[str, Any]:
@@ -171,7 +171,7 @@ class TabularEnv(ToyTextEnv):
             return super().reset(seed=seed, options=options)
         if seed is None and self._np_random is None:
             seed = entropy()
-        # the draw that decides the start is the first
+        # the first random number decides the start
         rng = np.random.default_rng(checked_seed(seed)) if seed is not None else deepcopy(self._np_random)
         assert rng is not None
         _, info = super().reset(seed=seed, options=options)
@@ -181,7 +181,7 @@ class TabularEnv(ToyTextEnv):
 
     @property
     def s(self) -> int:
-        """The state's number. Setting it continues from there."""
+        """The number of the state. Setting it continues from that state."""
         return int(self._state()[self._cell])
 
     @s.setter
@@ -212,7 +212,7 @@ class BlackjackEnv(ToyTextEnv):
 
     def _write_dealer(self, cards: Any) -> None:
         cards = [operator.index(card) for card in cards]
-        # the picture shows a face on the open card if its value is 10
+        # if the dealer's open card counts 10, the picture shows it as a face card
         face = (self._state()["face"] or "Jack") if cards[:1] == [10] else None
         self._set_state(dealer=cards, face=face)
 
@@ -255,7 +255,7 @@ class FrozenLakeEnv(TabularEnv):
     _actions = ("Left", "Down", "Right", "Up")
 
     def _write_desc(self, desc: Any) -> None:
-        # Gymnasium's table is made once: what is played stays, what is drawn follows
+        # as in Gymnasium, a new map changes pictures but not the table, so make the table before
         _ = self.P, self.initial_state_distrib
         self._rebuild({"desc": np.asarray(desc, dtype="c")})
         self.__dict__.pop("_table", None)

@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{IntoPyDict, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 
-/// A new numpy array of the numbers `data` in a shape.
+/// A new numpy array of `numbers`.
 pub(crate) fn new_array<'py, T: Element + Copy>(
     py: Python<'py>,
     shape: &[usize],

@@ -207,8 +207,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         Args:
             seed: The seed of the first environment, and one more for each next one; or a list with one seed for each.
             options: The options of the environment, and ``"reset_mask"``: a ``bool`` array of shape ``(num_envs,)`` that says
-                which
-                environments start an episode. The others continue their episodes, and have no ``infos``.
+                which environments start an episode. The others continue their episodes, and have no ``infos``.
 
         Returns:
             Observations, with a row for each environment, and infos, with a column for each key.
@@ -298,8 +297,7 @@ class VectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
 
         Returns:
             As ``step``, with ``m`` rows in the order in which they were ready; ``infos["env_id"]`` has the environment of
-            each row. The other
-            columns of ``infos`` have a row for each environment.
+            each row. The other columns of ``infos`` have a row for each environment.
         """
         *results, infos, ids = self._native.recv(self.num_envs if m is None else _whole("m", m, 1))
         columns: dict[str, Any] = {}

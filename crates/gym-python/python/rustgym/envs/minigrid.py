@@ -49,7 +49,7 @@ def _cells(grid: dict[str, Any]) -> np.ndarray:
 
 def _visible(view: np.ndarray) -> np.ndarray:
     """Which cells of a view the agent sees. It stands in the middle of the last row; its sight spreads sideways and forward
-    through cells that do not block it. """
+    through cells that do not block it."""
     size = len(view)
     blocks = (view[..., 0] == _WALL[0]) | (view[..., 0] == _KINDS.index("door")) & (view[..., 2] != 0)
     seen = np.zeros((size, size), bool)

@@ -194,7 +194,7 @@ class MujocoEnv(ClassEnv):
 
     def render(self) -> Any:
         """As ``Env.render``. Depths are in metres along the viewing direction, and belong to this package's own pictures.
-        MuJoCo's package, which ``mujoco_renderer`` uses, returns the values of its depth buffer, from 0 to 1. """
+        MuJoCo's package, which ``mujoco_renderer`` uses, returns the values of its depth buffer, from 0 to 1."""
         if self._native is None or (self.render_mode and self._is_handed):
             if self._is_watched and self._native is not None:
                 self._push()

@@ -255,7 +255,7 @@ class FrozenLakeEnv(TabularEnv):
     _actions = ("Left", "Down", "Right", "Up")
 
     def _write_desc(self, desc: Any) -> None:
-        # as in Gymnasium, a new map changes pictures but not the table, so make the table before
+        # as in Gymnasium, a new map changes pictures but not the table: make the table of the old map first
         _ = self.P, self.initial_state_distrib
         self._rebuild({"desc": np.asarray(desc, dtype="c")})
         self.__dict__.pop("_table", None)

@@ -410,3 +410,22 @@ fn a_picture_is_as_wide_as_it_can_be() {
         }
     }
 }
+
+/// The two directions of a point mass's forces are of length 1, and not too much alike.
+#[test]
+fn directions_of_forces_differ() {
+    let mut env = make("dm_control/point_mass-hard-v0").unwrap();
+    for seed in 0..40 {
+        env.reset(seed).unwrap();
+        let stored = serde_json::to_value(env.snapshot().unwrap()).unwrap();
+        let mut inner = &stored;
+        while inner.is_array() {
+            inner = &inner[0];
+        }
+        let constants = inner["episode"]["constants"].clone();
+        let [a, b, c, d]: [f64; 4] = serde_json::from_value(constants).unwrap();
+        assert!((a * a + b * b - 1.0).abs() < 1e-12, "{seed}");
+        assert!((c * c + d * d - 1.0).abs() < 1e-12, "{seed}");
+        assert!((a * c + b * d).abs() <= 0.9, "{seed}");
+    }
+}

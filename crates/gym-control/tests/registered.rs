@@ -360,3 +360,72 @@ fn a_start_of_no_numbers_is_refused() {
         }
     }
 }
+
+/// Directions that are no numbers are no state of a point mass.
+#[test]
+fn constants_of_a_start_are_checked() {
+    let mut env = make("dm_control/point_mass-hard-v0").unwrap();
+    env.reset(1).unwrap();
+    let before = env.snapshot().unwrap();
+    for (number, fits) in [(json!(0.5), true), (json!({"$float": "NaN"}), false)] {
+        let mut stored = serde_json::to_value(&before).unwrap();
+        // the snapshot of a wrapper is a list that begins with the inner one
+        let mut inner = &mut stored;
+        while inner.is_array() {
+            inner = &mut inner[0];
+        }
+        let constants = &mut inner["episode"]["constants"];
+        assert_eq!(constants.as_array().map(Vec::len), Some(4));
+        constants[2] = number.clone();
+        let stored = serde_json::from_value(stored).unwrap();
+        let mut other = make("dm_control/point_mass-hard-v0").unwrap();
+        assert_eq!(other.restore(&stored).is_ok(), fits, "{number}");
+    }
+}
+
+/// What the observation held before does not matter, not even as many parts of other names.
+#[test]
+fn an_observation_has_the_keys_of_its_task() {
+    let mut seen = make("dm_control/pendulum-swingup-v0")
+        .unwrap()
+        .reset(1)
+        .unwrap();
+    let mut env = make("dm_control/point_mass-easy-v0").unwrap();
+    let expected = env.reset(1).unwrap();
+    let parts = |value: &Value| match value {
+        Value::Dict(entries) => entries.len(),
+        _ => 0,
+    };
+    assert_eq!((parts(&seen), parts(&expected)), (2, 2));
+    env.reset_into(&1.into(), &mut seen).unwrap();
+    assert_eq!(seen, expected);
+}
+
+#[test]
+fn a_picture_is_as_wide_as_it_can_be() {
+    for (side, fits) in [(1, true), (16_384, true), (16_385, false)] {
+        for name in ["width", "height"] {
+            let env = builder("dm_control/pendulum-swingup-v0").arg(name, side);
+            assert_eq!(env.build().is_ok(), fits, "{name} {side}");
+        }
+    }
+}
+
+/// The two directions of a point mass's forces are of length 1, and not too much alike.
+#[test]
+fn directions_of_forces_differ() {
+    let mut env = make("dm_control/point_mass-hard-v0").unwrap();
+    for seed in 0..40 {
+        env.reset(seed).unwrap();
+        let stored = serde_json::to_value(env.snapshot().unwrap()).unwrap();
+        let mut inner = &stored;
+        while inner.is_array() {
+            inner = &inner[0];
+        }
+        let constants = inner["episode"]["constants"].clone();
+        let [a, b, c, d]: [f64; 4] = serde_json::from_value(constants).unwrap();
+        assert!((a * a + b * b - 1.0).abs() < 1e-12, "{seed}");
+        assert!((c * c + d * d - 1.0).abs() < 1e-12, "{seed}");
+        assert!((a * c + b * d).abs() <= 0.9, "{seed}");
+    }
+}

@@ -386,7 +386,7 @@ impl<T: Task> Env for MujocoEnv<T> {
     }
 
     fn depth(&self, size: (u32, u32)) -> Option<Vec<f32>> {
-        let data = &self.episode.as_ref()?.data;
+        let data = self.data()?;
         let Simulation { model, view, .. } = &self.simulation;
         let common = self.arguments.1.common();
         Some(view.depth_of(model, data, (common.width, common.height), size))

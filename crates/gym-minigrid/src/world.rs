@@ -161,7 +161,7 @@ impl World {
         self.targets.get(index).copied().unwrap_or(Cell::EMPTY)
     }
 
-    /// The element `index` of [`places`](Self::places); [`NOWHERE`] if there is none.
+    /// The element `index` of [`places`](Self::places); `NOWHERE` if there is none.
     pub fn place(&self, index: usize) -> Pos {
         self.places.get(index).copied().unwrap_or(NOWHERE)
     }

@@ -23,7 +23,7 @@ pub enum Instr {
         object: Desc,
         /// Whether another object fails the task.
         strict: bool,
-        /// The object that the agent carried at the last [`verify`](Self::verify).
+        /// The object that the agent carried at the last `verify`.
         before: Cell,
     },
     /// Put an object next to another one.
@@ -32,7 +32,7 @@ pub enum Instr {
         moved: Desc,
         /// The object that stays.
         fixed: Desc,
-        /// The object that the agent carried at the last [`verify`](Self::verify).
+        /// The object that the agent carried at the last `verify`.
         before: Cell,
     },
     /// Two tasks, one after the other.

@@ -12,7 +12,7 @@ use serde::de::DeserializeOwned;
 
 use crate::{Action, Cell, Facts, Kind, World};
 
-/// The effect of a wrapper: its arguments.
+/// The effect of a wrapper. The implementing type holds the wrapper's arguments.
 pub trait Effect: WrapperConfig + Clone + fmt::Debug + PartialEq + Send + 'static {
     /// The wrapper's state between steps.
     type State: Clone + fmt::Debug + Send + Serialize + DeserializeOwned + 'static;

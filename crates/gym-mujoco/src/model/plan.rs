@@ -72,7 +72,7 @@ pub(crate) struct Plan {
     pub(crate) gravcomp: bool,
     /// Whether sensors or energies must be computed.
     pub(crate) measures: bool,
-    /// Whether sensors read forces between bodies.
+    /// Whether a sensor of the acceleration stage needs `cacc` and `cfrc_int`.
     pub(crate) internal: bool,
     /// Whether any passive force acts.
     pub(crate) passive: bool,

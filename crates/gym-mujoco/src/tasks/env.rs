@@ -55,7 +55,7 @@ pub trait Task: Clone + fmt::Debug + Send + Sync + Sized + 'static {
     /// The elements of the observation.
     fn observe(&self, simulation: &Simulation, data: &Data) -> impl Iterator<Item = f64>;
 
-    /// Passes the entries of `info` to `show`: after a step, or with `None` after a reset.
+    /// Passes the entries of `info` to `visit`: after a step, or with `None` after a reset.
     fn info(
         &self,
         simulation: &Simulation,

@@ -148,7 +148,7 @@ impl Boxes<'_> {
         normalize(axis).0
     }
 
-    /// The middle of the nearest points of two edges.
+    /// Adds a contact in the middle between the nearest points of two edges.
     fn edges(&self, i: usize, j: usize, push: &mut impl FnMut(Hit)) {
         let (s1, s2, rot) = (self.a.size, self.b.size, &self.rot);
         let [[i1, i2], [j1, j2]] = [i, j].map(|k| [(k + 1) % 3, (k + 2) % 3]);

@@ -449,7 +449,7 @@ fn triangle(a: Vec3, b: Vec3, c: Vec3, revision: Revision) -> [f64; 3] {
 
 fn tetrahedron([a, b, c, d]: [Vec3; 4], revision: Revision) -> [f64; 4] {
     let volume = |p: Vec3, q: Vec3, r: Vec3| dot(p, cross(q, r));
-    // the volumes of the origin with each face; a positive one means inside
+    // the volumes of the origin with each face; inside, all have the sign of their sum
     let parts = [
         -volume(b, c, d),
         volume(a, c, d),

@@ -407,11 +407,14 @@ fn friction_difference(start: f64, x: f64, loss: f64, bound: f64, d: f64) -> f64
     }
 }
 
-/// The zones of a cone: no force, a quadratic cost, or sliding between both.
+/// The zones of a contact's elliptic cone.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Zone {
+    /// The contact separates: no force.
     Top,
+    /// The contact sticks: the cost is quadratic.
     Bottom,
+    /// The contact slides: the force is on the cone.
     Middle,
 }
 

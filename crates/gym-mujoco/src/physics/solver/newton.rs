@@ -138,7 +138,7 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
     }
 }
 
-/// The inputs of an island.
+/// The optimisation problem of one island, which Newton's method or CG solves.
 pub(super) struct Problem<'a> {
     pub(super) m: &'a Model,
     trees: &'a [usize],

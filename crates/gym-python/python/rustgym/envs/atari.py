@@ -124,7 +124,7 @@ class Ale:
         return 128
 
     def setRAM(self, index: int, value: int) -> None:
-        """Changes a byte of the RAM; ``RuntimeError`` for an index or a value out of range."""
+        """Changes a byte of the RAM. Raises ``RuntimeError`` for an index or a value out of range."""
         if index not in range(128) or value not in range(256):
             raise RuntimeError(f"RAM byte {index!r} cannot be set to {value!r}: indices are 0 to 127, values 0 to 255")
         self._native.set_ram(index, value)

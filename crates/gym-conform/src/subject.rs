@@ -19,6 +19,9 @@ pub(crate) const STEPS: usize = 150;
 pub(crate) const MIDWAY: usize = 5;
 pub(crate) const SEEDS: [u64; 3] = [0, 1, 123_456_789];
 
+/// A run: its seed, the steps before the comparison, and those of the comparison.
+type Run = (u64, usize, usize);
+
 /// The environment under test.
 pub(crate) struct Subject<'a> {
     make: &'a dyn Fn() -> Result<BoxEnv>,
@@ -34,7 +37,7 @@ pub(crate) struct Subject<'a> {
     damaged: OnceCell<Damaged>,
     /// The runs of [`untouched`](Self::untouched), by seed and steps, played once for several
     /// checks.
-    untouched: RefCell<BTreeMap<(u64, usize, usize), Rc<[Shown]>>>,
+    untouched: RefCell<BTreeMap<Run, Rc<[Shown]>>>,
     /// The spec and the registration, if any.
     pub(crate) spec: Option<EnvSpec>,
     pub(crate) registration: Option<Registration>,

@@ -3,7 +3,7 @@
 
 use gym_box2d::car_racing::{self, CarRacing};
 use gym_box2d::lunar_lander::{self, LunarLander};
-use gym_core::{BoxEnv, EnvExt, Inspect, Outcome, Reset, Value, builder, make};
+use gym_core::{BoxEnv, Env, EnvExt, Inspect, Outcome, Reset, Value, builder, make};
 use serde_json::json;
 
 /// Returns the results and rewards of `steps` steps with the action `action`.
@@ -345,6 +345,70 @@ fn colours_of_the_start_change_no_track() {
         "colours are drawn before the track"
     );
     assert!(track(false, Reset::from(4).option("randomize", true)) == plain);
+}
+
+/// A reset without new colours keeps those of the last episode.
+#[test]
+fn colours_stay_where_none_are_drawn() {
+    let config = car_racing::Config {
+        domain_randomize: true,
+        ..Default::default()
+    };
+    let mut car = CarRacing::new(config).unwrap();
+    let mut colors = |reset: Reset| {
+        car.reset_state(&reset).unwrap();
+        json!(car.snapshot().unwrap())["episode"]["colors"].clone()
+    };
+    let first = colors(Reset::from(1));
+    assert!(first["road"].is_array(), "{first}");
+    assert_eq!(colors(Reset::from(2).option("randomize", false)), first);
+    let second = colors(Reset::from(2));
+    assert_ne!(second, first);
+    assert_eq!(colors(Reset::from(3).option("randomize", false)), second);
+}
+
+/// What a state of a car says of its tiles must fit together.
+#[test]
+fn a_count_of_tiles_that_is_not_theirs_is_refused() {
+    let mut car = CarRacing::new(car_racing::Config::default()).unwrap();
+    car.reset_state(&0.into()).unwrap();
+    let before = car.snapshot().unwrap();
+    let count = car.state().unwrap().tiles_visited;
+    assert!(count > 0);
+    for (other, fits) in [(count, true), (count - 1, false), (count + 1, false)] {
+        let mut stored = json!(before);
+        assert_eq!(stored["episode"]["tile_visited_count"], count);
+        stored["episode"]["tile_visited_count"] = other.into();
+        let stored = serde_json::from_value(stored).unwrap();
+        assert_eq!(car.restore(&stored).is_ok(), fits, "{other} for {count}");
+        assert_eq!(car.snapshot().unwrap(), before);
+    }
+}
+
+/// The exhaust belongs to who renders: a restored lander has it if it renders itself.
+#[test]
+fn exhaust_is_there_for_who_renders() {
+    let lander = |renders: bool| {
+        let mut lander = LunarLander::new(lunar_lander::Config::default()).unwrap();
+        if renders {
+            lander.frames_drawn(0);
+        }
+        lander.reset(5).unwrap();
+        lander.step(&lunar_lander::Engine::Main.into()).unwrap();
+        lander
+    };
+    let exhaust = |lander: &LunarLander| {
+        let stored = json!(lander.snapshot().unwrap());
+        !stored["episode"]["exhaust"].is_null()
+    };
+    for from in [false, true] {
+        for to in [false, true] {
+            let (source, mut target) = (lander(from), lander(to));
+            assert_eq!(exhaust(&source), from);
+            target.restore(&source.snapshot().unwrap()).unwrap();
+            assert_eq!(exhaust(&target), to, "from {from} to {to}");
+        }
+    }
 }
 
 /// Every id of version 2 plays like the id of version 3 until a rule differs.

@@ -415,3 +415,24 @@ gym_core::register!(
         )
         .needs("a Python environment, named by the argument `env_id`", || false)
 );
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every set of modes, in any order and with modes that the bridge does not have.
+    #[test]
+    fn metadata_has_the_modes_of_the_environment() {
+        use RenderMode::{Ansi, Human, RgbArray, RgbArrayList};
+        for set in 0..8 {
+            let all = [Human, Ansi, RgbArray].into_iter().enumerate();
+            let modes: Vec<_> = all
+                .filter(|(bit, _)| set >> bit & 1 == 1)
+                .map(|(_, mode)| mode)
+                .collect();
+            assert_eq!(among(modes.iter().copied()), modes);
+            let twice = modes.iter().rev().chain(&modes).copied();
+            assert_eq!(among(twice.chain([RgbArrayList])), modes);
+        }
+    }
+}

@@ -41,6 +41,8 @@
 
 mod config;
 mod env;
+#[cfg(test)]
+mod fake;
 mod spaces;
 #[doc(hidden)]
 pub mod wire;

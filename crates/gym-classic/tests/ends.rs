@@ -1,8 +1,12 @@
 //! Rewards, flags and stored states at the ends of episodes.
 
-use gym_classic::cartpole::{Action, CartPole, Config};
-use gym_classic::{MountainCarContinuous, mountain_car, mountain_car_continuous};
-use gym_core::{Continuous, Dynamics, Env, EnvExt, Generator, Reset, Task};
+use gym_classic::cartpole::{Action, CartPole, CartPoleDynamics, Config};
+use gym_classic::{
+    MountainCarContinuous, Pendulum, mountain_car, mountain_car_continuous, pendulum,
+};
+use gym_core::vector::{Autoreset, VectorEnv, VectorEnvExt, VectorReset};
+use gym_core::{Continuous, Dynamics, Env, EnvExt, Generator, Reset, Task, Value};
+use gym_native::NativeVectorEnv;
 
 /// Returns the rewards until the pole falls, and of one step more.
 fn rewards(config: Config) -> Vec<f64> {
@@ -242,4 +246,74 @@ fn constants_that_are_not_numbers_are_refused() {
     };
     let error = CartPole::new(pole).unwrap_err().to_string();
     assert!(error.contains("theta_threshold_radians is NaN"), "{error}");
+}
+
+/// Bounds of a start may meet: the start is then their number.
+#[test]
+fn a_start_between_equal_bounds_is_that_number() {
+    let mut pole = CartPole::new(Config::default()).unwrap();
+    let at = |x: f64| Reset::seed(0).option("low", x).option("high", x);
+    for x in [0.0, -0.03, 1e6] {
+        assert_eq!(pole.reset(at(x)).unwrap(), [x as f32; 4]);
+    }
+    assert!(pole.reset(at(1e6_f64.next_up())).is_err());
+    let mut pendulum = Pendulum::new(pendulum::Config::default()).unwrap();
+    let rest = Reset::seed(0).option("x_init", 0.0).option("y_init", 0.0);
+    assert_eq!(pendulum.reset(rest).unwrap(), [1.0, 0.0, 0.0]);
+    let below = Reset::seed(0).option("x_init", -f64::MIN_POSITIVE);
+    assert!(pendulum.reset(below).is_err());
+}
+
+/// With the default constants no episode has such numbers.
+#[test]
+fn a_state_that_is_no_number_is_refused() {
+    let mut env = CartPole::new(Config::default()).unwrap();
+    env.reset(0).unwrap();
+    let before = env.snapshot().unwrap();
+    for name in ["x", "x_dot", "theta", "theta_dot"] {
+        for number in ["NaN", "inf", "-inf"] {
+            let mut stored = serde_json::to_value(&before).unwrap();
+            stored["episode"]["state"][name] = serde_json::json!({"$float": number});
+            let stored = serde_json::from_value(stored).unwrap();
+            assert!(env.restore(&stored).is_err(), "{name}: {number}");
+            assert_eq!(env.snapshot().unwrap(), before);
+        }
+    }
+}
+
+/// An environment of a native vector that starts beyond the thresholds has not fallen yet: its
+/// first step is its last, and is rewarded.
+#[test]
+fn a_native_start_beyond_the_thresholds_takes_one_step() {
+    let dynamics = CartPoleDynamics::new(Config::default()).unwrap();
+    let mut envs = NativeVectorEnv::new(dynamics, 3, None, Autoreset::Disabled).unwrap();
+    let reset = VectorReset::from(0).option("low", 0.8).option("high", 0.9);
+    let mut columns = envs.columns().unwrap();
+    envs.reset_into(&reset, &mut columns).unwrap();
+    let fallen = |envs: &NativeVectorEnv<CartPoleDynamics>| {
+        [0, 1, 2].map(|i| {
+            let state = envs.state(i).unwrap();
+            (state.fresh, state.fallen)
+        })
+    };
+    assert_eq!(fallen(&envs), [(true, false); 3]);
+    let actions = Value::from([0_i64, 1, 0]);
+    envs.step_into(&actions, &mut columns).unwrap();
+    assert_eq!(
+        (&columns.rewards, &columns.terminated),
+        (&vec![1.0; 3], &vec![true; 3])
+    );
+    assert_eq!(fallen(&envs), [(false, true); 3]);
+}
+
+/// Lengths and masses may be negative, as in Gymnasium, but not nearly 0.
+#[test]
+fn negative_divisors_are_taken() {
+    for (length, fits) in [(-0.5, true), (-1e-6, true), (-9e-7, false), (0.0, false)] {
+        let config = Config {
+            length,
+            ..Config::default()
+        };
+        assert_eq!(CartPole::new(config).is_ok(), fits, "{length}");
+    }
 }

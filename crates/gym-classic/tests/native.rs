@@ -1,9 +1,11 @@
 //! Native vectors give the bits of single environments, step by step.
 
-use gym_classic as _;
-use gym_core::vector::{Autoreset, VectorKind, VectorReset};
-use gym_core::{Error, Value, VectorEnv, VectorEnvExt, WrapperSpec, builder};
+use gym_classic::cartpole::CartPoleDynamics;
+use gym_core::vector::{Autoreset, Columns, VectorKind, VectorReset};
+use gym_core::{Error, Snapshot, Task, Value, VectorEnv, VectorEnvExt, WrapperSpec, builder};
+use gym_native::NativeVectorEnv;
 use gym_wrappers::RecordEpisodeStatistics;
+use serde_json::json;
 
 const IDS: [&str; 6] = [
     "Acrobot-v1",
@@ -174,4 +176,133 @@ fn each_action_of_a_list_is_checked() {
             );
         }
     }
+}
+
+fn cartpoles(n: usize, mode: Autoreset, limit: u32) -> Box<dyn VectorEnv> {
+    let envs = builder("CartPole-v1").max_episode_steps(limit).vector(n);
+    let envs = envs.kind(VectorKind::Native).autoreset(mode);
+    envs.build().unwrap()
+}
+
+/// Restores into a vector that has begun: it has the snapshot's state, or keeps its own.
+fn restored(envs: &mut dyn VectorEnv, snapshot: &Snapshot) -> bool {
+    envs.reset_into(&3.into(), &mut Columns::default()).unwrap();
+    let own = envs.snapshot().unwrap();
+    assert_ne!(own, *snapshot);
+    let fits = envs.restore(snapshot).is_ok();
+    let expected = if fits { snapshot } else { &own };
+    assert_eq!(envs.snapshot().unwrap(), *expected);
+    fits
+}
+
+/// Also a snapshot from before the first reset fits no other vector.
+#[test]
+fn a_snapshot_fits_one_size_mode_and_limit() {
+    use Autoreset::{Disabled, NextStep, SameStep};
+    let mut envs = cartpoles(5, NextStep, 9);
+    for _ in 0..2 {
+        let snapshot = envs.snapshot().unwrap();
+        for (n, mode, limit) in [
+            (5, NextStep, 9),
+            (4, NextStep, 9),
+            (6, NextStep, 9),
+            (33, NextStep, 9),
+            (5, SameStep, 9),
+            (5, Disabled, 9),
+            (5, NextStep, 8),
+            (5, NextStep, 10),
+        ] {
+            assert_eq!(
+                restored(&mut *cartpoles(n, mode, limit), &snapshot),
+                (n, mode, limit) == (5, NextStep, 9),
+                "{n}, {mode:?}, {limit}"
+            );
+        }
+        envs.reset(0).unwrap();
+    }
+}
+
+/// Only the places of environments have flags, and with `SameStep` none is due.
+#[test]
+fn flags_that_no_vector_has_are_refused() {
+    use Autoreset::{Disabled, NextStep, SameStep};
+    for (n, mode, name, flags, fits) in [
+        (5, NextStep, "due", vec![1_u32 << 4], true),
+        (5, NextStep, "due", vec![1 << 5], false),
+        (5, NextStep, "due", vec![1 << 31], false),
+        (5, Disabled, "unset", vec![1 << 4], true),
+        (5, Disabled, "unset", vec![1 << 5], false),
+        (32, Disabled, "due", vec![u32::MAX], true),
+        (32, Disabled, "due", vec![0, 1], false),
+        (33, Disabled, "due", vec![0, 1], true),
+        (33, Disabled, "due", vec![0, 2], false),
+        (33, Disabled, "unset", vec![1], false),
+        (5, SameStep, "unset", vec![1], true),
+        (5, SameStep, "due", vec![1], false),
+    ] {
+        let mut envs = cartpoles(n, mode, 9);
+        envs.reset(0).unwrap();
+        let mut state = json!(envs.snapshot().unwrap());
+        assert_ne!(state["numbers"][name]["$uint32"], json!(flags));
+        state["numbers"][name]["$uint32"] = json!(flags);
+        let state = serde_json::from_value(state).unwrap();
+        let what = format!("{n}, {mode:?}: {name} {flags:?}");
+        assert_eq!(restored(&mut *envs, &state), fits, "{what}");
+    }
+}
+
+/// With `Disabled`, an episode that is truncated waits for a reset, as one that has ended does.
+#[test]
+fn a_truncated_episode_waits_for_a_reset() {
+    let mut envs = cartpoles(34, Autoreset::Disabled, 2);
+    let actions = Value::from([0_i64; 34]);
+    let mut columns = envs.reset(0).unwrap();
+    let late: Vec<bool> = (0..34).map(|i| i != 33).collect();
+    envs.step_into(&actions, &mut columns).unwrap();
+    let reset = VectorReset::default().mask(late.clone());
+    envs.reset_into(&reset, &mut columns).unwrap();
+    envs.step_into(&actions, &mut columns).unwrap();
+    let expected: Vec<bool> = (0..34).map(|i| i == 33).collect();
+    assert_eq!(columns.truncated, expected);
+    let error = envs.step_into(&actions, &mut columns).unwrap_err();
+    let error = error.to_string();
+    let place = "sub-environment 33: the episode has ended";
+    assert!(error.starts_with(place), "{error}");
+    let reset = VectorReset::default().mask(expected);
+    envs.reset_into(&reset, &mut columns).unwrap();
+    envs.step_into(&actions, &mut columns).unwrap();
+    assert_eq!(columns.truncated, late);
+}
+
+/// The last block has places that no environment has.
+#[test]
+fn places_beyond_the_last_environment_have_no_state() {
+    let dynamics = CartPoleDynamics::new(Default::default()).unwrap();
+    let mut envs = NativeVectorEnv::new(dynamics, 3, None, Autoreset::NextStep).unwrap();
+    assert_eq!(envs.state(0), None, "before the first reset");
+    envs.reset(0).unwrap();
+    let there = [0, 2, 3, 31, 32].map(|i| envs.state(i).is_some());
+    assert_eq!(there, [true, true, false, false, false]);
+    for (index, fits) in [(2, true), (3, false), (32, false)] {
+        assert_eq!(envs.inspect(index, &mut |_| ()).is_ok(), fits, "{index}");
+    }
+}
+
+/// The action of an environment whose step is a reset is not looked at.
+#[test]
+fn an_action_of_an_environment_that_is_due_is_ignored() {
+    let mut envs = cartpoles(3, Autoreset::NextStep, 1);
+    let mut columns = envs.reset(0).unwrap();
+    let reset = VectorReset::default().mask([false, true, false]);
+    let actions = |number: [i64; 3]| Value::from(number);
+    envs.step_into(&actions([0, 0, 0]), &mut columns).unwrap();
+    envs.reset_into(&reset, &mut columns).unwrap();
+    let error = envs.step_into(&actions([-1, 2, 5]), &mut columns);
+    let error = error.unwrap_err().to_string();
+    assert!(
+        error.starts_with("sub-environment 1: invalid action"),
+        "{error}"
+    );
+    envs.step_into(&actions([-1, 1, 5]), &mut columns).unwrap();
+    assert_eq!(columns.truncated, [false, true, false]);
 }

@@ -91,6 +91,16 @@ mod tests {
         assert!(!is_one("x.svg", "src/x.svg") && !is_one("/nonexistent/a", "/nonexistent/b"));
     }
 
+    #[test]
+    fn an_id_with_a_namespace_names_one_file() {
+        assert_eq!(file_stem("CartPole-v1"), "CartPole-v1");
+        assert_eq!(
+            file_stem("dm_control/fish-swim-v0"),
+            "dm_control_fish-swim-v0"
+        );
+        assert_eq!(Path::new(&file_stem("a/b/c-v0")).components().count(), 1);
+    }
+
     /// Links to files that exist or not, to links, by whole and relative paths, both ways round.
     #[cfg(unix)]
     #[test]

@@ -94,6 +94,8 @@ fn add(a: &Json, b: &Json) -> Option<Json> {
 
 #[cfg(test)]
 mod tests {
+    use gym::spaces::Discrete;
+
     use super::*;
 
     #[test]
@@ -133,5 +135,37 @@ mod tests {
         );
         let digits = Keys::new(digits(&Space::discrete(3)));
         assert_eq!(action(&digits, &down(&["2"])), Some(json!(2)));
+    }
+
+    /// Vectors of one length are added; of other actions the first counts.
+    #[test]
+    fn actions_that_cannot_be_added_leave_the_first() {
+        let actions = json!({"a": [1.0, 0.0], "b": [0.5, -1.0], "c": [1.0], "d": 3, "e": ["x", 0]});
+        let keys = Keys::new(actions);
+        for (pressed, expected) in [
+            (["a", "b"], json!([1.5, -1.0])),
+            (["a", "c"], json!([1.0, 0.0])),
+            (["b", "c"], json!([0.5, -1.0])),
+            (["c", "d"], json!([1.0])),
+            (["d", "e"], json!(3)),
+            (["a", "e"], json!([1.0, 0.0])),
+        ] {
+            let pressed = pressed.map(str::to_owned);
+            assert_eq!(action(&keys, &pressed), Some(expected), "{pressed:?}");
+        }
+    }
+
+    /// A digit counts from the first action of the space.
+    #[test]
+    fn digits_begin_at_the_first_action() {
+        let of = |n: i64, start: i64| {
+            let space = Discrete::new(n).unwrap().with_start(start).unwrap();
+            digits(&space.into())
+        };
+        assert_eq!(of(3, 0), json!({"0": 0, "1": 1, "2": 2}));
+        assert_eq!(of(3, -1), json!({"0": -1, "1": 0, "2": 1}));
+        assert_eq!(of(10, 5), of(99, 5));
+        assert_eq!(of(99, 5)["9"], 14);
+        assert_eq!(digits(&Space::boxed([0.0], [1.0])), json!({}));
     }
 }

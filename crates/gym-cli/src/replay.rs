@@ -178,3 +178,35 @@ struct Answers<'a> {
     rest: Map<String, Json>,
     events: &'a [gym::trace::Event],
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A recording may be named twice; two recordings may not have one name.
+    #[test]
+    fn each_recording_has_a_file_of_its_own() {
+        let to = |paths: &[&str]| {
+            let paths: Vec<PathBuf> = paths.iter().map(PathBuf::from).collect();
+            destinations(&paths, Path::new("/nonexistent/out"))
+        };
+        let path = |name: &str| Path::new("/nonexistent").join(name);
+        let pair = |name: &str| (path(name), path("out").join(name));
+        let [one, other] = ["/nonexistent/a.json", "/nonexistent/b.json"];
+        let expected = BTreeMap::from([pair("a.json"), pair("b.json")]);
+        assert_eq!(to(&[one, other]).unwrap(), expected);
+        assert_eq!(to(&[one, other, one]).unwrap(), expected);
+        for same in [[one, "x/a.json"], ["a.json", "./x/a.json"]] {
+            let error = to(&same).unwrap_err().to_string();
+            assert!(error.contains("would both be written to"), "{error}");
+        }
+        assert!(to(&["/"]).unwrap_err().to_string().contains("name a file"));
+        // an answer never replaces a recording, by whatever path
+        let own = Path::new(file!()).file_name().unwrap();
+        let manifest = Path::new(env!("CARGO_MANIFEST_DIR"));
+        let recording = manifest.join("src").join(own);
+        let error = destinations(&[recording], &manifest.join("src/docs/.."));
+        let error = error.unwrap_err().to_string();
+        assert!(error.contains("is a recording to replay"), "{error}");
+    }
+}

@@ -4,7 +4,7 @@ use serde_json::{Value as Json, json};
 
 use crate::arguments;
 use crate::calls::Calls;
-use crate::subject::{SEEDS, STEPS, Shown, Subject, alike, carry_on, info, roll_out, same};
+use crate::subject::{MIDWAY, SEEDS, STEPS, Shown, Subject, alike, carry_on, info, roll_out, same};
 use crate::verdict::{Verdict, broken};
 use gym_core::{BoxEnv, Env, EnvExt, Error, Result, Snapshot, Value};
 
@@ -35,11 +35,11 @@ pub(crate) fn clone_apart(subject: &Subject<'_>) -> Verdict {
     }
     // shared state may have an effect only after many steps
     let (seed, long) = (SEEDS[0], subject.long()?);
-    let (mut env, mut other) = (subject.midway(seed)?, subject.midway(seed)?);
+    let mut env = subject.midway(seed)?;
     carry_on(&mut env.clone(), seed + 1, long)?;
     let what = "an environment whose clone was used for long";
     same(
-        &carry_on(&mut other, seed, long)?,
+        &subject.untouched(seed, MIDWAY, long)?,
         &carry_on(&mut env, seed, long)?,
         what,
     )
@@ -52,7 +52,6 @@ fn same_face(a: &BoxEnv, b: &BoxEnv, what: &str) -> Verdict {
         [
             ("info", format!("{:?}", info(env))),
             ("text", format!("{:?}", env.ansi())),
-            ("drawing", Calls::of(env).text),
             ("metadata", format!("{:?}", env.metadata())),
             ("spaces", format!("{spaces:?}")),
         ]
@@ -61,6 +60,10 @@ fn same_face(a: &BoxEnv, b: &BoxEnv, what: &str) -> Verdict {
         if a != b {
             return broken(format!("{what} has another {part} at once: {a} and {b}"));
         }
+    }
+    if Calls::of(a).record != Calls::of(b).record {
+        let [a, b] = [a, b].map(Calls::text);
+        return broken(format!("{what} has another drawing at once: {a} and {b}"));
     }
     Ok(())
 }
@@ -235,9 +238,13 @@ fn continues(subject: &Subject<'_>, copies: &[Copying<'_>]) -> Verdict {
     let [early, other, late] = SEEDS;
     let first = copies.first().map_or("a copy", |(what, _)| what);
     // two copies are taken early, of which one is played for long, and one is taken late
-    for (seed, before, after) in [(early, 5, long), (other, 5, STEPS), (late, long / 2, STEPS)] {
+    for (seed, before, after) in [
+        (early, MIDWAY, long),
+        (other, MIDWAY, STEPS),
+        (late, long / 2, STEPS),
+    ] {
         let mut env = subject.after(seed, before)?;
-        let untouched = carry_on(&mut subject.after(seed, before)?, seed, after)?;
+        let untouched = subject.untouched(seed, before, after)?;
         for (what, copy) in copies {
             match copy(&env).and_then(|mut copied| carry_on(&mut copied, seed, after)) {
                 Ok(copied) => same(&untouched, &copied, what)?,

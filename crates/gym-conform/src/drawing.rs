@@ -98,7 +98,7 @@ pub(crate) fn pure(subject: &Subject<'_>) -> Verdict {
         env.frames_drawn(0);
         for step in 0..30 {
             let (first, second) = (Calls::of(&env), Calls::of(&env));
-            if first.text != second.text {
+            if first.record != second.record {
                 return broken(format!(
                     "seed {seed}, step {step}: drawing one state twice makes different calls"
                 ));

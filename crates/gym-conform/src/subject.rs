@@ -1,6 +1,8 @@
 //! The environment under test, its episodes, and their comparison.
 
-use std::cell::OnceCell;
+use std::cell::{OnceCell, RefCell};
+use std::collections::BTreeMap;
+use std::rc::Rc;
 
 use crate::clock::Paused;
 use crate::damaged::Damaged;
@@ -13,7 +15,12 @@ use gym_core::{
 
 /// The number of steps that are compared, over several episodes if they are short.
 pub(crate) const STEPS: usize = 150;
+/// The number of steps after which an episode counts as begun.
+pub(crate) const MIDWAY: usize = 5;
 pub(crate) const SEEDS: [u64; 3] = [0, 1, 123_456_789];
+
+/// A run: its seed, the steps before the comparison, and those of the comparison.
+type Run = (u64, usize, usize);
 
 /// The environment under test.
 pub(crate) struct Subject<'a> {
@@ -28,6 +35,9 @@ pub(crate) struct Subject<'a> {
     long_runs: OnceCell<LongRuns>,
     /// The faults of damaged snapshots, also tried once.
     damaged: OnceCell<Damaged>,
+    /// The runs of [`untouched`](Self::untouched), by seed and steps, played once for several
+    /// checks.
+    untouched: RefCell<BTreeMap<Run, Rc<[Shown]>>>,
     /// The spec and the registration, if any.
     pub(crate) spec: Option<EnvSpec>,
     pub(crate) registration: Option<Registration>,
@@ -62,6 +72,7 @@ impl<'a> Subject<'a> {
             events,
             long_runs,
             damaged,
+            untouched: RefCell::default(),
             spec,
             registration,
         }
@@ -96,7 +107,7 @@ impl<'a> Subject<'a> {
 
     /// Makes a new environment and takes some steps.
     pub(crate) fn midway(&self, seed: u64) -> Result<BoxEnv> {
-        self.after(seed, 5)
+        self.after(seed, MIDWAY)
     }
 
     /// Makes a new environment and takes `steps` steps, with resets after episodes.
@@ -104,6 +115,18 @@ impl<'a> Subject<'a> {
         let mut env = self.make()?;
         roll_out(&mut env, seed, steps)?;
         Ok(env)
+    }
+
+    /// Returns `after` steps of an environment that took `before` steps, and was neither copied nor
+    /// looked at.
+    pub(crate) fn untouched(&self, seed: u64, before: usize, after: usize) -> Result<Rc<[Shown]>> {
+        let key = (seed, before, after);
+        if let Some(run) = self.untouched.borrow().get(&key) {
+            return Ok(Rc::clone(run));
+        }
+        let run: Rc<[Shown]> = carry_on(&mut self.after(seed, before)?, seed, after)?.into();
+        self.untouched.borrow_mut().insert(key, Rc::clone(&run));
+        Ok(run)
     }
 
     /// Returns the number of steps of a long comparison: the time limit, if it is neither short nor

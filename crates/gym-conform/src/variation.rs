@@ -107,8 +107,10 @@ struct Play {
     env: BoxEnv,
     actions: Sampler,
     options: Kwargs,
-    /// The spaces, the metadata and the first drawing.
+    /// The spaces and the metadata.
     look: String,
+    /// The first drawing.
+    drawing: Drawing,
     shown: Vec<Shown>,
 }
 
@@ -120,19 +122,15 @@ impl Play {
             ..Reset::seed(seed)
         })?;
         let spaces = [env.observation_space(), env.action_space()];
-        let look = format!(
-            "{} {} {:?} {}",
-            spaces[0],
-            spaces[1],
-            env.metadata(),
-            drawing(&env)
-        );
+        let look = format!("{} {} {:?}", spaces[0], spaces[1], env.metadata());
+        let drawing = drawing(&env);
         let shown = vec![Shown::Reset(observation, info(&env))];
         Ok(Self {
             actions: env.action_sampler(seed)?,
             options: options.clone(),
             env,
             look,
+            drawing,
             shown,
         })
     }
@@ -160,7 +158,7 @@ impl Play {
 
     /// Returns whether two plays differ within `events` events, or in the last drawing.
     fn differs(&mut self, other: &mut Self, events: usize) -> bool {
-        if self.look != other.look {
+        if self.look != other.look || self.drawing != other.drawing {
             return true;
         }
         for i in 0..=events {
@@ -175,8 +173,11 @@ impl Play {
     }
 }
 
-fn drawing(env: &BoxEnv) -> String {
-    format!("{} {:?}", Calls::of(env).text, env.ansi())
+/// The calls of a drawing, and the drawing as text.
+type Drawing = (Vec<u8>, Option<String>);
+
+fn drawing(env: &BoxEnv) -> Drawing {
+    (Calls::of(env).record, env.ansi())
 }
 
 /// Returns whether two variants differ in states that random actions do not reach: in snapshots in

@@ -1,4 +1,4 @@
-//! Makes an environment of a task.
+//! The environment of a task.
 
 use std::marker::PhantomData;
 use std::sync::{Arc, OnceLock};
@@ -27,53 +27,55 @@ use crate::world::World;
 
 /// The environment of a task.
 ///
-/// A reset with the seed `s` is a task that dm_control loads with `RandomState(s)`, and its first
-/// episode; a reset without a seed is its next episode. Where dm_control raises `PhysicsError`, as
-/// for a state that diverges, MuJoCo's reset of the simulation is what follows.
+/// A reset with the seed `s` starts the first episode of a task that dm_control loads with
+/// `RandomState(s)`; a reset without a seed starts its next episode. If the state diverges,
+/// dm_control raises `PhysicsError`; this environment continues from MuJoCo's reset of the
+/// simulation.
 #[derive(Clone, Debug)]
 pub struct ControlEnv {
     /// The name of the domain.
     name: &'static str,
     /// All arguments, as JSON.
     config: Arc<Json>,
-    /// The arguments that all tasks share.
+    /// The shared arguments.
     common: Arc<Common>,
     task: Arc<dyn Task>,
-    /// The model's timesteps per step.
+    /// The number of timesteps per step.
     timesteps: usize,
     world: World,
     view: View,
     observation_space: Space,
     action_space: Space,
     layout: Layout,
-    /// The number of steps of an episode, perhaps a broken or an infinite one.
+    /// The number of steps of an episode; it can be fractional or infinite.
     limit: f64,
     seen: Observation,
     pixels: Option<Pixels>,
-    /// A step, if worlds can step together.
+    /// The properties of a step, if the task's worlds can step together.
     stride: Option<Stride>,
     episode: Option<Box<Episode>>,
-    /// The data with its derived arrays, where the episode's are behind: made when asked for.
+    /// A copy of the data with current derived arrays, computed on request if the episode's arrays
+    /// are older than its state.
     resumed: OnceLock<Box<Data>>,
-    /// The place of this world's step among the steps that worlds take together.
+    /// The place of this environment's step in a group, while several environments step together.
     place: Option<Place>,
 }
 
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Episode {
     rng: RandomState,
-    /// What wrappers draw from.
+    /// The generator for wrappers that draw.
     generator: Generator,
     constants: Vec<f64>,
     steps: u64,
     data: Data,
 }
 
-/// The bound of controls without one.
+/// The bound of a control that has no range.
 const UNBOUNDED: f64 = 1e10;
 
 impl ControlEnv {
-    /// The environment with these arguments.
+    /// Makes the environment.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for an argument out of range.
@@ -129,7 +131,7 @@ impl ControlEnv {
         let limit = common
             .time_limit
             .map_or(f64::INFINITY, |limit| limit / step);
-        // a picture needs all frames
+        // a picture reads all frames
         let reads = match pixels {
             None => task.reads(model),
             Some(_) => None,
@@ -160,7 +162,7 @@ impl ControlEnv {
         })
     }
 
-    /// The state of the physics, once there was a reset.
+    /// The data of the physics; `None` before the first reset.
     pub fn data(&self) -> Option<&Data> {
         let data = &self.episode.as_ref()?.data;
         if !data.is_behind() {
@@ -179,7 +181,7 @@ impl ControlEnv {
             (None, None) => Some(Seed::from_os()?),
             (seed, _) => seed.clone(),
         };
-        // taken, not cloned: a clone has no room for contacts yet
+        // the old data is reused, not cloned: a clone would allocate its contacts again
         let mut episode = self.episode.take().unwrap_or_else(|| {
             Box::new(Episode {
                 rng: RandomState::new(0),
@@ -222,7 +224,7 @@ impl ControlEnv {
         Ok(episode)
     }
 
-    /// Draws the state for a picture of a width and a height.
+    /// Draws the state on a canvas of size `size`.
     fn picture(&self, data: &Data, size: (u32, u32), canvas: &mut dyn Canvas) {
         let model = &self.world.model;
         if self.common.visualize_reward {
@@ -371,7 +373,7 @@ impl Lockstep for ControlEnv {
     fn begin_step(&mut self, action: &Array, worlds: &mut Worlds) {
         let model = &self.world.model;
         let fits = action.shape() == [model.nu()] && action.is_finite();
-        // a start that draws constants makes a model of its own
+        // a task that drew constants has a model of its own
         let episode = self.episode.as_deref();
         let episode = episode.filter(|episode| fits && episode.constants.is_empty());
         self.place = episode
@@ -415,7 +417,7 @@ impl Inspect for ControlEnv {
     }
 }
 
-/// Builds the environments of a domain, for a registration.
+/// The entry point of a domain's environments, for their registration.
 #[derive(Debug)]
 pub struct Of<D>(PhantomData<D>);
 

@@ -19,7 +19,8 @@
 //! Linking this crate registers the tasks; name it (`use gym_control as _;`) if nothing else of it
 //! is used.
 #![warn(clippy::disallowed_methods)]
-// Unit tests register no environment, so that the compiler leaves out all that they do not call.
+// unit tests register no environment, so that the compiler leaves out all code that they do not
+// call
 #![cfg_attr(test, allow(dead_code, unused_imports))]
 
 mod arguments;

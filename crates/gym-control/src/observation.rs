@@ -3,13 +3,13 @@
 use gym_core::spaces::{BoxSpace, DictSpace, array_of};
 use gym_core::{Array, DType, Result, Space, Value};
 
-/// The numbers of an observation, which a task puts in, part by part.
+/// An observation under construction: a task adds its numbers part by part.
 #[derive(Clone, Debug, Default)]
 pub struct Observation {
     numbers: Vec<f64>,
-    /// The parts in the order in which they were put in first.
+    /// The parts, in the order in which they were first added.
     parts: Vec<Part>,
-    /// The number of parts put in since the last [`clear`](Self::clear).
+    /// The number of parts added since the last [`clear`](Self::clear).
     filled: usize,
 }
 
@@ -17,22 +17,22 @@ pub struct Observation {
 struct Part {
     name: &'static str,
     shape: Vec<usize>,
-    /// The place of its numbers.
+    /// The index of its first number.
     first: usize,
 }
 
 impl Observation {
-    /// Puts in a number.
+    /// Adds a scalar.
     pub fn scalar(&mut self, name: &'static str, number: f64) {
         self.part(name, &[], [number]);
     }
 
-    /// Puts in a vector.
+    /// Adds a vector.
     pub fn vector(&mut self, name: &'static str, numbers: impl IntoIterator<Item = f64>) {
         self.part(name, &[0], numbers);
     }
 
-    /// Puts in a matrix by its rows.
+    /// Adds a matrix by its rows.
     pub fn rows<const N: usize>(
         &mut self,
         name: &'static str,
@@ -41,7 +41,7 @@ impl Observation {
         self.part(name, &[0, N], rows.into_iter().flatten());
     }
 
-    /// Puts in a part; the first 0 of its shape is to be found.
+    /// Adds a part. If `shape` begins with 0, that length is computed from the numbers.
     fn part(
         &mut self,
         name: &'static str,
@@ -64,7 +64,7 @@ impl Observation {
         self.filled += 1;
     }
 
-    /// Takes out the numbers; the parts must be put in again, in the same order.
+    /// Removes the numbers. The task must add the same parts again, in the same order.
     pub(crate) fn clear(&mut self) {
         self.numbers.clear();
         self.filled = 0;
@@ -78,7 +78,7 @@ impl Observation {
         Layout { parts, len }
     }
 
-    /// Writes the numbers to an observation of the layout's space.
+    /// Writes the numbers to `out`, an observation of the layout's space.
     pub(crate) fn write(&self, layout: &Layout, flat: bool, dtype: DType, out: &mut Value) {
         if flat {
             return fill(out, dtype, &[self.numbers.len()], &self.numbers);
@@ -109,7 +109,7 @@ pub(crate) struct Layout {
 }
 
 impl Layout {
-    /// The space of the observations.
+    /// The observation space.
     pub(crate) fn space(&self, flat: bool, dtype: DType) -> Result<Space> {
         let reals = |shape: &[usize]| -> Result<Space> {
             let space = BoxSpace::uniform(f64::NEG_INFINITY, f64::INFINITY, shape, dtype)?;
@@ -126,7 +126,7 @@ impl Layout {
     }
 }
 
-/// Writes numbers to an array of a type and a shape.
+/// Writes numbers to `out` as an array of the given type and shape.
 fn fill(out: &mut Value, dtype: DType, shape: &[usize], numbers: &[f64]) {
     let array: &mut Array = array_of(out, dtype, shape);
     if let Some(slice) = array.as_mut_slice::<f64>() {

@@ -1,4 +1,4 @@
-//! Pictures as observations.
+//! Observations that are pictures.
 
 use std::fmt;
 
@@ -7,14 +7,14 @@ use gym_core::render::{Frame, Painter, painter};
 use gym_core::spaces::{BoxSpace, array_of};
 use gym_core::{DType, Error, Result, Space, Value};
 
-/// A painter, and its last picture.
+/// A painter, and the last frame that it painted.
 pub(crate) struct Pixels {
     painter: Box<dyn Painter>,
     frame: Frame,
 }
 
 impl Pixels {
-    /// Pictures of a width and height.
+    /// Makes a painter of frames of `side` by `side` pixels.
     pub(crate) fn new(side: u32) -> Result<Self> {
         let reason = "no crate that draws is linked: add gym-render and `use gym_render as _;`";
         let painter = painter().ok_or_else(|| Error::argument("pixels", reason))?;
@@ -30,7 +30,7 @@ impl Pixels {
         Ok(BoxSpace::uniform(0.0, 255.0, self.shape(), DType::U8)?.into())
     }
 
-    /// Draws a picture of the same width and height.
+    /// Paints a frame with `draw`, and writes it to `out`.
     pub(crate) fn write(&mut self, draw: impl Fn((u32, u32), &mut dyn Canvas), out: &mut Value) {
         let size = (self.frame.width(), self.frame.height());
         let mut draw = |canvas: &mut dyn Canvas| draw(size, canvas);
@@ -56,7 +56,8 @@ impl fmt::Debug for Pixels {
     }
 }
 
-/// Paints nothing. The painter of the linked crate cannot have gone.
+/// Paints nothing. `clone` needs a painter that cannot fail; in fact the linked crate's painter is
+/// always found.
 struct Blank;
 
 impl Painter for Blank {

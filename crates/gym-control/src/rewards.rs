@@ -1,4 +1,5 @@
-//! How well a number lies within bounds, which most rewards are products of.
+//! dm_control's `tolerance`: a value from 0 to 1 for how well a number lies within bounds. Most
+//! rewards are products of such values.
 //!
 //! Source: dm_control 1.0.45, `utils/rewards.py`.
 
@@ -7,35 +8,35 @@ use gym_core::math;
 /// `sqrt(-2 ln 0.1)`: the scale at which the Gaussian is 0.1 at a distance of 1.
 const GAUSSIAN: f64 = 2.145966026289347;
 
-/// How the value falls outside of the bounds, with the distance in margins.
+/// The decrease of the value outside the bounds, as a function of the distance in margins.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sigmoid {
-    /// As a normal distribution; 0.1 at the margin.
+    /// A normal distribution, with the value 0.1 at the margin.
     Gaussian,
-    /// In a line to this value at the margin, and on to 0.
+    /// A line to the given value at the margin, continued to 0.
     Linear(f64),
-    /// As a parabola to this value at the margin, and on to 0.
+    /// A parabola to the given value at the margin, continued to 0.
     Quadratic(f64),
-    /// As the inverse of the square; 0.1 at the margin.
+    /// `1 / (1 + (3 d)²)`: an inverse square, with the value 0.1 at the margin.
     LongTail,
 }
 
-/// 1 within bounds, and less outside: dm_control's `tolerance`.
+/// A function that is 1 within bounds and decreases outside: dm_control's `tolerance`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
-    /// The least number within the bounds.
+    /// The lower bound.
     pub low: f64,
-    /// The greatest.
+    /// The upper bound.
     pub high: f64,
-    /// How far away from the bounds the value has the number that the sigmoid states; if it is 0,
-    /// the value is 0 outside of the bounds.
+    /// The distance from the bounds at which the sigmoid has its value at the margin. If it is 0,
+    /// the value is 0 outside the bounds.
     pub margin: f64,
-    /// How the value falls.
+    /// The decrease outside the bounds.
     pub sigmoid: Sigmoid,
 }
 
 impl Tolerance {
-    /// Within two bounds, with a margin of 0.
+    /// A tolerance between two bounds, with a margin of 0.
     #[must_use]
     pub const fn within(low: f64, high: f64) -> Self {
         Self {
@@ -46,13 +47,13 @@ impl Tolerance {
         }
     }
 
-    /// At least this number.
+    /// A tolerance above a bound.
     #[must_use]
     pub const fn above(low: f64) -> Self {
         Self::within(low, f64::INFINITY)
     }
 
-    /// With a margin beyond which the value falls in this way.
+    /// The tolerance with a margin and the sigmoid outside the bounds.
     #[must_use]
     pub const fn margin(self, margin: f64, sigmoid: Sigmoid) -> Self {
         Self {
@@ -62,13 +63,13 @@ impl Tolerance {
         }
     }
 
-    /// The value of a number. numpy squares a number with `pow`.
+    /// The value of a scalar, which numpy squares with `pow`.
     #[must_use]
     pub fn of(&self, x: f64) -> f64 {
         self.value(x, math::square)
     }
 
-    /// The value of an element of an array, which numpy squares with a product.
+    /// The value of an element of an array, which numpy squares by multiplication.
     #[must_use]
     pub fn of_element(&self, x: f64) -> f64 {
         self.value(x, |x| x * x)
@@ -104,14 +105,14 @@ impl Tolerance {
     }
 }
 
-/// The mean of `1 - u²` of the controls, 0 where `|u|` is 1 or more.
+/// The mean of `1 - u²` over the controls; a control with `|u|` of 1 or more counts 0.
 #[must_use]
 pub fn small_control(controls: &[f64]) -> f64 {
     const SMALL: Tolerance = Tolerance::within(0.0, 0.0).margin(1.0, Sigmoid::Quadratic(0.0));
     mean(controls, |u| SMALL.of_element(*u))
 }
 
-/// The mean of a value of each item, summed in numpy's order.
+/// The mean of `value` over the items, summed in numpy's order.
 pub(crate) fn mean<T>(items: &[T], value: impl Fn(&T) -> f64) -> f64 {
     gym_mujoco::tasks::numpy::sum_of(items.len(), |i| value(&items[i])) / items.len() as f64
 }
@@ -175,6 +176,12 @@ mod tests {
                 "{sigmoid:?}"
             );
         }
+        // a line and a parabola end at 0
+        let outer = |sigmoid| [4.29, 4.31, 1e9, -3.71].map(|x| all(sigmoid).of(x));
+        let [inside, beyond @ ..] = outer(Sigmoid::Linear(0.5));
+        assert!(inside > 0.0 && inside < 0.01 && beyond == [0.0; 3]);
+        let [inside, beyond @ ..] = outer(Sigmoid::Quadratic(0.75));
+        assert!(inside > 0.0 && inside < 0.01 && beyond == [0.0; 3]);
         let none = Tolerance::within(-1.0, 1.0);
         assert_eq!([0.5, 1.0, 1.1].map(|x| none.of(x)), [1.0, 1.0, 0.0]);
         assert!(none.of(f64::NAN) == 0.0);

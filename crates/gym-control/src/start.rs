@@ -1,4 +1,4 @@
-//! What tasks draw at the start of an episode.
+//! The start of an episode, and the random draws that tasks share.
 
 use std::f64::consts::PI;
 
@@ -10,21 +10,21 @@ use gym_mujoco::{Data, Model};
 use crate::task::Task;
 use crate::world::World;
 
-/// An episode that is about to start, with the model in its initial configuration.
+/// An episode that is about to start. The data is in the model's initial configuration.
 #[derive(Debug)]
 pub struct Start<'a> {
     pub(crate) world: &'a mut World,
-    /// The state.
+    /// The data.
     pub data: &'a mut Data,
-    /// The generator.
+    /// The random generator.
     pub rng: &'a mut RandomState,
-    /// Numbers of the model that the task draws; they stay until it draws others.
+    /// Constants of the model that the task drew. They stay until the task draws others.
     pub constants: &'a mut Vec<f64>,
-    /// Whether the generator was seeded by this reset.
+    /// Whether this reset seeded the generator.
     pub seeded: bool,
 }
 
-/// The most states that are drawn until one has no contacts.
+/// The largest number of states that are drawn until one has no contacts.
 const ATTEMPTS: usize = 10_000;
 
 impl Start<'_> {
@@ -34,21 +34,21 @@ impl Start<'_> {
         &self.world.model
     }
 
-    /// Draws a number between two others.
+    /// Draws a number uniformly from `low` to `high`.
     pub fn uniform(&mut self, low: f64, high: f64) -> f64 {
         self.rng.uniform(low, high)
     }
 
-    /// Puts the constants that were drawn into the model.
+    /// Sets the drawn constants in the model.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] if they are not those of a model.
+    /// [`Error::InvalidArgument`] if the model refuses the constants.
     pub fn apply(&mut self, task: &dyn Task) -> Result<()> {
         let constants = &*self.constants;
         self.world.change(|model| task.apply(constants, model))
     }
 
-    /// Computes what follows from the state.
+    /// Computes the derived arrays from the state.
     pub fn settle(&mut self) {
         self.world.settle(self.data);
     }
@@ -61,7 +61,7 @@ impl Start<'_> {
     /// Draws states until one has no contacts.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] if there is none in ten thousand.
+    /// [`Error::InvalidArgument`] if ten thousand states have contacts.
     pub fn draw_apart(&mut self, mut draw: impl FnMut(&mut Self)) -> Result<()> {
         for _ in 0..ATTEMPTS {
             draw(self);
@@ -74,15 +74,15 @@ impl Start<'_> {
         Err(Error::argument("seed", reason))
     }
 
-    /// Draws a quaternion of length 1 from four numbers.
+    /// Draws a quaternion: four numbers from `number`, scaled to length 1.
     pub fn quaternion(&mut self, number: fn(&mut RandomState) -> f64) -> [f64; 4] {
         let quat = [(); 4].map(|()| number(self.rng));
         let length = norm(5, &quat);
         quat.map(|x| x / length)
     }
 
-    /// Draws positions of limited joints within their limits, and those of other hinges and free
-    /// bodies: dm_control's `randomize_limited_and_rotational_joints`.
+    /// Draws the positions of limited joints within their limits, of other hinges over a full turn,
+    /// and the orientations of free joints: dm_control's `randomize_limited_and_rotational_joints`.
     pub fn joints(&mut self) {
         for j in 0..self.model().njnt() {
             let (kind, p) = (self.model().jnt_type[j], self.model().jnt_qposadr[j]);

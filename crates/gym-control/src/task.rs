@@ -1,4 +1,4 @@
-//! What a domain has to say.
+//! The traits of a domain and its tasks.
 
 use std::borrow::Cow;
 use std::fmt;
@@ -15,8 +15,8 @@ use crate::env::{ControlEnv, Of};
 use crate::observation::Observation;
 use crate::start::Start;
 
-/// A domain: a model, and what builds its tasks from arguments, which are a struct of
-/// [`gym_core::arguments!`] with [`Common`] in it.
+/// A domain: a model, and the constructor of its tasks. `Config` is a struct of
+/// [`gym_core::arguments!`] that contains [`Common`].
 pub trait Domain: Task + Clone {
     /// The arguments.
     type Config: Arguments + AsRef<Common>;
@@ -24,7 +24,7 @@ pub trait Domain: Task + Clone {
     /// The name of the domain.
     const NAME: &'static str;
 
-    /// The model's timesteps per step.
+    /// The number of timesteps per step.
     const TIMESTEPS: usize = 1;
 
     /// The model, in MJCF.
@@ -33,46 +33,46 @@ pub trait Domain: Task + Clone {
     /// [`Error::InvalidArgument`] for an argument out of range.
     fn text(config: &Self::Config) -> Result<Cow<'static, str>>;
 
-    /// The task on its model. It looks up bodies and joints here, once for an environment.
+    /// Builds the task for its model. Look up bodies and joints here, once per environment.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for an argument out of range.
     fn new(config: &Self::Config, model: &Model) -> Result<Self>;
 }
 
-/// A task on its model: its starts, observations and rewards.
+/// A task: its initial states, observations and rewards.
 pub trait Task: fmt::Debug + Send + Sync + 'static {
     /// Draws positions and velocities: dm_control's `initialize_episode`.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] if no start was found.
+    /// [`Error::InvalidArgument`] if no valid initial state is found.
     fn start(&self, start: &mut Start<'_>) -> Result<()>;
 
-    /// Puts the constants that a start drew into the figures of the model.
+    /// Writes the constants that [`start`](Self::start) drew to the model.
     fn apply(&self, constants: &[f64], model: &mut CompiledModel) {
         let _ = (constants, model);
     }
 
-    /// Whether there are as many constants as a start draws.
+    /// Whether `constants` has the number of constants that [`start`](Self::start) draws.
     fn has(&self, constants: &[f64]) -> bool {
         constants.is_empty()
     }
 
-    /// What observations, rewards and ends read of the data beside time, positions, velocities and
-    /// controls. Vectors then step worlds together, if they can, and leave out other arrays until
-    /// they are asked for. `None` if worlds step one by one.
+    /// The derived arrays that observations, rewards and ends of episodes read, beside time,
+    /// positions, velocities and controls. Vectors then step several worlds together, and compute
+    /// other arrays only on request. With `None`, worlds step one by one.
     fn reads(&self, model: &Model) -> Option<Vec<Derived>> {
         let _ = model;
         None
     }
 
-    /// Puts the parts of the observation in, in the order of the package.
+    /// Adds the parts of the observation, in dm_control's order.
     fn observe(&self, model: &Model, data: &Data, out: &mut Observation);
 
-    /// The reward of the step to this state.
+    /// The reward of the step that led to this state.
     fn reward(&self, model: &Model, data: &Data) -> f64;
 
-    /// Whether the episode ends.
+    /// Whether the episode terminates.
     fn is_over(&self, data: &Data) -> bool {
         let _ = data;
         false
@@ -88,7 +88,7 @@ const COLOURS: (&str, &str) = (
     "a reward of 0 changes no colour",
 );
 
-/// For tasks with an argument `stand_height`.
+/// Exceptions of tasks with an argument `stand_height`.
 pub(crate) const STANDING: Exceptions = &[
     LIMIT,
     COLOURS,
@@ -98,7 +98,7 @@ pub(crate) const STANDING: Exceptions = &[
     ),
 ];
 
-/// For tasks with an argument `target_size`.
+/// Exceptions of tasks with an argument `target_size`.
 pub(crate) const TARGET: Exceptions = &[
     LIMIT,
     COLOURS,
@@ -108,7 +108,7 @@ pub(crate) const TARGET: Exceptions = &[
     ),
 ];
 
-/// For tasks whose controls have no limits.
+/// Exceptions of tasks whose controls have no limits.
 pub(crate) const UNLIMITED: Exceptions = &[
     LIMIT,
     COLOURS,
@@ -118,7 +118,7 @@ pub(crate) const UNLIMITED: Exceptions = &[
     ),
 ];
 
-/// The clip on a domain's page, of one episode: it shows every n-th state.
+/// The clip of one episode on a domain's page. It shows every `every`-th state.
 pub(crate) const fn clip(every: u32) -> Clip {
     Clip {
         seeds: 0..1,
@@ -136,7 +136,7 @@ pub const fn register<D: Domain>(id: &'static str, description: &'static str) ->
         .lockstep_by::<ControlEnv>(vector::<D>)
 }
 
-/// A native vector, whose environments share their model as long as no start changes it, so that
+/// Makes a native vector. Its environments share their model, unless a start changes it, so that
 /// their worlds can step together.
 fn vector<D: Domain>(spec: &VectorSpec) -> Result<BoxVector> {
     vector_of(spec, build::<Of<D>>)
@@ -159,7 +159,7 @@ fn vector_of(spec: &VectorSpec, make: fn(&EnvSpec) -> Result<ControlEnv>) -> Res
     }
 }
 
-/// An object of the model that the task names.
+/// The id of a named object, or an error if the model has no such object.
 ///
 /// # Errors
 /// [`Error::InvalidArgument`] if there is none.

@@ -1,4 +1,4 @@
-//! A model in the variants that an environment steps with.
+//! A model, with the variants of it that different timesteps use.
 
 use std::sync::Arc;
 
@@ -6,33 +6,34 @@ use gym_core::{Error, Result};
 use gym_mujoco::model::{Disable, Integrator, SensorType};
 use gym_mujoco::{CompiledModel, Data, Model, Revision, physics};
 
-/// Materials that models name: what acts, its tools, goals, what is fixed, and the ground.
+/// The materials that models name: the agent, its tools, goals, fixtures and the ground.
 const LOOK: &str = r#"<mujoco><asset>
   <material name="agent" rgba="0.36 0.55 0.78 1"/><material name="tool" rgba="0.93 0.62 0.22 1"/>
   <material name="goal" rgba="0.82 0.27 0.25 0.7"/><material name="fixture" rgba="0.5 0.53 0.58 1"/>
   <material name="ground" rgba="0.78 0.8 0.83 1"/></asset></mujoco>"#;
 
-/// The colours of the first three at a reward of 1.
+/// The colours of the first three materials at a reward of 1.
 const LOOK_AT_ONE: [[f64; 4]; 3] = [
     [0.25, 0.72, 0.36, 1.0],
     [0.25, 0.72, 0.36, 1.0],
     [0.82, 0.27, 0.25, 0.35],
 ];
 
-/// A model, and how it is stepped.
+/// A model, and the variants that it is stepped with.
 #[derive(Clone, Debug)]
 pub(crate) struct World {
     pub(crate) model: Arc<Model>,
-    /// Without actuators, as long as a start is computed.
+    /// The model without actuators, for computing initial states.
     still: Arc<Model>,
-    /// Without sensors, for timesteps whose measurements are not observed.
+    /// The model without sensors, for timesteps whose sensors are not observed.
     quiet: Arc<Model>,
-    /// Whether sensors measure forces or accelerations, in the last timestep of a step.
+    /// Whether a sensor measures forces or accelerations, so that the last timestep of a step must
+    /// compute it.
     feels: bool,
 }
 
 impl World {
-    /// The model of a text in MJCF, which names materials without defining them.
+    /// Compiles a text in MJCF that names materials without defining them.
     pub(crate) fn new(text: &str, revision: Revision) -> Result<Self> {
         let assets = LOOK.trim_end_matches("</mujoco>");
         let body = text.split_once('>').map_or(text, |(_, body)| body);
@@ -55,7 +56,7 @@ impl World {
         })
     }
 
-    /// The same with other figures.
+    /// Changes fields of the model and its variants.
     pub(crate) fn change(&mut self, change: impl FnOnce(&mut CompiledModel)) -> Result<()> {
         let mut compiled = Model::clone(&self.model).into_compiled();
         change(&mut compiled);
@@ -63,7 +64,7 @@ impl World {
         Ok(())
     }
 
-    /// The model in the colours of a reward: dm_control's `_set_reward_colors`.
+    /// A copy of the model whose colours show a reward: dm_control's `_set_reward_colors`.
     pub(crate) fn coloured(&self, reward: f64) -> Model {
         let mut compiled = Model::clone(&self.model).into_compiled();
         let square = reward.clamp(0.0, 1.0) * reward.clamp(0.0, 1.0);
@@ -74,13 +75,13 @@ impl World {
         Model::new(compiled).unwrap_or_else(|_| Model::clone(&self.model))
     }
 
-    /// Computes all that follows from a start: dm_control's `after_reset`.
+    /// Computes the derived arrays of an initial state: dm_control's `after_reset`.
     pub(crate) fn settle(&self, data: &mut Data) {
         physics::forward(&self.still, data);
     }
 
-    /// Computes what the state of a step that was taken together with other worlds leaves out, by
-    /// repeating the last timestep.
+    /// Computes the derived arrays that a step taken together with other worlds leaves out, by
+    /// repeating its last timestep.
     pub(crate) fn resume(&self, data: &mut Data) {
         data.rewind();
         let last = if self.feels { &self.model } else { &self.quiet };
@@ -88,12 +89,13 @@ impl World {
         physics::step1(&self.model, data);
     }
 
-    /// Advances a state by some timesteps, and computes what follows from its positions and
+    /// Advances the state by some timesteps, then computes the arrays that depend on positions and
     /// velocities: dm_control's `step`.
     pub(crate) fn step(&self, data: &mut Data, timesteps: usize) {
         let last = if self.feels { &self.model } else { &self.quiet };
         let mut steps = 0..timesteps;
-        // after a step that was taken together the first half of the next is not there
+        // the first half of this timestep is already done, except after a step that was taken
+        // together
         if self.model.opt.integrator != Integrator::RK4 && !data.is_behind() {
             steps.next();
             let model = if timesteps == 1 { last } else { &self.quiet };
@@ -111,7 +113,7 @@ impl World {
     }
 }
 
-/// The models are this crate's own, so that only other constants can be refused.
+/// Converts an error. The texts are this crate's own, so only drawn constants can cause one.
 #[expect(clippy::needless_pass_by_value, reason = "`map_err` gives it")]
 fn wrong(error: gym_mujoco::Error) -> Error {
     Error::argument("model", error.to_string())

@@ -295,3 +295,137 @@ fn masses_are_brought_to_rest_by_the_rule_of_lqr() {
         assert!(policy.controller(&flat).unwrap().is_none(), "{id}");
     }
 }
+
+/// The last step of a limit truncates, also where the masses have come to rest.
+#[test]
+fn a_limit_comes_before_the_end_of_a_task() {
+    let first = |steps: f64| {
+        let mut env = builder("dm_control/lqr-lqr_2_1-v0")
+            .arg("qpos", json!([0.0, 0.0]))
+            .arg("qvel", json!([0.0, 0.0]))
+            .arg("time_limit", 0.03 * steps)
+            .build()
+            .unwrap();
+        env.reset(0).unwrap();
+        let step = env.step(&Value::from(vec![0.0])).unwrap();
+        (step.terminated, step.truncated)
+    };
+    assert_eq!(first(1.0), (false, true));
+    assert_eq!(first(2.0), (true, false));
+}
+
+/// A state has as many steps as an episode can have, no more.
+#[test]
+fn states_beyond_the_limit_are_refused() {
+    let make = || {
+        let env = builder("dm_control/cartpole-balance-v0").arg("time_limit", 0.1);
+        env.build().unwrap()
+    };
+    let mut env = make();
+    env.reset(0).unwrap();
+    play(&mut env, 10);
+    let last = env.snapshot().unwrap();
+    make().restore(&last).unwrap();
+    // a step after the last one is no state of an episode
+    play(&mut env, 1);
+    let beyond = env.snapshot().unwrap();
+    let mut other = make();
+    other.reset(3).unwrap();
+    let before = other.snapshot().unwrap();
+    assert!(other.restore(&beyond).is_err());
+    assert_eq!(other.snapshot().unwrap(), before);
+}
+
+/// JSON has no NaN: these come from Rust.
+#[test]
+fn a_start_of_no_numbers_is_refused() {
+    use gym_control::ControlEnv;
+    use gym_control::domains::pendulum::{Config, Pendulum};
+    for (x, fits) in [
+        (1e10, true),
+        (-1e10, true),
+        (1e10_f64.next_up(), false),
+        (f64::NAN, false),
+        (f64::NEG_INFINITY, false),
+    ] {
+        for velocity in [false, true] {
+            let mut config = Config::default();
+            let given = Some(vec![x]);
+            if velocity {
+                config.common.qvel = given;
+            } else {
+                config.common.qpos = given;
+            }
+            assert_eq!(ControlEnv::new::<Pendulum>(&config).is_ok(), fits, "{x}");
+        }
+    }
+}
+
+/// Directions that are no numbers are no state of a point mass.
+#[test]
+fn constants_of_a_start_are_checked() {
+    let mut env = make("dm_control/point_mass-hard-v0").unwrap();
+    env.reset(1).unwrap();
+    let before = env.snapshot().unwrap();
+    for (number, fits) in [(json!(0.5), true), (json!({"$float": "NaN"}), false)] {
+        let mut stored = serde_json::to_value(&before).unwrap();
+        // the snapshot of a wrapper is a list that begins with the inner one
+        let mut inner = &mut stored;
+        while inner.is_array() {
+            inner = &mut inner[0];
+        }
+        let constants = &mut inner["episode"]["constants"];
+        assert_eq!(constants.as_array().map(Vec::len), Some(4));
+        constants[2] = number.clone();
+        let stored = serde_json::from_value(stored).unwrap();
+        let mut other = make("dm_control/point_mass-hard-v0").unwrap();
+        assert_eq!(other.restore(&stored).is_ok(), fits, "{number}");
+    }
+}
+
+/// What the observation held before does not matter, not even as many parts of other names.
+#[test]
+fn an_observation_has_the_keys_of_its_task() {
+    let mut seen = make("dm_control/pendulum-swingup-v0")
+        .unwrap()
+        .reset(1)
+        .unwrap();
+    let mut env = make("dm_control/point_mass-easy-v0").unwrap();
+    let expected = env.reset(1).unwrap();
+    let parts = |value: &Value| match value {
+        Value::Dict(entries) => entries.len(),
+        _ => 0,
+    };
+    assert_eq!((parts(&seen), parts(&expected)), (2, 2));
+    env.reset_into(&1.into(), &mut seen).unwrap();
+    assert_eq!(seen, expected);
+}
+
+#[test]
+fn a_picture_is_as_wide_as_it_can_be() {
+    for (side, fits) in [(1, true), (16_384, true), (16_385, false)] {
+        for name in ["width", "height"] {
+            let env = builder("dm_control/pendulum-swingup-v0").arg(name, side);
+            assert_eq!(env.build().is_ok(), fits, "{name} {side}");
+        }
+    }
+}
+
+/// The two directions of a point mass's forces are of length 1, and not too much alike.
+#[test]
+fn directions_of_forces_differ() {
+    let mut env = make("dm_control/point_mass-hard-v0").unwrap();
+    for seed in 0..40 {
+        env.reset(seed).unwrap();
+        let stored = serde_json::to_value(env.snapshot().unwrap()).unwrap();
+        let mut inner = &stored;
+        while inner.is_array() {
+            inner = &inner[0];
+        }
+        let constants = inner["episode"]["constants"].clone();
+        let [a, b, c, d]: [f64; 4] = serde_json::from_value(constants).unwrap();
+        assert!((a * a + b * b - 1.0).abs() < 1e-12, "{seed}");
+        assert!((c * c + d * d - 1.0).abs() < 1e-12, "{seed}");
+        assert!((a * c + b * d).abs() <= 0.9, "{seed}");
+    }
+}

@@ -1,16 +1,16 @@
-//! What stands in a cell of the grid.
+//! Cells of the grid: object, colour and state.
 
 use gym_core::ArgumentType;
 use serde::{Deserialize, Serialize};
 
 gym_core::discrete! {
-    /// The kind of an object, under minigrid's numbers.
+    /// The kind of an object, with minigrid's numbers.
     #[derive(PartialOrd, Ord, Serialize, Deserialize)]
     #[serde(rename_all = "lowercase")]
     pub enum Kind {
-        /// Outside of what the agent sees.
+        /// A cell that the agent does not see.
         Unseen,
-        /// Nothing.
+        /// An empty cell.
         Empty,
         /// A wall, which blocks the way and the view.
         Wall,
@@ -34,7 +34,7 @@ gym_core::discrete! {
 }
 
 gym_core::discrete! {
-    /// A colour, under minigrid's numbers.
+    /// A colour, with minigrid's numbers.
     #[derive(PartialOrd, Ord, Serialize, Deserialize)]
     #[serde(rename_all = "lowercase")]
     #[expect(missing_docs, reason = "the colours explain themselves")]
@@ -42,21 +42,21 @@ gym_core::discrete! {
 }
 
 gym_core::discrete! {
-    /// The state of a door, under minigrid's numbers.
+    /// The state of a door, with minigrid's numbers.
     #[derive(Serialize, Deserialize)]
     #[serde(rename_all = "lowercase")]
     pub enum State {
-        /// It can be entered.
+        /// Open: the agent can enter it.
         Open,
-        /// It opens when toggled.
+        /// Closed: `toggle` opens it.
         Closed,
-        /// It opens with a key of its colour.
+        /// Locked: `toggle` opens it if the agent carries a key of its colour.
         Locked,
     }
 }
 
 impl Kind {
-    /// The word for it in missions.
+    /// The word for the kind in missions.
     pub const fn name(self) -> &'static str {
         [
             "unseen", "empty", "wall", "floor", "door", "key", "ball", "box", "goal", "lava",
@@ -72,7 +72,7 @@ impl ArgumentType for Kind {
 }
 
 impl Color {
-    /// Every colour, in the order of its name: minigrid's `COLOR_NAMES`.
+    /// All colours in the order of their names: minigrid's `COLOR_NAMES`.
     pub const SORTED: [Self; 6] = [
         Self::Blue,
         Self::Green,
@@ -82,7 +82,7 @@ impl Color {
         Self::Yellow,
     ];
 
-    /// The word for it in missions.
+    /// The word for the colour in missions.
     pub const fn name(self) -> &'static str {
         ["red", "green", "blue", "purple", "yellow", "grey"][self as usize]
     }
@@ -111,7 +111,7 @@ impl ArgumentType for Color {
     }
 }
 
-/// An object or its absence: kind, colour, state, and the number that identifies it.
+/// The content of a cell: kind, colour, state, and the number of the object.
 ///
 /// Objects made by a [`Draft`](crate::Draft) have numbers from 1 on, so that two red balls differ;
 /// other cells have the number 0.
@@ -120,7 +120,7 @@ impl ArgumentType for Color {
 pub struct Cell(u32);
 
 impl Cell {
-    /// No object.
+    /// An empty cell.
     pub const EMPTY: Self = Self::new(Kind::Empty, Color::Red);
     /// A grey wall.
     pub const WALL: Self = Self::new(Kind::Wall, Color::Grey);
@@ -129,7 +129,7 @@ impl Cell {
     /// Lava.
     pub const LAVA: Self = Self::new(Kind::Lava, Color::Red);
 
-    /// An object without a number; a door is open.
+    /// An object with number 0; a door is open.
     pub const fn new(kind: Kind, color: Color) -> Self {
         Self(kind as u32 | (color as u32) << 8)
     }
@@ -155,7 +155,7 @@ impl Cell {
         Self(self.0 & 0xffff | (id as u32) << 16)
     }
 
-    /// The number that identifies the object; 0 if nothing refers to it.
+    /// The number of the object; 0 if it is not a numbered object.
     pub const fn id(self) -> u16 {
         (self.0 >> 16) as u16
     }
@@ -170,19 +170,19 @@ impl Cell {
         Color::ALL[(self.0 >> 8 & 0xf) as usize % Color::ALL.len()]
     }
 
-    /// Whether this is the kind.
+    /// Whether the cell has this kind.
     #[inline]
     pub const fn is(self, kind: Kind) -> bool {
         self.0 & 0xff == kind as u32
     }
 
-    /// Whether nothing is here.
+    /// Whether the cell is empty.
     #[inline]
     pub const fn is_empty(self) -> bool {
         self.is(Kind::Empty)
     }
 
-    /// Whether this is a door in the state.
+    /// Whether the cell is a door in this state.
     #[inline]
     pub const fn is_door(self, state: State) -> bool {
         self.0 & 0xf0ff == Kind::Door as u32 | (state as u32) << 12
@@ -211,7 +211,7 @@ impl Cell {
         matches!(self.kind(), Kind::Key | Kind::Ball | Kind::Box)
     }
 
-    /// Whether the agent can see past it.
+    /// Whether the agent can see past the cell.
     #[inline]
     pub const fn see_behind(self) -> bool {
         !self.is(Kind::Wall) && (!self.is(Kind::Door) || self.is_door(State::Open))
@@ -236,7 +236,7 @@ impl Cell {
         }
     }
 
-    /// Whether a stored number is a cell of a grid with so many numbered objects.
+    /// Whether the cell is valid on a grid with `objects` numbered objects.
     pub(crate) fn is_valid(self, objects: usize) -> bool {
         let [kind, color, state] = self.encode().map(usize::from);
         (1..Kind::Agent as usize).contains(&kind)

@@ -1,27 +1,28 @@
-//! A world in the making, with the random choices in minigrid's order.
+//! A world under construction. Random draws are in minigrid's order.
 
 use gym_core::Generator;
 
 use crate::world::{NOWHERE, Thing};
 use crate::{Cell, Color, Kind, Pos, World};
 
-/// Why a level is not finished.
+/// The reason why a level was not generated.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Stop {
-    /// Chance made a level that cannot be used: minigrid's `RejectSampling` and `RecursionError`.
+    /// This attempt failed by chance, and another may succeed: minigrid's `RejectSampling` and
+    /// `RecursionError`.
     Again(&'static str),
-    /// The arguments allow no level.
+    /// No level is possible with these arguments.
     Impossible(String),
 }
 
-/// The result of a part of the making of a level.
+/// The result of a step of generating a level.
 pub type Making<T = ()> = std::result::Result<T, Stop>;
 
-/// The random choices for one episode. No level needs nearly as many: after them, there is no room
-/// for what should be placed.
+/// The largest number of random draws per episode. No level comes near it unless its objects do not
+/// fit.
 const MAX_CHOICES: u32 = 2_000_000;
 
-/// A rectangle: the place of its top left corner, width and height.
+/// A rectangle: the position of its top left corner, width and height.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Area {
     /// The top left corner.
@@ -31,7 +32,7 @@ pub struct Area {
 }
 
 impl Area {
-    /// The rectangle of this corner and size.
+    /// The rectangle with the corner `(x, y)`.
     pub const fn new(x: i32, y: i32, width: i32, height: i32) -> Self {
         Self {
             top: Pos::new(x, y),
@@ -39,14 +40,14 @@ impl Area {
         }
     }
 
-    /// Whether a place lies within.
+    /// Whether `pos` lies in the rectangle.
     pub const fn contains(&self, pos: Pos) -> bool {
         let (x, y) = (pos.x - self.top.x, pos.y - self.top.y);
         x >= 0 && y >= 0 && x < self.size.x && y < self.size.y
     }
 }
 
-/// A world in the making, and the generator that decides.
+/// A world under construction, and its random generator.
 #[derive(Debug)]
 pub struct Draft<'a> {
     /// The world.
@@ -82,7 +83,7 @@ impl<'a> Draft<'a> {
         self.world.places.clear();
     }
 
-    /// Uniform in `low` to `high - 1`: minigrid's `_rand_int`.
+    /// Draws an integer from `low` to `high - 1` uniformly: minigrid's `_rand_int`.
     ///
     /// # Errors
     /// [`Stop::Impossible`] for an empty range, and if a level needs too many choices.
@@ -101,7 +102,7 @@ impl<'a> Draft<'a> {
         Ok(self.rng.integers(low.into(), high.into()) as i32)
     }
 
-    /// True or false: minigrid's `_rand_bool`.
+    /// Draws a boolean: minigrid's `_rand_bool`.
     ///
     /// # Errors
     /// The errors of [`int`](Self::int).
@@ -109,12 +110,12 @@ impl<'a> Draft<'a> {
         Ok(self.int(0, 2)? == 0)
     }
 
-    /// Uniform in `[0, 1)`: minigrid's `_rand_float(0, 1)`.
+    /// Draws a number from `[0, 1)` uniformly: minigrid's `_rand_float(0, 1)`.
     pub fn float(&mut self) -> f64 {
         self.rng.uniform(0.0, 1.0)
     }
 
-    /// An element of a list: minigrid's `_rand_elem`.
+    /// Draws an element of `list`: minigrid's `_rand_elem`.
     ///
     /// # Errors
     /// The errors of [`int`](Self::int).
@@ -122,7 +123,7 @@ impl<'a> Draft<'a> {
         Ok(list[self.int(0, list.len() as i32)? as usize])
     }
 
-    /// Some distinct elements of a list: minigrid's `_rand_subset`.
+    /// Draws `count` distinct elements of `list`: minigrid's `_rand_subset`.
     ///
     /// # Errors
     /// The errors of [`int`](Self::int); the list must be long enough.
@@ -133,7 +134,7 @@ impl<'a> Draft<'a> {
             .collect()
     }
 
-    /// A colour: minigrid's `_rand_color`.
+    /// Draws a colour: minigrid's `_rand_color`.
     ///
     /// # Errors
     /// The errors of [`int`](Self::int).
@@ -146,12 +147,12 @@ impl<'a> Draft<'a> {
         self.rng.shuffle(list);
     }
 
-    /// A numbered object, which is not on the grid yet.
+    /// Makes a numbered object. It is not on the grid yet.
     pub fn object(&mut self, kind: Kind, color: Color) -> Cell {
         self.number(Cell::new(kind, color))
     }
 
-    /// A box that contains an object.
+    /// Makes a numbered box that contains an object.
     pub fn box_of(&mut self, color: Color, content: Cell) -> Cell {
         let cell = self.object(Kind::Box, color);
         if let Some(thing) = self.world.things.last_mut() {
@@ -160,18 +161,18 @@ impl<'a> Draft<'a> {
         cell
     }
 
-    /// The cell as a numbered object.
+    /// Gives a cell a number.
     pub fn number(&mut self, cell: Cell) -> Cell {
         self.world.things.push(Thing {
             start: NOWHERE,
             pos: NOWHERE,
             content: Cell::EMPTY,
         });
-        // a grid has 65,025 cells at most
+        // a grid has at most 65,025 cells
         cell.with_id(u16::try_from(self.world.things.len()).unwrap_or(u16::MAX))
     }
 
-    /// Puts a cell at a place.
+    /// Puts a cell at a position.
     pub fn put(&mut self, pos: Pos, cell: Cell) {
         self.world.grid.set(pos, cell);
         self.world.note(cell, pos);
@@ -181,7 +182,7 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// Puts a cell at a random empty place: minigrid's `place_obj`.
+    /// Puts a cell at a random empty position: minigrid's `place_obj`.
     ///
     /// # Errors
     /// The errors of [`int`](Self::int).
@@ -194,8 +195,8 @@ impl<'a> Draft<'a> {
         Area::new(0, 0, self.width(), self.height())
     }
 
-    /// Puts a cell at a random empty place of an area that `accept` accepts. `max_tries` is the
-    /// number of failures after which one more gives up.
+    /// Puts a cell at a random empty position of an area, for which `accept` returns true. It gives
+    /// up after more than `max_tries` failed attempts.
     ///
     /// # Errors
     /// [`Stop::Again`] after too many failures, and the errors of [`int`](Self::int).
@@ -226,7 +227,7 @@ impl<'a> Draft<'a> {
         }
     }
 
-    /// Puts the agent at a random empty place, looking in a random direction.
+    /// Puts the agent at a random empty position, facing a random direction.
     ///
     /// # Errors
     /// The errors of [`int`](Self::int).
@@ -234,7 +235,7 @@ impl<'a> Draft<'a> {
         self.place_agent_in(self.whole(), u32::MAX)
     }
 
-    /// Puts the agent at a random empty place of an area.
+    /// Puts the agent at a random empty position of an area.
     ///
     /// # Errors
     /// The errors of [`place_if`](Self::place_if).
@@ -245,13 +246,13 @@ impl<'a> Draft<'a> {
         Ok(())
     }
 
-    /// Puts the agent at a place.
+    /// Puts the agent at a position.
     pub fn put_agent(&mut self, pos: impl Into<Pos>, direction: u8) {
         self.world.agent = pos.into();
         self.world.direction = direction;
     }
 
-    /// A mission in words.
+    /// Sets the mission.
     pub fn mission(&mut self, mission: impl Into<String>) {
         self.world.mission = mission.into();
     }

@@ -24,7 +24,7 @@ use crate::{Action, Grid, World, vector};
 
 /// The environment of a [`Level`].
 ///
-/// Its [`World`], once it was reset, and its [`Facts`] are layers of the environment:
+/// Its [`Facts`] and, after the first reset, its [`World`] are layers of the environment:
 /// `env.layer::<World>()` finds them through wrappers.
 #[derive(Clone, Debug)]
 pub struct GridEnv {
@@ -36,12 +36,12 @@ pub struct GridEnv {
     episode: Option<Episode>,
 }
 
-/// What follows from the arguments of an environment.
+/// The settings of an environment, computed from its arguments.
 #[derive(Clone, Debug)]
 pub struct Facts {
-    /// The arguments of every task.
+    /// The arguments that all tasks share.
     pub view: View,
-    /// Those that follow from the others; `max_steps` and `see_through_walls` are those in use.
+    /// The task's rules. `max_steps` and `see_through_walls` have the values in use.
     pub rules: Rules,
 }
 
@@ -52,7 +52,7 @@ struct Episode {
 }
 
 impl GridEnv {
-    /// The environment of a level.
+    /// Makes the environment of a level.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for an argument out of range.
@@ -66,7 +66,7 @@ impl GridEnv {
         let facts = Facts::new(&*level).map_err(|reason| Error::argument(name, reason))?;
         let picture = Picture::new(&facts).map_err(|reason| Error::argument(name, reason))?;
         let mut config = config.map_err(|error| Error::argument(name, error.to_string()))?;
-        // as it is in use; the limit of steps may follow from the mission, and stays as it was given
+        // the value in use; `max_steps` stays as given, because it can depend on the mission
         config["see_through_walls"] = facts.rules.see_through_walls.into();
         Ok(Self {
             level,
@@ -77,7 +77,7 @@ impl GridEnv {
         })
     }
 
-    /// What follows from the arguments.
+    /// The settings, computed from the arguments.
     pub fn facts(&self) -> &Facts {
         &self.facts
     }
@@ -117,7 +117,7 @@ impl GridEnv {
         Ok(Episode { world, rng })
     }
 
-    /// The world as pictures show it.
+    /// The world that pictures show.
     fn shown(&self) -> Option<World> {
         let mut world = self.world()?.clone();
         world.begin();
@@ -169,7 +169,7 @@ impl Facts {
         DictSpace::new(members).map_or_else(|_| Space::discrete(1), Space::from)
     }
 
-    /// Writes what the agent sees in a square of cells.
+    /// Writes the agent's view, a square of `size` by `size` cells, to `image`.
     pub(crate) fn look(&self, world: &World, size: u32, image: &mut Value) {
         let shape = [size as usize, size as usize, 3];
         if let Some(image) = array_of(image, DType::U8, &shape).as_mut_slice() {
@@ -320,7 +320,7 @@ impl Inspect for GridEnv {
     }
 }
 
-/// Builds the environments of levels of one type, for a registration.
+/// The entry point of levels of one type, for their registration.
 #[derive(Debug)]
 pub struct Of<L>(PhantomData<L>);
 
@@ -333,7 +333,7 @@ impl<L: Level + Arguments + Clone> Build for Of<L> {
     }
 }
 
-/// The episode on the page of a level with a good policy.
+/// The clip on the page of a level that has a good policy.
 const CLIP: Clip = Clip {
     seeds: 1..2,
     every: 1,
@@ -341,13 +341,13 @@ const CLIP: Clip = Clip {
     size: (96, 96),
 };
 
-/// What every level is excused from in the conformance checks.
+/// The conformance exceptions of every level.
 pub(crate) const WINDOW: (&str, &str) = (
     "arguments-matter.screen_size",
     "a window has the size of the picture",
 );
 
-/// The registration of a level under an id, perhaps with a good policy.
+/// The registration of a level under an id, with a good policy if there is one.
 pub const fn register<L: Level + Arguments + Clone>(
     id: &'static str,
     description: &'static str,
@@ -366,7 +366,7 @@ pub const fn register<L: Level + Arguments + Clone>(
     }
 }
 
-/// The keys of the actions that there are.
+/// The keys of the actions that the task has.
 fn keys(env: &BoxEnv) -> Keys {
     let all = json!({"Left": 0, "Right": 1, "Up": 2, "P": 3, "D": 4, "Space": 5, "Enter": 6});
     let space = env.action_space();

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::Cell;
 
-/// A place on the grid, or beside it: column and row from the top left.
+/// A position: column and row from the top left. It can lie outside the grid.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub struct Pos {
     /// The column.
@@ -14,17 +14,17 @@ pub struct Pos {
 }
 
 impl Pos {
-    /// The place at column `x` and row `y`.
+    /// The position in column `x` and row `y`.
     pub const fn new(x: i32, y: i32) -> Self {
         Self { x, y }
     }
 
-    /// The number of steps between two places.
+    /// The number of steps between two positions.
     pub const fn distance(self, other: Self) -> i32 {
         (self.x - other.x).abs() + (self.y - other.y).abs()
     }
 
-    /// Whether the other place is one of the eight around this one, or the same.
+    /// Whether `other` is this position or one of the eight around it.
     pub const fn is_near(self, other: Self) -> bool {
         (self.x - other.x).abs() <= 1 && (self.y - other.y).abs() <= 1
     }
@@ -61,7 +61,7 @@ impl From<[u32; 2]> for Pos {
     }
 }
 
-/// The cells of a world. Outside of it is wall.
+/// The cells of a world. Cells outside the grid are walls.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Grid {
     width: i32,
@@ -70,7 +70,7 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// The longest side.
+    /// The largest width and height.
     pub const MAX_SIDE: u32 = 255;
 
     /// An empty grid.
@@ -96,7 +96,7 @@ impl Grid {
         self.height
     }
 
-    /// Row by row.
+    /// The cells, row by row.
     pub fn cells(&self) -> &[Cell] {
         &self.cells
     }
@@ -106,12 +106,12 @@ impl Grid {
         inside.then(|| (y * self.width + x) as usize)
     }
 
-    /// Whether the place lies within.
+    /// Whether the position lies on the grid.
     pub fn contains(&self, pos: Pos) -> bool {
         self.index(pos).is_some()
     }
 
-    /// The cell at a place.
+    /// The cell at a position.
     #[inline]
     pub fn get(&self, pos: Pos) -> Cell {
         match self.index(pos) {
@@ -120,31 +120,31 @@ impl Grid {
         }
     }
 
-    /// Overwrites the cell at a place; a place outside is ignored.
+    /// Sets the cell at a position; a position outside the grid is ignored.
     pub fn set(&mut self, pos: Pos, cell: Cell) {
         if let Some(index) = self.index(pos) {
             self.cells[index] = cell;
         }
     }
 
-    /// Columns and rows with their cells, column by column, in the order in which minigrid searches
-    /// for objects.
+    /// All positions with their cells, column by column: the order in which minigrid searches for
+    /// objects.
     pub fn by_column(&self) -> impl Iterator<Item = (Pos, Cell)> + '_ {
         let places = (0..self.width).flat_map(|x| (0..self.height).map(move |y| Pos::new(x, y)));
         places.map(|pos| (pos, self.get(pos)))
     }
 
-    /// `length` cells to the right.
+    /// Sets `length` cells from `(x, y)` to the right.
     pub fn horizontal(&mut self, x: i32, y: i32, length: i32, cell: Cell) {
         (x..x + length).for_each(|x| self.set(Pos::new(x, y), cell));
     }
 
-    /// `length` cells down.
+    /// Sets `length` cells from `(x, y)` down.
     pub fn vertical(&mut self, x: i32, y: i32, length: i32, cell: Cell) {
         (y..y + length).for_each(|y| self.set(Pos::new(x, y), cell));
     }
 
-    /// Walls around a rectangle.
+    /// Adds walls along the edges of a rectangle.
     pub fn wall_rect(&mut self, x: i32, y: i32, width: i32, height: i32) {
         self.horizontal(x, y, width, Cell::WALL);
         self.horizontal(x, y + height - 1, width, Cell::WALL);
@@ -152,12 +152,12 @@ impl Grid {
         self.vertical(x + width - 1, y, height, Cell::WALL);
     }
 
-    /// Walls around the grid.
+    /// Adds walls along the edges of the grid.
     pub fn surround(&mut self) {
         self.wall_rect(0, 0, self.width, self.height);
     }
 
-    /// Whether a stored grid has this size, and `objects` numbered objects at most.
+    /// Whether a stored grid has this size, and at most `objects` numbered objects.
     pub(crate) fn is_valid(&self, width: i32, height: i32, objects: usize) -> bool {
         (self.width, self.height) == (width, height)
             && self.cells.len() == (width * height) as usize

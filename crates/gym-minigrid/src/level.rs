@@ -32,25 +32,25 @@ gym_core::arguments! {
     }
 }
 
-/// The fixed facts of a task with some arguments.
+/// The settings of a task with certain arguments.
 #[derive(Clone, Debug)]
 pub struct Rules {
     /// The number of columns.
     pub width: u32,
     /// The number of rows.
     pub height: u32,
-    /// The steps after which an episode is truncated.
+    /// The time limit of an episode.
     pub max_steps: u32,
-    /// Whether walls do not hide what lies behind.
+    /// Whether the agent sees through walls.
     pub see_through_walls: bool,
-    /// The missions.
+    /// The space of missions.
     pub missions: MissionSpace,
-    /// The number of actions; a task may have only the first few.
+    /// The number of actions: all seven, or only the first.
     pub actions: u32,
 }
 
 impl Rules {
-    /// A grid of this size, with one mission, and walls that hide what lies behind.
+    /// A grid of this size with one mission; walls block the view.
     pub fn new(width: u32, height: u32, max_steps: u32, mission: &str) -> Self {
         Self {
             width,
@@ -63,16 +63,16 @@ impl Rules {
         }
     }
 
-    /// A square grid, with a limit of so many steps for each cell.
+    /// A square grid whose time limit is `steps` per cell.
     pub fn square(size: u32, steps: u32, mission: &str) -> Self {
         let steps = size.saturating_mul(size).saturating_mul(steps);
         Self::new(size, size, steps, mission)
     }
 
-    /// Missions with words in the blanks `{}`.
+    /// Sets the missions: `pattern`, with `words` in its blanks `{}`.
     ///
     /// # Errors
-    /// Why there is no [`MissionSpace`] of them.
+    /// The reason why there is no such [`MissionSpace`].
     pub fn missions(
         self,
         pattern: &str,
@@ -83,7 +83,7 @@ impl Rules {
         Ok(Self { missions, ..self })
     }
 
-    /// Walls do not hide what lies behind.
+    /// Lets the agent see through walls.
     #[must_use]
     pub fn see_through(self) -> Self {
         Self {
@@ -93,40 +93,40 @@ impl Rules {
     }
 }
 
-/// A kind of task on a grid. It is a struct of arguments, with those of every task: the macro
-/// [`level!`](crate::level!) defines it.
+/// A kind of task on a grid. It is a struct of its arguments and of those that all tasks share; the
+/// macro [`level!`](crate::level!) defines it.
 ///
-/// [`GridEnv`](crate::GridEnv) makes an environment of it.
+/// [`GridEnv`](crate::GridEnv) is its environment.
 pub trait Level: AsRef<View> + fmt::Debug + Send + Sync + 'static {
-    /// The name of the environment, without version: by default that of the type.
+    /// The name of the environment, without version; by default the name of the type.
     fn name(&self) -> &'static str {
         let path = std::any::type_name::<Self>();
         path.rsplit("::").next().unwrap_or(path)
     }
 
-    /// The facts that follow from the arguments.
+    /// Computes the settings from the arguments.
     ///
     /// # Errors
-    /// Why an argument cannot be used.
+    /// The reason why an argument is invalid.
     fn rules(&self) -> Result<Rules, String>;
 
-    /// Makes a level: places walls, objects and the agent on an empty grid, and sets the mission if
-    /// there are several. What decides about the end of the episode can be kept in
+    /// Generates a level: places walls, objects and the agent on an empty grid, and sets the
+    /// mission if there are several. Store objects and positions that end the episode in
     /// [`World::targets`] and [`World::places`].
     ///
     /// # Errors
-    /// [`Stop`](crate::Stop) if chance or the arguments left no room.
+    /// [`Stop`](crate::Stop) if the attempt failed or the arguments are impossible.
     fn generate(&self, draft: &mut Draft<'_>) -> Making;
 
-    /// Takes a step. By default the episode ends in the goal and in lava.
+    /// Takes a step. By default the episode terminates in the goal and in lava.
     fn step(&self, world: &mut World, action: Action, rng: &mut Generator) -> Outcome {
         let _ = rng;
         world.step(action)
     }
 }
 
-/// Defines a [`Level`]'s struct of arguments, as [`gym_core::arguments!`], with the field `view`
-/// for the arguments of every task. The crate needs `serde`.
+/// Defines the struct of a [`Level`], like [`gym_core::arguments!`]. It adds the field `view` for
+/// the arguments that all tasks share. The calling crate needs `serde`.
 #[macro_export]
 macro_rules! level {
     ($(#[$doc:meta])* $name:ident { $($arguments:tt)* }) => {

@@ -1,4 +1,4 @@
-//! A policy that knows the whole grid, and plans the shortest way.
+//! A policy that knows the whole grid, and takes the shortest path.
 
 use std::collections::VecDeque;
 
@@ -9,7 +9,8 @@ use crate::babyai::Instr;
 use crate::view::DIRECTIONS;
 use crate::{Action, Cell, Facts, Kind, Pos, State, World};
 
-/// Walks the shortest way to the goal or to what the instruction names, and fetches keys on it.
+/// Takes the shortest path to the goal or to the object of the instruction, and fetches keys on the
+/// way.
 pub(crate) const POLICY: Policy = Policy::rules(
     "knows the whole grid, and takes the shortest way, past lava and through doors",
     start,
@@ -23,7 +24,7 @@ fn start(env: &BoxEnv) -> Option<Controller> {
     }))
 }
 
-/// The next action on the way; `None` without one.
+/// The next action on the path; `None` if there is none.
 pub(crate) fn next_action(world: &World) -> Option<Action> {
     let (is_target, action): (Box<dyn Fn(Pos, Cell) -> bool>, _) = match &world.instr {
         Some(Instr::GoTo(object)) => (
@@ -38,7 +39,7 @@ pub(crate) fn next_action(world: &World) -> Option<Action> {
     if let Some(next) = walk(world, &*is_target, action) {
         return Some(next);
     }
-    // the key of a locked door
+    // without another path: fetch the key of a locked door
     let locked = world
         .grid
         .cells()
@@ -53,7 +54,7 @@ pub(crate) fn next_action(world: &World) -> Option<Action> {
     }
 }
 
-/// Whether the agent can go on through a cell.
+/// Whether the agent can pass a cell.
 fn is_passable(world: &World, cell: Cell) -> bool {
     let has_key = world.carrying.is(Kind::Key) && world.carrying.color() == cell.color();
     (cell.can_overlap() && !cell.is(Kind::Lava))
@@ -61,8 +62,8 @@ fn is_passable(world: &World, cell: Cell) -> bool {
         || (cell.is_door(State::Locked) && has_key)
 }
 
-/// The first action on the shortest way to a place before a target, or `action` if the agent is
-/// there.
+/// The first action on the shortest path to a position in front of a target; `action` if the agent
+/// is there.
 fn walk(world: &World, is_target: &dyn Fn(Pos, Cell) -> bool, action: Action) -> Option<Action> {
     let start = (world.agent, world.direction);
     let index = |(pos, direction): (Pos, u8)| {

@@ -4,21 +4,21 @@ use crate::draft::{Area, Draft, Making, Stop};
 use crate::view::DIRECTIONS;
 use crate::{Cell, Color, Kind, Pos, State};
 
-/// The kinds of objects that lie about.
+/// The kinds of objects in rooms.
 pub(crate) const KINDS: [Kind; 3] = [Kind::Key, Kind::Ball, Kind::Box];
 
-/// The tries after which an object is not placed.
+/// The number of attempts to place an object.
 const MAX_TRIES: u32 = 1000;
 
-/// The choices of doors after which rooms are not connected.
+/// The number of attempts to connect rooms by doors.
 const MAX_DOORS: u32 = 5000;
 
-/// The way through a wall.
+/// The passage through a wall.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Way {
-    /// There is none.
+    /// No passage.
     Closed,
-    /// A door stands at the place.
+    /// A door at this position.
     Door(Pos),
     /// The wall was removed.
     Open,
@@ -28,16 +28,16 @@ pub(crate) enum Way {
 #[derive(Clone, Debug)]
 pub(crate) struct Room {
     pub(crate) area: Area,
-    /// The index of the room behind each wall.
+    /// For each wall: the index of the room behind it.
     neighbors: [Option<usize>; 4],
     pub(crate) ways: [Way; 4],
-    /// Where a door would stand.
+    /// For each wall: the position of its door, if it gets one.
     door_pos: [Pos; 4],
     locked: bool,
     objects: Vec<(Kind, Color)>,
 }
 
-/// A grid of rooms in the making.
+/// A grid of rooms under construction.
 #[derive(Debug)]
 pub(crate) struct Rooms<'d, 'a> {
     pub(crate) draft: &'d mut Draft<'a>,
@@ -47,7 +47,7 @@ pub(crate) struct Rooms<'d, 'a> {
     pub(crate) rooms: Vec<Room>,
 }
 
-/// Columns and rows of a grid of rooms of this size, walls included.
+/// The width and height of a grid of rooms, walls included.
 pub(crate) fn grid_size(room_size: u32, columns: u32, rows: u32) -> Result<[u32; 2], String> {
     let limit = 3..=crate::Grid::MAX_SIDE;
     if !limit.contains(&room_size) || columns == 0 || rows == 0 {
@@ -59,7 +59,7 @@ pub(crate) fn grid_size(room_size: u32, columns: u32, rows: u32) -> Result<[u32;
 }
 
 impl<'d, 'a> Rooms<'d, 'a> {
-    /// Builds the walls, decides where doors can stand, and puts the agent in the middle.
+    /// Builds the walls, chooses the positions of doors, and puts the agent in the middle.
     pub(crate) fn new(
         draft: &'d mut Draft<'a>,
         room_size: u32,
@@ -128,7 +128,7 @@ impl<'d, 'a> Rooms<'d, 'a> {
         )))
     }
 
-    /// The index of the room that minigrid assigns a place to.
+    /// The index of the room that contains a position, as minigrid computes it.
     pub(crate) fn index_at(&self, pos: Pos) -> usize {
         let step = self.room_size - 1;
         let (i, j) = (
@@ -156,7 +156,8 @@ impl<'d, 'a> Rooms<'d, 'a> {
         self.rooms[index].neighbors[wall].is_some()
     }
 
-    /// The places of the doors of each room, column by column. Each door counts twice.
+    /// The positions of the doors of each room, column by column. A door between two rooms is
+    /// listed twice.
     pub(crate) fn doors(&self) -> Vec<Pos> {
         let indices = self
             .by_column()
@@ -175,7 +176,7 @@ impl<'d, 'a> Rooms<'d, 'a> {
         (0..columns).flat_map(move |i| (0..rows).map(move |j| (i, j)))
     }
 
-    /// Places an object in a room, not next to the agent.
+    /// Places an object in a room, but not next to the agent.
     pub(crate) fn place(&mut self, i: i32, j: i32, cell: Cell) -> Making<Pos> {
         let index = self.index(i, j)?;
         let accept = |world: &crate::World, pos: Pos| world.agent.distance(pos) >= 2;
@@ -185,7 +186,7 @@ impl<'d, 'a> Rooms<'d, 'a> {
         Ok(pos)
     }
 
-    /// Places a new object in a room; kind and colour are random unless given.
+    /// Places a new object in a room. A kind or colour that is `None` is drawn.
     pub(crate) fn add_object(
         &mut self,
         i: i32,
@@ -200,8 +201,8 @@ impl<'d, 'a> Rooms<'d, 'a> {
         Ok(cell)
     }
 
-    /// Adds a door in a wall of a room; wall, colour and lock are random unless given. Returns the
-    /// door and its place.
+    /// Adds a door in a wall of a room. A wall, colour or lock that is `None` is drawn. Returns the
+    /// door and its position.
     pub(crate) fn add_door(
         &mut self,
         i: i32,
@@ -258,8 +259,7 @@ impl<'d, 'a> Rooms<'d, 'a> {
         Ok(())
     }
 
-    /// Places the agent in a room, looking at nothing or at a wall; the room is random unless
-    /// given.
+    /// Places the agent in a room, facing an empty cell or a wall. A room that is `None` is drawn.
     pub(crate) fn place_agent(&mut self, room: Option<(i32, i32)>) -> Making {
         let (i, j) = room.map_or_else(|| self.random_room(), Ok)?;
         let area = self.rooms[self.index(i, j)?].area;
@@ -308,8 +308,8 @@ impl<'d, 'a> Rooms<'d, 'a> {
         reached.into_iter().all(|reached| reached)
     }
 
-    /// Places random objects; in a random room each, unless one is given. `unique` objects differ
-    /// from each other and from those in all rooms.
+    /// Places `count` random objects, in the given room or each in a random room. If `unique`, they
+    /// differ from each other and from all other objects.
     pub(crate) fn add_distractors(
         &mut self,
         room: Option<(i32, i32)>,
@@ -335,7 +335,7 @@ impl<'d, 'a> Rooms<'d, 'a> {
         Ok(added)
     }
 
-    /// Puts a ball in front of a door, on the side of the room whose wall it is in.
+    /// Puts a ball in front of a door, in the room whose wall has the door.
     pub(crate) fn block(&mut self, door: Pos, wall: usize, color: Color) {
         let ball = self.draft.object(Kind::Ball, color);
         self.draft.put(door - DIRECTIONS[wall], ball);

@@ -1,4 +1,4 @@
-//! Native vectors: environments of one type, without the cost of erased ones.
+//! Native vectors of environments of one type, without the cost of erased environments.
 
 use gym_core::registry::build;
 use gym_core::vector::{BoxVector, SyncVectorEnv, VectorSpec};
@@ -9,8 +9,8 @@ use crate::{GridEnv, Level, Of};
 /// Makes a native vector from its spec.
 ///
 /// # Errors
-/// [`Error::InvalidArgument`] for arguments that the level does not take, and for what only sync
-/// and async vectors have.
+/// [`Error::InvalidArgument`] for arguments that the level does not have, and for features that
+/// only sync and async vectors have.
 pub(crate) fn entry_point<L: Level + Arguments + Clone>(spec: &VectorSpec) -> Result<BoxVector> {
     vector(&build::<Of<L>>(&spec.env)?, spec)
 }

@@ -1,11 +1,11 @@
-//! What the agent sees: a square of cells before it, turned so that it looks up.
+//! The agent's view: a square of cells in front of it, rotated so that the agent faces up.
 
 use crate::{Cell, Grid, Kind, Pos};
 
-/// The widest view.
+/// The largest width of a view.
 pub(crate) const MAX_VIEW: u32 = 63;
 
-/// The directions that an agent looks in, clockwise from the right.
+/// The directions that an agent can face, clockwise from the right.
 pub(crate) const DIRECTIONS: [Pos; 4] = [
     Pos::new(1, 0),
     Pos::new(0, 1),
@@ -13,11 +13,12 @@ pub(crate) const DIRECTIONS: [Pos; 4] = [
     Pos::new(0, -1),
 ];
 
-/// The square that an agent sees, `size` cells wide, with the agent in the middle of its last row.
+/// The square that the agent sees. It is `size` cells wide; the agent is in the middle of the last
+/// row.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct View {
     pub(crate) size: i32,
-    /// The place of the view's top left corner.
+    /// The position of the view's top left corner.
     corner: Pos,
     forward: Pos,
     right: Pos,
@@ -35,7 +36,7 @@ impl View {
         }
     }
 
-    /// The place of the view's column `i` and row `j`.
+    /// The position of the view's column `i` and row `j`.
     pub(crate) fn place(&self, i: i32, j: i32) -> Pos {
         self.corner - self.forward * j + self.right * i
     }
@@ -46,8 +47,8 @@ impl View {
         (0..self.size).map(move |i| grid.get(start + right * i))
     }
 
-    /// The columns of each row that the agent sees, as bits: light enters a row from the one below,
-    /// and spreads sideways as far as cells let it pass.
+    /// For each row: the columns that the agent sees, as bits. Light enters a row from the row
+    /// below, and spreads sideways through transparent cells.
     pub(crate) fn visible(&self, grid: &Grid, see_through_walls: bool) -> [u64; 64] {
         let size = self.size as usize;
         let all = u64::MAX >> (64 - size);
@@ -61,7 +62,7 @@ impl View {
             for (i, cell) in self.row(grid, j as i32).enumerate() {
                 clear |= u64::from(cell.see_behind()) << i;
             }
-            // the last column passes no light on to the right, nor the first to the left
+            // the last column passes no light to the right, the first none to the left
             let right = spread(lit, clear & (all >> 1), |bits| bits << 1) & clear & (all >> 1);
             lit |= right | right << 1;
             let left = spread(lit, clear & !1, |bits| bits >> 1) & clear & !1;
@@ -87,13 +88,13 @@ impl View {
                 }
             }
         }
-        // the agent's own cell shows what it carries
+        // the agent's own cell shows the object that it carries
         let own = 3 * ((size / 2) * size + size - 1);
         image[own..own + 3].copy_from_slice(&carried.encode());
     }
 }
 
-/// The lit columns, and those that light reaches from there through clear ones.
+/// The lit columns, and the columns that light reaches from them through transparent cells.
 fn spread(lit: u64, clear: u64, shift: impl Fn(u64) -> u64) -> u64 {
     let mut lit = lit;
     loop {

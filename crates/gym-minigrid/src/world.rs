@@ -19,7 +19,7 @@ gym_core::discrete! {
         Forward,
         /// Pick up the object in front.
         Pickup,
-        /// Drop the object that is carried.
+        /// Drop the carried object.
         Drop,
         /// Open or close the door in front, or open the box.
         Toggle,
@@ -28,46 +28,46 @@ gym_core::discrete! {
     }
 }
 
-/// What is remembered of a numbered object.
+/// The record of a numbered object.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Thing {
-    /// Where it was placed first.
+    /// The position where it was first placed.
     pub(crate) start: Pos,
-    /// Where it was placed last; [`NOWHERE`] while it is carried.
+    /// The position where it was last placed; [`NOWHERE`] while it is carried.
     pub(crate) pos: Pos,
-    /// What a box contains.
+    /// The content, for a box.
     pub(crate) content: Cell,
 }
 
-/// The place of what is carried.
+/// The position of a carried object.
 pub(crate) const NOWHERE: Pos = Pos::new(-1, -1);
 
-/// The grid, the agent, and the count of steps.
+/// The state of an episode: grid, agent, mission and step count.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct World {
     /// The cells.
     pub grid: Grid,
-    /// The agent's place.
+    /// The agent's position.
     pub agent: Pos,
-    /// The direction in which the agent looks: right, down, left, up.
+    /// The direction that the agent faces: 0 right, 1 down, 2 left, 3 up.
     pub direction: u8,
     /// The object that the agent carries, or an empty cell.
     pub carrying: Cell,
-    /// The steps since the start of the episode.
+    /// The number of steps in the episode.
     pub step_count: u32,
-    /// The steps after which the episode is truncated.
+    /// The time limit of the episode.
     pub max_steps: u32,
-    /// The task in words.
+    /// The mission.
     pub mission: String,
-    /// Objects that decide about the end of the episode.
+    /// Objects that end the episode, as the task defines.
     pub targets: Vec<Cell>,
-    /// Places that decide about the end of the episode.
+    /// Positions that end the episode, as the task defines.
     pub places: Vec<Pos>,
-    /// The instruction of a level of BabyAI.
+    /// The instruction, in a BabyAI level.
     pub(crate) instr: Option<Instr>,
-    /// The object that the agent gets after the first observation, or an empty cell.
+    /// The object that the agent carries from the first step on, or an empty cell.
     pub(crate) pending: Cell,
-    /// The numbered objects, from number 1 on.
+    /// The records of numbered objects: index 0 has number 1.
     pub(crate) things: Vec<Thing>,
 }
 
@@ -89,7 +89,7 @@ impl World {
         }
     }
 
-    /// The place in front of the agent.
+    /// The position in front of the agent.
     pub fn front_pos(&self) -> Pos {
         self.agent + DIRECTIONS[usize::from(self.direction) % 4]
     }
@@ -99,12 +99,13 @@ impl World {
         self.grid.get(self.front_pos())
     }
 
-    /// The reward of success: 1, less up to 0.9 for the steps taken.
+    /// The reward for success: 1 minus up to 0.9 for the steps taken.
     pub fn reward(&self) -> f64 {
         1.0 - 0.9 * (f64::from(self.step_count) / f64::from(self.max_steps))
     }
 
-    /// Takes an action, with minigrid's rewards: success in the goal, the end in lava.
+    /// Takes an action. The episode terminates with success in the goal, and without reward in
+    /// lava.
     pub fn step(&mut self, action: Action) -> Outcome {
         self.step_count = self.step_count.saturating_add(1);
         let mut outcome = Outcome::default();
@@ -155,17 +156,17 @@ impl World {
         self.grid.set(pos, next);
     }
 
-    /// The object of an index in [`targets`](Self::targets); an empty cell if there is none.
+    /// The element `index` of [`targets`](Self::targets); an empty cell if there is none.
     pub fn target(&self, index: usize) -> Cell {
         self.targets.get(index).copied().unwrap_or(Cell::EMPTY)
     }
 
-    /// The place of an index in [`places`](Self::places); outside of the grid if there is none.
+    /// The element `index` of [`places`](Self::places); `NOWHERE` if there is none.
     pub fn place(&self, index: usize) -> Pos {
         self.places.get(index).copied().unwrap_or(NOWHERE)
     }
 
-    /// Gives the agent the object that it carries from the first step on.
+    /// Gives the agent the pending object.
     pub(crate) fn begin(&mut self) {
         let pending = std::mem::replace(&mut self.pending, Cell::EMPTY);
         if let Some(start) = self.thing(pending).map(|thing| thing.start) {
@@ -174,12 +175,12 @@ impl World {
         }
     }
 
-    /// What is remembered of a numbered object.
+    /// The record of a numbered object.
     pub(crate) fn thing(&self, cell: Cell) -> Option<&Thing> {
         self.things.get(usize::from(cell.id()).checked_sub(1)?)
     }
 
-    /// Remembers where a numbered object is.
+    /// Records the position of a numbered object.
     pub(crate) fn note(&mut self, cell: Cell, pos: Pos) {
         let index = usize::from(cell.id()).wrapping_sub(1);
         if let Some(thing) = self.things.get_mut(index) {

@@ -273,3 +273,153 @@ fn a_world_is_found_through_wrappers() {
     assert_eq!(world.text(), text);
     assert_eq!(env.step(&Value::Int(2)).unwrap().reward, 0.0);
 }
+
+/// A step that the environment refuses draws nothing: the next is as if it had not been.
+#[test]
+fn a_refused_step_draws_nothing() {
+    let make = || {
+        let kwargs = json!({"prob": 0.5});
+        let mut env = wrapped("MiniGrid-Empty-5x5-v0", "StochasticActionWrapper", kwargs);
+        env.reset(1).unwrap();
+        env
+    };
+    let (mut plain, mut asked) = (make(), make());
+    let mut refusals = 0;
+    for step in 0..30 {
+        let before = asked.snapshot().unwrap();
+        match asked.step(&Value::Int(7)) {
+            Err(_) => {
+                refusals += 1;
+                assert_eq!(asked.snapshot().unwrap(), before, "step {step}");
+            }
+            // a random action is taken instead
+            Ok(_) => asked.restore(&before).unwrap(),
+        }
+        let action = Value::Int(step % 3);
+        assert_eq!(
+            asked.step(&action).unwrap(),
+            plain.step(&action).unwrap(),
+            "step {step}"
+        );
+    }
+    assert!((5..25).contains(&refusals), "{refusals}");
+}
+
+/// Both ends of each range of a wrapper's arguments.
+#[test]
+fn the_ends_of_a_wrappers_arguments() {
+    let fits = |name: &str, kwargs: serde_json::Value| {
+        let serde_json::Value::Object(kwargs) = kwargs else {
+            panic!("the arguments are an object");
+        };
+        let name = name.to_owned();
+        let env = make("MiniGrid-Empty-5x5-v0").unwrap();
+        WrapperSpec { name, kwargs }.wrap(env).is_ok()
+    };
+    for (prob, is_one) in [
+        (0.0, true),
+        (1.0, true),
+        (-1e-9, false),
+        (1.0 + 1e-9, false),
+    ] {
+        let kwargs = json!({"prob": prob});
+        assert_eq!(fits("StochasticActionWrapper", kwargs), is_one, "{prob}");
+    }
+    for (action, is_one) in [(0, true), (6, true), (7, false)] {
+        let kwargs = json!({"random_action": action});
+        assert_eq!(fits("StochasticActionWrapper", kwargs), is_one, "{action}");
+    }
+    for (index, is_one) in [(0, true), (1, true), (2, false)] {
+        let kwargs = json!({"seeds": [5, 6], "seed_idx": index});
+        assert_eq!(fits("ReseedWrapper", kwargs), is_one, "{index}");
+    }
+    assert!(!fits("ReseedWrapper", json!({"seeds": []})));
+    assert!(!fits(
+        "NoDeath",
+        json!({"no_death_types": ["lava", "goal"]})
+    ));
+}
+
+/// An index of a longer list of seeds is refused, and changes nothing.
+#[test]
+fn a_place_in_another_list_of_seeds_is_refused() {
+    let of = |seeds: &[u64]| {
+        let kwargs = json!({"seeds": seeds});
+        wrapped("MiniGrid-FourRooms-v0", "ReseedWrapper", kwargs)
+    };
+    let mut long = of(&[1, 2, 3]);
+    long.reset(()).unwrap();
+    long.reset(()).unwrap();
+    let third = long.snapshot().unwrap();
+    let mut short = of(&[1, 2]);
+    short.reset(()).unwrap();
+    let before = short.snapshot().unwrap();
+    let error = short.restore(&third).unwrap_err().to_string();
+    assert!(error.contains("does not fit this ReseedWrapper"), "{error}");
+    assert_eq!(short.snapshot().unwrap(), before);
+    let mut other = of(&[7, 8, 3]);
+    other.restore(&third).unwrap();
+    assert_eq!(other.reset(()).unwrap(), long.reset(()).unwrap());
+}
+
+/// An end counts as a death by the cell in front and by the cell of the agent.
+#[test]
+fn no_death_where_the_agent_stands() {
+    for (kind, lives) in [("empty", true), ("lava", false)] {
+        let kwargs = json!({"no_death_types": [kind], "death_cost": -0.5});
+        let mut env = wrapped("MiniGrid-GoToDoor-5x5-v0", "NoDeath", kwargs);
+        env.reset(0).unwrap();
+        // to declare the task done ends the episode
+        let end = env.step(&Value::Int(6)).unwrap();
+        let expected = if lives { (false, -0.5) } else { (true, 0.0) };
+        assert_eq!((end.terminated, end.reward), expected, "{kind}");
+    }
+}
+
+/// A state of another mission, or with a part outside of the grid, is refused wherever it stands.
+#[test]
+fn states_that_no_episode_has_are_refused() {
+    let mut env = make("MiniGrid-Fetch-5x5-N2-v0").unwrap();
+    env.reset(0).unwrap();
+    let before = env.snapshot().unwrap();
+    let state = env.inspect().unwrap().state().unwrap();
+    for (key, value) in [
+        ("mission", json!("dance")),
+        ("direction", json!(4)),
+        ("max_steps", json!(0)),
+    ] {
+        let mut other = state.clone();
+        assert_ne!(other[key], value);
+        other[key] = value;
+        assert!(
+            env.inspect_mut().unwrap().set_state(other).is_err(),
+            "{key}"
+        );
+        assert_eq!(env.snapshot().unwrap(), before, "{key}");
+    }
+    env.inspect_mut().unwrap().set_state(state).unwrap();
+}
+
+/// The second of two tasks is checked as the first is.
+#[test]
+fn both_tasks_of_a_state_are_checked() {
+    let mut env = make("BabyAI-OpenDoorsOrderN2-v0").unwrap();
+    let ordered = (0..50).find_map(|seed| {
+        env.reset(seed).unwrap();
+        let state = env.inspect().unwrap().state().unwrap();
+        let then = &state["instr"]["Then"];
+        then.is_object().then_some(state)
+    });
+    let state = ordered.expect("two doors, one after the other");
+    for part in ["first", "second"] {
+        let mut other = state.clone();
+        let door = &mut other["instr"]["Then"][part]["Open"]["door"];
+        assert!(door["objects"].is_array(), "{door}");
+        door["objects"] = json!([60_000]);
+        assert!(
+            env.inspect_mut().unwrap().set_state(other).is_err(),
+            "{part}"
+        );
+    }
+    env.inspect_mut().unwrap().set_state(state).unwrap();
+}

@@ -84,13 +84,15 @@ pub struct Data {
     pub cdof_dot: Vec<[f64; 6]>,
     /// Changes of the activations per second (na).
     pub act_dot: Vec<f64>,
-    /// What the sensors measure, in their order.
+    /// The values of the sensors, in their order.
     pub sensordata: Vec<f64>,
-    /// Potential and kinetic energy, for models with the flag `energy` or sensors of energy.
+    /// Potential and kinetic energy, for models with the flag `energy` or energy sensors.
     pub energy: [f64; 2],
-    /// Velocities of the centres of mass of bodies with their descendants, for sensors of it.
+    /// Velocity of the centre of mass of each body with its descendants, for models whose sensors
+    /// read it.
     pub subtree_linvel: Vec<[f64; 3]>,
-    /// Angular momentum about these centres.
+    /// Angular momentum of each body with its descendants about their centre of mass, for models
+    /// whose sensors read it.
     pub subtree_angmom: Vec<[f64; 3]>,
     /// Accelerations of the bodies, with gravity; current after [`rne_post_constraint`].
     pub cacc: Vec<[f64; 6]>,
@@ -100,7 +102,7 @@ pub struct Data {
     pub actuator_length: Vec<f64>,
     /// Velocities of the actuators, for models that need them.
     pub actuator_velocity: Vec<f64>,
-    /// Jacobians of the tendons: rows with the degrees of freedom that move them.
+    /// Jacobians of the tendons: sparse rows over the degrees of freedom that move each tendon.
     pub ten_j: Vec<f64>,
     /// Lengths of the tendons.
     pub ten_length: Vec<f64>,
@@ -119,16 +121,16 @@ pub struct Data {
     pub qacc_smooth: Vec<f64>,
     /// Forces of constraints (nv).
     pub qfrc_constraint: Vec<f64>,
-    /// Forces that give `qacc`; current after [`inverse`].
+    /// Forces that cause `qacc`; current after [`inverse`].
     pub qfrc_inverse: Vec<f64>,
     /// External force on each body by contacts; current after [`rne_post_constraint`].
     pub cfrc_ext: Vec<[f64; 6]>,
 
-    /// The inertia matrix: rows of the lower triangle, each with the degrees of freedom on the way
-    /// from the root to its own. A row starts at a multiple of four.
+    /// The inertia matrix: rows of the lower triangle. Each row has the columns of the ancestors of
+    /// a degree of freedom, root first, and of itself. A row starts at a multiple of four.
     pub qm: Vec<f64>,
-    /// Factors of the inertia matrix, `L' D L`, with the same structure. Numbers between rows have
-    /// no meaning.
+    /// Factors of the inertia matrix, `L' D L`, with the same sparsity. Numbers between rows are
+    /// unspecified.
     pub qld: Vec<f64>,
     /// Inverse of the factors' diagonal.
     pub qld_diag_inv: Vec<f64>,
@@ -142,23 +144,24 @@ pub struct Data {
     /// Iterations of the solver, by island.
     pub solver_niter: Vec<usize>,
 
-    /// The call that computed the derived arrays, and its state; `None` if nothing is computed yet.
+    /// The call that computed the derived arrays, and the state it started from; `None` if nothing
+    /// is computed yet.
     pub(crate) last: Option<Call>,
     before: State,
-    /// Whether `cfrc_ext` is of that call.
+    /// Whether `cfrc_ext` belongs to the last call.
     pub(crate) contact_forces: bool,
-    /// Whether the derived arrays are not of that call, which several worlds took together: the
-    /// state alone was kept.
+    /// Whether the derived arrays are older than the last call: several worlds took that step
+    /// together, and only the state was stored.
     behind: bool,
-    /// What a step has led to that was taken ahead of its call: the state, and that at the start of
-    /// the last timestep.
+    /// The result of a step that was computed ahead of its call: the state, and the state at the
+    /// start of the last timestep.
     ahead: Vec<f64>,
     is_ahead: bool,
     /// Buffers.
     pub(crate) work: Work,
 }
 
-/// All that a step depends on.
+/// The inputs of a step.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 struct State {
     time: f64,
@@ -176,17 +179,17 @@ struct State {
     qfrc_applied: Vec<f64>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     xfrc_applied: Vec<[f64; 6]>,
-    /// What the inverse dynamics started from; empty before other calls.
+    /// The accelerations from which inverse dynamics started; empty for other calls.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     qacc: Vec<f64>,
 }
 
-/// Does something for each part of a state that is an array, but for applied forces.
+/// Runs a statement for each array of a state except the applied forces.
 macro_rules! for_parts {
     ($from:expr, $to:expr, $do:ident) => {{
         let (from, to) = ($from, $to);
         for_parts!(from to $do: qpos qvel ctrl qacc_warmstart);
-        // most models have none of these
+        // most models have none of these arrays
         let some = [from.act.len(), from.mocap_pos.len(), to.act.len(), to.mocap_pos.len()];
         if some != [0; 4] {
             for_parts!(from to $do: act mocap_pos mocap_quat);
@@ -197,14 +200,14 @@ macro_rules! for_parts {
     };
 }
 
-/// How data is serialised.
+/// The serialised form of [`Data`].
 #[derive(Serialize, Deserialize)]
 #[serde(rename = "Data")]
 struct Stored {
     last: Option<Call>,
     contact_forces: bool,
     state: State,
-    /// Where the last call started, if that was another state.
+    /// The state from which the last call started, if it differs from the current one.
     before: Option<State>,
 }
 
@@ -252,7 +255,7 @@ pub struct Contact {
     pub pos: [f64; 3],
     /// Rows: the normal, from the first geom to the second, and two tangents.
     pub frame: [f64; 9],
-    /// The constraint acts where `dist` is below.
+    /// The constraint acts if `dist` is below this value.
     pub includemargin: f64,
     /// Friction: slide twice, spin, roll twice.
     pub friction: [f64; 5],
@@ -260,7 +263,7 @@ pub struct Contact {
     pub solref: [f64; 2],
     /// Impedance: dmin, dmax, width, midpoint, power.
     pub solimp: [f64; 5],
-    /// Friction of the regularised cone; 0 without friction.
+    /// Friction of the regularised cone; 0 for a frictionless contact.
     pub mu: f64,
     /// Dimensions: 1 or 3.
     pub dim: u8,
@@ -268,11 +271,11 @@ pub struct Contact {
     pub geom: [usize; 2],
     /// First constraint row; -1 if it has none.
     pub efc_address: i32,
-    /// The pair of geoms, by the model's order.
+    /// The index of the pair of geoms in the model.
     pub(crate) pair: usize,
 }
 
-/// Calls `$do` for each array of a model's data, with its length and its first values.
+/// Calls `$do` for each array of `Data`, with its length and initial values.
 macro_rules! arrays {
     ($d:ident, $m:ident, $do:path) => {
         arrays! { $d, $do:
@@ -305,7 +308,7 @@ macro_rules! arrays {
     };
 }
 
-/// Puts a value into all places of an array.
+/// Fills an array with a value.
 fn fill<T: Clone>(array: &mut [T], _length: usize, value: T) {
     array.fill(value);
 }
@@ -313,8 +316,7 @@ fn fill<T: Clone>(array: &mut [T], _length: usize, value: T) {
 const UNTURNED: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
 
 impl Data {
-    /// The data of a model in its initial configuration, with everything allocated that a step
-    /// needs.
+    /// The data of a model in its initial configuration. It allocates everything that a step needs.
     ///
     /// Positions are `qpos0`, velocities and controls zero. Nothing is computed yet: call
     /// [`forward`] to see positions of bodies.
@@ -325,7 +327,7 @@ impl Data {
         data
     }
 
-    /// What a sensor measures.
+    /// The values of a sensor.
     ///
     /// # Panics
     /// If the model has no such sensor.
@@ -335,14 +337,14 @@ impl Data {
         &self.sensordata[first..first + m.sensor_dim[id]]
     }
 
-    /// Back to the initial configuration: MuJoCo's `mj_resetData`.
+    /// Resets to the initial configuration: MuJoCo's `mj_resetData`.
     pub fn reset(&mut self, m: &Model) {
         self.clear(m);
         (self.last, self.contact_forces) = (None, false);
         (self.behind, self.is_ahead) = (false, false);
     }
 
-    /// The same, within a call.
+    /// [`reset`](Self::reset) within a call.
     pub(crate) fn clear(&mut self, m: &Model) {
         self.fit(m);
         let d = &mut *self;
@@ -359,7 +361,8 @@ impl Data {
         d.solver_niter.clear();
     }
 
-    /// Whether something was computed from the state, which [`resume`](Self::resume) repeats.
+    /// Whether derived arrays were computed from the state; [`resume`](Self::resume) computes them
+    /// again.
     #[must_use]
     pub fn is_computed(&self) -> bool {
         self.last.is_some()
@@ -371,8 +374,8 @@ impl Data {
         self.last == Some(Call::Step)
     }
 
-    /// The state from which the last call started, by the names of `mjData`: with it, MuJoCo itself
-    /// can repeat the call. `None` if nothing was computed from the state.
+    /// The state from which the last call started, as pairs of an `mjData` field name and its
+    /// values. MuJoCo can repeat the call from it. `None` if nothing was computed yet.
     #[must_use]
     pub fn start(&self) -> Option<[(&'static str, &[f64]); 10]> {
         let from = self.last.map(|_| &self.before)?;
@@ -430,7 +433,7 @@ impl Data {
         state
     }
 
-    /// Copies the state; nothing for forces of which none is applied.
+    /// Copies the state to `state`. If no force is applied, it stores empty force arrays.
     fn copy_state(&self, state: &mut State, pushed: bool) {
         state.time = self.time;
         for_parts!(self, &mut *state, clone_from);
@@ -447,10 +450,10 @@ impl Data {
         }
     }
 
-    /// Whether a force is applied.
+    /// Whether an external force is applied.
     pub(crate) fn is_pushed(&self) -> bool {
         let applied = [&self.qfrc_applied[..], self.xfrc_applied.as_flattened()];
-        // the bits of all numbers, without signs: the compiler vectorizes a loop without an exit
+        // the bits of all numbers, without signs: a loop without an early exit vectorises
         let bits = applied
             .into_iter()
             .flatten()
@@ -469,6 +472,7 @@ impl Data {
     #[inline]
     pub(crate) fn begin(&mut self, m: &Model, call: Call) {
         self.pass(m);
+        self.work.skips = false;
         self.last = Some(call);
         let mut before = std::mem::take(&mut self.before);
         self.copy_state(&mut before, self.work.pushed);
@@ -479,16 +483,18 @@ impl Data {
         self.before = before;
     }
 
-    /// Prepares a call without storing the state from which it starts.
+    /// Prepares a timestep that does not store its start, and leaves out frames that it does not
+    /// read.
     #[inline]
     pub(crate) fn pass(&mut self, m: &Model) {
         self.fit(m);
         (self.last, self.contact_forces) = (None, false);
         (self.behind, self.is_ahead) = (false, false);
         self.work.pushed = self.is_pushed();
+        self.work.skips = true;
     }
 
-    /// Stores what the second half of a step starts from, beside the first half.
+    /// Stores the state from which the second half of a step starts, beside that of the first half.
     pub(crate) fn go_on(&mut self, m: &Model) {
         if !matches!(self.last, Some(Call::Step1 | Call::Forward)) {
             return self.begin(m, Call::Step2);
@@ -503,7 +509,7 @@ impl Data {
         self.before = before;
     }
 
-    /// Checks that this is data of a model, for instance from a snapshot.
+    /// Checks that the data fits the model, for instance after reading a snapshot.
     ///
     /// # Errors
     /// [`Error::Data`] if an array of the state has another length than the model's, or a number
@@ -564,7 +570,7 @@ impl Data {
         Ok(())
     }
 
-    /// Makes every array as long as the model needs it; does nothing to those that are.
+    /// Resizes every array to the model; arrays of the right length are left alone.
     pub(crate) fn fit(&mut self, m: &Model) {
         if self.work.fits(m) {
             return;

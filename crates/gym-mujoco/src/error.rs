@@ -7,23 +7,23 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// A compiled model whose parts do not fit together, or with an unsupported feature.
+    /// A compiled model whose fields are inconsistent, or with an unsupported feature.
     #[error("the compiled model is not valid: {0}")]
     Model(String),
-    /// Two geoms that can touch, and whose contacts are not supported.
+    /// Two geoms that can touch, of a combination of shapes whose contacts are not supported.
     #[error(
         "geoms {first} and {second} can touch, but contacts of {kinds} are not supported (exclude the bodies, or change contype \
          and conaffinity)"
     )]
     Pair {
-        /// A geom.
+        /// The first geom.
         first: usize,
-        /// The other one.
+        /// The second geom.
         second: usize,
         /// Their shapes.
         kinds: String,
     },
-    /// A text that is not a model, or uses an unsupported part of MJCF.
+    /// A text that is not a model, or that uses an unsupported part of MJCF.
     #[error("line {line}: <{element}>{}: {reason}", attribute.as_ref().map_or_else(String::new, |name| format!(" attribute {name:?}")))]
     Mjcf {
         /// The line of the text, from 1.
@@ -32,7 +32,7 @@ pub enum Error {
         element: String,
         /// The attribute, if one is at fault.
         attribute: Option<String>,
-        /// The fault, and the supported values.
+        /// The reason, and the supported values.
         reason: String,
     },
     /// A file that cannot be read.
@@ -40,10 +40,10 @@ pub enum Error {
     File {
         /// The file.
         path: String,
-        /// The error of the system, or of the reader of models.
+        /// The error of the system, or of the XML parser.
         reason: String,
     },
-    /// The state of another model.
+    /// The data of another model.
     #[error("the data does not fit the model: {0}")]
     Data(String),
 }

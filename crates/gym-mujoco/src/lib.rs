@@ -6,7 +6,8 @@
 //! everything computed from it, and [`physics::step`] advances the data by a timestep of the model.
 
 #![warn(clippy::disallowed_methods)]
-// Unit tests register no environment, so that the compiler leaves out all that they do not call.
+// unit tests register no environment, so that the compiler leaves out all code that they do not
+// call
 #![cfg_attr(test, allow(dead_code, unused_imports))]
 
 pub mod data;

@@ -20,8 +20,8 @@ use crate::{ActionColumn, LANES, Native, ObservationColumn, Packed};
 
 /// Environments stepped by one SIMD loop: the vector of [`entry_point`](super::entry_point).
 ///
-/// Each keeps its state, its [stream](Native::Stream) and the number of its steps: 66 bytes for a
-/// CartPole.
+/// Each environment takes the memory of its state, its [stream](Native::Stream) and its step count:
+/// 66 bytes for a CartPole.
 #[derive(Clone)]
 pub struct NativeVectorEnv<D: Native> {
     pub(crate) dynamics: D,
@@ -41,16 +41,16 @@ pub struct NativeVectorEnv<D: Native> {
     pub(crate) blocks: Vec<Block<D>>,
     /// One for each environment, and for each unused place in the last block.
     pub(crate) streams: Vec<D::Stream>,
-    /// The last states of episodes, if [`Task::INFO`](gym_core::Task::INFO) is set.
+    /// The last states of finished episodes, if [`Task::INFO`](gym_core::Task::INFO) is set.
     pub(crate) finals: Vec<D::Packed>,
-    /// The environments that the last reset left out, if any.
+    /// For each environment, whether the last reset left it out; empty if it left out none.
     pub(crate) left_out: Vec<bool>,
-    /// Actions cast from another type of numbers.
+    /// A buffer for actions that are cast from another type.
     cast: Value,
 }
 
 impl<D: Native> NativeVectorEnv<D> {
-    /// `num_envs` environments whose episodes are truncated after `max_episode_steps`.
+    /// Makes `num_envs` environments whose episodes are truncated after `max_episode_steps`.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for no environments or more than fit in memory, or a limit that
@@ -102,9 +102,9 @@ impl<D: Native> NativeVectorEnv<D> {
         })
     }
 
-    /// A vector whose environments have different arguments: each environment has its own value of
-    /// some arguments that are numbers, or draws a new one from a range at each reset, from its
-    /// generator before the start.
+    /// Gives the environments different values of numeric arguments. Each environment has a fixed
+    /// value, or draws one from a range at each reset, from its generator before it draws the
+    /// initial state.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for an unknown name, an invalid value, a list of another length,
@@ -118,7 +118,8 @@ impl<D: Native> NativeVectorEnv<D> {
         })
     }
 
-    /// The arguments that differ between environments, with this environment's values, by name.
+    /// The arguments that differ between environments, with the values of environment `index`, by
+    /// name.
     pub fn arguments(&self, index: usize) -> Vec<(String, f64)> {
         match &self.varied {
             Some(varied) if index < self.num_envs => varied.of(index),
@@ -213,7 +214,7 @@ impl<D: Native> NativeVectorEnv<D> {
         Ok(cast)
     }
 
-    /// Keeps the storage of a cast for the next one.
+    /// Keeps the memory of a cast for the next cast.
     fn keep(&mut self, cast: Value) {
         if cast != Value::Null {
             self.cast = cast;
@@ -369,7 +370,7 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
 
     fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
         self.check_open("step")?;
-        // numbers of the right type are not cast
+        // actions of the right type are not cast
         let mut cast = Value::Null;
         let items = match D::Action::items(actions, self.num_envs) {
             Some(items) => items,
@@ -419,7 +420,7 @@ impl<D: Native> VectorEnv for NativeVectorEnv<D> {
         };
         self.left_out.clear();
         let (blocks, streams) = (&mut self.blocks, &mut self.streams);
-        // two functions, because one would need the stack of both without optimisation
+        // two functions: without optimisation, one function would need the stack of both
         let result = if has_defaults {
             widest(
                 level,

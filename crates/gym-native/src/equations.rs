@@ -63,7 +63,7 @@ where
 
     #[inline(always)]
     fn step_default_block<R: Real>(&self, token: R::Token, block: &mut Many<'_, Self>) {
-        // `has_defaults` is false without `DEFAULTS`
+        // without `DEFAULTS`, `has_defaults` is false and this is never called
         if let Some(defaults) = E::DEFAULTS {
             let defaults = defaults.to_array();
             block.step::<R, K, A, P, O>(
@@ -77,8 +77,8 @@ where
 }
 
 impl<E: Native> Many<'_, E> {
-    /// Steps each environment by the equations, as many at once as `R` holds. `constants_of` gives
-    /// the constants of the environments from an index on.
+    /// Steps each environment by the equations, as many at once as `R` holds. `constants_of(i)`
+    /// returns the constants of the environments from index `i` on.
     #[inline(always)]
     fn step<R: Real, const K: usize, const A: usize, const P: usize, const O: usize>(
         &mut self,
@@ -128,7 +128,7 @@ impl<E: Native> Many<'_, E> {
     }
 }
 
-/// The same numbers for all environments.
+/// The same numbers for each environment in a register.
 #[inline(always)]
 fn splat<R: Real, const N: usize>(token: R::Token, numbers: [f64; N]) -> [R; N] {
     let zero = R::get(token, &[0.0; LANES]);
@@ -139,7 +139,7 @@ fn splat<R: Real, const N: usize>(token: R::Token, numbers: [f64; N]) -> [R; N] 
     registers
 }
 
-/// The numbers of the environments from `first` on, as many as a register holds.
+/// The numbers of the environments from `first` on, one register for each number.
 #[inline(always)]
 fn registers<R: Real, const N: usize>(
     token: R::Token,

@@ -6,8 +6,8 @@
 //! | [`Task`] and [`Equations`] | a step that is a formula: one function over [`Real`] numbers steps one environment, or as many as a vector register holds |
 //! | [`Task`], [`Dynamics`] and [`Native`] | any other step, such as a look-up in a table: a native vector steps [one by one](Many::each), without the cost of erased environments |
 //!
-//! Each operation rounds equally in both, sines and squares included, so a native vector has the
-//! numbers of a sync one.
+//! Each operation rounds equally in both, including sines and squares, so a native vector has the
+//! results of a sync vector.
 //!
 //! ```
 //! use gym_core::{Configure, Env, Registration};
@@ -29,10 +29,10 @@
 //! A vector steps blocks of environments: states are columns of numbers, with a generator per
 //! environment next to them (32 bytes, if it draws only whole words). One driver handles time
 //! limit, autoreset and seeds; a task supplies the step and the packing of its state. Constants of
-//! the equations are columns too, one block for all environments unless their arguments differ; a
-//! second copy of the loop has the default constants compiled in. The loop is compiled for each
-//! SIMD level, which is chosen at run time. Draws are branch-free, because the CPU cannot predict
-//! them.
+//! the equations are columns too, with one block for all environments unless their arguments
+//! differ. A second copy of the loop is compiled for the default constants. The loop is compiled
+//! for each SIMD level, which is chosen at run time. Random draws have no branches, because the CPU
+//! could not predict them.
 
 #![warn(clippy::disallowed_methods)]
 
@@ -57,19 +57,20 @@ pub use observations::ObservationColumn;
 pub use packed::{Packed, Whole};
 pub use step::Many;
 
-/// The number of environments in a block, whose states are stored together, number by number.
+/// The number of environments in a block. Their states are stored together, number by number.
 pub const LANES: usize = 32;
 
-/// [`Dynamics`] of which many can be stepped at once. [`Equations`] implement it.
+/// [`Dynamics`] of which many environments can be stepped at once. Tasks with [`Equations`]
+/// implement it.
 pub trait Native:
     Dynamics + Task<State: Copy, Observation: ObservationColumn, Action: ActionColumn> + Sync
 {
-    /// The stored form of a state between steps: `[f64; K]` for a few numbers, `u32` for a row of a
-    /// table, [`Whole`] for the state itself.
+    /// The stored form of a state between steps: `[f64; K]` for a few numbers, `u32` for the index
+    /// of a table's row, [`Whole`] for the state itself.
     type Packed: Packed;
 
-    /// The stored form of the generator: [`WordStream`](gym_core::rng::WordStream), unless 32-bit
-    /// numbers are drawn.
+    /// The stored form of the generator: [`WordStream`](gym_core::rng::WordStream), unless the task
+    /// draws 32-bit numbers.
     type Stream: Stream;
 
     /// The constants that may differ between environments; `[f64; 0]` for none.
@@ -84,15 +85,16 @@ pub trait Native:
         Ok(())
     }
 
-    /// The constants for these arguments.
+    /// The constants for the task's arguments.
     fn constants(&self) -> Self::Constants;
 
-    /// Whether [`step_default_block`](Self::step_default_block) is for these constants.
+    /// Whether the task has the constants for which
+    /// [`step_default_block`](Self::step_default_block) is compiled.
     fn has_defaults(&self) -> bool {
         false
     }
 
-    /// The same task with other values of some arguments that are numbers.
+    /// The same task with other values of some numeric arguments.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for an unknown name or invalid value, or if arguments cannot
@@ -108,17 +110,18 @@ pub trait Native:
     /// Packs a state.
     fn pack(&self, state: &Self::State) -> Self::Packed;
 
-    /// The state that was packed; `fresh` if it is the first of an episode. Parts that steps,
-    /// [`observe`](Dynamics::observe) and [`info`](Task::info) do not use may differ.
+    /// Unpacks a state; `fresh` tells whether it is the first of an episode. Parts that steps,
+    /// [`observe`](Dynamics::observe) and [`info`](Task::info) do not read may differ from the
+    /// packed state.
     fn unpack(&self, packed: Self::Packed, fresh: bool) -> Self::State;
 
-    /// Steps the environments of a block, [one by one](Many::each). Mark it `#[inline(always)]`,
-    /// with all that it calls.
+    /// Steps the environments of a block, [one by one](Many::each). Mark it and all functions that
+    /// it calls `#[inline(always)]`.
     fn step_block<R: Real>(&self, token: R::Token, block: &mut Many<'_, Self>)
     where
         Self: Sized;
 
-    /// The same, if all environments have the constants that it was compiled for.
+    /// [`step_block`](Self::step_block), compiled for the default constants.
     #[inline(always)]
     fn step_default_block<R: Real>(&self, token: R::Token, block: &mut Many<'_, Self>)
     where

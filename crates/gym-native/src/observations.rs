@@ -5,12 +5,12 @@ use std::iter::zip;
 use gym_core::array::Scalar;
 use gym_core::{Element, Value};
 
-/// A type of observation that has a column in [`Columns`](gym_core::vector::Columns).
+/// A type of observations for which [`Columns`](gym_core::vector::Columns) has a column.
 pub trait ObservationColumn: Element + Copy {
-    /// The column, as slices.
+    /// Slices of the column.
     type Rows<'a>;
 
-    /// The rows of a batch of observations; `None` if it has another form.
+    /// The rows of a batch of observations; `None` if the batch has another form.
     fn rows(column: &mut Value) -> Option<Self::Rows<'_>>;
 
     /// Overwrites rows from `first` on.

@@ -1,4 +1,4 @@
-//! The layout of a block's states in memory, and in snapshots.
+//! The layout of states in the blocks of a native vector, and in snapshots.
 
 use std::fmt;
 
@@ -33,7 +33,7 @@ pub trait Packed: Copy + fmt::Debug + Send + Sync + 'static {
     fn take(bytes: &mut &[u8]) -> Option<Self>;
 }
 
-/// Number by number: first number 0 of all environments, then number 1, ...
+/// Column by column: number 0 of all environments, then number 1, and so on.
 impl<const K: usize> Packed for [f64; K] {
     type Block = [[f64; LANES]; K];
 
@@ -68,7 +68,7 @@ impl<const K: usize> Packed for [f64; K] {
     }
 }
 
-/// A state in one piece.
+/// A state that is stored as a whole, not as columns of numbers.
 #[derive(Clone, Copy, Debug)]
 pub struct Whole<S>(pub S);
 
@@ -92,7 +92,7 @@ where
         block[lane] = self.0;
     }
 
-    /// The length of the text of a snapshot, and the text.
+    /// Writes the length of the state's JSON text, then the text.
     fn put(self, bytes: &mut Vec<u8>) -> Result<()> {
         let text = serde_json::to_vec(&Snapshot::of(&self.0)?);
         let text = text.map_err(|error| Error::Snapshot(error.to_string()))?;

@@ -1,4 +1,4 @@
-//! The stored form of a native vector: columns of numbers, not an object for each environment.
+//! The stored form of a native vector: columns of numbers instead of an object per environment.
 
 use gym_core::rng::Stream;
 use gym_core::vector::Autoreset;
@@ -20,11 +20,11 @@ struct Stored<S: Stream> {
     num_envs: usize,
     autoreset: Autoreset,
     limit: u16,
-    /// `None` before the first reset.
+    /// The state of the vector; `None` before the first reset.
     numbers: Option<Numbers<S>>,
 }
 
-/// The state.
+/// The state of the vector.
 #[derive(Serialize, Deserialize)]
 #[serde(bound = "")]
 struct Numbers<S: Stream> {
@@ -40,7 +40,7 @@ struct Numbers<S: Stream> {
     #[serde(with = "row")]
     unset: Vec<u32>,
     left_out: Vec<bool>,
-    /// The values of arguments that are ranges.
+    /// The drawn values of arguments that are ranges.
     #[serde(with = "row")]
     drawn: Vec<f64>,
 }
@@ -143,7 +143,7 @@ impl<D: Native> NativeVectorEnv<D> {
         Ok(())
     }
 
-    /// The states, if all numbers are valid.
+    /// The states, or an error if a number is invalid.
     fn check(
         &self,
         numbers: &Numbers<D::Stream>,
@@ -201,7 +201,7 @@ impl<D: Native> NativeVectorEnv<D> {
             if !dynamics.is_valid(&state) {
                 return refuse("states");
             }
-            // numbers that follow from others are recomputed
+            // packs the state again, to recompute numbers that depend on others
             states.push(self.dynamics.pack(&state));
         }
         if bytes.is_empty() {

@@ -8,17 +8,18 @@ use gym_core::{Element, Reset, Result, Transition};
 use crate::varied::Varied;
 use crate::{ActionColumn, LANES, Native, ObservationColumn, Packed};
 
-/// Environments stored together. Their flags are sets of bits, the lowest for the first.
+/// A block of environments. Flags are sets of bits; the lowest bit belongs to the first
+/// environment.
 #[derive(Clone, Debug)]
 pub(crate) struct Block<D: Native> {
     pub(crate) states: <D::Packed as Packed>::Block,
-    /// The steps of each episode so far, up to the largest count.
+    /// The number of steps of each episode, saturating.
     pub(crate) steps: [u16; LANES],
-    /// The environments whose episode is over, and which were not reset since.
+    /// The environments whose episode has ended and that are not yet reset.
     pub(crate) due: u32,
     /// The environments that were never reset.
     pub(crate) unset: u32,
-    /// The environments whose episode ended in the last step, which also reset them.
+    /// The environments whose episode ended in the last step, which reset them too.
     pub(crate) ended: u32,
 }
 
@@ -60,8 +61,8 @@ pub(crate) struct Step<'a, D: Native> {
     pub(crate) finals: &'a mut [D::Packed],
 }
 
-/// The results of a block, before they go to the columns. Flags are sets of bits, the lowest for
-/// the first.
+/// The results of a block before they are copied to the columns. Flags are sets of bits; the lowest
+/// bit belongs to the first environment.
 struct Results<O> {
     observations: [O; LANES],
     rewards: [f64; LANES],
@@ -70,8 +71,8 @@ struct Results<O> {
 }
 
 impl<D: Native> Step<'_, D> {
-    /// Steps block by block, all with the default constants or not. Inlined into a function for
-    /// each set of vector instructions.
+    /// Steps block by block. With `DEFAULTS`, all environments have the default constants. It is
+    /// inlined into one function for each set of vector instructions.
     #[inline(always)]
     pub(crate) fn run<R: Real, const DEFAULTS: bool>(
         mut self,
@@ -120,7 +121,7 @@ impl<D: Native> Step<'_, D> {
                 truncated,
             } = &results;
             if len == LANES {
-                // the length is known to the compiler
+                // a slice whose length the compiler knows
                 D::Observation::write_rows(&mut self.observations, first, observations);
             } else {
                 D::Observation::write_rows(&mut self.observations, first, &observations[..len]);
@@ -132,8 +133,8 @@ impl<D: Native> Step<'_, D> {
         Ok(())
     }
 
-    /// Starts episodes, by the autoreset mode: of the environments that are due since the last
-    /// step, or of those that are `done` in this step.
+    /// Starts episodes, as the autoreset mode says: of the environments due since the last step, or
+    /// of the environments in `done`, whose episode ended in this step.
     #[inline(always)]
     fn reset(
         &mut self,
@@ -206,7 +207,7 @@ pub struct Many<'a, D: Native> {
     pub(crate) actions: &'a [<D::Action as ActionColumn>::Item; LANES],
     pub(crate) observations: &'a mut [D::Observation; LANES],
     pub(crate) rewards: &'a mut [f64; LANES],
-    /// A set of bits.
+    /// The environments whose episode terminated, as a set of bits.
     pub(crate) terminated: &'a mut u32,
 }
 
@@ -235,7 +236,7 @@ impl<D: Native> Many<'_, D> {
     }
 }
 
-/// Counts the step and truncates; returns which episodes are over.
+/// Counts the step and truncates episodes. Returns the set of environments whose episode is over.
 #[inline(always)]
 fn count<D: Native, O>(block: &mut Block<D>, results: &mut Results<O>, limit: u16) -> u32 {
     let mut truncated = 0;
@@ -247,7 +248,7 @@ fn count<D: Native, O>(block: &mut Block<D>, results: &mut Results<O>, limit: u1
     results.terminated | truncated
 }
 
-/// A set of bits, one by one.
+/// A set of bits as an array of flags.
 #[inline(always)]
 fn flags(bits: u32) -> [bool; LANES] {
     let mut flags = [false; LANES];
@@ -267,7 +268,7 @@ fn put<T: Copy>(column: &mut [T], first: usize, values: &[T; LANES]) {
     }
 }
 
-/// The places of the bits that are set.
+/// The indices of the bits that are set.
 #[inline(always)]
 pub(crate) fn lanes(mut bits: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {

@@ -7,20 +7,20 @@ use gym_core::{Error, Generator, Result};
 
 use crate::{LANES, Native, Packed};
 
-/// The arguments that differ, and the constants that follow from them.
+/// The arguments that differ, and the constants computed from them.
 #[derive(Clone, Debug)]
 pub(crate) struct Varied<D: Native> {
-    /// Sorted by name.
+    /// The arguments, sorted by name.
     each: Vec<(String, Each)>,
-    /// The values of an environment by name, as working memory.
+    /// A buffer: one environment's values by name.
     values: Vec<(String, f64)>,
-    /// For each environment a value of each argument that is a range.
+    /// For each environment: its drawn value of each argument that is a range.
     drawn: Vec<f64>,
     blocks: Vec<<D::Constants as Packed>::Block>,
 }
 
 impl<D: Native> Varied<D> {
-    /// For `num_envs` environments; `None` if no argument differs.
+    /// Prepares the arguments of `num_envs` environments; `None` if no argument differs.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for values that a native vector does not support, such as spaces
@@ -73,7 +73,7 @@ impl<D: Native> Varied<D> {
         &self.blocks[index]
     }
 
-    /// The arguments of an environment that differ.
+    /// The arguments that differ, with the values of environment `index`.
     pub(crate) fn of(&self, index: usize) -> Vec<(String, f64)> {
         let mut drawn = self.drawn_of(index).iter();
         let value = |(name, each): &(String, Each)| {
@@ -103,11 +103,11 @@ impl<D: Native> Varied<D> {
             .count()
     }
 
-    /// Draws new values for an environment, to be [kept](Self::keep) if it starts; `None` if
-    /// nothing is drawn.
+    /// Draws new values for an environment; `None` if no argument is a range. If its episode
+    /// starts, the caller stores them with [`keep`](Self::keep).
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for values that are out of range together.
+    /// [`Error::InvalidArgument`] for values that are each valid, but not in combination.
     pub(crate) fn draw(
         &mut self,
         index: usize,
@@ -121,7 +121,7 @@ impl<D: Native> Varied<D> {
             .map(Some)
     }
 
-    /// Stores the values that made the dynamics `own` for the environment `index`.
+    /// Stores the drawn values of environment `index`, from its dynamics `own`.
     pub(crate) fn keep(&mut self, index: usize, own: &D) {
         own.constants()
             .set(&mut self.blocks[index / LANES], index % LANES);
@@ -147,7 +147,7 @@ impl<D: Native> Varied<D> {
     /// Continues with the values `drawn` of a snapshot.
     ///
     /// # Errors
-    /// [`Error::Snapshot`] if they are outside these ranges.
+    /// [`Error::Snapshot`] if a value is outside its range.
     pub(crate) fn restore(&mut self, dynamics: &D, drawn: &[f64], num_envs: usize) -> Result<()> {
         let refuse = || {
             Error::Snapshot(format!(
@@ -197,7 +197,7 @@ impl<D: Native> Varied<D> {
         dynamics.with_numbers(&self.values)
     }
 
-    /// The dynamics of an environment.
+    /// The dynamics of environment `index`.
     pub(crate) fn dynamics(&self, index: usize, dynamics: &D) -> Result<D> {
         dynamics.with_numbers(&self.of(index))
     }

@@ -1,6 +1,6 @@
 //! Trained policies for environments: networks, and a function that runs them.
 //!
-//! Linking this crate gives the registrations of six MuJoCo tasks a good policy. If your code names
+//! Linking this crate gives six MuJoCo tasks and three of the Control Suite a good policy. If your code names
 //! nothing else of it, name it once: `use gym_policies as _;`. For an environment of your own, call
 //! [`network`]:
 //!
@@ -41,6 +41,22 @@ inventory::submit! {
 inventory::submit! {
     trained("Swimmer-v5", |env| network(include_str!("../networks/swimmer.json"), env))
 }
+inventory::submit! {
+    trained("dm_control/cartpole-swingup-v0", |env| {
+        network_of_parts(include_str!("../networks/cartpole-swingup.json"), &["position", "velocity"], env)
+    })
+}
+inventory::submit! {
+    trained("dm_control/cheetah-run-v0", |env| {
+        network_of_parts(include_str!("../networks/cheetah-run.json"), &["position", "velocity"], env)
+    })
+}
+inventory::submit! {
+    trained("dm_control/walker-walk-v0", |env| {
+        let parts = &["orientations", "height", "velocity"];
+        network_of_parts(include_str!("../networks/walker-walk.json"), parts, env)
+    })
+}
 
 /// Added to the variance, as by the wrapper `NormalizeObservation`.
 const EPSILON: f64 = 1e-8;
@@ -69,14 +85,16 @@ pub fn network_of_parts(
     // weights, inputs by outputs, and bias of each layer
     let layers: Vec<Vec<f32>> = serde_json::from_value(stored["network"].clone())
         .map_err(|error| wrong(format!("`network`: {error}")))?;
-    let numbers = |name: &str| -> Result<Option<Vec<f64>>> {
-        let numbers = stored.pointer(&format!("/normalization/moments/F64/{name}"));
-        let numbers = numbers
-            .map(|numbers| serde_json::from_value(numbers.clone()))
-            .transpose();
-        numbers.map_err(|error| wrong(format!("`{name}`: {error}")))
+    // `moments` has one entry, named by the dtype of the observations of the training: F32 or F64
+    let moments = (stored["normalization"]["moments"].as_object())
+        .and_then(|moments| moments.values().next());
+    let numbers = |moments: &Json, name: &str| -> Result<Vec<f64>> {
+        serde_json::from_value(moments[name].clone())
+            .map_err(|error| wrong(format!("`{name}`: {error}")))
     };
-    let moments = numbers("mean")?.zip(numbers("var")?);
+    let moments = moments
+        .map(|moments| Ok::<_, Error>((numbers(moments, "mean")?, numbers(moments, "var")?)))
+        .transpose()?;
     let Space::Box(space) = env.action_space() else {
         return Err(wrong("actions are not in a Box".into()));
     };
@@ -232,7 +250,7 @@ mod tests {
             env.step(&action).unwrap();
             played += 1;
         }
-        assert_eq!(played, 6);
+        assert_eq!(played, 9);
     }
 
     #[test]
@@ -243,24 +261,33 @@ mod tests {
         // from 24 numbers to 6 actions
         let weights: Vec<f32> = (0..144).map(|i| (i % 7) as f32 * 0.02 - 0.06).collect();
         let bias = vec![0.0; 6];
-        let json = serde_json::json!({"network": [weights, bias]}).to_string();
-        let played = |flat: bool, parts: &'static [&'static str]| {
+        let means = vec![0.5_f32; 24];
+        let normalization = serde_json::json!({"moments": {"F32": {"mean": means, "var": means}}});
+        let plain = serde_json::json!({"network": [weights, bias]}).to_string();
+        let json = serde_json::json!({"network": [weights, bias], "normalization": normalization});
+        let json = json.to_string();
+        let played = |json: &str, flat: bool, parts: &'static [&'static str]| {
             let id = "dm_control/walker-walk-v0";
             let mut env = builder(id).arg("flat", flat).build().unwrap();
-            let mut controller = network_of_parts(&json, parts, &env).unwrap();
+            let mut controller = network_of_parts(json, parts, &env).unwrap();
             let observation = env.reset(3).unwrap();
             let action = controller(&env, &observation).unwrap();
             assert!(env.action_space().contains(&action), "{action}");
             action
         };
-        let vector = played(true, &[]);
+        let vector = played(&json, true, &[]);
         assert_eq!(
             vector,
-            played(false, &["orientations", "height", "velocity"])
+            played(&json, false, &["orientations", "height", "velocity"])
         );
         assert_ne!(
             vector,
-            played(false, &["height", "orientations", "velocity"])
+            played(&json, false, &["height", "orientations", "velocity"])
+        );
+        assert_ne!(
+            vector,
+            played(&plain, true, &[]),
+            "observations are normalized"
         );
         let env = gym_core::make("dm_control/walker-walk-v0").unwrap();
         let error = network_of_parts(&json, &["height", "speed"], &env);

@@ -1,4 +1,4 @@
-//! The game within an Atari environment, for Python's `ale` objects.
+//! The game of an Atari environment, for Python's `ale` objects.
 
 use std::path::PathBuf;
 
@@ -18,22 +18,22 @@ use crate::error::OrRaise;
 #[derive(Debug)]
 pub(crate) struct Ale(Py<Env>);
 
-/// Where a game stands.
+/// The state of a game, and the settings of its next episodes.
 #[pyclass(frozen, eq, module = "rustgym._native")]
 #[derive(Debug, PartialEq)]
 pub(crate) struct AleState {
-    /// As JSON.
+    /// The state as JSON.
     state: String,
-    /// Whether it continues with the same random numbers.
+    /// Whether restoring it also restores the random numbers.
     include_rng: bool,
     frame_number: u32,
     episode_frame_number: u32,
-    /// The settings of the following episodes.
+    /// The mode and difficulty of the next episodes.
     mode: u16,
     difficulty: u8,
 }
 
-/// The parts from which `AleState` is rebuilt.
+/// The values from which Python rebuilds an `AleState`.
 type StateParts = (String, bool, u16, u8);
 
 impl Ale {
@@ -42,7 +42,7 @@ impl Ale {
     }
 }
 
-/// Lets `fill` write bytes to a buffer of Python's or, without one, to a new array.
+/// Lets `fill` write bytes to a Python buffer, or to a new array if there is none.
 fn bytes<'py>(
     py: Python<'py>,
     buffer: Option<PyReadwriteArrayDyn<'py, u8>>,
@@ -72,13 +72,13 @@ impl Ale {
         Self(env)
     }
 
-    /// The name of the game whose ROM this is.
+    /// The name of the game of a ROM.
     #[staticmethod]
     fn supported(rom: &[u8]) -> Option<&'static str> {
         Rom::from_bytes(rom).ok().map(|rom| rom.game().name)
     }
 
-    /// The file of the ROM; a lone name if there is none, because the ROM was given from memory.
+    /// The file of the ROM; only a name if the ROM came from memory.
     fn rom_file(&self, py: Python<'_>) -> PyResult<PathBuf> {
         self.0.get().with_atari(py, |env| {
             let folder = env
@@ -93,7 +93,7 @@ impl Ale {
         })
     }
 
-    /// Plays a frame: its reward.
+    /// Plays a frame, and returns the reward.
     fn act(&self, py: Python<'_>, action: i64, paddle_strength: f32) -> PyResult<i32> {
         let Some(&action) = usize::try_from(action)
             .ok()
@@ -129,8 +129,8 @@ impl Ale {
         })
     }
 
-    /// Lives, whether the game is over, whether the episode has reached its limit of frames, the
-    /// frame number, and the episode's frame number.
+    /// The number of lives, whether the game is over, whether the episode has reached its frame
+    /// limit, the frame number, and the episode's frame number.
     fn progress(&self, py: Python<'_>) -> PyResult<(i32, bool, bool, u32, u32)> {
         self.with(py, |game| {
             let over = (game.game_over(), game.is_truncated());
@@ -157,7 +157,7 @@ impl Ale {
             };
             let modes: Vec<u16> = game.modes.iter().map(|(mode, _)| *mode).collect();
             let (legal, minimal) = (indices(game.legal), indices(game.minimal));
-            // (Python would get bytes for `u8`)
+            // (Python would receive `Vec<u8>` as bytes)
             let difficulties: Vec<u16> = game.difficulties.iter().copied().map(u16::from).collect();
             (
                 game.name,
@@ -171,7 +171,7 @@ impl Ale {
         })
     }
 
-    /// Mode, difficulty and most frames of the episodes that follow.
+    /// The mode, difficulty and frame limit of the next episodes.
     fn settings(&self, py: Python<'_>) -> PyResult<(Option<u16>, Option<u8>, Option<u32>)> {
         self.with(py, |game| {
             let Settings {
@@ -184,7 +184,7 @@ impl Ale {
         })
     }
 
-    /// Chooses mode, difficulty and most frames of the episodes that follow.
+    /// Sets the mode, difficulty and frame limit of the next episodes.
     fn configure(
         &self,
         py: Python<'_>,
@@ -210,7 +210,7 @@ impl Ale {
         })
     }
 
-    /// The picture as indices of colours, in `gray` or in `rgb`.
+    /// The picture: as indices of colours, in `gray` or in `rgb`.
     #[pyo3(signature = (kind, buffer = None))]
     fn screen<'py>(
         &self,
@@ -263,7 +263,7 @@ impl Ale {
         })
     }
 
-    /// Where the game stands.
+    /// The state of the game.
     fn state(&self, py: Python<'_>, include_rng: bool) -> PyResult<AleState> {
         self.with(py, |game| {
             let (settings, known) = (game.settings(), game.game());
@@ -273,7 +273,7 @@ impl Ale {
         })
     }
 
-    /// Goes on from there.
+    /// Continues from a state.
     fn set_state(&self, py: Python<'_>, state: &AleState) -> PyResult<()> {
         let stored = state.read()?;
         self.with(py, |game| {
@@ -314,7 +314,7 @@ impl AleState {
 
 #[pymethods]
 impl AleState {
-    /// The state that `__reduce__` took apart.
+    /// Rebuilds a state from the parts that `__reduce__` returned.
     #[new]
     fn new(state: &str, include_rng: bool, mode: u16, difficulty: u8) -> PyResult<Self> {
         let state: State = serde_json::from_str(state)
@@ -335,13 +335,13 @@ impl AleState {
         self.episode_frame_number
     }
 
-    /// The mode of the episodes that follow.
+    /// The mode of the next episodes.
     #[pyo3(name = "getCurrentMode")]
     fn current_mode(&self) -> u16 {
         self.mode
     }
 
-    /// The difficulty of the episodes that follow.
+    /// The difficulty of the next episodes.
     #[pyo3(name = "getDifficulty")]
     fn difficulty(&self) -> u8 {
         self.difficulty

@@ -1,4 +1,4 @@
-//! Values of ours as Python objects, and Python objects as values.
+//! Conversions between Rust values and Python objects.
 
 use std::ptr::null_mut;
 
@@ -15,7 +15,7 @@ use pyo3::prelude::*;
 use pyo3::sync::PyOnceLock;
 use pyo3::types::{IntoPyDict, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple};
 
-/// A new numpy array with these numbers.
+/// A new numpy array of `numbers`.
 pub(crate) fn new_array<'py, T: Element + Copy>(
     py: Python<'py>,
     shape: &[usize],
@@ -55,7 +55,7 @@ pub(crate) fn array<'py>(py: Python<'py>, array: &Array) -> Bound<'py, PyAny> {
     with_type!(array.dtype(), T => new_array(py, array.shape(), array.as_slice::<T>().unwrap_or_default()))
 }
 
-/// A value as Gymnasium's spaces and infos have it.
+/// A value in the form that Gymnasium's spaces and infos have.
 pub(crate) fn to_python<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
     Ok(match value {
         Value::Null => py.None().into_bound(py),
@@ -94,7 +94,8 @@ pub(crate) fn to_python<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'
     })
 }
 
-/// The same in the arrays of an earlier value, where they have the type and shape for it.
+/// Writes a value to the arrays of `old`, a value from an earlier call. Arrays of another type or
+/// shape are made anew.
 pub(crate) fn refill<'py>(
     py: Python<'py>,
     value: &Value,
@@ -146,9 +147,8 @@ pub(crate) fn rendered<'py>(py: Python<'py>, rendered: &Rendered) -> PyResult<Bo
     }
 }
 
-/// A Python object as an action of a space, or as `n` of them in their batched space: as
-/// [`from_python`], but numbers of a `Box` of reals keep the precision in which they come, as
-/// Gymnasium computes with it.
+/// A Python object as an action, or with `n` as a batch of `n` actions: like [`from_python`], but
+/// real numbers keep their precision, because Gymnasium computes in it.
 pub(crate) fn action_from_python(
     space: &Space,
     batch: Option<(usize, &Space)>,
@@ -178,7 +178,7 @@ pub(crate) fn action_from_python(
     if dtype == DType::F32 || !is_list_of_numbers(object)? {
         return Ok(Value::Array(numbers));
     }
-    // Python numbers, which take the precision of the other operand
+    // Python numbers have no precision of their own: numpy gives them that of the other operand
     let row = inner.shape().iter().product::<usize>().max(1);
     let numbers: Vec<Value> = numbers.iter_f64().map(Value::Float).collect();
     Ok(Value::Tuple(match n {
@@ -190,8 +190,8 @@ pub(crate) fn action_from_python(
     }))
 }
 
-/// Whether an object is a list or tuple, perhaps of such, whose first number is of Python's own
-/// type.
+/// Whether an object is a list or tuple, possibly nested, whose first number is a Python `int` or
+/// `float`.
 fn is_list_of_numbers(object: &Bound<'_, PyAny>) -> PyResult<bool> {
     if object.is_instance_of::<PyList>() || object.is_instance_of::<PyTuple>() {
         return if object.len()? == 0 {
@@ -203,10 +203,10 @@ fn is_list_of_numbers(object: &Bound<'_, PyAny>) -> PyResult<bool> {
     Ok(object.is_exact_instance_of::<PyFloat>() || object.is_exact_instance_of::<PyInt>())
 }
 
-/// A Python object as an element of a space, by kind, type and shape; the bounds are not looked at.
+/// A Python object as an element of a space, by kind, type and shape. Bounds are not checked.
 ///
-/// Numbers may be of Python, numpy or lists, of any type that the space's type holds as numpy's
-/// `same_kind` casts have it.
+/// Numbers may be Python's, numpy's or lists, of any type that numpy's `same_kind` rule casts to
+/// the space's type.
 pub(crate) fn from_python(space: &Space, object: &Bound<'_, PyAny>) -> PyResult<Value> {
     let numbers = |dtype, shape: &[usize]| read_array(object, dtype, Some(shape)).map(Value::Array);
     match space {
@@ -273,7 +273,7 @@ pub(crate) fn from_python(space: &Space, object: &Bound<'_, PyAny>) -> PyResult<
     }
 }
 
-/// A Python object as any number of elements of a space in one value, as a graph has its nodes.
+/// A Python object as a batch of any number of elements of a space, such as the nodes of a graph.
 fn batch_from_python(space: &Space, object: &Bound<'_, PyAny>) -> PyResult<Value> {
     match space {
         Space::Tuple(space) => {
@@ -301,7 +301,7 @@ fn batch_from_python(space: &Space, object: &Bound<'_, PyAny>) -> PyResult<Value
     }
 }
 
-/// Some objects in order, of a known number.
+/// The members of a Python sequence; an error unless there are `n`.
 fn members<'py>(object: &Bound<'py, PyAny>, n: usize) -> PyResult<Vec<Bound<'py, PyAny>>> {
     let items: Vec<_> = object.try_iter()?.collect::<PyResult<_>>()?;
     if items.len() == n {
@@ -313,7 +313,7 @@ fn members<'py>(object: &Bound<'py, PyAny>, n: usize) -> PyResult<Vec<Bound<'py,
     )))
 }
 
-/// The numbers of an array, list or number.
+/// The numbers of a Python array, list or number.
 fn read_array(object: &Bound<'_, PyAny>, dtype: DType, shape: Option<&[usize]>) -> PyResult<Array> {
     with_type!(dtype, T => {
         let fits = |array: &Bound<'_, PyArrayDyn<T>>| shape.is_none_or(|shape| array.shape() == shape);

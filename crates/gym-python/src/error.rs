@@ -15,8 +15,7 @@ create_exception!(
     "A bug: the Rust code of an environment panicked. The environment can be used again after `reset`."
 );
 
-/// Lets Rust code run; a panic in it becomes a [`PanicError`] instead of the `BaseException` that
-/// pyo3 makes of it.
+/// Runs `f`. A panic in it becomes a [`PanicError`]; pyo3 would raise a `BaseException`.
 pub(crate) fn guard<T>(f: impl FnOnce() -> PyResult<T>) -> PyResult<T> {
     catch_unwind(AssertUnwindSafe(f))
         .unwrap_or_else(|panic| Err(PanicError::new_err(message(&*panic).to_owned())))
@@ -29,9 +28,9 @@ fn message(panic: &(dyn Any + Send)) -> &str {
         .unwrap_or("no message")
 }
 
-/// A `Result` of ours as one of Python's.
+/// Converts a Rust `Result` to Python's.
 pub(crate) trait OrRaise<T> {
-    /// The exception that Gymnasium has for the error, with our text.
+    /// Raises the exception that Gymnasium has for the error, with this error's text.
     fn or_raise(self) -> PyResult<T>;
 }
 
@@ -41,7 +40,7 @@ impl<T> OrRaise<T> for Result<T> {
     }
 }
 
-/// The text of an error, as Python's users know things.
+/// The text of an error, in Python's terms.
 fn text(error: &Error) -> String {
     match error {
         Error::SubEnvironment { index, source } => {
@@ -62,7 +61,7 @@ fn text(error: &Error) -> String {
                 .iter()
                 .fold(text, |text, (ours, words)| text.replace(ours, words))
         }
-        // how to link crates is for Rust's
+        // linking crates is advice for Rust users
         _ => error
             .to_string()
             .split(" (linked crates")
@@ -72,7 +71,7 @@ fn text(error: &Error) -> String {
     }
 }
 
-/// Types of Rust that JSON's errors speak of, in words.
+/// Rust types that appear in serde's errors, and their replacements in Python's terms.
 const TYPES: [(&[&str], &str); 3] = [
     (
         &["usize", "u64", "u32", "u16", "u8"],
@@ -85,7 +84,7 @@ const TYPES: [(&[&str], &str); 3] = [
     (&["f64", "f32"], "expected a number"),
 ];
 
-/// Words of JSON, of Rust and of the operating system, in Python's.
+/// Words of JSON, Rust and the operating system, and their replacements in Python's terms.
 const WORDS: [(&str, &str); 14] = [
     (
         " (NaN and infinite numbers become null: give a finite number)",
@@ -120,7 +119,7 @@ fn exception(py: Python<'_>, error: &Error) -> PyErr {
     }
 }
 
-/// The exception `gymnasium.error.NAME`, or the package's own of that name.
+/// The exception `gymnasium.error.NAME`, or this package's subclass of it.
 pub(crate) fn gymnasium(py: Python<'_>, name: &str, text: String) -> PyErr {
     let module = match name {
         "InvalidAction" | "InvalidArgument" | "ResetNeeded" => "rustgym._errors",

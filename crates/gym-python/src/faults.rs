@@ -1,4 +1,4 @@
-//! Environments for tests: one panics on request, and one returns what it is given.
+//! Environments for tests: one panics on request, the other returns its last action.
 
 use gym::{
     Configure, Dynamics, Env, Error, Generator, NoArguments, Outcome, Registration, Reset, Result,
@@ -6,7 +6,7 @@ use gym::{
 };
 
 gym::discrete! {
-    /// The request.
+    /// What the environment is asked to do.
     pub(crate) enum Action {
         /// Nothing.
         Wait,
@@ -95,7 +95,7 @@ gym::arguments! {
     }
 }
 
-/// Observes its last action, after a reset the element that is nearest to zero.
+/// Observes its last action; after a reset, the element of the space nearest to zero.
 #[derive(Clone, Debug)]
 pub(crate) struct Echo {
     space: Space,

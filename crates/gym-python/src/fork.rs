@@ -1,20 +1,20 @@
-//! Forks: the threads and the owners of locks that a child process no longer has.
+//! Forks: a child process lacks the parent's other threads, and the locks that these held.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 
-/// How many forks lie between this process and the first.
+/// The number of forks between the first process and this one.
 static FORKS: AtomicU64 = AtomicU64::new(0);
 
-/// Says that this process is the child of a fork; Python calls it by `os.register_at_fork`.
+/// Marks this process as the child of a fork; Python calls it by `os.register_at_fork`.
 #[pyfunction]
 pub(crate) fn after_fork_in_child() {
     FORKS.fetch_add(1, Ordering::Relaxed);
 }
 
-/// The process in which something was made.
+/// The process in which an object was made.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Origin(u64);
 
@@ -24,12 +24,12 @@ impl Origin {
         Self(FORKS.load(Ordering::Relaxed))
     }
 
-    /// Whether this is still the process.
+    /// Whether this process is the one in which the object was made.
     pub(crate) fn is_here(self) -> bool {
         self.0 == Self::here().0
     }
 
-    /// Refuses to wait for threads of the parent, which would never end.
+    /// Refuses to wait for threads of the parent: they do not exist in this process.
     pub(crate) fn check(self, what: &str) -> PyResult<()> {
         if self.is_here() {
             return Ok(());

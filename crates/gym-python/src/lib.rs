@@ -6,8 +6,8 @@
 //! descriptions as JSON with it.
 //!
 //! Ids, arguments, spaces and metadata come from the registry as JSON, so a new family needs no
-//! line here. An environment is in a `Mutex`, because `BoxEnv` is only `Send`; a thread that waits
-//! for it releases the GIL.
+//! code here. A `Mutex` protects an environment, because `BoxEnv` is only `Send`. A thread that
+//! waits for it releases the GIL.
 
 mod action;
 mod atari;

@@ -1,4 +1,4 @@
-//! Beyond Gymnasium's interface, in Python: the table of an environment's dynamics.
+//! The table of an environment's dynamics, in Python.
 
 use gym::{BoxEnv, Env as _, Inspect};
 use pyo3::IntoPyObjectExt;

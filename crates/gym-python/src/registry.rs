@@ -8,7 +8,7 @@ use serde_json::{Value as Json, json};
 
 use crate::error::{OrRaise, guard};
 
-/// Every id that this build can make, with all that its spec says, as a JSON list.
+/// The specs of all ids that this build can make, as a JSON list.
 #[pyfunction]
 pub(crate) fn specs() -> PyResult<String> {
     let row = |registration: gym::Registration| -> Result<Json> {
@@ -68,7 +68,7 @@ pub(crate) fn generate_random_map(size: usize, p: f64, seed: Option<u64>) -> PyR
     guard(|| frozen_lake::generate_random_map(size, p, seed).or_raise())
 }
 
-/// An environment with only `wrappers` around it: Gymnasium adds its own.
+/// Makes an environment with only the Rust wrappers `wrappers`; Gymnasium adds its own.
 pub(crate) fn bare(
     id: &str,
     kwargs: Kwargs,

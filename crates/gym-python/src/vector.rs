@@ -1,4 +1,4 @@
-//! Many environments stepped as one.
+//! Vectors: many environments stepped together.
 
 use std::collections::BTreeMap;
 use std::mem::ManuallyDrop;
@@ -24,14 +24,14 @@ use crate::fork::Origin;
 use crate::infos::{Key, info_keys, ordered};
 use crate::numbers::Numbers;
 
-/// A vector of environments. The lock of Python is released while it works.
+/// A vector of environments. The GIL is released while it works.
 #[pyclass(frozen, module = "rustgym._native")]
 #[derive(Debug)]
 pub(crate) struct Vector {
-    /// Not dropped in the child of a fork, where the threads are missing that dropping waits for.
+    /// The child of a fork must not drop it: dropping waits for threads that only the parent has.
     core: ManuallyDrop<Mutex<Core>>,
     spec: VectorSpec,
-    /// The space of one action, and the batched space.
+    /// The space of one action, and the space of a batch.
     action: Space,
     actions: Space,
     /// The types of infos.
@@ -45,15 +45,15 @@ pub(crate) struct Vector {
 struct Core {
     envs: Envs,
     columns: Columns,
-    /// The arrays of the step before last and of the last, where they are used again.
+    /// The arrays returned by the last two steps, the older first, if they are reused.
     spares: Option<[Option<Py<PyTuple>>; 2]>,
 }
 
 #[derive(Debug)]
 enum Envs {
-    /// Sync or native.
+    /// A sync or native vector.
     Here(Box<dyn VectorEnv>),
-    /// By its own type, for `send` and `recv`.
+    /// An async vector, by its own type because of `send` and `recv`.
     Async(Box<AsyncVectorEnv>),
 }
 
@@ -108,7 +108,7 @@ impl Vector {
         self.info_keys.get_or_init(|| info_keys(py, &self.spec.env))
     }
 
-    /// Actions for `n` of the environments, whose space is `batch`.
+    /// Converts a batch of `n` actions in the space `batch`.
     fn actions(&self, n: usize, batch: &Space, actions: &Bound<'_, PyAny>) -> PyResult<Value> {
         action_from_python(&self.action, Some((n, batch)), actions).map_err(|error| {
             let py = actions.py();
@@ -122,7 +122,7 @@ impl Vector {
 }
 
 impl Core {
-    /// Observations, rewards and flags as arrays: new arrays, or the arrays of the step before
+    /// Observations, rewards and flags as arrays: new ones, or those returned by the step before
     /// last.
     fn arrays<'py>(&mut self, py: Python<'py>) -> PyResult<[Bound<'py, PyAny>; 4]> {
         let Self {
@@ -155,7 +155,7 @@ impl Core {
         Ok(arrays)
     }
 
-    /// Gymnasium's dict of columns: each key as soon as an environment gives it, and its mask.
+    /// The infos as a dict of columns in Gymnasium's order, each with its mask.
     fn infos<'py, 'a>(
         &mut self,
         py: Python<'py>,
@@ -187,7 +187,8 @@ fn copy_into<'py, T: numpy::Element + Copy>(
 
 #[pymethods]
 impl Vector {
-    /// `num_envs` environments `id`, each with these arguments and the stack of `make`.
+    /// Makes a vector of `num_envs` environments `id`, each with the same arguments and the
+    /// wrappers of `make`.
     #[new]
     #[pyo3(signature = (id, num_envs, kind, kwargs, render_mode, max_episode_steps, autoreset, threads, copy, wrappers = "[]", each = "{}", render_size = None))]
     #[expect(clippy::too_many_arguments, reason = "the Python side names them")]
@@ -246,13 +247,14 @@ impl Vector {
         })
     }
 
-    /// How its environments are stepped: `sync`, `async` or `native`.
+    /// The kind of the vector: `sync`, `async` or `native`.
     #[getter]
     fn kind(&self) -> &'static str {
         self.spec.vectorization_mode.name()
     }
 
-    /// Starts episodes; one seed for all, or a list with one for each; `mask` says which start.
+    /// Starts episodes. There is one seed for all environments, or a list with one for each; `mask`
+    /// selects the environments.
     #[pyo3(signature = (seed, seeds, options, mask))]
     fn reset<'py>(
         &self,
@@ -288,7 +290,8 @@ impl Vector {
         ))
     }
 
-    /// Takes a step in each: observations, rewards, terminated, truncated, infos.
+    /// Takes a step in each environment. Returns observations, rewards, terminated, truncated and
+    /// infos.
     fn step<'py>(
         &self,
         py: Python<'py>,
@@ -310,7 +313,7 @@ impl Vector {
             .into_pyobject(py)
     }
 
-    /// Lets some take a step, without waiting for them.
+    /// Starts a step of the environments `ids`, and returns at once.
     #[expect(
         clippy::needless_pass_by_value,
         reason = "Python lends no slice of them"
@@ -323,8 +326,8 @@ impl Vector {
         py.detach(|| guard(|| envs.send(&actions, &ids).or_raise()))
     }
 
-    /// The results of the first `m` that are ready: observations, rewards, terminated, truncated,
-    /// infos, ids.
+    /// Waits for the first `m` environments. Returns observations, rewards, terminated, truncated,
+    /// infos and ids.
     fn recv<'py>(&self, py: Python<'py>, m: usize) -> PyResult<Bound<'py, PyTuple>> {
         let mut core = self.lock(py)?;
         let mut ids = Vec::new();
@@ -347,7 +350,7 @@ impl Vector {
         (observations, rewards, terminated, truncated, infos, ids).into_pyobject(py)
     }
 
-    /// The pictures or texts of the render mode.
+    /// The pictures or texts of the vector's render mode.
     fn render<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
         let mut core = self.lock(py)?;
         let envs = &mut core.envs;
@@ -382,7 +385,8 @@ impl Vector {
         Ok(new_array(py, &[done.len()], &done))
     }
 
-    /// The states as a JSON list, for environments whose dynamics are pure functions of one.
+    /// The states as a JSON list, for environments whose dynamics are pure functions of their
+    /// state.
     fn states(&self, py: Python<'_>) -> PyResult<Option<String>> {
         let mut core = self.lock(py)?;
         guard(|| {
@@ -400,7 +404,7 @@ impl Vector {
         })
     }
 
-    /// Copies of the environments, wrappers included.
+    /// Copies of the environments with their wrappers.
     fn envs(&self, py: Python<'_>) -> PyResult<Vec<Env>> {
         let mut core = self.lock(py)?;
         let copies = guard(|| {
@@ -415,7 +419,7 @@ impl Vector {
             .collect())
     }
 
-    /// Puts environments in the place of the vector's own.
+    /// Replaces the vector's environments.
     fn set_envs(&self, py: Python<'_>, envs: Vec<Bound<'_, Env>>) -> PyResult<()> {
         let copies = envs
             .into_iter()
@@ -458,7 +462,7 @@ impl Vector {
         ))
     }
 
-    /// The vector that `__reduce__` took apart.
+    /// Rebuilds a vector from the parts that `__reduce__` returned.
     #[staticmethod]
     fn rebuild(py: Python<'_>, spec: &str, copy: bool, snapshot: &str) -> PyResult<Self> {
         let damaged = |error: serde_json::Error| Error::Snapshot(error.to_string());
@@ -473,8 +477,8 @@ impl Vector {
         })
     }
 
-    /// Ends the threads of an async vector, and with them its use; closes the windows of others,
-    /// which are otherwise as they were.
+    /// Ends the threads of an async vector, which cannot be used afterwards. Closes the windows of
+    /// other vectors, whose episodes continue.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
         let mut core = self.lock(py)?;
         let envs = &mut core.envs;
@@ -498,7 +502,7 @@ impl Vector {
         })
     }
 
-    /// The kind of vector, its environment and their number.
+    /// A description: kind, environment and number of environments.
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         Ok(self.lock(py)?.envs.as_dyn().describe())
     }

@@ -546,4 +546,69 @@ mod tests {
             );
         }
     }
+
+    /// As few outcomes as a [`Row`] holds, and more.
+    #[test]
+    fn a_draw_above_all_sums_gives_the_first_outcome() {
+        for n in [2, 3, 4, 9] {
+            let table = Table::build(n, 1, |_, _, row| {
+                row.extend((0..n).map(|next| Outcome {
+                    probability: 0.1,
+                    next,
+                    reward: 0.0,
+                    terminated: false,
+                }));
+            });
+            // with seed 42, `random()` first returns 0.774 and 0.439
+            let rng = &mut Generator::from(42);
+            let drawn = [(); 2].map(|()| table.sample(1, 0, rng).unwrap().next);
+            assert_eq!(drawn, if n == 9 { [7, 4] } else { [0, 0] }, "{n}");
+        }
+    }
+
+    /// A table that is replaced may have probabilities that do not sum to 1.
+    #[test]
+    fn a_start_above_all_sums_is_the_first_state() {
+        for (probabilities, expected) in [
+            (vec![0.0, 0.0, 1.0], [2, 2]),
+            (vec![0.0, 0.5, 0.0], [0, 1]),
+            (vec![0.1, 0.2, 0.3], [0, 2]),
+            (vec![0.0, 0.0, 0.0], [0, 0]),
+        ] {
+            let distribution = Distribution::new(probabilities.clone().into());
+            let rng = &mut Generator::from(42);
+            let drawn = [(); 2].map(|()| distribution.sample(rng));
+            assert_eq!(drawn, expected, "{probabilities:?}");
+            assert_ne!(*rng, Generator::from(42), "each start draws");
+        }
+    }
+
+    #[test]
+    fn a_table_is_replaced_by_one_of_its_size() {
+        let (table, initial) = (coin(0.5), Distribution::uniform(2, |_| true));
+        let json = table.to_json(&initial);
+        let (same, starts) = table.replaced(&json).unwrap();
+        assert_eq!(
+            (same, starts.probabilities()),
+            (table.clone(), &[0.5; 2][..])
+        );
+        for (place, value, fits) in [
+            ("/P/1/0/0/1", json!(1), true),
+            ("/P/1/0/0/1", json!(2), false),
+            ("/P/0/0/1/0", json!(1.0), true),
+            ("/P/0/0/1/0", json!(1.1), false),
+            ("/P/0/0/1/0", json!(-0.1), false),
+            ("/P/0/0", json!([]), false),
+            ("/P/0", json!([]), false),
+            ("/P", json!([]), false),
+            ("/initial_state_distrib", json!([0.0, 1.0]), true),
+            ("/initial_state_distrib", json!([1.0]), false),
+            ("/initial_state_distrib", json!([0.5, 0.5, 0.0]), false),
+            ("/initial_state_distrib", json!([1.5, 0.0]), false),
+        ] {
+            let mut other = json.clone();
+            *other.pointer_mut(place).unwrap() = value.clone();
+            assert_eq!(table.replaced(&other).is_ok(), fits, "{place}: {value}");
+        }
+    }
 }

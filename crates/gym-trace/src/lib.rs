@@ -960,4 +960,58 @@ mod tests {
             );
         }
     }
+
+    /// A rectangle has its first and its last row and column, and may reach beyond the picture.
+    #[test]
+    fn masks_have_both_ends() {
+        let pixels: Vec<u8> = (1..=36).collect();
+        for (rectangles, places) in [
+            (vec![[1, 1, 1, 1]], vec![4]),
+            (vec![[0, 0, 2, 0]], vec![0, 1, 2]),
+            (vec![[2, 1, 2, 3]], vec![5, 8, 11]),
+            (vec![[0, 3, 9, 9], [0, 0, 0, 0]], vec![0, 9, 10, 11]),
+        ] {
+            let mut expected = pixels.clone();
+            for place in places {
+                expected[3 * place..][..3].fill(0);
+            }
+            let checksum = json!(crc32fast::hash(&expected));
+            assert_eq!(masked(&pixels, 3, &rectangles), Some(checksum));
+        }
+        assert_eq!(masked(&pixels, 3, &[]), None);
+    }
+
+    #[test]
+    fn the_clock_is_removed_from_final_infos_too() {
+        let episode = json!({ "r": 1.0, "t": 0.5, "_t": [true] });
+        let mut info = json!({ "t": 1, "episode": episode,
+            "final_info": { "episode": episode, "final_info": { "episode": episode } } });
+        remove_clock(&mut info);
+        let rest = json!({ "r": 1.0 });
+        let expected = json!({ "t": 1, "episode": rest,
+            "final_info": { "episode": rest, "final_info": { "episode": rest } } });
+        assert_eq!(info, expected);
+    }
+
+    /// A list has a seed, or none, for each sub-environment.
+    #[test]
+    fn seeds_keep_their_places() {
+        let reset = |json: Json| {
+            let request: ResetRequest = serde_json::from_value(json).unwrap();
+            VectorReset::try_from(&request)
+        };
+        let seeds = reset(json!({ "seed": [5, null, 7] })).unwrap().seeds;
+        let each = [Some(5_u64), None, Some(7)].map(|seed| seed.map(Seed::from));
+        assert_eq!(seeds, Seeds::Each(each.to_vec()));
+        let from = reset(json!({ "seed": 5 })).unwrap().seeds;
+        assert_eq!(from, Seeds::From(5_u64.into()));
+        assert_eq!(reset(json!({ "seed": null })).unwrap().seeds, Seeds::None);
+        let masked = json!({ "options": { "reset_mask": [true, false], "low": 1 } });
+        let masked = reset(masked).unwrap();
+        assert_eq!(masked.mask, Some(vec![true, false]));
+        assert_eq!(masked.options.len(), 1);
+        for wrong in [json!([1, -1]), json!(["x"]), json!([1.5])] {
+            assert!(reset(json!({ "seed": wrong })).is_err(), "{wrong}");
+        }
+    }
 }

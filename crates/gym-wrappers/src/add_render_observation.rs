@@ -1,4 +1,4 @@
-//! Rendered pictures as observations.
+//! Observations that are rendered frames.
 
 use gym_core::registry::WrapperConfig;
 use gym_core::render::{Frame, Rendered};
@@ -18,7 +18,7 @@ pub type AddRenderObservation<E = BoxEnv> = Observing<E, AddRender>;
 pub struct AddRender {
     config: Config,
     shape: [usize; 3],
-    /// Whether the inner observation is a dict, to which the frame is added.
+    /// Whether the inner observation is a dict; if so, the frame is added to it.
     extends_dict: bool,
 }
 

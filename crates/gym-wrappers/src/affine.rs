@@ -116,7 +116,7 @@ impl Affine {
         f64s: fn(f64, f64, f64) -> f64,
     ) {
         match self {
-            // numbers of `float64` stay so
+            // a `float64` array is mapped in `float64`
             Self::F32 {
                 gradient,
                 intercept,

@@ -1,4 +1,4 @@
-//! Resets by itself.
+//! Automatic resets.
 
 use gym_core::{
     BoxEnv, Env, Outcome, Reset, Result, Snapshot, Wrapper, WrapperSpec, registry::WrapperConfig,
@@ -24,7 +24,7 @@ gym_core::register_wrapper!(
 gym_core::inner!(impl Autoreset<E>);
 
 impl<E: Env> Autoreset<E> {
-    /// Resets `env` where its episodes end.
+    /// Resets `env` automatically after the end of an episode.
     pub fn new(env: E) -> Self {
         Self {
             inner: env,

@@ -43,7 +43,7 @@ impl Default for Bins {
 }
 
 gym_core::arguments! {
-    /// How a bounded `Box` is cut into bins.
+    /// The division of a bounded `Box` into bins.
     pub struct Binning {
         /// The number of bins for each element of the bounded `Box`, at least 1.
         pub bins: Bins,
@@ -76,7 +76,7 @@ impl<const N: usize> From<[u32; N]> for Binning {
 
 impl Binning {
     /// The bins of a space of the `kind` "action" or "observation", and the space of their indices.
-    /// The wrapper with the arguments `C` refuses a space that is no bounded `Box`.
+    /// The error of a space that is not a bounded `Box` names the wrapper of the arguments `C`.
     pub(crate) fn cut<C: WrapperConfig>(&self, kind: &str, space: &Space) -> Result<(Grid, Space)> {
         let refuse = |error: Error| C::refuse(error.to_string());
         let grid = Grid::new(expect_box::<C>(kind, space)?, &self.bins).map_err(refuse)?;
@@ -131,7 +131,7 @@ impl Grid {
         })
     }
 
-    /// `Discrete` over all combinations, or one integer for each element.
+    /// The space of indices: `Discrete` over all combinations, or one integer for each element.
     pub(crate) fn space(&self, multidiscrete: bool) -> Result<Space> {
         let mut counts = (0..self.len()).map(|i| self.count(i));
         if multidiscrete {
@@ -154,13 +154,15 @@ impl Grid {
         self.edges.len()
     }
 
-    /// The bin that the element `i` falls in with value `x`; beyond the bounds, an outer one.
+    /// The index of the bin of element `i` that contains `x`; the first or last bin for `x` outside
+    /// the bounds.
     pub(crate) fn index(&self, i: usize, x: f64) -> i64 {
         let (low, high) = (
             self.inner.low().data().get_f64(i),
             self.inner.high().data().get_f64(i),
         );
-        // Gymnasium's margin, lost in float32 unless the bound is small
+        // Gymnasium lowers the bound by this margin; in float32, rounding removes it unless the bound
+        // is small
         const MARGIN: f64 = 1e-8;
         let high = match self.inner.dtype() {
             DType::F32 => f64::from(high as f32 - MARGIN as f32),
@@ -169,14 +171,14 @@ impl Grid {
         let x = if x < low { low } else { x };
         let x = if x > high { high } else { x };
         let edges = &self.edges[i];
-        // numpy's `digitize`: the number of inner edges that are not above; NaN is above all
+        // numpy's `digitize`: the number of inner edges that are at most `x`; for NaN, all of them
         edges[1..edges.len() - 1]
             .iter()
             .filter(|edge| x >= **edge || x.is_nan())
             .count() as i64
     }
 
-    /// The edges of a bin of the element `i`; a bin that does not exist counts as the nearest.
+    /// The edges of a bin of element `i`; an index outside the range means the nearest bin.
     pub(crate) fn edges(&self, i: usize, bin: i64) -> (f64, f64) {
         let edges = &self.edges[i];
         let bin = bin.clamp(0, edges.len() as i64 - 2) as usize;
@@ -197,7 +199,8 @@ impl Grid {
         self.edges[i].len() as i64 - 1
     }
 
-    /// Visits the bin of each element that a value of [`space`](Self::space) names.
+    /// Calls `visit` for each element with its bin in `value`, an element of
+    /// [`space`](Self::space).
     pub(crate) fn split(&self, value: &Value, mut visit: impl FnMut(usize, i64)) {
         match value {
             Value::Int(index) => {
@@ -217,7 +220,8 @@ impl Grid {
         }
     }
 
-    /// Leaves the value of [`space`](Self::space) that names a bin of each element in `out`.
+    /// Writes to `out` the element of [`space`](Self::space) that has the bin `bin(i)` for each
+    /// element `i`.
     pub(crate) fn join(&self, bin: impl Fn(usize) -> i64, space: &Space, out: &mut Value) {
         if let Space::MultiDiscrete(space) = space {
             let array = array_of(out, space.dtype(), space.shape());
@@ -315,5 +319,23 @@ mod tests {
         );
         let space = BoxSpace::new([0.0f32; 2], [f32::INFINITY; 2]).unwrap();
         assert!(Grid::new(&space, &Bins::All(2)).is_err());
+    }
+
+    /// Gymnasium clips to the upper bound less 1e-8, which is below the lower bound here.
+    #[test]
+    fn a_box_narrower_than_the_margin_has_one_bin_in_use() {
+        let narrow = BoxSpace::uniform(0.0, 1e-9, [1], DType::F64).unwrap();
+        let grid = Grid::new(&narrow, &2.into()).unwrap();
+        assert_eq!([0.0, 4e-10, 6e-10, 1e-9].map(|x| grid.index(0, x)), [0; 4]);
+        let wide = BoxSpace::uniform(0.0, 1.0, [1], DType::F64).unwrap();
+        let grid = Grid::new(&wide, &2.into()).unwrap();
+        let xs = [
+            f64::NEG_INFINITY,
+            0.5_f64.next_down(),
+            0.5,
+            f64::INFINITY,
+            f64::NAN,
+        ];
+        assert_eq!(xs.map(|x| grid.index(0, x)), [0, 0, 1, 1, 1]);
     }
 }

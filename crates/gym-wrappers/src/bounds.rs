@@ -36,7 +36,7 @@ impl From<f64> for Bound {
 impl From<Array> for Bound {
     fn from(bounds: Array) -> Self {
         let numbers = Data::F64(bounds.iter_f64().collect());
-        // the number of numbers stays
+        // the shape has the same number of elements
         Self::Array(Array::new(bounds.shape(), numbers).unwrap_or_default())
     }
 }
@@ -54,8 +54,8 @@ impl<const N: usize> From<[f64; N]> for Bound {
 }
 
 impl Bound {
-    /// The bound of each element, and whether they count as `float32`: numbers in an array have the
-    /// type of the box, a single number is a `float64`.
+    /// The bound of each element, and whether the bounds count as `float32`: an array of bounds has
+    /// the type of the box, a scalar bound is `float64`.
     pub(crate) fn numbers(&self, name: &str, space: &BoxSpace) -> Result<(Vec<f64>, bool)> {
         match self {
             Self::Scalar(x) => Ok((vec![*x; space.low().len()], false)),
@@ -100,7 +100,7 @@ impl Nested {
         }
     }
 
-    /// Lists of a shape, of numbers in row-major order.
+    /// Nested lists of a shape, from numbers in row-major order.
     fn list(shape: &[usize], numbers: &mut impl Iterator<Item = f64>) -> Self {
         match shape {
             [] => Self::number(numbers.next().unwrap_or(f64::NAN)),

@@ -1,4 +1,4 @@
-//! Actions clipped.
+//! Clipped actions.
 
 use gym_core::spaces::BoxSpace;
 use gym_core::{Array, BoxEnv, DType, Element, Result, Space, Value};
@@ -18,7 +18,7 @@ gym_core::arguments! {
 #[derive(Clone, Debug)]
 pub struct Clip {
     bounds: BoxSpace,
-    /// The bounds for actions that come in `float64`.
+    /// The bounds for `float64` actions.
     wide: [Array; 2],
 }
 
@@ -27,7 +27,7 @@ impl ActionMap for Clip {
     type Action<A: Element> = A;
     const TAKES_BATCHES: bool = true;
 
-    /// Unsigned integers are refused, as their space cannot be unbounded.
+    /// Refuses boxes of unsigned integers: they cannot be unbounded.
     fn new(_: &Config, inner: &Space) -> Result<(Self, Space)> {
         let bounds = expect_box::<Config>("action", inner)?;
         let (low, high) = (f64::NEG_INFINITY, f64::INFINITY);

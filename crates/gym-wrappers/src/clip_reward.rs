@@ -1,4 +1,4 @@
-//! Rewards clipped.
+//! Clipped rewards.
 
 use gym_core::registry::WrapperConfig;
 use gym_core::{BoxEnv, Result};
@@ -63,7 +63,7 @@ impl RewardMap for Clip {
         }
     }
 
-    /// NaN stays, as with numpy's `clip`.
+    /// NaN stays NaN, as with numpy's `clip`.
     fn map(&self, reward: f64) -> f64 {
         if reward < self.min {
             self.min

@@ -1,9 +1,9 @@
-//! Wall-clock time, where there is a clock.
+//! The wall clock, on systems that have one.
 
 #[cfg(not(all(target_family = "wasm", target_os = "unknown")))]
 pub(crate) use std::time::Instant;
 
-/// WebAssembly without an operating system has no clock: times are zero.
+/// The clock on WebAssembly without an operating system, which has none: all times are zero.
 #[cfg(all(target_family = "wasm", target_os = "unknown"))]
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Instant;

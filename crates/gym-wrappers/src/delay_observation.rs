@@ -1,4 +1,4 @@
-//! Observations some steps late.
+//! Delayed observations.
 
 use gym_core::{
     BoxEnv, Element, Env, Error, Outcome, Reset, Result, Snapshot, Wrapper, WrapperSpec,
@@ -15,7 +15,7 @@ pub struct DelayObservation<E: Env = BoxEnv> {
     inner: E,
     config: Config,
     zero: E::Observation,
-    /// The observations on their way.
+    /// The observations that are not yet returned.
     ring: Ring<E::Observation>,
 }
 

@@ -1,4 +1,4 @@
-//! Actions out of bins.
+//! Actions as indices of bins.
 
 use gym_core::spaces::array_of;
 use gym_core::{BoxEnv, Element, Result, Space, Value};
@@ -64,7 +64,8 @@ impl<T> DiscretizeAction<T> {
     /// The action whose bin centres are nearest to a continuous action.
     ///
     /// # Errors
-    /// [`Error::InvalidAction`](gym_core::Error::InvalidAction) if that has another number of elements.
+    /// [`Error::InvalidAction`](gym_core::Error::InvalidAction) if the continuous action has
+    /// another number of elements.
     pub fn revert_action(&self, action: &impl Element) -> Result<Value> {
         let Discretize { space, grid } = self.map();
         let action = action.to_value();

@@ -1,4 +1,4 @@
-//! Observations cut into bins.
+//! Observations as indices of bins.
 
 use gym_core::{Array, BoxEnv, Data, Result, Space, Value};
 
@@ -67,8 +67,7 @@ impl ObservationMap for Discretize {
 }
 
 impl<T> DiscretizeObservation<T> {
-    /// The lower and upper edges of the bin that an observation names, one of each for each
-    /// element.
+    /// The lower and upper edges of the bin of an observation, for each element.
     ///
     /// # Errors
     /// [`Error::NotInSpace`](gym_core::Error::NotInSpace) if it is not an element of the observation space.

@@ -1,4 +1,4 @@
-//! Observations of another type of number.
+//! Observations cast to another type of number.
 
 use gym_core::registry::WrapperConfig;
 use gym_core::spaces::{BoxSpace, MultiDiscrete};
@@ -77,7 +77,7 @@ impl ObservationMap for Cast {
     }
 }
 
-/// The bounds, truncated as the observations are if real numbers become integers.
+/// A bound cast like the observations: if real numbers become integers, it is truncated.
 fn cast_bound(bound: &Array, dtype: DType) -> Result<Array> {
     if dtype.is_float() || !bound.dtype().is_float() {
         return Ok(bound.clone());

@@ -1,4 +1,4 @@
-//! Some members of dict and tuple observations.
+//! A selection of the members of dict and tuple observations.
 
 use std::fmt;
 
@@ -146,7 +146,7 @@ impl ObservationMap for Filter {
     }
 }
 
-/// A dict of other members. Its keys are sorted if the keys of `space` are.
+/// A dict space with the members `members`. Its keys are sorted if the keys of `space` are.
 pub(crate) fn dict_like(space: &DictSpace, members: Vec<(String, Space)>) -> Result<DictSpace> {
     let is_sorted = space.spaces().is_sorted_by(|(a, _), (b, _)| a <= b);
     if is_sorted {
@@ -156,7 +156,7 @@ pub(crate) fn dict_like(space: &DictSpace, members: Vec<(String, Space)>) -> Res
     }
 }
 
-/// The values of the dict in `out`, which is replaced unless it has these keys.
+/// The entries of the dict in `out`. If `out` is not a dict with these keys, it is replaced by one.
 pub(crate) fn entries<'a>(
     keys: impl ExactSizeIterator<Item = &'a String> + Clone,
     out: &'a mut Value,

@@ -1,4 +1,4 @@
-//! Observations flattened.
+//! Flattened observations.
 
 use gym_core::{BoxEnv, Error, Result, Space, Value};
 
@@ -29,7 +29,7 @@ impl ObservationMap for Flatten {
                 let broken = |error: Error| Error::Contract(error.to_string());
                 self.0.flatten_into(inner, array).map_err(broken)
             }
-            // of no fixed length
+            // the length of the row is not fixed
             out => {
                 *out = self.0.flatten(inner)?;
                 Ok(())

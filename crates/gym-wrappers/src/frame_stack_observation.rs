@@ -1,4 +1,4 @@
-//! The last few observations at once.
+//! Stacks of the last observations.
 
 use gym_core::{BoxEnv, Env, Result, Snapshot, Space, Value, registry::WrapperConfig};
 use serde_json::Value as Json;
@@ -6,7 +6,7 @@ use serde_json::Value as Json;
 use crate::observing::{Observer, Observing};
 use crate::ring::Ring;
 
-/// Observes the last few observations at once, the newest last, along a new first axis.
+/// Observes the last observations stacked along a new first axis, the newest last.
 pub type FrameStackObservation<E = BoxEnv> = Observing<E, FrameStack>;
 
 /// The observer of [`FrameStackObservation`].

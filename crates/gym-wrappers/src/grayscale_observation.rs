@@ -1,4 +1,4 @@
-//! Pictures in gray.
+//! Gray pictures.
 
 use gym_core::registry::WrapperConfig;
 use gym_core::spaces::BoxSpace;
@@ -7,8 +7,8 @@ use gym_core::{BoxEnv, DType, Result, Space, Value};
 use crate::map::{MapObservation, ObservationMap};
 use crate::within::{expect_picture, not_an_array};
 
-/// The shares of red, green and blue in the grey value
-/// (`wrappers/transform_observation.py`, `GrayscaleObservation`).
+/// The weights of red, green and blue in the gray value (`wrappers/transform_observation.py`,
+/// `GrayscaleObservation`).
 const WEIGHTS: [f64; 3] = [0.2125, 0.7154, 0.0721];
 
 /// Turns colour images `(height, width, 3)` into grayscale `(height, width)`.

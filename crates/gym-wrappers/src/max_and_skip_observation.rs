@@ -1,4 +1,4 @@
-//! The larger of the last two observations of several steps.
+//! The elementwise maximum of the last two observations of several steps.
 
 use gym_core::{
     Array, BoxEnv, Element, Env, Outcome, Reset, Result, Snapshot, Space, Value, Wrapper,
@@ -8,17 +8,17 @@ use serde_json::Value as Json;
 
 use crate::within::element;
 
-/// Repeats each action for several steps, adds up the rewards, and observes the larger of each
-/// element of the last two observations, so that flickering objects are seen.
+/// Repeats each action for several steps, adds up the rewards, and observes the elementwise maximum
+/// of the last two observations, so that flickering objects are visible.
 ///
-/// If an episode ends before the last step of a series, the observation is made from the two last
-/// kept, as in Gymnasium. If a step of a series is refused, earlier ones have been taken: reset or
-/// restore the environment after an error.
+/// If an episode ends before the last step of a series, the maximum is over the last two stored
+/// observations, as in Gymnasium. If a step of a series is refused, earlier ones have been taken:
+/// reset or restore the environment after an error.
 #[derive(Clone, Debug)]
 pub struct MaxAndSkipObservation<E = BoxEnv> {
     inner: E,
     config: Config,
-    /// The observations of the last step but one and of the last.
+    /// The observations of the second-last and the last step of a series.
     last: [Value; 2],
     seen: Value,
 }

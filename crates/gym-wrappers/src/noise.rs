@@ -1,5 +1,6 @@
-//! Noise over rendered frames, in numpy's order of draws; around it,
-//! [`AddRenderObservation`](crate::AddRenderObservation) observes them.
+//! Noise on rendered frames, drawn in numpy's order. Put
+//! [`AddRenderObservation`](crate::AddRenderObservation) around these wrappers to observe the
+//! frames.
 //!
 //! The wrappers draw from the environment's own [generator](Env::generator), as in Gymnasium, so
 //! rendering changes the environment's later draws.
@@ -100,10 +101,10 @@ pub mod obstruct_view {
 
 /// A pattern of noise in pictures.
 pub trait Pattern: WrapperConfig + Copy + std::fmt::Debug + Send + 'static {
-    /// An error for invalid arguments.
+    /// Checks the arguments.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`].
+    /// [`Error::InvalidArgument`] for invalid arguments.
     fn check(&self) -> Result<()>;
 
     /// Covers parts of a frame.
@@ -120,7 +121,7 @@ pub struct Noise<E, P> {
 gym_core::inner!(impl Noise<E, P>);
 
 impl<E: Env, P: Pattern> Noise<E, P> {
-    /// Puts noise on the pictures of `env`.
+    /// Adds noise to the frames of `env`.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for arguments out of their range.
@@ -226,10 +227,11 @@ fn check_share<C: WrapperConfig>(name: &str, share: f64) -> Result<()> {
     }
 }
 
-/// Noise for every channel of every pixel of a frame.
+/// White noise for every channel of every pixel of a frame.
 fn white(rng: &mut Generator, frame: &Frame, is_grayscale: bool) -> Vec<u8> {
-    /// The largest red, green and blue of grey noise, which is their sum: `255 * [0.2989, 0.5870,
-    /// 0.1140]` cut off, less one as numpy's `high` is not drawn (`wrappers/rendering.py`).
+    /// The largest red, green and blue of gray noise, whose sum is the gray value: `255 * [0.2989,
+    /// 0.5870, 0.1140]` truncated, minus one because numpy never draws `high`
+    /// (`wrappers/rendering.py`).
     const GRAYSCALE_HIGHS: [u8; 3] = [75, 148, 28];
     /// The largest value of coloured noise: Gymnasium draws below 255.
     const HIGH: u8 = 254;
@@ -247,7 +249,7 @@ fn white(rng: &mut Generator, frame: &Frame, is_grayscale: bool) -> Vec<u8> {
     noise
 }
 
-/// Replaces the pixels where `mask` is true.
+/// Overwrites the pixels for which `mask` returns true.
 fn cover(frame: &mut Frame, noise: &[u8], mut mask: impl FnMut(usize) -> bool) {
     let pixels = frame
         .pixels_mut()

@@ -1,4 +1,4 @@
-//! Observations normalised.
+//! Normalized observations.
 
 use gym_core::registry::WrapperConfig;
 use gym_core::spaces::{BoxSpace, array_of};
@@ -11,8 +11,8 @@ use crate::observing::{Observer, Observing, Seen, VectorObserver};
 use crate::statistics::{Normalizer, RunningMeanStd};
 use crate::within::not_an_array;
 
-/// Shifts and scales observations to mean 0 and variance 1, both estimated as it goes, as
-/// `float32`, to the bit as Gymnasium's does.
+/// Shifts and scales observations to mean 0 and variance 1. It estimates both from the
+/// observations, in `float32`, bit for bit like Gymnasium's wrapper.
 ///
 /// The estimate includes every observation since the wrapper was made; resets do not clear it.
 /// Around a vector it includes all sub-environments: each reset and step adds its observations as
@@ -26,8 +26,8 @@ pub type NormalizeObservation<T = BoxEnv> = Observing<T, ObservationNormalizer>;
 pub struct ObservationNormalizer {
     config: Config,
     normalizer: Normalizer,
-    /// The last returned observation of each sub-environment: a reset with a mask returns those
-    /// that it leaves out again, unchanged.
+    /// The last returned observation of each sub-environment. A reset with a mask returns these for
+    /// the sub-environments that it leaves out.
     shown: Vec<f32>,
 }
 

@@ -1,4 +1,4 @@
-//! Rewards normalised.
+//! Normalized rewards.
 
 use gym_core::registry::WrapperConfig;
 use gym_core::vector::parts::numbers;
@@ -11,8 +11,9 @@ use gym_core::{
 use crate::map::Within;
 use crate::statistics::{Normalizer, RunningMeanStd};
 
-/// Divides rewards by the standard deviation of the discounted return, estimated as it goes, to the
-/// bit as Gymnasium's does; around a vector, over all sub-environments.
+/// Divides rewards by the standard deviation of the discounted return. It estimates the deviation
+/// from the rewards, bit for bit like Gymnasium's wrapper; around a vector, over all
+/// sub-environments.
 ///
 /// As in Gymnasium, the discounted sum restarts after a step that terminates, not after one that
 /// truncates; the mean is not subtracted. A reset of a vector with a mask restarts only the sums of
@@ -22,8 +23,8 @@ pub struct NormalizeReward<T = BoxEnv> {
     inner: T,
     config: Config,
     normalizer: Normalizer,
-    /// The discounted return of each environment; of a vector, `float32` numbers, as Gymnasium
-    /// keeps them.
+    /// The discounted return of each environment. For a vector the numbers are rounded to
+    /// `float32`, as in Gymnasium.
     returns: Vec<f64>,
 }
 
@@ -107,7 +108,7 @@ impl<T> NormalizeReward<T> {
         self.normalizer.set_statistics(statistics)
     }
 
-    /// The spec with the arguments as they are now.
+    /// The spec with the current arguments.
     fn own_spec(&self) -> WrapperSpec {
         Config {
             update_running_mean: self.normalizer.updates,
@@ -116,7 +117,7 @@ impl<T> NormalizeReward<T> {
         .spec()
     }
 
-    /// The part of a snapshot beside the inner one.
+    /// The wrapper's part of a snapshot.
     fn state(&self) -> (&RunningMeanStd, bool, Array) {
         (
             &self.normalizer.statistics,
@@ -125,7 +126,7 @@ impl<T> NormalizeReward<T> {
         )
     }
 
-    /// Continues from a snapshot, after the inner environment was restored.
+    /// Restores the wrapper's part of a snapshot, after the inner environment.
     fn restore_with(
         &mut self,
         snapshot: &Snapshot,
@@ -202,7 +203,7 @@ impl<V: VectorEnv> VectorWrapper for NormalizeReward<V> {
     fn on_step(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
         columns.begin();
         let result = self.inner.step_into(actions, columns);
-        // the reward of a step that was a reset counts for nothing
+        // a step that only reset the sub-environment does not count
         let stepped = |index: usize| columns.progress.get(index) == Some(&Progress::Stepped);
         for (index, discounted) in self
             .returns
@@ -210,7 +211,7 @@ impl<V: VectorEnv> VectorWrapper for NormalizeReward<V> {
             .enumerate()
             .filter(|(index, _)| stepped(*index))
         {
-            // the product with gamma is float32, and the rest float64
+            // numpy multiplies with gamma in float32, and computes the rest in float64
             let kept = f64::from(*discounted as f32 * self.config.gamma as f32);
             let kept = kept * f64::from(!columns.terminated[index]);
             *discounted = f64::from((kept + columns.rewards[index]) as f32);

@@ -1,4 +1,4 @@
-//! Wrappers that make observations of their own, with state.
+//! Wrappers that make observations and have state.
 //!
 //! [`Observing`] is the wrapper, an [`Observer`] makes the observations. An observer without state
 //! is an [`ObservationMap`](crate::map::ObservationMap).
@@ -25,7 +25,7 @@ pub struct Observing<T, M> {
 gym_core::inner!(impl Observing<T, M>);
 
 impl<T, M> Observing<T, M> {
-    /// The wrapper with an observer, whose observations are elements of `space`.
+    /// Wraps `inner` with an observer whose observations are elements of `space`.
     pub fn with_observer(inner: T, observer: M, space: Space) -> Self {
         Self {
             inner,
@@ -41,7 +41,7 @@ pub trait Observer: Clone + fmt::Debug + Send + 'static {
     /// The arguments of the wrapper.
     type Config: WrapperConfig;
 
-    /// The arguments as they are now.
+    /// The current arguments.
     fn arguments(&self) -> Self::Config;
 
     /// Writes an element of `space` to `out`. `seen` is the inner observation of a step, or of a
@@ -70,7 +70,7 @@ pub trait Observer: Clone + fmt::Debug + Send + 'static {
     /// Restores `env` and the observer's state.
     ///
     /// # Errors
-    /// The errors of [`Env::restore`]; nothing has changed then.
+    /// The errors of [`Env::restore`]; nothing is changed on error.
     fn restore<E: Env>(&mut self, env: &mut E, snapshot: &Snapshot) -> Result<()> {
         env.restore(snapshot)
     }
@@ -101,7 +101,7 @@ pub trait VectorObserver: Observer {
     /// Restores `envs` and the observer's state.
     ///
     /// # Errors
-    /// The errors of [`VectorEnv::restore`]; nothing has changed then.
+    /// The errors of [`VectorEnv::restore`]; nothing is changed on error.
     fn restore_vector(&mut self, envs: &mut dyn VectorEnv, snapshot: &Snapshot) -> Result<()> {
         envs.restore(snapshot)
     }
@@ -158,7 +158,7 @@ impl<E: Env, M: Observer> Wrapper for Observing<E, M> {
 }
 
 impl<V: VectorEnv, M: VectorObserver> Observing<V, M> {
-    /// Lets the inner vector reset or step by `call`, and observes.
+    /// Resets or steps the inner vector by `call`, and observes.
     fn observe(
         &mut self,
         columns: &mut Columns,
@@ -219,8 +219,9 @@ pub struct Seen {
 }
 
 impl Seen {
-    /// Lets `call` fill the columns, with the observations of the inner vector stored here. Returns
-    /// its result, and whether any sub-environment changed: the wrapper then observes.
+    /// Lets `call` fill the columns, and stores the observations of the inner vector here. Returns
+    /// the result of `call`, and whether any sub-environment was reset or stepped; if so, the
+    /// wrapper must observe.
     pub(crate) fn fill(
         &mut self,
         columns: &mut Columns,
@@ -242,7 +243,7 @@ impl Seen {
         );
     }
 
-    /// Maps the column of observations, and that of final observations if there are any.
+    /// Maps the column of observations, and the column of final observations if there is one.
     pub(crate) fn map(
         &self,
         columns: &mut Columns,

@@ -75,13 +75,13 @@ impl EpisodeStatistics {
 /// The content of a snapshot.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 struct Record {
-    /// The episode of each environment, from the first reset on.
+    /// The running episode of each environment; empty before the first reset.
     running: Vec<Running>,
     episode_count: u64,
     episodes: VecDeque<EpisodeStatistics>,
 }
 
-/// The episode of one environment.
+/// The running episode of one environment.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Running {
     /// Snapshots do not contain wall-clock time: see `without_time`.
@@ -89,7 +89,7 @@ struct Running {
     started: Instant,
     episode_return: f64,
     length: u64,
-    /// The episode that the last step ended.
+    /// The episode that ended in the last step, if one did.
     ended: Option<EpisodeStatistics>,
 }
 
@@ -124,7 +124,7 @@ impl Record {
             return;
         };
         running.episode_return += reward;
-        // a snapshot may hold any number
+        // a snapshot may contain any number
         running.length = running.length.saturating_add(1);
         running.ended = None;
         if done {
@@ -160,8 +160,7 @@ impl Record {
         }
     }
 
-    /// The content of a snapshot. Equal episodes give equal bytes, even if they took more or less
-    /// time.
+    /// The record without wall-clock times, for a snapshot: equal episodes give equal bytes.
     fn without_time(&self) -> Self {
         let mut record = self.clone();
         let ended = record
@@ -174,7 +173,7 @@ impl Record {
         record
     }
 
-    /// A record of `n` environments from a snapshot, and the inner snapshot.
+    /// Reads a record of `n` environments, and the inner snapshot, from a snapshot.
     fn read(snapshot: &Snapshot, n: usize, buffer_length: usize) -> Result<(Snapshot, Self)> {
         let (inner, mut record): (_, Self) = snapshot.get()?;
         let there = record.running.len();
@@ -227,7 +226,7 @@ impl<T> RecordEpisodeStatistics<T> {
         self.record.episode_count
     }
 
-    /// The episode of a sub-environment that the last step ended, if it did.
+    /// The episode of sub-environment `index` that ended in the last step, if one did.
     pub fn ended(&self, index: usize) -> Option<&EpisodeStatistics> {
         self.record.running.get(index)?.ended.as_ref()
     }

@@ -1,10 +1,10 @@
-//! Actions repeated.
+//! Repeated actions.
 
 use gym_core::{
     BoxEnv, Env, Outcome, Reset, Result, Wrapper, WrapperSpec, registry::WrapperConfig,
 };
 
-/// Takes each action several times and adds up the rewards; an end of the episode ends the
+/// Takes each action several times and adds up the rewards. The end of the episode ends the
 /// repetition.
 ///
 /// If a repeat is refused, earlier ones have been taken: reset or restore the environment after an

@@ -1,4 +1,4 @@
-//! Actions rescaled.
+//! Rescaled actions.
 
 use gym_core::registry::WrapperConfig;
 use gym_core::{BoxEnv, Element, Result, Space, Value};

@@ -1,4 +1,4 @@
-//! Observations rescaled.
+//! Rescaled observations.
 
 use gym_core::registry::WrapperConfig;
 use gym_core::{BoxEnv, Result, Space, Value};

@@ -1,4 +1,4 @@
-//! Observations of another shape.
+//! Reshaped observations.
 
 use gym_core::registry::WrapperConfig;
 use gym_core::spaces::BoxSpace;

@@ -3,16 +3,16 @@ use serde_json::Value as Json;
 
 use crate::within::element;
 
-/// The last few observations.
+/// The last `n` observations, as a ring buffer.
 #[derive(Clone, Debug)]
 pub(crate) struct Ring<O> {
     items: Vec<O>,
-    /// The index of the oldest.
+    /// The index of the oldest observation.
     oldest: usize,
 }
 
 impl<O: Element> Ring<O> {
-    /// `n` equal observations; `None` if they do not fit in memory.
+    /// A ring of `n` equal observations; `None` if they do not fit in memory.
     pub(crate) fn new(n: usize, item: &O) -> Option<Self> {
         let mut items = Vec::new();
         items.try_reserve_exact(n).ok()?;
@@ -24,7 +24,7 @@ impl<O: Element> Ring<O> {
         self.items.iter_mut().for_each(|slot| slot.clone_from(item));
     }
 
-    /// Exchanges the newest observation for the oldest.
+    /// Replaces the oldest observation by `item`, and returns the oldest in `item`.
     pub(crate) fn exchange(&mut self, item: &mut O) {
         if let Some(oldest) = self.items.get_mut(self.oldest) {
             std::mem::swap(oldest, item);
@@ -49,7 +49,7 @@ impl<O: Element> Ring<O> {
             .collect()
     }
 
-    /// A ring of the same length, from the result of [`to_json`](Self::to_json).
+    /// Reads a ring of the same length from the result of [`to_json`](Self::to_json).
     pub(crate) fn read(&self, space: &Space, stored: &[Json]) -> Result<Self> {
         if stored.len() != self.items.len() {
             let reason = format!(

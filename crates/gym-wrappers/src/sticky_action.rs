@@ -1,4 +1,4 @@
-//! Actions that stick.
+//! Sticky actions.
 
 use std::ops::RangeInclusive;
 
@@ -190,7 +190,7 @@ impl<E: Env> Wrapper for StickyAction<E> {
                     self.last.clone_from(action);
                 }
             }
-            // a step that was refused has drawn nothing
+            // the step was refused: undo the draw
             Err(_) => {
                 if let (Some(rng), Some(before)) = (self.inner.generator(), before) {
                     *rng = before;

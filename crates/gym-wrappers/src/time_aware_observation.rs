@@ -1,4 +1,4 @@
-//! Observations with the number of steps.
+//! Observations that include the number of steps.
 
 use gym_core::registry::WrapperConfig;
 use gym_core::spaces::{BoxSpace, DictSpace, TupleSpace, array_of};
@@ -19,9 +19,9 @@ pub struct TimeAware {
     config: Config,
     max_timesteps: u32,
     timesteps: u32,
-    /// The space of the observation with the time, before it is flattened.
+    /// The space of the unflattened observation with the time.
     full_space: Space,
-    /// The observation with the time.
+    /// The unflattened observation with the time.
     full: Value,
 }
 

@@ -69,7 +69,7 @@ where
 }
 
 impl<V: VectorEnv, F: Fn(&Value) -> Value + Send + 'static> TransformObservation<V, F, Seen> {
-    /// Lets the inner vector reset or step by `call`, and transforms its observations.
+    /// Resets or steps the inner vector by `call`, and transforms its observations.
     fn observe(
         &mut self,
         columns: &mut Columns,

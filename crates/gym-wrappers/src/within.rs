@@ -15,10 +15,10 @@ pub struct Single;
 #[derive(Debug)]
 pub struct Batch;
 
-/// What the constructor of a wrapper needs to know of the environment or vector that it wraps. The
-/// marker, [`Single`] or [`Batch`], follows from the type.
+/// The interface of an inner environment or vector for the constructors of wrappers. The type
+/// determines the marker `Kind`: [`Single`] or [`Batch`].
 pub trait Within<Kind> {
-    /// One observation, or a batch: the argument of a function of observations.
+    /// One observation, or a batch.
     type Observation: Element;
     /// A buffer for the inner observation.
     type Buffer;
@@ -78,7 +78,7 @@ impl<V: VectorEnv> Within<Batch> for V {
     }
 }
 
-/// The box that a wrapper needs for a space.
+/// The box space that a wrapper needs, or an error.
 pub(crate) fn expect_box<'a, C: WrapperConfig>(
     kind: &str,
     space: &'a Space,
@@ -91,7 +91,7 @@ pub(crate) fn expect_box<'a, C: WrapperConfig>(
     }
 }
 
-/// The image space `Box(0, 255, ..., uint8)` that a wrapper needs.
+/// The image space `Box(0, 255, ..., uint8)` that a wrapper needs, or an error.
 pub(crate) fn expect_picture<C: WrapperConfig>(space: &Space) -> Result<&BoxSpace> {
     let space = expect_box::<C>("observation", space)?;
     let is_picture = space.dtype() == gym_core::DType::U8
@@ -110,7 +110,7 @@ pub(crate) fn not_an_array(value: &Value) -> Error {
     Error::Contract(format!("{value} should be an array of the space's type"))
 }
 
-/// The generator of the inner environment.
+/// The generator of the inner environment, or an error if it has none.
 pub(crate) fn lend<C: WrapperConfig>(env: &mut impl Env) -> Result<&mut Generator> {
     env.generator().ok_or_else(|| {
         let name = C::NAME;
@@ -121,7 +121,7 @@ pub(crate) fn lend<C: WrapperConfig>(env: &mut impl Env) -> Result<&mut Generato
     })
 }
 
-/// The typed element of a space that was stored as JSON.
+/// Reads a typed element of a space from JSON.
 pub(crate) fn element<T: Element>(space: &Space, json: &Json) -> Result<T> {
     let value = space
         .from_json(json)

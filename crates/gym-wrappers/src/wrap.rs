@@ -4,8 +4,8 @@ use gym_core::{Element, Env, Result, Space, Value, VectorEnv};
 
 use crate::*;
 
-/// Declares methods that put wrappers around `self`: with their arguments, or with the defaults.
-/// `both` declares those of environments and vectors.
+/// Declares methods that wrap `self`, with arguments or with default arguments. `both` declares
+/// methods for environments and for vectors.
 macro_rules! methods {
     (both) => {
         methods! {

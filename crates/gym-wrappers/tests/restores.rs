@@ -461,3 +461,66 @@ fn discounted_returns_start_anew() {
     assert_eq!(returns(Autoreset::NextStep, 2, None), [2.0, 2.0]);
     assert_eq!(returns(Autoreset::SameStep, 2, None), [0.0, 0.0]);
 }
+
+/// An estimate is frozen or not as the snapshot's was.
+#[test]
+fn a_frozen_estimate_stays_frozen() {
+    for frozen in [true, false] {
+        let mut env = NormalizeReward::new(Squares::new(23), 0.9).unwrap();
+        env.reset(0).unwrap();
+        env.step(&0).unwrap();
+        env.update_running_mean(!frozen);
+        let snapshot = env.snapshot().unwrap();
+        env.update_running_mean(frozen);
+        env.restore(&snapshot).unwrap();
+        let before = env.statistics().clone();
+        env.step(&0).unwrap();
+        assert_eq!(*env.statistics() == before, frozen);
+    }
+}
+
+/// A repetition ends where the episode does, also by a limit of time.
+#[test]
+fn a_limit_of_time_ends_a_repetition() {
+    for (limit, ended) in [(3, 3), (4, 1), (5, 2)] {
+        let inner = TimeLimit::new(Squares::new(23), limit).unwrap();
+        let mut env = RepeatAction::new(inner, 3).unwrap();
+        env.reset(0).unwrap();
+        if limit > 3 {
+            assert!(!env.step(&1).unwrap().done());
+        }
+        let last = env.step(&1).unwrap();
+        assert!(last.truncated && !last.terminated, "{limit}");
+        let single = |steps: u32| {
+            let mut env = Squares::new(23);
+            env.reset(0).unwrap();
+            let rewards = (0..steps).map(|_| env.step(&1).unwrap().reward);
+            rewards.sum::<f64>()
+        };
+        assert_eq!(
+            last.reward,
+            single(limit) - single(limit - ended),
+            "{limit}"
+        );
+    }
+}
+
+/// The time is a share of the limit, the smallest limit included.
+#[test]
+fn the_last_step_has_all_the_time() {
+    for limit in [1, 2, 9] {
+        let config = time_aware_observation::Config {
+            max_timesteps: Some(limit),
+            normalize_time: true,
+            ..Default::default()
+        };
+        let mut env = TimeAwareObservation::new(Squares::new(23), config).unwrap();
+        env.reset(0).unwrap();
+        let times = (0..limit).map(|_| {
+            let seen = env.step(&0).unwrap().observation;
+            seen.as_array().unwrap().iter_f64().last().unwrap()
+        });
+        let expected = (1..=limit).map(|step| f64::from(step as f32 / limit as f32));
+        assert!(times.eq(expected), "{limit}");
+    }
+}

@@ -358,6 +358,27 @@ fn a_stuck_action_draws_nothing() {
     assert_eq!(drawn, [false, true, false, false, true, false, false]);
 }
 
+/// A series of repeats has any length of the range, both ends included.
+#[test]
+fn a_series_has_every_length_of_its_range() {
+    let script = Script::sampled(Space::discrete(2), 200);
+    let mut env = StickyAction::new(script, (0.999_999, 2..=4)).unwrap();
+    env.reset(0).unwrap();
+    env.step(&1).unwrap();
+    let mut rng = env.generator().unwrap().clone();
+    let mut seen = [0; 3];
+    for _ in 0..40 {
+        assert!(rng.random() < 0.999_999);
+        let length = rng.integers(2, 5);
+        seen[length as usize - 2] += 1;
+        for repeat in 0..length {
+            env.step(&1).unwrap();
+            assert_eq!(*env.generator().unwrap(), rng, "{repeat} of {length}");
+        }
+    }
+    assert!(seen.iter().all(|times| *times > 3), "{seen:?}");
+}
+
 /// A vector's `final_obs` is on the same scale as its observations.
 #[test]
 fn final_observations_of_a_vector_are_normalized_too() {

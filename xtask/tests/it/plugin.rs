@@ -20,7 +20,8 @@ fn alone() -> MutexGuard<'static, ()> {
 }
 
 /// Cargo in a folder outside of this workspace, with the profile that compiles fastest: everything
-/// is built anew.
+/// is built anew. The alias `xtask` builds with `--release`, and so do the tests, so that it is
+/// built once; the profile has the checks of debug builds.
 fn cargo(folder: &Path, arguments: &[&str]) -> Command {
     let mut cargo = Command::new(env!("CARGO"));
     cargo
@@ -31,8 +32,13 @@ fn cargo(folder: &Path, arguments: &[&str]) -> Command {
             "CARGO_TARGET_DIR",
             Path::new(env!("CARGO_TARGET_TMPDIR")).join("plugins"),
         );
-    for profile in ["DEV", "RELEASE"] {
-        cargo.env(format!("CARGO_PROFILE_{profile}_OPT_LEVEL"), "0");
+    for (setting, value) in [
+        ("OPT_LEVEL", "0"),
+        ("CODEGEN_UNITS", "16"),
+        ("DEBUG_ASSERTIONS", "true"),
+        ("OVERFLOW_CHECKS", "true"),
+    ] {
+        cargo.env(format!("CARGO_PROFILE_RELEASE_{setting}"), value);
     }
     cargo
 }
@@ -52,12 +58,15 @@ fn new_makes_a_plugin_that_works() {
     let _alone = alone();
     let folder = folder("new").join("my_envs");
     prints(&["new", "my_envs", "--path", folder.to_str().unwrap()]);
-    let tests = said(&run(&folder, &["test", "--tests"]), &["test"]);
+    let tests = said(&run(&folder, &["test", "--release", "--tests"]), &["test"]);
     assert!(
         tests.contains("every_environment_conforms ... ok") && tests.contains("0 ignored"),
         "{tests}"
     );
-    said(&run(&folder, &["run", "--example", "gif"]), &["run"]);
+    said(
+        &run(&folder, &["run", "--release", "--example", "gif"]),
+        &["run"],
+    );
     let gif = fs::read(folder.join("episode.gif")).expect("a GIF");
     assert!(gif.starts_with(b"GIF89a") && gif.len() > 500);
     assert!(xtask(&folder, &["list"]).contains("my_envs/Corridor-v0"));
@@ -83,7 +92,7 @@ fn new_makes_a_native_vector_that_works() {
     let folder = folder("new-native").join("rockets");
     let path = folder.to_str().unwrap();
     prints(&["new", "rockets", "--native", "--path", path]);
-    let tests = said(&run(&folder, &["test", "--lib"]), &["test"]);
+    let tests = said(&run(&folder, &["test", "--release", "--lib"]), &["test"]);
     assert!(
         tests.contains("native_vectors_equal_single_environments ... ok"),
         "{tests}"

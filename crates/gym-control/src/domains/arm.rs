@@ -9,7 +9,7 @@ use super::{minus, norm};
 use crate::task::named;
 use crate::{Observation, Start};
 
-/// The model, with props, and pairs of bodies that do not collide.
+/// The text of the model, with the bodies `props`, and the exclusions `apart` of contacts.
 pub(super) fn text(solref: f64, props: &str, apart: &str) -> String {
     include_str!("../../models/arm.xml")
         .replace("{solref}", &solref.to_string())
@@ -17,7 +17,7 @@ pub(super) fn text(solref: f64, props: &str, apart: &str) -> String {
         .replace("{apart}", apart)
 }
 
-/// The joints of the arm, in the order in which they are drawn and observed.
+/// The joints of the arm, in the order in which the task draws and observes them.
 const JOINTS: [&str; 8] = [
     "arm_root",
     "arm_shoulder",
@@ -31,7 +31,7 @@ const JOINTS: [&str; 8] = [
 const FINGER: usize = 4;
 const THUMB: usize = 6;
 
-/// The joints that are observed, and the hand.
+/// The observed joints, sensors and hand of the arm.
 #[derive(Clone, Debug)]
 pub(super) struct Arm {
     joints: [usize; 8],
@@ -40,7 +40,7 @@ pub(super) struct Arm {
 }
 
 impl Arm {
-    /// The arm in a model, whose touch sensors are observed in the order of these names.
+    /// Finds the arm in a model. `touch` names the touch sensors in the order of the observation.
     pub(super) fn new(m: &Model, touch: [&str; 5]) -> Result<Self> {
         let mut found = [0; 8];
         for (id, name) in found.iter_mut().zip(JOINTS) {
@@ -57,7 +57,7 @@ impl Arm {
         })
     }
 
-    /// Draws the joints; the finger is where the thumb is.
+    /// Draws the joints' positions; the finger gets the thumb's.
     pub(super) fn start(&self, start: &mut Start<'_>) {
         let place = |start: &Start<'_>, i: usize| start.model().jnt_qposadr[self.joints[i]];
         for (i, &joint) in self.joints.iter().enumerate() {
@@ -73,7 +73,7 @@ impl Arm {
         start.data.qpos[finger] = start.data.qpos[thumb];
     }
 
-    /// `arm_pos`, `arm_vel` and `touch`.
+    /// Observes `arm_pos`, `arm_vel` and `touch`.
     pub(super) fn observe(&self, m: &Model, d: &Data, out: &mut Observation) {
         let turns = self.joints.map(|j| {
             let (sin, cos) = math::sin_cos(d.qpos[m.jnt_qposadr[j]]);
@@ -87,13 +87,13 @@ impl Arm {
         );
     }
 
-    /// `hand_pos`.
+    /// Observes `hand_pos`.
     pub(super) fn observe_hand(&self, d: &Data, out: &mut Observation) {
         out.vector("hand_pos", pose(d, self.hand));
     }
 }
 
-/// Place and orientation of a body in the plane.
+/// The position of a body in the plane, and its orientation.
 pub(super) fn pose(d: &Data, body: usize) -> [f64; 4] {
     let (pos, quat) = (d.xpos[body], d.xquat[body]);
     [pos[0], pos[2], quat[0], quat[2]]
@@ -104,7 +104,7 @@ pub(super) fn distance(d: &Data, from: usize, to: usize) -> f64 {
     norm(minus(d.site_xpos[from], d.site_xpos[to]))
 }
 
-/// A rotation about the y axis.
+/// A quaternion: the rotation by `angle` about the y axis.
 pub(super) fn turned(angle: f64) -> [f64; 4] {
     [math::cos(angle / 2.0), 0.0, math::sin(angle / 2.0), 0.0]
 }

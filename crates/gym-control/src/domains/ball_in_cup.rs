@@ -27,7 +27,7 @@ config! { 20.0; }
 pub struct BallInCup {
     ball: usize,
     target: usize,
-    /// How far the ball's centre may be from the target's, in x and z.
+    /// The largest distance of the ball's centre from the target's, in x and z.
     within: [f64; 2],
 }
 

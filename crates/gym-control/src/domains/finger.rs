@@ -36,12 +36,12 @@ pub struct Finger {
     spinner: usize,
     tip: usize,
     target: usize,
-    /// From the hinge to the tip.
+    /// The distance from the hinge to the tip.
     reach: f64,
 }
 
 impl Finger {
-    /// From the hinge to a site, in x and z.
+    /// The vector from the hinge to a site, in x and z.
     fn offset(&self, d: &Data, site: usize) -> [f64; 2] {
         [0, 2].map(|k| d.site_xpos[site][k] - d.xpos[self.spinner][k])
     }
@@ -66,7 +66,7 @@ impl Domain for Finger {
     fn text(config: &Config) -> Result<Cow<'static, str>> {
         check("target_size", config.target_size, 0.0, 0.2)?;
         let turns = config.target_size > 0.0;
-        // to spin, the hinge has less damping, and the target is not shown
+        // in the spin task, the hinge has less damping, and the target is invisible
         let (damping, look) = if turns {
             ("0.5", "0.82 0.27 0.25 0.7")
         } else {

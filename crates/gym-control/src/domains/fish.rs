@@ -24,7 +24,7 @@ use crate::task::{clip, named};
 use crate::{Domain, Observation, Start, Task, register};
 
 const UPRIGHT: Tolerance = Tolerance::within(1.0, 1.0).margin(1.0, Sigmoid::Gaussian);
-/// Place of the joints' positions, after the root's; their velocities come one earlier.
+/// The positions of the joints after the root; their velocities have indices one lower.
 const JOINTS: std::ops::Range<usize> = 7..14;
 
 config! { 40.0;

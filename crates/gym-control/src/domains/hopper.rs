@@ -37,7 +37,7 @@ pub struct Hopper {
     torso: usize,
     foot: usize,
     standing: Tolerance,
-    /// How fast it hops; `None` to stand.
+    /// The rewarded speed; `None` to stand.
     hopping: Option<Tolerance>,
 }
 

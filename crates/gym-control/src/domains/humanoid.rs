@@ -44,7 +44,7 @@ pub struct Humanoid {
     head: usize,
     limbs: [usize; 4],
     standing: Tolerance,
-    /// How fast it goes; `None` to stand still.
+    /// The rewarded speed; `None` to stand.
     going: Option<Tolerance>,
     pure_state: bool,
 }

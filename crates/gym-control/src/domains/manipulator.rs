@@ -26,7 +26,7 @@ use crate::task::{clip, named};
 use crate::{Domain, Observation, Start, Task, register};
 
 const CLOSE: Tolerance = Tolerance::within(0.0, 0.01).margin(0.02, Sigmoid::Gaussian);
-/// Chances that the object starts in the hand, in the target, elsewhere.
+/// The probabilities that the object starts in the hand, in the target, or elsewhere.
 const STARTS: [f64; 3] = [0.1, 0.1, 1.0 - 0.1 - 0.1];
 const TOUCH: [&str; 5] = ["palm", "finger", "thumb", "fingertip", "thumbtip"];
 
@@ -51,13 +51,13 @@ pub struct Manipulator {
     insert: bool,
     fully_observable: bool,
     object: usize,
-    /// The first of the object's three joints: x, z, angle.
+    /// The first of the object's three joints, which are x, z and angle.
     joint: usize,
     target: usize,
     grasp: usize,
-    /// Pairs of sites that are to meet: the object's and the target's.
+    /// Pairs of sites that the task brings together: the object's and the target's.
     pairs: Vec<[usize; 2]>,
-    /// For a peg, those of its grasp.
+    /// The pairs of sites of a peg's grasp; empty for a ball.
     grasping: Vec<[usize; 2]>,
 }
 
@@ -114,7 +114,7 @@ impl Task for Manipulator {
             let (x, z) = (start.uniform(-0.4, 0.4), start.uniform(0.1, 0.4));
             let reach = if self.insert { PI / 3.0 } else { PI };
             let angle = start.uniform(-reach, reach);
-            // holder and target are the mocap bodies, and are moved alike
+            // the mocap bodies are the target and its holder; both get the same pose
             let data = &mut *start.data;
             for (pos, quat) in data.mocap_pos.iter_mut().zip(&mut data.mocap_quat) {
                 (pos[0], pos[2], *quat) = (x, z, turned(angle));

@@ -23,7 +23,8 @@ mod arm;
 
 use gym_core::{Error, Result};
 
-/// Defines a domain's struct of arguments, `Config`, with those of every task.
+/// Defines a domain's struct of arguments, `Config`: its own arguments, and those that all tasks
+/// share.
 macro_rules! config {
     ($seconds:expr; $($arguments:tt)*) => {
         gym_core::arguments! {
@@ -45,8 +46,7 @@ macro_rules! config {
 }
 pub(crate) use config;
 
-/// Indices into a rotation matrix: the first letter is the axis of the world, the second that of
-/// the body.
+/// Indices into a rotation matrix. The first letter is the world's axis, the second the body's.
 mod axis {
     pub(super) const XX: usize = 0;
     pub(super) const XZ: usize = 2;
@@ -54,7 +54,7 @@ mod axis {
     pub(super) const ZZ: usize = 8;
 }
 
-/// Refuses an argument outside of a range.
+/// Refuses an argument outside the range from `low` to `high`.
 fn check(name: &'static str, x: f64, low: f64, high: f64) -> Result<()> {
     if (low..=high).contains(&x) {
         return Ok(());
@@ -70,7 +70,7 @@ fn minus<const N: usize>(a: [f64; N], b: [f64; N]) -> [f64; N] {
     std::array::from_fn(|k| a[k] - b[k])
 }
 
-/// `np.linalg.norm`, on a CPU with AVX-512.
+/// `np.linalg.norm` on a CPU with AVX-512.
 fn norm<const N: usize>(v: [f64; N]) -> f64 {
     gym_mujoco::tasks::numpy::norm(5, &v)
 }

@@ -22,7 +22,7 @@ use crate::rewards::{Sigmoid, Tolerance, small_control};
 use crate::task::{clip, named};
 use crate::{Domain, Observation, Start, Task, register};
 
-/// The cosine from which on two directions are too much alike.
+/// Two directions are too similar if the cosine between them exceeds this.
 const PARALLEL: f64 = 0.9;
 
 config! { 20.0;
@@ -42,7 +42,7 @@ pub struct PointMass {
     near: Tolerance,
 }
 
-/// A random direction.
+/// A random unit vector.
 fn direction(rng: &mut RandomState) -> [f64; 2] {
     let v = [(); 2].map(|()| rng.standard_normal());
     let length = norm(v);

@@ -41,7 +41,7 @@ config! { 10.0;
 pub struct Stacker {
     arm: Arm,
     fully_observable: bool,
-    /// Body, site, and the first of three joints: x, z, angle.
+    /// For each box: its body, its site, and the first of its three joints (x, z, angle).
     boxes: Vec<[usize; 3]>,
     target: [usize; 2],
     grasp: usize,

@@ -37,7 +37,7 @@ config! { 25.0;
 pub struct Walker {
     torso: usize,
     standing: Tolerance,
-    /// How fast it goes; `None` to stand.
+    /// The rewarded speed; `None` to stand.
     going: Option<Tolerance>,
 }
 

@@ -339,6 +339,8 @@ mod tests {
         let of = |words: [&str; 2]| MissionSpace::new("go {}", [words.to_vec()]).unwrap();
         assert_eq!(of(["a", "b"]), of(["b", "a"]));
         assert_ne!(of(["a", "b"]), of(["a", "c"]));
+        let sentence = MissionSpace::new("go", Vec::<Vec<&str>>::new()).unwrap();
+        assert_ne!(MissionSpace::any("go"), sentence);
         assert_eq!(
             of(["a", "b"]).to_string(),
             r#"MissionSpace("go {}", [["a", "b"]])"#

@@ -359,6 +359,26 @@ mod tests {
         assert_eq!(Probabilities::from([0.9, 0.9]).check(&bits.into()), Ok(()));
     }
 
+    /// The sum may be off by more where it is rescaled to 1.
+    #[test]
+    fn a_sum_of_probabilities_is_nearly_one() {
+        let grid = Space::from(MultiDiscrete::new([2]).unwrap());
+        for (off, rescaled, chosen) in [
+            (0.0, true, true),
+            (1e-8, true, true),
+            (1e-6, true, false),
+            (-1e-6, true, false),
+            (2e-5, false, false),
+            (-2e-5, false, false),
+        ] {
+            let list = vec![0.5, 0.5 + off];
+            let each = Probabilities::Each(vec![list.clone()]);
+            assert_eq!(each.check(&grid).is_ok(), rescaled, "{off}");
+            let values = Probabilities::from(list);
+            assert_eq!(values.check(&Space::discrete(2)).is_ok(), chosen, "{off}");
+        }
+    }
+
     #[test]
     fn texts_are_checked() {
         let space = TextSpace::new(1, 3).unwrap().with_charset("ab").unwrap();

@@ -6,7 +6,7 @@ use crate::draft::Area;
 use crate::view::DIRECTIONS;
 use crate::{Cell, Color, Kind, Pos, World};
 
-/// Where an object is, seen from where the agent starts.
+/// The direction of an object from the agent's initial pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 #[expect(missing_docs, reason = "the places explain themselves")]
@@ -30,15 +30,15 @@ impl Loc {
     }
 }
 
-/// The objects of a kind, a colour and a place, each if it is given.
+/// A description of objects: kind, colour and location, each optional.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Desc {
     kind: Option<Kind>,
     color: Option<Color>,
     loc: Option<Loc>,
-    /// The numbers of the objects.
+    /// The numbers of the objects that fit the description.
     objects: Vec<u16>,
-    /// Where they were when the agent last dropped an object.
+    /// The positions of these objects when the agent last dropped an object.
     pub(crate) places: Vec<Pos>,
 }
 
@@ -53,17 +53,17 @@ impl Desc {
         }
     }
 
-    /// The objects of a kind.
+    /// Describes objects of the kind of `cell`.
     pub(crate) fn kind(cell: Cell) -> Self {
         Self::new(Some(cell.kind()), None, None)
     }
 
-    /// The objects of a kind and colour.
+    /// Describes objects of the kind and colour of `cell`.
     pub(crate) fn of(cell: Cell) -> Self {
         Self::new(Some(cell.kind()), Some(cell.color()), None)
     }
 
-    /// Whether these are keys of one of the colours.
+    /// Whether the description names a key of one of the colours.
     pub(crate) fn is_key_of(&self, colors: &[Color]) -> bool {
         self.kind == Some(Kind::Key) && self.color.is_some_and(|color| colors.contains(&color))
     }
@@ -74,7 +74,7 @@ impl Desc {
             && self.color.is_none_or(|color| cell.color() == color)
     }
 
-    /// Whether an object at `pos` is where the agent, who is in the room `room`, would look for it.
+    /// Whether `pos` is in the room of the agent, in the direction `loc` from it.
     fn is_there(&self, world: &World, room: Area, pos: Pos) -> bool {
         let Some(loc) = self.loc else {
             return true;
@@ -92,7 +92,7 @@ impl Desc {
             }
     }
 
-    /// Looks for the objects, from where the agent is in a room.
+    /// Finds the objects that fit the description, where the agent is in the room `room`.
     pub(crate) fn find(&mut self, world: &World, room: Area) {
         self.objects.clear();
         self.places.clear();
@@ -104,7 +104,7 @@ impl Desc {
         }
     }
 
-    /// Looks where the objects are now.
+    /// Updates the positions of the objects.
     pub(crate) fn update(&mut self, world: &World) {
         let mut places = std::mem::take(&mut self.places);
         places.clear();
@@ -116,7 +116,7 @@ impl Desc {
         self.places = places;
     }
 
-    /// Whether the object is one of these.
+    /// Whether `cell` is one of the objects.
     pub(crate) fn is(&self, cell: Cell) -> bool {
         cell.id() != 0 && self.objects.contains(&cell.id())
     }
@@ -126,17 +126,17 @@ impl Desc {
         self.objects.len()
     }
 
-    /// Whether one of these is also one of the others.
+    /// Whether an object fits both descriptions.
     pub(crate) fn meets(&self, other: &Self) -> bool {
         self.objects.iter().any(|id| other.objects.contains(id))
     }
 
-    /// Whether one of these is next to a place.
+    /// Whether one of the objects is next to `pos`.
     pub(crate) fn is_next_to(&self, pos: Pos) -> bool {
         self.places.iter().any(|place| place.distance(pos) == 1)
     }
 
-    /// Whether one of these is next to one of the others.
+    /// Whether one of the objects is next to one of the other description.
     pub(crate) fn any_next_to(&self, other: &Self) -> bool {
         self.places.iter().any(|place| other.is_next_to(*place))
     }
@@ -153,7 +153,7 @@ impl Desc {
     pub(crate) fn is_valid(&self, world: &World) -> bool {
         self.objects.iter().all(|id| usize::from(*id) <= world.things.len())
             && self.places.iter().all(|pos| world.grid.contains(*pos))
-            // `update` allocates nothing
+            // so that `update` does not allocate
             && self.places.len() <= self.objects.len()
     }
 }

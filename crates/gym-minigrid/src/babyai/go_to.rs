@@ -140,8 +140,8 @@ babyai! {
     };
 }
 
-/// Adds a locked door to a random room, and its key to another one or the same, as in minigrid.
-/// Returns the room and the door.
+/// Adds a locked door to a random room, and its key to a random room, which can be the same, as in
+/// minigrid. Returns the room and the door.
 pub(super) fn add_locked_room(rooms: &mut Rooms<'_, '_>) -> Making<((i32, i32), Cell)> {
     let locked = rooms.random_room()?;
     let (door, _) = rooms.add_door(locked.0, locked.1, None, None, Some(true))?;
@@ -150,7 +150,7 @@ pub(super) fn add_locked_room(rooms: &mut Rooms<'_, '_>) -> Making<((i32, i32), 
     Ok((locked, door))
 }
 
-/// Places the agent in a random room, but not in this one.
+/// Places the agent in a random room other than `(i, j)`.
 pub(super) fn place_agent_outside(rooms: &mut Rooms<'_, '_>, (i, j): (i32, i32)) -> Making {
     let locked = rooms.index(i, j)?;
     loop {

@@ -1,4 +1,4 @@
-//! Instructions: what the agent is asked to do, in words, and whether it has done it.
+//! Instructions: the agent's task in words, and the test of whether it is done.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,29 +10,29 @@ use crate::{Action, Cell, Kind, State, World};
 pub enum Instr {
     /// Stand before an object.
     GoTo(Desc),
-    /// Open a door; if strict, no other door may be toggled.
+    /// Open a door.
     Open {
         /// The door.
         door: Desc,
         /// Whether another door fails the task.
         strict: bool,
     },
-    /// Pick an object up; if strict, no other one.
+    /// Pick up an object.
     Pickup {
         /// The object.
         object: Desc,
         /// Whether another object fails the task.
         strict: bool,
-        /// What the agent carried when this was last verified.
+        /// The object that the agent carried at the last `verify`.
         before: Cell,
     },
-    /// Drop an object next to another one.
+    /// Put an object next to another one.
     PutNext {
         /// The object to move.
         moved: Desc,
         /// The object that stays.
         fixed: Desc,
-        /// What the agent carried when this was last verified.
+        /// The object that the agent carried at the last `verify`.
         before: Cell,
     },
     /// Two tasks, one after the other.
@@ -50,7 +50,7 @@ pub enum Instr {
     And(Box<[Instr; 2]>, [bool; 2]),
 }
 
-/// Whether a task is done.
+/// The status of a task after an action.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Status {
     Continue,
@@ -79,7 +79,7 @@ impl Instr {
         }
     }
 
-    /// `first, then second`.
+    /// The instruction `first, then second`.
     pub(crate) fn before(first: Self, second: Self) -> Self {
         Self::Then {
             first: first.into(),
@@ -89,7 +89,7 @@ impl Instr {
         }
     }
 
-    /// `second after you first`.
+    /// The instruction `second after you first`.
     pub(crate) fn after(second: Self, first: Self) -> Self {
         Self::Then {
             first: first.into(),
@@ -103,7 +103,7 @@ impl Instr {
         Self::And([a, b].into(), [false; 2])
     }
 
-    /// In words.
+    /// The instruction in words.
     pub(crate) fn words(&self) -> String {
         match self {
             Self::GoTo(object) => format!("go to {}", object.words()),
@@ -160,7 +160,7 @@ impl Instr {
         }
     }
 
-    /// Looks where the described objects are now.
+    /// Updates the positions of the described objects.
     pub(crate) fn update(&mut self, world: &World) {
         match self {
             Self::GoTo(object) | Self::Pickup { object, .. } => object.update(world),
@@ -177,7 +177,7 @@ impl Instr {
         }
     }
 
-    /// Whether the task is done after an action.
+    /// The status of the task after an action.
     pub(crate) fn verify(&mut self, world: &World, action: Action) -> Status {
         let success = |is: bool| {
             if is {
@@ -247,7 +247,7 @@ impl Instr {
         }
     }
 
-    /// The number of ways to walk, which decides the limit of steps.
+    /// The number of walks that the task takes, which determines the step limit.
     pub(crate) fn walks(&self) -> u32 {
         match self {
             Self::PutNext { .. } => 2,
@@ -257,7 +257,7 @@ impl Instr {
         }
     }
 
-    /// Whether a stored task is one of a world.
+    /// Whether a stored task fits the world.
     pub(crate) fn is_valid(&self, world: &World) -> bool {
         let things = world.things.len();
         match self {

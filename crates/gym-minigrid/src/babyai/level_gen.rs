@@ -23,10 +23,10 @@ pub(crate) enum Form {
 
 const ANY: [Kind; 4] = [Kind::Box, Kind::Ball, Kind::Key, Kind::Door];
 
-/// The tries after which no object is found.
+/// The number of attempts to find an object for a description.
 const MAX_TRIES: u32 = 100;
 
-/// The arguments in which the levels differ.
+/// The arguments that differ between the levels.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LevelGen {
     pub(crate) distractors: u32,
@@ -103,7 +103,7 @@ impl LevelGen {
         })
     }
 
-    /// A description that fits an object.
+    /// Draws a description that fits an object.
     fn object(
         &self,
         rooms: &mut Rooms<'_, '_>,
@@ -134,7 +134,7 @@ impl LevelGen {
     }
 }
 
-/// Adds a room behind a locked door, and its key elsewhere. Returns the index of the room.
+/// Adds a room behind a locked door, and its key in another room. Returns the index of the room.
 fn add_locked_room(rooms: &mut Rooms<'_, '_>) -> Making<usize> {
     let (locked, door) = loop {
         let (i, j) = rooms.random_room()?;

@@ -52,15 +52,15 @@ impl Maze {
     }
 }
 
-/// What follows from the arguments of a BabyAI level.
+/// The settings of a BabyAI level, computed from its arguments.
 #[derive(Clone, Copy, Debug)]
 pub struct Plan {
     /// The rooms.
     pub maze: Maze,
-    /// The steps after which an episode is truncated; otherwise they follow from the instruction.
+    /// The time limit of an episode; `None` to compute it from the instruction.
     pub max_steps: Option<u32>,
-    /// Whether the agent may have to move objects out of its way; keys of locked doors are then not
-    /// part of an instruction.
+    /// Whether the agent may have to move objects out of its way. If so, instructions do not name
+    /// keys of locked doors.
     pub unblocking: bool,
     /// Whether the agent carries the object to move from the start.
     pub start_carrying: bool,
@@ -99,7 +99,7 @@ pub(crate) fn rules(plan: Plan) -> Result<Rules, String> {
     })
 }
 
-/// Makes levels until one can be used.
+/// Generates levels until one is valid.
 pub(crate) fn generate(
     plan: Plan,
     view: &View,
@@ -182,7 +182,7 @@ fn locked_colors(rooms: &Rooms<'_, '_>) -> Vec<Color> {
         .collect()
 }
 
-/// Finds the objects of a single task, and refuses tasks that are done already, or cannot be done.
+/// Finds the objects of a single task. Refuses tasks that are already done or cannot be done.
 fn validate(instr: &mut Instr, world: &World, room: crate::Area, locked: &[Color]) -> Making {
     for desc in instr.descriptions() {
         desc.find(world, room);
@@ -205,7 +205,7 @@ fn validate(instr: &mut Instr, world: &World, room: crate::Area, locked: &[Color
     Ok(())
 }
 
-/// Whether the agent can reach every object, through doors but past no object.
+/// Whether the agent can reach every object: doors do not block it, objects do.
 pub(crate) fn all_reachable(world: &World) -> bool {
     let grid = &world.grid;
     let index = |pos: Pos| (pos.y * grid.width() + pos.x) as usize;
@@ -234,7 +234,7 @@ pub(crate) fn check_reachable(rooms: &Rooms<'_, '_>) -> Making {
     }
 }
 
-/// Defines a level: its arguments, what follows from them, and how it is made.
+/// Defines a level: its arguments, its [`Plan`], and the function that generates it.
 macro_rules! babyai {
     (
         $(#[$doc:meta])* $name:ident { $($arguments:tt)* }

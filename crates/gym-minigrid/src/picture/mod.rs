@@ -12,10 +12,10 @@ use crate::level::View;
 use crate::{Cell, Facts, Pos, World};
 use tile::{Patch, Scene};
 
-/// The longest side of a picture.
+/// The largest width and height of a picture.
 const MAX_PIXELS: u32 = 16384;
 
-/// The look of an environment's pictures, and the tiles that were drawn so far.
+/// The settings of an environment's pictures, and a cache of drawn tiles.
 #[derive(Debug)]
 pub(crate) struct Picture {
     view: View,

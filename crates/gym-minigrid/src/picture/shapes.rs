@@ -1,17 +1,18 @@
-//! Shapes in the unit square, as tests of points, in the precision of minigrid's numpy arrays.
+//! Shapes in the unit square, defined by tests of points. Sums and products have the precision of
+//! minigrid's numpy arrays.
 
 use gym_core::math;
 
 /// A set of points of the unit square.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Shape {
-    /// Between two columns and two rows, edges included.
+    /// A rectangle: its columns, then its rows, edges included.
     Rect([f64; 4]),
-    /// Centre and radius.
+    /// A circle: centre and radius.
     Circle([f64; 3]),
-    /// Nearer than a radius to the straight line between two points.
+    /// The points within a distance of a straight line through two points.
     Line([f64; 4], f64),
-    /// The agent, who looks in a direction.
+    /// The triangle of the agent, which faces a direction.
     Agent(u8),
 }
 
@@ -29,7 +30,7 @@ impl Shape {
     }
 }
 
-/// The `float32` dot product of two vectors, whose sum is exact enough to be rounded once.
+/// The `float32` dot product of two vectors. The sum is computed in `float64`, and rounded once.
 fn dot32([a, b]: [f32; 2], [c, d]: [f32; 2]) -> f32 {
     (f64::from(a) * f64::from(c) + f64::from(b) * f64::from(d)) as f32
 }
@@ -56,7 +57,7 @@ fn is_near_line([x0, y0, x1, y1]: [f64; 4], r: f64, x: f64, y: f64) -> bool {
     (dx * dx + dy * dy).sqrt() <= r
 }
 
-/// A triangle that points right, turned about the centre.
+/// Whether a point is in the agent's triangle. It points right, and is rotated about the centre.
 fn is_in_agent(direction: u8, x: f64, y: f64) -> bool {
     let angle = -(0.5 * std::f64::consts::PI * f64::from(direction));
     let (sin, cos) = (math::sin(angle), math::cos(angle));

@@ -1,9 +1,9 @@
-//! The picture of one cell: shapes on an array three times too large, averaged down.
+//! The picture of one cell: shapes drawn at three times the size, then averaged.
 
 use super::shapes::Shape;
 use crate::{Cell, Kind, State};
 
-/// How much larger the array is on which shapes are drawn.
+/// The factor by which shapes are drawn larger.
 const SUBDIVISIONS: usize = 3;
 
 /// What a tile shows.
@@ -11,7 +11,7 @@ const SUBDIVISIONS: usize = 3;
 pub(super) struct Scene {
     /// Kind, colour and state.
     object: [u8; 3],
-    /// The direction of the agent, if it is here.
+    /// The direction of the agent, if it is on this cell.
     agent: Option<u8>,
     /// Whether the agent sees the cell.
     highlight: bool,
@@ -37,7 +37,7 @@ impl Scene {
         }
     }
 
-    /// The tile of this scene, as patches; black is left out.
+    /// Draws the tile as patches; black patches are left out.
     pub(super) fn patches(&self, cell: Cell, size: usize) -> Vec<Patch> {
         let pixels = self.pixels(cell, size);
         let rows: Vec<&[[u8; 3]]> = pixels.chunks(size).collect();
@@ -76,7 +76,7 @@ impl Scene {
         let array: Vec<[u8; 3]> = (0..fine * fine)
             .map(|i| color(i % fine, i / fine))
             .collect();
-        // the mean of each row of three, then the mean of three of these, as numpy rounds them
+        // numpy's order: the mean of each row of three, then the mean of the three rows
         let mean = |three: [f64; 3]| (three[0] + three[1] + three[2]) / SUBDIVISIONS as f64;
         let average = |i: usize| {
             let (column, row) = (i % size * SUBDIVISIONS, i / size * SUBDIVISIONS);
@@ -92,7 +92,7 @@ impl Scene {
         (0..size * size).map(average).collect()
     }
 
-    /// From the lowest to the highest.
+    /// The shapes of the tile, from the lowest to the highest.
     fn layers(&self, cell: Cell) -> Layers {
         let grey = [100; 3];
         let mut layers = vec![
@@ -107,7 +107,7 @@ impl Scene {
     }
 }
 
-/// The shapes of an object.
+/// Adds the shapes of an object.
 fn object(cell: Cell, layers: &mut Layers) {
     let color = cell.color().rgb();
     let mut rect = |edges: [f64; 4], color| layers.push((Shape::Rect(edges), color));

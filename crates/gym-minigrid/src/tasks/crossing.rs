@@ -76,7 +76,7 @@ impl Level for Crossing {
         draft.put_agent(Pos::new(1, 1), 0);
         draft.put(Pos::new(width - 2, height - 2), Cell::GOAL);
 
-        // whether each river flows down, and its column or row
+        // for each river: whether it is vertical, and its column or row
         let down = (2..height - 2).step_by(2).map(|x| (true, x));
         let mut rivers: Vec<(bool, i32)> = down
             .chain((2..width - 2).step_by(2).map(|y| (false, y)))
@@ -102,7 +102,7 @@ impl Level for Crossing {
                 .vertical(x, 1, height - 2, self.obstacle_type.cell());
         }
 
-        // a path to the goal: whether each step crosses a river that flows down
+        // a path to the goal: for each step, whether it crosses a vertical river
         let mut path: Vec<bool> = columns
             .iter()
             .map(|_| true)

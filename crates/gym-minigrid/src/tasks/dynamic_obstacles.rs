@@ -18,7 +18,7 @@ use crate::draft::Area;
 use crate::level::{Level, Rules, level};
 use crate::{Action, Cell, Color, Draft, Kind, Making, Pos, World};
 
-/// The tries after which an obstacle stays where it is.
+/// The number of attempts to move an obstacle.
 const MAX_TRIES: u32 = 100;
 
 level! {
@@ -75,7 +75,7 @@ impl Level for DynamicObstacles {
                 continue;
             };
             let around = Area::new(old.x - 1, old.y - 1, 3, 3);
-            // a ball without a free place around it stays
+            // a ball with no free position around it stays
             if Draft::new(world, rng)
                 .place_if(ball, around, MAX_TRIES, |_, _| true)
                 .is_ok()

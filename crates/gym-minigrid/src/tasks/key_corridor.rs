@@ -20,8 +20,8 @@ use crate::{Action, Cell, Color, Draft, Kind, Making, World};
 
 const COLUMNS: u32 = 3;
 
-/// Makes a corridor of the middle rooms, with the agent; on its right an object in a locked room,
-/// on its left the key. Returns the object.
+/// Turns the middle rooms into a corridor with the agent. Places an object in a locked room on the
+/// right, and the key on the left. Returns the object.
 pub(crate) fn add_corridor(rooms: &mut Rooms<'_, '_>, kind: Kind) -> Making<Cell> {
     for j in 1..rooms.rows {
         rooms.remove_wall(1, j, 3)?;

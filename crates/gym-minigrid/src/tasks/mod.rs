@@ -28,12 +28,12 @@ use gym_core::registry::Exceptions;
 use crate::draft::Area;
 use crate::{Action, Cell, Color, Draft, Kind, Making, Pos, World};
 
-/// The square of a number, or as much as a `u32` holds.
+/// The square of `size`, saturating.
 pub(crate) fn square(size: u32) -> u32 {
     size.saturating_mul(size)
 }
 
-/// The first direction of the agent, if it is one.
+/// Checks the argument `agent_start_dir`.
 pub(crate) fn direction(direction: u32) -> Result<u8, String> {
     match direction {
         0..=3 => Ok(direction as u8),
@@ -43,7 +43,7 @@ pub(crate) fn direction(direction: u32) -> Result<u8, String> {
     }
 }
 
-/// For levels with an argument `agent_start_dir`.
+/// The conformance exceptions of levels with an argument `agent_start_dir`.
 pub(crate) const DIRECTION: Exceptions = &[
     crate::env::WINDOW,
     (
@@ -52,8 +52,8 @@ pub(crate) const DIRECTION: Exceptions = &[
     ),
 ];
 
-/// Registers the ids of a level, each with its arguments. With `planned`, the planner is their good
-/// policy; `excused` names their exceptions.
+/// Registers the ids of a level, each with its arguments. With `planned`, the planner is the good
+/// policy of the ids; `excused` lists their conformance exceptions.
 macro_rules! ids {
     ($level:ty, $sentence:literal: $($ids:tt)+) => {
         ids! { @($level, $sentence, None) [] $($ids)+ }
@@ -79,29 +79,29 @@ macro_rules! ids {
 }
 pub(crate) use ids;
 
-/// The words for these kinds.
+/// The words for kinds.
 pub(crate) fn names(kinds: &[Kind]) -> Vec<&'static str> {
     kinds.iter().map(|kind| kind.name()).collect()
 }
 
-/// `blue ball`.
+/// The words for a cell, such as `blue ball`.
 pub(crate) fn describe(cell: Cell) -> String {
     format!("{} {}", cell.color().name(), cell.kind().name())
 }
 
-/// Whether kind and colour are equal.
+/// Whether two cells have the same kind and colour.
 pub(crate) fn is_alike(a: Cell, b: Cell) -> bool {
     (a.kind(), a.color()) == (b.kind(), b.color())
 }
 
-/// A random place within the walls of a room.
+/// A random position inside the walls of a room.
 pub(crate) fn inside(draft: &mut Draft<'_>, room: Area) -> Making<Pos> {
     let end = room.top + room.size - Pos::new(1, 1);
     let x = draft.int(room.top.x + 1, end.x)?;
     Ok(Pos::new(x, draft.int(room.top.y + 1, end.y)?))
 }
 
-/// A step of a task that ends when the first target is picked up.
+/// A step of a task that terminates when the agent picks up the first target.
 pub(crate) fn pick_up(world: &mut World, action: Action) -> Outcome {
     let mut outcome = world.step(action);
     if action == Action::Pickup && world.carrying == world.target(0) {
@@ -111,7 +111,8 @@ pub(crate) fn pick_up(world: &mut World, action: Action) -> Outcome {
     outcome
 }
 
-/// Objects of distinct kinds and colours at random places that `accept` accepts, with their places.
+/// Places objects of distinct kinds and colours at random positions for which `accept` returns
+/// true. Returns the objects with their positions.
 pub(crate) fn distinct_objects(
     draft: &mut Draft<'_>,
     count: u32,

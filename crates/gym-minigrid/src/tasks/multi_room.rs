@@ -18,7 +18,7 @@ use crate::draft::Area;
 use crate::level::{Level, Rules, level};
 use crate::{Cell, Color, Draft, Making, Pos, State};
 
-/// The narrowest room.
+/// The smallest width of a room.
 const MIN_SIZE: i32 = 4;
 
 /// A room, and the door through which the agent enters it.
@@ -68,7 +68,7 @@ impl Level for MultiRoom {
         let mut rooms = Vec::new();
         while rooms.len() < count {
             let x = draft.int(0, draft.width() - 2)?;
-            // the range of rows is that of columns, as in minigrid
+            // as in minigrid, the range of rows uses the width of the grid
             let door = Pos::new(x, draft.int(0, draft.width() - 2)?);
             let mut chain = Vec::new();
             self.add_room(draft, count, &mut chain, 2, door)?;
@@ -95,7 +95,7 @@ impl Level for MultiRoom {
 
 impl MultiRoom {
     /// Adds a room behind a door in its wall `entry`, and up to `left - 1` rooms behind that one.
-    /// Returns whether there was a place for it.
+    /// Returns whether the room fits.
     fn add_room(
         &self,
         draft: &mut Draft<'_>,

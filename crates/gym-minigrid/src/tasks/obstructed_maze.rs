@@ -24,7 +24,7 @@ use crate::{Action, Color, Draft, Kind, Making, Pos, World};
 const ROOM_SIZE: u32 = 6;
 /// The colour of the ball to find.
 const BALL: Color = Color::SORTED[0];
-/// The colour of balls that obstruct.
+/// The colour of the balls that block doors.
 const BLOCKING: Color = Color::SORTED[1];
 /// The colour of boxes.
 const BOX: Color = Color::SORTED[2];
@@ -45,7 +45,7 @@ fn mission(draft: &mut Draft<'_>) {
     draft.mission(format!("pick up the {} ball", BALL.name()));
 }
 
-/// Adds a locked door, and a ball before it.
+/// Adds a locked door, optionally with a ball in front of it.
 fn add_locked_door(
     rooms: &mut Rooms<'_, '_>,
     (column, row): (i32, i32),
@@ -60,7 +60,7 @@ fn add_locked_door(
     Ok(())
 }
 
-/// Places a key in a room, perhaps in a box.
+/// Places a key in a room, optionally in a box.
 fn add_key(
     rooms: &mut Rooms<'_, '_>,
     (column, row): (i32, i32),
@@ -108,8 +108,8 @@ impl Level for ObstructedMaze1Dlhb {
     }
 }
 
-/// Defines the maze of three by three rooms. With `$late_keys` keys are placed after the doors of
-/// their room, so that no ball takes the place of one.
+/// Defines the maze of three by three rooms. With `$late_keys`, keys are placed after the doors of
+/// their room, so that a blocking ball cannot replace a key.
 macro_rules! full {
     ($name:ident, $late_keys:literal) => {
         level! {

@@ -21,8 +21,8 @@ use crate::{Action, Cell, Color, Draft, Kind, Making, World};
 /// Columns and rows of a room, walls included.
 pub(super) const ROOM_SIZE: u32 = 6;
 
-/// Places a box in the right of two rooms, behind a locked door, perhaps with a ball before it; in
-/// the left one its key and the agent; and other objects in both. Returns the box.
+/// Places a box in the right of two rooms, behind a locked door, optionally with a ball in front of
+/// it. The left room gets the key and the agent, both rooms get other objects. Returns the box.
 pub(crate) fn add_locked_box(
     rooms: &mut Rooms<'_, '_>,
     blocked: bool,

@@ -1,4 +1,4 @@
-//! Wrappers that change rewards, actions and starts.
+//! Wrappers that change rewards, actions and initial states.
 
 use std::fmt;
 
@@ -12,33 +12,34 @@ use serde::de::DeserializeOwned;
 
 use crate::{Action, Cell, Facts, Kind, World};
 
-/// The effect of a wrapper: its arguments.
+/// The effect of a wrapper. The implementing type holds the wrapper's arguments.
 pub trait Effect: WrapperConfig + Clone + fmt::Debug + PartialEq + Send + 'static {
-    /// What it keeps from step to step.
+    /// The wrapper's state between steps.
     type State: Clone + fmt::Debug + Send + Serialize + DeserializeOwned + 'static;
 
-    /// The initial state, for the grid of `facts` and a number of actions.
+    /// The initial state, for the grid of `facts` and `actions` actions.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for an argument out of range.
     fn state(&self, facts: &Facts, actions: usize) -> Result<Self::State>;
 
-    /// Whether the state `stored` has the form of the initial state `first`.
+    /// Whether the stored state has the same form as the initial state `first`.
     fn fits(&self, stored: &Self::State, first: &Self::State) -> bool;
 
-    /// Another reset, in place of the given one.
+    /// The reset to use instead of `reset`; `None` to keep it.
     fn reset(&self, state: &mut Self::State, reset: &Reset) -> Option<Reset> {
         let _ = (state, reset);
         None
     }
 
-    /// The number of another action, in place of the given one.
+    /// The action to take instead of the given one; `None` to keep it.
     fn before(&self, state: &mut Self::State, rng: &mut Generator) -> Option<i64> {
         let _ = (state, rng);
         None
     }
 
-    /// Changes the outcome of a step: of an action of this number, towards the cell `front`.
+    /// Changes the outcome of a step. `action` is the number of the action, `front` the cell in
+    /// front of the agent before the step.
     fn after(
         &self,
         state: &mut Self::State,
@@ -59,7 +60,7 @@ pub struct Affected<C: Effect, E = BoxEnv> {
 }
 
 impl<C: Effect, E: Env> Affected<C, E> {
-    /// Changes `env`, which is one of this crate.
+    /// Wraps `env`, an environment of this crate.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for another environment, and an argument out of range.
@@ -98,11 +99,17 @@ impl<C: Effect, E: Env> gym_core::Wrapper for Affected<C, E> {
     fn on_step(&mut self, action: &E::Action, observation: &mut E::Observation) -> Result<Outcome> {
         let Self { env, config, state } = self;
         let rng = env.generator().ok_or(Error::ResetNeeded("step"))?;
+        let before = rng.clone();
         let other = config.before(state, rng);
         let front = world(env)?.front();
         let other = other.and_then(|number| E::Action::from_value(&Value::Int(number)));
         let action = other.as_ref().unwrap_or(action);
-        let mut outcome = env.step_into(action, observation)?;
+        let stepped = env.step_into(action, observation);
+        // a step that was refused has drawn nothing
+        if let (Err(_), Some(rng)) = (&stepped, env.generator()) {
+            *rng = before;
+        }
+        let mut outcome = stepped?;
         let number = action.to_value().as_int().unwrap_or(-1);
         config.after(state, world(env)?, (number, front), &mut outcome);
         Ok(outcome)
@@ -131,12 +138,12 @@ impl<C: Effect, E: Env> gym_core::Wrapper for Affected<C, E> {
     }
 }
 
-/// The world of an environment that was reset.
+/// The world of an environment, or an error before the first reset.
 fn world<E: Env>(env: &E) -> Result<&World> {
     env.layer::<World>().ok_or(Error::ResetNeeded("step"))
 }
 
-/// Counts how often a situation occurred, and returns the bonus for it.
+/// Counts a situation, and returns its bonus.
 fn bonus(counts: &mut [u32], index: usize) -> f64 {
     let Some(count) = counts.get_mut(index) else {
         return 0.0;
@@ -145,7 +152,7 @@ fn bonus(counts: &mut [u32], index: usize) -> f64 {
     1.0 / f64::from(*count).sqrt()
 }
 
-/// The index of the agent's place.
+/// The index of the agent's cell.
 fn place(world: &World) -> usize {
     (world.agent.y * world.grid.width() + world.agent.x) as usize
 }

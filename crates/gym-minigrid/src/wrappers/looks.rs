@@ -1,4 +1,4 @@
-//! Wrappers that observe the world in another way.
+//! Wrappers that observe the world in another form.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -16,7 +16,7 @@ use crate::{Facts, Grid, Kind, Pos, World};
 
 /// A way to observe the world: the arguments of a wrapper.
 pub trait Look: WrapperConfig + Clone + std::fmt::Debug + Send + 'static {
-    /// The member of the observation that it writes.
+    /// The key of the observation's member that it writes.
     const KEY: &'static str = "image";
 
     /// The space of the member.
@@ -25,16 +25,16 @@ pub trait Look: WrapperConfig + Clone + std::fmt::Debug + Send + 'static {
     /// [`Error::InvalidArgument`] for an argument out of range.
     fn space(&self, facts: &Facts) -> Result<Space>;
 
-    /// What pictures of it look like, if it is one.
+    /// The settings of its picture, if it is one.
     fn pictured(&self, facts: &Facts) -> Option<Facts> {
         let _ = facts;
         None
     }
 
-    /// Writes the member; a picture is drawn already.
+    /// Writes the member. If it is a picture, it is already painted.
     ///
     /// # Errors
-    /// [`Error::Custom`] for a world without what is looked for.
+    /// [`Error::Custom`] if the world lacks the object that it looks for.
     fn look(&self, world: &World, facts: &Facts, out: &mut Value) -> Result<()>;
 }
 
@@ -51,7 +51,7 @@ pub struct Looking<C, E = BoxEnv> {
 }
 
 impl<C: Look, E: Env<Observation = Value>> Looking<C, E> {
-    /// Looks at the world of `env`, which is one of this crate.
+    /// Wraps `env`, an environment of this crate.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for another environment, and an argument out of range.
@@ -138,7 +138,7 @@ impl<C: Look, E: Env<Observation = Value>> gym_core::Wrapper for Looking<C, E> {
     }
 }
 
-/// The space of arrays of bytes.
+/// The space of byte arrays of a shape.
 fn bytes(shape: [u32; 3]) -> Result<Space> {
     BoxSpace::uniform(0.0, 255.0, shape.map(|n| n as usize), DType::U8).map(Space::from)
 }
@@ -293,8 +293,8 @@ gym_core::register_wrapper!(
     "RGBImgPartialObsWrapper", "observes a picture of what the agent sees", RgbImgPartialObs, env: Looking::<RgbImgPartialObs>::new
 );
 
-/// The facts of a picture with cells `tile_size` pixels wide: of what the agent sees if
-/// `agent_pov`, otherwise of the whole grid.
+/// The settings of a picture with cells of `tile_size` pixels: of the agent's view if `agent_pov`,
+/// else of the whole grid.
 fn with_tiles(facts: &Facts, tile_size: u32, agent_pov: bool) -> Facts {
     let mut facts = facts.clone();
     facts.view.tile_size = tile_size;
@@ -302,7 +302,7 @@ fn with_tiles(facts: &Facts, tile_size: u32, agent_pov: bool) -> Facts {
     facts
 }
 
-/// The space of the pictures of these facts.
+/// The space of pictures with these settings.
 fn picture_space<C: Look>(facts: &Facts) -> Result<Space> {
     let (width, height) = Picture::new(facts).map_err(C::refuse)?.size();
     bytes([height, width, 3])
@@ -386,7 +386,7 @@ impl Look for DirectionObs {
     }
 }
 
-/// The first goal, row by row.
+/// The position of the first goal, row by row.
 fn goal(grid: &Grid) -> Option<Pos> {
     let index = grid.cells().iter().position(|cell| cell.is(Kind::Goal))? as i32;
     Some(Pos::new(index % grid.width(), index / grid.width()))

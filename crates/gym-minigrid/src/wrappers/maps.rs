@@ -1,11 +1,11 @@
-//! Wrappers that only need the observation.
+//! Wrappers that change observations without reading the world.
 
 use gym_core::registry::WrapperConfig;
 use gym_core::spaces::{BoxSpace, DictSpace, MultiDiscrete, array_of};
 use gym_core::{BoxEnv, DType, Error, Kwargs, Result, Space, Value};
 use gym_wrappers::map::{MapObservation, ObservationMap};
 
-/// The numbers of kinds, colours and states.
+/// The number of kinds, colours and states.
 const BITS: [usize; 3] = [11, 6, 3];
 
 /// The characters of missions: letters, space and comma.
@@ -17,7 +17,7 @@ const WORDS: &str = "red green blue yellow purple grey unseen empty wall floor b
                      traverse up the a at , square and then to of rooms near opening must you \
                      matching end hallway object from room maze";
 
-/// The member of a dict of observations.
+/// A member of a dict observation.
 fn member<'a>(observation: &'a Value, key: &str) -> Result<&'a Value> {
     let missing = || Error::Contract(format!("the observation {observation} has no `{key}`"));
     observation.get(key).ok_or_else(missing)
@@ -37,7 +37,7 @@ fn cells(observation: &Value) -> Result<&[u8]> {
         .ok_or_else(not_cells)
 }
 
-/// The dict and its image, of the observations of minigrid's environments.
+/// The dict space of minigrid's observations, and the space of its image.
 fn image_of<C: WrapperConfig>(space: &Space) -> Result<(&DictSpace, &BoxSpace)> {
     if let Space::Dict(dict) = space
         && let Some(Space::Box(image)) = dict.get("image")
@@ -49,7 +49,7 @@ fn image_of<C: WrapperConfig>(space: &Space) -> Result<(&DictSpace, &BoxSpace)> 
     )))
 }
 
-/// The dict with another member.
+/// The dict space with the member `key` replaced or added.
 pub(super) fn with_member(dict: &DictSpace, key: &str, space: Space) -> Result<Space> {
     let others = dict
         .spaces()
@@ -59,8 +59,8 @@ pub(super) fn with_member(dict: &DictSpace, key: &str, space: Space) -> Result<S
     DictSpace::new(others.chain([(key.to_owned(), space)])).map(Space::from)
 }
 
-/// Copies the members of an observation to a dict of the members of `space`, but for one, which it
-/// returns.
+/// Copies the members of an observation except `key` to `out`, a dict with the members of `space`.
+/// Returns the member `key` of `out`, which the caller writes.
 pub(super) fn copy_others<'a>(
     space: &Space,
     observation: &Value,
@@ -197,7 +197,8 @@ gym_core::arguments! {
     }
 }
 
-/// Observes one row of numbers: the cells, and 28 zeros and ones for each character of the mission.
+/// Observes one row of numbers: the cells, then 28 zeros and ones for each character of the
+/// mission.
 pub type FlatObsWrapper<T = BoxEnv> = MapObservation<T, FlatMap>;
 
 /// The map of [`FlatObsWrapper`].
@@ -265,7 +266,7 @@ gym_core::arguments! {
     }
 }
 
-/// Observes the mission as numbers of words, filled up with zeros.
+/// Observes the mission as word numbers, padded with zeros.
 pub type DictObservationSpaceWrapper<T = BoxEnv> = MapObservation<T, WordsMap>;
 
 /// The map of [`DictObservationSpaceWrapper`].

@@ -1,7 +1,7 @@
 //! minigrid's wrappers, registered under its names.
 //!
-//! [`maps`] change observations by themselves, also those of vectors; [`looks`] observe the world
-//! in another way; [`effects`] change rewards, actions and starts.
+//! [`maps`] change observations, also those of vectors; [`looks`] observe the world in another
+//! form; [`effects`] change rewards, actions and initial states.
 
 pub mod effects;
 pub mod looks;

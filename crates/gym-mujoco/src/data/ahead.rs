@@ -1,4 +1,4 @@
-//! Steps that are taken together with other worlds, ahead of the call: see
+//! Steps that were computed together with other worlds, ahead of the call: see
 //! [`lanes`](crate::physics::lanes).
 
 use super::Data;
@@ -7,21 +7,21 @@ use crate::physics::Call;
 use crate::physics::lanes::{Stride, state_len};
 
 impl Data {
-    /// Whether the derived arrays are not of the last call: several worlds took it together, and
-    /// only what their environments read was kept.
+    /// Whether the derived arrays are older than the last call: several worlds took that step
+    /// together, and only the arrays that their environments read were stored.
     #[must_use]
     pub fn is_behind(&self) -> bool {
         self.behind
     }
 
-    /// Keeps what the next step leads to.
+    /// Stores the result of the next step.
     pub(crate) fn look_ahead(&mut self, record: &[f64]) {
         self.ahead.clear();
         self.ahead.extend_from_slice(record);
         self.is_ahead = true;
     }
 
-    /// Takes the timesteps of a step that were taken ahead; false if there are none.
+    /// Takes over the result of a step that was computed ahead; false if there is none.
     ///
     /// # Panics
     /// If the data is of another model, or the step was another one.
@@ -64,8 +64,9 @@ impl Data {
         true
     }
 
-    /// Goes back to the start of the last timestep of a step that [ended](Stride::settles) with a
-    /// [`step1`](crate::step1) and was taken together with other worlds, so that both can be repeated.
+    /// Goes back to the start of the last timestep of a step that was taken together with other
+    /// worlds and [ended](Stride::settles) with a [`step1`](crate::step1). The caller can then
+    /// repeat both.
     pub fn rewind(&mut self) {
         let Some(time) = self.ahead.pop().filter(|_| self.behind) else {
             return;
@@ -78,7 +79,7 @@ impl Data {
     }
 }
 
-/// Copies the first numbers to vectors.
+/// Copies the front of `numbers` to `vectors`, one after the other.
 fn put(numbers: &[f64], vectors: [&mut Vec<f64>; 3]) {
     let places = vectors.into_iter().flatten();
     places.zip(numbers).for_each(|(to, from)| *to = *from);

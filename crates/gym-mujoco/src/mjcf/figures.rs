@@ -1,4 +1,5 @@
-//! A model's figures as a table, with those that MuJoCo has and this engine does not need.
+//! A compiled model as a table, for comparison with another compiler. It includes fields of
+//! `mjModel` that this engine does not need.
 
 use serde_json::{Map, Value, json};
 
@@ -10,8 +11,8 @@ use crate::{CompiledModel, Data, Model};
 const UNTURNED: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
 
 impl Model {
-    /// The figures of the model under MuJoCo's names, to be compared with those of another
-    /// compiler: those of [`CompiledModel`], and some more that follow from them.
+    /// The fields of [`CompiledModel`] under MuJoCo's names, and further fields of `mjModel` that
+    /// are computed from them, for comparison with another compiler.
     #[must_use]
     pub fn figures(&self) -> Map<String, Value> {
         let mut figures = match serde_json::to_value(&**self) {
@@ -119,7 +120,7 @@ fn derived(m: &Model) -> Value {
     })
 }
 
-/// The figures in the form of the recordings.
+/// The table in the form of the recordings.
 fn constant(m: &CompiledModel) -> Value {
     let three = |numbers: &[Parameters]| -> Vec<Vec<f64>> {
         numbers.iter().map(|p| p.0[..3].to_vec()).collect()

@@ -1,4 +1,4 @@
-//! How a medium acts on ellipsoids.
+//! Coefficients of the ellipsoid fluid model.
 
 use std::f64::consts::PI;
 

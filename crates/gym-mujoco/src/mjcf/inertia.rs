@@ -1,5 +1,4 @@
-//! Mass and inertia of bodies, from their geoms: MuJoCo's formulas (`mujoco.md` names them), shape
-//! by shape.
+//! Mass and inertia of bodies, from their geoms: MuJoCo's formulas, shape by shape.
 
 use std::f64::consts::PI;
 
@@ -135,7 +134,7 @@ fn shell_moments(shape: GeomType, mass: f64, size: [f64; 3]) -> [f64; 3] {
     }
 }
 
-/// The inertia of several parts as one; `None` if there are none.
+/// The combined inertia of several parts; `None` if there are none.
 pub(super) fn combine(parts: &[Inertia], revision: Revision) -> Option<Inertia> {
     match parts {
         [] => return None,

@@ -1,8 +1,8 @@
 //! MJCF, MuJoCo's model format: a strict reader and compiler of the part that the engine supports.
 //!
-//! A text becomes a tree of elements ([`xml`]), these become a [`spec`], which [`compile`] turns
-//! into figures. Whatever is outside of the supported part is an error that names element,
-//! attribute and line; nothing is skipped silently.
+//! The reader turns a text into a tree of elements ([`xml`]) and these into a [`spec`]; [`compile`]
+//! turns that into a compiled model. Anything outside the supported part is an error that names
+//! element, attribute and line; nothing is skipped silently.
 //!
 //! | section | supported |
 //! |---|---|
@@ -10,7 +10,7 @@
 //! | `compiler` | angle, eulerseq, autolimits, inertiafromgeom, inertiagrouprange, balanceinertia, boundmass, boundinertia, settotalmass, strippath, coordinate="local" |
 //! | `option` | timestep, gravity, wind, magnetic, density, viscosity, cone, impratio, solver, iterations, ls_iterations, tolerance, noslip_iterations, noslip_tolerance, integrator, `flag` |
 //! | bodies | `body` (mocap, gravcomp), `frame`, `replicate`, `inertial`; all joints with springs, dampers, dry friction, limits; sites, cameras, lights |
-//! | `geom` | plane, sphere, capsule, ellipsoid, cylinder, box; fluidshape; all figures of contacts; meshes without mass and contacts |
+//! | `geom` | plane, sphere, capsule, ellipsoid, cylinder, box; fluidshape; all contact parameters; meshes without mass and contacts |
 //! | `contact` | pair, exclude |
 //! | `equality` | connect, weld, joint, tendon |
 //! | `tendon` | fixed, spatial (sites, pulleys, spheres and cylinders with side sites) |
@@ -18,11 +18,11 @@
 //! | `sensor` | those of joints, tendons, actuators, sites, frames, subtrees, and the clock; touch, rangefinder, magnetometer |
 //! | `keyframe` | key |
 //!
-//! `asset` gives colours of materials, `statistic` and `size` the figures that MuJoCo takes from
-//! them; `visual`, `custom`, `user`, `group`, textures and skins are read and ignored. A mesh that
-//! only pictures show is a geom without size, and its file is not read: the place of such a geom is
-//! its frame, where MuJoCo has the centre of the mesh. Refused are meshes with mass or contacts,
-//! height fields as geoms, composites, flexes and plugins.
+//! `asset` gives the colours of materials; `statistic` and `size` are read as in MuJoCo; `visual`,
+//! `custom`, `user`, `group`, textures and skins are ignored. A mesh without mass and contacts is a
+//! geom without size, and its file is not read. The position of such a geom is its frame, not the
+//! centre of the mesh as in MuJoCo. Meshes with mass or contacts, height fields as geoms,
+//! composites, flexes and plugins are errors.
 
 mod bodies;
 mod compile;
@@ -50,7 +50,7 @@ impl Model {
         Self::from_xml_with(text, Revision::default())
     }
 
-    /// As [`from_xml`](Self::from_xml), for the engine of a revision.
+    /// [`from_xml`](Self::from_xml), for a revision of the engine.
     ///
     /// # Errors
     /// The errors of `from_xml`.
@@ -68,7 +68,7 @@ impl Model {
         Self::from_path_with(path, Revision::default())
     }
 
-    /// As [`from_path`](Self::from_path), for the engine of a revision.
+    /// [`from_path`](Self::from_path), for a revision of the engine.
     ///
     /// # Errors
     /// The errors of `from_path`.

@@ -33,7 +33,7 @@ impl Default for Orientation {
 }
 
 impl Orientation {
-    /// The orientation of these Euler angles.
+    /// The orientation given by Euler angles.
     pub(super) fn of_euler(angles: [f64; 3]) -> Self {
         Self {
             other: Some(Form::Euler(angles)),
@@ -150,13 +150,13 @@ pub(super) fn within(frame: Option<Frame>, (pos, quat): Frame) -> Frame {
     (moved, compose(turn, quat))
 }
 
-/// The rotation `a`, after the rotation `b` in its frame: MuJoCo's `mjuu_mulquat`.
+/// The rotation `b` followed by `a`, where `b` is given in the frame of `a`: MuJoCo's
+/// `mjuu_mulquat`.
 pub(super) fn compose(a: Quat, b: Quat) -> Quat {
     unit(InTurn::mul_quat(a, b)).0
 }
 
-/// The shortest rotation from the z axis to a unit vector; to the opposite direction, half a turn
-/// about x.
+/// The shortest rotation from the z axis to a unit vector; for -z, half a turn about x.
 pub(super) fn from_z(direction: [f64; 3]) -> Quat {
     let (axis, sin) = unit(cross([0.0, 0.0, 1.0], direction));
     let axis = if sin < 1e-10 { [1.0, 0.0, 0.0] } else { axis };
@@ -164,8 +164,8 @@ pub(super) fn from_z(direction: [f64; 3]) -> Quat {
     [c, axis[0] * s, axis[1] * s, axis[2] * s]
 }
 
-/// Right-handed unit axes from an x axis and a vector in the xy plane; `None` where they do not
-/// span one.
+/// Right-handed unit axes from an x axis and a vector in the xy plane; `None` if the two are
+/// parallel or zero.
 fn plane_of(axes: &[f64; 6]) -> Option<[[f64; 3]; 3]> {
     let long = |(v, length): ([f64; 3], f64)| (length >= EPS).then_some(v);
     let x = long(unit([axes[0], axes[1], axes[2]]))?;

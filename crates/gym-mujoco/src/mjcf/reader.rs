@@ -1,4 +1,4 @@
-//! From text to [`Spec`]: the sections of a model and the tree of its bodies.
+//! Reads the sections of a model and the tree of its bodies into a [`Spec`].
 
 use super::bodies::Bodies;
 use super::defaults::Classes;
@@ -278,8 +278,8 @@ impl Reader<'_> {
         Ok(())
     }
 
-    /// Keeps the colours of materials and the names of meshes, and ignores the other assets that
-    /// only pictures use.
+    /// Stores the colours of materials and the names of meshes, and ignores assets that only affect
+    /// pictures.
     fn read_asset(&mut self, section: Element<'_, '_>) -> Result<()> {
         for mut child in section.children()? {
             match child.name() {

@@ -1,4 +1,4 @@
-//! XML elements whose attributes are taken out as they are read, so that what is left over can be
+//! XML elements. Reading an attribute takes it out of its element, so that unread attributes can be
 //! reported.
 
 use roxmltree::{Attribute, Node};
@@ -6,7 +6,7 @@ use roxmltree::{Attribute, Node};
 use super::files::Files;
 use crate::{Error, Result};
 
-/// An element of a model's text, with its attributes that were not read yet.
+/// An element of a model's text, with the attributes that are not read yet.
 pub(super) struct Element<'a, 'input> {
     node: Node<'a, 'input>,
     unread: Vec<Attribute<'a, 'input>>,
@@ -106,7 +106,7 @@ impl<'a, 'input> Element<'a, 'input> {
         }
     }
 
-    /// The element's name.
+    /// The name of the element.
     pub(super) fn name(&self) -> &'a str {
         self.node.tag_name().name()
     }

@@ -1,8 +1,8 @@
 //! The boxes around the geoms of a body, in a tree: MuJoCo's bounding volume hierarchy.
 //!
-//! A geom of one body is compared with one of another only where the boxes around groups of geoms
-//! meet that both are in. That drops pairs which do not touch; but the boxes' own rounding decides
-//! about geoms that touch at a distance of 0.
+//! Geoms of two bodies are compared only if the boxes around their groups overlap. This skips pairs
+//! that do not touch. Where geoms touch at distance 0, the rounding of the boxes decides whether
+//! they are compared.
 
 use std::ops::Range;
 
@@ -36,20 +36,20 @@ pub(crate) struct Node {
     pub(crate) bounds: Bounds,
     /// The geoms, sorted.
     geoms: Vec<usize>,
-    /// The boxes around the halves of the geoms; the node itself for one geom.
+    /// The nodes of the two halves of `geoms`; for one geom, the node itself.
     halves: [usize; 2],
 }
 
-/// The tree of a body; its first node is around all geoms that can collide.
+/// The tree of a body; its first node contains all geoms that can collide.
 #[derive(Clone, Debug)]
 pub(crate) struct Tree {
     nodes: Vec<Node>,
-    /// The largest margin and gap of its geoms.
+    /// The largest margin and gap of the body's geoms.
     pub(crate) margin: f64,
 }
 
 impl Tree {
-    /// The tree of the geoms of a body.
+    /// Builds the tree of the geoms of a body.
     pub(super) fn new(m: &CompiledModel, body: usize, geoms: Range<usize>) -> Self {
         let margins = geoms.clone().map(|g| m.geom_margin[g] + m.geom_gap[g]);
         let mut tree = Self {
@@ -127,8 +127,8 @@ impl Tree {
     }
 }
 
-/// The boxes that must meet before two geoms are compared, from the trees' first nodes on: MuJoCo's
-/// `mj_collideTree`.
+/// The pairs of boxes that must overlap before two geoms are compared, from the roots down:
+/// MuJoCo's `mj_collideTree`.
 pub(crate) fn meetings(trees: [&Tree; 2], geoms: [usize; 2]) -> impl Iterator<Item = [&Bounds; 2]> {
     let mut at = trees.map(|tree| tree.nodes.first());
     std::iter::from_fn(move || {
@@ -137,7 +137,7 @@ pub(crate) fn meetings(trees: [&Tree; 2], geoms: [usize; 2]) -> impl Iterator<It
         if single == [true; 2] {
             return None;
         }
-        // into the halves of the larger box; what MuJoCo takes for its surface
+        // descends into the box that is larger, by MuJoCo's measure of its surface
         let surface = |node: &Node| {
             let [x, y, z] = sub(node.bounds[1], node.bounds[0]);
             x * y + y * z + z * x
@@ -154,8 +154,7 @@ pub(crate) fn meetings(trees: [&Tree; 2], geoms: [usize; 2]) -> impl Iterator<It
     })
 }
 
-/// A vector turned by a quaternion: the compiler's `mjuu_rotVecQuat`. The identity keeps the signs
-/// of zeros.
+/// `v` rotated by `quat`: the compiler's `mjuu_rotVecQuat`. The identity keeps the signs of zeros.
 fn turned(quat: Quat, v: Vec3) -> Vec3 {
     if v == [0.0; 3] || quat == [1.0, 0.0, 0.0, 0.0] {
         v

@@ -1,4 +1,4 @@
-//! Refuses figures on which the engine would go wrong.
+//! Refuses models on which the engine would compute wrong results or panic.
 
 use super::{CompiledModel, GeomType, JointType, features};
 use crate::{Error, Result};
@@ -18,7 +18,7 @@ fn bad(what: String) -> Error {
     Error::Model(what)
 }
 
-/// Every array named has the length of its group.
+/// Checks that every named array has the length of its group.
 macro_rules! same_length {
     ($m:ident, $length:expr, $($field:ident)+) => {
         same_length($length, &[$((stringify!($field), $m.$field.len())),+])?;
@@ -248,8 +248,8 @@ fn joints(m: &CompiledModel) -> Result<()> {
     Ok(())
 }
 
-/// The last degree of freedom of a body or else of its nearest ancestor that has one; -1 if none
-/// has.
+/// The last degree of freedom of a body, or of its nearest ancestor that has one; -1 if there is
+/// none.
 fn last_dof(m: &CompiledModel, mut body: usize) -> i32 {
     while body > 0 && m.body_dofnum[body] == 0 {
         body = m.body_parentid[body];

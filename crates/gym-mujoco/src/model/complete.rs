@@ -1,4 +1,4 @@
-//! Arrays that a model may leave out: those of features that it does not use.
+//! Fills arrays that a serialised model may leave out because it does not use their feature.
 
 use serde::{Deserialize, Serialize};
 
@@ -6,8 +6,8 @@ use super::{
     BiasType, CompiledModel, DynamicsType, GainType, ObjectType, TransmissionType, WrapType,
 };
 
-/// Numbers of an actuator's dynamics, gain or bias: ten, of which the last may be left out where
-/// they are read.
+/// Parameters of an actuator's dynamics, gain or bias: ten numbers. A serialised list may be
+/// shorter; the missing numbers are zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(from = "Vec<f64>")]
 pub struct Parameters(pub [f64; 10]);
@@ -22,13 +22,13 @@ impl From<Vec<f64>> for Parameters {
     }
 }
 
-/// How the medium acts on a geom: whether it does as on an ellipsoid, five coefficients, virtual
-/// masses and virtual moments. What is left out where they are read is zero.
+/// Fluid coefficients of a geom: 1 for the ellipsoid model (else 0), five coefficients, virtual
+/// masses and virtual moments. A serialised list may be shorter; the missing numbers are zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(from = "Numbers")]
 pub struct Fluid(pub [f64; 12]);
 
-/// A number, or several.
+/// A number or a list of numbers.
 #[derive(Deserialize)]
 #[serde(untagged)]
 enum Numbers {
@@ -53,7 +53,7 @@ impl From<Numbers> for Fluid {
 const SOLREF: [f64; 2] = [0.02, 1.0];
 const SOLIMP: [f64; 5] = [0.9, 0.95, 0.001, 0.5, 2.0];
 
-/// Fills those of `arrays` that are empty with `length` copies of `value`.
+/// Fills each empty array with `length` copies of `value`.
 fn fill<T: Clone, const N: usize>(length: usize, value: T, arrays: [&mut Vec<T>; N]) {
     let value = vec![value; length];
     for array in arrays {
@@ -64,7 +64,8 @@ fn fill<T: Clone, const N: usize>(length: usize, value: T, arrays: [&mut Vec<T>;
 }
 
 impl CompiledModel {
-    /// Fills arrays of features that the model does not use: an empty one says that there is none.
+    /// Fills arrays of features that the model does not use: an empty array means that the feature
+    /// is unused.
     pub(super) fn complete(&mut self) {
         let (nbody, njnt, nv, ngeom) = (self.nbody(), self.njnt(), self.nv(), self.ngeom());
         let (nu, ntendon, nkey) = (self.nu(), self.ntendon(), self.key_time.len());

@@ -1,5 +1,5 @@
-//! Figures that follow from others: masses of subtrees, and what the inertia matrix in the initial
-//! configuration gives: MuJoCo's `mj_setConst`.
+//! Fields of a model that are computed from other fields, such as masses of subtrees and inverse
+//! weights: MuJoCo's `mj_setConst`.
 
 use super::{CompiledModel, EqualityType, GeomType, JointType, Model, ObjectType, Revision};
 use crate::physics::dense::dot_slices;
@@ -10,14 +10,15 @@ use crate::physics::{com_pos, crb, factor_m, kinematics, solve_m, tendon, transm
 use crate::{Data, Result};
 
 impl Model {
-    /// Changes figures, and recomputes what follows from them: MuJoCo's `mj_setConst`. Where the
-    /// new figures are refused, the model stays as it was.
+    /// Changes fields of the model, and recomputes the fields that depend on them: MuJoCo's
+    /// `mj_setConst`. On error, the model is unchanged.
     ///
-    /// Recomputed are the masses of subtrees, inverse weights and inertias, lengths of tendons and
-    /// actuators, anchors of equality constraints, and `stat`. The bounding radii of geoms and the
-    /// marks of simple bodies follow too, which MuJoCo's function leaves. Whoever wants none of
-    /// this, as after a mere write to MuJoCo's `mjModel`, takes the figures with
-    /// [`into_compiled`](Self::into_compiled) and gives them to [`new`](Self::new).
+    /// It recomputes the masses of subtrees, inverse weights and inertias, lengths of tendons and
+    /// actuators, anchors of equality constraints, and `stat`. Unlike MuJoCo's function, it also
+    /// recomputes the bounding radii of geoms and `body_simple`. To change fields and recompute
+    /// nothing, like a plain write to MuJoCo's `mjModel`, call
+    /// [`into_compiled`](Self::into_compiled), change the result, and pass it to
+    /// [`new`](Self::new).
     ///
     /// ```
     /// use gym_mujoco::Model;
@@ -38,7 +39,7 @@ impl Model {
     pub fn change(&mut self, change: impl FnOnce(&mut CompiledModel)) -> Result<()> {
         let mut figures = Box::new(self.compiled.clone());
         change(&mut figures);
-        // lengths and ids are sound before anything is computed from them
+        // check lengths and ids before anything is computed from them
         let mut figures = Box::new(boxed(*figures)?.into_compiled());
         bound_geoms(&mut figures);
         mark_simple(&mut figures);
@@ -47,7 +48,7 @@ impl Model {
     }
 }
 
-/// The figures with those that follow from others.
+/// Computes the fields that depend on other fields.
 pub(crate) fn with_constants(mut m: Box<CompiledModel>) -> Result<Box<CompiledModel>> {
     add_subtree_masses(&mut m);
     let mut d = add_inertia(&mut m)?;
@@ -57,14 +58,14 @@ pub(crate) fn with_constants(mut m: Box<CompiledModel>) -> Result<Box<CompiledMo
     Ok(Box::new(with_figures(&model, &mut d)))
 }
 
-// A model and its data take several kilobytes each, and where nothing is optimised, each move of one
-// does too. In boxes and in functions of their own they fit on a small stack.
+// A model and its data take several kilobytes each. Unoptimised builds copy them at each move, so
+// they are boxed, in functions of their own, to fit on a small stack.
 
 fn boxed(m: CompiledModel) -> Result<Box<Model>> {
     Model::new(m).map(Box::new)
 }
 
-/// The radius of the ball around a shape; 0 for a plane and a mesh.
+/// The radius of the bounding sphere of a shape; 0 for a plane or a mesh.
 pub(crate) fn bounding_radius(shape: GeomType, size: [f64; 3]) -> f64 {
     match shape {
         GeomType::Plane | GeomType::Mesh => 0.0,
@@ -89,9 +90,9 @@ fn add_subtree_masses(m: &mut CompiledModel) {
     }
 }
 
-/// Marks bodies whose part of the inertia matrix is diagonal: without children, directly in the
-/// world or in a fixed child of it, with the inertial frame in the body's, moved along coordinate
-/// axes and then turned about at most one.
+/// Sets `body_simple`, which marks bodies whose part of the inertia matrix is diagonal. They have
+/// no children, a parent that is fixed in the world, an inertial frame equal to the body's, and
+/// joints along coordinate axes: slides, then at most one hinge.
 pub(crate) fn mark_simple(m: &mut CompiledModel) {
     m.body_simple.clear();
     for b in 0..m.nbody() {
@@ -127,9 +128,9 @@ pub(crate) fn mark_simple(m: &mut CompiledModel) {
     }
 }
 
-/// `dof_M0` and `meaninertia`, and the data in the initial configuration.
+/// Computes `dof_M0` and `meaninertia`, and returns the data of the initial configuration.
 fn add_inertia(m: &mut CompiledModel) -> Result<Box<Data>> {
-    // the engine takes the inertia of simple bodies from what is yet to be computed
+    // for simple bodies the engine reads `dof_M0`, which is not computed yet: mark none as simple
     m.dof_invweight0 = vec![0.0; m.nv()];
     m.dof_m0 = vec![0.0; m.nv()];
     m.body_invweight0 = vec![[0.0; 2]; m.nbody()];
@@ -159,13 +160,13 @@ fn initial_inertia(m: &Model, d: &mut Data) {
     crb(m, d);
 }
 
-/// Again, with the simple bodies' diagonals.
+/// Factors the inertia matrix again, now with the diagonals of simple bodies.
 fn factor_inertia(m: &Model, d: &mut Data) {
     crb(m, d);
     factor_m(m, d);
 }
 
-/// The model with what follows from the factored inertia.
+/// Computes the fields that depend on the factored inertia matrix.
 fn with_figures(model: &Model, d: &mut Data) -> CompiledModel {
     let mut m = CompiledModel::clone(model);
     add_dof_weights(&mut m, model, d);
@@ -178,8 +179,8 @@ fn with_figures(model: &Model, d: &mut Data) -> CompiledModel {
     m
 }
 
-/// `dof_invweight0`: the diagonal of the inverse inertia matrix, averaged over the three dofs of a
-/// kind of a free joint.
+/// `dof_invweight0`: the diagonal of the inverse inertia matrix. For a free joint it is averaged
+/// over the three translations, and over the three rotations.
 fn add_dof_weights(m: &mut CompiledModel, model: &Model, d: &Data) {
     let mut unit = vec![0.0; m.nv()];
     for i in 0..m.nv() {
@@ -205,8 +206,8 @@ fn add_dof_weights(m: &mut CompiledModel, model: &Model, d: &Data) {
     }
 }
 
-/// `body_invweight0`: the mean of the diagonal of `J M^-1 J'`, for translation and for rotation of
-/// the centre of mass.
+/// `body_invweight0`: the mean of the diagonal of `J M^-1 J'`, where `J` is the Jacobian of the
+/// centre of mass, for translation and for rotation.
 fn add_body_weights(m: &mut CompiledModel, model: &Model, d: &Data) {
     let (mut row, mut solved) = (vec![0.0; m.nv()], vec![0.0; m.nv()]);
     for b in 1..m.nbody() {
@@ -242,7 +243,7 @@ fn add_body_weights(m: &mut CompiledModel, model: &Model, d: &Data) {
     }
 }
 
-/// The second anchor of points that are joined, and the pose of welded bodies where none is given.
+/// The second anchor of connect constraints, and the relative pose of welds that give none.
 fn add_equalities(m: &mut CompiledModel, d: &Data) {
     for i in 0..m.neq() {
         if m.eq_objtype[i] != ObjectType::Body {
@@ -297,7 +298,8 @@ fn add_tendons(m: &mut CompiledModel, model: &Model, d: &mut Data) {
     }
 }
 
-/// A sparse vector of the degrees of freedom as a dense one, and the accelerations by these forces.
+/// A sparse vector over the degrees of freedom as a dense one (a force), and the acceleration by
+/// this force.
 fn response(model: &Model, d: &Data, columns: &[usize], values: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let mut dense = vec![0.0; model.nv()];
     for (&dof, value) in columns.iter().zip(values) {
@@ -308,7 +310,7 @@ fn response(model: &Model, d: &Data, columns: &[usize], values: &[f64]) -> (Vec<
     (dense, solved)
 }
 
-/// `actuator_acc0`, and the damping of servos that is given as a ratio.
+/// Computes `actuator_acc0`, and the damping of servos that is given as a ratio.
 fn add_actuators(m: &mut CompiledModel, model: &Model, d: &Data) {
     for i in 0..m.nu() {
         let (columns, moments) = d.work.moments.row(i);
@@ -330,15 +332,15 @@ fn add_actuators(m: &mut CompiledModel, model: &Model, d: &Data) {
                 }
                 mass
             }
-            // the inertia that the actuator feels
+            // the inertia that the actuator moves
             Revision::V4_0 => 1.0 / dot_slices(&dense, &solved).max(MINVAL),
         };
         bias[2] = -(bias[2] * 2.0 * (kp * mass).sqrt());
     }
 }
 
-/// The lengths of slack springs of tendons where the joints' springs are at rest: MuJoCo's
-/// `setSpring`.
+/// The rest lengths of tendon springs that give none: the lengths at the joints' `springref`:
+/// MuJoCo's `setSpring`.
 fn add_springs(m: &mut CompiledModel, model: &Model, d: &mut Data) {
     d.qpos.copy_from_slice(&model.qpos_spring);
     kinematics(model, d);
@@ -351,7 +353,7 @@ fn add_springs(m: &mut CompiledModel, model: &Model, d: &mut Data) {
     }
 }
 
-/// How far each body reaches from its centre of mass: to its joints and around its geoms.
+/// The size of each body: the greatest distance from its centre of mass to its joints and geoms.
 pub(crate) fn body_sizes(m: &CompiledModel, d: &Data) -> Vec<f64> {
     const LEAST: f64 = 1e-5;
     let distance = |a: [f64; 3], b: [f64; 3]| norm(sub(a, b));
@@ -370,7 +372,7 @@ pub(crate) fn body_sizes(m: &CompiledModel, d: &Data) -> Vec<f64> {
     size
 }
 
-/// Sizes of the bodies and of the whole: MuJoCo's `setStat`.
+/// Computes the sizes of bodies, and the model's statistics: MuJoCo's `setStat`.
 fn add_statistics(m: &mut CompiledModel, d: &Data) {
     let (mut min, mut max) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
     let mut cover = |centre: [f64; 3], radius: f64| {

@@ -1,4 +1,4 @@
-//! What the actuators of a model need, as far as it does not depend on the state.
+//! Properties of a model's actuators that do not depend on the state.
 
 use super::{
     BiasType, CompiledModel, Disable, DynamicsType, GainType, JointType, ObjectType,
@@ -12,8 +12,8 @@ fn scalar(m: &CompiledModel, joint: i32) -> bool {
     )
 }
 
-/// Whether all actuators are motors of slides and hinges whose force is the control, and nothing
-/// else limits or changes it.
+/// Whether all actuators are motors on slides and hinges whose force equals the control, without
+/// ranges of force, joint or group.
 pub(super) fn motors(m: &CompiledModel) -> bool {
     let plain = |i: usize| {
         m.actuator_trntype[i] == TransmissionType::Joint
@@ -32,8 +32,8 @@ pub(super) fn motors(m: &CompiledModel) -> bool {
         && !m.jnt_actgravcomp.contains(&true)
 }
 
-/// Whether the force of an actuator acts along a slide, a hinge, or a sum of such joints' positions,
-/// and is the control times a constant but for what the bias adds.
+/// Whether the transmission of an actuator is a slide, a hinge, or a fixed tendon, and its force is
+/// the control times a constant plus a bias.
 fn straight(m: &CompiledModel, i: usize) -> bool {
     let id = m.actuator_trnid[i][0];
     let moved = match m.actuator_trntype[i] {
@@ -56,13 +56,13 @@ fn straight(m: &CompiledModel, i: usize) -> bool {
         && m.actuator_gaintype[i] == GainType::Fixed
 }
 
-/// Whether the forces of all actuators on degrees of freedom follow from controls alone.
+/// Whether all actuator forces on degrees of freedom depend on controls alone.
 pub(super) fn steady(m: &CompiledModel) -> bool {
     let plain = |i: usize| straight(m, i) && m.actuator_biastype[i] == BiasType::None;
     (0..m.nu()).all(plain) && !m.jnt_actgravcomp.contains(&true)
 }
 
-/// Whether they are the control times a constant, and the position times another one.
+/// Whether all actuator forces are a constant times the control plus a constant times the position.
 pub(super) fn servos(m: &CompiledModel) -> bool {
     let plain = |i: usize| {
         let [rest, _, damping] = [0, 1, 2].map(|k| m.actuator_biasprm[i].0[k]);
@@ -79,12 +79,13 @@ pub(super) fn servos(m: &CompiledModel) -> bool {
         && !m.jnt_actgravcomp.contains(&true)
 }
 
-/// Whether lengths and velocities of actuators are needed.
+/// Whether the engine must compute lengths and velocities of actuators.
 pub(super) fn transmits(m: &CompiledModel) -> bool {
     !motors(m) || m.sensor_objtype.contains(&ObjectType::Actuator)
 }
 
-/// The periods of setpoints that are angles about any axis; 0 for others: MuJoCo's `wrapPeriod`.
+/// The period of each actuator's setpoint if it is an angle of a ball joint or between sites, else
+/// 0: MuJoCo's `wrapPeriod`.
 pub(super) fn periods(m: &CompiledModel) -> Vec<f64> {
     let length = |v: &[f64]| (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt();
     let period = |i: usize| {

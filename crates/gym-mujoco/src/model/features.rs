@@ -1,4 +1,4 @@
-//! Ids of the features that refer to other objects, and the features that the engine lacks.
+//! Checks references between objects, and refuses features that the engine does not support.
 
 use super::{
     CompiledModel, Cone, Disable, DynamicsType, EqualityType, GainType, GeomType, Integrator,
@@ -6,8 +6,8 @@ use super::{
 };
 use crate::Result;
 
-/// Checks ids of actuators, tendons, equality constraints, sensors and pairs, and refuses what the
-/// engine does not compute.
+/// Checks ids of actuators, tendons, equality constraints, sensors and pairs, and refuses
+/// unsupported features.
 pub(super) fn check(m: &CompiledModel) -> Result<()> {
     actuators(m)?;
     tendons(m)?;
@@ -23,7 +23,7 @@ pub(super) fn check(m: &CompiledModel) -> Result<()> {
     unsupported(m)
 }
 
-/// How many objects of a kind there are.
+/// The number of objects of a kind.
 fn count(m: &CompiledModel, kind: ObjectType) -> usize {
     match kind {
         ObjectType::Unknown => 0,
@@ -41,7 +41,7 @@ fn exists(m: &CompiledModel, kind: ObjectType, id: i32) -> bool {
     usize::try_from(id).is_ok_and(|id| id < count(m, kind))
 }
 
-/// Whether this is a slide or hinge.
+/// Whether a joint is a slide or a hinge.
 fn scalar(m: &CompiledModel, id: i32) -> bool {
     let kind = usize::try_from(id).ok().and_then(|id| m.jnt_type.get(id));
     matches!(kind, Some(JointType::Slide | JointType::Hinge))
@@ -108,7 +108,8 @@ fn tendons(m: &CompiledModel) -> Result<()> {
     Ok(())
 }
 
-/// Whether geoms of a path are between sites, and what follows a pulley begins with a site.
+/// Whether each geom of a path is between two sites, and each part after a pulley begins with a
+/// site.
 fn sound(path: &[WrapType]) -> bool {
     let site = |i: usize| path.get(i) == Some(&WrapType::Site);
     path.iter().enumerate().all(|(i, part)| match part {
@@ -165,7 +166,7 @@ fn sensors(m: &CompiledModel) -> Result<()> {
     Ok(())
 }
 
-/// Refuses what the engine does not compute.
+/// Refuses unsupported features.
 fn unsupported(m: &CompiledModel) -> Result<()> {
     let o = &m.opt;
     let pulls = m.neq() > 0

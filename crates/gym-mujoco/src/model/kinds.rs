@@ -1,4 +1,4 @@
-//! The kinds of a model's objects, with MuJoCo's numbers.
+//! Types of a model's objects, with MuJoCo's numbers.
 
 use serde::{Deserialize, Serialize};
 
@@ -66,13 +66,13 @@ numbered! {
         Cylinder = 5,
         /// A box.
         Box = 6,
-        /// A mesh that only pictures show: it has no size here, and no contacts.
+        /// A mesh, which only pictures show: it has no size here, and no contacts.
         Mesh = 7,
     }
 }
 
 numbered! {
-    /// How velocities and positions follow from accelerations: MuJoCo's `mjtIntegrator`.
+    /// The integrator of accelerations to velocities and positions: MuJoCo's `mjtIntegrator`.
     Integrator, "integrator" {
         /// Semi-implicit Euler, implicit in joint damping.
         Euler = 0,
@@ -86,7 +86,7 @@ numbered! {
 }
 
 numbered! {
-    /// How constraint forces are found: MuJoCo's `mjtSolver`.
+    /// The solver of constraint forces: MuJoCo's `mjtSolver`.
     Solver, "solver" {
         /// Projected Gauss-Seidel.
         PGS = 0,
@@ -98,9 +98,9 @@ numbered! {
 }
 
 numbered! {
-    /// The form of the cones of friction: MuJoCo's `mjtCone`.
+    /// The type of friction cones: MuJoCo's `mjtCone`.
     Cone, "cone" {
-        /// Pyramids, whose edges are rows.
+        /// Pyramids; a contact has one row for each edge.
         Pyramidal = 0,
         /// Elliptic cones.
         Elliptic = 1,
@@ -108,7 +108,7 @@ numbered! {
 }
 
 numbered! {
-    /// What an equality constraint relates: MuJoCo's `mjtEq`.
+    /// The types of equality constraint: MuJoCo's `mjtEq`.
     EqualityType, "equality type" {
         /// Two bodies at a point.
         Connect = 0,
@@ -126,7 +126,7 @@ numbered! {
     WrapType, "wrap type" {
         /// A joint of a fixed tendon.
         Joint = 1,
-        /// What follows counts divided.
+        /// A pulley: the lengths after it are divided by its divisor.
         Pulley = 2,
         /// A site that the tendon passes through.
         Site = 3,
@@ -138,11 +138,11 @@ numbered! {
 }
 
 numbered! {
-    /// What an actuator acts on: MuJoCo's `mjtTrn`.
+    /// The transmission of an actuator: MuJoCo's `mjtTrn`.
     TransmissionType, "transmission type" {
         /// A joint.
         Joint = 0,
-        /// A joint, with a ball's or free joint's axis in the parent's frame.
+        /// A joint; the axis of a ball or free joint is given in the parent's frame.
         JointInParent = 1,
         /// A tendon.
         Tendon = 3,
@@ -152,35 +152,35 @@ numbered! {
 }
 
 numbered! {
-    /// How an activation changes: MuJoCo's `mjtDyn`.
+    /// The activation dynamics: MuJoCo's `mjtDyn`.
     DynamicsType, "dynamics type" {
-        /// There is no activation.
+        /// No activation.
         None = 0,
-        /// By the control.
+        /// The control is the rate of change.
         Integrator = 1,
-        /// Towards the control.
+        /// First-order filter of the control.
         Filter = 2,
-        /// Towards the control, integrated exactly.
+        /// First-order filter of the control, integrated exactly.
         FilterExact = 3,
-        /// As that of a muscle.
+        /// Muscle activation.
         Muscle = 4,
     }
 }
 
 numbered! {
-    /// How force follows from control or activation: MuJoCo's `mjtGain`.
+    /// The gain, which multiplies the control or activation: MuJoCo's `mjtGain`.
     GainType, "gain type" {
-        /// By a constant factor.
+        /// A constant.
         Fixed = 0,
-        /// By a factor that depends on length and velocity.
+        /// An affine function of length and velocity.
         Affine = 1,
-        /// As that of a muscle.
+        /// A muscle's active force.
         Muscle = 2,
     }
 }
 
 numbered! {
-    /// The force without control: MuJoCo's `mjtBias`.
+    /// The bias, which is added to the force: MuJoCo's `mjtBias`.
     BiasType, "bias type" {
         /// None.
         None = 0,
@@ -192,7 +192,7 @@ numbered! {
 }
 
 numbered! {
-    /// The kinds of object that a sensor is about: MuJoCo's `mjtObj`.
+    /// The types of a sensor's object: MuJoCo's `mjtObj`.
     ObjectType, "object type" {
         /// None.
         Unknown = 0,
@@ -216,7 +216,7 @@ numbered! {
 }
 
 impl JointType {
-    /// How many numbers its position has.
+    /// The number of positions of a joint of this type.
     #[must_use]
     pub fn nq(self) -> usize {
         match self {
@@ -226,7 +226,7 @@ impl JointType {
         }
     }
 
-    /// How many degrees of freedom it has.
+    /// The number of degrees of freedom of a joint of this type.
     #[must_use]
     pub fn nv(self) -> usize {
         match self {
@@ -238,7 +238,7 @@ impl JointType {
 }
 
 impl EqualityType {
-    /// How many rows it has.
+    /// The number of rows of a constraint of this type.
     #[must_use]
     pub fn rows(self) -> usize {
         match self {
@@ -249,8 +249,8 @@ impl EqualityType {
     }
 }
 
-/// Sensors: the names of MJCF, the variants with MuJoCo's numbers, what they are about, how many
-/// numbers they give, and when these are known.
+/// Declares the sensors: name in MJCF, variant, MuJoCo's number, object, number of values, and the
+/// stage after which they can be computed.
 macro_rules! sensors {
     ($($(#[$doc:meta])* $name:literal $variant:ident = $number:literal, $object:ident, $dim:literal, $stage:ident;)+) => {
         numbered! {
@@ -261,17 +261,17 @@ macro_rules! sensors {
         }
 
         impl SensorType {
-            /// All kinds under their names in MJCF.
+            /// All types, with their names in MJCF.
             pub(crate) const ALL: &[(&str, Self)] = &[$(($name, Self::$variant),)+];
 
-            /// What it is about.
+            /// The kind of object that the sensor measures.
             pub(crate) fn about(self) -> About {
                 match self {
                     $(Self::$variant => About::$object,)+
                 }
             }
 
-            /// How many numbers it gives.
+            /// The number of values.
             #[must_use]
             pub fn dim(self) -> usize {
                 match self {
@@ -279,7 +279,7 @@ macro_rules! sensors {
                 }
             }
 
-            /// What must be known to compute it.
+            /// The stage after which the sensor can be computed.
             pub(crate) fn stage(self) -> Stage {
                 match self {
                     $(Self::$variant => Stage::$stage,)+
@@ -289,7 +289,7 @@ macro_rules! sensors {
     };
 }
 
-/// What a sensor is about.
+/// The kind of object that a sensor measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum About {
     Nothing,
@@ -301,11 +301,11 @@ pub(crate) enum About {
     Body,
     /// A body, geom, site or camera.
     Frame,
-    /// One of these, in the frame of another one if that is given.
+    /// A body, geom, site or camera, optionally in the frame of another.
     Relative,
 }
 
-/// The parts of a forward call.
+/// A stage of a forward call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Stage {
     Position,
@@ -352,15 +352,15 @@ sensors! {
     "ballquat" BallQuat = 18, Ball, 4, Position;
     /// Angular velocity of a ball joint.
     "ballangvel" BallAngVel = 19, Ball, 3, Velocity;
-    /// Distance of a joint to its limit, where that acts.
+    /// Distance of a joint to its limit, if the limit is active.
     "jointlimitpos" JointLimitPos = 20, Joint, 1, Position;
-    /// Velocity of a joint towards its limit, where that acts.
+    /// Velocity of a joint towards its limit, if the limit is active.
     "jointlimitvel" JointLimitVel = 21, Joint, 1, Velocity;
     /// Force of a joint's limit.
     "jointlimitfrc" JointLimitFrc = 22, Joint, 1, Acceleration;
-    /// Distance of a tendon to its limit, where that acts.
+    /// Distance of a tendon to its limit, if the limit is active.
     "tendonlimitpos" TendonLimitPos = 23, Tendon, 1, Position;
-    /// Velocity of a tendon towards its limit, where that acts.
+    /// Velocity of a tendon towards its limit, if the limit is active.
     "tendonlimitvel" TendonLimitVel = 24, Tendon, 1, Velocity;
     /// Force of a tendon's limit.
     "tendonlimitfrc" TendonLimitFrc = 25, Tendon, 1, Acceleration;
@@ -397,21 +397,21 @@ sensors! {
 }
 
 impl SensorType {
-    /// Whether numbers are bounded by the cutoff: on both sides, or above where they are positive;
-    /// not for axes and quaternions.
+    /// Whether the cutoff clamps the values: on both sides, or only above if they are never
+    /// negative. Axes and quaternions are not clamped.
     #[must_use]
     pub fn has_cutoff(self) -> bool {
         let axes = [Self::FrameXAxis, Self::FrameYAxis, Self::FrameZAxis];
         !axes.contains(&self) && !self.is_quaternion()
     }
 
-    /// Whether it gives a quaternion.
+    /// Whether the sensor returns a quaternion.
     #[must_use]
     pub fn is_quaternion(self) -> bool {
         matches!(self, Self::FrameQuat | Self::BallQuat)
     }
 
-    /// Whether its numbers are never negative.
+    /// Whether the values are never negative.
     #[must_use]
     pub fn is_positive(self) -> bool {
         matches!(self, Self::Touch | Self::Rangefinder)

@@ -1,9 +1,9 @@
-//! Constraints of equality, of dry friction and of tendons, as far as they do not depend on the
+//! Equality constraints, dry friction and tendon limits: their properties that do not depend on the
 //! state.
 
 use super::{CompiledModel, Disable, EqualityType, ObjectType, Softness};
 
-/// All of them, in the order of their rows.
+/// All such constraints, in the order of their rows.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Laws {
     pub(crate) equalities: Vec<Equality>,
@@ -15,7 +15,7 @@ pub(crate) struct Laws {
     pub(crate) tendon_limits: Vec<Scalar>,
 }
 
-/// A constraint of equality.
+/// An equality constraint.
 #[derive(Clone, Debug)]
 pub(crate) struct Equality {
     pub(crate) id: usize,
@@ -23,17 +23,18 @@ pub(crate) struct Equality {
     /// For connect and weld, the two bodies.
     pub(crate) bodies: [usize; 2],
     pub(crate) softness: Softness,
-    /// Sums of inverse weights: of translation or of the whole, and of rotation.
+    /// Sums of the bodies' inverse weights: of translation (or, for joints and tendons, of the
+    /// whole), and of rotation.
     pub(crate) diag: [f64; 2],
 }
 
-/// A constraint of one row, of a degree of freedom or of a tendon.
+/// A constraint of one row, on a degree of freedom or a tendon.
 #[derive(Clone, Debug)]
 pub(crate) struct Scalar {
     pub(crate) id: usize,
     pub(crate) softness: Softness,
     pub(crate) diag: f64,
-    /// The force of dry friction.
+    /// The friction loss.
     pub(crate) loss: f64,
 }
 
@@ -79,14 +80,14 @@ impl Laws {
         laws
     }
 
-    /// Whether there are constraints that pull as well as push.
+    /// Whether some constraints can pull as well as push.
     pub(crate) fn pull(&self) -> bool {
         !self.equalities.is_empty()
             || !self.dof_frictions.is_empty()
             || !self.tendon_frictions.is_empty()
     }
 
-    /// The most blocks and rows that there can be.
+    /// The largest number of blocks and of rows.
     pub(crate) fn most(&self) -> (usize, usize) {
         let scalars = self.dof_frictions.len() + self.tendon_frictions.len();
         let limits = 2 * self.tendon_limits.len();

@@ -83,7 +83,7 @@ impl CompiledModel {
         self.sensor_type.len()
     }
 
-    /// How many numbers all sensors give.
+    /// Total number of sensor values.
     #[must_use]
     pub fn nsensordata(&self) -> usize {
         self.sensor_dim.iter().sum()

@@ -1,8 +1,8 @@
-//! The figures of a contact from those of its two geoms.
+//! Contact parameters mixed from the two geoms.
 
 use super::CompiledModel;
 
-/// Figures of a contact.
+/// The parameters of a contact.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Mixed {
     pub(crate) dim: u8,
@@ -12,8 +12,8 @@ pub(crate) struct Mixed {
 }
 
 impl CompiledModel {
-    /// Those of the geom of higher priority, or else the greater dimension and friction, and
-    /// softness by weights: MuJoCo's `mj_contactParam`.
+    /// The parameters of the geom with higher priority. For equal priority, the greater `condim`,
+    /// the greater friction, and solref and solimp averaged by weight: MuJoCo's `mj_contactParam`.
     pub(crate) fn mixed(&self, g1: usize, g2: usize) -> Mixed {
         let (priority1, priority2) = (self.geom_priority[g1], self.geom_priority[g2]);
         if priority1 != priority2 {
@@ -48,7 +48,7 @@ impl CompiledModel {
     }
 }
 
-/// The weight of the first of two geoms.
+/// The weight of the first geom in the average.
 fn weight(s1: f64, s2: f64) -> f64 {
     const LEAST: f64 = 1e-15;
     match (s1 >= LEAST, s2 >= LEAST) {

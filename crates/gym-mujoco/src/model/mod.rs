@@ -1,8 +1,8 @@
 //! The constant part of a simulation: bodies, joints, geoms and everything that follows from them.
 //!
-//! [`CompiledModel`] is plain data under the names of MuJoCo's `mjModel`, and its serialised form
-//! has these names too, so that figures of the two can be compared directly. [`Model`] is a checked
-//! one; the engine accepts only this.
+//! [`CompiledModel`] is plain data. Its fields, and its serialised form, have the names of MuJoCo's
+//! `mjModel`, so that the two can be compared directly. [`Model`] is a checked [`CompiledModel`];
+//! the engine accepts only this.
 
 /// Returns an error with this text unless the condition holds.
 macro_rules! ensure {
@@ -49,8 +49,8 @@ pub use types::{Disable, Names, Options, Statistics};
 
 /// A checked [`CompiledModel`], with the engine's precomputed data.
 ///
-/// It dereferences to the figures. Because the engine relies on them, [`change`](Self::change)
-/// changes them: it checks them, and recomputes what follows from them.
+/// It dereferences to [`CompiledModel`] for reading. To change fields, call
+/// [`change`](Self::change), which checks them and recomputes the fields that depend on them.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(try_from = "CompiledModel", into = "CompiledModel")]
 pub struct Model {
@@ -59,7 +59,7 @@ pub struct Model {
 }
 
 impl Model {
-    /// Checks the figures and prepares the engine for them.
+    /// Checks the model, and precomputes what the engine needs.
     ///
     /// # Errors
     /// [`Error::Model`] if arrays have different lengths, ids point nowhere, numbers are not
@@ -72,7 +72,7 @@ impl Model {
         Ok(Self { compiled, plan })
     }
 
-    /// The figures. Change them, and make a model of them again.
+    /// Returns the compiled model. Change its fields, and pass it to [`new`](Self::new).
     #[must_use]
     pub fn into_compiled(self) -> CompiledModel {
         self.compiled
@@ -105,7 +105,7 @@ impl From<Model> for CompiledModel {
     }
 }
 
-/// The figures of a compiled model, under the names of MuJoCo's `mjModel`.
+/// A compiled model, with the field names of MuJoCo's `mjModel`.
 ///
 /// Arrays named `body_*` have one element for each body, `jnt_*` for each joint, `dof_*` for each
 /// degree of freedom, `geom_*` for each geom, and so on. Body 0 is the world. Ids that may be
@@ -127,15 +127,16 @@ pub struct CompiledModel {
 
     /// Positions of the joints in the model's initial configuration (nq numbers).
     pub qpos0: Vec<f64>,
-    /// Positions at which the joints' springs are at rest (nq numbers).
+    /// Spring reference positions of the joints (nq numbers).
     pub qpos_spring: Vec<f64>,
 
-    /// The body's parent; it has a smaller id. The world's is the world.
+    /// The body's parent, which has a smaller id; the world is its own parent.
     pub body_parentid: Vec<usize>,
     /// The ancestor that is a child of the world: the root of the kinematic tree whose centre of
     /// mass is the reference point of spatial vectors.
     pub body_rootid: Vec<usize>,
-    /// The nearest ancestor with joints, or the body itself: all bodies of equal value move as one.
+    /// The nearest ancestor with joints, or the body itself: bodies with the same value move as
+    /// one.
     pub body_weldid: Vec<usize>,
     /// The tree of bodies that can move; -1 for static bodies.
     pub body_treeid: Vec<i32>,
@@ -151,8 +152,8 @@ pub struct CompiledModel {
     pub body_geomnum: Vec<usize>,
     /// First geom; -1 if there is none.
     pub body_geomadr: Vec<i32>,
-    /// 1: the body's inertia matrix is diagonal; 2: it is diagonal, and the body only slides; 0:
-    /// neither.
+    /// 1 if the body's part of the inertia matrix is diagonal, 2 if the body also has only slides,
+    /// else 0.
     pub body_simple: Vec<u8>,
     /// Position in the parent's frame.
     pub body_pos: Vec<[f64; 3]>,
@@ -171,9 +172,9 @@ pub struct CompiledModel {
     /// Mean inverse inertia at the centre of mass in the initial configuration: of translation, of
     /// rotation.
     pub body_invweight0: Vec<[f64; 2]>,
-    /// The number of a mocap body, which moves as its `mocap_pos` says; -1 for others.
+    /// The index of the mocap body in `mocap_pos`; -1 for other bodies.
     pub body_mocapid: Vec<i32>,
-    /// The part of its weight that is lifted.
+    /// Gravity compensation, as a fraction of the body's weight.
     pub body_gravcomp: Vec<f64>,
 
     /// The joint's degrees of freedom.
@@ -202,33 +203,34 @@ pub struct CompiledModel {
     pub jnt_solimp: Vec<[f64; 5]>,
     /// Whether `jnt_actfrcrange` applies.
     pub jnt_actfrclimited: Vec<bool>,
-    /// Least and greatest force of all actuators together.
+    /// Lower and upper limit of the total actuator force.
     pub jnt_actfrcrange: Vec<[f64; 2]>,
-    /// Whether actuators, and not passive forces, lift weights.
+    /// Whether gravity compensation is part of the actuator forces instead of the passive forces.
     pub jnt_actgravcomp: Vec<bool>,
 
     /// The degree of freedom's body.
     pub dof_bodyid: Vec<usize>,
     /// The degree of freedom's joint.
     pub dof_jntid: Vec<usize>,
-    /// The degree of freedom before this one on the way to the root; -1 at the root.
+    /// The previous degree of freedom on the path to the root; -1 at the root.
     pub dof_parentid: Vec<i32>,
-    /// The tree.
+    /// The kinematic tree.
     pub dof_treeid: Vec<usize>,
-    /// Number of degrees of freedom from here on, whose bodies are simple (`body_simple`).
+    /// The number of consecutive degrees of freedom from this one on whose bodies are simple
+    /// (`body_simple`).
     pub dof_simplenum: Vec<usize>,
     /// Inertia added to the diagonal of the inertia matrix.
     pub dof_armature: Vec<f64>,
     /// Damping.
     pub dof_damping: Vec<f64>,
-    /// Force of dry friction.
+    /// Friction loss.
     pub dof_frictionloss: Vec<f64>,
     /// Reference of dry friction: time constant, damping ratio.
     pub dof_solref: Vec<[f64; 2]>,
     /// Impedance of dry friction: dmin, dmax, width, midpoint, power.
     pub dof_solimp: Vec<[f64; 5]>,
-    /// Diagonal of the inverse inertia matrix in the initial configuration, averaged over three for
-    /// a free joint.
+    /// Diagonal of the inverse inertia matrix in the initial configuration; for a free joint,
+    /// averaged over the three translations and over the three rotations.
     pub dof_invweight0: Vec<f64>,
     /// Diagonal of the inertia matrix in the initial configuration.
     #[serde(rename = "dof_M0")]
@@ -238,16 +240,17 @@ pub struct CompiledModel {
     pub geom_type: Vec<GeomType>,
     /// The geom's body.
     pub geom_bodyid: Vec<usize>,
-    /// Bits of which one must be in the other's `geom_conaffinity` for two geoms to collide.
+    /// Two geoms collide if a bit of one's `geom_contype` is set in the other's `geom_conaffinity`.
     pub geom_contype: Vec<u32>,
     /// See `geom_contype`.
     pub geom_conaffinity: Vec<u32>,
-    /// Dimensions of the contact: 1 without, 3 with friction.
+    /// Dimension of the contact: 1 without friction, 3 with sliding friction.
     pub geom_condim: Vec<u8>,
-    /// The geom of higher priority sets friction and softness of a contact alone.
+    /// If priorities differ, the geom with the higher one determines friction and softness of a
+    /// contact.
     pub geom_priority: Vec<i32>,
-    /// Half sizes: sphere radius; capsule and cylinder radius, half length; plane half lengths for
-    /// drawing.
+    /// Sizes: a sphere's radius; radius and half length of a capsule or cylinder; half lengths of a
+    /// box and, for drawing, of a plane.
     pub geom_size: Vec<[f64; 3]>,
     /// Radius of the bounding sphere; 0 for a plane.
     pub geom_rbound: Vec<f64>,
@@ -257,7 +260,7 @@ pub struct CompiledModel {
     pub geom_quat: Vec<[f64; 4]>,
     /// Friction: slide, spin, roll.
     pub geom_friction: Vec<[f64; 3]>,
-    /// Weight of the geom's softness in a contact's.
+    /// Weight of the geom when solref and solimp of a contact are averaged.
     pub geom_solmix: Vec<f64>,
     /// Reference of its contacts: time constant, damping ratio.
     pub geom_solref: Vec<[f64; 2]>,
@@ -271,8 +274,8 @@ pub struct CompiledModel {
     pub geom_rgba: Vec<[f64; 4]>,
     /// Material; -1 if there is none.
     pub geom_matid: Vec<i32>,
-    /// How the medium acts on an ellipsoid: whether it does, five coefficients, virtual masses and
-    /// moments.
+    /// Fluid coefficients: 1 for the ellipsoid model (else 0), five coefficients, virtual masses
+    /// and moments.
     pub geom_fluid: Vec<Fluid>,
 
     /// The site's body.
@@ -292,7 +295,7 @@ pub struct CompiledModel {
     pub cam_mode: Vec<u8>,
     /// The camera's body.
     pub cam_bodyid: Vec<usize>,
-    /// The body that it looks at, in the modes that have one; else -1.
+    /// The target body of the modes targetbody and targetbodycom; -1 in other modes.
     pub cam_targetbodyid: Vec<i32>,
     /// Position in the body's frame.
     pub cam_pos: Vec<[f64; 3]>,
@@ -311,43 +314,43 @@ pub struct CompiledModel {
     /// Colours of the materials: red, green, blue, opacity.
     pub mat_rgba: Vec<[f64; 4]>,
 
-    /// What the actuator acts on.
+    /// Type of the transmission.
     pub actuator_trntype: Vec<TransmissionType>,
-    /// The joint, tendon or site; then the site of reference, or -1.
+    /// The joint, tendon or site, then the reference site or -1.
     pub actuator_trnid: Vec<[i32; 2]>,
-    /// Force or torque for a force of 1, along the axes of joint or site.
+    /// Gear: force or torque on each axis of the joint or site, per unit of actuator force.
     pub actuator_gear: Vec<[f64; 6]>,
-    /// How the activation changes.
+    /// Type of the activation dynamics.
     pub actuator_dyntype: Vec<DynamicsType>,
-    /// How force follows from control or activation.
+    /// Type of the gain, which multiplies the control or activation.
     pub actuator_gaintype: Vec<GainType>,
-    /// The force without control.
+    /// Type of the bias, which is added to the force.
     pub actuator_biastype: Vec<BiasType>,
-    /// Numbers of the dynamics.
+    /// Parameters of the dynamics.
     pub actuator_dynprm: Vec<Parameters>,
-    /// Numbers of the gain.
+    /// Parameters of the gain.
     pub actuator_gainprm: Vec<Parameters>,
-    /// Numbers of the bias.
+    /// Parameters of the bias.
     pub actuator_biasprm: Vec<Parameters>,
-    /// Whether `actuator_ctrlrange` holds.
+    /// Whether `actuator_ctrlrange` applies.
     pub actuator_ctrllimited: Vec<bool>,
     /// Least and greatest control.
     pub actuator_ctrlrange: Vec<[f64; 2]>,
-    /// Whether `actuator_forcerange` holds.
+    /// Whether `actuator_forcerange` applies.
     pub actuator_forcelimited: Vec<bool>,
     /// Least and greatest force.
     pub actuator_forcerange: Vec<[f64; 2]>,
-    /// Whether `actuator_actrange` holds.
+    /// Whether `actuator_actrange` applies.
     pub actuator_actlimited: Vec<bool>,
     /// Least and greatest activation.
     pub actuator_actrange: Vec<[f64; 2]>,
-    /// The activation in `act`; -1 if there is none.
+    /// Index of the activation in `act`; -1 if there is none.
     pub actuator_actadr: Vec<i32>,
-    /// Whether the force follows from the next activation.
+    /// Whether the force uses the activation of the next timestep.
     pub actuator_actearly: Vec<bool>,
-    /// Group, which can be switched off.
+    /// Group; groups can be disabled.
     pub actuator_group: Vec<i32>,
-    /// Least and greatest length, which muscles refer to.
+    /// Least and greatest length, for muscles.
     pub actuator_lengthrange: Vec<[f64; 2]>,
     /// Length in the initial configuration.
     pub actuator_length0: Vec<f64>,
@@ -368,7 +371,7 @@ pub struct CompiledModel {
     pub tendon_stiffness: Vec<f64>,
     /// Damping.
     pub tendon_damping: Vec<f64>,
-    /// Force of dry friction.
+    /// Friction loss.
     pub tendon_frictionloss: Vec<f64>,
     /// Lengths between which the spring is slack.
     pub tendon_lengthspring: Vec<[f64; 2]>,
@@ -378,7 +381,7 @@ pub struct CompiledModel {
     pub tendon_invweight0: Vec<f64>,
     /// Whether `tendon_actfrcrange` applies.
     pub tendon_actfrclimited: Vec<bool>,
-    /// Least and greatest force of all actuators together.
+    /// Lower and upper limit of the total actuator force.
     pub tendon_actfrcrange: Vec<[f64; 2]>,
     /// Reference of the limit: time constant, damping ratio.
     pub tendon_solref_lim: Vec<[f64; 2]>,
@@ -392,19 +395,18 @@ pub struct CompiledModel {
     pub wrap_type: Vec<WrapType>,
     /// Joints, sites and geoms of the tendons' parts; -1 for a pulley.
     pub wrap_objid: Vec<i32>,
-    /// Coefficients of joints, divisors of pulleys, and the sites on whose side geoms are passed,
-    /// or -1.
+    /// Coefficient of a joint, divisor of a pulley, or side site of a geom (-1 for none).
     pub wrap_prm: Vec<f64>,
 
     /// Kinds of the equality constraints.
     pub eq_type: Vec<EqualityType>,
-    /// Kinds of their objects.
+    /// Types of the objects that they constrain.
     pub eq_objtype: Vec<ObjectType>,
     /// The first object.
     pub eq_obj1id: Vec<i32>,
     /// The second object; -1 if there is none.
     pub eq_obj2id: Vec<i32>,
-    /// Whether the constraint holds at first.
+    /// Whether the constraint is active initially.
     pub eq_active0: Vec<bool>,
     /// Reference: time constant, damping ratio.
     pub eq_solref: Vec<[f64; 2]>,
@@ -415,24 +417,24 @@ pub struct CompiledModel {
 
     /// Kinds of the sensors.
     pub sensor_type: Vec<SensorType>,
-    /// Kinds of the objects that they are about.
+    /// Type of the sensor's object.
     pub sensor_objtype: Vec<ObjectType>,
-    /// These objects; -1 if there is none.
+    /// The object; -1 if there is none.
     pub sensor_objid: Vec<i32>,
-    /// Kinds of the objects whose frames they refer to.
+    /// Type of the reference object, in whose frame the sensor measures.
     pub sensor_reftype: Vec<ObjectType>,
-    /// These objects; -1 for the world.
+    /// The reference object; -1 for the world.
     pub sensor_refid: Vec<i32>,
-    /// How many numbers they give.
+    /// Number of values.
     pub sensor_dim: Vec<usize>,
-    /// Their first numbers in `sensordata`.
+    /// Index of the first value in `sensordata`.
     pub sensor_adr: Vec<usize>,
-    /// Bounds of their numbers; 0 for none.
+    /// Bound of the values; 0 for none.
     pub sensor_cutoff: Vec<f64>,
-    /// Their noise, as it is declared: it is not added.
+    /// Standard deviation of the noise, as declared; the engine adds no noise.
     pub sensor_noise: Vec<f64>,
 
-    /// Dimensions of the contacts of declared pairs.
+    /// Dimension of the contacts of explicit pairs.
     pub pair_dim: Vec<u8>,
     /// The first geom.
     pub pair_geom1: Vec<usize>,
@@ -440,7 +442,7 @@ pub struct CompiledModel {
     pub pair_geom2: Vec<usize>,
     /// Reference of the contacts.
     pub pair_solref: Vec<[f64; 2]>,
-    /// Reference of their friction; 0 for that of the contacts.
+    /// Reference of the contacts' friction; 0 for the same as `pair_solref`.
     pub pair_solreffriction: Vec<[f64; 2]>,
     /// Impedance of the contacts.
     pub pair_solimp: Vec<[f64; 5]>,
@@ -464,9 +466,9 @@ pub struct CompiledModel {
     pub key_ctrl: Vec<Vec<f64>>,
     /// Activations of the keyframes.
     pub key_act: Vec<Vec<f64>>,
-    /// Positions of the mocap bodies.
+    /// Positions of the mocap bodies in the keyframes.
     pub key_mpos: Vec<Vec<f64>>,
-    /// Orientations of the mocap bodies.
+    /// Orientations of the mocap bodies in the keyframes.
     pub key_mquat: Vec<Vec<f64>>,
 }
 

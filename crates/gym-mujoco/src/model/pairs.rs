@@ -1,50 +1,51 @@
-//! Pairs of geoms that can touch, and how their contacts are.
+//! Pairs of geoms that can touch, and their contact parameters.
 
 use super::mix::Mixed;
 use super::plan::{Plan, Softness, geoms};
 use super::{CompiledModel, Cone, Disable, GeomType};
 use crate::{Error, Result};
 
-/// Friction below this counts as this: MuJoCo's `mjMINMU`.
+/// Smaller friction is raised to this value: MuJoCo's `mjMINMU`.
 const MIN_FRICTION: f64 = 1e-5;
 
-/// Two geoms that can touch, and everything about their contacts that does not depend on the state.
+/// Two geoms that can touch, and the properties of their contacts that do not depend on the state.
 #[derive(Clone, Debug)]
 pub(crate) struct Pair {
     /// The geoms; the first has the lower type.
     pub(crate) geom: [usize; 2],
     pub(crate) kind: (GeomType, GeomType),
-    /// Contacts are listed below this distance: margins and gaps.
+    /// Contacts are listed below this distance: the margin plus the gap.
     pub(crate) margin: f64,
     /// Contacts act below this distance.
     pub(crate) includemargin: f64,
-    /// Nothing can touch where centres are further apart; from a plane, where the centre is higher.
+    /// The geoms cannot touch if their centres are further apart than this; for a plane, if the
+    /// other centre is higher above it.
     pub(crate) reach: f64,
-    /// Whether boxes around the geoms must meet too: MuJoCo's middle phase, which bodies of a geom
-    /// each and pairs that the model states skip.
+    /// Whether boxes around the geoms must overlap too. MuJoCo skips this test (its middle phase)
+    /// for bodies with one geom each, and for pairs that the model lists.
     pub(crate) boxed: bool,
     pub(crate) dim: u8,
-    /// The rows of a contact.
+    /// The number of rows of a contact.
     pub(crate) rows: usize,
     pub(crate) friction: [f64; 5],
     pub(crate) solref: [f64; 2],
     pub(crate) solimp: [f64; 5],
     pub(crate) softness: Softness,
-    /// Damping of sliding in elliptic cones.
+    /// Damping of sliding, for elliptic cones.
     pub(crate) friction_damping: f64,
-    /// The sum of the bodies' inverse weights of translation.
+    /// The sum of the bodies' inverse weights for translation.
     pub(crate) diag: f64,
     /// The degrees of freedom that move one of the bodies and not the other, ascending, with the
-    /// sign of the motion of the second body against the first.
+    /// sign of the relative motion of the second body.
     pub(crate) columns: Vec<Column>,
-    /// The groups of four degrees of freedom up to the last of these.
+    /// The number of groups of four degrees of freedom up to the last column.
     pub(crate) groups: usize,
-    /// The trees of the bodies, if they can move.
+    /// The trees of the two bodies; `None` for a static body.
     pub(crate) trees: [Option<usize>; 2],
 }
 
 impl Pair {
-    /// Whether no closed form gives the contacts.
+    /// Whether the contacts need the general routine for convex shapes.
     pub(crate) fn is_convex(&self) -> bool {
         matches!(
             self.kind,
@@ -59,14 +60,14 @@ impl Pair {
     }
 }
 
-/// How near two geoms must be before they can touch. It is apart from the [`Pair`], which few pairs
-/// need.
+/// The distance test of a pair. It is separate from [`Pair`] because few pairs pass it: the test
+/// reads less memory.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reach {
     pub(crate) geom: [usize; 2],
     pub(crate) plane: bool,
-    /// The height of the second one's centre above a plane, or the square of the distance of the
-    /// centres.
+    /// The largest height of the second centre above a plane, or the square of the largest distance
+    /// of the centres.
     pub(crate) most: f64,
 }
 
@@ -89,15 +90,14 @@ impl Reach {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Column {
     pub(crate) dof: usize,
-    /// The root of its body's tree.
+    /// The root of the tree of the body that it moves.
     pub(crate) root: usize,
     pub(crate) sign: f64,
 }
 impl Plan {
-    /// The pairs in the order of MuJoCo's `mj_collision`: by bodies, and within two bodies by the
-    /// pairs' geoms.
+    /// All pairs in the order of MuJoCo's `mj_collision`: by bodies, then by the geoms of the pair.
     pub(super) fn find_pairs(&self, m: &CompiledModel) -> Result<Vec<Pair>> {
-        /// Of all pairs together: a model with more takes gigabytes.
+        /// The limit over all pairs; a model beyond it would take gigabytes.
         const MOST_COLUMNS: usize = 4_000_000;
         let mut excluded = m.exclude_signature.clone();
         excluded.sort_unstable();
@@ -118,7 +118,8 @@ impl Plan {
                     pairs.extend(pair);
                     Ok(())
                 };
-                // pairs that the model states come first, and replace others of these geoms
+                // pairs that the model lists come first, and replace automatic pairs of the same
+                // geoms
                 let of_bodies = stated[next..].iter();
                 let count = of_bodies
                     .take_while(|&&i| stated_bodies(m, i) == [b1, b2])
@@ -155,7 +156,7 @@ impl Plan {
         Ok(pairs)
     }
 
-    /// The pair of two geoms; none for two planes, which never touch.
+    /// Builds the pair of two geoms; `None` for two planes, which never touch.
     ///
     /// # Errors
     /// For a mesh, whose contacts are not supported.
@@ -243,12 +244,12 @@ impl Plan {
     }
 }
 
-/// The figures of the contacts of two geoms.
+/// The contact parameters of a pair.
 struct Figures {
     dim: u8,
     friction: [f64; 5],
     solref: [f64; 2],
-    /// That of sliding in elliptic cones; zeros for the same.
+    /// `solref` of sliding, for elliptic cones; zeros mean the same as `solref`.
     solref_friction: [f64; 2],
     solimp: [f64; 5],
     includemargin: f64,
@@ -257,7 +258,7 @@ struct Figures {
 }
 
 impl Figures {
-    /// Those of a pair that the model states.
+    /// The parameters that the model lists for pair `i`.
     fn stated(m: &CompiledModel, i: usize) -> Self {
         Self {
             dim: m.pair_dim[i],
@@ -271,7 +272,7 @@ impl Figures {
         }
     }
 
-    /// Those that follow from the geoms.
+    /// The parameters mixed from the two geoms.
     fn mixed(m: &CompiledModel, g1: usize, g2: usize) -> Self {
         let Mixed {
             dim,
@@ -295,13 +296,13 @@ impl Figures {
     }
 }
 
-/// The bodies of a pair that the model states, the lower first.
+/// The bodies of pair `i` that the model lists, the smaller id first.
 fn stated_bodies(m: &CompiledModel, i: usize) -> [usize; 2] {
     let [b1, b2] = [m.pair_geom1[i], m.pair_geom2[i]].map(|g| m.geom_bodyid[g]);
     [b1.min(b2), b1.max(b2)]
 }
 
-/// The most contacts of two shapes.
+/// The largest number of contacts of two shapes.
 pub(super) fn most_contacts(kind: (GeomType, GeomType)) -> usize {
     match kind {
         (GeomType::Plane, GeomType::Capsule) | (GeomType::Capsule, GeomType::Capsule) => 2,
@@ -312,7 +313,7 @@ pub(super) fn most_contacts(kind: (GeomType, GeomType)) -> usize {
         _ => 1,
     }
 }
-/// `excluded` is sorted.
+/// Whether geoms of two bodies collide. `excluded` is sorted.
 fn bodies_collide(m: &CompiledModel, excluded: &[u32], b1: usize, b2: usize) -> bool {
     let (w1, w2) = (m.body_weldid[b1], m.body_weldid[b2]);
     let parent = |w: usize| m.body_weldid[m.body_parentid[w]];

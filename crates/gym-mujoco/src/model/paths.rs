@@ -1,24 +1,25 @@
-//! The structure of the tendons' Jacobians.
+//! The sparsity of the tendons' Jacobians.
 
 use std::ops::Range;
 
 use super::{CompiledModel, Disable, WrapType};
 
-/// The tendons, as far as they do not depend on the state.
+/// Properties of the tendons that do not depend on the state.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Paths {
     /// The elements of each tendon's row of the Jacobian.
     pub(crate) rows: Vec<Range<usize>>,
     /// The degrees of freedom of the elements, ascending within a row.
     pub(crate) columns: Vec<usize>,
-    /// Whether each tendon is a sum of joints' positions.
+    /// Whether each tendon is fixed: a sum of joint positions.
     pub(crate) fixed: Vec<bool>,
-    /// Stiffness and damping of those with springs or dampers.
+    /// The tendons with springs or dampers: index, stiffness and damping.
     pub(crate) elastic: Vec<(usize, f64, f64)>,
 }
 
 impl Paths {
-    /// MuJoCo's `makeTendonSparse`. `chain` gives the degrees of freedom that move a body.
+    /// Builds the structure: MuJoCo's `makeTendonSparse`. `chain` returns the degrees of freedom
+    /// that move a body.
     pub(crate) fn new<'a>(m: &CompiledModel, chain: impl Fn(usize) -> &'a [usize]) -> Self {
         let mut paths = Self::default();
         for t in 0..m.ntendon() {

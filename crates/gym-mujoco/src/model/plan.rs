@@ -1,4 +1,5 @@
-//! Facts that the engine computes from a model once, such as the sparsity of the inertia matrix.
+//! Properties that the engine computes from a model once, such as the sparsity of the inertia
+//! matrix.
 
 use std::ops::Range;
 
@@ -6,99 +7,103 @@ use super::bounds::Tree;
 use super::laws::Laws;
 use super::pairs::{Pair, Reach, most_contacts};
 use super::paths::Paths;
-use super::{CompiledModel, Cone, Disable, Integrator, JointType, Options, Stage};
+use super::{
+    CompiledModel, Cone, Disable, Integrator, JointType, Options, Stage, TransmissionType,
+};
 use crate::Result;
 
-/// Impedances are kept within these: MuJoCo's `mjMINIMP` and `mjMAXIMP`.
+/// Impedances are clamped to this range: MuJoCo's `mjMINIMP` and `mjMAXIMP`.
 const IMPEDANCE: [f64; 2] = [1e-4, 0.9999];
 
 /// Precomputed structure of a model.
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
-    /// The elements of each row of the inertia matrix. All rows take as many groups of four
-    /// elements as the longest, so that rows are combined whole.
+    /// The elements of each row of the inertia matrix. All rows have the same number of groups of
+    /// four elements, so that loops over rows have a fixed length.
     ///
     /// Row `i` holds the lower triangle: the degrees of freedom on the way from the root to `i`,
     /// ascending, `i` last.
     m_rows: Vec<Range<usize>>,
-    /// How many groups a row takes: up to four, or a multiple of four.
+    /// The number of groups per row: up to four, or a multiple of four.
     pub(crate) m_groups: usize,
-    /// Columns of the elements; zero behind the end of a row.
+    /// Columns of the elements; zero after the end of a row.
     pub(crate) m_colind: Vec<usize>,
-    /// The same, counted from the first degree of freedom of the tree.
+    /// The columns, counted from the first degree of freedom of the tree.
     pub(crate) m_local: Vec<usize>,
-    /// How many of a row's columns are 0, 1, 2 and so on.
+    /// For each row: how many of its first columns are 0, 1, 2 and so on.
     m_lead: Vec<usize>,
-    /// Whether most rows begin with four such columns, so that it pays to compute four elements at
-    /// once.
+    /// Whether most rows begin with the columns 0 to 3, so that computing four elements at once
+    /// pays.
     pub(crate) m_fours: bool,
     /// The last degree of freedom that moves each body.
     last_dof: Vec<Option<usize>>,
     /// The degrees of freedom of each tree.
     pub(crate) trees: Vec<Range<usize>>,
-    /// Pairs of geoms that can touch, in the order of their contacts, and when they are near
-    /// enough.
+    /// Pairs of geoms that can touch, in the order of their contacts, and their distance tests.
     pub(crate) pairs: Vec<Pair>,
     pub(crate) reaches: Vec<Reach>,
     /// The boxes around the geoms of each body.
     pub(crate) bounds: Vec<Tree>,
-    /// Whether the depth of some takes a polytope.
+    /// Whether some pair needs the expanding polytope algorithm.
     pub(crate) deep: bool,
-    /// What the sizes of buffers depend on.
+    /// The model's sizes on which buffer sizes depend.
     pub(crate) sizes: [usize; 15],
     /// Joints with limits.
     pub(crate) limits: Vec<Limit>,
-    /// Constraints of equality, friction and tendons.
+    /// Equality constraints, dry friction and tendon limits.
     pub(crate) laws: Laws,
-    /// Whether all rows push only, so that no row needs to say what it is.
+    /// Whether all rows only push, so that rows need no type.
     pub(crate) plain: bool,
-    /// The tendons.
+    /// Tendons.
     pub(crate) paths: Paths,
-    /// Whether all actuators are motors of slides and hinges, without anything else.
+    /// Whether all actuators are plain motors on slides and hinges.
     pub(crate) motors: bool,
-    /// Whether the forces of all actuators on degrees of freedom follow from controls alone.
+    /// Whether all actuator forces on degrees of freedom depend on controls alone.
     pub(crate) steady: bool,
-    /// Whether they follow from controls and positions, as a sum.
+    /// Whether all actuator forces are sums of a control term and a position term.
     pub(crate) servos: bool,
-    /// Whether lengths and velocities of actuators are needed.
+    /// Whether the engine must compute lengths and velocities of actuators.
     pub(crate) transmits: bool,
-    /// The periods of setpoints that are angles about any axis; 0 for others.
+    /// The period of each actuator's setpoint if it is an angle; 0 for others.
     pub(crate) periods: Vec<f64>,
-    /// Whether the forces of actuators on a tendon are limited.
+    /// Whether a tendon limits the total actuator force on it.
     pub(crate) tendon_forces: bool,
-    /// Whether weights are lifted.
+    /// Whether a body has gravity compensation.
     pub(crate) gravcomp: bool,
-    /// Whether there are sensors or energies.
+    /// Whether sensors or energies must be computed.
     pub(crate) measures: bool,
-    /// Whether forces between bodies are needed.
+    /// Whether a sensor of the acceleration stage needs `cacc` and `cfrc_int`.
     pub(crate) internal: bool,
-    /// Whether there are passive forces at all.
+    /// Whether any passive force acts.
     pub(crate) passive: bool,
-    /// The damping of each degree of freedom, unless it is switched off.
+    /// The damping of each degree of freedom; zero if dampers are disabled.
     pub(crate) damping: Vec<f64>,
-    /// Gravity, unless it is switched off.
+    /// Gravity; zero if disabled.
     pub(crate) gravity: [f64; 3],
-    /// Whether Euler's method has damping to treat implicitly.
+    /// Whether Euler's method treats damping implicitly.
     pub(crate) damped: bool,
-    /// Whether it does, as the integrator of the model.
+    /// Whether the model's integrator is Euler and it treats damping implicitly.
     pub(crate) implicit: bool,
     /// Joints with springs.
     pub(crate) springs: Vec<usize>,
-    /// In a medium, the bodies with mass, and the edges of the box of equal inertia.
+    /// With a fluid: the bodies with mass, and for each the edges of the box of equal inertia.
     pub(crate) boxes: Vec<(usize, Option<[f64; 3]>)>,
-    /// How each body is placed in its parent's frame, its principal axes of inertia in its own, and
-    /// each site in its body's.
+    /// The pose of each body in its parent's frame, of its principal axes in its own frame, and of
+    /// each site in its body's frame.
     pub(crate) bodies: Vec<Placed>,
     pub(crate) inertias: Vec<Placed>,
     pub(crate) sites: Vec<Placed>,
-    /// How each geom is placed in its body's frame; `None` for one whose frame is that of the
-    /// body's inertia.
+    /// The pose of each geom in its body's frame; `None` if the geom's frame is the body's inertial
+    /// frame.
     pub(crate) geoms: Vec<Option<Placed>>,
-    /// Whether each joint's anchor is not its body's origin.
+    /// Whether a timestep reads the frame of each geom, and the frames of sites.
+    pub(crate) geoms_read: Vec<bool>,
+    pub(crate) sites_read: bool,
+    /// Whether each joint's anchor differs from its body's origin.
     pub(crate) anchored: Vec<bool>,
 }
 
-/// The parts in which a frame differs from the frame that it is given in.
+/// A pose in another frame, without the parts that are zero.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Placed {
     pub(crate) moved: bool,
@@ -106,7 +111,7 @@ pub(crate) struct Placed {
 }
 
 impl Placed {
-    /// A frame in that of its parent.
+    /// A pose in the parent's frame.
     fn new(pos: &[f64; 3], quat: &[f64; 4]) -> Self {
         Self {
             moved: *pos != [0.0; 3],
@@ -114,8 +119,8 @@ impl Placed {
         }
     }
 
-    /// A frame in that of its body, which takes that frame where it hardly differs: MuJoCo's
-    /// `sameframe`.
+    /// A pose in the body's frame. A frame that is nearly equal to the body's is replaced by it:
+    /// MuJoCo's `sameframe`.
     fn within(pos: &[f64; 3], quat: &[f64; 4]) -> Self {
         let turned = !same_quat(quat, &[1.0, 0.0, 0.0, 0.0]);
         Self {
@@ -134,18 +139,18 @@ impl Placed {
     }
 }
 
-/// Whether numbers hardly differ.
+/// Whether two vectors are nearly equal.
 pub(crate) fn same(a: &[f64], b: &[f64]) -> bool {
     const NEAR: f64 = 1e-6;
     a.iter().zip(b).all(|(a, b)| (a - b).abs() < NEAR)
 }
 
-/// Whether orientations hardly differ.
+/// Whether two orientations are nearly equal.
 pub(crate) fn same_quat(a: &[f64; 4], b: &[f64; 4]) -> bool {
     same(a, b) || same(a, &b.map(|x| -x))
 }
 
-/// The most constraints that a state can have, for buffers that never grow.
+/// The largest number of constraints in any state, for buffers that never grow.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Bounds {
     pub(crate) contacts: usize,
@@ -154,11 +159,11 @@ pub(crate) struct Bounds {
     pub(crate) rows: usize,
 }
 
-/// A limited joint.
+/// The limit of a joint.
 #[derive(Clone, Debug)]
 pub(crate) struct Limit {
     pub(crate) joint: usize,
-    /// Whether it bounds the angle of a ball.
+    /// Whether the joint is a ball joint; the limit then bounds its angle.
     pub(crate) ball: bool,
     pub(crate) qpos: usize,
     pub(crate) dof: usize,
@@ -332,6 +337,8 @@ impl Plan {
             inertias: Placed::all(Placed::within, &m.body_ipos, &m.body_iquat),
             sites: Placed::all(Placed::within, &m.site_pos, &m.site_quat),
             geoms: geoms.collect(),
+            geoms_read: Vec::new(),
+            sites_read: false,
             anchored: m.jnt_pos.iter().map(|pos| *pos != [0.0; 3]).collect(),
         };
         plan.paths = Paths::new(m, |body| plan.chain(body));
@@ -340,6 +347,14 @@ impl Plan {
             plan.pairs = plan.find_pairs(m)?;
         }
         plan.deep = plan.pairs.iter().any(Pair::is_convex);
+        let paths = plan.measures || plan.paths.fixed.contains(&false);
+        plan.geoms_read =
+            vec![paths || m.geom_fluid.iter().any(|fluid| fluid.0[0] != 0.0); m.ngeom()];
+        for g in plan.pairs.iter().flat_map(|pair| pair.geom) {
+            plan.geoms_read[g] = true;
+        }
+        plan.sites_read =
+            paths || m.neq() > 0 || m.actuator_trntype.contains(&TransmissionType::Site);
         plan.bounds = (0..m.nbody())
             .map(|body| Tree::new(m, body, self::geoms(m, body)))
             .collect();
@@ -368,7 +383,7 @@ impl Plan {
         Ok(plan)
     }
 
-    /// The most constraints that there can be.
+    /// The largest number of constraints in any state.
     pub(crate) fn bounds(&self) -> Bounds {
         // both sides of each limit
         let limits = 2 * self.limits.len();
@@ -384,7 +399,7 @@ impl Plan {
             bounds.blocks += contacts;
             bounds.rows += contacts * pair.rows;
         }
-        // of so many rows hardly any state has all: buffers grow as they are needed
+        // hardly any state reaches this number of rows: beyond it, buffers grow on demand
         const MOST_ROWS: usize = 4000;
         if bounds.rows > MOST_ROWS {
             Bounds::default()
@@ -399,19 +414,19 @@ impl Plan {
         self.m_rows[i].clone()
     }
 
-    /// The elements of a row but for the diagonal, which is behind them.
+    /// The elements of a row before the diagonal.
     #[inline]
     pub(crate) fn m_ancestors(&self, i: usize) -> Range<usize> {
         self.m_rows[i].start..self.m_diagonal(i)
     }
 
-    /// How many of a row's columns are the model's first degrees of freedom.
+    /// How many of a row's first columns are 0, 1, 2 and so on.
     #[inline]
     pub(crate) fn m_lead(&self, i: usize) -> usize {
         self.m_lead[i]
     }
 
-    /// Where the diagonal element of a row is.
+    /// The index of a row's diagonal element.
     #[inline]
     pub(crate) fn m_diagonal(&self, i: usize) -> usize {
         self.m_rows[i].end - 1
@@ -424,7 +439,8 @@ impl Plan {
     }
 }
 
-/// The boxes on which a medium acts, by their edges; none where it acts on the geoms of the body.
+/// The boxes on which the fluid acts, by their edges; `None` if the ellipsoid model applies to the
+/// body's geoms.
 fn boxes(m: &CompiledModel) -> Vec<(usize, Option<[f64; 3]>)> {
     const LEAST: f64 = 1e-15;
     let medium = m.opt.density > 0.0 || m.opt.viscosity > 0.0;

@@ -1,4 +1,4 @@
-//! Revisions of MuJoCo's engine: versions of it with equal results.
+//! Revisions of MuJoCo's engine: groups of versions with equal results.
 
 use std::fmt;
 use std::str::FromStr;
@@ -8,10 +8,10 @@ use serde::{Deserialize, Serialize};
 
 /// The version of libmujoco whose results the engine repeats.
 ///
-/// Versions with equal results share a revision, and each of their names selects it. The
-/// differences stand in the stages where they lie: the order of sums in quaternion functions, the
-/// principal axes that the compiler finds, contacts of capsules with capsules and cylinders,
-/// Newton's linear solver, where projected Gauss-Seidel stops, and Runge-Kutta with free joints.
+/// Versions with equal results share a revision, and each version's name selects it. Revisions
+/// differ in the order of sums in quaternion functions, the principal axes that the compiler finds,
+/// contacts of capsules with capsules and cylinders, Newton's linear solver, the stopping rule of
+/// projected Gauss-Seidel, and Runge-Kutta with free joints.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 #[non_exhaustive]
@@ -33,7 +33,7 @@ impl Revision {
         self.versions()[0]
     }
 
-    /// The names of the versions with these results, of which the first is the revision's own.
+    /// The names of the versions with these results. The first is the revision's own name.
     #[must_use]
     pub fn versions(self) -> &'static [&'static str] {
         match self {

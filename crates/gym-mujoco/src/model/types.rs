@@ -18,35 +18,35 @@ pub struct Options {
     pub density: f64,
     /// Viscosity of the medium.
     pub viscosity: f64,
-    /// How velocities and positions follow from accelerations.
+    /// The integrator of accelerations to velocities and positions.
     pub integrator: Integrator,
-    /// How constraint forces are found.
+    /// The solver of constraint forces.
     pub solver: Solver,
-    /// Most iterations of the solver.
+    /// Largest number of solver iterations.
     pub iterations: usize,
-    /// Most evaluations of a line search of Newton's solver.
+    /// Largest number of evaluations in a line search of the Newton solver.
     pub ls_iterations: usize,
     /// Improvement below which the solver stops.
     pub tolerance: f64,
     /// Tolerance of the line search, relative to `tolerance`.
     pub ls_tolerance: f64,
-    /// The form of the cones of friction.
+    /// The type of friction cones.
     pub cone: Cone,
-    /// How much stiffer elliptic cones are against sliding than along the normal.
+    /// Ratio of frictional to normal constraint impedance, for elliptic cones.
     pub impratio: f64,
-    /// Iterations that remove slip afterwards.
+    /// Number of no-slip iterations after the solver.
     pub noslip_iterations: usize,
-    /// Improvement below which these stop.
+    /// Improvement below which the no-slip iterations stop.
     pub noslip_tolerance: f64,
     /// The magnetic field.
     pub magnetic: [f64; 3],
-    /// What is switched off: bits of MuJoCo's `mjtDisableBit`, see [`Disable`].
+    /// Disabled parts: bits of MuJoCo's `mjtDisableBit`, see [`Disable`].
     pub disableflags: u32,
-    /// What is switched on: bits of MuJoCo's `mjtEnableBit`.
+    /// Enabled parts: bits of MuJoCo's `mjtEnableBit`.
     pub enableflags: u32,
-    /// Groups of actuators that are switched off, as bits.
+    /// Disabled groups of actuators, as bits.
     pub disableactuator: u32,
-    /// How MuJoCo stores Jacobians (0 dense, 1 sparse, 2 as it sees fit); without effect here.
+    /// How MuJoCo stores Jacobians (0 dense, 1 sparse, 2 automatic); it has no effect here.
     pub jacobian: u8,
 }
 
@@ -77,7 +77,7 @@ impl Default for Options {
     }
 }
 
-/// Parts of a simulation that can be switched off, as bits of [`Options::disableflags`]: MuJoCo's
+/// Parts of a simulation that can be disabled, as bits of [`Options::disableflags`]: MuJoCo's
 /// `mjtDisableBit`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
@@ -98,7 +98,7 @@ pub enum Disable {
     Damper = 1 << 6,
     /// Gravity.
     Gravity = 1 << 7,
-    /// Ranges of controls.
+    /// Clamping of controls to their ranges.
     ClampCtrl = 1 << 8,
     /// Warm starts of the solver.
     WarmStart = 1 << 9,
@@ -106,26 +106,26 @@ pub enum Disable {
     FilterParent = 1 << 10,
     /// Actuators.
     Actuation = 1 << 11,
-    /// The least time constant of a constraint, twice the timestep.
+    /// The lower bound of twice the timestep on a constraint's time constant.
     RefSafe = 1 << 12,
     /// Sensors.
     Sensor = 1 << 13,
-    /// A search that changes no result.
+    /// The middle phase of collision detection.
     MidPhase = 1 << 14,
     /// The implicit treatment of damping by Euler's integrator.
     EulerDamp = 1 << 15,
-    /// Resets of states that diverge.
+    /// The reset of a state that diverges.
     AutoReset = 1 << 16,
-    /// MuJoCo's own routine for convex shapes.
+    /// MuJoCo's native collision routine for convex shapes.
     NativeCcd = 1 << 17,
-    /// Islands.
+    /// Division of constraints into islands.
     Island = 1 << 18,
-    /// Further contacts of convex shapes.
+    /// Several contacts per pair of convex shapes.
     MultiCcd = 1 << 19,
 }
 
 impl Options {
-    /// Whether a part is switched off.
+    /// Whether a part is disabled.
     #[must_use]
     pub fn disables(&self, part: Disable) -> bool {
         self.disableflags & part as u32 != 0

@@ -1,4 +1,4 @@
-//! Forces of the actuators, and their activations.
+//! Actuator forces and activations.
 
 #![expect(
     clippy::needless_range_loop,
@@ -9,11 +9,11 @@ use super::muscle;
 use crate::model::{BiasType, Disable, DynamicsType, GainType, JointType, TransmissionType};
 use crate::{Data, Model, libm};
 
-/// Controls beyond this count as errors, as positions do: MuJoCo's `mjMAXVAL`.
+/// Controls and positions beyond this bound count as errors: MuJoCo's `mjMAXVAL`.
 pub(crate) const MAXVAL: f64 = 1e10;
 
-/// `actuator_force`, `act_dot` and `qfrc_actuator`: MuJoCo's `mj_fwdActuation`. A bad control makes
-/// all controls count as zero.
+/// Computes `actuator_force`, `act_dot` and `qfrc_actuator`: MuJoCo's `mj_fwdActuation`. If one
+/// control is invalid, all controls count as zero.
 #[inline(always)]
 pub fn fwd_actuation(m: &Model, d: &mut Data) {
     d.qfrc_actuator.fill(0.0);
@@ -40,7 +40,7 @@ pub fn fwd_actuation(m: &Model, d: &mut Data) {
     }
 }
 
-/// The same for actuators of all kinds.
+/// [`fwd_actuation`] for all kinds of actuators.
 #[inline(never)]
 fn general(m: &Model, d: &mut Data) {
     d.actuator_force.fill(0.0);
@@ -77,7 +77,7 @@ fn general(m: &Model, d: &mut Data) {
     joints(m, d);
 }
 
-/// Controls within their ranges; all zero if one is bad.
+/// Clamps controls to their ranges. If one is invalid, all are zero.
 fn controls(m: &Model, d: &Data, ctrl: &mut Vec<f64>) {
     ctrl.clear();
     ctrl.extend_from_slice(&d.ctrl);
@@ -93,13 +93,13 @@ fn controls(m: &Model, d: &Data, ctrl: &mut Vec<f64>) {
     }
 }
 
-/// Whether an actuator belongs to a group that is switched off: MuJoCo's `mj_actuatorDisabled`.
+/// Whether the group of actuator `i` is disabled: MuJoCo's `mj_actuatorDisabled`.
 pub(super) fn disabled(m: &Model, i: usize) -> bool {
     let group = m.actuator_group[i];
     (0..31).contains(&group) && m.opt.disableactuator & (1 << group) != 0
 }
 
-/// How fast an activation changes.
+/// The rate of change of an activation.
 fn rate(m: &Model, i: usize, ctrl: f64, act: f64) -> f64 {
     let prm = &m.actuator_dynprm[i].0;
     match m.actuator_dyntype[i] {
@@ -127,7 +127,7 @@ pub(super) fn next(m: &Model, d: &Data, i: usize, adr: usize, rate: f64) -> f64 
     }
 }
 
-/// Advances the activations by a timestep, at these rates.
+/// Advances the activations by a timestep at the rates `rates`.
 pub(super) fn advance(m: &Model, d: &mut Data, rates: &[f64]) {
     if m.opt.disables(Disable::Actuation) {
         return;
@@ -144,7 +144,7 @@ pub(super) fn advance(m: &Model, d: &mut Data, rates: &[f64]) {
     }
 }
 
-/// The factor of control or activation.
+/// The gain: the factor of control or activation.
 fn gain(m: &Model, d: &Data, i: usize) -> f64 {
     let prm = &m.actuator_gainprm[i].0;
     let (length, velocity) = (d.actuator_length[i], d.actuator_velocity[i]);
@@ -158,7 +158,7 @@ fn gain(m: &Model, d: &Data, i: usize) -> f64 {
     }
 }
 
-/// The force without control.
+/// The bias: the force without control.
 fn bias(m: &Model, d: &Data, i: usize) -> f64 {
     let prm = &m.actuator_biasprm[i].0;
     let (length, velocity) = (d.actuator_length[i], d.actuator_velocity[i]);
@@ -172,7 +172,7 @@ fn bias(m: &Model, d: &Data, i: usize) -> f64 {
     }
 }
 
-/// The setpoint of a servo for an angle about any axis that is nearest to the angle itself.
+/// Among setpoints that differ by full turns, the one nearest to `length`.
 fn nearest(m: &Model, i: usize, setpoint: f64, length: f64) -> f64 {
     let period = m.plan().periods[i];
     if period > 0.0 {
@@ -182,7 +182,7 @@ fn nearest(m: &Model, i: usize, setpoint: f64, length: f64) -> f64 {
     }
 }
 
-/// Keeps forces within the ranges of tendons and of actuators.
+/// Clamps forces to the ranges of tendons and actuators.
 fn limit(m: &Model, d: &mut Data) {
     let tendon = |i: usize| {
         let id = m.actuator_trnid[i][0] as usize;
@@ -214,7 +214,7 @@ fn limit(m: &Model, d: &mut Data) {
     }
 }
 
-/// Adds weights that actuators lift, and keeps forces within the ranges of joints.
+/// Adds gravity compensation of actuators, and clamps forces to the ranges of joints.
 fn joints(m: &Model, d: &mut Data) {
     if m.plan().gravcomp {
         for j in (0..m.njnt()).filter(|&j| m.jnt_actgravcomp[j]) {

@@ -1,4 +1,5 @@
-//! Accelerations of joined points and welds that come from velocities alone: MuJoCo's `mj_Jdotv`.
+//! The part of a constraint's acceleration that velocities alone cause (`Jdot v`), for connect and
+//! weld constraints: MuJoCo's `mj_Jdotv`.
 
 use super::constraint::Source;
 use super::dense::dot_slices;
@@ -10,7 +11,7 @@ use super::spatial::{
 use crate::model::{Equality, EqualityType, JointType, ObjectType};
 use crate::{Data, Model, Revision};
 
-/// Subtracts them from the reference accelerations.
+/// Subtracts `Jdot v` from the reference accelerations.
 #[inline(never)]
 pub(super) fn subtract(m: &Model, d: &mut Data) {
     for index in 0..d.efc.blocks.len() {
@@ -45,8 +46,8 @@ pub(super) fn subtract(m: &Model, d: &mut Data) {
     }
 }
 
-/// The accelerations of a point of a body and of its orientation where no degree of freedom
-/// accelerates: MuJoCo's `mj_jacDot` times the velocities.
+/// The linear and angular acceleration of a point of a body if `qacc` is zero: MuJoCo's `mj_jacDot`
+/// times the velocities.
 fn of_point(m: &Model, d: &Data, body: usize, point: Vec3) -> (Vec3, Vec3) {
     let mut rows = vec![[0.0; 6]; m.nv()];
     let com = d.subtree_com[m.body_rootid[body]];
@@ -79,7 +80,8 @@ fn of_point(m: &Model, d: &Data, body: usize, point: Vec3) -> (Vec3, Vec3) {
     ([sum(0), sum(1), sum(2)], [sum(3), sum(4), sum(5)])
 }
 
-/// How a quaternion changes with an angular velocity in the world: MuJoCo's `mju_derivQuat`.
+/// The rate of change of quaternion `q` at the angular velocity `w` in the world's frame: MuJoCo's
+/// `mju_derivQuat`.
 fn quat_rate(q: Quat, w: Vec3) -> Quat {
     [
         0.5 * (-w[0] * q[1] - w[1] * q[2] - w[2] * q[3]),
@@ -89,7 +91,7 @@ fn quat_rate(q: Quat, w: Vec3) -> Quat {
     ]
 }
 
-/// The part of the rows of a weld's orientation.
+/// `Jdot v` of the orientation rows of a weld.
 fn turned<O: Order>(m: &Model, d: &Data, law: &Equality, turning: Vec3) -> Vec3 {
     let (ahead, back) = orientations::<O>(m, d, law);
     let [w1, w2] = law.bodies.map(|body| rotation(&d.cvel[body]));

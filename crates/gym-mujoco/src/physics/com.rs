@@ -5,7 +5,7 @@ use super::spatial::{MINVAL, add, column, cross, inertia_at, join, scale, sub};
 use crate::model::JointType;
 use crate::{Data, Model};
 
-/// The numbers that this stage reads and writes, of one world or of several.
+/// The arrays that this stage reads and writes, of one world or of several.
 pub(crate) struct Inertias<'a, C> {
     pub(crate) xmat: &'a [[C; 9]],
     pub(crate) xipos: &'a [[C; 3]],
@@ -17,7 +17,7 @@ pub(crate) struct Inertias<'a, C> {
     pub(crate) cdof: &'a mut [[C; 6]],
 }
 
-/// `subtree_com`, `cinert` and `cdof`: MuJoCo's `mj_comPos`.
+/// Computes `subtree_com`, `cinert` and `cdof`: MuJoCo's `mj_comPos`.
 #[inline(always)]
 pub fn com_pos(m: &Model, d: &mut Data) {
     let inertias = Inertias {
@@ -33,10 +33,10 @@ pub fn com_pos(m: &Model, d: &mut Data) {
     com_pos_of::<f64>(m, (), inertias);
 }
 
-/// The same for one world or several.
+/// [`com_pos`] for one world or several.
 #[inline(always)]
 pub(crate) fn com_pos_of<N: Number>(m: &Model, at: N::Place, numbers: Inertias<'_, N::Cell>) {
-    // slices of one length: an index is checked once for all of them
+    // slices of equal length let the compiler check an index once for all of them
     let n = m.nbody();
     let (parents, roots, masses) = (
         &m.body_parentid[..n],

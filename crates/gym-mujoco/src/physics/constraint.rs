@@ -20,21 +20,21 @@ use crate::{Data, Model};
 /// Rows of limits come first, by joint, lower before upper; then those of contacts, in their order.
 #[derive(Clone, Debug, Default)]
 pub struct Constraints {
-    /// The origin of the rows.
+    /// The constraint that each group of rows belongs to.
     pub(crate) blocks: Vec<Block>,
-    /// The Jacobian: `stride` groups for each row.
+    /// The Jacobian: `stride` groups of four numbers for each row.
     jac: Vec<Lanes>,
     stride: usize,
     /// Distance to the constraint; negative where it is violated.
     pub pos: Vec<f64>,
-    /// The constraint acts where the distance is below this.
+    /// The constraint acts where `pos` is below this margin.
     pub margin: Vec<f64>,
     /// Approximate diagonal of `J M^-1 J'`.
     #[doc(alias = "efc_diagApprox")]
     pub diag_approx: Vec<f64>,
     /// Regularisation: inverse of `d`.
     pub r: Vec<f64>,
-    /// Stiffness that the solver sees.
+    /// Inverse of the regularisation, the stiffness of the row: MuJoCo's `efc_D`.
     pub d: Vec<f64>,
     /// Stiffness, damping, impedance, derivative of the impedance: MuJoCo's `efc_KBIP`.
     pub kbip: Vec<[f64; 4]>,
@@ -42,11 +42,12 @@ pub struct Constraints {
     pub vel: Vec<f64>,
     /// Reference acceleration.
     pub aref: Vec<f64>,
-    /// How far the acceleration without constraints is from the reference: `J qacc_smooth - aref`.
+    /// The difference between the acceleration without constraints and the reference: `J
+    /// qacc_smooth - aref`.
     pub b: Vec<f64>,
-    /// Force.
+    /// Constraint force.
     pub force: Vec<f64>,
-    /// Force of dry friction, up to the last row that has it.
+    /// Friction loss; ends with the last row of dry friction.
     pub loss: Vec<f64>,
     /// The island of each row.
     pub island: Vec<usize>,
@@ -54,38 +55,38 @@ pub struct Constraints {
     pub nisland: usize,
 }
 
-/// The rows of a constraint.
+/// The rows of one constraint.
 #[derive(Clone, Debug)]
 pub(crate) struct Block {
-    /// What it is of.
+    /// The joint, tendon, contact or equality that causes the constraint.
     pub(crate) source: Source,
-    /// What its rows do.
+    /// In which directions the rows act.
     pub(crate) kind: Kind,
     /// First row.
     pub(crate) row: usize,
     /// Number of rows.
     pub(crate) rows: usize,
-    /// Beyond so many groups the rows' Jacobians are zero.
+    /// The Jacobians are zero from this group on.
     pub(crate) groups: usize,
-    /// A tree of the block.
+    /// A tree that the constraint acts on.
     pub(crate) tree: usize,
     pub(crate) island: usize,
 }
 
-/// What the rows of a block do.
+/// In which directions the rows of a block act.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Kind {
-    /// They push and pull.
+    /// In both directions.
     Equality,
-    /// They push and pull up to the force of dry friction.
+    /// In both directions, up to the friction loss.
     Friction,
-    /// They push.
+    /// They only push.
     Limit,
     /// They push within an elliptic cone.
     Cone,
 }
 
-/// The meaning of a block.
+/// The cause of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Source {
     /// An equality constraint.
@@ -124,7 +125,7 @@ impl Constraints {
         self.pos.len()
     }
 
-    /// Makes room for the most constraints that there can be.
+    /// Allocates the largest number of rows that the model can have.
     pub(crate) fn reserve(&mut self, bounds: &Bounds, nv: usize) {
         self.stride = dense::groups(nv);
         self.blocks.reserve(bounds.blocks);
@@ -148,8 +149,8 @@ impl Constraints {
         self.nisland = 0;
     }
 
-    /// Replaces the rows by rows of one tree that push. `jac` has their Jacobians, `nv` numbers
-    /// each; `numbers` gives stiffness, regularisation and reference acceleration.
+    /// Replaces all rows by rows of one tree that only push. `jac` has their Jacobians, `nv`
+    /// numbers each; `numbers` gives `d`, `r` and `aref` of each.
     pub(super) fn set_rows(
         &mut self,
         rows: usize,
@@ -182,13 +183,13 @@ impl Constraints {
         &self.jac
     }
 
-    /// The same, to be changed.
+    /// The Jacobian, row by row, mutable.
     #[inline]
     pub(super) fn jacobian_mut(&mut self) -> &mut [Lanes] {
         &mut self.jac
     }
 
-    /// How many groups a row has.
+    /// The number of groups of four per row.
     #[inline]
     pub(crate) fn stride(&self) -> usize {
         self.stride
@@ -204,7 +205,7 @@ impl Constraints {
     }
 }
 
-/// `J x` of some blocks, row by row.
+/// Computes `J x` for some blocks, row by row.
 #[inline(never)]
 pub(crate) fn mul_jacobian(
     blocks: &[Block],
@@ -222,7 +223,7 @@ pub(crate) fn mul_jacobian(
     }
 }
 
-/// Makes all rows: MuJoCo's `mj_makeConstraint`, with `mj_referenceConstraint` once velocities are
+/// Builds all rows: MuJoCo's `mj_makeConstraint`, with `mj_referenceConstraint` once velocities are
 /// known.
 #[inline(always)]
 pub fn make_constraint(m: &Model, d: &mut Data) {
@@ -239,7 +240,7 @@ pub fn make_constraint(m: &Model, d: &mut Data) {
     islands(m, d);
 }
 
-/// Rows of the limits that are near: MuJoCo's `mj_instantiateLimit`.
+/// Adds the rows of active joint limits: MuJoCo's `mj_instantiateLimit`.
 #[inline(always)]
 fn limits(m: &Model, d: &mut Data) {
     for limit in &m.plan().limits {
@@ -268,7 +269,7 @@ fn limits(m: &Model, d: &mut Data) {
     }
 }
 
-/// Adds a block without numbers, and returns its first row.
+/// Adds a block whose rows are zero, and returns its first row.
 #[inline(always)]
 pub(super) fn push_block(
     efc: &mut Constraints,
@@ -292,13 +293,13 @@ pub(super) fn push_block(
     row
 }
 
-/// Sets an element of the Jacobian.
+/// Sets element `dof` of the Jacobian of row `row`.
 #[inline(always)]
 pub(super) fn set_row(efc: &mut Constraints, row: usize, dof: usize, value: f64) {
     efc.jac[row * efc.stride..].as_flattened_mut()[dof] = value;
 }
 
-/// Rows of the contacts that act: MuJoCo's `mj_instantiateContact`.
+/// Adds the rows of active contacts: MuJoCo's `mj_instantiateContact`.
 #[inline(always)]
 fn contacts(m: &Model, d: &mut Data) {
     for index in 0..d.contact.len() {
@@ -359,9 +360,9 @@ fn contacts(m: &Model, d: &mut Data) {
     }
 }
 
-/// How a contact's point moves, on the second body against the first: along the edges of its
-/// pyramid or, for a pair of one dimension, four times along the normal. `axis` and `com` give
-/// motion axes and centres of mass, `set` receives degree of freedom and values.
+/// The Jacobian of a contact: the velocity of the second body relative to the first, along the four
+/// edges of the pyramid. A pair of one dimension has the normal four times. `axis` and `com` give
+/// motion axes and centres of mass; `set` receives each degree of freedom with its four values.
 #[inline(always)]
 pub(super) fn contact_jacobian<N: Number>(
     pair: &Pair,
@@ -373,7 +374,7 @@ pub(super) fn contact_jacobian<N: Number>(
         let c = axis(column.dof);
         let offset = sub(pos, com(column.root));
         let moves = add([c[3], c[4], c[5]], cross([c[0], c[1], c[2]], offset));
-        // libmujoco's sums begin with 0, and so are never -0
+        // libmujoco's sums start with 0, and so are never -0
         if pair.dim == 1 {
             let along = dot([frame[0], frame[1], frame[2]], moves);
             set(column.dof, [along * column.sign + 0.0; 4]);
@@ -388,7 +389,8 @@ pub(super) fn contact_jacobian<N: Number>(
     }
 }
 
-/// Equal rows at a position, with the impedance at a distance: MuJoCo's `mj_makeImpedance`.
+/// Sets position, margin and impedance of the rows of one constraint, all equal: MuJoCo's
+/// `mj_makeImpedance`.
 #[inline(always)]
 pub(super) fn push_rows(
     efc: &mut Constraints,
@@ -415,22 +417,21 @@ pub(super) fn push_rows(
     efc.island.resize(rows, 0);
 }
 
-/// The regularisation of a row of some impedance.
+/// The regularisation of a row with impedance `impedance` and diagonal `diag`.
 #[inline(always)]
 pub(super) fn regularization(impedance: f64, diag: f64) -> f64 {
     f64::max(1e-15, (1.0 - impedance) * diag / impedance)
 }
 
-/// The diagonal of the edges of a pyramid, and their regularisation from that of a row with this
-/// diagonal: a pyramid is as soft as the cone within it.
+/// For the edges of a pyramid with friction `mu`: their diagonal, and the function from a row's
+/// regularisation to theirs. The pyramid then is as soft as the cone within it.
 #[inline(always)]
 pub(super) fn pyramid(diag: f64, mu: f64) -> (f64, impl Fn(f64) -> f64) {
     (diag + mu * mu * diag, move |r: f64| 2.0 * mu * mu * r)
 }
 
 impl Softness {
-    /// How much of the acceleration wanted a constraint gives, as a function of its position, and
-    /// the derivative: MuJoCo's `getimpedance`.
+    /// The impedance at a constraint's position, and its derivative: MuJoCo's `getimpedance`.
     pub(super) fn impedance(&self, pos: f64, margin: f64) -> (f64, f64) {
         let &Self {
             dmin,
@@ -451,7 +452,7 @@ impl Softness {
         if x == 0.0 {
             return (dmin, 0.0);
         }
-        // x^power / midpoint^(power - 1) below the midpoint, and the same turned around above
+        // below the midpoint x^power / midpoint^(power - 1); above it, the same curve mirrored
         let (x, end, turned) = if power == 1.0 || x <= midpoint {
             (x, midpoint, false)
         } else {
@@ -474,7 +475,8 @@ impl Softness {
     }
 }
 
-/// A power, without rounding more than once for the usual exponents.
+/// `x` to the power `exponent`. The common exponents are computed by multiplication, which rounds
+/// once.
 fn power(x: f64, exponent: f64) -> f64 {
     if exponent == 1.0 {
         x
@@ -485,7 +487,7 @@ fn power(x: f64, exponent: f64) -> f64 {
     }
 }
 
-/// Velocities and reference accelerations of all rows: MuJoCo's `mj_referenceConstraint`.
+/// Computes velocities and reference accelerations of all rows: MuJoCo's `mj_referenceConstraint`.
 #[inline(always)]
 pub fn reference_constraint(m: &Model, d: &mut Data) {
     let (efc, x) = (&mut d.efc, &mut d.work.dofs);
@@ -503,7 +505,7 @@ pub fn reference_constraint(m: &Model, d: &mut Data) {
     }
 }
 
-/// Sets of trees that constraints join: MuJoCo's `mj_island`.
+/// Groups the trees that constraints connect into islands: MuJoCo's `mj_island`.
 fn islands(m: &Model, d: &mut Data) {
     let trees = m.plan().trees.len();
     let work = &mut d.work;
@@ -517,7 +519,7 @@ fn islands(m: &Model, d: &mut Data) {
         d.efc.nisland = 1;
         return;
     }
-    // the smallest tree that each tree is joined to
+    // for each tree, the smallest tree that a constraint connects it to
     let least = &mut work.tree_least;
     least.clear();
     least.extend(0..trees);
@@ -548,7 +550,7 @@ fn islands(m: &Model, d: &mut Data) {
             }
         }
     }
-    // islands in the order of their smallest trees
+    // islands are numbered in the order of their smallest trees
     work.tree_touched.clear();
     work.tree_touched.resize(trees, false);
     for block in &d.efc.blocks {

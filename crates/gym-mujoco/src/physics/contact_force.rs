@@ -1,9 +1,9 @@
-//! Forces of contacts from those of their rows.
+//! Contact forces from the forces of their rows.
 
 use crate::model::Cone;
 use crate::{Contact, Data, Model};
 
-/// Force and torque of a contact in its frame: normal, two tangents, and about these: MuJoCo's
+/// Force and torque of a contact in the contact frame (normal, two tangents): MuJoCo's
 /// `mj_contactForce`. Zero for a contact without rows.
 #[must_use]
 pub fn contact_force(m: &Model, d: &Data, contact: &Contact) -> [f64; 6] {
@@ -13,7 +13,8 @@ pub fn contact_force(m: &Model, d: &Data, contact: &Contact) -> [f64; 6] {
     force_of(m, contact, |k| d.efc.force.get(row + k).copied())
 }
 
-/// The same, from the forces that `edge` gives for the contact's rows; zero where it has none.
+/// Force and torque of a contact, where `edge(k)` is the force of its row `k`; zero if it has no
+/// rows.
 pub(super) fn force_of(
     m: &Model,
     contact: &Contact,

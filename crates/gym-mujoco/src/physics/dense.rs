@@ -5,16 +5,16 @@
 //! a sum is part of its last bit, so every scalar product over degrees of freedom or rows is one of
 //! these, zeros included.
 
-/// Four neighbours of a vector. What is beyond the last element is zero.
+/// Four neighbours of a vector. Elements after the end of the vector are zero.
 pub(crate) type Lanes = [f64; 4];
 
-/// How many groups of four hold so many elements.
+/// The number of groups of four that hold `n` elements.
 #[inline]
 pub(crate) const fn groups(n: usize) -> usize {
     n.div_ceil(4)
 }
 
-/// The four sums as one.
+/// The total of the four partial sums, in libmujoco's order.
 #[inline(always)]
 pub(crate) fn total(sums: &Lanes) -> f64 {
     (sums[0] + sums[2]) + (sums[1] + sums[3])
@@ -57,8 +57,8 @@ pub(crate) fn dot_slices(a: &[f64], b: &[f64]) -> f64 {
     rest.map_or(sum, |rest| sum + rest)
 }
 
-/// The product of a vector and chosen elements of another: MuJoCo's `mju_dotSparse`, which adds the
-/// rest one by one.
+/// The scalar product of `a` with the elements `columns` of `x`: MuJoCo's `mju_dotSparse`, which
+/// adds the rest one by one.
 #[inline(always)]
 pub(crate) fn dot_sparse(a: &[f64], columns: &[usize], x: &[f64]) -> f64 {
     let ((a, a_rest), (columns, columns_rest)) = (a.as_chunks::<4>(), columns.as_chunks::<4>());
@@ -75,8 +75,8 @@ pub(crate) fn dot_sparse(a: &[f64], columns: &[usize], x: &[f64]) -> f64 {
     sum
 }
 
-/// `a + s b` of four numbers. All are read before one is written, so that the compiler makes them
-/// one operation.
+/// `a + s b`. All four numbers are read before one is written, so that the compiler uses one vector
+/// instruction.
 #[inline(always)]
 pub(crate) fn plus(a: Lanes, b: Lanes, s: f64) -> Lanes {
     [
@@ -87,7 +87,7 @@ pub(crate) fn plus(a: Lanes, b: Lanes, s: f64) -> Lanes {
     ]
 }
 
-/// `a - s b` of four numbers.
+/// `a - s b`.
 #[inline(always)]
 pub(crate) fn minus(a: Lanes, b: Lanes, s: f64) -> Lanes {
     [
@@ -98,7 +98,7 @@ pub(crate) fn minus(a: Lanes, b: Lanes, s: f64) -> Lanes {
     ]
 }
 
-/// `s a` of four numbers.
+/// `s a`.
 #[inline(always)]
 pub(crate) fn times(a: Lanes, s: f64) -> Lanes {
     [a[0] * s, a[1] * s, a[2] * s, a[3] * s]
@@ -122,10 +122,10 @@ pub(crate) fn add_scaled(a: &mut [Lanes], b: &[Lanes], s: f64) {
     }
 }
 
-/// The sum of rows of a matrix, each times its factor, one after the other. Each group stays in a
-/// register until it is complete.
+/// A linear combination of rows of a matrix, added one row after the other. Each group of four
+/// stays in a register until it is complete.
 ///
-/// `term` gives for each of `count` terms where the row starts, and the factor.
+/// For each of `count` terms, `term` gives the start of the row and the factor.
 #[inline(always)]
 pub(crate) fn combine(
     out: &mut [Lanes],
@@ -144,7 +144,7 @@ pub(crate) fn combine(
     }
 }
 
-/// The same for some groups.
+/// [`combine`] for `G` groups of four.
 #[inline(always)]
 fn sum_of_rows<const G: usize>(
     out: &mut [Lanes],
@@ -164,8 +164,8 @@ fn sum_of_rows<const G: usize>(
     out.copy_from_slice(&sums);
 }
 
-/// Changes one number of a vector. The four are written at once, as they are read: a processor
-/// waits where it reads four of which one was just written.
+/// Sets element `i` of a vector. All four numbers of the group are written at once: a later read of
+/// the whole group would stall after a partial write.
 #[inline(always)]
 pub(crate) fn set(vector: &mut [Lanes], i: usize, x: f64) {
     const ALL: u64 = u64::MAX;
@@ -181,7 +181,7 @@ pub(crate) fn set(vector: &mut [Lanes], i: usize, x: f64) {
     });
 }
 
-/// Copies numbers to the front of a vector.
+/// Copies `from` to the front of a vector.
 #[inline]
 pub(crate) fn put(to: &mut [Lanes], from: &[f64]) {
     to.as_flattened_mut()[..from.len()].copy_from_slice(from);

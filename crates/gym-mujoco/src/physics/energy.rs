@@ -6,7 +6,7 @@ use crate::model::{Disable, JointType};
 use crate::physics::dense::dot_slices;
 use crate::{Data, Model, Revision};
 
-/// The energy of heights and springs: MuJoCo's `mj_energyPos`.
+/// The potential energy of gravity and springs: MuJoCo's `mj_energyPos`.
 pub(super) fn potential(m: &Model, d: &Data) -> f64 {
     let mut energy = 0.0;
     if !m.opt.disables(Disable::Gravity) {
@@ -44,7 +44,7 @@ pub(super) fn potential(m: &Model, d: &Data) -> f64 {
     energy
 }
 
-/// The angle between an orientation and that of its spring.
+/// The angle between the orientation at position index `p` and the spring's reference.
 fn turn(m: &Model, d: &Data, p: usize) -> f64 {
     fn angle<O: Order>(now: [f64; 4], rest: [f64; 4]) -> f64 {
         norm(O::sub_quat(now, rest))
@@ -57,7 +57,7 @@ fn turn(m: &Model, d: &Data, p: usize) -> f64 {
     }
 }
 
-/// Half of `v' M v`: MuJoCo's `mj_energyVel`.
+/// The kinetic energy, `v' M v / 2`: MuJoCo's `mj_energyVel`.
 pub(super) fn kinetic(m: &Model, d: &mut Data) -> f64 {
     let mut momentum = std::mem::take(&mut d.work.acc_sum);
     mul_m(m, d, &d.qvel, &mut momentum);
@@ -66,7 +66,7 @@ pub(super) fn kinetic(m: &Model, d: &mut Data) -> f64 {
     energy
 }
 
-/// Potential and kinetic energy, which stay in `energy`: MuJoCo's `mj_energyPos` and
+/// Computes potential and kinetic energy, and stores them in `energy`: MuJoCo's `mj_energyPos` and
 /// `mj_energyVel`.
 pub fn energy(m: &Model, d: &mut Data) -> [f64; 2] {
     d.energy = [potential(m, d), kinetic(m, d)];

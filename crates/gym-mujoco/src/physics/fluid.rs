@@ -1,4 +1,4 @@
-//! Forces of the medium on geoms, as if these were ellipsoids: MuJoCo's `mj_ellipsoidFluidModel`.
+//! Fluid forces on geoms by the ellipsoid model: MuJoCo's `mj_ellipsoidFluidModel`.
 
 use std::f64::consts::PI;
 
@@ -38,7 +38,7 @@ pub(super) fn ellipsoids(m: &Model, d: &Data, body: usize, out: &mut [f64]) {
     }
 }
 
-/// The semi-axes of the ellipsoid that is like a shape.
+/// The semi-axes of the ellipsoid that approximates a shape.
 fn semiaxes(shape: GeomType, size: Vec3) -> Vec3 {
     match shape {
         GeomType::Sphere => [size[0]; 3],
@@ -48,7 +48,7 @@ fn semiaxes(shape: GeomType, size: Vec3) -> Vec3 {
     }
 }
 
-/// Torque and force of the medium that moves along: MuJoCo's `mj_addedMassForces`.
+/// Torque and force of the added mass: MuJoCo's `mj_addedMassForces`.
 fn added_mass(w: Vec3, v: Vec3, density: f64, fluid: &Fluid) -> (Vec3, Vec3) {
     let part = |first: usize, x: Vec3| -> Vec3 {
         std::array::from_fn(|k| density * fluid.0[first + k] * x[k])
@@ -66,8 +66,8 @@ fn fourth(x: f64) -> f64 {
     (x * x) * (x * x)
 }
 
-/// The area that a velocity sees; and a normal of the surface, with the factor that makes its
-/// product with the velocity the circulation.
+/// The area of the ellipsoid projected along the velocity. Then the surface normal that belongs to
+/// it, and the factor that turns `normal x velocity` into the circulation.
 fn projection(revision: Revision, v: Vec3, size: Vec3) -> (f64, (Vec3, f64)) {
     let faces = |[x, y, z]: Vec3| [y * z, z * x, x * y];
     match revision {
@@ -82,7 +82,7 @@ fn projection(revision: Revision, v: Vec3, size: Vec3) -> (f64, (Vec3, f64)) {
             (area, (normal, above / (norm(v) * below).max(MINVAL)))
         }
         Revision::V4_0 => {
-            // by the direction alone, of an ellipsoid whose longest semi-axis is 1
+            // computed from the direction alone, for an ellipsoid whose longest semi-axis is 1
             let inverse = |x: f64| if x > MINVAL { 1.0 / x } else { 0.0 };
             let most = size[0].max(size[1]).max(size[2]);
             let scaled = scale(size, inverse(most));

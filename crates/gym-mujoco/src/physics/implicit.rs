@@ -10,8 +10,8 @@ use crate::{Data, Model};
 
 type Mat6 = [[f64; 6]; 6];
 
-/// Makes and factors the inertia matrix less the timestep times the derivatives of the forces by
-/// the velocities, without those of Coriolis and centrifugal forces: for `implicitfast`.
+/// Computes and factors `M - dt * d(force)/d(velocity)` for `implicitfast`, which leaves out the
+/// derivatives of Coriolis and centrifugal forces.
 #[inline(never)]
 pub(super) fn factor(m: &Model, d: &mut Data) {
     let mut slopes = std::mem::take(&mut d.work.qh);
@@ -31,10 +31,11 @@ pub(super) fn factor(m: &Model, d: &mut Data) {
     factor_damped(m, d);
 }
 
-/// What `implicit` computes with.
+/// The buffers of `implicit`.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Buffers {
-    /// The degrees of freedom on the way to the root of each, and those beyond it.
+    /// For each row of the matrix: the columns that can be nonzero. These are the ancestors of a
+    /// degree of freedom, itself and its descendants.
     columns: Vec<Vec<usize>>,
     slopes: Vec<f64>,
     lu: Vec<f64>,
@@ -65,7 +66,7 @@ impl Buffers {
     }
 }
 
-/// The accelerations of `implicit`, of forces `x`, which they replace: MuJoCo's `mj_implicitSkip`.
+/// Replaces the forces `x` by the accelerations of `implicit`: MuJoCo's `mj_implicitSkip`.
 #[inline(never)]
 pub(super) fn solve(m: &Model, d: &Data, b: &mut Buffers, x: &mut [f64]) {
     let n = m.nv();
@@ -89,14 +90,14 @@ pub(super) fn solve(m: &Model, d: &Data, b: &mut Buffers, x: &mut [f64]) {
     solve_lu(&b.lu, &b.columns, &mut b.part, x);
 }
 
-/// Whether one of two degrees of freedom moves the body of the other.
+/// Whether degree of freedom `i` is an ancestor of `j`, or the reverse.
 fn related(m: &Model, i: usize, j: usize) -> bool {
     let moves = |i: usize, j: usize| m.plan().chain(m.dof_bodyid[i]).contains(&j);
     moves(i, j) || moves(j, i)
 }
 
-/// The derivatives of the forces of actuators and dampers: MuJoCo's `mjd_actuator_vel` and
-/// `mjd_passive_vel`.
+/// Passes each derivative of the forces of actuators and dampers to `add`: MuJoCo's
+/// `mjd_actuator_vel` and `mjd_passive_vel`.
 fn smooth(m: &Model, d: &Data, add: &mut impl FnMut(usize, usize, f64)) {
     actuators(m, d, add);
     if m.opt.disables(Disable::Damper) {
@@ -197,12 +198,12 @@ fn subtract_bias(m: &Model, d: &Data, b: &mut Buffers) {
     }
 }
 
-/// Adds the axes of a body's joints to the derivatives of its velocity, and their rates and what
-/// these change with to those of its acceleration: MuJoCo's `mjd_comVel_vel`.
+/// Adds a body's motion axes to the derivatives of its velocity, and the derivatives of `cdof_dot
+/// qvel` to those of its acceleration: MuJoCo's `mjd_comVel_vel`.
 fn add_axes(m: &Model, d: &Data, body: usize, velocity: &mut [Vec6], acceleration: &mut [Vec6]) {
     for joint in joints(m, body) {
         let first = m.jnt_dofadr[joint];
-        // the axes of a free joint's translation do not turn
+        // the axes of a free joint's translation are constant
         let fixed = match m.jnt_type[joint] {
             JointType::Free => first + 3,
             _ => first,
@@ -235,7 +236,7 @@ fn add6(sum: &mut Vec6, x: &Vec6) {
     }
 }
 
-/// The matrix of a linear function.
+/// The matrix of the linear function `f`.
 fn by_columns(f: impl Fn(&Vec6) -> Vec6) -> Mat6 {
     let mut matrix = [[0.0; 6]; 6];
     for k in 0..6 {
@@ -248,7 +249,8 @@ fn by_columns(f: impl Fn(&Vec6) -> Vec6) -> Mat6 {
     matrix
 }
 
-/// The product of a matrix with a vector, as MuJoCo makes it with the transposed one.
+/// The product of a matrix and a vector, in the order in which MuJoCo multiplies the transposed
+/// matrix.
 fn apply(x: &Vec6, matrix: &Mat6) -> Vec6 {
     let mut sum = [0.0; 6];
     for (k, x) in x.iter().enumerate() {
@@ -275,7 +277,7 @@ fn product(a: &Mat6, b: &Mat6) -> Mat6 {
     })
 }
 
-/// The derivative of the product of motions by the first.
+/// The derivative of [`cross_motion`](super::spatial::cross_motion) by its first factor.
 fn motion_by_velocity(v: &Vec6) -> Mat6 {
     let [a, b, c, x, y, z] = *v;
     [
@@ -288,7 +290,7 @@ fn motion_by_velocity(v: &Vec6) -> Mat6 {
     ]
 }
 
-/// The derivative of the product of a motion and a force by the motion.
+/// The derivative of [`cross_force`](super::spatial::cross_force) by the motion.
 fn force_by_velocity(f: &Vec6) -> Mat6 {
     let [a, b, c, x, y, z] = *f;
     [
@@ -301,7 +303,7 @@ fn force_by_velocity(f: &Vec6) -> Mat6 {
     ]
 }
 
-/// The same by the force.
+/// The derivative of [`cross_force`](super::spatial::cross_force) by the force.
 fn force_by_force(v: &Vec6) -> Mat6 {
     let [a, b, c, x, y, z] = *v;
     [
@@ -314,12 +316,14 @@ fn force_by_force(v: &Vec6) -> Mat6 {
     ]
 }
 
-/// Factors a matrix whose rows have these columns: MuJoCo's `mju_factorLUSparse`.
+/// Factors a sparse matrix whose row `i` has the columns `columns[i]`: MuJoCo's
+/// `mju_factorLUSparse`.
 fn factor_lu(lu: &mut [f64], columns: &[Vec<usize>]) {
     let n = columns.len();
     for i in (0..n).rev() {
         let pivot = lu[i * n + i];
-        // those before are on the way to the root, and so each is among the others' columns
+        // the columns before `i` are ancestors of `i`: each of them has all the columns of row `i`
+        // beyond it
         let before = &columns[i][..columns[i].partition_point(|&k| k < i)];
         for &j in before.iter().rev() {
             let share = lu[j * n + i] / pivot;

@@ -1,9 +1,9 @@
 //! The inertia matrix of the joints, and its factors along the tree.
 //!
-//! A degree of freedom couples with those on its way to the root alone. So the matrix is kept as
-//! the rows of its lower triangle, each with the columns of that way, root first and diagonal last.
-//! The columns of an ancestor are then the first columns of a descendant, and factors `L' D L`,
-//! made from the last row on, fill in nothing.
+//! A degree of freedom couples only with its ancestors and descendants. So each row of the lower
+//! triangle stores only the columns of its ancestors, root first, and the diagonal last. The
+//! columns of an ancestor are then the first columns of a descendant, and factors `L' D L`, made
+//! from the last row on, fill in nothing.
 
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ use super::spatial::{Vec6, dot6, mul_inertia};
 use crate::model::Plan;
 use crate::{Data, Model};
 
-/// The numbers of the inertia matrix, of one world or of several.
+/// The arrays of the inertia matrix, of one world or of several.
 pub(crate) struct Composite<'a, C> {
     pub(crate) cinert: &'a [[C; 10]],
     pub(crate) cdof: &'a [[C; 6]],
@@ -22,7 +22,7 @@ pub(crate) struct Composite<'a, C> {
     pub(crate) qm: &'a mut [C],
 }
 
-/// The inertia matrix by composite rigid bodies: MuJoCo's `mj_crb`.
+/// Computes the inertia matrix by the composite rigid body algorithm: MuJoCo's `mj_crb`.
 #[inline(always)]
 pub fn crb(m: &Model, d: &mut Data) {
     let (plan, axes) = (m.plan(), &mut d.work.axes[..]);
@@ -41,7 +41,7 @@ pub fn crb(m: &Model, d: &mut Data) {
         crb: &mut d.work.crb,
         qm: &mut d.qm,
     };
-    // the first elements of a row four at once, where that pays
+    // computes the first elements of a row four at once, if the row is long enough
     crb_of::<f64>(
         m,
         (),
@@ -60,8 +60,8 @@ pub fn crb(m: &Model, d: &mut Data) {
     );
 }
 
-/// The same for one world or several. `begin` computes the first elements of a row from the force
-/// that moves its degree of freedom, and returns how many it did.
+/// [`crb`] for one world or several. `begin` may compute the first elements of a row from the force
+/// that moves its degree of freedom; it returns how many it computed.
 #[inline(always)]
 pub(crate) fn crb_of<N: Number>(
     m: &Model,
@@ -109,7 +109,8 @@ pub(crate) fn crb_of<N: Number>(
     }
 }
 
-/// The products of four vectors, given by components, with one: each as [`dot6`] makes it.
+/// The products of four vectors, given by components, with one vector: each product as [`dot6`]
+/// computes it.
 #[inline(always)]
 fn dot6_of_four(a: &[Lanes; 6], b: &Vec6) -> Lanes {
     let even = plus(times(a[0], b[0]), a[2], b[2]);
@@ -118,16 +119,15 @@ fn dot6_of_four(a: &[Lanes; 6], b: &Vec6) -> Lanes {
     plus(plus(even, odd, 1.0), last, 1.0)
 }
 
-/// Factors the inertia matrix: MuJoCo's `mj_factorM`. For Euler's method, with the matrix that
-/// damping changes.
+/// Factors the inertia matrix: MuJoCo's `mj_factorM`. For Euler's method it factors the matrix with
+/// damping too.
 #[inline(always)]
 pub fn factor_m(m: &Model, d: &mut Data) {
     d.qld.copy_from_slice(&d.qm);
     if m.plan().implicit {
         add_damping(m, d);
         let work = &mut d.work;
-        // a row waits for the divisions of those before: of two matrices in turn, one computes
-        // while the other waits
+        // factors both matrices in turn: one computes while the other waits for a division
         let damped = (&mut work.qh[..], &mut work.qh_diag_inv[..]);
         factor(m, [(&mut d.qld, &mut d.qld_diag_inv), damped]);
     } else {
@@ -135,7 +135,7 @@ pub fn factor_m(m: &Model, d: &mut Data) {
     }
 }
 
-/// The inertia matrix that damping changes.
+/// Computes the inertia matrix with implicit damping.
 #[inline(always)]
 pub(super) fn add_damping(m: &Model, d: &mut Data) {
     let work = &mut d.work;
@@ -145,14 +145,14 @@ pub(super) fn add_damping(m: &Model, d: &mut Data) {
     }
 }
 
-/// Factors the matrix that implicit integrators made.
+/// Factors the matrix of the implicit integrators.
 pub(super) fn factor_damped(m: &Model, d: &mut Data) {
     let work = &mut d.work;
     factor(m, [(&mut work.qh[..], &mut work.qh_diag_inv[..])]);
 }
 
-/// Replaces matrices of the inertia matrix's structure by `L' D L`, and gives the inverses of the
-/// diagonals: MuJoCo's `mj_factorI`.
+/// Replaces matrices with the sparsity of the inertia matrix by `L' D L`, and computes the inverses
+/// of the diagonals: MuJoCo's `mj_factorI`.
 #[inline(always)]
 fn factor<const N: usize>(m: &Model, matrices: [(&mut [f64], &mut [f64]); N]) {
     match m.plan().m_groups {
@@ -164,7 +164,7 @@ fn factor<const N: usize>(m: &Model, matrices: [(&mut [f64], &mut [f64]); N]) {
     }
 }
 
-/// The same for rows that are chunks of so many groups: one chunk, or some of four groups.
+/// [`factor`] for rows in chunks of `C` groups of four.
 #[inline(always)]
 fn factor_chunks<const C: usize, const N: usize>(
     m: &Model,
@@ -180,8 +180,8 @@ fn factor_chunks<const C: usize, const N: usize>(
     }
 }
 
-/// Makes a row that of the factors, once those below are, and returns the inverse of its diagonal.
-/// What is behind the end of a row changes too.
+/// Computes a row of the factors, once the rows of its descendants are done, and returns the
+/// inverse of its diagonal. Elements after the end of the row change too.
 #[inline(always)]
 fn eliminate<const C: usize>(
     plan: &Plan,
@@ -194,7 +194,7 @@ fn eliminate<const C: usize>(
     let columns = &plan.m_colind[plan.m_ancestors(k)];
     let diagonal = row.as_flattened().as_flattened()[columns.len()];
     let inv = 1.0 / diagonal;
-    // ancestors, the nearest first
+    // ancestors, from the nearest to the root
     for (c, &ancestor) in columns.iter().enumerate().rev() {
         let factor = row.as_flattened().as_flattened()[c] * inv;
         for (a, b) in above[ancestor * per_row..][..per_row].iter_mut().zip(&*row) {
@@ -210,12 +210,12 @@ fn eliminate<const C: usize>(
     inv
 }
 
-/// `x = M^-1 x`: MuJoCo's `mj_solveM`.
+/// Replaces `x` by `M^-1 x`: MuJoCo's `mj_solveM`.
 pub fn solve_m(m: &Model, d: &Data, x: &mut [f64]) {
     solve(m, &d.qld, &d.qld_diag_inv, x);
 }
 
-/// `x = (L' D L)^-1 x`.
+/// Replaces `x` by `(L' D L)^-1 x`.
 #[inline(always)]
 pub(crate) fn solve(m: &Model, factors: &[f64], diag_inv: &[f64], x: &mut [f64]) {
     for tree in &m.plan().trees {
@@ -223,7 +223,7 @@ pub(crate) fn solve(m: &Model, factors: &[f64], diag_inv: &[f64], x: &mut [f64])
     }
 }
 
-/// The same for the degrees of freedom of one tree: MuJoCo's `mj_solveLD`.
+/// [`solve`] for the degrees of freedom of one tree: MuJoCo's `mj_solveLD`.
 #[inline(never)]
 pub(crate) fn solve_tree(
     m: &Model,
@@ -252,12 +252,12 @@ pub(crate) fn solve_tree(
     }
 }
 
-/// `y = M x`: MuJoCo's `mj_mulM`.
+/// Writes `M x` to `y`: MuJoCo's `mj_mulM`.
 pub fn mul_m(m: &Model, d: &Data, x: &[f64], y: &mut [f64]) {
     multiply(m, &d.qm, x, y);
 }
 
-/// `y = M x`, for a matrix of the inertia matrix's structure.
+/// Writes `M x` to `y`, for a matrix with the sparsity of the inertia matrix.
 #[inline(always)]
 pub(crate) fn multiply(m: &Model, qm: &[f64], x: &[f64], y: &mut [f64]) {
     for tree in &m.plan().trees {
@@ -265,8 +265,8 @@ pub(crate) fn multiply(m: &Model, qm: &[f64], x: &[f64], y: &mut [f64]) {
     }
 }
 
-/// The same for the degrees of freedom of one tree: MuJoCo's `mju_mulSymVecSparse`, ancestors from
-/// the nearest to the root.
+/// [`multiply`] for the degrees of freedom of one tree: MuJoCo's `mju_mulSymVecSparse`, ancestors
+/// from the nearest to the root.
 #[inline(never)]
 pub(crate) fn mul_m_tree(m: &Model, qm: &[f64], tree: &Range<usize>, x: &[f64], y: &mut [f64]) {
     let plan = m.plan();

@@ -11,12 +11,12 @@ use crate::libm::{self, wide};
 use crate::model::{Integrator, JointType};
 use crate::{Data, Model, Revision};
 
-/// Moves positions along velocities for some time: MuJoCo's `mj_integratePos`.
+/// Advances positions by the velocities times `dt`: MuJoCo's `mj_integratePos`.
 pub fn integrate_pos(m: &Model, qpos: &mut [f64], qvel: &[f64], dt: f64) {
     integrate_pos_of::<f64>(m, (), qpos, qvel, dt);
 }
 
-/// The same for one world or several.
+/// [`integrate_pos`] for one world or several.
 #[inline(always)]
 pub(super) fn integrate_pos_of<N: Number>(
     m: &Model,
@@ -60,8 +60,8 @@ pub(super) fn integrate_pos_of<N: Number>(
     }
 }
 
-/// Semi-implicit Euler, implicit in joint damping: MuJoCo's `mj_Euler`, for models with this
-/// integrator.
+/// Semi-implicit Euler, implicit in joint damping: MuJoCo's `mj_Euler`. Call it for models whose
+/// integrator is Euler.
 pub fn euler(m: &Model, d: &mut Data) {
     wide(
         (m, d),
@@ -76,7 +76,8 @@ pub fn euler(m: &Model, d: &mut Data) {
 fn semi_implicit(m: &Model, d: &mut Data) {
     let dt = m.opt.timestep;
     let fast = m.opt.integrator == Integrator::ImplicitFast;
-    // the second half of a step stands in for Runge and Kutta's method by this one
+    // `step2` uses Euler's method for models with the RK4 integrator; these have no damped factors
+    // yet
     let late = m.opt.integrator == Integrator::RK4 && m.plan().damped;
     if fast {
         implicit::factor(m, d);
@@ -115,13 +116,13 @@ fn semi_implicit(m: &Model, d: &mut Data) {
     d.qacc_warmstart.copy_from_slice(&d.qacc);
 }
 
-/// The weights of the stages of Runge and Kutta's method.
+/// The weights of the Runge-Kutta stages.
 pub(super) const WEIGHTS: [f64; 4] = [1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0];
-/// The part of the step from the start to the next stage.
+/// For each stage, the fraction of the timestep from the start to the next stage.
 pub(super) const PARTS: [f64; 4] = [0.5, 0.5, 1.0, 0.0];
 
-/// Runge-Kutta of fourth order: MuJoCo's `mj_RungeKutta`. The forward call of the start is done
-/// already.
+/// Runge-Kutta of fourth order: MuJoCo's `mj_RungeKutta`. The caller has already run `forward` at
+/// the start.
 ///
 /// From 4.0 on, angular velocities of free joints are of fourth order too (`rates`), and `qacc`
 /// is left as the mean of the stages; before, it is left as that of the last stage.
@@ -137,9 +138,11 @@ pub fn runge_kutta(m: &Model, d: &mut Data) {
     }
     let turns = m.revision == Revision::V4_0
         && (m.jnt_type.iter()).any(|kind| matches!(kind, JointType::Free | JointType::Ball));
-    // the time from the start to the stage
+    // the time from the start to the current stage
     let mut way = 0.0;
-    for (weight, part) in WEIGHTS.into_iter().zip(PARTS) {
+    let skips = d.work.skips;
+    d.work.skips = true;
+    for (stage, (weight, part)) in WEIGHTS.into_iter().zip(PARTS).enumerate() {
         if turns {
             rates(m, &d.qvel, way, &mut d.work.rates);
         }
@@ -163,6 +166,9 @@ pub fn runge_kutta(m: &Model, d: &mut Data) {
                 d.act[i] = d.work.act_start[i] + way * d.act_dot[i];
             }
             d.time = start + way;
+            if stage == 2 {
+                d.work.skips = skips; // no evaluation follows
+            }
             evaluate(m, d);
         }
     }
@@ -184,11 +190,11 @@ pub fn runge_kutta(m: &Model, d: &mut Data) {
     }
 }
 
-/// The velocities of a stage as rates of change of the positions since the start.
+/// Computes the rates of change of the positions since the start, from the velocities of a stage.
 ///
 /// From 4.0 on, a rate of a free joint's orientation is that of the rotation vector since the start
-/// (the method of Runge, Kutta and Munthe-Kaas). `rates` holds those that led to the stage for the
-/// time `way`.
+/// (the method of Runge, Kutta and Munthe-Kaas). On entry, `rates` holds the rates of the stage
+/// before, which were applied for the time `way`.
 fn rates(m: &Model, qvel: &[f64], way: f64, rates: &mut [f64]) {
     if way == 0.0 {
         rates.copy_from_slice(qvel);
@@ -211,7 +217,8 @@ fn rates(m: &Model, qvel: &[f64], way: f64, rates: &mut [f64]) {
     }
 }
 
-/// How fast a rotation vector changes, at an angular velocity in the turned frame.
+/// The rate of change of the rotation vector `turn` at the angular velocity `velocity`, given in
+/// the turned frame.
 pub(super) fn rate_of_turn(turn: Vec3, velocity: Vec3) -> Vec3 {
     // the last factor is (1 - t / tan t) / (4 t^2), with the square of the angle 2 t
     const SERIES: [f64; 9] = [

@@ -1,10 +1,10 @@
-//! Inverse dynamics: the forces that give the accelerations that there are.
+//! Inverse dynamics: computes forces from accelerations.
 
 use super::inertia::mul_m;
 use super::solver;
 use crate::{Data, Model};
 
-/// The constraints' forces at `qacc`, then `qfrc_inverse`, the sum of all forces that are missing.
+/// Computes the constraint forces at `qacc`, then `qfrc_inverse`.
 pub(super) fn forces(m: &Model, d: &mut Data) {
     solver::forces_at(m, d);
     solver::add_forces(m, d);

@@ -1,9 +1,9 @@
-//! How points of bodies move with the degrees of freedom.
+//! Jacobians of points of bodies.
 
 use super::spatial::{Vec3, add, cross, rotation, sub, translation};
 use crate::{Data, Model};
 
-/// How a point of a body moves with a degree of freedom that moves the body.
+/// The velocity of `point` per unit velocity of `dof`, which moves `body`.
 #[inline]
 pub(super) fn moves_at(
     m: &Model,
@@ -18,8 +18,7 @@ pub(super) fn moves_at(
     add(translation(axis), cross(rotation(axis), offset))
 }
 
-/// Adds to forces on the joints those of a force and a torque at a point of a body: MuJoCo's
-/// `mj_applyFT`.
+/// Adds a force and a torque at a point of a body to the joint forces: MuJoCo's `mj_applyFT`.
 pub(super) fn apply(
     m: &Model,
     d: &Data,

@@ -1,4 +1,4 @@
-//! Where everything is: positions and orientations of bodies, joints, geoms and sites.
+//! Positions and orientations of bodies, joints, geoms and sites.
 
 use super::number::{self, Number, get, put};
 use super::spatial::{
@@ -8,7 +8,7 @@ use super::velocity::joints;
 use crate::model::{JointType, Placed};
 use crate::{Data, Model, Revision};
 
-/// The numbers that this stage reads and writes, of one world or of several.
+/// The arrays that this stage reads and writes, of one world or of several.
 pub(crate) struct Frames<'a, C> {
     pub(crate) qpos: &'a [C],
     pub(crate) mocap_pos: &'a [[C; 3]],
@@ -26,9 +26,16 @@ pub(crate) struct Frames<'a, C> {
     pub(crate) site_xmat: &'a mut [[C; 9]],
 }
 
-/// Frames of bodies, joints, geoms and sites from `qpos`: MuJoCo's `mj_kinematics`.
-#[inline(always)]
+/// Computes the frames of bodies, joints, geoms and sites from `qpos`: MuJoCo's `mj_kinematics`.
 pub fn kinematics(m: &Model, d: &mut Data) {
+    d.work.skips = false;
+    find_frames(m, d);
+}
+
+/// [`kinematics`]; if `skips` is set, it leaves out geoms and sites that no later stage reads.
+#[inline(always)]
+pub(super) fn find_frames(m: &Model, d: &mut Data) {
+    let whole = !d.work.skips;
     let frames = Frames {
         qpos: &d.qpos,
         mocap_pos: &d.mocap_pos,
@@ -45,21 +52,31 @@ pub fn kinematics(m: &Model, d: &mut Data) {
         site_xpos: &mut d.site_xpos,
         site_xmat: &mut d.site_xmat,
     };
-    kinematics_of::<f64>(m, (), frames);
+    kinematics_of::<f64>(m, (), frames, whole);
 }
 
-/// The same for one world or several.
+/// [`kinematics`] for one world or several.
 #[inline(always)]
-pub(crate) fn kinematics_of<N: Number>(m: &Model, place: N::Place, frames: Frames<'_, N::Cell>) {
+pub(crate) fn kinematics_of<N: Number>(
+    m: &Model,
+    place: N::Place,
+    frames: Frames<'_, N::Cell>,
+    whole: bool,
+) {
     match m.revision {
-        Revision::V3_12 => in_order::<N, InTurn>(m, place, frames),
-        Revision::V4_0 => in_order::<N, Pairwise>(m, place, frames),
+        Revision::V3_12 => in_order::<N, InTurn>(m, place, frames, whole),
+        Revision::V4_0 => in_order::<N, Pairwise>(m, place, frames, whole),
     }
 }
 
 #[inline(always)]
-fn in_order<N: Number, O: Order>(m: &Model, at: N::Place, frames: Frames<'_, N::Cell>) {
-    // slices of one length: an index is checked once for all of them
+fn in_order<N: Number, O: Order>(
+    m: &Model,
+    at: N::Place,
+    frames: Frames<'_, N::Cell>,
+    whole: bool,
+) {
+    // slices of equal length let the compiler check an index once for all of them
     let n = m.nbody();
     let parents = &m.body_parentid[..n];
     let (body_pos, body_quat, body_ipos, body_iquat) = (
@@ -160,8 +177,12 @@ fn in_order<N: Number, O: Order>(m: &Model, at: N::Place, frames: Frames<'_, N::
     }
     let n = m.ngeom();
     let (bodies, placed) = (&m.geom_bodyid[..n], &m.plan().geoms[..n]);
+    let read = &m.plan().geoms_read[..n];
     let (geom_xpos, geom_xmat) = (&mut f.geom_xpos[..n], &mut f.geom_xmat[..n]);
     for g in 0..n {
+        if !(whole || read[g]) {
+            continue;
+        }
         let b = bodies[g];
         match placed[g] {
             None => (geom_xpos[g], geom_xmat[g]) = (xipos[b], ximat[b]),
@@ -173,6 +194,9 @@ fn in_order<N: Number, O: Order>(m: &Model, at: N::Place, frames: Frames<'_, N::
                 (&mut geom_xpos[g], &mut geom_xmat[g]),
             ),
         }
+    }
+    if !(whole || m.plan().sites_read) {
+        return;
     }
     for (s, &placed) in m.plan().sites.iter().enumerate() {
         let b = m.site_bodyid[s];
@@ -186,10 +210,10 @@ fn in_order<N: Number, O: Order>(m: &Model, at: N::Place, frames: Frames<'_, N::
     }
 }
 
-/// Where a body is: `xpos`, `xquat` and `xmat`.
+/// The frame of a body: `xpos`, `xquat` and `xmat`.
 type Body<'a, C> = (&'a [C; 3], &'a [C; 4], &'a [C; 9]);
 
-/// A frame given in a body's frame: MuJoCo's `mj_local2Global`.
+/// Transforms a frame from a body's frame to the world: MuJoCo's `mj_local2Global`.
 #[inline(always)]
 fn local_to_global<N: Number, O: Order>(
     at: N::Place,

@@ -16,12 +16,11 @@
 //! | `integrate`, `implicit` | Euler, Runge-Kutta, implicit integrators |
 //! | `inverse` | forces from accelerations |
 //!
-//! Stages are compiled as one function, for the processor at hand. What several of them call is
-//! apart (`inline(never)`): copies of it would be more code than a processor keeps near, and
-//! waiting for code is slower than a call.
+//! All stages are compiled into one function, for the CPU that runs it. Functions that several
+//! stages call are `inline(never)`: copies of them would not fit in the instruction cache, and
+//! cache misses cost more than calls.
 //!
-//! Functions have the names of MuJoCo's, without the prefix `mj_`. They need nothing but a model
-//! and its data:
+//! Functions have MuJoCo's names without the prefix `mj_`, and take a model and its data:
 //!
 //! ```
 //! use gym_mujoco::{Data, Model, step};
@@ -86,6 +85,7 @@ pub use contact_force::contact_force;
 pub use energy::energy;
 pub use inertia::{crb, factor_m, full_m, mul_m, solve_m};
 pub use integrate::{euler, integrate_pos, runge_kutta};
+use kinematics::find_frames;
 pub use kinematics::kinematics;
 pub use passive::passive;
 pub use post_constraint::rne_post_constraint;
@@ -105,7 +105,7 @@ use crate::model::{Integrator, Stage};
 use crate::{Data, Model};
 pub(crate) use actuation::MAXVAL;
 
-/// The functions that compute all that follows from a state.
+/// The functions that compute everything that follows from a state.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) enum Call {
     Forward,
@@ -127,8 +127,9 @@ pub fn step(m: &Model, d: &mut Data) {
     advance(m, d);
 }
 
-/// One of several timesteps that another call follows: as [`step`], but it does not store the state
-/// from which it starts, so that a snapshot after it has the state alone.
+/// A timestep of which only the state is read afterwards, because another timestep follows. Unlike
+/// [`step`], it does not store its start, so a snapshot taken after it holds only the state; and
+/// frames of geoms and sites that no stage reads keep their old values.
 ///
 /// # Panics
 /// If the data is of another model.
@@ -139,20 +140,26 @@ pub fn substep(m: &Model, d: &mut Data) {
 
 fn advance(m: &Model, d: &mut Data) {
     reset_diverged(m, d);
+    let in_stages = m.opt.integrator == Integrator::RK4;
+    let skips = d.work.skips;
+    // RK4 computes further stages below, and the frames of the last one stay
+    d.work.skips |= in_stages;
     evaluate(m, d);
     if diverged(&d.qacc) {
         d.clear(m);
         evaluate(m, d);
     }
+    d.work.skips = skips;
     measure(m, d, &ALL);
-    match m.opt.integrator {
-        Integrator::RK4 => runge_kutta(m, d),
-        _ => euler(m, d),
+    if in_stages {
+        runge_kutta(m, d);
+    } else {
+        euler(m, d);
     }
 }
 
-/// The first half of a step: everything that does not depend on controls, so that they can follow
-/// from it: MuJoCo's `mj_step1`.
+/// The first half of a step, which does not depend on controls: MuJoCo's `mj_step1`. Controls can
+/// be computed from its results.
 ///
 /// # Panics
 /// If the data is of another model.
@@ -163,8 +170,8 @@ pub fn step1(m: &Model, d: &mut Data) {
     measure(m, d, &[Stage::Position, Stage::Velocity]);
 }
 
-/// The second half of a step, after [`step1`]: MuJoCo's `mj_step2`. Euler's method stands in for
-/// that of Runge and Kutta, as there.
+/// The second half of a step, after [`step1`]: MuJoCo's `mj_step2`. As in MuJoCo, it uses Euler's
+/// method in place of RK4.
 ///
 /// # Panics
 /// If the data is of another model.
@@ -190,8 +197,7 @@ pub fn forward(m: &Model, d: &mut Data) {
     measure(m, d, &ALL);
 }
 
-/// Computes the forces that give the accelerations `qacc`: MuJoCo's `mj_inverse`. They are in
-/// `qfrc_inverse`.
+/// Computes `qfrc_inverse`, the forces that cause the accelerations `qacc`: MuJoCo's `mj_inverse`.
 ///
 /// # Panics
 /// If the data is of another model.
@@ -210,7 +216,7 @@ fn reset_diverged(m: &Model, d: &mut Data) {
 
 const ALL: [Stage; 3] = [Stage::Position, Stage::Velocity, Stage::Acceleration];
 
-/// What a forward call computes and nothing else depends on: sensors and energy.
+/// Computes the results that no later stage reads: sensors and energy.
 #[inline]
 fn measure(m: &Model, d: &mut Data, stages: &[Stage]) {
     if m.plan().measures {
@@ -221,8 +227,8 @@ fn measure(m: &Model, d: &mut Data, stages: &[Stage]) {
     }
 }
 
-/// Compiles stages for the processor at hand. A function in the place of a closure would be
-/// compiled for the oldest one: a call of it is not inlined.
+/// Compiles stages for the CPU that runs them. They must be closures: a plain function is not
+/// inlined here, so it would be compiled for the oldest CPU.
 macro_rules! compiled {
     ($(#[$doc:meta])* $name:ident: $($stage:ident)+) => {
         $(#[$doc])*
@@ -243,22 +249,22 @@ macro_rules! compiled {
 }
 
 compiled! {
-    /// A forward call, or one of those that a step consists of.
+    /// A whole forward call, or one that is part of a step.
     evaluate: fwd_position fwd_velocity fwd_actuation fwd_acceleration fwd_constraint
 }
 compiled! {
-    /// What controls do not change.
+    /// The stages that do not depend on controls.
     first_stages: fwd_position fwd_velocity
 }
 compiled! {
-    /// What controls change.
+    /// The stages that depend on controls.
     last_stages: fwd_actuation fwd_acceleration fwd_constraint
 }
 
-/// Everything that depends on positions: MuJoCo's `mj_fwdPosition`.
+/// The stages that depend on positions: MuJoCo's `mj_fwdPosition`.
 #[inline(always)]
 fn fwd_position(m: &Model, d: &mut Data) {
-    kinematics(m, d);
+    find_frames(m, d);
     com_pos(m, d);
     tendon(m, d);
     crb(m, d);
@@ -270,7 +276,7 @@ fn fwd_position(m: &Model, d: &mut Data) {
     }
 }
 
-/// Everything that depends on velocities too: MuJoCo's `mj_fwdVelocity`.
+/// The stages that depend on velocities: MuJoCo's `mj_fwdVelocity`.
 #[inline(always)]
 fn fwd_velocity(m: &Model, d: &mut Data) {
     com_vel(m, d);
@@ -283,7 +289,7 @@ fn fwd_velocity(m: &Model, d: &mut Data) {
     rne(m, d);
 }
 
-/// Accelerations without constraints: MuJoCo's `mj_fwdAcceleration`.
+/// Computes the accelerations without constraints: MuJoCo's `mj_fwdAcceleration`.
 #[inline(always)]
 fn fwd_acceleration(m: &Model, d: &mut Data) {
     for i in 0..m.nv() {
@@ -297,7 +303,7 @@ fn fwd_acceleration(m: &Model, d: &mut Data) {
     inertia::solve(m, &d.qld, &d.qld_diag_inv, &mut d.qacc_smooth);
 }
 
-/// Adds the forces that are applied to bodies.
+/// Adds `xfrc_applied`, the external forces on bodies.
 #[cold]
 fn push_bodies(m: &Model, d: &mut Data) {
     for b in 1..m.nbody() {
@@ -311,7 +317,7 @@ fn push_bodies(m: &Model, d: &mut Data) {
     }
 }
 
-/// Whether a number is not finite, or beyond what a simulation reaches.
+/// Whether one of the numbers is not finite or exceeds [`MAXVAL`].
 fn diverged(numbers: &[f64]) -> bool {
     numbers.iter().any(|x| x.is_nan() || x.abs() > MAXVAL)
 }

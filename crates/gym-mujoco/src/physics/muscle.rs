@@ -1,10 +1,10 @@
-//! Muscles: MuJoCo's formulas. The numbers are range (2), force, scale, lmin, lmax, vmax, fpmax and
-//! fvmax; of the dynamics, the time constants of activation and deactivation, and the width of the
-//! transition between them.
+//! Muscles: MuJoCo's formulas. The parameters `prm` of gain and bias are range (2), force, scale,
+//! lmin, lmax, vmax, fpmax and fvmax. The parameters of the dynamics are the time constants of
+//! activation and deactivation, and the width of the transition between them.
 
 use super::spatial::MINVAL;
 
-/// The force on the whole, and the optimal length.
+/// The peak force, and the optimal fibre length.
 fn scales(range: [f64; 2], acc0: f64, prm: &[f64; 10]) -> (f64, f64) {
     let force = if prm[2] < 0.0 {
         prm[3] / f64::max(MINVAL, acc0)
@@ -17,7 +17,7 @@ fn scales(range: [f64; 2], acc0: f64, prm: &[f64; 10]) -> (f64, f64) {
     )
 }
 
-/// The active force, for an activation of 1: MuJoCo's `mju_muscleGain`.
+/// The active force at an activation of 1: MuJoCo's `mju_muscleGain`.
 pub(super) fn gain(length: f64, velocity: f64, range: [f64; 2], acc0: f64, prm: &[f64; 10]) -> f64 {
     let (force, optimum) = scales(range, acc0, prm);
     let [lmin, lmax, vmax, fvmax] = [prm[4], prm[5], prm[6], prm[8]];
@@ -37,7 +37,7 @@ pub(super) fn gain(length: f64, velocity: f64, range: [f64; 2], acc0: f64, prm: 
     -force * by_length * by_velocity
 }
 
-/// Four parabolas between the least and the greatest length, with the maximum at 1.
+/// The force-length curve: four parabolas from `lmin` to `lmax`, with the maximum at 1.
 fn length_curve(l: f64, lmin: f64, lmax: f64) -> f64 {
     if !(lmin..=lmax).contains(&l) {
         return 0.0;
@@ -76,7 +76,7 @@ pub(super) fn bias(length: f64, range: [f64; 2], acc0: f64, prm: &[f64; 10]) -> 
     }
 }
 
-/// How fast the activation changes: MuJoCo's `mju_muscleDynamics`.
+/// The rate of change of the activation: MuJoCo's `mju_muscleDynamics`.
 pub(super) fn dynamics(ctrl: f64, act: f64, prm: &[f64; 10]) -> f64 {
     let (ctrl, within) = (ctrl.clamp(0.0, 1.0), act.clamp(0.0, 1.0));
     let on = prm[0] * (0.5 + 1.5 * within);

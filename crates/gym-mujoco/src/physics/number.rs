@@ -1,14 +1,14 @@
-//! One number, or one of each of several worlds: the smooth stages are written once, for both.
+//! One number, or one number for each of several worlds: the smooth stages are generic over both.
 
 use std::fmt::Debug;
 use std::ops::{Add, Mul, Neg, Sub};
 
 use crate::libm;
 
-/// An `f64`, or the numbers of several worlds, which are computed with at once.
+/// An `f64`, or a vector register with one number per world.
 ///
-/// Each operation rounds as that of `f64`, so a world has the same bits alone and among others.
-/// Model constants are `f64`; write them as the second factor or summand.
+/// Each operation rounds like `f64`, so a world has the same bits alone and among others. Model
+/// constants are `f64`; write them as the second operand.
 pub(crate) trait Number:
     Copy
     + Debug
@@ -20,13 +20,13 @@ pub(crate) trait Number:
     + Mul<f64, Output = Self>
     + Neg<Output = Self>
 {
-    /// The worlds.
+    /// Selects the worlds of a register.
     type Place: Copy;
 
-    /// The numbers in memory.
+    /// A number in memory.
     type Cell: Copy;
 
-    /// A yes or no for each number.
+    /// A boolean for each number.
     type Mask: Copy;
 
     /// `x` in each world.
@@ -76,16 +76,17 @@ pub(crate) trait Number:
     /// The sines and cosines of angles in rad.
     fn sin_cos(self) -> (Self, Self);
 
-    /// Whether the numbers are less than a constant.
+    /// Whether each number is less than `x`.
     fn is_below(self, x: f64) -> Self::Mask;
 
-    /// Whether the numbers are further from a constant than another.
+    /// Whether each number differs from `from` by more than `by`.
     fn is_off(self, from: f64, by: f64) -> Self::Mask;
 
-    /// Whether the numbers are zero.
+    /// Whether each number is zero.
     fn is_zero(self) -> Self::Mask;
 
-    /// `yes` where the mask is set, else `no`. Only a single number leaves out what is not chosen.
+    /// `yes` where the mask is set, else `no`. For a single number, only the chosen one is
+    /// computed.
     fn choose<const K: usize>(
         mask: Self::Mask,
         yes: impl FnOnce() -> [Self; K],
@@ -113,7 +114,7 @@ impl Number for f64 {
         *cell = self;
     }
 
-    // copies: the compiler does not make them of loops over elements
+    // written out: the compiler does not turn a loop over elements into a copy
 
     #[inline(always)]
     fn all_of<const K: usize>((): (), vector: [f64; K]) -> [Self; K] {
@@ -191,7 +192,7 @@ pub(crate) fn put<N: Number, const K: usize>(
     N::put_all(vector, place, cells);
 }
 
-/// A vector of constants.
+/// The constants `vector` in each world.
 #[inline(always)]
 pub(crate) fn of<N: Number, const K: usize>(place: N::Place, vector: [f64; K]) -> [N; K] {
     N::all_of(place, vector)

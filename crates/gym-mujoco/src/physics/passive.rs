@@ -12,8 +12,8 @@ use super::spatial::{
 use crate::model::JointType;
 use crate::{Data, Model, Revision};
 
-/// `qfrc_passive`: MuJoCo's `mj_passive`, springs, then dampers, then the medium, then lifted
-/// weights.
+/// Computes `qfrc_passive`: springs, dampers, fluid, then gravity compensation: MuJoCo's
+/// `mj_passive`.
 #[inline(always)]
 pub fn passive(m: &Model, d: &mut Data) {
     let plan = m.plan();
@@ -55,7 +55,7 @@ pub fn passive(m: &Model, d: &mut Data) {
     }
 }
 
-/// The force of a spring at a position.
+/// The force of a spring at position `q`.
 #[inline(always)]
 pub(in crate::physics) fn spring_force<N: Number>(q: N, rest: f64, stiffness: f64) -> N {
     -(q - rest) * stiffness
@@ -71,7 +71,7 @@ pub(in crate::physics) fn damper_force<N: Number>(at: N::Place, velocity: N, dam
     }
 }
 
-/// The spring of an orientation.
+/// Adds the spring of a ball or free joint's orientation.
 fn turned_spring(m: &Model, d: &mut Data, p: usize, i: usize, stiffness: f64) {
     let quat = |q: &[f64]| [q[p], q[p + 1], q[p + 2], q[p + 3]];
     let (now, rest) = (quat(&d.qpos), quat(&m.qpos_spring));
@@ -84,7 +84,7 @@ fn turned_spring(m: &Model, d: &mut Data, p: usize, i: usize, stiffness: f64) {
     }
 }
 
-/// Adds springs of tendons to those of joints, and then all dampers.
+/// Adds the springs of tendons to those of joints, then all dampers.
 #[inline(never)]
 fn elastic_tendons(m: &Model, d: &mut Data) {
     let plan = m.plan();
@@ -116,7 +116,7 @@ fn elastic_tendons(m: &Model, d: &mut Data) {
     }
 }
 
-/// The forces that lift weights, added unless actuators lift them: MuJoCo's `mj_gravcomp`.
+/// Adds gravity compensation, except for joints whose actuators apply it: MuJoCo's `mj_gravcomp`.
 #[inline(never)]
 fn lift(m: &Model, d: &mut Data) {
     let mut forces = std::mem::take(&mut d.work.gravcomp);
@@ -136,8 +136,8 @@ fn lift(m: &Model, d: &mut Data) {
     d.work.gravcomp = forces;
 }
 
-/// Adds the forces of the medium on each body, as if it were the box of equal inertia, or its geoms
-/// ellipsoids: MuJoCo's `mj_inertiaBoxFluidModel`.
+/// Adds the fluid forces on each body, by the inertia box model or the ellipsoid model: MuJoCo's
+/// `mj_inertiaBoxFluidModel`.
 #[inline(always)]
 fn fluid(m: &Model, d: &mut Data) {
     for &(b, edges) in &m.plan().boxes {
@@ -159,8 +159,7 @@ fn fluid(m: &Model, d: &mut Data) {
     }
 }
 
-/// The numbers that the forces of the medium depend on, and these forces, of one world or of
-/// several.
+/// The arrays that the fluid forces depend on, and these forces, of one world or of several.
 pub(in crate::physics) struct Medium<'a, C> {
     pub(in crate::physics) xipos: &'a [[C; 3]],
     pub(in crate::physics) ximat: &'a [[C; 9]],
@@ -170,7 +169,7 @@ pub(in crate::physics) struct Medium<'a, C> {
     pub(in crate::physics) fluid: &'a mut [C],
 }
 
-/// Adds the forces on a body that is like a box with some edges.
+/// Adds the fluid forces on a body that is approximated by a box.
 #[inline(always)]
 pub(in crate::physics) fn box_in_medium<N: Number>(
     m: &Model,

@@ -8,8 +8,8 @@ use super::velocity::{along, dofs};
 use crate::model::EqualityType;
 use crate::{Contact, Data, Model, Revision};
 
-/// `cfrc_ext` from the contacts of the last forward call, `cacc` and `cfrc_int`: MuJoCo's
-/// `mj_rnePostConstraint`.
+/// Computes `cfrc_ext` from the contacts of the last forward call, then `cacc` and `cfrc_int`:
+/// MuJoCo's `mj_rnePostConstraint`.
 pub fn rne_post_constraint(m: &Model, d: &mut Data) {
     d.contact_forces = true;
     contacts(m, d);
@@ -19,7 +19,7 @@ pub fn rne_post_constraint(m: &Model, d: &mut Data) {
     }
 }
 
-/// The forces that are applied to bodies and those of contacts, about the centres of mass of their trees.
+/// Sums external forces and contact forces on bodies, about the centres of mass of their trees.
 fn contacts(m: &Model, d: &mut Data) {
     d.cfrc_ext.fill([0.0; 6]);
     let pushed = if d.is_pushed() { m.nbody() } else { 0 };
@@ -41,8 +41,8 @@ fn contacts(m: &Model, d: &mut Data) {
     }
 }
 
-/// Adds the force of a contact to those on its bodies. `edge` gives the forces of its rows, `com`
-/// the centres of mass of trees.
+/// Adds the force of a contact to the forces on its two bodies. `edge` gives the forces of its
+/// rows, `com` the centres of mass of trees.
 pub(super) fn push_apart(
     m: &Model,
     contact: &Contact,
@@ -63,7 +63,7 @@ pub(super) fn push_apart(
     }
 }
 
-/// The forces of joined points and welds on bodies.
+/// Adds the forces of connect and weld constraints on bodies.
 fn equalities(m: &Model, d: &mut Data) {
     for block in &d.efc.blocks {
         let Source::Equality(id) = block.source else {
@@ -97,7 +97,7 @@ fn equalities(m: &Model, d: &mut Data) {
     }
 }
 
-/// The forces between bodies and their parents.
+/// Computes the forces between bodies and their parents.
 fn internal(m: &Model, d: &mut Data) {
     let g = m.plan().gravity;
     d.cacc[0] = [0.0, 0.0, 0.0, -g[0], -g[1], -g[2]];

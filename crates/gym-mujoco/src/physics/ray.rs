@@ -1,11 +1,11 @@
-//! Where rays meet geoms.
+//! Intersections of rays with geoms.
 
 use super::spatial::{MINVAL, Mat3, Vec3, dot, rotate_back, sub};
 use crate::model::GeomType;
 use crate::{Data, Model};
 
-/// The distance, in lengths of `along`, at which a ray from a point meets the nearest geom that can
-/// be seen, and the geom: MuJoCo's `mj_ray`. Geoms of the body `except` do not count.
+/// The distance, in lengths of `along`, from `point` to the nearest visible geom on the ray, and
+/// that geom: MuJoCo's `mj_ray`. Geoms of the body `except` are ignored.
 #[must_use]
 pub fn ray(
     m: &Model,
@@ -32,7 +32,7 @@ pub fn ray(
     nearest
 }
 
-/// The distance at which a ray meets a shape, with MuJoCo's number of it; -1 if it does not:
+/// The distance at which a ray meets a shape, given by MuJoCo's number of its type; -1 for none:
 /// MuJoCo's `mju_rayGeom`.
 pub(crate) fn ray_shape(
     shape: u8,
@@ -45,7 +45,7 @@ pub(crate) fn ray_shape(
         return -1.0;
     };
     let local = || (rotate_back(mat, sub(point, pos)), rotate_back(mat, along));
-    // whether the ball around the shape is met
+    // whether the ray meets the bounding sphere of the shape
     let near = |square: f64| sphere(sub(point, pos), along, square) >= 0.0;
     let [r, half, _] = size;
     match shape {
@@ -78,7 +78,7 @@ pub(crate) fn ray_shape(
     }
 }
 
-/// The solutions of `a x^2 + 2 b x + c = 0`, rising; -1 twice if there are none.
+/// The solutions of `a x^2 + 2 b x + c = 0` in ascending order; -1 twice if there are none.
 fn quadratic(a: f64, b: f64, c: f64) -> [f64; 2] {
     let det = b * b - a * c;
     if det < 0.0 || a < MINVAL {
@@ -88,7 +88,7 @@ fn quadratic(a: f64, b: f64, c: f64) -> [f64; 2] {
     [(-b - root) / a, (-b + root) / a]
 }
 
-/// The least that is not negative.
+/// The smaller solution that is not negative.
 fn least([first, second]: [f64; 2]) -> f64 {
     if first >= 0.0 {
         first
@@ -99,7 +99,7 @@ fn least([first, second]: [f64; 2]) -> f64 {
     }
 }
 
-/// The smaller of two distances; a negative `found` is no hit.
+/// The smaller of two distances; a negative `found` means no hit yet.
 fn nearer(found: f64, x: f64) -> f64 {
     if found < 0.0 || x < found { x } else { found }
 }
@@ -122,7 +122,7 @@ fn plane(size: Vec3, p: Vec3, v: Vec3) -> f64 {
     }
 }
 
-/// The distance to the round side, if it is met between the ends.
+/// The distance to the lateral surface between the ends.
 fn side([r, half, _]: Vec3, p: Vec3, v: Vec3) -> f64 {
     let a = v[0] * v[0] + v[1] * v[1];
     let b = v[0] * p[0] + v[1] * p[1];

@@ -1,5 +1,6 @@
-//! Constraint rows beside limits of joints and plain contacts: equality, dry friction, limits of
-//! balls and tendons, and contacts with torsion, rolling or elliptic cones.
+//! Further constraint rows: equality, dry friction, limits of ball joints and tendons, and contacts
+//! with torsional or rolling friction or elliptic cones. [`constraint`](super::constraint) has the
+//! others.
 
 #![expect(
     clippy::needless_range_loop,
@@ -16,7 +17,7 @@ use super::spatial::{
 use crate::model::{Cone, Equality, EqualityType, Limit, ObjectType, Pair, Scalar};
 use crate::{Contact, Data, Model, Revision};
 
-/// Rows of the equality constraints that hold: MuJoCo's `mj_instantiateEquality`.
+/// Adds the rows of active equality constraints: MuJoCo's `mj_instantiateEquality`.
 #[inline(never)]
 pub(super) fn equality(m: &Model, d: &mut Data) {
     for law in &m.plan().laws.equalities {
@@ -32,7 +33,8 @@ pub(super) fn equality(m: &Model, d: &mut Data) {
     }
 }
 
-/// The points of two bodies that an equality constraint joins: MuJoCo's `mj_equalityAnchors`.
+/// The two anchor points, in the world, of a connect or weld constraint: MuJoCo's
+/// `mj_equalityAnchors`.
 pub(super) fn anchors(m: &Model, d: &Data, law: &Equality) -> [Vec3; 2] {
     let ids = [m.eq_obj1id[law.id], m.eq_obj2id[law.id]].map(|id| id as usize);
     if m.eq_objtype[law.id] == ObjectType::Site {
@@ -40,7 +42,7 @@ pub(super) fn anchors(m: &Model, d: &Data, law: &Equality) -> [Vec3; 2] {
     }
     let data = &m.eq_data[law.id];
     let parts = [[data[0], data[1], data[2]], [data[3], data[4], data[5]]];
-    // of a weld, the first anchor is in the second body
+    // the first anchor of a weld is given in the second body's frame
     let parts = if law.kind == EqualityType::Weld {
         [parts[1], parts[0]]
     } else {
@@ -49,7 +51,8 @@ pub(super) fn anchors(m: &Model, d: &Data, law: &Equality) -> [Vec3; 2] {
     [0, 1].map(|k| add(rotate(&d.xmat[ids[k]], parts[k]), d.xpos[ids[k]]))
 }
 
-/// The orientation that a weld gives its second body, and the inverse of the one that it has.
+/// The orientation that a weld demands of its second body, and the inverse of that body's
+/// orientation.
 pub(super) fn orientations<O: Order>(m: &Model, d: &Data, law: &Equality) -> (Quat, Quat) {
     let ids = [m.eq_obj1id[law.id], m.eq_obj2id[law.id]].map(|id| id as usize);
     let inverse = |[w, x, y, z]: Quat| [w, -x, -y, -z];
@@ -66,7 +69,7 @@ pub(super) fn orientations<O: Order>(m: &Model, d: &Data, law: &Equality) -> (Qu
     }
 }
 
-/// The torque in the world of a weld's rows of orientation.
+/// The torque, in the world, of a weld's orientation rows.
 pub(super) fn weld_torque(m: &Model, d: &Data, law: &Equality, rows: Vec3) -> Vec3 {
     let (ahead, back) = orientations::<Pairwise>(m, d, law);
     let torque = m.eq_data[law.id][10];
@@ -153,7 +156,8 @@ pub(super) fn mul_quat_axis<O: Order>(q: Quat, a: Vec3) -> Quat {
     ]
 }
 
-/// A joint or tendon whose position is a polynomial of another one's, or stays.
+/// Adds the row of a joint or tendon equality: one position is a polynomial of another, or
+/// constant.
 fn polynomial(m: &Model, d: &mut Data, law: &Equality) {
     let joint = law.kind == EqualityType::Joint;
     let place = |id: usize| {
@@ -208,7 +212,7 @@ fn add_row(efc: &mut Constraints, row: usize, dof: usize, value: f64) {
     efc.jacobian_mut()[row * stride..].as_flattened_mut()[dof] += value;
 }
 
-/// A block of one row for joints or tendons; `None` where nothing moves them.
+/// Adds a block of one row for joints or tendons. `None` if no degree of freedom moves them.
 fn push_scalar(
     m: &Model,
     d: &mut Data,
@@ -242,7 +246,7 @@ fn push_scalar(
     ))
 }
 
-/// Rows of dry friction: MuJoCo's `mj_instantiateFriction`.
+/// Adds rows of dry friction: MuJoCo's `mj_instantiateFriction`.
 #[inline(never)]
 pub(super) fn friction(m: &Model, d: &mut Data) {
     let laws = &m.plan().laws;
@@ -278,7 +282,7 @@ fn tendon_row(m: &Model, d: &mut Data, row: usize, tendon: usize, factor: f64) {
     }
 }
 
-/// The row of a ball's limit, which bounds the angle to its initial orientation.
+/// Adds the row of a ball joint's limit, which bounds the angle from its initial orientation.
 #[inline(never)]
 pub(super) fn ball_limit(m: &Model, d: &mut Data, limit: &Limit) {
     let p = limit.qpos;
@@ -309,7 +313,7 @@ pub(super) fn ball_limit(m: &Model, d: &mut Data, limit: &Limit) {
     );
 }
 
-/// Rows of the limits of tendons that are near.
+/// Adds the rows of active tendon limits.
 #[inline(never)]
 pub(super) fn tendon_limits(m: &Model, d: &mut Data) {
     for law in &m.plan().laws.tendon_limits {
@@ -328,7 +332,7 @@ pub(super) fn tendon_limits(m: &Model, d: &mut Data) {
     }
 }
 
-/// Rows of a contact with torsion and rolling, or of an elliptic cone.
+/// Adds the rows of a contact with torsional or rolling friction, or with an elliptic cone.
 #[inline(never)]
 pub(super) fn contact(
     m: &Model,
@@ -411,7 +415,7 @@ pub(super) fn contact(
         efc.r[row..].fill(r);
         efc.d[row..].fill(1.0 / r);
     }
-    // the figure from which the stiffness follows
+    // the diagonal from which the regularisation follows
     for k in row..row + pair.rows {
         let impedance = efc.kbip[k][2];
         efc.diag_approx[k] = efc.r[k] * impedance / (1.0 - impedance);

@@ -12,7 +12,8 @@ use crate::model::{Disable, ObjectType, SensorType, Stage, TransmissionType};
 use crate::physics::constraint::Source;
 use crate::{Contact, Data, Model, Revision};
 
-/// `sensordata` of some stages: MuJoCo's `mj_sensorPos`, `mj_sensorVel` and `mj_sensorAcc`.
+/// Computes `sensordata` of the sensors of `stages`: MuJoCo's `mj_sensorPos`, `mj_sensorVel` and
+/// `mj_sensorAcc`.
 #[inline(never)]
 pub(super) fn sensors(m: &Model, d: &mut Data, stages: &[Stage]) {
     if m.opt.disables(Disable::Sensor) {
@@ -62,7 +63,7 @@ pub(super) fn sensors(m: &Model, d: &mut Data, stages: &[Stage]) {
     }
 }
 
-/// One number.
+/// A sensor value of one number.
 fn one(x: f64) -> Quat {
     [x, 0.0, 0.0, 0.0]
 }
@@ -71,7 +72,7 @@ fn three([x, y, z]: Vec3) -> Quat {
     [x, y, z, 0.0]
 }
 
-/// What the quaternions of sensors are: body and orientation in it.
+/// The orientation of an object: the body's, times the object's in the body.
 fn quat_of<O: Order>(m: &Model, d: &Data, kind: ObjectType, id: usize) -> Quat {
     let within = |body: usize, quat: Quat| O::mul_quat(d.xquat[body], quat);
     match kind {
@@ -83,7 +84,7 @@ fn quat_of<O: Order>(m: &Model, d: &Data, kind: ObjectType, id: usize) -> Quat {
     }
 }
 
-/// Body, place and orientation of an object.
+/// The body, position and orientation of an object.
 fn frame_of(m: &Model, d: &Data, kind: ObjectType, id: usize) -> (usize, Vec3, Mat3) {
     match kind {
         ObjectType::Body => (id, d.xipos[id], d.ximat[id]),
@@ -99,7 +100,7 @@ fn frame_of(m: &Model, d: &Data, kind: ObjectType, id: usize) -> (usize, Vec3, M
     }
 }
 
-/// Object and reference of a sensor.
+/// The object and the reference object of sensor `i`.
 fn objects(m: &Model, i: usize) -> ((ObjectType, usize), Option<(ObjectType, usize)>) {
     let id = |id: i32| usize::try_from(id).ok();
     let object = (m.sensor_objtype[i], id(m.sensor_objid[i]).unwrap_or(0));
@@ -107,7 +108,7 @@ fn objects(m: &Model, i: usize) -> ((ObjectType, usize), Option<(ObjectType, usi
     (object, reference)
 }
 
-/// The row of a limit of a joint or of a tendon.
+/// The row of a joint's or tendon's limit.
 fn limit_row(d: &Data, source: Source) -> Option<usize> {
     let blocks = d.efc.blocks.iter();
     let mut found = blocks.filter(|block| block.source == source);
@@ -266,7 +267,7 @@ fn touch(m: &Model, d: &Data, site: usize) -> f64 {
     })
 }
 
-/// The same, of the contacts of a world whose normal forces `normal_force` gives.
+/// [`touch`] from a list of contacts, where `normal_force` gives the normal force of each.
 pub(super) fn touch_of(
     m: &Model,
     (site, pos, mat): (usize, Vec3, &Mat3),
@@ -302,7 +303,7 @@ pub(super) fn fixed(m: &Model, body: usize) -> bool {
     m.plan().chain(body).is_empty()
 }
 
-/// The velocity of an object at its place, in the world's axes or its own: MuJoCo's
+/// The velocity of an object at its position, in the world's axes or its own: MuJoCo's
 /// `mj_objectVelocity`.
 pub(super) fn object_velocity(
     m: &Model,
@@ -337,8 +338,8 @@ fn of_object(
     }
 }
 
-/// The acceleration of an object: MuJoCo's `mj_objectAcceleration`, which from 4.0 on has that of
-/// gravity for bodies that cannot move as well.
+/// The acceleration of an object: MuJoCo's `mj_objectAcceleration`. From 4.0 on it includes gravity
+/// for static bodies too.
 fn object_acceleration(m: &Model, d: &Data, kind: ObjectType, id: usize, own_axes: bool) -> Vec6 {
     if m.revision == Revision::V3_12 && fixed(m, frame_of(m, d, kind, id).0) {
         return [0.0; 6];
@@ -352,7 +353,7 @@ fn object_acceleration(m: &Model, d: &Data, kind: ObjectType, id: usize, own_axe
     )
 }
 
-/// `subtree_linvel` and `subtree_angmom`: MuJoCo's `mj_subtreeVel`.
+/// Computes `subtree_linvel` and `subtree_angmom`: MuJoCo's `mj_subtreeVel`.
 fn subtree_vel(m: &Model, d: &mut Data) {
     let mut velocities = std::mem::take(&mut d.work.body_velocity);
     velocities.clear();
@@ -374,7 +375,7 @@ fn subtree_vel(m: &Model, d: &mut Data) {
     }
     for b in (1..m.nbody()).rev() {
         let parent = m.body_parentid[b];
-        // about the body's own centre of mass, then about the parent's
+        // first about the body's own centre of mass, then about the parent's
         let dx = sub(d.xipos[b], d.subtree_com[b]);
         let dv = sub(translation(&velocities[b]), d.subtree_linvel[b]);
         let own = cross(dx, scale(dv, m.body_mass[b]));

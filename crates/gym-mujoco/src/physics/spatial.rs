@@ -61,13 +61,13 @@ pub(crate) fn norm(a: Vec3) -> f64 {
     dot(a, a).sqrt()
 }
 
-/// The vector at length 1, and its length before; `(1, 0, 0)` for one shorter than [`MINVAL`].
+/// `a` scaled to length 1, and its length; `(1, 0, 0)` if it is shorter than [`MINVAL`].
 #[inline]
 pub(crate) fn normalize(a: Vec3) -> (Vec3, f64) {
     unit((), a)
 }
 
-/// The same, of one world or several.
+/// [`normalize`] for one world or several.
 #[inline(always)]
 pub(crate) fn unit<N: Number>(place: N::Place, a: [N; 3]) -> ([N; 3], N) {
     let length = dot(a, a).sqrt();
@@ -110,21 +110,22 @@ pub(crate) fn rotate_back<N: Number + Mul<V, Output = N>, V: Copy>(
     ]
 }
 
-/// Functions of quaternions: the order in which they add four terms differs between revisions.
+/// Functions of quaternions, generic over the order in which four terms are added: it differs
+/// between revisions.
 pub(crate) trait Order {
     /// The sum of the terms of a product or a square.
     fn sum<N: Number>(terms: [N; 4]) -> N;
 
-    /// The sum of the terms of an element on the diagonal of a rotation matrix.
+    /// The sum of the terms of a diagonal element of a rotation matrix.
     fn sum_diagonal<N: Number>(terms: [N; 4]) -> N;
 
-    /// The sum of the terms of the second element of the product with an axis.
+    /// The sum of the terms of element 1 of the product with an axis.
     fn axis_first(a: f64, b: f64, c: f64) -> f64;
 
-    /// The sum of the terms of its last element.
+    /// The sum of the terms of the last element of that product.
     fn axis_last(a: f64, b: f64, c: f64) -> f64;
 
-    /// The rotation `a`, after the rotation `b` in its frame.
+    /// The rotation `b` followed by `a`, where `b` is given in the frame of `a`: the product `a b`.
     #[inline(always)]
     fn mul_quat<N: Number + Mul<V, Output = N>, V: Copy>(a: [N; 4], b: [V; 4]) -> [N; 4] {
         [
@@ -135,7 +136,7 @@ pub(crate) trait Order {
         ]
     }
 
-    /// The quaternion at length 1; the identity for one shorter than [`MINVAL`].
+    /// `q` scaled to length 1; the identity if it is shorter than [`MINVAL`].
     #[inline(always)]
     fn normalize_quat<N: Number>(place: N::Place, q: [N; 4]) -> [N; 4] {
         let length = Self::sum([q[0] * q[0], q[1] * q[1], q[2] * q[2], q[3] * q[3]]).sqrt();
@@ -178,13 +179,13 @@ pub(crate) trait Order {
         ]
     }
 
-    /// The rotation vector that leads from `b` to `a`, in the frame of `b`: MuJoCo's `mju_subQuat`.
+    /// The rotation vector from `b` to `a`, in the frame of `b`: MuJoCo's `mju_subQuat`.
     fn sub_quat(a: Quat, b: Quat) -> Vec3 {
         quat_to_velocity(Self::mul_quat([b[0], -b[1], -b[2], -b[3]], a))
     }
 
-    /// The quaternion moved by an angular velocity, in its own frame, for some time: MuJoCo's
-    /// `mju_quatIntegrate`.
+    /// A quaternion after rotation by an angular velocity, given in its own frame, for some time:
+    /// MuJoCo's `mju_quatIntegrate`.
     #[inline(always)]
     fn quat_integrate<N: Number>(
         place: N::Place,
@@ -200,12 +201,12 @@ pub(crate) trait Order {
     }
 }
 
-/// One after the other: [`Revision::V3_12`](crate::Revision::V3_12), and the compiler of models in
-/// every revision.
+/// Adds the terms from first to last: [`Revision::V3_12`](crate::Revision::V3_12), and the model
+/// compiler in every revision.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct InTurn;
 
-/// By pairs: [`Revision::V4_0`](crate::Revision::V4_0).
+/// Adds the terms in pairs: [`Revision::V4_0`](crate::Revision::V4_0).
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Pairwise;
 
@@ -350,7 +351,7 @@ pub(crate) fn cross_force<N: Number>(v: &[N; 6], f: &[N; 6]) -> [N; 6] {
     )
 }
 
-/// The force that gives an inertia the motion `v`: MuJoCo's `mju_mulInertVec`.
+/// The momentum of the inertia `i` that moves with `v`: MuJoCo's `mju_mulInertVec`.
 #[inline(always)]
 pub(crate) fn mul_inertia<N: Number>(i: &[N; 10], v: &[N; 6]) -> [N; 6] {
     [
@@ -363,8 +364,8 @@ pub(crate) fn mul_inertia<N: Number>(i: &[N; 10], v: &[N; 6]) -> [N; 6] {
     ]
 }
 
-/// Principal moments about axes `mat`, at an offset from the point of reference, as an inertia: xx,
-/// yy, zz, xy, xz, yz, mass times offset (3), mass. MuJoCo's `mju_inertCom`.
+/// The spatial inertia of a body with principal moments about the axes `mat`, at an offset from the
+/// reference point: xx, yy, zz, xy, xz, yz, mass times offset (3), mass. MuJoCo's `mju_inertCom`.
 #[inline(always)]
 pub(crate) fn inertia_at<N: Number>(
     place: N::Place,
@@ -373,7 +374,7 @@ pub(crate) fn inertia_at<N: Number>(
     offset: [N; 3],
     mass: f64,
 ) -> [N; 10] {
-    // the moments multiply the second factor
+    // the moments are multiplied with the second factor
     let (r,) = (
         #[inline(always)]
         |i: usize, j: usize| {
@@ -397,14 +398,14 @@ pub(crate) fn inertia_at<N: Number>(
     ]
 }
 
-/// A motion about another point: MuJoCo's `mju_transformSpatial`.
+/// The motion `v` about another reference point: MuJoCo's `mju_transformSpatial`.
 #[inline]
 pub(crate) fn transform_motion<N: Number>(v: &[N; 6], to: [N; 3], from: [N; 3]) -> [N; 6] {
     let across = cross(sub(to, from), rotation(v));
     join(rotation(v), sub(translation(v), across))
 }
 
-/// A force about another point: MuJoCo's `mju_transformSpatial`.
+/// The force `f` about another reference point: MuJoCo's `mju_transformSpatial`.
 #[inline]
 pub(crate) fn transform_force(f: &Vec6, to: Vec3, from: Vec3) -> Vec6 {
     let across = cross(sub(to, from), translation(f));

@@ -7,7 +7,7 @@ use super::wrap::{Obstacle, wrap};
 use crate::model::WrapType;
 use crate::{Data, Model};
 
-/// Lengths and Jacobians of the tendons: MuJoCo's `mj_tendon`.
+/// Computes lengths and Jacobians of the tendons: MuJoCo's `mj_tendon`.
 #[inline]
 pub fn tendon(m: &Model, d: &mut Data) {
     if m.ntendon() > 0 {
@@ -26,7 +26,7 @@ fn tendons(m: &Model, d: &mut Data) {
     }
 }
 
-/// Velocities of the tendons.
+/// Computes the velocities of the tendons.
 pub fn tendon_velocity(m: &Model, d: &mut Data) {
     if m.ntendon() > 0 {
         velocities(m, d);
@@ -41,7 +41,7 @@ fn velocities(m: &Model, d: &mut Data) {
     }
 }
 
-/// A sum of joint positions, each times its coefficient.
+/// Computes a fixed tendon: a sum of joint positions, each times its coefficient.
 fn fixed(m: &Model, d: &mut Data, t: usize) {
     let paths = &m.plan().paths;
     let row = paths.rows[t].clone();
@@ -57,7 +57,8 @@ fn fixed(m: &Model, d: &mut Data, t: usize) {
     d.ten_length[t] = length;
 }
 
-/// The length of a path through sites and around geoms. What follows a pulley counts divided.
+/// Computes a spatial tendon: its path through sites and around geoms. Lengths after a pulley are
+/// divided by its divisor.
 fn spatial(m: &Model, d: &mut Data, t: usize) {
     let (first, number) = (m.tendon_adr[t], m.tendon_num[t]);
     let part = |j: usize| (m.wrap_type[first + j], m.wrap_objid[first + j]);
@@ -116,7 +117,7 @@ fn distance(a: Vec3, b: Vec3) -> f64 {
     norm(sub(a, b))
 }
 
-/// Adds to a tendon's Jacobian what a straight part of it between two bodies gives.
+/// Adds the Jacobian of a straight segment between two bodies.
 fn straight(
     m: &Model,
     d: &mut Data,

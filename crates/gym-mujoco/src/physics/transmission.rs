@@ -16,7 +16,8 @@ use super::spatial::{
 use crate::model::{JointType, TransmissionType};
 use crate::{Data, Model, Revision};
 
-/// The moment arms of the actuators: for each a row of the degrees of freedom that it moves.
+/// The moment arms of the actuators: each has a sparse row over the degrees of freedom that it
+/// moves.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Moments {
     pub(crate) rows: Vec<Range<usize>>,
@@ -25,7 +26,7 @@ pub(crate) struct Moments {
 }
 
 impl Moments {
-    /// Room for all actuators.
+    /// Allocates the rows of all actuators.
     pub(crate) fn new(m: &Model) -> Self {
         let mut moments = Self::default();
         if m.plan().transmits {
@@ -47,14 +48,14 @@ impl Moments {
         self.values.push(value);
     }
 
-    /// The degrees of freedom of an actuator and its moments.
+    /// The degrees of freedom of an actuator, and their moment arms.
     pub(crate) fn row(&self, actuator: usize) -> (&[usize], &[f64]) {
         let row = self.rows[actuator].clone();
         (&self.columns[row.clone()], &self.values[row])
     }
 }
 
-/// `actuator_length` and the moments: MuJoCo's `mj_transmission`.
+/// Computes `actuator_length` and the moment arms: MuJoCo's `mj_transmission`.
 pub fn transmission(m: &Model, d: &mut Data) {
     let mut moments = std::mem::take(&mut d.work.moments);
     moments.clear();
@@ -69,7 +70,7 @@ pub fn transmission(m: &Model, d: &mut Data) {
     d.work.moments = moments;
 }
 
-/// `actuator_velocity`.
+/// Computes `actuator_velocity`.
 pub fn transmission_velocity(m: &Model, d: &mut Data) {
     for i in 0..m.nu() {
         let (columns, values) = d.work.moments.row(i);
@@ -124,7 +125,7 @@ fn joint<O: Order>(
 ) -> f64 {
     let (p, v) = (m.jnt_qposadr[joint], m.jnt_dofadr[joint]);
     let quat = |p: usize| O::normalize_quat((), [0, 1, 2, 3].map(|k| d.qpos[p + k]));
-    // an axis in the parent's frame, in the body's
+    // transforms an axis from the parent's frame to the body's
     let turned = |axis: Vec3, q: Quat| {
         if in_parent {
             rotate_quat(axis, [q[0], -q[1], -q[2], -q[3]])
@@ -163,7 +164,7 @@ fn joint<O: Order>(
     }
 }
 
-/// `J' f`, where factors of zero add nothing.
+/// `J' f`; a component of `force` that is zero adds nothing.
 fn along(moves: Vec3, force: Vec3) -> f64 {
     let mut sum = 0.0;
     for k in 0..3 {
@@ -180,7 +181,7 @@ fn push_nonzero(moments: &mut Moments, dof: usize, value: f64) {
     }
 }
 
-/// The moments of a force and a torque at a site, in the world's axes.
+/// Adds the moment arms of a force and a torque at a site, in the world's axes.
 fn at_site(m: &Model, d: &Data, site: usize, force: Vec3, torque: Vec3, moments: &mut Moments) {
     let (body, point) = (m.site_bodyid[site], d.site_xpos[site]);
     for &dof in m.plan().chain(body) {
@@ -190,7 +191,7 @@ fn at_site(m: &Model, d: &Data, site: usize, force: Vec3, torque: Vec3, moments:
     }
 }
 
-/// The place of a site in the frame of another one, along the gear, and its moments.
+/// The position of a site in the frame of another, projected on the gear, and its moment arms.
 fn between_sites<O: Order>(
     m: &Model,
     d: &Data,
@@ -215,7 +216,7 @@ fn between_sites<O: Order>(
     let chains = bodies.map(|b| m.plan().chain(b));
     for dof in 0..m.nv() {
         let [own, other] = chains.map(|chain| chain.contains(&dof));
-        // common degrees of freedom move neither against the other
+        // degrees of freedom that move both sites do not change their distance
         if own == other {
             continue;
         }

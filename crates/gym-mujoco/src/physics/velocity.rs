@@ -8,7 +8,7 @@ use super::spatial::{add_to, cross_force, cross_motion, dot6, mul_inertia};
 use crate::model::JointType;
 use crate::{Data, Model};
 
-/// The numbers that these stages read and write, of one world or of several.
+/// The arrays that these stages read and write, of one world or of several.
 pub(crate) struct Motion<'a, C> {
     pub(crate) qvel: &'a [C],
     pub(crate) cdof: &'a [[C; 6]],
@@ -16,7 +16,7 @@ pub(crate) struct Motion<'a, C> {
     pub(crate) cdof_dot: &'a mut [[C; 6]],
 }
 
-/// `cvel` and `cdof_dot`: MuJoCo's `mj_comVel`.
+/// Computes `cvel` and `cdof_dot`: MuJoCo's `mj_comVel`.
 #[inline(always)]
 pub fn com_vel(m: &Model, d: &mut Data) {
     let motion = Motion {
@@ -28,7 +28,7 @@ pub fn com_vel(m: &Model, d: &mut Data) {
     com_vel_of::<f64>(m, (), motion);
 }
 
-/// The same for one world or several.
+/// [`com_vel`] for one world or several.
 #[inline(always)]
 pub(crate) fn com_vel_of<N: Number>(m: &Model, at: N::Place, motion: Motion<'_, N::Cell>) {
     let Motion {
@@ -65,7 +65,7 @@ pub(crate) fn com_vel_of<N: Number>(m: &Model, at: N::Place, motion: Motion<'_, 
     }
 }
 
-/// The sum of axes, each times its velocity, as one motion: MuJoCo's `mju_mulDofVec`.
+/// The sum of motion axes, each times its velocity: MuJoCo's `mju_mulDofVec`.
 #[inline(always)]
 pub(super) fn along<N: Number>(
     at: N::Place,
@@ -90,7 +90,7 @@ pub(crate) fn dofs(m: &Model, body: usize) -> Range<usize> {
     usize::try_from(m.body_dofadr[body]).map_or(0..0, |first| first..first + m.body_dofnum[body])
 }
 
-/// The numbers of the bias forces, of one world or of several.
+/// The arrays of the bias forces, of one world or of several.
 pub(crate) struct Bias<'a, C> {
     pub(crate) qvel: &'a [C],
     pub(crate) cinert: &'a [[C; 10]],
@@ -103,7 +103,7 @@ pub(crate) struct Bias<'a, C> {
     pub(crate) qfrc_bias: &'a mut [C],
 }
 
-/// `qfrc_bias` by recursive Newton-Euler without accelerations: MuJoCo's `mj_rne`.
+/// Computes `qfrc_bias` by recursive Newton-Euler at zero acceleration: MuJoCo's `mj_rne`.
 #[inline(always)]
 pub fn rne(m: &Model, d: &mut Data) {
     let bias = Bias {
@@ -119,7 +119,7 @@ pub fn rne(m: &Model, d: &mut Data) {
     rne_of::<f64>(m, (), bias);
 }
 
-/// The same for one world or several.
+/// [`rne`] for one world or several.
 #[inline(always)]
 pub(crate) fn rne_of<N: Number>(m: &Model, at: N::Place, bias: Bias<'_, N::Cell>) {
     let Bias {
@@ -132,7 +132,7 @@ pub(crate) fn rne_of<N: Number>(m: &Model, at: N::Place, bias: Bias<'_, N::Cell>
         force,
         qfrc_bias,
     } = bias;
-    // slices of one length: an index is checked once for all of them
+    // slices of equal length let the compiler check an index once for all of them
     let (n, nv) = (m.nbody(), m.nv());
     let (acc, force) = (&mut acc[..n], &mut force[..n]);
     let parents = &m.body_parentid[..n];

@@ -1,4 +1,4 @@
-//! Buffers of a forward call, which carry nothing from one to the next.
+//! Buffers of a forward call. No value passes from one call to the next.
 
 use super::collision::Polytope;
 use super::dense::{self, Lanes};
@@ -11,13 +11,15 @@ use crate::model::Cone;
 /// Buffers, allocated once.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Work {
-    /// Sizes of the model that they are for.
+    /// The sizes of the model that the buffers fit.
     sizes: Option<[usize; 15]>,
-    /// Whether a force is applied to a joint or a body.
+    /// Whether an external force acts on a joint or a body.
     pub(crate) pushed: bool,
+    /// Whether to leave out frames of geoms and sites that no stage reads.
+    pub(crate) skips: bool,
     /// Composite inertias.
     pub(crate) crb: Vec<[f64; 10]>,
-    /// Motion axes by components, of four degrees of freedom each.
+    /// Motion axes of four degrees of freedom at a time, by components.
     pub(crate) axes: Vec<[Lanes; 6]>,
     /// Accelerations of bodies.
     pub(crate) acc: Vec<[f64; 6]>,
@@ -25,9 +27,9 @@ pub(crate) struct Work {
     pub(crate) body_force: Vec<[f64; 6]>,
     /// Velocities of bodies at their centres of mass.
     pub(crate) body_velocity: Vec<[f64; 6]>,
-    /// A vector of degrees of freedom.
+    /// A vector over the degrees of freedom.
     pub(crate) dofs: Vec<Lanes>,
-    /// Forces of the medium, of dampers, and of gravity compensation.
+    /// Forces of the fluid, of dampers, and of gravity compensation.
     pub(crate) fluid: Vec<f64>,
     pub(crate) damper: Vec<f64>,
     pub(crate) gravcomp: Vec<f64>,
@@ -37,7 +39,7 @@ pub(crate) struct Work {
     pub(crate) ctrl: Vec<f64>,
     /// Forces of the actuators on tendons.
     pub(crate) tendon_sums: Vec<f64>,
-    /// Changes of the activations: their weighted sum over stages.
+    /// The weighted sum of the activations' rates over the Runge-Kutta stages.
     pub(crate) act_sum: Vec<f64>,
     pub(crate) act_start: Vec<f64>,
 
@@ -56,12 +58,12 @@ pub(crate) struct Work {
     pub(crate) pgs: pgs::Buffers,
     pub(crate) implicit: implicit::Buffers,
 
-    /// `M + dt damping`, then its factors.
+    /// `M + dt * damping`, later its factors.
     pub(crate) qh: Vec<f64>,
     pub(crate) qh_diag_inv: Vec<f64>,
     pub(crate) acc_sum: Vec<f64>,
     pub(crate) vel_sum: Vec<f64>,
-    /// Velocities of a stage of Runge and Kutta's method, as rates since the start.
+    /// Rates of the positions at a Runge-Kutta stage, relative to the start.
     pub(crate) rates: Vec<f64>,
     pub(crate) qpos_start: Vec<f64>,
     pub(crate) qvel_start: Vec<f64>,
@@ -88,6 +90,7 @@ impl Work {
             implicit: implicit::Buffers::new(m),
             sizes: Some(m.plan().sizes),
             pushed: false,
+            skips: false,
             crb: vec![[0.0; 10]; m.nbody()],
             axes: vec![[[0.0; 4]; 6]; dense::groups(nv)],
             acc: vec![[0.0; 6]; m.nbody()],

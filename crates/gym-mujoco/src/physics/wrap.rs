@@ -15,12 +15,12 @@ pub(super) struct Obstacle<'a> {
     pub(super) pos: Vec3,
     pub(super) mat: &'a Mat3,
     pub(super) radius: f64,
-    /// The point on whose side the tendon passes.
+    /// The site that selects the side on which the tendon passes.
     pub(super) side: Option<Vec3>,
 }
 
-/// The length of the arc around a geom, and where it begins and ends; `None` where the way is
-/// free.
+/// The length of the arc around a geom, and its two end points. `None` if the straight path does
+/// not touch the geom.
 pub(super) fn wrap(
     x0: Vec3,
     x1: Vec3,
@@ -56,7 +56,7 @@ pub(super) fn wrap(
     let (mut arc, points) = around;
     let mut points = points.map(|[u, v]| add(scale(axes[0], u), scale(axes[1], v)));
     if geom.cylinder {
-        // a helix: heights rise evenly
+        // on a helix the height grows evenly with the arc
         let l0 = norm([p0[0] - points[0][0], p0[1] - points[0][1], 0.0]);
         let l1 = norm([p1[0] - points[1][0], p1[1] - points[1][1], 0.0]);
         let whole = l0 + arc + l1;
@@ -95,7 +95,7 @@ fn dot2(a: Vec2, b: Vec2) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }
 
-/// A vector at length 1: MuJoCo's `mju_normalize`.
+/// `v` scaled to length 1: MuJoCo's `mju_normalize`.
 fn unit(v: Vec2) -> Vec2 {
     let length = dot2(v, v).sqrt();
     if length < MINVAL {
@@ -105,7 +105,7 @@ fn unit(v: Vec2) -> Vec2 {
     v.map(|x| x * inverse)
 }
 
-/// Whether two segments of the plane cross.
+/// Whether two segments in the plane cross.
 fn cross_each_other(p1: Vec2, p2: Vec2, p3: Vec2, p4: Vec2) -> bool {
     let det = (p4[1] - p3[1]) * (p2[0] - p1[0]) - (p4[0] - p3[0]) * (p2[1] - p1[1]);
     if det.abs() < MINVAL {
@@ -155,7 +155,7 @@ fn circle(ends: [Vec2; 2], side: Option<Vec2>, radius: f64) -> Option<(f64, [Vec
     Some((arc_length(points, second, radius), points))
 }
 
-/// Where the tangents of a circle through two points touch it, on the one side and the other.
+/// For both sides: the points where the tangents from the two end points touch the circle.
 fn tangents([e0, e1]: [Vec2; 2], radius: f64) -> [[Vec2; 2]; 2] {
     let square = radius * radius;
     let (q0, q1) = (dot2(e0, e0), dot2(e1, e1));
@@ -180,8 +180,7 @@ fn angle(from: Vec2, to: Vec2) -> f64 {
     libm::atan2(across, dot2(from, to))
 }
 
-/// Whether two segments of the plane cross, each from an end to where it touches the circle, from
-/// 4.0 on.
+/// Whether the two tangent segments, each from an end point to the circle, cross; from 4.0 on.
 fn segments_cross(e0: Vec2, s0: Vec2, e1: Vec2, s1: Vec2) -> bool {
     let minus = |a: Vec2, b: Vec2| [a[0] - b[0], a[1] - b[1]];
     let across = |a: Vec2, b: Vec2| a[0] * b[1] - a[1] * b[0];
@@ -198,8 +197,8 @@ fn segments_cross(e0: Vec2, s0: Vec2, e1: Vec2, s1: Vec2) -> bool {
         && across(d0, touches) * sign < 0.0
 }
 
-/// The arc around the outside of a circle, from 4.0 on: the tendon runs around it as the way
-/// through the point at its side does.
+/// The arc around the outside of a circle, from 4.0 on. The tendon winds around the circle in the
+/// same direction as the path through `side`.
 fn circle_4_0(ends: [Vec2; 2], side: Option<Vec2>, radius: f64) -> Option<(f64, [Vec2; 2])> {
     let [e0, e1] = ends;
     let square = radius * radius;
@@ -215,7 +214,7 @@ fn circle_4_0(ends: [Vec2; 2], side: Option<Vec2>, radius: f64) -> Option<(f64, 
     let a = (-dot2(dif, e0) / dd).clamp(0.0, 1.0);
     let nearest = [a * dif[0] + e0[0], a * dif[1] + e0[1]];
     let free = dot2(nearest, nearest) > square;
-    // how far the way through the side turns about the centre
+    // the angle about the centre that the path through `side` winds
     let winding = side.map(|side| angle(side, e1) + angle(e0, side));
     match winding {
         None if free => return None,
@@ -253,7 +252,8 @@ fn circle_4_0(ends: [Vec2; 2], side: Option<Vec2>, radius: f64) -> Option<(f64, 
     Some((turned * radius, points))
 }
 
-/// The one point where a tendon inside of a circle touches it, from 4.0 on: solved for an angle.
+/// The point where a tendon that passes inside a circle touches it, from 4.0 on: Newton's method
+/// solves for its angle.
 fn inside_4_0([e0, e1]: [Vec2; 2], radius: f64) -> Option<(f64, [Vec2; 2])> {
     const MOST: i32 = 18;
     const TOLERANCE: f64 = 1e-6;
@@ -321,7 +321,7 @@ fn inside_4_0([e0, e1]: [Vec2; 2], radius: f64) -> Option<(f64, [Vec2; 2])> {
     Some((0.0, [point; 2]))
 }
 
-/// The length of an arc of a circle, on the side of one of the solutions.
+/// The length of an arc of a circle, on the side that `second` selects.
 fn arc_length([p0, p1]: [Vec2; 2], second: bool, radius: f64) -> f64 {
     let mut angle = libm::acos(dot2(unit(p0), unit(p1)));
     let turn = p0[1] * p1[0] - p0[0] * p1[1];
@@ -331,7 +331,7 @@ fn arc_length([p0, p1]: [Vec2; 2], second: bool, radius: f64) -> f64 {
     radius * angle
 }
 
-/// The one point where a tendon inside of a circle touches it.
+/// The point where a tendon that passes inside a circle touches it.
 fn inside([e0, e1]: [Vec2; 2], radius: f64) -> Option<(f64, [Vec2; 2])> {
     const MOST: usize = 20;
     const START: f64 = 1.0 - 1e-7;

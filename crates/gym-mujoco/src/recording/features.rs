@@ -1,10 +1,10 @@
 //! Recordings of models with one feature each: single steps from given states, and an episode of
 //! random controls, by several versions of MuJoCo.
 //!
-//! `xml` is the text of the model, `seed` that of the controls. `versions` has for each version
-//! `steps` (states, each with what follows `after` a step) and `episode` (what the state is after
-//! some numbers of steps). The answer has the same form, for the versions that the engine has; a
-//! model that is refused is answered with `error`.
+//! `xml` is the text of the model, `seed` the seed of the controls. For each version, `versions`
+//! has `steps` (states, each with the state `after` a step) and `episode` (the states after certain
+//! numbers of steps). The answer has the same form, for the versions that the engine supports. For
+//! a model that the engine refuses, the answer has `error`.
 
 use gym_core::RandomState;
 use serde::Deserialize;
@@ -12,7 +12,7 @@ use serde_json::{Map, Value, json};
 
 use crate::{Data, Error, Model, Result, Revision, step};
 
-/// A state, as these recordings have it.
+/// A state in the form of these recordings.
 #[derive(Deserialize)]
 struct State {
     qpos: Vec<f64>,
@@ -22,7 +22,7 @@ struct State {
     qacc_warmstart: Vec<f64>,
     mocap_pos: Vec<f64>,
     mocap_quat: Vec<f64>,
-    /// One number.
+    /// The time, as a list of one number.
     time: Vec<f64>,
 }
 
@@ -39,12 +39,12 @@ impl State {
     }
 }
 
-/// Whether this is such a recording.
+/// Whether a recording has this form.
 pub(super) fn is_of_features(recording: &Map<String, Value>) -> bool {
     recording.get("kind").and_then(Value::as_str) == Some("features")
 }
 
-/// What this engine makes of the model.
+/// Computes the results of this engine for a recording.
 pub(super) fn answer(recording: &Map<String, Value>) -> Result<Map<String, Value>> {
     let wrong = |what: &str| Error::Data(format!("the recording has {what}"));
     let text = recording
@@ -107,7 +107,8 @@ fn after(d: &Data) -> Value {
     })
 }
 
-/// Steps from the initial configuration with uniform controls; states after some of them.
+/// Runs an episode from the initial configuration with random uniform controls. Returns the states
+/// after the numbers of steps in `marks`.
 fn episode(m: &Model, marks: &[usize], seed: u32) -> Value {
     let (mut d, mut controls) = (Data::new(m), RandomState::new(seed));
     let (mut states, mut taken) = (Map::new(), 0);

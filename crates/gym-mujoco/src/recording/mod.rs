@@ -1,12 +1,12 @@
 //! Recorded steps and forward calls of another engine, compared with this engine's.
 //!
-//! A recording is a JSON object. `kind` is `"steps"` or `"forward"`, `model` names a built-in model
-//! (what is before a dot says more of the recording), or `xml` a file in MJCF beside the recording;
-//! `cases` have a state each (`qpos`, `qvel`, `qacc_warmstart`, `ctrl`, `time`). The answer to a
+//! A recording is a JSON object. `kind` is `"steps"` or `"forward"`. `model` names a built-in
+//! model, optionally after a prefix and a dot; or `xml` names an MJCF file beside the recording.
+//! Each of `cases` has a state (`qpos`, `qvel`, `qacc_warmstart`, `ctrl`, `time`). The answer to a
 //! case is the state after one step, under `after`, or the results of one forward call, under
-//! `out`, in MuJoCo's names. `mujoco` is the version of libmujoco that was recorded; without it,
-//! the newest is meant. A recording without a `kind` is a table of a compiled model's figures, and
-//! answered with our own.
+//! `out`, with MuJoCo's names. `mujoco` is the version of libmujoco that was recorded; the default
+//! is the newest. A recording without a `kind` is a table of a compiled model; the answer is this
+//! compiler's table.
 
 mod features;
 
@@ -19,7 +19,7 @@ use serde_json::{Map, Value, json};
 use crate::model::Solver;
 use crate::{Data, Error, Model, Result, Revision, forward, physics, step, tasks};
 
-/// A state, as recordings have it.
+/// A state in the form of recordings.
 #[derive(Deserialize)]
 struct State {
     qpos: Vec<f64>,
@@ -39,7 +39,8 @@ impl State {
     }
 }
 
-/// Whether this is a recording of an engine or a table of figures, and not one of an environment.
+/// Whether this is a recording of the engine or a table of a compiled model. Recordings of
+/// environments are neither.
 #[must_use]
 pub fn is_of_engine(recording: &Map<String, Value>) -> bool {
     recording.contains_key("cases")
@@ -47,10 +48,10 @@ pub fn is_of_engine(recording: &Map<String, Value>) -> bool {
         || features::is_of_features(recording)
 }
 
-/// The results of this engine; `folder` contains the recording.
+/// Computes the results of this engine for a recording; `folder` contains the recording.
 ///
 /// # Errors
-/// If it names no model, or a state does not fit the model.
+/// If the recording names no model, or a state does not fit the model.
 pub fn answer(recording: &Map<String, Value>, folder: &Path) -> Result<Map<String, Value>> {
     if features::is_of_features(recording) {
         return features::answer(recording);
@@ -84,8 +85,8 @@ pub fn answer(recording: &Map<String, Value>, folder: &Path) -> Result<Map<Strin
         let state = State::deserialize(&*case)
             .map_err(|error| wrong(&format!("a case {i} that is not a state: {error}")))?;
         let mut data = state.into_data(&m)?;
-        // MuJoCo keeps twenty counts; a recording has those of the islands, or one where there is
-        // no island
+        // MuJoCo stores twenty counts; a recording has one for each island, or one if there is no
+        // island
         let counts = case[side]["solver_niter"].as_array().map_or(0, Vec::len);
         case[side] = run(&m, &mut data);
         if let Some(own) = case[side]["solver_niter"].as_array_mut() {
@@ -162,8 +163,8 @@ pub fn after_forward(m: &Model, d: &mut Data) -> Value {
 fn constraints(m: &Model, d: &Data) -> Value {
     let efc = &d.efc;
     let jacobian = rows(&efc.full_jacobian(m.nv()), m.nv());
-    // libmujoco leaves here what Newton's method saw last before it took the islands apart: the
-    // rows without constraint forces
+    // libmujoco's `efc_state` is that of Newton's last evaluation before it splits islands: at the
+    // accelerations without constraints
     let active: Vec<u8> = match m.opt.solver {
         Solver::PGS => efc
             .force

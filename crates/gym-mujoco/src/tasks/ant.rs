@@ -117,9 +117,9 @@ pub struct Task {
     cost: ControlCost,
     version: u32,
     main_body: usize,
-    /// The first body whose contact forces are observed, if any are.
+    /// The first body whose contact forces are observed; `None` if they are not observed.
     observed_forces: Option<usize>,
-    /// Whether contact forces cost.
+    /// Whether the reward subtracts the cost of contact forces.
     forces_cost: bool,
 }
 
@@ -157,7 +157,7 @@ impl env::Task for Task {
         simulation.needs("positions", simulation.model.nq(), 3)?;
         let bodies = simulation.model.nbody();
         let main_body = match &config.main_body {
-            // older versions look the torso up by name
+            // before version 5, the torso is found by name
             _ if version < 5 => simulation.body("torso")?,
             Body::Name(name) => simulation.body(name)?,
             Body::Id(id) if *id < bodies => *id,
@@ -277,7 +277,7 @@ impl env::Task for Task {
         }
         let Some(step) = step else { return };
         visit("reward_forward", step.forward);
-        // in version 4 Gymnasium's name for either cost
+        // in version 4, Gymnasium uses one name for both costs
         let is_contact = self.version == 4 && self.forces_cost;
         visit(
             "reward_ctrl",

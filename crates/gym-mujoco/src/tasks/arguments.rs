@@ -7,18 +7,18 @@ use crate::Revision;
 use crate::physics::MAXVAL;
 use crate::view::CameraConfig;
 
-/// The largest `reset_noise_scale`: normal numbers of that size lie within MuJoCo's limit.
+/// The largest `reset_noise_scale`. Normal noise of this scale stays within MuJoCo's limit of 1e10.
 const LARGEST_NOISE: f64 = 1e9;
 
-/// The largest frame skip: a step with more timesteps would seem to hang.
+/// The largest frame skip. A step with more timesteps would seem to hang.
 const LONGEST_SKIP: usize = 1000;
 
 /// The arguments of a task.
 pub trait TaskArguments:
     Arguments + Clone + PartialEq + std::fmt::Debug + Send + Sync + 'static
 {
-    /// Their default values in a version. Versions that no other library can make any more keep the
-    /// version of MuJoCo that their recordings are of.
+    /// The default values in a version. Versions that Gymnasium can no longer run default to the
+    /// version of MuJoCo that their recordings have.
     fn defaults(version: u32) -> Self {
         let mut config = Self::default();
         if version < 4 {
@@ -30,7 +30,7 @@ pub trait TaskArguments:
     /// The arguments that all tasks share.
     fn common(&self) -> &Common;
 
-    /// The same, to change them.
+    /// The shared arguments, mutable.
     fn common_mut(&mut self) -> &mut Common;
 
     /// The argument `reset_noise_scale`; 0 for a task without it.
@@ -95,7 +95,7 @@ gym_core::arguments! {
 }
 
 impl Common {
-    /// The default values: a model, a frame skip, a camera.
+    /// The default values of a task's model, frame skip and camera.
     pub(super) fn new(
         xml_file: &str,
         frame_skip: usize,

@@ -1,4 +1,4 @@
-//! Makes an environment of a task.
+//! The environment of a task.
 
 use std::fmt;
 use std::sync::OnceLock;
@@ -24,27 +24,27 @@ use crate::{Data, Revision};
 
 /// A task: the parts in which the environments of this crate differ.
 pub trait Task: Clone + fmt::Debug + Send + Sync + Sized + 'static {
-    /// What steps, observations and `info` read of the data beside positions and velocities.
-    /// Vectors then step worlds together, and leave out other arrays until they are asked for.
-    /// `None` if worlds step one by one.
+    /// The derived arrays that steps, observations and `info` read, beside positions and
+    /// velocities. Vectors then step several worlds together, and compute other arrays only on
+    /// request. With `None`, worlds step one by one.
     const READS: Option<&'static [Derived]> = None;
 
-    /// Its arguments.
+    /// The task's arguments.
     type Config: TaskArguments;
-    /// The measurements of a step, for its reward and `info`.
+    /// The values that a step measures for the reward and `info`.
     type Step: Copy + fmt::Debug + PartialEq + Send + Serialize + DeserializeOwned;
 
-    /// The task in a version.
+    /// Builds the task for a version.
     ///
     /// # Errors
     /// If the model lacks a part that the task needs.
     fn new(config: &Self::Config, version: u32, simulation: &Simulation) -> Result<Self>;
 
-    /// Draws positions and velocities for the start of an episode.
+    /// Draws the initial positions and velocities of an episode.
     fn start(&self, simulation: &Simulation, data: &mut Data, rng: &mut Generator);
 
-    /// Takes a step by an action of any precision, and returns the measurements, the reward, and
-    /// whether the episode ends.
+    /// Takes a step with an action of any precision. Returns the measured values, the reward, and
+    /// whether the episode terminates.
     fn step(
         &self,
         simulation: &Simulation,
@@ -52,10 +52,10 @@ pub trait Task: Clone + fmt::Debug + Send + Sync + Sized + 'static {
         action: &Array,
     ) -> (Self::Step, f64, bool);
 
-    /// The numbers of the observation.
+    /// The elements of the observation.
     fn observe(&self, simulation: &Simulation, data: &Data) -> impl Iterator<Item = f64>;
 
-    /// Shows the entries of `info`, after a step or, without one, after a reset.
+    /// Passes the entries of `info` to `visit`: after a step, or with `None` after a reset.
     fn info(
         &self,
         simulation: &Simulation,
@@ -64,17 +64,17 @@ pub trait Task: Clone + fmt::Debug + Send + Sync + Sized + 'static {
         visit: &mut dyn FnMut(&str, f64),
     );
 
-    /// The entry of `info` after which it has lengths and velocities of the model's tendons; `None`
-    /// if it has none.
+    /// The entry of `info` after which lengths and velocities of the tendons are inserted; `None`
+    /// if `info` does not have them.
     fn tendons_follow(&self) -> Option<&'static str> {
         None
     }
 }
 
-/// The environment of a task, in one of its versions.
+/// The environment of a task in one of its versions.
 #[derive(Clone, Debug)]
 pub struct MujocoEnv<T: Task> {
-    /// The version and the arguments; snapshots must have the same.
+    /// The version and the arguments. A snapshot must have the same.
     arguments: (u32, T::Config),
     task: T,
     simulation: Simulation,
@@ -82,9 +82,10 @@ pub struct MujocoEnv<T: Task> {
     action_space: Space,
     observations: usize,
     episode: Option<Box<Episode<T::Step>>>,
-    /// The data with its derived arrays, where the episode's are behind: made when asked for.
+    /// A copy of the data with current derived arrays, computed on request if the episode's arrays
+    /// are older than its state.
     resumed: OnceLock<Box<Data>>,
-    /// The step that has begun together with those of other environments.
+    /// The place of this environment's step in a group, while several environments step together.
     place: Option<Place>,
 }
 
@@ -99,7 +100,7 @@ struct Episode<S> {
 const NEWEST: u32 = 5;
 
 impl<T: Task> MujocoEnv<T> {
-    /// The environment with these arguments, in version 5.
+    /// Makes the environment in version 5.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for an argument out of range, a model that cannot be read, and
@@ -108,7 +109,7 @@ impl<T: Task> MujocoEnv<T> {
         Self::with_version(config, NEWEST)
     }
 
-    /// As [`new`](Self::new), by the rules of version 2, 3, 4 or 5.
+    /// Makes the environment in version 2, 3, 4 or 5.
     ///
     /// # Errors
     /// The errors of `new`; [`Error::InvalidArgument`] for a version below 2.
@@ -246,9 +247,10 @@ impl<T: Task> Inspect for MujocoEnv<T> {
 }
 
 impl<T: Task> MujocoEnv<T> {
-    /// Why a snapshot does not fit: for one of another version of MuJoCo, that version.
+    /// Improves the error of a snapshot that does not fit: if it is of another version of MuJoCo,
+    /// the message names that version.
     fn explain_refusal(&self, snapshot: &Snapshot, error: Error) -> Error {
-        /// The part of a snapshot that is looked at.
+        /// The part of a snapshot that this function reads.
         #[derive(Deserialize)]
         struct Taken {
             env: String,
@@ -384,7 +386,7 @@ impl<T: Task> Env for MujocoEnv<T> {
     }
 
     fn depth(&self, size: (u32, u32)) -> Option<Vec<f32>> {
-        let data = &self.episode.as_ref()?.data;
+        let data = self.data()?;
         let Simulation { model, view, .. } = &self.simulation;
         let common = self.arguments.1.common();
         Some(view.depth_of(model, data, (common.width, common.height), size))

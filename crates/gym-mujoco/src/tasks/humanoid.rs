@@ -92,8 +92,8 @@ gym_core::arguments! {
 }
 
 impl Observed {
-    /// The numbers. Before version 5 the world's body and the root joint's torques, all zeros, are
-    /// among them.
+    /// The elements of the observation. Before version 5 they include the world's body and the root
+    /// joint's torques, which are zero.
     pub(super) fn numbers(self, version: u32, data: &Data) -> impl Iterator<Item = f64> {
         let (world, root) = if version >= 5 { (1, 6) } else { (0, 0) };
         let skip = if self.exclude_current_positions_from_observation {
@@ -157,7 +157,7 @@ pub struct Step {
 }
 
 impl Task {
-    /// The centre of mass in x and y, as of the last forward call.
+    /// The centre of mass in x and y at the last forward call.
     fn mass_center(&self, simulation: &Simulation, data: &Data) -> [f64; 2] {
         let masses = &simulation.model.body_mass;
         let moment = |k: usize| {
@@ -171,8 +171,8 @@ impl Task {
     }
 }
 
-/// The arrays, beside the state, that observations, rewards and infos of Humanoid and
-/// HumanoidStandup contain.
+/// The arrays, beside the state, that Humanoid and HumanoidStandup read for observations, rewards
+/// and infos.
 pub(super) const READS: [Derived; 7] = [
     Derived::Xipos,
     Derived::Cinert,

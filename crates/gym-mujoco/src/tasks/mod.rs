@@ -1,8 +1,8 @@
 //! Gymnasium's eleven tasks: one file for each, in all its versions.
 //!
-//! A task defines starts, rewards, observations and `info`. [`MujocoEnv`] makes an environment of
-//! it. Differences of versions are data: the arguments' tables, names of entries of `info`, and
-//! flags that a task reads when it is built.
+//! A task defines initial states, rewards, observations and `info`; [`MujocoEnv`] is the
+//! environment of a task. Versions differ in data: the tables of arguments, the names of entries of
+//! `info`, and flags that a task reads when it is built.
 //!
 //! Versions 4 and 5 are those of Gymnasium 1.4.0. Versions 2 and 3, which Gymnasium itself no
 //! longer runs, follow Gymnasium 0.29.1 on the same engine.
@@ -41,10 +41,10 @@ use crate::Data;
 
 /// The interface to an environment of any task and version: see [`simulated`].
 pub trait Simulated {
-    /// The model, and how it is stepped.
+    /// The model, and the settings of a step.
     fn simulation(&self) -> &Simulation;
 
-    /// The state of the model, once there was a reset.
+    /// The state of the model; `None` before the first reset.
     fn data(&self) -> Option<&Data>;
 
     /// Continues the episode from other positions and velocities (nq and nv numbers): Gymnasium's
@@ -54,7 +54,7 @@ pub trait Simulated {
     /// [`Error::ResetNeeded`](gym_core::Error::ResetNeeded) before the first reset;
     /// [`Error::InvalidArgument`](gym_core::Error::InvalidArgument) for another number of positions
     /// or velocities than the model has, and for one outside ±1e10, where MuJoCo resets a
-    /// simulation. Then nothing has changed.
+    /// simulation. On error, nothing changes.
     fn set_state(&mut self, qpos: &[f64], qvel: &[f64]) -> Result<()>;
 
     /// Turns the free camera around the point that it looks at, by degrees, and multiplies its
@@ -69,7 +69,8 @@ macro_rules! tasks {
             pub type $name = MujocoEnv<$module::Task>;
         )+
 
-        /// An environment of this crate, of any task and version, under any wrappers.
+        /// The [`Simulated`] interface of an environment of this crate, under any wrappers; `None`
+        /// for other environments.
         #[must_use]
         pub fn simulated<E: Env>(env: &E) -> Option<&dyn Simulated> {
             $(
@@ -80,7 +81,7 @@ macro_rules! tasks {
             None
         }
 
-        /// As [`simulated`], to change it.
+        /// [`simulated`] with mutable access.
         #[must_use]
         pub fn simulated_mut<E: Env>(env: &mut E) -> Option<&mut dyn Simulated> {
             $(

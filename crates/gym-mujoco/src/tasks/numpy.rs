@@ -22,7 +22,7 @@ pub fn sum_of(n: usize, number: impl Fn(usize) -> f64) -> f64 {
     pairwise(&number, 0..n)
 }
 
-/// numpy's pairwise summation: eight lanes, in halves beyond 128 numbers.
+/// numpy's pairwise summation: eight partial sums, and recursive halving above 128 numbers.
 fn pairwise<T: Copy + Default + Add<Output = T>>(
     term: &impl Fn(usize) -> T,
     range: Range<usize>,
@@ -49,14 +49,14 @@ fn pairwise<T: Copy + Default + Add<Output = T>>(
     (start + whole..range.end).map(term).fold(sum, T::add)
 }
 
-/// Length of a vector in a task of this version: `np.linalg.norm`.
+/// The length of a vector, `np.linalg.norm`, as the recordings of a version have it.
 pub fn norm(version: u32, v: &[f64]) -> f64 {
     dot(version, v).sqrt()
 }
 
-/// The dot product of a vector with itself, `np.dot`, whose rounding depends on the CPU. The
-/// recordings of versions 4 and 5 were made where it fuses products and sums (AVX-512), those of 2
-/// and 3 where it adds in two lanes (no AVX).
+/// The dot product of a vector with itself, `np.dot`, whose rounding depends on the CPU. Versions 4
+/// and 5 were recorded on a CPU that fuses products and sums (AVX-512), versions 2 and 3 on one
+/// that adds in two lanes (no AVX).
 #[expect(
     clippy::disallowed_methods,
     reason = "numpy fuses here, and a fused product is the same on every platform"

@@ -1,11 +1,11 @@
-//! Ranges as arguments, which may be open on a side.
+//! Arguments that are ranges, possibly unbounded.
 
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 /// The numbers between two bounds, which may be infinite.
 ///
-/// As an argument it is a list of two: `[0.7, null]` has no upper bound, because JSON has no
-/// infinity.
+/// In JSON it is a list of two numbers. JSON has no infinity, so `null` stands for no bound: `[0.7,
+/// null]` has no upper bound.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Range {
     /// The lower bound; `-inf` if there is none.
@@ -15,17 +15,17 @@ pub struct Range {
 }
 
 impl Range {
-    /// The numbers between two bounds.
+    /// The range from `low` to `high`.
     pub const fn new(low: f64, high: f64) -> Self {
         Self { low, high }
     }
 
-    /// Whether a number lies strictly between the bounds.
+    /// Whether `x` lies strictly between the bounds.
     pub(super) fn contains_strictly(self, x: f64) -> bool {
         self.low < x && x < self.high
     }
 
-    /// The nearest number in the range: numpy's `clip`.
+    /// The number in the range that is nearest to `x`: numpy's `clip`.
     pub(super) fn clip(self, x: f64) -> f64 {
         x.max(self.low).min(self.high)
     }

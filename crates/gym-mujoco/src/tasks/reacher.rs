@@ -77,7 +77,7 @@ pub struct Step {
 }
 
 impl Task {
-    /// From the target to the fingertip.
+    /// The vector from the target to the fingertip.
     fn offset(&self, data: &Data) -> [f64; 3] {
         let (tip, target) = (data.xpos[self.fingertip], data.xpos[self.target]);
         std::array::from_fn(|k| tip[k] - target[k])

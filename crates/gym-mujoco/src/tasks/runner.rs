@@ -1,4 +1,4 @@
-//! The common parts of Hopper and Walker2d, which move in a vertical plane.
+//! The common parts of Hopper and Walker2d, whose agents move in a vertical plane.
 
 use std::marker::PhantomData;
 
@@ -15,13 +15,13 @@ use crate::physics::lanes::Derived;
 
 const VELOCITY_LIMIT: f64 = 10.0; // of observed velocities
 
-/// Arguments of a task of this kind.
+/// The arguments of a runner task.
 pub trait RunnerArguments: TaskArguments {
-    /// The rewards and conditions that these arguments give.
+    /// The rewards and the conditions of a fall.
     fn settings(&self) -> Settings;
 }
 
-/// The rewards of a runner, and the conditions of a fall.
+/// The rewards, and the conditions of a fall.
 #[derive(Clone, Copy, Debug)]
 pub struct Settings {
     pub(super) forward_reward_weight: f64,
@@ -100,7 +100,7 @@ impl<C: RunnerArguments> env::Task for Runner<C> {
         let x_velocity = (data.qpos[0] - before) / simulation.dt;
         let forward = settings.forward_reward_weight * x_velocity;
         let healthy = self.is_healthy(data);
-        // before version 5 a fallen runner is paid for the step that ends the episode
+        // before version 5, a fallen runner is rewarded in the step that ends the episode
         let paid = healthy || (self.version < 5 && settings.terminate_when_unhealthy);
         let survive = f64::from(paid) * settings.healthy_reward;
         let ctrl = self.cost.of(action);

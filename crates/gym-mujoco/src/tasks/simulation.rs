@@ -1,4 +1,4 @@
-//! A model, and how an environment steps it.
+//! A model, and the settings with which an environment steps it.
 
 use std::sync::{Arc, OnceLock};
 
@@ -10,23 +10,22 @@ use crate::physics::lanes::{Derived, Stride};
 use crate::view::View;
 use crate::{Data, Model, Revision, forward, physics, step};
 
-/// The parts of an environment beside its state.
+/// The constant parts of an environment.
 #[derive(Clone, Debug)]
 pub struct Simulation {
-    /// The model, which all environments of a task share.
+    /// The model; environments of a task share it.
     pub model: Arc<Model>,
     /// The source of the model: the name of a built-in one, or the path of a file; see [`load`].
     pub xml_file: String,
-    /// The number of the model's timesteps per step.
+    /// The number of timesteps per step.
     pub frame_skip: usize,
     /// Length of a step in seconds.
     pub dt: f64,
     /// The viewpoint of its pictures.
     pub(super) view: View,
-    /// Whether contact forces are computed after a step, which MuJoCo 2.0's Python interface did
-    /// not do.
+    /// Whether a step computes contact forces. MuJoCo 2.0's Python interface did not.
     contact_forces: bool,
-    /// A step, if the task's worlds can step together.
+    /// The properties of a step, if the task's worlds can step together.
     pub(super) stride: Option<Stride>,
 }
 
@@ -48,7 +47,7 @@ impl Simulation {
         })
     }
 
-    /// Lets worlds step together, for a task that reads these derived arrays after a step.
+    /// Lets worlds step together, for a task that reads the derived arrays `reads` after a step.
     pub(super) fn read(&mut self, reads: &[Derived]) {
         let computed = |array: &Derived| {
             array.is_known(&self.model) && (self.contact_forces || *array != Derived::CfrcExt)
@@ -60,18 +59,19 @@ impl Simulation {
         });
     }
 
-    /// Whether a derived array is there after a step, even if it was taken together with others.
+    /// Whether a derived array is current after a step, even if several worlds took the step
+    /// together.
     pub(super) fn has(&self, array: Derived) -> bool {
         let stride = self.stride.as_ref();
         stride.is_none_or(|stride| stride.reads.contains(&array))
     }
 
-    /// The state at the start of an episode, from positions and velocities.
+    /// Computes the state at the start of an episode from its positions and velocities.
     pub(super) fn start(&self, data: &mut Data) {
         forward(&self.model, data);
     }
 
-    /// Applies an action for the timesteps of a step.
+    /// Sets the controls to `action`, and advances by the timesteps of a step.
     pub fn step(&self, data: &mut Data, action: &Array) {
         for (ctrl, a) in data.ctrl.iter_mut().zip(action.iter_f64()) {
             *ctrl = a;
@@ -91,7 +91,7 @@ impl Simulation {
         }
     }
 
-    /// The ranges of the controls.
+    /// The action space: the ranges of the controls.
     pub(super) fn action_space(&self) -> Result<Space> {
         let bounds = |k: usize| {
             self.model
@@ -103,12 +103,12 @@ impl Simulation {
         Ok(BoxSpace::new(bounds(0), bounds(1))?.into())
     }
 
-    /// Frames per second at natural speed.
+    /// Frames per second in real time.
     pub(super) fn fps(&self) -> u32 {
         (1.0 / self.dt).round_ties_even().clamp(1.0, 1e6) as u32
     }
 
-    /// A body that the task cannot do without.
+    /// The body `name`, which the task needs.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] if the model has none of that name.
@@ -116,7 +116,7 @@ impl Simulation {
         self.known("body", name, self.model.body_id(name))
     }
 
-    /// A site that the task cannot do without.
+    /// The site `name`, which the task needs.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] if the model has none of that name.
@@ -129,7 +129,7 @@ impl Simulation {
         id.ok_or_else(|| Error::argument("xml_file", missing()))
     }
 
-    /// Refuses a model with too few elements for the task.
+    /// Refuses a model with fewer than `at_least` objects of the kind `what`.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] with the numbers.
@@ -144,32 +144,32 @@ impl Simulation {
     }
 }
 
-/// Adds noise to the numbers of an initial configuration: `initial + uniform(-scale, scale)`.
+/// Sets each of `numbers` to `initial + uniform(-scale, scale)`.
 pub(super) fn uniform_noise(numbers: &mut [f64], initial: &[f64], scale: f64, rng: &mut Generator) {
     for (x, x0) in numbers.iter_mut().zip(initial) {
         *x = x0 + rng.uniform(-scale, scale);
     }
 }
 
-/// Normal velocities: `scale * standard_normal()`.
+/// Sets each of `numbers` to `scale * standard_normal()`.
 pub(super) fn normal_noise(numbers: &mut [f64], scale: f64, rng: &mut Generator) {
     for x in numbers {
         *x = scale * rng.standard_normal();
     }
 }
 
-/// Uniform velocities.
+/// Sets each of `numbers` to `uniform(-scale, scale)`.
 pub(super) fn uniform_velocities(numbers: &mut [f64], scale: f64, rng: &mut Generator) {
     for x in numbers {
         *x = rng.uniform(-scale, scale);
     }
 }
 
-/// A built-in model: its name, its text, and its compiled forms, compiled on first use.
+/// A built-in model: its name, its text, and its compiled forms, which are compiled on first use.
 struct BuiltIn {
     name: &'static str,
     text: &'static str,
-    /// For each of [`Revision::ALL`].
+    /// One for each of [`Revision::ALL`].
     models: [OnceLock<Arc<Model>>; 2],
 }
 
@@ -211,13 +211,13 @@ static MODELS: [BuiltIn; 13] = [
     ),
 ];
 
-/// The names of the built-in models, and their texts in MJCF.
+/// The names and the MJCF texts of the built-in models.
 pub fn models() -> impl Iterator<Item = (&'static str, &'static str)> {
     MODELS.iter().map(|built_in| (built_in.name, built_in.text))
 }
 
-/// A built-in model by name, a file by a path that begins with `.`, `/` or `~`, or the text of a
-/// model, which begins with `<`; for the engine of a revision.
+/// Loads a model for a revision of the engine. `xml_file` is the name of a built-in model, the path
+/// of a file (it begins with `.`, `/` or `~`), or the text of a model (it begins with `<`).
 ///
 /// # Errors
 /// [`Error::InvalidArgument`] for an unknown name, a file that cannot be read, and one that is not

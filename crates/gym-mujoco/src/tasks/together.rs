@@ -1,4 +1,4 @@
-//! Worlds of several environments that step together.
+//! Groups of environments whose worlds step together.
 
 use std::sync::Arc;
 
@@ -10,14 +10,14 @@ use crate::physics::lanes::Stride;
 use crate::physics::{forward, fwd_actuation, lanes};
 use crate::{Data, Model};
 
-/// The most models of which worlds step together; environments of others step one by one.
+/// The largest number of models with groups; environments of further models step one by one.
 const MODELS: usize = 4;
 
 /// Working memory for environments that step together.
 ///
-/// Only worlds of one model can: environments share a built-in model, and each has its own of a
-/// file. Worlds with features that the stages for several worlds do not have, those that diverge,
-/// and a rest of few step one by one, with the same bits.
+/// Only worlds of the same model step together: environments share a built-in model, but each loads
+/// its own from a file. Three kinds of worlds step one by one, with the same bits: those of models
+/// with features that the lane stages lack, those that diverge, and a small remainder.
 #[derive(Clone, Debug)]
 pub struct Worlds {
     level: Level,
@@ -29,19 +29,19 @@ pub struct Worlds {
 struct Crew {
     model: Arc<Model>,
     stride: Stride,
-    /// The numbers of a world's record.
+    /// The length of a world's record.
     length: usize,
-    /// None for a model that does not fit.
+    /// `None` if worlds of this model cannot step together.
     worlds: Option<Box<lanes::Worlds>>,
-    /// For the forces of actuators.
+    /// Data that computes the actuator forces of a control.
     data: Data,
-    /// What each world brings and takes away.
+    /// The records of the worlds: the input of a step, later its output.
     records: Vec<f64>,
-    /// The number of worlds that have begun.
+    /// The number of worlds that wait for the step.
     len: usize,
-    /// Which of them have stepped.
+    /// Whether each world has stepped.
     stepped: Vec<bool>,
-    /// The numbers of rows that worlds had last, and the worlds by these.
+    /// The number of constraint rows of each world in its last step, and the worlds sorted by it.
     rows: Vec<usize>,
     order: Vec<usize>,
 }
@@ -60,7 +60,7 @@ impl Default for Worlds {
 }
 
 impl Worlds {
-    /// Worlds that step by the vector instructions of a level.
+    /// Groups that step with the vector instructions of `level`.
     #[must_use]
     pub fn new(level: Level) -> Self {
         Self {
@@ -75,8 +75,8 @@ impl Worlds {
         lanes::width(Level::new()).is_some()
     }
 
-    /// Takes the state of a world, and the action of its next step, as many finite numbers as the
-    /// model has controls. None if it steps by itself.
+    /// Adds a world to a group: its state, and the action of its next step, which must have one
+    /// finite number for each control. `None` if the world steps alone.
     pub fn begin(
         &mut self,
         model: &Arc<Model>,
@@ -91,7 +91,7 @@ impl Worlds {
             .position(|crew| Arc::ptr_eq(&crew.model, model) && crew.stride.steps == stride.steps);
         let crew = match known {
             Some(crew) => crew,
-            // nobody else has this model
+            // no other environment uses this model
             None if Arc::strong_count(model) == 1 => return None,
             None if self.crews.len() < MODELS => {
                 self.crews.push(Crew::new(model, stride));
@@ -103,7 +103,7 @@ impl Worlds {
         Some(Place { crew, world })
     }
 
-    /// Gives a world the result of its step, which [`Data::catch_up`] then takes.
+    /// Writes the result of a world's step to `data`; [`Data::catch_up`] then takes it over.
     pub fn collect(&self, place: Place, data: &mut Data) {
         let crew = &self.crews[place.crew];
         if crew.stepped[place.world] {
@@ -123,7 +123,7 @@ impl Together for Worlds {
     }
 
     fn clear(&mut self) {
-        // models that no environment has any more
+        // drop the groups of models that no environment uses any more
         self.crews
             .retain(|crew| crew.len > 0 || Arc::strong_count(&crew.model) > 1);
         self.crews.iter_mut().for_each(|crew| crew.len = 0);
@@ -138,9 +138,9 @@ impl Crew {
         let mut data = Data::default();
         if fits {
             data = Data::new(model);
-            // for the moments of tendons, which stay
+            // computes the tendons' moment arms, which are constant
             forward(model, &mut data);
-            // forces without what positions add
+            // the positions' part of the forces is added by the lane stages
             data.actuator_length.fill(0.0);
             data.actuator_velocity.fill(0.0);
         }
@@ -192,13 +192,14 @@ impl Crew {
         };
         let (length, rows) = (self.length, &mut self.rows);
         self.stepped[..self.len].fill(false);
-        // worlds with about as many rows together: the solver works for the most of them
+        // sort worlds by their number of rows: the solver's time depends on the largest in a
+        // register
         self.order.clear();
         self.order.extend(0..self.len);
         self.order
             .sort_unstable_by_key(|&world| (rows[world], world));
         for order in self.order.chunks(lanes::WORLDS) {
-            // a rest that fills less than half a register is faster one by one
+            // a remainder that fills less than half a register is faster one by one
             let rest = order.len() % width;
             let few = 2 * rest < width;
             let order = &order[..order.len() - if few { rest } else { 0 }];

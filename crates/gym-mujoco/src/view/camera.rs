@@ -1,11 +1,11 @@
-//! Perspective.
+//! Perspective cameras.
 
 use gym_core::canvas::Point;
 
 use crate::libm;
 use crate::physics::spatial::{Mat3, Vec3, add_scaled, column, cross, dot, norm, scale, sub};
 
-/// Nothing nearer than this is drawn, in m.
+/// The near plane in m: points nearer than this are not drawn.
 pub(super) const NEAR: f64 = 0.02;
 
 /// A camera: its position, its right, up and forward directions, and its scale.
@@ -15,11 +15,12 @@ pub(super) struct Camera {
     pub(super) right: Vec3,
     pub(super) up: Vec3,
     pub(super) ahead: Vec3,
-    /// Pixels of a length of 1 at a distance of 1.
+    /// The size in pixels of a length of 1 m at a distance of 1 m.
     pub(super) focal: f64,
     /// Width and height of the picture.
     pub(super) size: [f64; 2],
-    /// Where details matter: the point that it looks at, or one ahead.
+    /// The point around which details are drawn: the point that the camera looks at, or a point
+    /// ahead.
     pub(super) focus: Vec3,
 }
 
@@ -72,12 +73,12 @@ impl Camera {
         Self::around(target, distance, azimuth, elevation, fovy, size)
     }
 
-    /// How far ahead a point is.
+    /// The distance of a point along the viewing direction.
     pub(super) fn depth(&self, point: Vec3) -> f64 {
         dot(sub(point, self.pos), self.ahead)
     }
 
-    /// Where a point ahead is seen.
+    /// The position in the picture of a point in front of the camera.
     pub(super) fn project(&self, point: Vec3) -> Point {
         let to = sub(point, self.pos);
         let scale = self.focal / dot(to, self.ahead).max(NEAR);
@@ -87,17 +88,17 @@ impl Camera {
         ]
     }
 
-    /// Direction in the picture, of length 1 or less, in which something points.
+    /// A direction projected on the picture plane, of length 1 or less.
     pub(super) fn flat(&self, direction: Vec3) -> Point {
         [dot(direction, self.right), -dot(direction, self.up)]
     }
 
-    /// The pixels of a length at a point.
+    /// The size in pixels of a length at a point.
     pub(super) fn pixels(&self, length: f64, at: Vec3) -> f64 {
         self.focal * length / self.depth(at).max(NEAR)
     }
 
-    /// Projects a polygon, cut off where it comes too near.
+    /// Projects a polygon, clipped at the near plane.
     pub(super) fn project_polygon(&self, corners: &[Vec3], out: &mut Vec<Point>) {
         out.clear();
         for (i, a) in corners.iter().enumerate() {

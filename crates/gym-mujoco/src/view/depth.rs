@@ -1,4 +1,4 @@
-//! How far what a picture shows is from the camera.
+//! Depth images.
 
 use std::ops::Range;
 
@@ -9,22 +9,22 @@ use crate::physics::ray_shape;
 use crate::physics::spatial::{Vec3, add_scaled, dot, sub};
 use crate::{Data, Model};
 
-/// What lies farther is not shown, in extents of the model: MuJoCo's `zfar`.
+/// The far plane, in extents of the model: MuJoCo's `zfar`. Surfaces beyond it are not shown.
 const FAR: f64 = 50.0;
 
 impl View {
-    /// The depths of a picture, row by row from the top: how far the surface that each pixel shows
-    /// is from the camera, along the direction in which the camera looks, in metres. Where a pixel
-    /// shows no surface, this is 50 times the model's extent, MuJoCo's far plane.
+    /// The depth of each pixel, row by row from the top: the distance in metres, along the viewing
+    /// direction, of the surface that the pixel shows. A pixel without a surface has 50 times the
+    /// model's extent, MuJoCo's far plane.
     ///
-    /// The surfaces are those of the geoms that [`draw`](Self::draw) shows; markers of sites are
-    /// none.
+    /// The surfaces are those of the geoms that [`draw`](Self::draw) shows, without the markers of
+    /// sites.
     #[must_use]
     pub fn depth(&self, model: &Model, data: &Data, size: (u32, u32)) -> Vec<f32> {
         self.depth_of(model, data, size, size)
     }
 
-    /// The depths of a picture that is scaled from one size to another.
+    /// The depths for a picture of size `picture`, sampled at `width` by `height` pixels.
     pub(crate) fn depth_of(
         &self,
         model: &Model,
@@ -35,7 +35,7 @@ impl View {
         let camera = self.camera(data, picture);
         let far = (FAR * model.stat.extent) as f32;
         let (columns, rows) = (width as usize, height as usize);
-        // pixels of the picture for one of the result
+        // the width and height of a result pixel, in pixels of the picture
         let step = [
             camera.size[0] / f64::from(width),
             camera.size[1] / f64::from(height),
@@ -70,7 +70,7 @@ impl View {
     }
 }
 
-/// The direction to a point of the picture, as long as it takes to get a metre ahead.
+/// The direction from the camera to a point of the picture, scaled to a depth of one metre.
 fn direction(camera: &Camera, [x, y]: [f64; 2]) -> Vec3 {
     let [width, height] = camera.size;
     let right = (x - width / 2.0) / camera.focal;
@@ -78,7 +78,8 @@ fn direction(camera: &Camera, [x, y]: [f64; 2]) -> Vec3 {
     add_scaled(add_scaled(camera.ahead, camera.right, right), camera.up, up)
 }
 
-/// Columns and rows of pixels that a ball can cover, of so many pixels of the picture each.
+/// The columns and rows of pixels that a ball can cover. A pixel is `step` pixels of the picture
+/// wide and high.
 fn bounds(camera: &Camera, centre: Vec3, radius: f64, step: [f64; 2]) -> [Range<usize>; 2] {
     let from = sub(centre, camera.pos);
     let ahead = dot(from, camera.ahead);

@@ -12,15 +12,15 @@ use crate::{Data, Model, libm};
 const ZENITH: Color = Color::rgb(96, 142, 190);
 const HORIZON: Color = Color::rgb(226, 236, 244);
 const BANDS: usize = 32;
-/// How many squares of the floor are drawn to each side of the focus.
+/// The number of squares of the floor that are drawn to each side of the focus.
 const SQUARES: i64 = 16;
-/// In how many steps they fade.
+/// The number of steps in which the squares fade out.
 const RINGS: usize = 6;
-/// The corners of a shadow.
+/// The number of corners of a shadow's outline.
 const CORNERS: usize = 20;
 const SHADOW: Color = Color::rgb(24, 34, 52).alpha(88);
 
-/// A colour between two.
+/// A mixture of two colours: `a` at `t` = 0, `b` at 1.
 pub(super) fn blend(a: Color, b: Color, t: f64) -> Color {
     let t = t.clamp(0.0, 1.0);
     let mix = |a: u8, b: u8| (f64::from(a) + (f64::from(b) - f64::from(a)) * t).round() as u8;
@@ -32,7 +32,7 @@ pub(super) fn blend(a: Color, b: Color, t: f64) -> Color {
     }
 }
 
-/// Covers the picture with a sky that is bright at the horizon.
+/// Covers the picture with a sky that is brightest at the horizon.
 pub(super) fn sky(camera: &Camera, canvas: &mut dyn Canvas) {
     canvas.clear(HORIZON);
     let [width, height] = camera.size;
@@ -44,7 +44,7 @@ pub(super) fn sky(camera: &Camera, canvas: &mut dyn Canvas) {
     }
 }
 
-/// The height in the picture at which the floor would end.
+/// The y coordinate of the horizon in the picture.
 fn horizon(camera: &Camera) -> f64 {
     let level = (camera.ahead[0] * camera.ahead[0] + camera.ahead[1] * camera.ahead[1]).sqrt();
     if level < 1e-3 {
@@ -53,7 +53,7 @@ fn horizon(camera: &Camera) -> f64 {
     camera.size[1] / 2.0 + camera.focal * camera.ahead[2] / level
 }
 
-/// The floor, as far as the eye reaches, with dark squares around the focus that fade into it.
+/// Draws the floor up to the horizon, with dark squares around the focus that fade out.
 pub(super) fn draw(
     camera: &Camera,
     height: f64,
@@ -61,7 +61,7 @@ pub(super) fn draw(
     size: Vec3,
     canvas: &mut dyn Canvas,
 ) {
-    // so far away, squares have no width among the numbers
+    // at this distance, the squares are too small for `f64` coordinates
     const FARTHEST: f64 = 1e12;
     let visible = camera.pos[2] > height && camera.focus.iter().all(|x| x.abs() < FARTHEST);
     if !visible {
@@ -73,7 +73,7 @@ pub(super) fn draw(
     let horizon = horizon(camera).clamp(0.0, picture_height);
     canvas.rect([0.0, horizon], [width, picture_height - horizon], light);
 
-    // a small model stands on small squares
+    // squares are small for a small model
     let far = camera.pos[2] - height;
     let square = [0.05, 0.1, 0.25, 0.5, 1.0, 2.0, 5.0]
         .into_iter()
@@ -116,7 +116,7 @@ pub(super) fn draw(
     }
 }
 
-/// Adds a closed contour.
+/// Adds a closed contour to a path.
 fn outline(polygon: &[Point], path: &mut Vec<Segment>) {
     if let [first, rest @ ..] = polygon {
         path.push(Segment::Move(*first));
@@ -132,7 +132,7 @@ fn on_screen(polygon: &[Point], [width, height]: [f64; 2]) -> bool {
     inside(0, width) && inside(1, height)
 }
 
-/// The shadows of all shapes under a light from straight above, in one shade.
+/// Draws the shadows of all shapes under a light straight above, in one shade.
 pub(super) fn shadows(
     camera: &Camera,
     model: &Model,
@@ -166,7 +166,8 @@ pub(super) fn shadows(
     }
 }
 
-/// The shadow of a capsule: a half circle around each end. A cylinder's is nearly that.
+/// The shadow of a capsule: a half circle around each end. A cylinder's shadow is approximated by
+/// it.
 fn round_outline(model: &Model, data: &Data, g: usize, height: f64) -> [Vec3; CORNERS] {
     let [radius, half, _] = model.geom_size[g];
     let (center, axis) = (data.geom_xpos[g], column(&data.geom_xmat[g], 2));
@@ -191,7 +192,7 @@ fn round_outline(model: &Model, data: &Data, g: usize, height: f64) -> [Vec3; CO
     })
 }
 
-/// The shadow of a box or an ellipsoid: the point that is farthest in each direction.
+/// The shadow of a box or an ellipsoid: for each direction, the point that is farthest.
 fn solid_outline(model: &Model, data: &Data, g: usize, height: f64) -> [Vec3; CORNERS] {
     let (center, size) = (data.geom_xpos[g], model.geom_size[g]);
     let axes = [0, 1, 2].map(|k| column(&data.geom_xmat[g], k));
@@ -211,7 +212,7 @@ fn solid_outline(model: &Model, data: &Data, g: usize, height: f64) -> [Vec3; CO
     })
 }
 
-/// A bounded plane that is not the floor, from the side that is solid.
+/// Draws a bounded plane that is not the floor, if the camera is on the side of its normal.
 pub(super) fn wall(camera: &Camera, model: &Model, data: &Data, g: usize, canvas: &mut dyn Canvas) {
     let (center, mat, size) = (data.geom_xpos[g], &data.geom_xmat[g], model.geom_size[g]);
     let normal = column(mat, 2);

@@ -17,27 +17,26 @@ use crate::physics::{com_pos, kinematics};
 use crate::tasks::Common;
 use crate::{Data, Model};
 
-/// The position of the free camera, with the names of MuJoCo's `mjvCamera`; absent values are
-/// computed from the model.
+/// The position of the free camera, with the field names of MuJoCo's `mjvCamera`. Values that are
+/// `None` are computed from the model.
 ///
-/// It follows `trackbodyid` in x and y.
+/// The camera follows the body `trackbodyid` in x and y.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct CameraConfig {
-    /// Distance from the point that it looks at, in m.
+    /// Distance from `lookat`, in m.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub distance: Option<f64>,
-    /// Direction in the horizontal plane, in degrees; at 90 it looks along y, and x is to the
-    /// right.
+    /// Horizontal direction in degrees; at 90 the camera looks along y, with x to the right.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub azimuth: Option<f64>,
-    /// Direction against the horizontal plane, in degrees; negative from above.
+    /// Vertical direction in degrees; negative if the camera looks down.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub elevation: Option<f64>,
-    /// The point that it looks at. If it follows a body, only the height is used.
+    /// The point that the camera looks at. If it follows a body, only the height is used.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub lookat: Option<[f64; 3]>,
-    /// The body that it follows; 0 or -1 for none.
+    /// The body that the camera follows; 0 or -1 for none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub trackbodyid: Option<i32>,
 }
@@ -49,8 +48,8 @@ impl gym_core::ArgumentType for CameraConfig {
 }
 
 impl CameraConfig {
-    /// A camera at a distance, with azimuth and elevation in degrees, that looks at a height and
-    /// follows a body.
+    /// A camera that follows a body at a distance, and looks at a point of height `height`; azimuth
+    /// and elevation are in degrees.
     pub(crate) const fn following(
         body: i32,
         distance: f64,
@@ -83,7 +82,7 @@ pub struct View {
     max_geom: usize,
 }
 
-/// The object that the camera is attached to.
+/// The camera of a view: free, or one of the model's.
 #[derive(Clone, Debug)]
 enum Mount {
     Free {
@@ -110,8 +109,8 @@ struct Own {
     pos: Vec3,
     quat: [f64; 4],
     fovy: f64,
-    /// In the initial configuration: orientation, and place against the body and against its centre
-    /// of mass.
+    /// The orientation in the initial configuration, and the position relative to the body and to
+    /// its centre of mass.
     mat0: Mat3,
     from_body: Vec3,
     from_com: Vec3,
@@ -180,7 +179,7 @@ impl View {
         })
     }
 
-    /// Turns the free camera by degrees and multiplies its distance.
+    /// Turns the free camera by some degrees, and multiplies its distance by `zoom`.
     pub(crate) fn turn(&mut self, azimuth: f64, elevation: f64, zoom: f64) {
         if let Mount::Free { config, .. } = &mut self.mount
             && azimuth.is_finite()
@@ -263,13 +262,13 @@ impl View {
     }
 }
 
-/// Whether a geom is a plane with ends. Other planes than these and the floor are not shown.
+/// Whether a geom is a bounded plane. Of the other planes, only the floor is drawn.
 fn is_wall(model: &Model, g: usize) -> bool {
     let [x, y, _] = model.geom_size[g];
     model.geom_type[g] == GeomType::Plane && x > 0.0 && y > 0.0 && color_of(model, g).a > 0
 }
 
-/// The lowest level plane is the floor.
+/// The floor: the lowest horizontal plane.
 fn floor_of(model: &Model, data: &Data, max_geom: usize) -> Option<usize> {
     (0..model.ngeom())
         .take(max_geom)
@@ -285,7 +284,7 @@ fn initial(model: &Model) -> Data {
     data
 }
 
-/// The colour of a geom: its own, or else its material's.
+/// The colour of a geom: its own, or its material's.
 fn color_of(model: &Model, g: usize) -> Color {
     const GREY: [f64; 4] = [0.5, 0.5, 0.5, 1.0];
     match usize::try_from(model.geom_matid[g]) {
@@ -304,7 +303,7 @@ fn rgba([r, g, b, a]: [f64; 4]) -> Color {
     }
 }
 
-/// The free camera, by default where MuJoCo's viewer puts it.
+/// The free camera. Values that `config` leaves out are those of MuJoCo's viewer.
 fn free(model: &Model, data: &Data, config: &CameraConfig) -> Result<Mount> {
     let wrong = |reason: &str| Error::argument("default_camera_config", reason);
     let follows = match config.trackbodyid {
@@ -323,7 +322,7 @@ fn free(model: &Model, data: &Data, config: &CameraConfig) -> Result<Mount> {
         let mut numbers: Vec<f64> = data.geom_xpos.iter().map(|pos| pos[k]).collect();
         numbers.sort_by(f64::total_cmp);
         let middle = |n: usize| numbers.get(n / 2).copied().unwrap_or(0.0);
-        // of an even number of geoms the mean of both in the middle, as numpy has it
+        // the median: of an even number of geoms, the mean of the two in the middle, as in numpy
         (middle(numbers.len().saturating_sub(1)) + middle(numbers.len())) / 2.0
     };
     let config = Free {

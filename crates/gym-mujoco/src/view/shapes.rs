@@ -1,7 +1,7 @@
 //! Shaded spheres, capsules and cylinders.
 //!
-//! A round shape is drawn as outlines within each other, from dark to bright, each smaller and
-//! nearer to the light. So it looks round with plain fills alone, at any size and in any format.
+//! A round shape is drawn as nested outlines, from dark to bright, each smaller and nearer to the
+//! light. So it looks round with plain fills, at any size and in any format.
 
 use gym_core::canvas::{Canvas, Color, Point};
 
@@ -12,12 +12,12 @@ use crate::model::{GeomType, WrapType};
 use crate::physics::spatial::{Vec3, add, add_scaled, column, dot, scale, sub};
 use crate::{Data, Model, libm};
 
-/// Towards the light: from above, and a little from the left and the front of most cameras.
+/// The direction to the light: above, and a little to the left and the front of most cameras.
 pub(super) const LIGHT: Vec3 = [-0.37, -0.46, 0.81];
 pub(super) const LAYERS: usize = 9;
 const ARC: usize = 14;
 
-/// By how much the nearest point of a shape is nearer than its centre.
+/// The difference in depth between a shape's centre and its nearest point.
 pub(super) fn nearness(model: &Model, data: &Data, g: usize, camera: &Camera) -> f64 {
     let [radius, half, _] = model.geom_size[g];
     let axis = dot(column(&data.geom_xmat[g], 2), camera.ahead).abs();
@@ -88,7 +88,7 @@ pub(super) fn strings(camera: &Camera, model: &Model, data: &Data, canvas: &mut 
     }
 }
 
-/// A capsule, or where both ends are one, a sphere.
+/// Draws a capsule; if both ends coincide, a sphere.
 fn round(camera: &Camera, ends: [Vec3; 2], radius: f64, color: Color, canvas: &mut dyn Canvas) {
     if ends.iter().any(|end| camera.depth(*end) < NEAR + radius) {
         return;
@@ -96,7 +96,7 @@ fn round(camera: &Camera, ends: [Vec3; 2], radius: f64, color: Color, canvas: &m
     let light = camera.flat(LIGHT);
     let centers = ends.map(|end| camera.project(end));
     let radii = ends.map(|end| camera.pixels(radius, end));
-    // a line around it sets it off from what is behind
+    // a dark outline separates the shape from its background
     outline(
         centers,
         radii.map(|r| r + 0.6),
@@ -126,7 +126,7 @@ fn outline([a, b]: [Point; 2], [ra, rb]: [f64; 2], color: Color, canvas: &mut dy
         canvas.circle(center, radius.max(0.0), color);
         return;
     }
-    // the hull leaves each circle where its tangents touch
+    // at these angles, the circles' common tangents touch
     let turn = libm::atan2(along[1], along[0]);
     let slope = libm::atan2(
         (ra - rb) / distance,
@@ -146,7 +146,7 @@ fn outline([a, b]: [Point; 2], [ra, rb]: [f64; 2], color: Color, canvas: &mut dy
     canvas.polygon(&points, color);
 }
 
-/// A colour on a side that faces in a direction.
+/// The colour of a surface with the normal `normal`.
 pub(super) fn lit(color: Color, normal: Vec3) -> Color {
     let facing = dot(normal, LIGHT);
     let dark = blend(color, Color::rgb(16, 18, 34), 0.5);
@@ -157,7 +157,7 @@ pub(super) fn lit(color: Color, normal: Vec3) -> Color {
     }
 }
 
-/// The colour of a layer of a round shape, from 0 outside to 1 within.
+/// The colour of a layer of a round shape: `t` is 0 for the outermost, 1 for the innermost.
 pub(super) fn shade(color: Color, t: f64) -> Color {
     let (dark, bright) = (
         blend(color, Color::rgb(16, 18, 34), 0.52),
@@ -170,7 +170,8 @@ pub(super) fn shade(color: Color, t: f64) -> Color {
     }
 }
 
-/// A cylinder: its side in strips, each as bright as it faces the light, then the end that is seen.
+/// Draws a cylinder: its side in strips, shaded by their direction to the light, then the visible
+/// end.
 fn cylinder(
     camera: &Camera,
     ends: [Vec3; 2],

@@ -9,7 +9,7 @@ use crate::physics::spatial::{
 };
 use crate::{Data, Model, libm};
 
-/// A box: the faces that are seen, each as bright as it faces the light.
+/// Draws a box: its visible faces, shaded by their direction to the light.
 pub(super) fn cuboid(
     camera: &Camera,
     model: &Model,
@@ -38,7 +38,7 @@ pub(super) fn cuboid(
     }
 }
 
-/// An ellipsoid: outlines within each other, as round shapes have them.
+/// Draws an ellipsoid as nested outlines, as for round shapes.
 pub(super) fn ellipsoid(
     camera: &Camera,
     model: &Model,
@@ -52,7 +52,7 @@ pub(super) fn ellipsoid(
     if camera.depth(center) < NEAR + size[0].max(size[1]).max(size[2]) {
         return;
     }
-    // scaled to a ball, the outline is the circle across the direction to the camera
+    // scaled to a ball, the outline is the circle perpendicular to the viewing direction
     let view = rotate_back(mat, sub(camera.pos, center));
     let (towards, _) = normalize(std::array::from_fn(|k| view[k] / size[k]));
     let near = if towards[0].abs() < 0.6 {

@@ -5,7 +5,7 @@
 
 use std::path::{Path, PathBuf};
 
-use gym_core::registry;
+use gym_core::{Env, registry};
 use gym_trace::Trace;
 use serde_json::{Value, json};
 
@@ -102,4 +102,19 @@ fn a_trace_that_differs_is_found() {
         assert!(compare(&differs).is_err(), "{place}");
     }
     std::fs::remove_dir_all(&folder).unwrap();
+}
+
+/// An argument comes before the head, whose version is then named as not compared.
+#[test]
+fn the_version_of_mujoco_in_the_head_is_the_default() {
+    for (id, kwargs, taken, unused) in [
+        ("Hopper-v5", json!({}), "3.12", vec![]),
+        ("Hopper-v5", json!({"mujoco": "4.0"}), "4.0", vec!["mujoco"]),
+    ] {
+        let head = json!({"id": id, "kwargs": kwargs, "mujoco": "3.12", "events": []});
+        let trace: Trace = serde_json::from_value(head).unwrap();
+        let env = trace.make().unwrap();
+        assert_eq!(env.inspect().unwrap().arguments()["mujoco"], taken);
+        assert_eq!(trace.not_compared(), unused);
+    }
 }

@@ -1,6 +1,7 @@
 //! Vectors of the tasks: the same bits on any number of threads.
 
 use gym_core::registry::Each;
+use gym_core::render::RenderMode;
 use gym_core::vector::{Autoreset, Columns, VectorEnv, VectorEnvExt, VectorKind, VectorReset};
 use gym_core::{BoxEnv, Result, Value, builder, registry};
 use gym_mujoco::simulated;
@@ -226,6 +227,36 @@ fn all_arrays_are_there_when_asked_for() {
         // after their last number, the time: some have stepped since their reset
         assert!(native.iter().any(|bits| bits.last() > Some(&0)));
         assert!(native == sync, "step {step}");
+    }
+}
+
+/// Depths need arrays that no task reads.
+#[test]
+fn depths_are_those_of_worlds_alone() {
+    let kinds = [VectorKind::Async, VectorKind::Sync];
+    let make = |kind| {
+        let env = builder("Walker2d-v5").render_mode(RenderMode::DepthArray);
+        let vector = env.arg("width", 24).arg("height", 24).vector(8).kind(kind);
+        let threads = usize::from(kind == VectorKind::Async);
+        if threads > 0 {
+            vector.threads(threads)
+        } else {
+            vector
+        }
+        .build()
+    };
+    let mut pair = Pair::new(kinds, make, "Walker2d-v5".into());
+    let mut actions = pair.envs[1].action_sampler(5).unwrap();
+    pair.go(|envs, columns| envs.reset_into(&1.into(), columns));
+    let mut first = None;
+    for step in 0..12 {
+        let [shown, expected] = [0, 1].map(|k| pair.envs[k].render().unwrap());
+        assert_eq!(shown.len(), 8);
+        assert!(shown == expected, "step {step}");
+        assert!(step == 0 || first.as_ref() != Some(&shown), "it moves");
+        first.get_or_insert(shown);
+        let batch = actions.sample();
+        pair.step(&batch);
     }
 }
 

@@ -85,7 +85,7 @@ __all__ = [
     "wrappers",
 ]
 
-# a forked child has only the forking thread: functions that need others raise an error instead of waiting for them
+# a forked child has only the forking thread: functions that need other threads raise an error instead of waiting for them
 if hasattr(os, "register_at_fork"):
     os.register_at_fork(after_in_child=_native.after_fork_in_child)
 
@@ -100,7 +100,7 @@ for _name in ("make", "make_vec", "pprint_registry", "register", "registry", "sp
 _lacking = _modules.forwarder(__name__)
 
 
-# modules that need a library, and its name
+# modules that need another library, and the name of that library
 _OPTIONAL = {"dm_env": "dm_env", "jax": "jax", "sb3": "stable-baselines3"}
 
 

@@ -1,4 +1,4 @@
-"""Methods of Gymnasium's MuJoCo tasks on environments of ours."""
+"""Gymnasium's methods of MuJoCo tasks, called on environments of this package."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ __all__ = ["Borrowed"]
 
 
 class Borrowed:
-    """A method or property of Gymnasium's task, which works on ``model`` and ``data``.
+    """A method or property of Gymnasium's task. It reads and writes the environment's ``model`` and ``data``.
 
     Args:
-        writes: Whether it changes the state by MuJoCo's package, which then steps the environment.
+        writes: Whether it changes the state through MuJoCo's package. If so, that package steps the environment from then on.
     """
 
     def __init__(self, writes: bool = False) -> None:
@@ -26,7 +26,7 @@ class Borrowed:
         self.name = name
 
     def replace(self, env: MujocoEnv, value: Any) -> None:
-        """Puts a method of somebody's own in the place of this one."""
+        """Replaces the method by a function of the user's."""
         if isinstance(getattr(env._theirs(), self.name, None), property):
             raise AttributeError(f"property {self.name!r} of {type(env).__name__!r} object has no setter")
         env._hand_over(self.name)
@@ -45,7 +45,7 @@ class Borrowed:
         return function.fget(env) if isinstance(function, property) else MethodType(function, env)
 
     def _find(self, owner: type[MujocoEnv]) -> Any:
-        """Gymnasium's method or property for a class of ours."""
+        """Gymnasium's method or property for a class of this package."""
         for theirs in owner._theirs().__mro__:
             if self.name in vars(theirs):
                 return vars(theirs)[self.name]

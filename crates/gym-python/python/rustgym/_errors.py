@@ -8,16 +8,16 @@ __all__ = ["InvalidAction", "InvalidArgument", "ResetNeeded"]
 
 
 class InvalidAction(gymnasium.error.InvalidAction, AssertionError, KeyError, IndexError, ValueError):
-    """What is not an action: Gymnasium's environments raise one of these classes."""
+    """An invalid action. Gymnasium's environments raise one of these classes."""
 
     __str__ = Exception.__str__
 
 
 class InvalidArgument(ValueError, AssertionError, KeyError):
-    """What an environment does not take as an argument, an option or a state: Gymnasium's environments raise one of these classes."""
+    """An invalid argument, option or state. Gymnasium's environments raise one of these classes."""
 
     __str__ = Exception.__str__
 
 
 class ResetNeeded(gymnasium.error.ResetNeeded, AssertionError, AttributeError):
-    """A step before the first reset: Gymnasium's environments raise one of these classes."""
+    """A step before the first reset. Gymnasium's environments raise one of these classes."""

@@ -13,7 +13,7 @@ __all__ = ["to_json"]
 
 def _plain(value: Any) -> Any:
     if isinstance(value, np.ndarray):
-        # a map of characters, as Gymnasium's FrozenLake has it, is a list of its rows
+        # a map as an array of characters, as Gymnasium's FrozenLake has it, becomes a list of its rows
         characters = value.dtype.kind in "SU" and value.ndim == 2
         return ["".join(map(np.str_, row.astype("U"))) for row in value] if characters else value.tolist()
     if isinstance(value, np.generic):
@@ -25,12 +25,12 @@ def _plain(value: Any) -> Any:
     try:
         return list(value)
     except TypeError:
-        # an environment that has this option reports the error; others ignore it
+        # an environment that has this option reports the error; other environments ignore the option
         return repr(value)
 
 
 def _open(value: Any) -> Any:
-    """A range with `None` in place of an infinite end, as JSON has no infinity; any other value as it is."""
+    """A range whose infinite ends are replaced by `None`, because JSON has no infinity; any other value unchanged."""
     if isinstance(value, np.ndarray) and value.shape == (2,):
         value = value.tolist()
     if isinstance(value, (list, tuple)) and len(value) == 2:
@@ -40,10 +40,10 @@ def _open(value: Any) -> Any:
 
 
 def to_json(values: Mapping[str, Any]) -> str:
-    """A JSON object of named values, numpy's among them.
+    """Named values, including numpy's, as a JSON object.
 
     Raises:
-        ValueError: for a number that is not finite, but for the ends of a range, and for values that contain themselves.
+        ValueError: for a number that is not finite (the ends of a range may be), and for a value that contains itself.
     """
     entries = []
     for name, value in values.items():

@@ -1,7 +1,8 @@
-"""Attributes whose value is an object that people change: an array, a list, a table.
+"""Attributes whose value is a mutable object: an array, a list, a table.
 
-Gymnasium's environments compute with such objects. Ours compute in Rust: an object is made when it is asked for, and from then
-on each call of the environment first compares it with what was handed out, and takes over what has changed.
+Gymnasium's environments compute with these objects, so a user can change them in place. The environments of this package
+compute in Rust. They make the object when a user reads the attribute. From then on, each call of the environment first
+compares the object with a copy, and writes changes to the Rust side.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ __all__ = ["Live", "Own", "same"]
 
 
 def same(a: Any, b: Any) -> bool:
-    """Whether two values are equal to the last bit and of one form."""
+    """Whether two values have the same type and are equal to the last bit."""
     if isinstance(a, np.ndarray) or isinstance(b, np.ndarray):
         if type(a) is not type(b) or a.dtype != b.dtype or a.shape != b.shape:
             return False
@@ -28,13 +29,12 @@ def same(a: Any, b: Any) -> bool:
 
 
 class Live:
-    """An attribute that can be changed in place, and replaced: before each call, what has changed is taken over.
+    """An attribute that a user can change in place or replace. Changes are written to the environment before its next call.
 
     Args:
         read: Makes the object from the environment.
-        write: Takes what the object says over into the environment.
-        follow: Changes the object as a step changes it in Gymnasium. Without it a step leaves the object behind: Gymnasium
-            makes a new one.
+        write: Writes the object's value to the environment.
+        follow: Changes the object as a step changes it in Gymnasium. Leave it out if Gymnasium's step makes a new object.
         outlives_reset: Whether Gymnasium's reset keeps the object; it may depend on the environment.
         outlives_step: Whether Gymnasium's step keeps the object, unchanged.
     """
@@ -78,22 +78,22 @@ class Live:
         env._watch()
 
     def copy(self, twin: Env, value: Any) -> None:
-        """Gives a copy of the environment its own object, which is taken over again."""
+        """Gives a copy of the environment its own copy of the object, and marks it as changed."""
         self._hand(twin, value)
         twin._seen[self.name] = None
 
     def _copy(self, value: Any) -> Any:
-        """What to compare the object with later."""
+        """The copy of the object to compare with later."""
         return deepcopy(value)
 
     def push(self, env: Env, value: Any, call: str) -> None:
-        """Takes over what has changed, before a call."""
+        """Writes the object to the environment if it has changed; called before each call."""
         if not same(value, env._seen[self.name]):
             self.write(env, value)
             env._seen[self.name] = self._copy(value)
 
     def follow(self, env: Env, is_reset: bool) -> None:
-        """What a reset or step of Gymnasium's does to the object."""
+        """Does to the object what Gymnasium's reset or step does."""
         outlives = self.outlives_reset if is_reset else self.outlives_step
         if outlives(env) if callable(outlives) else outlives:
             return
@@ -106,7 +106,7 @@ class Live:
 
 
 class Own(Live):
-    """An attribute whose object the environment itself reads in each call from then on: a reset and a step keep it."""
+    """An attribute whose object the environment reads in each call. Resets and steps keep the object."""
 
     def __init__(self, read: Callable[[Any], Any], *, doc: str | None = None) -> None:
         super().__init__(read, lambda env, value: None, outlives_reset=True, outlives_step=True, doc=doc)
@@ -115,4 +115,4 @@ class Own(Live):
         return None
 
     def push(self, env: Env, value: Any, call: str) -> None:
-        """Nothing: there is no second copy."""
+        """Does nothing: there is no copy to compare with."""

@@ -1,7 +1,8 @@
-"""One tree of modules: each module of Gymnasium's under our name, as the same object, or as ours where it is ours.
+"""Makes each of Gymnasium's modules importable under ``rustgym``: as the same object, or as a module of this package.
 
 ``import rustgym.wrappers.common`` gives ``gymnasium.wrappers.common`` itself, so that its classes are Gymnasium's.
-``rustgym.envs.toy_text.frozen_lake`` is a module of ours: Gymnasium's, with our classes and functions in place of its own.
+``rustgym.envs.toy_text.frozen_lake`` is a copy of Gymnasium's module in which this package's classes and functions replace
+Gymnasium's.
 """
 
 from __future__ import annotations
@@ -22,17 +23,17 @@ _HERE = Path(__file__).parent
 _OURS = __name__.partition(".")[0]
 _THEIRS = "gymnasium"
 
-# what a module of Gymnasium's has of ours, by its name under `rustgym`: each value is made when it is asked for
+# what replaces the members of Gymnasium's modules, by the module's name under `rustgym`; values are made on first use
 _replacements: dict[str, dict[str, Callable[[], Any]]] = {}
 
 
 def replace(module: str, name: str, make: Callable[[], Any]) -> None:
-    """Puts what ``make`` gives under ``name`` into our form of Gymnasium's ``module``, such as ``envs.registration``."""
+    """Replaces ``name`` in the copy of Gymnasium's ``module``, such as ``envs.registration``, by the result of ``make``."""
     _replacements.setdefault(f"{_OURS}.{module}", {})[name] = make
 
 
 def _is_theirs(name: str) -> bool:
-    """Whether Gymnasium has the module that ``name``, which begins with ``rustgym.``, stands for."""
+    """Whether ``name``, which begins with ``rustgym.``, stands for a module of Gymnasium's."""
     try:
         return find_spec(_THEIRS + name.removeprefix(_OURS)) is not None
     except ImportError:  # a module above it is none, or lacks what it imports
@@ -44,7 +45,7 @@ def _is_theirs(name: str) -> bool:
 
 
 class _StandIn(ModuleType):
-    """A module of Gymnasium's with replacements."""
+    """A copy of one of Gymnasium's modules, with replacements."""
 
     def __getattr__(self, name: str) -> Any:
         make = _replacements[self.__name__].get(name)
@@ -72,7 +73,7 @@ class _StandInLoader(Loader):
 
 
 class _SameLoader(Loader):
-    """Gives Gymnasium's module itself."""
+    """Loads Gymnasium's module itself."""
 
     def create_module(self, spec: ModuleSpec) -> ModuleType:
         module = importlib.import_module(_THEIRS + spec.name.removeprefix(_OURS))
@@ -89,7 +90,7 @@ class Finder(MetaPathFinder):
     def find_spec(
         self, fullname: str, path: Sequence[str] | None = None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """The module: ours where there is a file of ours, else Gymnasium's."""
+        """The module's spec: of this package's file if there is one, else of Gymnasium's module."""
         if not fullname.startswith(f"{_OURS}."):
             return None
         *folders, name = fullname.split(".")[1:]
@@ -104,7 +105,7 @@ class Finder(MetaPathFinder):
 
 
 def forwarder(module: str) -> Callable[[str], Any]:
-    """The ``__getattr__`` of our ``module``: what it lacks is a module below it, or Gymnasium's."""
+    """The ``__getattr__`` of ``module``: missing names are submodules, or members of Gymnasium's module."""
 
     def __getattr__(name: str) -> Any:
         if not name.startswith("__"):
@@ -122,6 +123,6 @@ def forwarder(module: str) -> Callable[[str], Any]:
 
 
 def install() -> None:
-    """Puts the finder before all others, once."""
+    """Installs the finder before all others, once."""
     if not any(isinstance(finder, Finder) for finder in sys.meta_path):
         sys.meta_path.insert(0, Finder())

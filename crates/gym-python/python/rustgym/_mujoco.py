@@ -1,4 +1,4 @@
-"""MuJoCo's objects beside an environment of ours: its package's model and data, or, without the package, data of our own."""
+"""MuJoCo's objects for an environment: the package's model and data or, without the package, data of this package."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from numpy.lib.stride_tricks import as_strided
 
 __all__ = ["Mirror", "OwnData"]
 
-#: The arrays of the state that our engine has as well: what is written to them is taken over.
+#: The arrays of the state that the Rust engine has too: changes to them are written to it.
 KNOWN = ("qpos", "qvel", "qacc_warmstart")
-#: The arrays of the state that a call of our engine starts from.
+#: The arrays from which a call of the Rust engine starts.
 _STATE = (*KNOWN, "ctrl", "act", "mocap_pos", "mocap_quat", "qfrc_applied", "xfrc_applied")
 
-# arrays of the model that no step depends on, where they are large
+# the size in bytes from which an array of the model is not watched: no step depends on arrays this large
 _LARGE = 1 << 16
 
 
@@ -32,14 +32,14 @@ def _library() -> Any:
 
 
 def _asset(xml_file: str) -> str | None:
-    """Gymnasium's own file of a built-in model: the same numbers as ours, with its names, lights and textures."""
+    """Gymnasium's file of a built-in model: the same numbers, with Gymnasium's names, lights and textures."""
     gymnasium = import_module("gymnasium")
     path = os.path.join(os.path.dirname(str(gymnasium.__file__)), "envs", "mujoco", "assets", xml_file)
     return path if os.path.exists(path) else None
 
 
 def load(xml_file: str, text: str | None, width: int, height: int) -> Any:
-    """MuJoCo's model of a task."""
+    """The ``MjModel`` of a task."""
     mujoco = _library()
     if text is None:
         model = mujoco.MjModel.from_xml_path(os.path.expanduser(xml_file))
@@ -53,7 +53,7 @@ def load(xml_file: str, text: str | None, width: int, height: int) -> Any:
 
 
 class Mirror:
-    """The package's model and data, which follow the environment after each call, and are looked at before each.
+    """The package's model and data. They are updated after each call of the environment, and checked for changes before each.
 
     Args:
         model: The package's model.
@@ -63,7 +63,7 @@ class Mirror:
     def __init__(self, model: Any, contact_forces: bool) -> None:
         self.model, self.data = model, _library().MjData(model)
         self.contact_forces = contact_forces
-        #: Whether the package steps the environment.
+        #: Whether MuJoCo's package steps the environment.
         self.is_handed = False
         self._watch()
 
@@ -98,7 +98,7 @@ class Mirror:
         return (self._options(self._opt), *[span.tobytes() for span in self._spans])
 
     def follow(self, native: Any, is_reset: bool) -> None:
-        """Brings the data to what it is in Gymnasium after a reset or step: the package repeats the engine's last call."""
+        """Sets the data to Gymnasium's after a reset or step: the package repeats the last call of the Rust engine."""
         mujoco, model, data = _library(), self.model, self.data
         calls = native.mujoco_before()
         if is_reset:
@@ -116,7 +116,7 @@ class Mirror:
         self._seen_state = self._read_state()
 
     def changes(self) -> tuple[dict[str, Any], str | None]:
-        """What was written to the state since then that our engine has as well, and the name of something that it has not."""
+        """The changes to the state that the Rust engine can take, and the name of an object with other changes."""
         if self._read_model() != self._seen_model:
             return {}, "model"
         if self._read_state() == self._seen_state:
@@ -124,7 +124,7 @@ class Mirror:
         seen = np.frombuffer(self._seen_state)
         written = self._state.copy()
         changed = {}
-        # what differs beside the arrays that our engine has
+        # whether anything differs beside the arrays that the Rust engine has
         mujoco, data = _library(), self.data
         current = self._known()
         mujoco.mj_setState(self.model, data, seen, self._everything)
@@ -140,7 +140,7 @@ class Mirror:
         return changed, "data" if other else None
 
     def store(self) -> dict[str, Any]:
-        """The model, the state, and the arrays that the last call computed, as texts."""
+        """The model, the state, and the arrays that the last call computed, as base64 texts."""
         mujoco = _library()
         model = np.empty(mujoco.mj_sizeModel(self.model), np.uint8)
         mujoco.mj_saveModel(self.model, None, model)
@@ -150,7 +150,7 @@ class Mirror:
 
     @classmethod
     def stored(cls, parts: dict[str, Any], contact_forces: bool) -> Mirror:
-        """What ``store`` returned."""
+        """Restores the result of ``store``."""
         mujoco = _library()
         model = mujoco.MjModel.from_binary_path("model.mjb", {"model.mjb": base64.b64decode(parts["model"])})
         mirror = cls(model, contact_forces)
@@ -166,7 +166,7 @@ class Mirror:
         return mirror
 
     def _computed(self) -> dict[str, npt.NDArray[Any]]:
-        """The arrays of the data whose sizes the model decides."""
+        """The data's arrays whose sizes depend only on the model."""
         fresh = _library().MjData(self.model)
         names = (name for name in dir(fresh) if not name.startswith(("_", "efc_", "iefc_", "efm_")))
         arrays = {name: array for name in names if isinstance(array := getattr(fresh, name), np.ndarray) and array.dtype != object}
@@ -192,14 +192,14 @@ def _text(array: npt.NDArray[Any]) -> str:
 
 
 def _part(model: Any, state: npt.NDArray[np.float64], part: Any, everything: int) -> npt.NDArray[np.float64]:
-    """A part of a state: those before it have lower bits."""
+    """A part of a state. The parts before it have lower bits in ``mjtState``."""
     mujoco = _library()
     start = mujoco.mj_stateSize(model, everything & (int(part) - 1))
     return state[start : start + mujoco.mj_stateSize(model, int(part))]
 
 
 def _spans(model: Any) -> list[npt.NDArray[np.uint8]]:
-    """The memory of the model's arrays, neighbours as one."""
+    """The memory of the model's arrays; adjacent arrays are merged."""
     arrays = []
     for name in dir(model):
         if not name.startswith("_") and isinstance(array := getattr(model, name), np.ndarray) and 0 < array.nbytes < _LARGE:
@@ -218,8 +218,8 @@ def _spans(model: Any) -> list[npt.NDArray[np.uint8]]:
 class OwnData:
     """The state of a task under the names of ``mjData``, without MuJoCo's package.
 
-    ``qpos``, ``qvel``, ``qacc_warmstart`` and ``time`` can be written, in place or as a whole: the next step starts from them. All
-    else is read-only. The arrays follow the environment.
+    ``qpos``, ``qvel``, ``qacc_warmstart`` and ``time`` can be written, in place or as a whole: the next step starts from
+    them. All other arrays are read-only. Each call of the environment updates the arrays.
     """
 
     def __init__(self, arrays: Mapping[str, Any]) -> None:
@@ -227,7 +227,7 @@ class OwnData:
         self.follow(arrays)
 
     def follow(self, arrays: Mapping[str, Any]) -> None:
-        """Takes over what the environment computed."""
+        """Copies the environment's arrays."""
         for name, value in arrays.items():
             array = self.__dict__[name]
             if isinstance(array, np.ndarray):
@@ -242,7 +242,7 @@ class OwnData:
         return {"time": self.time, **{name: np.array(getattr(self, name)) for name in KNOWN}}
 
     def changes(self) -> dict[str, Any]:
-        """What was written since then."""
+        """The values that were written since the last update."""
         now, seen = self._known(), self._seen
         self.__dict__["_seen"] = now
         return {name: value for name, value in now.items() if not np.array_equal(value, seen[name], equal_nan=True)}

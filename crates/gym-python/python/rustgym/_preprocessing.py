@@ -1,4 +1,4 @@
-"""Atari's common preprocessing by wrappers of the Rust side."""
+"""Atari preprocessing by wrappers in Rust."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from rustgym._specs import spec_of
 def preprocessed(
     env_id: str, preprocessing: bool | Mapping[str, Any], kwargs: dict[str, Any]
 ) -> tuple[dict[str, Any], str]:
-    """The arguments of a preprocessed environment, and the wrappers of the Rust side as JSON.
+    """The arguments of a preprocessed environment, and its Rust wrappers as JSON.
 
     Raises:
         TypeError: for an environment that is not an Atari game, and for an unknown setting.

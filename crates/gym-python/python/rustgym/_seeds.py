@@ -1,4 +1,4 @@
-"""Resets with seeds from outside: each that an environment of a vector makes by itself takes the next."""
+"""Resets of a vector with seeds that the user gives: each reset takes the next seed, also an automatic one."""
 
 from __future__ import annotations
 
@@ -16,22 +16,23 @@ __all__ = ["Seeds"]
 
 
 class Seeds:
-    """The resets of a vector whose native part makes none by itself.
+    """Resets the environments of a vector whose Rust side does not reset automatically.
 
     Args:
-        seeds: The seeds, in the order in which they are used: in a step the environments take them by index.
-        mode: When an environment is reset whose episode has ended.
+        seeds: The seeds in the order of use. If a step resets several environments, they take seeds in the order of their
+            indices.
+        mode: When an environment whose episode has ended is reset.
     """
 
     def __init__(self, seeds: Iterable[int], mode: AutoresetMode) -> None:
         self._seeds = iter(seeds)
         self._count = 0
         self._mode = mode
-        # environments that the next step resets, and the seeds of these resets
+        # the environments that the next step resets, and their seeds
         self._due: dict[int, str] = {}
 
     def take(self, indices: Iterable[int], n: int) -> list[str | None]:
-        """A seed for each of these environments, and none for the others of ``n``."""
+        """A list of ``n`` elements: the next seeds for the environments ``indices``, ``None`` for the others."""
         seeds: list[str | None] = [None] * n
         for index in indices:
             try:
@@ -45,15 +46,15 @@ class Seeds:
         return seeds
 
     def forget(self, indices: Iterable[int]) -> None:
-        """These environments were reset by somebody."""
+        """Cancels due resets of environments that the user has reset."""
         for index in indices:
             self._due.pop(index, None)
 
     def step(self, native: Any, actions: Any, n: int) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
-        """Takes a step, with the resets that are due."""
+        """Takes a step, and resets environments as ``mode`` says."""
         observations, rewards, terminated, truncated, infos = native.step(actions)
         if self._due:
-            # they took part in the step only because all must; the reset makes that undone
+            # the environments that are due took part in this step; the reset undoes that
             mask, seeds = self._mask(self._due, n), [self._due.get(index) for index in range(n)]
             fresh, fresh_infos = native.reset(None, seeds, None, mask.tolist())
             observations = _rows(fresh, observations, mask)
@@ -67,7 +68,7 @@ class Seeds:
         seeds = self.take(indices, n)
         fresh, fresh_infos = native.reset(None, seeds, None, ended.tolist())
         if self._mode is AutoresetMode.NEXT_STEP:
-            # this reset only lets the next step be taken, and is made again after it
+            # resets now, so that the next step is allowed; that step resets them again
             self._due = {int(index): seeds[index] or "" for index in indices}
             return observations, rewards, terminated, truncated, infos
         last = np.full(n, None, dtype=object)
@@ -95,7 +96,7 @@ def _row(batch: Any, index: int) -> Any:
 
 
 def _rows(new: Any, old: Any, mask: npt.NDArray[np.bool_]) -> Any:
-    """The rows of ``new`` where ``mask`` says so, else those of ``old``."""
+    """The rows of ``new`` where ``mask`` is true, else those of ``old``."""
     if isinstance(old, dict):
         return {key: _rows(new[key], part, mask) for key, part in old.items()}
     if isinstance(old, tuple):
@@ -106,7 +107,7 @@ def _rows(new: Any, old: Any, mask: npt.NDArray[np.bool_]) -> Any:
 
 
 def _only(infos: dict[str, Any], mask: npt.NDArray[np.bool_]) -> dict[str, Any]:
-    """The infos of some environments, zeros for the others."""
+    """The infos of the environments in ``mask``; zeros for the others."""
     kept: dict[str, Any] = {}
     for key, column in infos.items():
         if isinstance(column, dict):
@@ -120,7 +121,7 @@ def _only(infos: dict[str, Any], mask: npt.NDArray[np.bool_]) -> dict[str, Any]:
 
 
 def _merged(infos: dict[str, Any], fresh: dict[str, Any], mask: npt.NDArray[np.bool_]) -> dict[str, Any]:
-    """The infos of a step, with those of a reset for some environments."""
+    """The infos of a step; for the environments in ``mask``, those of a reset."""
     merged = _only(infos, ~mask)
     for key, column in fresh.items():
         if key not in merged:

@@ -1,4 +1,4 @@
-"""Spaces of Gymnasium from the descriptions that the Rust side gives."""
+"""Makes Gymnasium's spaces from descriptions by the Rust side."""
 
 from __future__ import annotations
 
@@ -13,9 +13,10 @@ __all__ = ["MissionSpace", "space_from"]
 
 
 class MissionSpace(spaces.Space[str]):
-    """The sentences that ``mission_func`` forms of one word of each list of ``ordered_placeholders``, as minigrid has them.
+    """The sentences that ``mission_func`` makes from one word of each list in ``ordered_placeholders``, as in minigrid.
 
-    With ``contains_all``, every text is an element, and ``sample`` gives the one sentence of ``mission_func``.
+    With ``contains_all``, every text is an element, and ``sample`` returns the sentence that ``mission_func`` makes without
+    words.
     """
 
     def __init__(
@@ -31,7 +32,7 @@ class MissionSpace(spaces.Space[str]):
         super().__init__(dtype=str, seed=seed)
 
     def sample(self, mask: Any = None, probability: Any = None) -> str:
-        """A sentence, each word with equal probability."""
+        """A random sentence: each word has equal probability."""
         assert mask is None and probability is None, "a MissionSpace takes neither a mask nor probabilities"
         lists = self.ordered_placeholders or []
         return self.mission_func(*(words[self.np_random.integers(0, len(words))] for words in lists))
@@ -45,7 +46,7 @@ class MissionSpace(spaces.Space[str]):
 
     @property
     def is_np_flattenable(self) -> bool:
-        """Sentences do not flatten to an array."""
+        """Always false: sentences do not flatten to an array."""
         return False
 
     def __repr__(self) -> str:

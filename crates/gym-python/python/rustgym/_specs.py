@@ -1,4 +1,4 @@
-"""The Rust registry's data about each id, and the conversion of arguments and options."""
+"""The Rust registry's data about each id, and conversion of arguments and options to JSON."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ def spec_of(env_id: str) -> dict[str, Any]:
 
 
 def native_arguments(env_id: str, arguments: Mapping[str, Any]) -> str:
-    """Arguments in the form of the Rust side, with the folder of this Python's ROMs added."""
+    """The arguments as JSON for the Rust side, with the folder of ROMs of this Python installation."""
     defaults = spec_of(env_id)["defaults"]
     if "rom_dir" in defaults and arguments.get("rom_dir") is None and not os.environ.get("ALE_ROMS_DIR"):
         package = find_spec("ale_py")
@@ -79,10 +79,10 @@ def _find_model(xml_file: str) -> None:
 
 
 def native_options(env_id: str, options: Any) -> str | None:
-    """Reset options in the form of the Rust side: those that the environment has; others are ignored, as in Gymnasium.
+    """Reset options as JSON for the Rust side. Options that the environment does not have are left out, as in Gymnasium.
 
     Raises:
-        TypeError: for what is no dict.
+        TypeError: for options that are not a dict.
     """
     if options is None:
         return None
@@ -98,12 +98,12 @@ def class_name(env_id: str) -> str:
 
 
 def entry_point(env_id: str) -> str:
-    """Where Gymnasium's registry finds an id's class."""
+    """The entry point of an id's class in Gymnasium's registry."""
     return f"rustgym.envs:{class_name(env_id)}"
 
 
 def class_of(env_id: str) -> Any:
-    """The class of an id, found as Gymnasium's registry finds it."""
+    """The class of an id, found by its entry point."""
     return load_env_creator(entry_point(env_id))
 
 

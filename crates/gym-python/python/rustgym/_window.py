@@ -1,4 +1,4 @@
-"""A window through pygame, for systems where the wheel's own cannot be opened."""
+"""A window made by pygame, for systems where the package's own window cannot be opened."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ __all__ = ["Window"]
 
 
 class Window:
-    """Shows pictures, no faster than ``fps`` a second.
+    """A window that shows at most ``fps`` pictures per second.
 
     Raises:
-        gymnasium.error.DependencyNotInstalled: where there is no pygame; ``reason`` says why it is needed.
+        gymnasium.error.DependencyNotInstalled: if pygame is not installed; the message contains ``reason``.
     """
 
     def __init__(self, title: str, fps: int, reason: str) -> None:

@@ -1,4 +1,4 @@
-"""Our environments with the interface of DeepMind's ``dm_env``.
+"""The environments with the interface of DeepMind's ``dm_env``.
 
     import rustgym.dm_env
 
@@ -29,7 +29,7 @@ def spec_of(space: spaces.Space[Any], name: str = "") -> Any:
     """The spec of a space's elements: a ``dict`` for a ``Dict``, a ``tuple`` for a ``Tuple``.
 
     Raises:
-        TypeError: for a kind of space that dm_env has no spec for.
+        TypeError: for a space that has no spec in dm_env.
     """
     match space:
         case spaces.Box():
@@ -53,7 +53,7 @@ def spec_of(space: spaces.Space[Any], name: str = "") -> Any:
 
 
 def _element(space: spaces.Space[Any], value: Any) -> Any:
-    """An observation in the form of its spec."""
+    """An observation in the structure of its spec."""
     if isinstance(space, spaces.Dict):
         return {key: _element(member, value[key]) for key, member in space.spaces.items()}
     if isinstance(space, spaces.Tuple):
@@ -64,12 +64,13 @@ def _element(space: spaces.Space[Any], value: Any) -> Any:
 class Environment(dm_env.Environment):
     """A Gymnasium environment as one of ``dm_env``.
 
-    A time step has discount 0 where the task has ended, and 1 where something else, such as a limit of steps, has ended the
-    episode. The step after the last of an episode starts the next, and its action is not looked at.
+    A time step has discount 0 if the episode terminated, and 1 if it was truncated, for instance by a time limit. The step
+    after the last of an episode starts the next episode, and ignores its action.
 
     Args:
         env: The environment, with the wrappers of ``rustgym.make``.
-        seed: The seed of the first episode; the generator goes on from there. The operating system gives one unless it is set.
+        seed: The seed of the first episode; later episodes continue its random numbers. By default the operating system seeds
+            it.
     """
 
     def __init__(self, env: Any, seed: int | None = None) -> None:
@@ -119,7 +120,7 @@ class Environment(dm_env.Environment):
 
 
 def make(env_id: str, seed: int | None = None, **kwargs: Any) -> Environment:
-    """The environment of an id.
+    """Makes the environment of an id.
 
     Args:
         env_id: As of ``rustgym.make``.

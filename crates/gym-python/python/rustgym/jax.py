@@ -1,4 +1,4 @@
-"""Steps of a vector inside of functions that JAX compiles.
+"""Steps of a vector inside functions that JAX compiles.
 
     import jax, jax.numpy as jnp
     import rustgym
@@ -33,7 +33,7 @@ __all__ = ["Result", "Stepper"]
 
 
 class Result(NamedTuple):
-    """The arrays of a step, each with a row for each environment. (Infos stay outside: ``Stepper.infos``.)"""
+    """The arrays of a step; each has a row for each environment. (Infos are not included: see ``Stepper.infos``.)"""
 
     observations: Any
     rewards: Any
@@ -44,13 +44,13 @@ class Result(NamedTuple):
 class Stepper:
     """A vector whose steps can be part of a compiled function.
 
-    ``step`` calls the vector by ``jax.pure_callback``. What makes it a pure function is the ``carry``, the number of the step:
-    each call needs that of the call before and returns the next, so that JAX keeps their order, and a call that JAX makes twice
-    gives the same result without another step.
+    ``step`` calls the vector by ``jax.pure_callback``. The ``carry``, the number of the step, makes it a pure function: each
+    call takes the carry of the call before and returns the next one. So JAX keeps the order of calls, and repeating a call
+    returns the same result without another step.
 
     Args:
-        envs: The vector. Its observations are arrays, or dicts and tuples of arrays; those and the rewards have the precision
-            that JAX has, which is 32 bits unless ``jax_enable_x64`` is set.
+        envs: The vector. Its observations are arrays, or dicts and tuples of arrays; they and the rewards have JAX's
+            precision: 32 bits, unless ``jax_enable_x64`` is set.
     """
 
     def __init__(self, envs: VectorEnv) -> None:
@@ -61,13 +61,13 @@ class Stepper:
         self._last: tuple[int, bytes, Result] | None = None
 
     def reset(self, *, seed: Any = None, options: dict[str, Any] | None = None) -> tuple[Any, Any]:
-        """Starts episodes, outside of compiled functions: the carry of the first step, and the observations."""
+        """Starts episodes; call it outside compiled functions. Returns the carry of the first step, and the observations."""
         observations, self.infos = self.envs.reset(seed=seed, options=options)
         self._number, self._last = 0, None
         return jnp.int32(0), jax.tree.map(jnp.asarray, observations)
 
     def step(self, carry: Any, actions: Any) -> tuple[Any, Result]:
-        """Takes a step; inside of compiled functions, scans and loops as well."""
+        """Takes a step. It can be called inside compiled functions, scans and loops."""
         return jax.pure_callback(self._call, self._shapes(), carry, actions, vmap_method="sequential")
 
     def _shapes(self) -> tuple[Any, Result]:

@@ -1,4 +1,4 @@
-"""The ids: as they are in ``rustgym.registry``, under ``rustgym/`` in Gymnasium's, and on request there as they are, too."""
+"""The ids: in ``rustgym.registry`` unchanged; in Gymnasium's registry under ``rustgym/`` and, on request, unchanged."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ NAMESPACE = "rustgym/"
 
 _Function = TypeVar("_Function", bound=Callable[..., Any])
 
-# Python's environments through Rust are of no use in Python: Gymnasium has its own, which `import shimmy` registers anew
+# wrappers of Gymnasium's environments, which are of no use in Python: `import shimmy` registers its own
 _NOT_OURS = ("GymV21Environment", "GymV26Environment")
 
 
@@ -48,14 +48,14 @@ def _spec(name: str, env_id: str, has_vector: bool) -> EnvSpec:
 
 
 class Registry(MutableMapping[str, EnvSpec]):
-    """The registry as ``rustgym.make`` sees it: Gymnasium's, with our environments under their own ids.
+    """The registry that ``rustgym.make`` uses: Gymnasium's, with this package's environments under their own ids.
 
-    Whatever is put into it takes the place of ours; what is deleted from it is gone from Gymnasium's registry as well.
+    A spec that a user adds replaces this package's. Deleting a spec deletes it from Gymnasium's registry too.
     """
 
     def __init__(self) -> None:
         self._ours = {env_id: _spec(env_id, env_id, has_vector=True) for env_id in ids()}
-        # the id of the newest version, by the id without one
+        # for each id without version: the id of its newest version
         self._latest: dict[str, str] = {}
         for spec in sorted(self._ours.values(), key=lambda spec: spec.version or 0):
             if spec.version is not None:
@@ -82,7 +82,7 @@ class Registry(MutableMapping[str, EnvSpec]):
         return repr(dict(self))
 
     def find(self, env_id: str) -> EnvSpec | None:
-        """Our spec for an id, with or without version; ``None`` where the id is not one of ours. Warns as Gymnasium does."""
+        """This package's spec for an id, with or without version, or ``None``. Warns of old versions as Gymnasium does."""
         spec = self._ours.get(env_id)
         if spec is None:
             if ":" in env_id or (latest := self._latest.get(env_id)) not in self._ours:
@@ -100,20 +100,20 @@ class Registry(MutableMapping[str, EnvSpec]):
         return spec
 
 
-#: The registry as ``rustgym.make`` sees it.
+#: The registry that ``rustgym.make`` uses.
 registry = Registry()
 
 
 def register(id: str | None = None, *args: Any, replace: bool = False, **kwargs: Any) -> None:
-    """Puts our environments into Gymnasium's registry; ``import rustgym`` does so under ``rustgym/``.
+    """Registers this package's environments in Gymnasium's registry. ``import rustgym`` registers them under ``rustgym/``.
 
     Args:
-        id: The id of an environment of yours: with it this is ``gymnasium.register``, with the arguments of that. An id that
-            is one of ours means yours from then on.
-        replace: With ``True`` also under Gymnasium's own ids, such as ``CartPole-v1``, for all that ``gymnasium.make`` and
-            libraries on top of it do from then on; and under those that this version of Gymnasium lacks, whose specs keep
-            ids such as ``rustgym/Taxi-v3``. ``make_vec`` then gives the numbers of ``SyncVectorEnv``: sub-environment ``i``
-            is seeded with ``seed + i``.
+        id: The id of your own environment. With it, this function is ``gymnasium.register``, with the same arguments; an id
+            of this package then stands for your environment.
+        replace: With ``True``, registers them also under Gymnasium's own ids, such as ``CartPole-v1``, so that
+            ``gymnasium.make`` and libraries on top of it use them. Ids that this version of Gymnasium lacks are registered
+            too; their specs keep ids such as ``rustgym/Taxi-v3``. ``make_vec`` then seeds like ``SyncVectorEnv``:
+            sub-environment ``i`` with ``seed + i``.
     """
     if id is not None:
         gymnasium.register(id, *args, **kwargs)
@@ -122,7 +122,7 @@ def register(id: str | None = None, *args: Any, replace: bool = False, **kwargs:
     if args or kwargs:
         raise TypeError("register() takes an id and the arguments of gymnasium.register, or `replace` alone")
     if replace and find_spec("ale_py"):
-        # it registers its games when it is first imported: a later import would put them over ours
+        # the first import of ale_py registers its games: import it now, before this package replaces them
         import_module("ale_py")
     for env_id in ids():
         name = namespaced(env_id)
@@ -130,15 +130,16 @@ def register(id: str | None = None, *args: Any, replace: bool = False, **kwargs:
             gymnasium_registry[name] = _spec(name, env_id, has_vector=True)
         if replace:
             old = gymnasium_registry.get(env_id)
-            # an id without a vector of its own keeps none: `make_vec` then makes Gymnasium's SyncVectorEnv of ours
+            # an id that has no vector in Gymnasium gets none here: `make_vec` then makes a `SyncVectorEnv` of this package's
+            # environment
             has_vector = old is not None and old.vector_entry_point is not None
-            # a wrong version gets suggestions by the specs' ids, and Gymnasium suggests none that it lacks
+            # Gymnasium suggests ids of specs for a wrong version: a spec that it lacks keeps the id under `rustgym/`
             is_theirs = old is not None and old.id == env_id
             gymnasium_registry[env_id] = _spec(env_id if is_theirs else name, env_id, has_vector)
 
 
 def _ours(env_id: Any) -> Any:
-    """The spec of an id if it is one of ours, with or without version; otherwise what was given."""
+    """This package's spec of an id, with or without version; otherwise ``env_id`` itself."""
     return (registry.find(env_id) or env_id) if isinstance(env_id, str) else env_id
 
 
@@ -159,7 +160,7 @@ def make(
     disable_env_checker: bool | None = None,
     **kwargs: Any,
 ) -> gymnasium.Env[Any, Any]:
-    """Makes an environment in Gymnasium's wrappers: one of ours where we have the id, else Gymnasium's."""
+    """Makes an environment in Gymnasium's wrappers: this package's if it has the id, else Gymnasium's."""
     return gymnasium.make(_ours(id), max_episode_steps, disable_env_checker, **kwargs)
 
 
@@ -172,18 +173,18 @@ def make_vec(
     wrappers: Sequence[Callable[[gymnasium.Env[Any, Any]], gymnasium.Wrapper[Any, Any, Any, Any]]] | None = None,
     **kwargs: Any,
 ) -> gymnasium.vector.VectorEnv[Any, Any, Any]:
-    """Makes a vector of environments: one of ours where we have the id, else Gymnasium's."""
+    """Makes a vector of environments: this package's if it has the id, else Gymnasium's."""
     return gymnasium.make_vec(_ours(id), num_envs, vectorization_mode, vector_kwargs, wrappers, **kwargs)
 
 
 @_like(gymnasium.spec)
 def spec(env_id: str) -> EnvSpec:
-    """The spec of an id: of ours where we have it, else Gymnasium's."""
+    """The spec of an id: this package's if it has the id, else Gymnasium's."""
     found = _ours(env_id)
     return found if isinstance(found, EnvSpec) else gymnasium.spec(found)
 
 
 @_like(gymnasium.pprint_registry)
 def pprint_registry(print_registry: Any = registry, **kwargs: Any) -> str | None:
-    """Prints the ids, ours among them."""
+    """Prints the ids, including this package's."""
     return gymnasium.pprint_registry(print_registry, **kwargs)

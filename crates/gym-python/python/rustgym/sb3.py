@@ -1,4 +1,4 @@
-"""Our vectors with the interface of Stable-Baselines3's vectors.
+"""Vectors with the interface of Stable-Baselines3's vectors.
 
     import rustgym.sb3
     from stable_baselines3 import PPO
@@ -27,11 +27,11 @@ class VecEnv(BaseVecEnv):
 
     Args:
         env_id: An id of the Rust registry, as for ``rustgym.VectorEnv``.
-        num_envs: How many environments there are.
+        num_envs: The number of environments.
         kwargs: The other arguments of ``rustgym.VectorEnv``.
 
-    ``seed`` before ``reset`` seeds environment ``i`` with ``seed + i``, as SB3's ``DummyVecEnv`` does: the same training then
-    takes the same course.
+    ``seed`` before ``reset`` seeds environment ``i`` with ``seed + i``, like SB3's ``DummyVecEnv``, so that trainings are
+    reproducible.
     """
 
     def __init__(self, env_id: str, num_envs: int = 1, **kwargs: Any) -> None:
@@ -51,7 +51,7 @@ class VecEnv(BaseVecEnv):
         return observations
 
     def step_async(self, actions: Any) -> None:
-        """Takes the actions that ``step_wait`` carries out."""
+        """Stores the actions for ``step_wait``."""
         self._actions = actions
 
     def step_wait(self) -> Any:
@@ -65,7 +65,7 @@ class VecEnv(BaseVecEnv):
         return observations, rewards.astype(np.float32), dones, rows
 
     def _rows(self, infos: dict[str, Any]) -> list[dict[str, Any]]:
-        """An info for each environment, of the episode that its observation belongs to."""
+        """A list with the info of each environment. It belongs to the same episode as the environment's observation."""
         rows: list[dict[str, Any]] = [{} for _ in range(self.num_envs)]
         for key, column in infos.items():
             mask = infos.get(f"_{key}")
@@ -75,7 +75,7 @@ class VecEnv(BaseVecEnv):
         return rows
 
     def close(self) -> None:
-        """Ends the use of all environments."""
+        """Closes all environments; they cannot be used afterwards."""
         self.envs.close()
 
     def get_images(self) -> Sequence[Any]:
@@ -105,5 +105,5 @@ class VecEnv(BaseVecEnv):
         return [results[i] for i in wanted]
 
     def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
-        """Whether some environments are in a wrapper of Gymnasium's: never."""
+        """Always false: environments have none of Gymnasium's wrappers."""
         return [False for _ in self._get_indices(indices)]

@@ -28,8 +28,8 @@ pub trait ActionMap: Clone + fmt::Debug + Send + 'static {
     /// [`Error::InvalidArgument`] for arguments or a space that it cannot map to.
     fn new(config: &Self::Config, inner: &Space) -> Result<(Self, Space)>;
 
-    /// The inner action: made from `action` in place, or in `buffer`, which holds the result of an
-    /// earlier call. Real numbers of `action` are of the space's type or `float64`.
+    /// The inner action: `action` changed in place, or `buffer`, which holds the result of an
+    /// earlier call. Real numbers in `action` have the type of the space or `float64`.
     fn map<'a>(&self, action: &'a mut Value, buffer: &'a mut Value) -> &'a Value;
 }
 
@@ -43,7 +43,7 @@ pub struct MapAction<T, M: ActionMap> {
     inner_space: Space,
     action: Value,
     buffer: Value,
-    /// The inner actions of a vector, if they are made row by row.
+    /// A buffer for the inner actions of a vector, if they are mapped row by row.
     rows: Value,
 }
 
@@ -83,8 +83,8 @@ impl<T, M: ActionMap> MapAction<T, M> {
         &self.map
     }
 
-    /// Checks `action`, and makes the real numbers of a `Box` an array, in their own precision.
-    /// Bounds of real numbers are not checked.
+    /// Checks `action`, and converts the real numbers of a `Box` to an array in their own
+    /// precision. Bounds of real numbers are not checked.
     fn take(space: &Space, action: &mut Value, buffer: &mut Value) -> Result<()> {
         match (space, &*action) {
             (Space::Box(inner), Value::Array(array))

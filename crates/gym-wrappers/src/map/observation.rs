@@ -43,7 +43,7 @@ pub struct Mapped<M: ObservationMap> {
     config: M::Config,
     map: M,
     inner_space: Space,
-    /// A row of a batch, before and after.
+    /// Buffers for a row of a batch: the inner observation, and the mapped one.
     row: [Value; 2],
 }
 
@@ -136,7 +136,7 @@ impl<M: ObservationMap> VectorObserver for Mapped<M> {
     }
 }
 
-/// Makes `out` an array of the type and shape of the space, if its elements are arrays.
+/// Makes `out` an array of the space's type and shape, if the space's elements are arrays.
 fn prepare(space: &Space, out: &mut Value) {
     if let (false, Some(dtype), Some(shape)) = (
         matches!(space, Space::Discrete(_)),

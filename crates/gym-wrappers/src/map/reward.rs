@@ -11,13 +11,13 @@ pub trait RewardMap: Clone + fmt::Debug + Send + 'static {
     /// The arguments.
     type Config: WrapperConfig + Clone + fmt::Debug + Send + 'static;
 
-    /// The map with some arguments.
+    /// Makes the map from its arguments.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`](gym_core::Error::InvalidArgument) for invalid arguments.
     fn new(config: &Self::Config) -> Result<Self>;
 
-    /// Another reward for a reward.
+    /// Maps a reward.
     fn map(&self, reward: f64) -> f64;
 }
 

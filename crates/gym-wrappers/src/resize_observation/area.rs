@@ -1,4 +1,4 @@
-//! Resizing of 8-bit images as OpenCV's `resize` with `INTER_AREA`
+//! Resizes 8-bit images like OpenCV's `resize` with `INTER_AREA`
 //! (`modules/imgproc/src/resize.cpp`), in its order of operations.
 
 /// A resizer from one image size to another.
@@ -11,27 +11,29 @@ pub struct AreaResize {
 
 #[derive(Clone, Debug)]
 enum Method {
-    /// Both sizes shrink by a whole factor: the mean of a block of that height and width.
+    /// Both sizes shrink by an integer factor: a result pixel is the mean of a block of this height
+    /// and width.
     Blocks {
         height: usize,
         width: usize,
         out_width: usize,
     },
-    /// Neither size grows: for each row and column of the result, the rows and columns of the
-    /// source that it covers, with their shares.
+    /// No size grows: for each row and column of the result, the source rows and columns that it
+    /// covers, with their weights.
     Shares {
         rows: Vec<Vec<(usize, f32)>>,
         columns: Vec<Vec<(usize, f32)>>,
     },
-    /// A size grows: for each row and column of the result, the two of the source that it lies
-    /// between, with their shares in units of 1/2048.
+    /// A size grows: for each row and column of the result, the two source rows and columns beside
+    /// it, with their weights in units of 1/2048.
     Between { rows: Vec<Pair>, columns: Vec<Pair> },
 }
 
 type Pair = [(usize, i32); 2];
 
 impl AreaResize {
-    /// From images of the size `source`, `(height, width)`, to the size `target`; no number is 0.
+    /// A resizer from images of the size `source`, `(height, width)`, to the size `target`. No size
+    /// may be 0.
     pub fn new(source: (usize, usize), target: (usize, usize), channels: usize) -> Self {
         let inverse = |source: usize, target: usize| target as f64 / source as f64;
         let (inverse_y, inverse_x) = (inverse(source.0, target.0), inverse(source.1, target.1));
@@ -128,15 +130,15 @@ impl AreaResize {
     }
 }
 
-/// Rounded half to even, as OpenCV's `saturate_cast<uchar>`.
+/// Rounds half to even, like OpenCV's `saturate_cast<uchar>`.
 fn saturate(x: f32) -> u8 {
     x.round_ties_even() as u8
 }
 
-/// For each of `target` pixels of a result that does not grow: the pixels among `source` that it
-/// covers, which are consecutive, with their shares. OpenCV's `computeResizeAreaTab`.
+/// For each of `target` result pixels, of a result that does not grow: the consecutive source
+/// pixels that it covers, with their weights. OpenCV's `computeResizeAreaTab`.
 pub fn shares(source: usize, target: usize) -> Vec<Vec<(usize, f32)>> {
-    /// A share below this is left out.
+    /// A smaller weight is left out.
     const LEAST: f64 = 1e-3;
     let scale = 1.0 / (target as f64 / source as f64);
     let cell = |i: usize| {

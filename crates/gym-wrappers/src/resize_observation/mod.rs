@@ -1,4 +1,4 @@
-//! Pictures of another size.
+//! Resized pictures.
 
 pub mod area;
 

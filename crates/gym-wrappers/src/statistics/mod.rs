@@ -18,7 +18,8 @@ const INITIAL_COUNT: f64 = 1e-4;
 ///
 /// [`NormalizeObservation`](crate::NormalizeObservation) and
 /// [`NormalizeReward`](crate::NormalizeReward) have one each, around environments and vectors. It
-/// is data: take it out of a training, store it as JSON, set it in an environment for evaluation.
+/// is plain data: take it from a training, store it as JSON, and set it in an environment for
+/// evaluation.
 ///
 /// ```
 /// use gym_wrappers::RunningMeanStd;
@@ -49,7 +50,7 @@ enum Moments {
     F64(Of<f64>),
 }
 
-/// Mean and variance of each number.
+/// The mean and variance of each number.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Of<T> {
     mean: Vec<T>,
@@ -110,8 +111,8 @@ impl TryFrom<Parts> for RunningMeanStd {
 }
 
 impl RunningMeanStd {
-    /// The statistics of `len` numbers before the first row: mean 0, variance 1, and next to no
-    /// weight.
+    /// The statistics of `len` numbers before the first row: mean 0, variance 1, and a weight close
+    /// to 0.
     pub fn new(len: usize) -> Self {
         let moments = Moments::F32(Of {
             mean: vec![0.0; len],
@@ -182,12 +183,12 @@ impl RunningMeanStd {
         self.moments.len()
     }
 
-    /// Whether a row has no numbers.
+    /// Whether a row has 0 numbers.
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
-    /// Takes in one row.
+    /// Updates the estimate with one row.
     ///
     /// # Errors
     /// [`Error::InvalidArgument`] for a row of another length.
@@ -197,7 +198,7 @@ impl RunningMeanStd {
         Ok(())
     }
 
-    /// Fails unless the statistics have this many numbers.
+    /// Returns an error unless a row has `len` numbers.
     pub(crate) fn expect_len(&self, len: usize) -> Result<()> {
         if self.len() == len {
             return Ok(());
@@ -209,7 +210,7 @@ impl RunningMeanStd {
         Err(Error::argument("RunningMeanStd", reason))
     }
 
-    /// The variance, if there is only one number.
+    /// The variance, of statistics of a single number.
     pub(crate) fn scalar_variance(&self) -> f64 {
         match &self.moments {
             Moments::F32(of) => of.var.first().map_or(1.0, |var| f64::from(*var)),
@@ -239,7 +240,7 @@ impl RunningMeanStd {
         }
     }
 
-    /// Takes in the moments of `n` rows of `float32`.
+    /// Merges the moments of `n` rows of `float32`.
     fn update_f32(&mut self, batches: impl Iterator<Item = Batch<f32>>, n: usize) {
         match &mut self.moments {
             Moments::F32(of) => of.update(self.count, batches, n),
@@ -248,7 +249,7 @@ impl RunningMeanStd {
         self.count += n as f64;
     }
 
-    /// Takes in the moments of `n` rows of another type, which makes the statistics `float64`.
+    /// Merges the moments of `n` rows of another type; the statistics become `float64`.
     pub(crate) fn update_f64(&mut self, batches: impl Iterator<Item = Batch<f64>>, n: usize) {
         if n == 0 {
             return;
@@ -256,7 +257,7 @@ impl RunningMeanStd {
         match &mut self.moments {
             Moments::F64(of) => of.update(self.count, batches, n),
             Moments::F32(of) => {
-                // the product of variance and count is still float32 in this update
+                // in this update, numpy still multiplies variance and count in float32
                 let scaled: Vec<_> = of
                     .var
                     .iter()
@@ -275,7 +276,7 @@ impl RunningMeanStd {
         self.count += n as f64;
     }
 
-    /// `(x - mean) / sqrt(var + epsilon)` of each number into `out`.
+    /// Writes `(x - mean) / sqrt(var + epsilon)` of each number `x` to `out`.
     pub(crate) fn normalize(
         &self,
         dtype: DType,
@@ -303,7 +304,7 @@ impl RunningMeanStd {
 }
 
 impl<T: Real> Of<T> {
-    /// Takes a batch for each number into the moments of `count` samples.
+    /// Merges the moments of a batch of `n` rows with those of `count` rows, for each number.
     fn update(&mut self, count: f64, batches: impl Iterator<Item = Batch<T>>, n: usize) {
         if n == 0 {
             return;
@@ -314,7 +315,7 @@ impl<T: Real> Of<T> {
         }
     }
 
-    /// As [`update`](Self::update), with other products of variance and count.
+    /// [`update`](Self::update) with given products of variance and count.
     fn update_scaled(
         &mut self,
         count: f64,
@@ -333,7 +334,8 @@ impl<T: Real> Of<T> {
     }
 }
 
-/// Takes a batch into the moments of `count` samples; `scaled` is the variance times the count.
+/// Merges the moments of a batch with those of `count` rows, for one number; `scaled` is `var`
+/// times `count`.
 fn update<T: Real>(mean: &mut T, var: &mut T, scaled: T, count: f64, batch: Batch<T>) {
     let (total, n) = (
         T::from_f64(count + batch.n as f64),
@@ -430,5 +432,26 @@ mod tests {
             assert_eq!(out, [2.0], "{dtype:?} by {moments:?}");
         }
         assert!(RunningMeanStd::new(0).is_empty());
+    }
+
+    /// numpy keeps the product of variance and count in `float32` in the update in which a row of
+    /// `float64` makes the statistics `float64`.
+    #[test]
+    fn the_first_row_of_float64_meets_a_product_of_float32() {
+        let mut running = RunningMeanStd::new(1);
+        for x in [0.1, 0.7, -0.3] {
+            running.update_row(DType::F32, std::iter::once(x));
+        }
+        let number = |array: Array| array.iter_f64().next().unwrap();
+        let (mean, count) = (number(running.mean()), running.count());
+        let var = number(running.variance()) as f32;
+        let product = f64::from(var * count as f32);
+        assert_ne!(product, f64::from(var) * count);
+        running.update(&[0.2_f64].into()).unwrap();
+        let (delta, total) = (0.2 - mean, count + 1.0);
+        assert_eq!(number(running.mean()), mean + delta / total);
+        let m2 = product + delta * delta * count / total;
+        assert_eq!(number(running.variance()), m2 / total);
+        assert_eq!(running.count(), total);
     }
 }

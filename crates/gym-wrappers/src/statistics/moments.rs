@@ -1,4 +1,5 @@
-//! Mean and variance of the rows of an array, to the bit as numpy's `mean` and `var` over axis 0.
+//! Mean and variance of the rows of an array, bit for bit like numpy's `mean` and `var` over axis
+//! 0.
 
 use std::ops::{Add, Div, Mul, Sub};
 
@@ -79,7 +80,7 @@ impl Rows {
     }
 }
 
-/// Rows of numbers of one type, and room to work.
+/// Rows of numbers of one type, and scratch space.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Samples<T> {
     row_len: usize,
@@ -100,8 +101,8 @@ impl<T: Real> Samples<T> {
         self.values.extend(row);
     }
 
-    /// Computes mean and variance of each column, and returns the number of rows. The rows are used
-    /// up.
+    /// Computes mean and variance of each column, and returns the number of rows. It overwrites the
+    /// rows.
     pub(crate) fn moments(&mut self) -> usize {
         let Self {
             row_len,
@@ -137,8 +138,8 @@ impl<T: Real> Samples<T> {
     }
 }
 
-/// The sum of each column, as `numpy.add.reduce` over axis 0: row after row, but pairwise if the
-/// rows are single numbers.
+/// The sum of each column, like `numpy.add.reduce` over axis 0: row after row, but pairwise if each
+/// row is a single number.
 fn sum_columns<T: Real>(values: &[T], sums: &mut [T]) {
     if let [sum] = sums {
         *sum = pairwise_sum(values);

@@ -4,7 +4,7 @@ use gym_core::{Array, DType, Error, Result};
 use super::RunningMeanStd;
 use super::moments::{Batch, Rows, Samples};
 
-/// The state of both normalizing wrappers, around environments and vectors.
+/// The state of both normalizing wrappers.
 #[derive(Clone, Debug)]
 pub(crate) struct Normalizer {
     pub(crate) statistics: RunningMeanStd,
@@ -32,14 +32,14 @@ impl Normalizer {
         }
     }
 
-    /// Replaces the statistics by others with the same number of numbers.
+    /// Replaces the statistics. The new ones must have the same length.
     pub(crate) fn set_statistics(&mut self, statistics: RunningMeanStd) -> Result<()> {
         statistics.expect_len(self.statistics.len())?;
         self.statistics = statistics;
         Ok(())
     }
 
-    /// Refuses the statistics of a snapshot if their number of numbers differs.
+    /// Refuses statistics of a snapshot that have another length.
     pub(crate) fn check(&self, statistics: &RunningMeanStd) -> Result<()> {
         statistics
             .expect_len(self.statistics.len())
@@ -59,7 +59,8 @@ impl Normalizer {
         self.statistics.normalize(dtype, row, self.epsilon, out);
     }
 
-    /// Updates the statistics with the rows of `n` that `selects` accepts, as one batch.
+    /// Updates the statistics with the rows for which `selects` is true, as one batch. `array` has
+    /// `n` rows.
     pub(crate) fn take_in(&mut self, array: &Array, n: usize, selects: impl Fn(usize) -> bool) {
         if self.updates {
             self.rows.collect(array, n, selects);
@@ -67,7 +68,7 @@ impl Normalizer {
         }
     }
 
-    /// Normalizes the rows of `n` that `selects` accepts.
+    /// Normalizes the rows for which `selects` is true. There are `n` rows.
     pub(crate) fn normalize(
         &self,
         array: &Array,
@@ -97,7 +98,7 @@ impl Normalizer {
             .update_f64(self.rows.f32s.batches().map(Batch::widen), n);
     }
 
-    /// The standard deviation of the only number.
+    /// The standard deviation, of statistics of a single number.
     pub(crate) fn deviation(&self) -> f64 {
         (self.statistics.scalar_variance() + self.epsilon).sqrt()
     }

@@ -114,7 +114,8 @@ fn address(next: usize, count: usize) -> i32 {
     if count == 0 { -1 } else { next as i32 }
 }
 
-/// The last degree of freedom of a body or of its nearest ancestor that has one; -1 if none has.
+/// The last degree of freedom of a body, or of its nearest ancestor that has one; -1 if there is
+/// none.
 fn last_dof(m: &CompiledModel, mut body: usize) -> i32 {
     while body > 0 && m.body_dofnum[body] == 0 {
         body = m.body_parentid[body];
@@ -418,7 +419,7 @@ fn check_size(geom: &Geom, size: [f64; 3]) -> Result<()> {
     Ok(())
 }
 
-/// Colours have single precision in MuJoCo.
+/// Rounds a colour to single precision, as MuJoCo stores it.
 pub(super) fn single(rgba: [f64; 4]) -> [f64; 4] {
     rgba.map(|x| f64::from(x as f32))
 }

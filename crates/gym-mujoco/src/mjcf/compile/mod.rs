@@ -1,4 +1,4 @@
-//! From a [`Spec`] to the figures of a model: ids, frames, masses.
+//! Turns a [`Spec`] into a compiled model: ids, frames, masses.
 
 mod actuators;
 mod bodies;
@@ -13,11 +13,11 @@ use super::xml::Place;
 use crate::model::{CompiledModel, mark_simple, with_constants};
 use crate::{Model, Result};
 
-/// The largest number of bodies, geoms and degrees of freedom, because the engine's matrices are
-/// dense, and of each kind of object that is looked up by name.
+/// The largest number of bodies, geoms and degrees of freedom (the engine's matrices are dense),
+/// and of each kind of object that is looked up by name.
 pub(super) const MOST: usize = 1000;
 
-/// Computes all figures except those that need the inertia matrix of the initial configuration.
+/// Computes all fields except those that need the inertia matrix of the initial configuration.
 pub(super) fn compile(spec: &Spec) -> Result<Box<CompiledModel>> {
     let mut m = Box::new(CompiledModel {
         model: spec.name.clone(),
@@ -44,7 +44,8 @@ pub(super) fn compile(spec: &Spec) -> Result<Box<CompiledModel>> {
     Ok(m)
 }
 
-/// Completes the model: computes the remaining figures, and replaces those that the text states.
+/// Completes the model: computes the remaining fields, and replaces computed statistics by the
+/// values that the text gives.
 pub(super) fn finish(m: Box<CompiledModel>, spec: &Spec) -> Result<Model> {
     let mut m = with_constants(m)?;
     state_statistics(&mut m, &spec.statistic);
@@ -69,7 +70,7 @@ fn add_spring_dampers(m: &mut CompiledModel, spec: &Spec) {
     }
 }
 
-/// Replaces computed statistics by those that the model states.
+/// Replaces computed statistics by the values that the text gives.
 fn state_statistics(m: &mut CompiledModel, stated: &Statistic) {
     let stat = &mut m.stat;
     for (value, stated) in [

@@ -1,4 +1,4 @@
-//! What relates bodies, geoms, joints and tendons, and the keyframes.
+//! Contact pairs, equality constraints, tendons and keyframes.
 
 use crate::mjcf::orientation::unit;
 use crate::mjcf::spec::{Key, Spec, Wrap};
@@ -55,8 +55,8 @@ fn signature([b1, b2]: [usize; 2]) -> u32 {
     ((first as u32) << 16) + second as u32
 }
 
-/// Adds the pairs of geoms, sorted by their bodies. Figures that a pair does not give follow from
-/// its geoms.
+/// Adds the pairs of geoms, sorted by their bodies. Parameters that a pair does not give are mixed
+/// from its geoms.
 pub(super) fn add_pairs(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
     let mut pairs = Vec::new();
     for pair in &spec.pairs {
@@ -124,7 +124,7 @@ pub(super) fn add_tendons(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
             place,
             ["range", "limited"],
         )?;
-        // before 4.0, a range alone does not limit the force
+        // before 4.0, a force range without `limited` does not limit the force
         let old = spec.revision == Revision::V3_12;
         let force_limited = super::limited(
             tendon.force_limited.or(old.then_some(false)),
@@ -189,7 +189,7 @@ fn add_wrap(m: &mut CompiledModel, place: &Place, wrap: &Wrap) -> Result<()> {
     Ok(())
 }
 
-/// Refuses paths that MuJoCo cannot follow.
+/// Refuses tendon paths that MuJoCo does not support.
 fn check_path(place: &Place, path: &[WrapType]) -> Result<()> {
     let at = |i: usize| path.get(i).copied();
     let before = |i: usize| i.checked_sub(1).and_then(at);

@@ -1,4 +1,4 @@
-//! Actuators: all kinds are the general one with some of its numbers implied.
+//! Actuators. Each kind is a `general` actuator whose other parameters are implied.
 
 use super::{LIMITED, replace, replace_some};
 use crate::Result;
@@ -133,8 +133,7 @@ impl Actuator {
         Ok(())
     }
 
-    /// Reads a servo: of `position`, or of `intvelocity`, which integrates its control to a
-    /// position.
+    /// Reads a servo: `position`, or `intvelocity`, which integrates its control to a position.
     fn read_servo(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
         let kp = element.number("kp")?.unwrap_or(self.gainprm[0]);
         (self.gainprm[0], self.biasprm[1]) = (kp, -kp);
@@ -209,7 +208,7 @@ impl Actuator {
     }
 
     fn read_muscle(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
-        // the defaults of other actuators become a muscle's
+        // for a muscle, the defaults of `general` are replaced by the muscle's own
         for (k, general, own) in [(0, 1.0, 0.01), (1, 0.0, 0.04)] {
             if self.dynprm[k] == general {
                 self.dynprm[k] = own;

@@ -1,4 +1,4 @@
-//! Bodies, and those of their parts that only pictures and masses need.
+//! Bodies, cameras and lights.
 
 use super::{Frame, Geom, Joint, Site, replace};
 use crate::Result;
@@ -25,7 +25,7 @@ pub(crate) struct Body {
     pub(crate) lights: Vec<Light>,
 }
 
-/// The mass of a body as the text gives it.
+/// The mass and inertia of a body as the text gives them.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Inertial {
     pub(crate) place: Place,

@@ -1,10 +1,10 @@
-//! The elements of a model as written, before anything is computed from them.
+//! The elements of a model as the text gives them, before anything is computed from them.
 //!
-//! Each kind of element is a struct whose `Default` has MuJoCo's defaults; `read` replaces what an
-//! element gives. An element of a class starts from a clone of the class's struct, so that defaults
-//! need no code of their own.
+//! Each kind of element is a struct whose `Default` has MuJoCo's defaults. `read` replaces the
+//! values that the element gives. An element of a class starts from a clone of the class's struct,
+//! so that defaults need no code of their own.
 
-/// A struct whose fields are declared with their defaults, which are MuJoCo's.
+/// A struct whose fields are declared with MuJoCo's defaults.
 macro_rules! with_defaults {
     ($(#[$about:meta])* struct $name:ident { $($(#[$doc:meta])* $field:ident: $type:ty = $value:expr,)+ }) => {
         $(#[$about])*
@@ -61,7 +61,7 @@ pub(crate) struct Spec {
 }
 
 impl Spec {
-    /// Adds to an error about a figure the place of its cause in the text.
+    /// Adds to an error of the compiled model the place in the text that caused it.
     pub(crate) fn located(&self, error: Error) -> Error {
         let geom = match error {
             Error::Pair { second, .. } => {
@@ -82,7 +82,7 @@ with_defaults! {
     struct Compiler {
         degree: bool = true,
         autolimits: bool = true,
-        /// `None` is MJCF's `auto`: for bodies without an element `inertial`.
+        /// `None` is MJCF's `auto`: geoms give the inertia of bodies without an element `inertial`.
         inertia_from_geom: Option<bool> = None,
         /// The groups of geoms that have mass.
         inertia_groups: [i32; 2] = [0, 5],
@@ -129,7 +129,8 @@ impl Compiler {
                     .attribute("eulerseq", "needs three of xyzXYZ")
             })?;
         }
-        // attributes of files that are not read, and attributes without effect on the figures
+        // attributes of files that are not read, and attributes without effect on the compiled
+        // model
         element.ignore(&[
             "assetdir",
             "meshdir",
@@ -150,7 +151,7 @@ impl Compiler {
     }
 }
 
-/// Figures that a model may state instead of having them computed.
+/// Statistics that a model may give instead of having them computed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Statistic {
     pub(crate) meaninertia: Option<f64>,
@@ -169,7 +170,7 @@ with_defaults! {
 }
 
 impl Material {
-    /// Keeps the colour, and ignores other attributes that affect only pictures.
+    /// Stores the colour, and ignores other attributes that affect only pictures.
     pub(crate) fn read(&mut self, element: &mut Element<'_, '_>) -> Result<()> {
         replace(&mut self.rgba, element.numbers("rgba")?);
         element.ignore(&[
@@ -187,8 +188,8 @@ impl Material {
     }
 }
 
-/// Reads the softness of a constraint: time constant and damping ratio, or MuJoCo's direct form,
-/// both negative.
+/// Reads `solref`: time constant and damping ratio, or MuJoCo's direct form, in which both are
+/// negative.
 fn read_solref(
     element: &mut Element<'_, '_>,
     name: &'static str,

@@ -33,7 +33,7 @@ with_defaults! {
         solimp: [f64; 5] = SOLIMP,
         solref_friction: [f64; 2] = SOLREF,
         solimp_friction: [f64; 5] = SOLIMP,
-        /// The range of the actuators' force, and whether it limits the force.
+        /// The range of the actuators' force, and whether it applies.
         force_range: [f64; 2] = [0.0; 2],
         force_limited: Option<bool> = None,
         actuator_gravcomp: bool = false,
@@ -208,7 +208,7 @@ impl Geom {
 }
 
 with_defaults! {
-    /// A site: a visible place to which sensors, tendons and actuators refer.
+    /// A site: a visible point to which sensors, tendons and actuators refer.
     struct Site {
         place: Place = Place::default(),
         name: Option<String> = None,

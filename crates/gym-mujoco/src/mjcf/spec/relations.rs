@@ -1,4 +1,4 @@
-//! What relates bodies, geoms, joints and tendons to each other, and stored states.
+//! Exclusions, contact pairs, equality constraints and keyframes.
 
 use super::{SOLIMP, SOLREF, read_solref, replace, replace_some};
 use crate::Result;
@@ -28,7 +28,7 @@ impl Exclude {
     }
 }
 
-/// A pair of geoms that collide, and the figures that it gives.
+/// A pair of geoms that collide, and its contact parameters.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Pair {
     pub(crate) place: Place,
@@ -156,7 +156,7 @@ impl Equality {
     }
 }
 
-/// A keyframe. Parts that it does not give are as in the initial configuration.
+/// A keyframe. Parts that it leaves out are those of the initial configuration.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Key {
     pub(crate) place: Place,

@@ -1,13 +1,13 @@
 //! A last test before two geoms may touch: the boxes around them, and around groups of geoms of
 //! their bodies, must meet.
 //!
-//! MuJoCo compares the boxes before it computes contacts, for bodies with several geoms:
-//! `mj_collideOBB`. Only rounding can put the boxes apart where the geoms touch, so the test runs
-//! only where all contacts are about as far as contacts can be.
+//! For bodies with several geoms, MuJoCo compares the boxes before it computes contacts:
+//! `mj_collideOBB`. Where geoms touch, only rounding can separate their boxes. So the test runs
+//! only if all contacts are within rounding of the margin.
 //!
-//! MuJoCo's broad phase, `mj_SAP`, has boxes around whole bodies, in a frame that all geoms' places
-//! give. It is not repeated: of 180,000 random poses of two bodies whose sides touch up to rounding,
-//! 13 of 3,600 groups of 50 had a pose whose contacts it dropped.
+//! MuJoCo's broad phase, `mj_SAP`, has boxes around whole bodies, in a frame that depends on the
+//! positions of all geoms. It is not repeated here. It matters rarely: of 180,000 random poses of
+//! two bodies that touch up to rounding, it dropped contacts in 13 of 3,600 groups of 50.
 
 use super::super::spatial::{Mat3, Vec3, add, column, dot, rotate};
 use super::Shape;
@@ -16,14 +16,14 @@ use crate::model::bounds::{Bounds, bounding_box, meetings};
 use crate::model::{GeomType, Pair};
 use crate::physics::MAXVAL;
 
-/// Contacts that are further below the margin are never dropped by rounding: a plane's box has
+/// If a contact is deeper below the margin than this, rounding cannot drop it: a plane's box has
 /// sides of 1e10.
 pub(in crate::physics) const ROUNDING: f64 = 1e-5;
 
 /// A frame: its origin and axes.
 pub(in crate::physics) type Frame = (Vec3, Mat3);
 
-/// Whether boxes separate two geoms; `inertial` gives the inertial frame of a body.
+/// Whether boxes separate two geoms; `inertial` returns the inertial frame of a body.
 pub(super) fn apart(
     m: &Model,
     pair: &Pair,
@@ -50,7 +50,7 @@ pub(super) fn apart(
     ) || groups_apart(m, pair, inertial)
 }
 
-/// Whether boxes around groups of geoms separate two of them.
+/// Whether boxes around groups of geoms separate the two geoms of a pair.
 fn groups_apart(m: &Model, pair: &Pair, inertial: impl Fn(usize) -> Frame) -> bool {
     let (mut geoms, mut bodies) = (pair.geom, pair.geom.map(|g| m.geom_bodyid[g]));
     if bodies[0] > bodies[1] {
@@ -76,8 +76,8 @@ fn groups_apart(m: &Model, pair: &Pair, inertial: impl Fn(usize) -> Frame) -> bo
     })
 }
 
-/// Whether one of the six faces of two boxes separates them, with a margin between. `reach` gives
-/// where a box is along a normal, and how far it reaches from there.
+/// Whether one of the six face normals of two boxes separates them by more than the margin. `reach`
+/// returns the position of a box along a normal, and its half width there.
 fn separated(
     halves: [&Vec3; 2],
     axes: [[Vec3; 3]; 2],

@@ -7,15 +7,15 @@ use super::super::spatial::{
 };
 use super::{Hit, Shape};
 
-/// Slack of the separation beside the sizes of the boxes.
+/// Added to the margin in the separation test, beside a slack that grows with the boxes.
 const SEPARATION: f64 = 1e-13;
 /// The square of a sine below which edges are parallel.
 const PARALLEL: f64 = 1e-16;
 /// A component of an axis below which its sign says nothing.
 const NO_SIGN: f64 = 1e-9;
-/// The square of the relative distance below which points are the same.
+/// The square of the relative distance below which two points count as the same.
 const SAME: f64 = 1e-14;
-/// What edges must be better by than faces.
+/// The amount by which an edge axis must separate more than a face axis.
 const EDGE_BIAS: f64 = 1e-6;
 /// The most corners of a clipped face.
 const CORNERS: usize = 12;
@@ -28,11 +28,11 @@ enum Axis {
     Edges(usize, usize),
 }
 
-/// Two boxes and their frames in each other.
+/// Two boxes, and the frame of each relative to the other.
 struct Boxes<'a> {
     a: Shape<'a>,
     b: Shape<'a>,
-    /// The axes of the second in the first's frame, as columns.
+    /// The axes of the second box in the first's frame, as columns.
     rot: Mat3,
     pos21: Vec3,
     pos12: Vec3,
@@ -64,7 +64,7 @@ pub(super) fn box_box(a: Shape<'_>, b: Shape<'_>, margin: f64, push: &mut impl F
 }
 
 impl Boxes<'_> {
-    /// The axis of greatest separation; `None` where the boxes are apart.
+    /// The axis of greatest separation; `None` if the boxes are apart.
     fn separate(&self) -> Option<Axis> {
         let (s1, s2, rot) = (self.a.size, self.b.size, &self.rot);
         let size = rot.map(f64::abs);
@@ -105,7 +105,7 @@ impl Boxes<'_> {
             }
         }
         if let Axis::Edges(i, j) = winner {
-            // an axis that nearly is a face's gives way to it
+            // an edge axis almost parallel to the face axis must separate clearly better
             let axis = self.edge_axis(i, j);
             let along = match face_axis {
                 Axis::First(f) => axis[f].abs(),
@@ -148,7 +148,7 @@ impl Boxes<'_> {
         normalize(axis).0
     }
 
-    /// The middle of the nearest points of two edges.
+    /// Adds a contact in the middle between the nearest points of two edges.
     fn edges(&self, i: usize, j: usize, push: &mut impl FnMut(Hit)) {
         let (s1, s2, rot) = (self.a.size, self.b.size, &self.rot);
         let [[i1, i2], [j1, j2]] = [i, j].map(|k| [(k + 1) % 3, (k + 2) % 3]);
@@ -157,7 +157,7 @@ impl Boxes<'_> {
             axis = axis.map(|x| -x);
         }
         let axis2 = rotate_back(rot, axis);
-        // components with an unclear sign are tried with both signs
+        // if the sign of a component is unclear, both signs are tried
         let unclear =
             |v: &Vec3, [k, l]: [usize; 2]| [k, l].into_iter().find(|&k| v[k].abs() < NO_SIGN);
         let (unclear1, unclear2) = (unclear(&axis, [i1, i2]), unclear(&axis2, [j1, j2]));
@@ -217,7 +217,7 @@ impl Boxes<'_> {
         });
     }
 
-    /// The corners of the part of a face of one box that is over the face of the other.
+    /// Adds a contact at each corner of the part of one box's face that lies over the other's face.
     fn faces(&self, a: usize, first: bool, push: &mut impl FnMut(Hit)) {
         let (reference, incident, at) = if first {
             (&self.a, &self.b, self.pos21)
@@ -288,7 +288,8 @@ impl Boxes<'_> {
     }
 }
 
-/// A polygon with few corners: places in the plane of a face, and the height above it.
+/// A polygon with at most [`CORNERS`] corners: positions in the plane of a face, and heights above
+/// it.
 #[derive(Default)]
 struct Polygon {
     corners: [Vec3; CORNERS],
@@ -307,7 +308,7 @@ impl Polygon {
         }
     }
 
-    /// The part where a coordinate, times a sign, is not greater than a limit.
+    /// The part of the polygon where `sign` times coordinate `k` is at most `limit`.
     fn clip(self, k: usize, sign: f64, limit: f64) -> Self {
         let beyond = |corner: &Vec3| sign * corner[k] - limit;
         if self.corners().iter().all(|corner| beyond(corner) <= 0.0) {

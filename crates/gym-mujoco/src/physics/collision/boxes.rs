@@ -5,7 +5,7 @@ use super::super::spatial::{
 };
 use super::{Hit, Shape, spheres};
 
-/// The lowest corners, four at most.
+/// Contacts at the lowest corners, at most four.
 pub(super) fn plane_box(
     plane: Shape<'_>,
     cuboid: Shape<'_>,
@@ -38,7 +38,8 @@ pub(super) fn plane_box(
     }
 }
 
-/// The nearest point of the box, or the nearest face for a centre within.
+/// The contact at the point of the box nearest to the sphere; for a centre inside the box, at the
+/// nearest face.
 pub(super) fn sphere_box(
     (centre, radius): (Vec3, f64),
     cuboid: Shape<'_>,
@@ -87,7 +88,7 @@ pub(super) fn sphere_box(
     });
 }
 
-/// The side, an end or the rim of the cylinder, whichever is nearest.
+/// The contact with the side, an end or the rim of the cylinder, whichever is nearest.
 pub(super) fn sphere_cylinder(
     sphere: Shape<'_>,
     cylinder: Shape<'_>,

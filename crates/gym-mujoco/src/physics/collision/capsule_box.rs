@@ -1,5 +1,5 @@
-//! Capsules against boxes: the point of the segment nearest to the box, and a second one where the
-//! capsule lies along a face or an edge, as spheres: MuJoCo's `mjc_CapsuleBox`.
+//! Capsules against boxes: a sphere at the point of the segment nearest to the box, and a second
+//! one if the capsule lies along a face or an edge: MuJoCo's `mjc_CapsuleBox`.
 
 use super::super::spatial::{MINVAL, Vec3, add, add_scaled, dot, rotate, rotate_back, scale, sub};
 use super::boxes::sphere_box;
@@ -8,10 +8,10 @@ use super::{Hit, Shape};
 /// The part of the box that is nearest to the segment.
 #[derive(Clone, Copy)]
 enum Nearest {
-    /// A face, by its axis, or none where the point is within; and the end of the segment.
+    /// A face, by its axis (`None` if the point is inside the box), and the end of the segment.
     Face { axis: Option<usize>, end: f64 },
-    /// An edge: its axis, its lower corner, where on it (-1 to 1), and the part of it: 0 the lower
-    /// corner, 1 the middle, 2 the upper corner.
+    /// An edge: its axis, its lower corner, the position on it (-1 to 1), and the nearest part of
+    /// it: 0 the lower corner, 1 the middle, 2 the upper corner.
     Edge {
         axis: usize,
         corner: usize,
@@ -64,7 +64,8 @@ pub(super) fn capsule_box(
 }
 
 impl Segment {
-    /// The nearest part of the box and where on the segment (-1 to 1) it is nearest.
+    /// The nearest part of the box, and the position on the segment (-1 to 1) that is nearest to
+    /// it.
     fn nearest(&self, most: f64, length: f64) -> Option<(Nearest, f64)> {
         let mut best = most;
         let mut found = None;
@@ -97,7 +98,7 @@ impl Segment {
                 };
                 if square < best - MINVAL {
                     best = square;
-                    // the upper corner, or else the lower one
+                    // the upper corner for `part` 2, else the lower one
                     let corner = corner + (1 << axis) * (part / 2);
                     let nearest = Nearest::Edge {
                         axis,
@@ -112,8 +113,8 @@ impl Segment {
         found
     }
 
-    /// The square of the distance to an edge, where on the segment and on the edge it is, and in
-    /// which part of the edge.
+    /// The squared distance to an edge, the nearest positions on the segment and on the edge, and
+    /// the nearest part of the edge.
     fn edge(&self, axis: usize, corner: usize, length: f64) -> Option<(f64, f64, f64, usize)> {
         let mut start: Vec3 = std::array::from_fn(|k| {
             let sign = if corner & (1 << k) == 0 { -1.0 } else { 1.0 };
@@ -158,7 +159,8 @@ impl Segment {
         Some((dot(apart, apart), x2, x1, part))
     }
 
-    /// How far from the nearest point on the segment there is a second one.
+    /// The distance along the segment from the nearest point to the second contact, if there is
+    /// one.
     fn second(&self, nearest: Nearest, at: f64) -> Option<f64> {
         match nearest {
             Nearest::Edge {
@@ -172,7 +174,8 @@ impl Segment {
         }
     }
 
-    /// The length of the segment, in halves of it, that a size covers along an axis.
+    /// The length along the segment over which it crosses the box in direction `axis`, in half
+    /// lengths of the segment.
     fn covered(&self, axis: usize) -> f64 {
         2.0 * self.size[axis] / self.half[axis].abs()
     }
@@ -182,7 +185,7 @@ impl Segment {
         let (sign, other, towards, away) = match apart {
             1 | 2 | 4 => (1.0, apart, 1.0 - at, 1.0 + at),
             3 | 5 | 6 => (-1.0, 7 - apart, 1.0 + at, 1.0 - at),
-            // along the diagonal
+            // along the diagonal, there is no second contact
             _ => return None,
         };
         let axis = other.trailing_zeros() as usize;

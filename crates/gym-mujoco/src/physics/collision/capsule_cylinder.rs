@@ -1,12 +1,12 @@
-//! A capsule and a cylinder, from 4.0 on.
+//! Contacts of a capsule and a cylinder, from 4.0 on.
 
 use super::convex::{Solid, one};
 use super::epa::Polytope;
 use super::{Hit, on_end};
 use crate::Revision;
 
-/// The contact of the two shapes; or, where the capsule lies on an end of the cylinder, the two
-/// furthest apart along its axis.
+/// The contact of the two shapes. If the capsule lies on an end of the cylinder: the two contacts
+/// that are furthest apart along the capsule's axis.
 pub(super) fn contacts(
     capsule: Solid<'_>,
     cylinder: Solid<'_>,

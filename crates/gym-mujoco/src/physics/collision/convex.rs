@@ -1,6 +1,6 @@
-//! Two convex shapes: MuJoCo's `mjc_Convex`. Spheres and capsules are first taken as their centres
-//! and axes, whose distance tells a contact as long as these do not enter the other shape; then the
-//! whole shapes are taken apart.
+//! Contacts of two convex shapes: MuJoCo's `mjc_Convex`. Spheres and capsules are first replaced by
+//! their centres and axes. Their distance gives the contact unless a centre or axis enters the
+//! other shape; in that case the whole shapes are compared.
 
 use super::super::spatial::{
     InTurn, MINVAL, Mat3, Order, Vec3, add, add_scaled, axis_angle, column, dot, norm, normalize,
@@ -12,7 +12,7 @@ use super::{Hit, Shape, frame};
 use crate::Revision;
 use crate::model::GeomType;
 
-/// By how much shapes are turned to find further contacts, in radians.
+/// The angle by which shapes are turned to find further contacts, in radians.
 const TURN: f64 = 1e-3;
 
 /// Most contacts of two shapes.
@@ -26,12 +26,12 @@ pub(super) struct Solid<'a> {
 }
 
 impl Solid<'_> {
-    /// The radius around the centre or axis that the shape consists of, if it has one.
+    /// The radius of a sphere or capsule around its centre or axis; `None` for other shapes.
     fn radius(&self) -> Option<f64> {
         matches!(self.kind, GeomType::Sphere | GeomType::Capsule).then_some(self.shape.size[0])
     }
 
-    /// Whether further contacts are looked for.
+    /// Whether the search for further contacts makes sense for the shape.
     fn is_flat(&self) -> bool {
         !matches!(self.kind, GeomType::Sphere | GeomType::Ellipsoid)
     }
@@ -61,7 +61,7 @@ impl Solid<'_> {
         }
     }
 
-    /// The same, of what has a radius around it.
+    /// [`support`](Self::support) of the centre or axis, for shapes with a radius around it.
     fn core(&self, direction: Vec3) -> (Vec3, bool) {
         match self.kind {
             GeomType::Sphere => (self.shape.pos, false),
@@ -71,8 +71,8 @@ impl Solid<'_> {
     }
 }
 
-/// The contact of two shapes, and up to four more, found with the shapes turned a little about it,
-/// as far as they are `apart` from those found before.
+/// The contact of two shapes, and up to four more. To find those, the shapes are turned a little
+/// about the first contact; a contact counts if it is at least `apart` from the others.
 pub(super) fn contacts(
     a: Solid<'_>,
     b: Solid<'_>,
@@ -166,8 +166,8 @@ pub(super) fn one(
     };
     let centers = [a.shape.pos, b.shape.pos];
     if a.radius().is_some() || b.radius().is_some() {
-        // how far each side is from the surface that it stands for: before 4.0, a shape without a
-        // radius has grown by itself
+        // the distance from each support point to the shape's surface; before 4.0, the support
+        // point of a shape without a radius includes the margin
         let reach = |solid: Solid<'_>| match (solid.radius(), revision) {
             (Some(radius), Revision::V3_12) => radius + grown,
             (Some(radius), Revision::V4_0) => grown + radius,
@@ -224,8 +224,8 @@ pub(super) fn one(
     })
 }
 
-/// Whether the points of all vertices but the last of four are on the lower end of the cylinder;
-/// `None` where they are on both.
+/// Whether the points of all vertices (of four, the first three) are on the lower end of the
+/// cylinder; `None` if they are on both ends.
 fn end(simplex: &[Vertex]) -> Option<bool> {
     let last = simplex.len() - 1;
     let [a, b, c] = [0, 1, 2].map(|i| simplex[i.min(last)].low);
@@ -238,7 +238,7 @@ pub(super) struct Touch {
     /// Their distance, without the margin.
     pub(super) dist: f64,
     pub(super) points: [Vec3; 2],
-    /// Whether they are on the lower end of the cylinder, if they are on one of the ends.
+    /// Whether the points are on the lower end of the cylinder; `None` if some are on each end.
     pub(super) low: Option<bool>,
 }
 

@@ -1,6 +1,6 @@
-//! How far two convex sets overlap, by the expanding polytope algorithm: a polytope within their
-//! difference grows where it is nearest to the origin, until it is as near as the difference
-//! itself.
+//! The depth of the overlap of two convex sets, by the expanding polytope algorithm. A polytope
+//! inside the Minkowski difference is expanded at its face nearest to the origin, until that face
+//! is on the surface of the difference.
 //!
 //! It repeats MuJoCo's `engine_collision_gjk` operation by operation, down to the order of the list
 //! of faces, which decides between faces that are equally near.
@@ -9,10 +9,10 @@ use super::super::spatial::{MINVAL, Mat3, Vec3, add, cross, dot, norm, rotate, s
 use super::gjk::{Found, ITERATIONS, LEAST, TOLERANCE, Vertex, project, weights_at};
 use crate::Revision;
 
-/// The most faces that are ever made.
+/// The largest number of faces.
 const FACES: usize = 6 * ITERATIONS;
 
-/// The most points of a line that was cut by each side of an end.
+/// The largest number of points of a line that is cut by every side of an end.
 const CUTS: usize = 40;
 
 /// A polytope that contains the origin.
@@ -22,28 +22,28 @@ pub(crate) struct Polytope {
     vertices: Vec<Vertex>,
     faces: Vec<Face>,
     center: Vec3,
-    /// The faces among which the nearest is looked for.
+    /// Candidates for the nearest face.
     candidates: Vec<usize>,
-    /// Faces that stay and their edges to faces that do not.
+    /// The horizon: faces that stay, each with the edge that it shares with a removed face.
     horizon: Vec<(usize, usize)>,
-    /// Points of a line, before and after a cut.
+    /// The points of a line, before and after a cut.
     pub(super) lines: [Vec<Vec3>; 2],
 }
 
 #[derive(Clone, Debug)]
 struct Face {
     corners: [usize; 3],
-    /// The faces beyond the edges from each corner to the next.
+    /// The neighbour across the edge from each corner to the next.
     beyond: [usize; 3],
-    /// The origin's projection, and the square of its distance.
+    /// The projection of the origin on the face, and the square of its distance.
     nearest: Vec3,
     square: f64,
     place: Place,
 }
 
-/// How two sets overlap.
+/// The overlap of two sets.
 pub(super) struct Overlap {
-    /// The points of both sets that are as far within the other set as the sets overlap.
+    /// The deepest point of each set in the other.
     pub(super) nearest: [Vec3; 2],
     /// By how much they overlap.
     pub(super) depth: f64,
@@ -51,7 +51,7 @@ pub(super) struct Overlap {
     pub(super) corners: [Vertex; 3],
 }
 
-/// Whether a face is a candidate, and where.
+/// Whether a face is a candidate; if so, its index in the list.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Place {
     Candidate(usize),
@@ -60,7 +60,7 @@ enum Place {
 }
 
 impl Polytope {
-    /// A polytope that need not grow.
+    /// Allocates a polytope that never needs to grow.
     pub(crate) fn new() -> Self {
         Self {
             revision: Revision::default(),
@@ -73,7 +73,7 @@ impl Polytope {
         }
     }
 
-    /// How the sets overlap; `None` where they do not, or nothing can be found out.
+    /// The overlap of two sets; `None` if they do not overlap, or the algorithm fails.
     pub(super) fn overlap(
         &mut self,
         found: &Found,
@@ -123,7 +123,7 @@ impl Polytope {
         self.vertices.len() - 1
     }
 
-    /// Inserts the furthest vertex in a direction of some length.
+    /// Inserts the vertex that is furthest in a direction, whose length is given.
     fn insert_furthest(
         &mut self,
         direction: Vec3,
@@ -138,7 +138,7 @@ impl Polytope {
         self.insert(support(direction))
     }
 
-    /// Adds a face, and returns the square of its distance from the origin; 0 for a face without
+    /// Adds a face, and returns the square of its distance from the origin; 0 for a face of zero
     /// area.
     fn attach(&mut self, corners: [usize; 3], beyond: [usize; 3]) -> f64 {
         let [a, b, c] = corners.map(|v| self.vertices[v].x);
@@ -164,14 +164,14 @@ impl Polytope {
         square
     }
 
-    /// Two pyramids on a triangle of points around the line: MuJoCo's `polytope2`.
+    /// Starts from a line: two pyramids on a triangle around it: MuJoCo's `polytope2`.
     fn start_from_line(
         &mut self,
         [a, b]: [Vertex; 2],
         support: &impl Fn(Vec3) -> Vertex,
     ) -> Option<()> {
         let along = sub(b.x, a.x);
-        // across the line and the axis on which it is shortest
+        // perpendicular to the line and to the axis along which it is shortest
         let axis = (0..3).fold(0, |best, k| {
             if along[k].abs() < along[best].abs() {
                 k
@@ -219,7 +219,7 @@ impl Polytope {
         self.start_from_triangle(triangle, support)
     }
 
-    /// A pyramid on each side of the triangle: MuJoCo's `polytope3`.
+    /// Starts from a triangle: a pyramid on each of its sides: MuJoCo's `polytope3`.
     fn start_from_triangle(
         &mut self,
         t: [Vertex; 3],
@@ -232,7 +232,7 @@ impl Polytope {
             return None;
         }
         let [v1, v2, v3] = t.map(|v| self.insert(v));
-        // the second of these is inserted first
+        // `v5` is inserted before `v4`
         let v5 = self.insert_furthest(scale(normal, -1.0), length, support);
         let v4 = self.insert_furthest(normal, length, support);
         if [v4, v5]
@@ -257,7 +257,7 @@ impl Polytope {
         }
     }
 
-    /// The faces of a pyramid with the apex `v4` and one with the apex `v5` on a triangle.
+    /// Adds the faces of two pyramids on a triangle, with the apexes `v4` and `v5`.
     fn attach_pyramids(&mut self, [v1, v2, v3, v4, v5]: [usize; 5]) -> Option<()> {
         for (corners, beyond) in [
             ([v4, v1, v2], [1, 3, 2]),
@@ -274,9 +274,9 @@ impl Polytope {
         Some(())
     }
 
-    /// The hull of a triangle and of a point on each side of it, from 4.0 on: two pyramids on the
-    /// triangle if the line through the points crosses it; two pyramids on another triangle if the
-    /// line passes by an edge; a tetrahedron if it passes by a corner.
+    /// Starts from the convex hull of a triangle and a point on each side of it, from 4.0 on. If
+    /// the line through the points crosses the triangle: two pyramids on it. If the line passes an
+    /// edge: two pyramids on another triangle. If it passes a corner: a tetrahedron.
     fn start_around(&mut self, [v1, v2, v3]: [usize; 3], [v4, v5]: [usize; 2]) -> Option<()> {
         let at = |v: usize| self.vertices[v].x;
         let volumes = volumes_about([at(v4), at(v5)], [v1, v2, v3].map(at));
@@ -313,8 +313,8 @@ impl Polytope {
         self.holds_origin(&[c, b, a, c, b, a])
     }
 
-    /// Whether the origin is on the inner side of each face, or on it; a vertex on the inner side
-    /// is given for each.
+    /// Whether the origin is on the inner side of each face. `inner` has, for each face, a vertex
+    /// on its inner side.
     fn holds_origin(&self, inner: &[usize]) -> Option<()> {
         let holds = |(face, inner): (&Face, &usize)| {
             let [p, q, r] = face.corners.map(|v| self.vertices[v].x);
@@ -324,7 +324,7 @@ impl Polytope {
         self.faces.iter().zip(inner).all(holds).then_some(())
     }
 
-    /// MuJoCo's `polytope4`.
+    /// Starts from a tetrahedron: MuJoCo's `polytope4`.
     fn start_from_tetrahedron(
         &mut self,
         t: &[Vertex; 4],
@@ -339,7 +339,8 @@ impl Polytope {
         sides.into_iter().all(is_on_side_of_fourth).then_some(())
     }
 
-    /// The faces of a tetrahedron; the corners of the first that contains the origin.
+    /// Adds the faces of a tetrahedron. Returns the corners of the first face that contains the
+    /// origin.
     fn attach_tetrahedron(&mut self, corners: [usize; 4]) -> Option<[usize; 3]> {
         let [a, b, c, d] = corners.map(|v| self.vertices[v].x);
         self.center = scale(add(add(add(a, b), c), d), 0.25);
@@ -356,7 +357,8 @@ impl Polytope {
         flat.next().map(|(corners, _)| corners)
     }
 
-    /// Expands until the nearest face is one of the difference: MuJoCo's `epa`.
+    /// Expands the polytope until its nearest face is on the surface of the difference: MuJoCo's
+    /// `epa`.
     fn expand(&mut self, support: &impl Fn(Vec3) -> Vertex) -> Option<usize> {
         let (mut upper, mut upper_square) = (f64::MAX, f64::MAX);
         let mut face = None;
@@ -379,7 +381,7 @@ impl Polytope {
             let vertex = self.insert_furthest(direction, lower, support);
             let w = self.vertices[vertex].x;
             let bound = dot(direction, w) / lower;
-            // from 4.0 on, the last bound ends the search and not the least
+            // from 4.0 on, the search compares with the last bound, before with the least
             let (last, slack) = match self.revision {
                 Revision::V3_12 => (f64::min(bound, upper), 1e-10),
                 Revision::V4_0 => (bound, TOLERANCE),
@@ -409,7 +411,7 @@ impl Polytope {
                 let (last, next) = (first + (i + edges - 1) % edges, first + (i + 1) % edges);
                 let square = self.attach([vertex, v2, v1], [last, beyond, next]);
                 if square == 0.0 {
-                    // from 4.0 on, what was found before stays
+                    // from 4.0 on, a failed expansion returns the face that was found before
                     return face.filter(|_| self.revision != Revision::V3_12);
                 }
                 if square >= lower_square && square <= upper_square {
@@ -436,8 +438,8 @@ impl Polytope {
         self.faces[face].place = Place::Removed;
     }
 
-    /// Removes the faces that can be seen from a point, from one of them on, and lists the edges
-    /// where those begin that cannot.
+    /// Starting at `face`, removes all faces visible from `w`, and lists the edges to faces that
+    /// stay.
     fn find_horizon(&mut self, face: usize, w: Vec3) {
         self.remove(face);
         let Face {
@@ -451,7 +453,7 @@ impl Polytope {
         }
     }
 
-    /// Goes on at a face that is entered at the edge from a corner.
+    /// Continues at a face that was entered across the edge that starts at `corner`.
     fn look_beyond(&mut self, face: usize, corner: usize, w: Vec3) {
         let Face {
             corners,
@@ -461,7 +463,7 @@ impl Polytope {
             ..
         } = self.faces[face];
         let entry = corners[..2].iter().position(|c| *c == corner).unwrap_or(2);
-        // from 4.0 on, relative to the distance where that is above 1
+        // from 4.0 on, the tolerance is relative to distances above 1
         let least = match self.revision {
             Revision::V3_12 => MINVAL,
             Revision::V4_0 => f64::max(MINVAL * square.sqrt(), MINVAL),
@@ -482,7 +484,7 @@ impl Polytope {
 
 /// The rotation by 120 degrees about an axis.
 fn third_of_a_turn(axis: Vec3) -> Mat3 {
-    // as many digits as libmujoco has
+    // with libmujoco's number of digits
     const SIN: f64 = 0.866_025_403_78;
     const COS: f64 = -0.5;
     let length = norm(axis);
@@ -505,7 +507,7 @@ fn crosses(line: [Vec3; 2], triangle: [Vec3; 3]) -> bool {
     has_one_sign(&volumes_about(line, triangle))
 }
 
-/// The signed volumes of a line with each edge of a triangle.
+/// The signed volumes that a line spans with each edge of a triangle.
 fn volumes_about([a, b]: [Vec3; 2], triangle: [Vec3; 3]) -> [f64; 3] {
     let along = sub(b, a);
     let [p, q, r] = triangle.map(|corner| sub(corner, a));
@@ -521,7 +523,7 @@ fn mean([a, b, c, d, e]: [Vec3; 5]) -> Vec3 {
     scale(add(add(add(add(a, b), c), d), e), 0.2)
 }
 
-/// Whether a point is one of a triangle.
+/// Whether `p` is a point of the triangle, up to rounding.
 fn is_in_triangle(corners: [Vec3; 3], p: Vec3, revision: Revision) -> bool {
     let (weights, _) = weights_at(corners, p, revision);
     let [a, b, c] = corners;

@@ -2,8 +2,8 @@
 //! distance sub-algorithm of signed volumes (Montanari, Petrinic, Barbieri: Improving the GJK
 //! algorithm, ACM Transactions on Graphics 36, 2017).
 //!
-//! It repeats MuJoCo's `engine_collision_gjk` operation by operation: where sets touch, a last bit
-//! decides how often it iterates.
+//! It repeats MuJoCo's `engine_collision_gjk` operation by operation: if sets touch, the number of
+//! iterations depends on the last bit.
 
 use super::super::spatial::{MINVAL, Vec3, add_scaled, cross, dot, norm, scale, sub};
 use crate::Revision;
@@ -13,7 +13,7 @@ pub(super) const TOLERANCE: f64 = 1e-6;
 /// MuJoCo's `ccd_iterations`.
 pub(super) const ITERATIONS: usize = 35;
 
-/// Squares of lengths below this count as zero.
+/// Squared lengths below this count as zero.
 pub(super) const LEAST: f64 = MINVAL * MINVAL;
 
 /// Points of the two sets, and their difference.
@@ -22,7 +22,7 @@ pub(super) struct Vertex {
     pub(super) w1: Vec3,
     pub(super) w2: Vec3,
     pub(super) x: Vec3,
-    /// Whether the point of the second set, a cylinder, is on its lower end.
+    /// Whether `w2` is on the lower end of the cylinder, if the second set is a cylinder.
     pub(super) low: bool,
 }
 
@@ -39,15 +39,14 @@ impl Vertex {
 
 /// The result of the algorithm.
 pub(super) struct Found {
-    /// The distance; 0 where the sets overlap, [`f64::MAX`] where they are further apart than asked
-    /// about.
+    /// The distance; 0 if the sets overlap, [`f64::MAX`] if it exceeds `reach`.
     pub(super) distance: f64,
-    /// Nearest points, where the distance is neither of these.
+    /// The nearest points, if `distance` is neither 0 nor [`f64::MAX`].
     pub(super) nearest: [Vec3; 2],
     pub(super) simplex: [Vertex; 4],
-    /// The vertices of the simplex.
+    /// The number of vertices in `simplex`.
     pub(super) number: usize,
-    /// A plane separates the sets.
+    /// Whether a plane separates the sets.
     pub(super) separated: bool,
 }
 
@@ -63,11 +62,11 @@ impl Found {
     }
 }
 
-/// The distance of two sets, of which `support` gives the furthest points, of the first in a
-/// direction of length 1, of the second in the opposite one.
+/// The distance of two sets. For a direction of length 1, `support` returns the furthest point of
+/// the first set in that direction, and of the second in the opposite one.
 ///
-/// `centers` are points of the sets. From the distance `reach` on it does not matter; with 0, all
-/// that matters is whether they overlap.
+/// `centers` has a point of each set. The algorithm stops once the distance is known to exceed
+/// `reach`; with 0, it only decides whether the sets overlap.
 pub(super) fn distance(
     centers: [Vec3; 2],
     reach: f64,
@@ -80,12 +79,13 @@ pub(super) fn distance(
     }
 }
 
-/// The furthest point of the difference towards the origin from a point at some distance of it.
+/// The furthest point of the difference in the direction from `x`, at distance `length`, to the
+/// origin.
 fn toward_origin(x: Vec3, length: f64, support: &impl Fn(Vec3) -> Vertex) -> Vertex {
     support(scale(scale(x, 1.0 / length), -1.0))
 }
 
-/// Drops the vertices of a simplex without weight, and returns how many are left.
+/// Drops the vertices whose weight in `found` is zero, and returns how many are left.
 fn drop_vertices(simplex: &mut [Vertex; 4], weights: &mut [f64; 4], found: [f64; 4]) -> usize {
     let mut number = 0;
     for i in 0..4 {
@@ -97,8 +97,8 @@ fn drop_vertices(simplex: &mut [Vertex; 4], weights: &mut [f64; 4], found: [f64;
     number
 }
 
-/// Before 4.0: the nearest point is the weighted sum of the simplex, and where all that matters is
-/// whether the sets overlap, a tetrahedron looks for the origin by itself.
+/// Before 4.0: the nearest point is the weighted sum of the simplex. If only the overlap matters,
+/// [`contains_origin`] continues from a tetrahedron.
 fn distance_3_12(centers: [Vec3; 2], reach: f64, support: &impl Fn(Vec3) -> Vertex) -> Found {
     let (mut simplex, mut weights, mut number) = ([Vertex::default(); 4], [0.0; 4], 0);
     let mut nearest = centers;
@@ -169,8 +169,8 @@ fn distance_3_12(centers: [Vec3; 2], reach: f64, support: &impl Fn(Vec3) -> Vert
     }
 }
 
-/// From 4.0 on: the nearest point of a segment or triangle is the origin's projection, the least
-/// distance known so far ends the search, and a tetrahedron is left to the polytope.
+/// From 4.0 on: the nearest point of a segment or triangle is the origin's projection, the search
+/// ends by comparison with the least distance so far, and a tetrahedron is left to the polytope.
 fn distance_4_0(centers: [Vec3; 2], reach: f64, support: &impl Fn(Vec3) -> Vertex) -> Found {
     let (mut simplex, mut weights, mut number) = ([Vertex::default(); 4], [0.0; 4], 0);
     let least = if reach > 0.0 { MINVAL } else { TOLERANCE };
@@ -234,7 +234,7 @@ fn distance_4_0(centers: [Vec3; 2], reach: f64, support: &impl Fn(Vec3) -> Verte
     }
 }
 
-/// The origin projected onto the line through two points; `None` where these coincide.
+/// The origin projected onto the line through two points; `None` if the points coincide.
 fn project_on_line(a: Vec3, b: Vec3) -> Option<Vec3> {
     let along = sub(b, a);
     let square = dot(along, along);
@@ -251,9 +251,9 @@ fn combine(
     (1..number).fold(first, |sum, i| add_scaled(sum, of(&simplex[i]), weights[i]))
 }
 
-/// Whether the origin is within the difference of the sets, by exchanging the vertex of a
-/// tetrahedron that is opposite to the face which separates them most; `None` if that leads
-/// nowhere. MuJoCo's `gjkIntersect`.
+/// Whether the difference of the sets contains the origin: replaces the vertex of a tetrahedron
+/// opposite to the face that separates the most. `None` if this does not converge. MuJoCo's
+/// `gjkIntersect`.
 fn contains_origin(
     simplex: &mut [Vertex; 4],
     iteration: &mut usize,
@@ -282,15 +282,15 @@ fn contains_origin(
         if dot(normal, s[least].x) < 0.0 {
             return Some(false);
         }
-        // the next two change places, which turns the tetrahedron right side out again
+        // swapping the next two vertices restores the tetrahedron's orientation
         s.swap((least + 1) % 4, (least + 2) % 4);
         *iteration += 1;
     }
     None
 }
 
-/// How far a face is from the origin along its normal, and the normal; the largest number for a
-/// face without normal.
+/// The signed distance of a face from the origin along its normal, and the normal; [`f64::MAX`] for
+/// a face without a normal.
 fn signed_distance(a: &Vertex, b: &Vertex, c: &Vertex) -> (f64, Vec3) {
     const MOST: f64 = crate::physics::MAXVAL * crate::physics::MAXVAL;
     let normal = cross(sub(c.x, a.x), sub(b.x, a.x));
@@ -313,7 +313,7 @@ fn closest(s: &[Vec3], revision: Revision) -> [f64; 4] {
     }
 }
 
-/// Weights of some corners among all four.
+/// Expands the weights of `corners` to all four corners.
 fn spread<const N: usize>(weights: [f64; N], corners: [usize; N]) -> [f64; 4] {
     let mut all = [0.0; 4];
     for (weight, corner) in weights.into_iter().zip(corners) {
@@ -326,7 +326,8 @@ fn same_sign(a: f64, b: f64) -> bool {
     (a > 0.0 && b > 0.0) || (a < 0.0 && b < 0.0)
 }
 
-/// From 4.0 on, a place beyond the first end is that end; before, it counts as the second one.
+/// The weights of a segment's ends. A projection before the first end counts as that end from 4.0
+/// on, and as the second end before.
 fn segment(a: Vec3, b: Vec3, revision: Revision) -> [f64; 2] {
     let along = sub(b, a);
     if revision != Revision::V3_12 && dot(along, along) < LEAST {
@@ -349,8 +350,9 @@ fn segment(a: Vec3, b: Vec3, revision: Revision) -> [f64; 2] {
     }
 }
 
-/// The origin projected onto the plane of a triangle; `None` where that has no area. The normal is
-/// made at the corner where it has a part towards the origin.
+/// The origin projected onto the plane of a triangle; `None` if its area is zero. The normal is
+/// computed at a corner that the plane's distance allows to compute accurately: one whose position
+/// has a component along the normal.
 pub(super) fn project(a: Vec3, b: Vec3, c: Vec3, revision: Revision) -> Option<Vec3> {
     let (ba, ca, cb) = (sub(b, a), sub(c, a), sub(c, b));
     for (normal, corner) in [(cross(cb, ba), b), (cross(ba, ca), a)] {
@@ -368,12 +370,12 @@ pub(super) fn project(a: Vec3, b: Vec3, c: Vec3, revision: Revision) -> Option<V
     (!flat).then(|| scale(normal, dot(normal, c) / square))
 }
 
-/// The weights of a triangle's corners at a point of its plane, from the areas of the three parts
-/// about the point, on the two axes on which the triangle is largest; and which of them have the
-/// triangle's sign.
+/// The weights of a triangle's corners at a point of its plane, and which of them have the
+/// triangle's sign. They are computed from the areas of the three parts about the point, projected
+/// on the two axes where the triangle is largest.
 ///
-/// From 4.0 on, areas are those of edges and of corners relative to the point, and weights are
-/// shares of the parts' sum instead of the triangle.
+/// From 4.0 on, areas are computed from the corners relative to the point, and weights are shares
+/// of the sum of the parts instead of the triangle's area.
 pub(super) fn weights_at(
     [a, b, c]: [Vec3; 3],
     p: Vec3,
@@ -412,7 +414,8 @@ pub(super) fn weights_at(
     )
 }
 
-/// Where a triangle has no area, its first edge decides before 4.0, and all three from then on.
+/// The weights of a triangle's corners. If the area is zero, versions before 4.0 use the first
+/// edge, later ones all three edges.
 fn triangle(a: Vec3, b: Vec3, c: Vec3, revision: Revision) -> [f64; 3] {
     let inside = match (project(a, b, c, revision), revision) {
         (Some(origin), _) => {
@@ -446,7 +449,7 @@ fn triangle(a: Vec3, b: Vec3, c: Vec3, revision: Revision) -> [f64; 3] {
 
 fn tetrahedron([a, b, c, d]: [Vec3; 4], revision: Revision) -> [f64; 4] {
     let volume = |p: Vec3, q: Vec3, r: Vec3| dot(p, cross(q, r));
-    // the volumes of the origin with each face, with the sign of the whole for the inside
+    // the volumes of the origin with each face; inside, all have the sign of their sum
     let parts = [
         -volume(b, c, d),
         volume(a, c, d),

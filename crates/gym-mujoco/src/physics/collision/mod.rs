@@ -1,7 +1,7 @@
 //! Which geoms touch, and where.
 //!
-//! All pairs that can ever touch are known from the model, in the order of their contacts. A test
-//! of bounding spheres drops most of them; it never changes the result.
+//! The model lists all pairs that can ever touch, in the order of their contacts. A test of
+//! bounding spheres skips most of them; it never changes the result.
 
 mod bounds;
 mod box_box;
@@ -36,14 +36,14 @@ impl Shape<'_> {
     }
 }
 
-/// Where two geoms touch.
+/// A contact point of two geoms.
 #[derive(Clone, Copy, Default)]
 struct Hit {
     dist: f64,
     pos: Vec3,
     /// From the first geom to the second.
     normal: Vec3,
-    /// A direction that the first tangent should have; zero for none.
+    /// The preferred direction of the first tangent; zero for none.
     tangent: Vec3,
 }
 
@@ -69,8 +69,8 @@ pub fn collision(m: &Model, d: &mut Data) {
     }
 }
 
-/// Adds the contacts of a pair of geoms that are near, given the geoms' frames, and the inertial
-/// frames of bodies.
+/// Adds the contacts of a pair of geoms that are near. The caller gives the frames of the geoms,
+/// and the inertial frames of bodies.
 pub(in crate::physics) fn touch(
     m: &Model,
     index: usize,
@@ -149,7 +149,7 @@ pub(in crate::physics) fn touch(
     }
 }
 
-/// Whether the bounding spheres, or a plane and a bounding sphere, are too far apart to touch.
+/// Whether two bounding spheres, or a plane and a bounding sphere, are too far apart to touch.
 #[inline]
 fn out_of_reach(d: &Data, reach: &Reach) -> bool {
     let [g1, g2] = reach.geom;
@@ -168,7 +168,7 @@ fn contact(pair: &Pair, index: usize, hit: &Hit) -> Contact {
     contact_at(pair, index, hit.dist, hit.pos, frame)
 }
 
-/// A contact without rows.
+/// A contact whose rows are not built yet.
 #[inline]
 pub(super) fn contact_at(pair: &Pair, index: usize, dist: f64, pos: Vec3, frame: Mat3) -> Contact {
     Contact {
@@ -187,8 +187,8 @@ pub(super) fn contact_at(pair: &Pair, index: usize, dist: f64, pos: Vec3, frame:
     }
 }
 
-/// Rows of a frame: the normal, a tangent near the one given or else near y or z, and their
-/// product: MuJoCo's `mju_makeFrame`.
+/// A contact frame by rows: the normal, a tangent, and their product: MuJoCo's `mju_makeFrame`. The
+/// tangent is `tangent` made orthogonal to the normal, or near y or z if `tangent` is zero.
 #[inline(always)]
 pub(super) fn frame<N: Number>(place: N::Place, normal: [N; 3], tangent: [N; 3]) -> [N; 9] {
     let (x, _) = unit(place, normal);
@@ -212,7 +212,7 @@ pub(super) fn frame<N: Number>(place: N::Place, normal: [N; 3], tangent: [N; 3])
     [x[0], x[1], x[2], y[0], y[1], y[2], z[0], z[1], z[2]]
 }
 
-/// Two spheres, given by centres and radii: where the centres coincide, `axes` give the normal.
+/// The contact of two spheres. If the centres coincide, `axes` give the normal.
 #[inline]
 fn spheres(c1: Vec3, r1: f64, c2: Vec3, r2: f64, axes: (Vec3, Vec3), margin: f64) -> Option<Hit> {
     let between = sub(c2, c1);

@@ -7,7 +7,7 @@ use super::Shape;
 use super::convex::Touch;
 use super::epa::Polytope;
 
-/// The end counts as a polygon with as many sides.
+/// The number of sides of the polygon that stands for the end.
 const SIDES: usize = 16;
 
 /// The cosines of the polygon's corners, with as many digits as libmujoco has.
@@ -34,11 +34,11 @@ const COSINES: [f64; SIDES] = [
     0.923879532511287,
 ];
 
-/// The greatest sine of the angle between the capsule's axis and the end.
+/// The greatest sine of the angle between the capsule's axis and the plane of the end.
 const SLOPE: f64 = 0.0888;
 
-/// The points of the capsule's axis above the end on which it lies, at most two; `None` where it
-/// does not lie on an end, or no point is above it.
+/// The part of the capsule's axis above the end on which it lies, by its end points, at most two.
+/// `None` if it lies on no end, or no point is above it.
 pub(super) fn line(
     capsule: Shape<'_>,
     cylinder: Shape<'_>,
@@ -95,7 +95,7 @@ pub(super) fn line(
     }))
 }
 
-/// Cuts a closed line of points by a plane and keeps what is on its normal's side.
+/// Cuts a closed line of points by a plane, and keeps the part on its normal's side.
 fn cut_by_side(line: &[Vec3], corner: Vec3, normal: Vec3, kept: &mut Vec<Vec3>) {
     kept.clear();
     for (i, &p) in line.iter().enumerate() {
@@ -114,7 +114,7 @@ fn cut_by_side(line: &[Vec3], corner: Vec3, normal: Vec3, kept: &mut Vec<Vec3>) 
     }
 }
 
-/// The two points that are furthest apart, of several.
+/// The two points of `points` that are furthest apart.
 fn furthest_apart(points: &[Vec3]) -> [Vec3; 2] {
     let (mut best, mut most) = ([points[0], points[1]], f64::NEG_INFINITY);
     for (i, &p) in points.iter().enumerate() {

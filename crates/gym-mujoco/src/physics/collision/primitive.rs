@@ -7,7 +7,7 @@ use super::super::spatial::{
 use super::{Hit, Shape, spheres};
 use crate::Revision;
 
-/// How far a sphere of some centre and radius is from a plane, and where they touch.
+/// The distance of a sphere from a plane, and their contact point.
 #[inline(always)]
 pub(in crate::physics) fn above_plane<N: Number>(
     (origin, normal): ([N; 3], [N; 3]),
@@ -20,7 +20,7 @@ pub(in crate::physics) fn above_plane<N: Number>(
     (dist, pos)
 }
 
-/// A plane and a sphere of some centre and radius.
+/// The contact of a plane and a sphere.
 fn plane_point(
     plane: Shape<'_>,
     centre: Vec3,
@@ -49,7 +49,8 @@ pub(super) fn plane_sphere(
     }
 }
 
-/// The ends of the capsule as spheres, first the one at +z; the tangent is the capsule's axis.
+/// Contacts of the capsule's ends as spheres, first the end at +z; the tangent is the capsule's
+/// axis.
 pub(super) fn plane_capsule(
     plane: Shape<'_>,
     capsule: Shape<'_>,
@@ -70,8 +71,8 @@ pub(super) fn plane_capsule(
     }
 }
 
-/// The lowest point of the rim nearest to the plane, the one opposite on the other rim, and two
-/// more of the nearest rim, so that a cylinder can stand.
+/// Contacts at the lowest point of the nearer rim, at the opposite point of the other rim, and at
+/// two more points of the nearer rim, so that a cylinder can stand.
 pub(super) fn plane_cylinder(
     plane: Shape<'_>,
     cylinder: Shape<'_>,
@@ -155,8 +156,8 @@ pub(super) fn sphere_capsule(
     }
 }
 
-/// The nearest points of the two segments as spheres; for parallel segments up to two pairs of
-/// them: the revision's routine.
+/// Contacts of the segments' nearest points as spheres; parallel segments have up to two. Each
+/// revision has a routine of its own.
 pub(super) fn capsule_capsule(
     a: Shape<'_>,
     b: Shape<'_>,
@@ -174,7 +175,8 @@ pub(super) fn capsule_capsule(
     }
 }
 
-/// Places on the segments as shares of the way from the centres to the ends.
+/// Finds the nearest points as positions from the centres (0) to the ends (1 and -1) of the
+/// segments.
 fn segments_about_centres(a: Shape<'_>, b: Shape<'_>, test: &mut impl FnMut(Vec3, Vec3) -> bool) {
     let (a1, a2) = (scale(a.axis(), a.size[1]), scale(b.axis(), b.size[1]));
     let between = sub(a.pos, b.pos);
@@ -209,8 +211,8 @@ fn segments_about_centres(a: Shape<'_>, b: Shape<'_>, test: &mut impl FnMut(Vec3
     }
 }
 
-/// Places on the segments as shares of the way between their ends, from 3.17 on. Nearly parallel
-/// segments touch at the places that are nearest to the ends of the first one.
+/// Finds the nearest points as positions between the ends of the segments, from 3.17 on. Segments
+/// that are almost parallel touch at the points nearest to the ends of the first one.
 fn segments_between_ends(a: Shape<'_>, b: Shape<'_>, test: &mut impl FnMut(Vec3, Vec3) -> bool) {
     /// The square of the sine of the angle between segments that count as parallel.
     const PARALLEL: f64 = 1e-8;
@@ -224,7 +226,8 @@ fn segments_between_ends(a: Shape<'_>, b: Shape<'_>, test: &mut impl FnMut(Vec3,
     let (f, c, both) = (dot(d2, between), dot(d1, between), dot(d1, d2));
     let share = |x: f64| x.clamp(0.0, 1.0);
     let (to_start, to_end) = (-c / square1, (both - c) / square1);
-    // a place beyond an end of the second segment is that end, and the first one's is the nearest
+    // a position beyond an end of the second segment is moved to that end, and the first one
+    // recomputed
     let mut test = |s: f64, t: f64| {
         let (s, t) = if t < 0.0 {
             (share(to_start), 0.0)

@@ -9,11 +9,11 @@ use crate::libm::wide;
 use crate::physics::solver::forces_of_one_tree;
 use crate::{Data, Model};
 
-/// The solver of one world.
+/// The Gauss-Seidel solver of one world, called for each world in turn.
 #[derive(Clone, Debug)]
 pub(super) struct Alone {
     data: Box<Data>,
-    /// The forces of the rows of all worlds.
+    /// The forces of the constraint rows, for all worlds.
     pub(super) force: Vec<Row>,
 }
 
@@ -25,7 +25,7 @@ impl Alone {
         }
     }
 
-    /// `qacc` and `qfrc_constraint` of the worlds in a register.
+    /// Computes `qacc` and `qfrc_constraint` for the worlds in the register at `at`.
     pub(super) fn solve<S: Simd>(&mut self, m: &Model, at: Place<S>, a: &mut Arrays, rows: &Rows) {
         let (simd, first) = at;
         if self.force.len() < rows.used {
@@ -57,7 +57,7 @@ impl Alone {
         );
     }
 
-    /// The forces of a world's rows, and `qfrc_constraint`.
+    /// Computes the row forces and `qfrc_constraint` of world `world`.
     fn forces(&mut self, m: &Model, a: &mut Arrays, rows: &Rows, world: usize) {
         let (d, nv, count) = (&mut *self.data, m.nv(), rows.count[world]);
         for i in 0..nv {

@@ -1,4 +1,4 @@
-//! What a step of an environment is, and what its worlds leave behind beside the state.
+//! The step of an environment whose worlds step together, and the arrays that it reads afterwards.
 
 use super::{Arrays, Row, drives};
 use crate::{Data, Model};
@@ -6,17 +6,17 @@ use crate::{Data, Model};
 /// A step of an environment whose worlds step together.
 #[derive(Clone, Debug)]
 pub struct Stride {
-    /// The number of the model's timesteps.
+    /// The number of timesteps per step of the environment.
     pub steps: usize,
-    /// Whether a [`step1`](crate::step1) follows the timesteps: frames and sensors then belong to
-    /// the new state.
+    /// Whether the environment calls [`step1`](crate::step1) after the timesteps. Frames and
+    /// sensors then belong to the new state.
     pub settles: bool,
     /// The derived arrays that the environment reads after a step.
     pub reads: Vec<Derived>,
 }
 
 impl Stride {
-    /// The number of `sensordata`'s first numbers that are read.
+    /// How many numbers at the front of `sensordata` the environment reads.
     pub(super) fn sensors(&self) -> usize {
         let numbers = self.reads.iter().map(|array| match array {
             Derived::Sensors(numbers) => *numbers,
@@ -50,7 +50,7 @@ pub enum Derived {
     QfrcActuator,
     /// [`Data::qfrc_constraint`].
     QfrcConstraint,
-    /// [`Data::cfrc_ext`], where contact forces are computed after a step.
+    /// [`Data::cfrc_ext`], for tasks that compute contact forces after a step.
     CfrcExt,
     /// [`Data::ten_length`].
     TenLength,
@@ -61,7 +61,7 @@ pub enum Derived {
 }
 
 impl Derived {
-    /// The number of its elements.
+    /// The number of elements of the array.
     pub(super) fn len(self, m: &Model) -> usize {
         match self {
             Self::Xpos | Self::Xipos => 3 * m.nbody(),
@@ -115,7 +115,7 @@ impl Derived {
         }
     }
 
-    /// Whether worlds that step together have this array of a model.
+    /// Whether worlds that step together compute this array for the model.
     pub(crate) fn is_known(self, m: &Model) -> bool {
         match self {
             Self::TenLength | Self::TenVelocity => drives::shows(m),

@@ -1,5 +1,5 @@
-//! Forces of actuators and springs that follow from positions: servos, and springs of tendons that
-//! are sums of joints' positions.
+//! Actuator forces and tendon springs that depend on positions: servos, and springs of fixed
+//! tendons.
 
 use fearless_simd::Simd;
 use gym_core::math::{Lanes, Real};
@@ -8,8 +8,8 @@ use super::{Arrays, Place, load, same, store};
 use crate::Model;
 use crate::model::TransmissionType;
 
-/// Where a part of a tendon is: the position and the degree of freedom of its joint, and its
-/// coefficient.
+/// For each joint of a fixed tendon: the index of its position, the index of its degree of freedom,
+/// and its coefficient.
 fn parts(m: &Model, tendon: usize) -> impl Iterator<Item = (usize, usize, f64)> {
     let first = m.tendon_adr[tendon];
     (first..first + m.tendon_num[tendon]).map(|w| {
@@ -18,7 +18,7 @@ fn parts(m: &Model, tendon: usize) -> impl Iterator<Item = (usize, usize, f64)> 
     })
 }
 
-/// Whether the springs of tendons are among those that worlds compute together.
+/// Whether worlds that step together can compute the tendon springs of the model.
 pub(super) fn fit(m: &Model) -> bool {
     let paths = &m.plan().paths;
     let still = |dof: usize| m.jnt_stiffness[m.dof_jntid[dof]] == 0.0;
@@ -31,14 +31,15 @@ pub(super) fn fit(m: &Model) -> bool {
     })
 }
 
-/// Whether worlds know lengths and velocities of the tendons: of sums of up to three joints'
-/// positions.
+/// Whether worlds that step together compute tendon lengths and velocities: all tendons are fixed,
+/// with at most three joints each.
 pub(super) fn shows(m: &Model) -> bool {
     let paths = &m.plan().paths;
     paths.fixed.iter().all(|&fixed| fixed) && paths.rows.iter().all(|row| row.len() < 4)
 }
 
-/// The number of inputs of actuators whose forces follow from positions too.
+/// The number of controls that a world stores: none if every actuator force follows from its
+/// control alone.
 pub(super) fn inputs(m: &Model) -> usize {
     if m.plan().steady { 0 } else { m.nu() }
 }
@@ -53,7 +54,7 @@ impl Arrays {
         length
     }
 
-    /// Lengths and velocities of the tendons.
+    /// Computes the lengths and velocities of the tendons.
     #[inline(always)]
     pub(super) fn tendons<S: Simd>(&mut self, m: &Model, at: Place<S>) {
         let paths = &m.plan().paths;
@@ -70,8 +71,8 @@ impl Arrays {
         }
     }
 
-    /// Forces of actuators, from inputs and positions. Forces of zero may be added: sums that begin
-    /// with zero are never -0.
+    /// Computes actuator forces from controls and positions. Adding a force of zero is safe: a sum
+    /// that starts with zero is never -0.
     #[inline(always)]
     pub(super) fn actuate<S: Simd>(&mut self, m: &Model, at: Place<S>) {
         for force in &mut self.qfrc_actuator {
@@ -104,7 +105,7 @@ impl Arrays {
         }
     }
 
-    /// Adds the springs of tendons.
+    /// Adds the spring forces of tendons.
     #[inline(always)]
     pub(super) fn pull<S: Simd>(&mut self, m: &Model, at: Place<S>) {
         for &(tendon, stiffness, _) in &m.plan().paths.elastic {

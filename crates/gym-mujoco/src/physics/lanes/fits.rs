@@ -1,4 +1,4 @@
-//! Which models and processors let several worlds step together.
+//! Which models and processors can step several worlds together.
 
 use fearless_simd::Level;
 
@@ -6,8 +6,8 @@ use super::{Stride, drives, sensors};
 use crate::Model;
 use crate::model::{Integrator, JointType, Solver};
 
-/// The number of worlds that a CPU's registers hold; none where it has no fused multiply-add or
-/// registers of two.
+/// The number of worlds that a vector register holds. `None` if the CPU has no fused multiply-add,
+/// or its registers hold fewer than four numbers.
 pub(crate) fn width(level: Level) -> Option<usize> {
     #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
     {
@@ -22,9 +22,9 @@ pub(crate) fn width(level: Level) -> Option<usize> {
     None
 }
 
-/// Whether the stages for several worlds have all that a model needs: one tree of slides and
-/// hinges, perhaps on a free joint, with motors or servos of joints and fixed tendons, limits and
-/// contacts with pyramids.
+/// Whether worlds of this model can step together. The lane stages support one tree of slides and
+/// hinges, optionally on a free joint, motors and servos on joints and fixed tendons, limits, and
+/// contacts with pyramidal cones.
 pub(crate) fn fits(m: &Model, stride: &Stride) -> bool {
     let plan = m.plan();
     let joints = (0..m.njnt()).all(|j| match m.jnt_type[j] {

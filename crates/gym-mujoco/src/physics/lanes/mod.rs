@@ -1,8 +1,8 @@
 //! Worlds of one model side by side, one in each lane of vector registers.
 //!
-//! The smooth stages run for all worlds at once, and each world has the bits that it has alone.
-//! Every function called under `vectorize` is `#[inline(always)]`: otherwise it is compiled without
-//! the CPU's vector instructions.
+//! The smooth stages run for all worlds at once. Each world gets the same bits as when it steps
+//! alone. Every function called under `vectorize` is `#[inline(always)]`: otherwise it is compiled
+//! without the CPU's vector instructions.
 
 #![expect(
     clippy::needless_range_loop,
@@ -34,10 +34,10 @@ use super::post_constraint::push_apart;
 use crate::Model;
 use crate::model::{Integrator, Solver};
 
-/// The most worlds that are stepped at once.
+/// The largest number of worlds that are stepped at once.
 pub(crate) const WORLDS: usize = 8;
 
-/// A number of each world.
+/// One number for each world.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(crate) struct Row(pub(crate) [f64; WORLDS]);
@@ -52,7 +52,7 @@ impl Default for Row {
     }
 }
 
-/// The worlds in a register: as many as it has lanes, from the second one on.
+/// A vector register of worlds: the SIMD token, and the index of its first world.
 type Place<S> = (S, usize);
 
 impl<S: Simd> Number for Lanes<S> {
@@ -124,10 +124,10 @@ impl<S: Simd> Number for Lanes<S> {
     }
 }
 
-/// The numbers of the worlds in a register.
+/// Loads the numbers of the worlds in the register at `place`.
 #[inline(always)]
 fn load<S: Simd>((simd, at): Place<S>, row: &Row) -> Lanes<S> {
-    // always within the row, so that no test is needed
+    // the mask keeps `at` within the row, so the compiler drops the bounds check
     let at = at & (WORLDS - <Lanes<S> as Real>::LANES);
     <Lanes<S> as Real>::get(simd, &row.0[at..at + <Lanes<S> as Real>::LANES])
 }
@@ -146,7 +146,7 @@ fn same<S: Simd>((simd, _): Place<S>, x: f64) -> Lanes<S> {
 /// The arrays of the stages, as in [`Data`](crate::Data).
 macro_rules! arrays {
     ($($name:ident: $type:ty = ($zero:expr, $length:expr),)+) => {
-        /// The worlds' arrays, as in [`Data`](crate::Data).
+        /// The arrays of all worlds, named as in [`Data`](crate::Data).
         #[derive(Clone, Debug, Default)]
         pub(crate) struct Arrays {
             $(pub(crate) $name: Vec<$type>,)+
@@ -207,9 +207,9 @@ arrays! {
     ten_length: Row = (Row::ZERO, |m| if drives::shows(m) { m.ntendon() } else { 0 }),
     ten_velocity: Row = (Row::ZERO, |m| if drives::shows(m) { m.ntendon() } else { 0 }),
     sensordata: Row = (Row::ZERO, |m| m.nsensordata()),
-    // of actuators whose forces follow from positions too
+    // controls of actuators whose forces also follow from positions
     input: Row = (Row::ZERO, |m| drives::inputs(m)),
-    // of the integrators
+    // buffers of the integrators
     acc_sum: Row = (Row::ZERO, |m| m.nv()),
     vel_sum: Row = (Row::ZERO, |m| m.nv()),
     rates: Row = (Row::ZERO, |m| m.nv()),
@@ -228,45 +228,47 @@ const IDENTITY: [Row; 9] = [
     ONE,
 ];
 
-/// Some worlds of a model.
+/// Up to [`WORLDS`] worlds of one model, and the buffers of their stages.
 #[derive(Clone, Debug)]
 pub(crate) struct Worlds {
     arrays: Arrays,
     rows: Rows,
     newton: Newton,
-    /// For projected Gauss-Seidel.
+    /// The solver of models that use projected Gauss-Seidel.
     alone: Option<Alone>,
-    /// Whether the frames of the new state are needed after a step, and how many of the sensors'
-    /// numbers.
+    /// Whether a step ends with the frames of the new state, and how many numbers of `sensordata`
+    /// it computes.
     settles: bool,
     sensors: usize,
-    /// A buffer: forces of contacts on the bodies of a world.
+    /// Whether the task reads frames of geoms or sites.
+    shows: bool,
+    /// A buffer: the contact forces on the bodies of one world.
     cfrc_ext: Vec<[f64; 6]>,
-    /// The bits of the worlds that diverged.
+    /// A bit for each world: set if the world diverged.
     diverged: u64,
 }
 
-/// The numbers of a world's state: `qpos`, `qvel` and `qacc_warmstart`.
+/// The length of a world's state: `qpos`, `qvel` and `qacc_warmstart`.
 pub(crate) fn state_len(m: &Model) -> usize {
     m.nq() + 2 * m.nv()
 }
 
-/// The numbers that a world brings, and those that it takes away: its state, the forces of its
-/// actuators, the poses of mocap bodies and the actuators' inputs; its state, the one at the start
-/// of the last step, and the derived arrays that its task reads.
+/// The length of a world's record, which holds the input of a step before it and the output
+/// afterwards. Input: state, actuator forces, poses of mocap bodies, controls. Output: state, the
+/// state at the start of the last timestep, and the derived arrays that the task reads.
 pub(crate) fn record_len(m: &Model, reads: &[Derived]) -> usize {
     let derived: usize = reads.iter().map(|array| array.len(m)).sum();
     let brings = state_len(m) + m.nv() + 7 * m.nmocap() + drives::inputs(m);
     brings.max(2 * state_len(m) + derived)
 }
 
-/// The most numbers that data keeps of a step that was taken ahead: the last is a time.
+/// The largest record of a precomputed step that `Data` keeps; the last number is a time.
 pub(crate) fn most_len(m: &Model) -> usize {
     record_len(m, &Derived::ALL) + 2 * m.ntendon() + m.nsensordata() + 1
 }
 
 impl Worlds {
-    /// Worlds that take such steps.
+    /// Allocates worlds that take steps of the kind `stride`.
     pub(crate) fn new(m: &Model, stride: &Stride) -> Self {
         let sensors = stride.sensors();
         let keeps = stride.reads.contains(&Derived::CfrcExt) || sensors::touch(m, sensors);
@@ -275,6 +277,12 @@ impl Worlds {
             rows: Rows::new(m, keeps),
             settles: stride.settles,
             sensors,
+            shows: stride.reads.iter().any(|array| {
+                matches!(
+                    array,
+                    Derived::GeomXpos | Derived::GeomXmat | Derived::SiteXpos
+                )
+            }),
             newton: Newton::new(m),
             alone: (m.opt.solver == Solver::PGS).then(|| Alone::new(m)),
             cfrc_ext: vec![[0.0; 6]; m.nbody()],
@@ -282,7 +290,7 @@ impl Worlds {
         }
     }
 
-    /// Takes what a world brings.
+    /// Reads the input of world `world` from `record`.
     pub(crate) fn gather(&mut self, world: usize, record: &[f64]) {
         let a = &mut self.arrays;
         let rows = [&mut a.qpos, &mut a.qvel, &mut a.warm, &mut a.qfrc_actuator];
@@ -297,7 +305,7 @@ impl Worlds {
         }
     }
 
-    /// Gives the state of a world, and that at the start of the last step. False if it diverged.
+    /// Writes the output of world `world` to `record`. Returns false if the world diverged.
     pub(crate) fn scatter(
         &mut self,
         m: &Model,
@@ -321,12 +329,12 @@ impl Worlds {
         self.diverged >> world & 1 == 0
     }
 
-    /// The number of rows that a world had last.
+    /// The number of constraint rows of a world in its last timestep.
     pub(crate) fn rows(&self, world: usize) -> usize {
         self.rows.count[world]
     }
 
-    /// The forces of the rows.
+    /// The forces of the constraint rows, from the solver in use.
     fn forces_of_rows(&self) -> &[Row] {
         match &self.alone {
             Some(alone) => &alone.force,
@@ -334,7 +342,7 @@ impl Worlds {
         }
     }
 
-    /// The forces of a world's contacts on its bodies.
+    /// Computes `cfrc_ext` of world `world` from its contacts.
     fn contact_forces(&mut self, m: &Model, world: usize) {
         let mut forces = std::mem::take(&mut self.cfrc_ext);
         let (a, forces_of_rows) = (&self.arrays, self.forces_of_rows());
@@ -359,8 +367,8 @@ impl Worlds {
         self.cfrc_ext = forces;
     }
 
-    /// Takes `steps` steps with the first `len` worlds, which were [gathered](Self::gather). False
-    /// where the CPU's registers are too short.
+    /// Advances the first `len` worlds, which were [gathered](Self::gather), by `steps` timesteps.
+    /// Returns false if the CPU's registers are too short.
     pub(crate) fn step(&mut self, m: &Model, level: Level, len: usize, steps: usize) -> bool {
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
         {
@@ -382,7 +390,7 @@ impl Worlds {
         self.diverged = 0;
         for first in (0..len).step_by(lanes) {
             let (at, live) = ((simd, first), u64::MAX >> (64 - (len - first).min(lanes)));
-            // the lanes without a world have the numbers of the last one
+            // lanes without a world repeat the last world
             for world in len..first + lanes {
                 let a = &mut self.arrays;
                 let rows = [&mut a.qpos, &mut a.qvel, &mut a.warm, &mut a.qfrc_actuator];
@@ -390,8 +398,11 @@ impl Worlds {
                     row.0[world] = row.0[len - 1];
                 }
             }
-            for _ in 0..steps {
-                self.one_step(m, at, live);
+            for step in 1..=steps {
+                // the task reads the frames of the last timestep, unless `settle` computes those of
+                // the new state
+                let whole = self.shows && !self.settles && step == steps;
+                self.one_step(m, at, live, whole);
             }
             simd.vectorize(
                 #[inline(always)]
@@ -409,14 +420,16 @@ impl Worlds {
         }
     }
 
-    /// One step of the worlds in a register.
-    fn one_step<S: Simd>(&mut self, m: &Model, at: Place<S>, live: u64) {
+    /// Advances the worlds in the register by one timestep. If `whole` is false, frames that no
+    /// stage reads keep their old values.
+    fn one_step<S: Simd>(&mut self, m: &Model, at: Place<S>, live: u64, whole: bool) {
         let simd = at.0;
         simd.vectorize(
             #[inline(always)]
             || self.begin(m, at),
         );
-        self.evaluate(m, at, live);
+        let in_stages = m.opt.integrator == Integrator::RK4;
+        self.evaluate(m, at, live, whole && !in_stages);
         simd.vectorize(
             #[inline(always)]
             || {
@@ -424,14 +437,14 @@ impl Worlds {
                 self.diverged |= bad << at.1;
             },
         );
-        if m.opt.integrator == Integrator::RK4 {
+        if in_stages {
             for stage in 0..4 {
                 simd.vectorize(
                     #[inline(always)]
                     || self.stage(m, at, stage),
                 );
                 if PARTS[stage] > 0.0 {
-                    self.evaluate(m, at, live);
+                    self.evaluate(m, at, live, whole && stage == 2);
                 }
             }
         }
@@ -441,7 +454,7 @@ impl Worlds {
         );
     }
 
-    /// Keeps the state, and replaces that of worlds that diverged.
+    /// Stores the state at the start of the timestep, and resets worlds that diverged.
     #[inline(always)]
     fn begin<S: Simd>(&mut self, m: &Model, at: Place<S>) {
         let a = &mut self.arrays;
@@ -460,12 +473,12 @@ impl Worlds {
         copy(at, &a.warm, &mut a.warm_before);
     }
 
-    /// All stages of a forward call.
-    fn evaluate<S: Simd>(&mut self, m: &Model, at: Place<S>, live: u64) {
+    /// Runs all stages of a forward call.
+    fn evaluate<S: Simd>(&mut self, m: &Model, at: Place<S>, live: u64, whole: bool) {
         let simd = at.0;
         simd.vectorize(
             #[inline(always)]
-            || self.arrays.positions(m, at),
+            || self.arrays.positions(m, at, whole),
         );
         simd.vectorize(
             #[inline(always)]
@@ -508,8 +521,8 @@ impl Worlds {
         }
     }
 
-    /// A stage of Runge and Kutta's method: adds the rates of the last evaluation, and moves to the
-    /// next one.
+    /// Runs a stage of the Runge-Kutta method: adds the rates of the last evaluation to the sums,
+    /// and moves to the next stage.
     #[inline(always)]
     fn stage<S: Simd>(&mut self, m: &Model, at: Place<S>, stage: usize) {
         let a = &mut self.arrays;
@@ -546,8 +559,8 @@ impl Worlds {
         }
     }
 
-    /// Velocities, then positions, of Euler's method, or of Runge and Kutta's once all stages are
-    /// added.
+    /// Integrates velocities, then positions: with Euler's method, or with the sums of all
+    /// Runge-Kutta stages.
     #[inline(always)]
     fn integrate<S: Simd>(&mut self, m: &Model, at: Place<S>) {
         let a = &mut self.arrays;
@@ -565,7 +578,7 @@ impl Worlds {
         }
         let start = if runge_kutta { &a.qvel_before } else { &a.qvel };
         for i in 0..m.nv() {
-            // `qvel_before` is `qvel` in Euler's method
+            // in Euler's method `qvel_before` equals `qvel`
             let moved = load::<S>(at, &start[i]) + load::<S>(at, &a.acc_sum[i]) * dt;
             store(at, &mut a.rates[i], moved);
         }
@@ -576,8 +589,8 @@ impl Worlds {
     }
 }
 
-/// The bits of the worlds, from the first one in the register on, with a number that is not finite
-/// or beyond what a simulation reaches.
+/// A bit for each world in the register, lowest first: set if one of its `numbers` is not finite or
+/// exceeds `MAXVAL`.
 #[inline(always)]
 fn beyond<S: Simd>(at: Place<S>, numbers: &[Row]) -> u64 {
     let most = same::<S>(at, MAXVAL);
@@ -588,7 +601,7 @@ fn beyond<S: Simd>(at: Place<S>, numbers: &[Row]) -> u64 {
     !Lanes::<S>::bits(good) & (u64::MAX >> (64 - <Lanes<S> as Real>::LANES))
 }
 
-/// Copies the worlds in a register.
+/// Copies the numbers of the worlds in the register.
 #[inline(always)]
 fn copy<S: Simd>(at: Place<S>, from: &[Row], to: &mut [Row]) {
     for (to, from) in to.iter_mut().zip(from) {

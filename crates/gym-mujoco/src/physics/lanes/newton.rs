@@ -1,8 +1,8 @@
-//! Newton's method on several worlds at once: [`newton`](crate::physics::solver::newton), for rows
-//! that push, with one island.
+//! Newton's method for several worlds at once: [`newton`](crate::physics::solver::newton), for
+//! models with one tree whose rows only push (limits, pyramidal contacts).
 //!
-//! All worlds begin together. One that is done keeps its accelerations; what follows from them is
-//! computed again, with the same result.
+//! All worlds iterate together. A world that has converged keeps its accelerations; the quantities
+//! derived from them are recomputed with the same result.
 
 mod search;
 
@@ -33,23 +33,25 @@ pub(super) struct Newton {
     jar: Vec<Row>,
     jv: Vec<Row>,
     force: Vec<Row>,
-    /// 1 for rows that push, else 0.
+    /// 1 for each row that pushes, 0 for the others.
     pushes: Vec<Row>,
-    /// The costs of the rows along the search direction: by powers of the length, and at the start.
+    /// The cost of each row along the search direction: three coefficients of the polynomial in the
+    /// step length, then the cost at the start.
     costs: Vec<[Row; 4]>,
     hessian: Vec<Row>,
-    /// The same for worlds that make it anew.
+    /// The Hessians of worlds whose factor is rebuilt.
     again: Vec<Row>,
-    /// The Jacobians of rows that push, times their stiffness, and which rows they are.
+    /// The Jacobians of the rows that push, times the stiffness of each row; `pushing` has the
+    /// indices of these rows.
     pushed: Vec<Row>,
     pushing: Vec<usize>,
-    /// Rows that began or ceased to push, by world.
+    /// For each world: the rows that began or ceased to push.
     changed: [Vec<usize>; WORLDS],
     line: Vec<line_search::Row>,
 }
 
-/// Runs a block for the elements from `$first` to `$n`: for `$K` of them, four as long as there are
-/// as many.
+/// Runs `$block` for the elements from `$first` to `$n` in groups of four; the last group may be
+/// smaller. `$K` is the size of the group.
 macro_rules! by_four {
     ($n:expr, $first:ident, $K:ident => $block:block) => {
         while $first < $n {
@@ -76,7 +78,7 @@ macro_rules! by_four {
     };
 }
 
-/// The sums of vectors, from element `first` on, each times its factor.
+/// Elements `first..first + K` of a sum of vectors, each times its factor.
 #[inline(always)]
 fn sums<'a, S: Simd, const K: usize>(
     at: Place<S>,
@@ -96,7 +98,7 @@ fn sums<'a, S: Simd, const K: usize>(
     sums
 }
 
-/// The first and second half of a step's search: lengths and gains.
+/// The results of a line search: the step lengths, and the improvements of the cost.
 type Found = [Row; 2];
 
 impl Newton {
@@ -130,12 +132,12 @@ impl Newton {
         }
     }
 
-    /// The forces of the rows.
+    /// The forces of the constraint rows.
     pub(super) fn forces(&self) -> &[Row] {
         &self.force
     }
 
-    /// `qacc` and `qfrc_constraint` of all worlds with rows.
+    /// Computes `qacc` and `qfrc_constraint` of all worlds that have rows.
     #[inline(always)]
     pub(super) fn solve<S: Simd>(
         &mut self,
@@ -170,11 +172,12 @@ impl Newton {
         );
     }
 
-    /// Starts where the last step ended, unless that is worse than without constraints.
+    /// Starts at the last step's accelerations, or at those without constraints if their cost is
+    /// lower.
     #[inline(always)]
     fn start<S: Simd>(&mut self, m: &Model, at: Place<S>, a: &Arrays, rows: &Rows) {
         let (n, zero) = (m.nv(), same::<S>(at, 0.0));
-        // the residuals without constraints are kept where those of a search are later
+        // `jv` holds the residuals without constraints here; later it holds `J search`
         rows.multiply(n, at, &a.qacc_smooth, Some(&rows.aref), &mut self.jv);
         rows.multiply(n, at, &a.warm, Some(&rows.aref), &mut self.jar);
         multiply(m, at, &a.qm, &a.warm, &mut self.ma);
@@ -280,7 +283,7 @@ impl Newton {
         }
     }
 
-    /// Forces of the rows, the resulting forces on the joints, and the gradient.
+    /// Computes the row forces, the resulting joint forces, and the gradient.
     #[inline(always)]
     fn update<S: Simd>(&mut self, m: &Model, at: Place<S>, a: &Arrays, rows: &Rows) {
         let (n, zero) = (m.nv(), same::<S>(at, 0.0));
@@ -302,7 +305,7 @@ impl Newton {
         });
     }
 
-    /// Half of what a step of Newton's method gains.
+    /// Half of the cost reduction that a full Newton step predicts.
     #[inline(always)]
     fn decrement<S: Simd>(&self, at: Place<S>, scale: Lanes<S>) -> Lanes<S> {
         let x = scale * 0.5 * dot(at, &self.grad, &self.mgrad);
@@ -310,7 +313,8 @@ impl Newton {
         Lanes::select(x.gt(zero), x, zero)
     }
 
-    /// Lets worlds stop whose gradient is flat, or that gained little. Whether some go on.
+    /// Stops worlds whose gradient is flat or whose last improvement was small. Returns whether any
+    /// world continues.
     #[inline(always)]
     fn check<S: Simd>(
         &mut self,
@@ -329,7 +333,7 @@ impl Newton {
             level | (zero.lt(improvement) & improvement.lt(tolerance))
         } else {
             if Lanes::<S>::any(active & level) {
-                // half of the gradient's square is more than can be gained
+                // half of the gradient's square bounds the improvement that is still possible
                 self.mgrad.copy_from_slice(&self.grad);
                 solve(m, at, &a.qld, &a.qld_diag_inv, &mut self.mgrad);
             }
@@ -340,8 +344,8 @@ impl Newton {
         control.keep(at, Lanes::<S>::but_not(active, stop))
     }
 
-    /// Solves for the search direction, and lets worlds stop that would gain little. Whether some
-    /// go on.
+    /// Computes the search direction, and stops worlds whose predicted improvement is small.
+    /// Returns whether any world continues.
     #[inline(always)]
     fn direction<S: Simd>(&mut self, m: &Model, at: Place<S>, control: &mut Control) -> bool {
         let n = m.nv();
@@ -363,7 +367,7 @@ impl Newton {
         control.keep(at, Lanes::<S>::but_not(active, small))
     }
 
-    /// Makes and factors the Hessian of the cost, of the worlds in `which` or of all.
+    /// Builds and factors the Hessian of the cost: for the worlds in `which`, or for all.
     #[inline(always)]
     fn make_hessian<S: Simd>(
         &mut self,
@@ -407,7 +411,7 @@ impl Newton {
                 }
             });
         }
-        // the inertia matrix comes last
+        // the inertia matrix is added last
         for dof in 0..n {
             let row = plan.m_row(dof);
             for (&column, value) in plan.m_colind[row.clone()].iter().zip(&a.qm[row]) {
@@ -424,8 +428,8 @@ impl Newton {
         }
     }
 
-    /// Changes the factors by the rows that began or ceased to push. Whether some worlds must make
-    /// theirs anew: those in `again`.
+    /// Updates the factors for the rows that began or ceased to push. Returns whether any world
+    /// needs a new factorisation; `again` marks these worlds.
     #[inline(always)]
     fn update_hessian<S: Simd>(
         &mut self,
@@ -458,7 +462,7 @@ impl Newton {
             }
         }
         let mut indefinite = zero.lt(zero);
-        // the first change of each world, then the second and so on
+        // the first change of every world, then the second, and so on
         for round in 0..most {
             let (mut which, mut adds) = (Row::ZERO, Row::ZERO);
             for world in first..first + Lanes::<S>::LANES {
@@ -485,7 +489,7 @@ impl Newton {
         Lanes::<S>::any(indefinite)
     }
 
-    /// Takes the steps. Whether some worlds go on.
+    /// Moves each active world along its search direction. Returns whether any world continues.
     #[inline(always)]
     fn advance<S: Simd>(
         &mut self,
@@ -518,20 +522,20 @@ impl Newton {
     }
 }
 
-/// How far the worlds are.
+/// The progress of the iteration.
 #[derive(Clone, Copy, Debug, Default)]
 struct Control {
     iteration: usize,
-    /// 1 for the worlds that go on, else 0.
+    /// 1 for each world that continues, 0 for the others.
     active: Row,
-    /// 1 for those whose gradient was flat at the start.
+    /// 1 for each world whose gradient was flat at the start.
     level: Row,
     scale: Row,
     improvement: Row,
 }
 
 impl Control {
-    /// Lets these worlds go on, and tells whether there are any.
+    /// Sets `active`, and returns whether any world continues.
     #[inline(always)]
     fn keep<S: Simd>(&mut self, at: Place<S>, active: Mask<S>) -> bool {
         let zero = same::<S>(at, 0.0);

@@ -1,8 +1,8 @@
-//! Rows of constraints of several worlds. Each world has its own number of rows: the rows of a
-//! world are its first ones, and what is beyond them is zero.
+//! Constraint rows of several worlds. Each world has its own number of rows. They come first in the
+//! arrays; the elements after them are zero.
 //!
-//! Limits, bounding spheres and what touches a plane are computed for all worlds at once. Other
-//! contacts are rare, and are found world by world.
+//! Limits, bounding spheres and contacts with planes are computed for all worlds at once. Other
+//! contacts are rare, and are computed world by world.
 
 use fearless_simd::Simd;
 use gym_core::math::{Lanes, Real};
@@ -16,33 +16,33 @@ use crate::physics::number;
 use crate::physics::spatial::{add, column, scale};
 use crate::{Contact, Model};
 
-/// The rows.
+/// The constraint rows of all worlds.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Rows {
     /// The Jacobians, `nv` numbers for each row.
     pub(super) jac: Vec<Row>,
-    /// Stiffness that the solver sees.
+    /// The stiffness of each row: MuJoCo's `efc_D`.
     pub(super) d: Vec<Row>,
-    /// Its inverse.
+    /// The regularisation of each row: `1 / d`.
     pub(super) r: Vec<Row>,
     pub(super) aref: Vec<Row>,
-    /// Damping, and the acceleration at rest.
+    /// The reference acceleration is `-damping * velocity - rest`.
     damping: Vec<Row>,
     rest: Vec<Row>,
     /// The number of rows of each world.
     pub(super) count: [usize; WORLDS],
-    /// The largest of these numbers.
+    /// The largest element of `count`.
     pub(super) used: usize,
-    /// The contacts that act. Contacts with planes are kept only if `keeps` is set.
+    /// The active contacts of each world. Contacts with planes are listed only if `keeps` is set.
     pub(super) contacts: [Vec<Contact>; WORLDS],
-    /// Whether forces of contacts are read.
+    /// Whether the contact forces are read after a step.
     keeps: bool,
     polytope: Polytope,
-    /// A buffer: the degrees of freedom that a contact moves, and its Jacobian.
+    /// A buffer: each degree of freedom that a contact moves, with its column of the Jacobian.
     moved: Vec<(usize, [Row; 4])>,
 }
 
-/// The worlds whose bits are set, of those from `first` on.
+/// The worlds of the bits that are set in `bits`; bit 0 is world `first`.
 #[inline(always)]
 pub(super) fn worlds(mut bits: u64, first: usize) -> impl Iterator<Item = usize> {
     std::iter::from_fn(
@@ -56,7 +56,7 @@ pub(super) fn worlds(mut bits: u64, first: usize) -> impl Iterator<Item = usize>
 }
 
 impl Rows {
-    /// Buffers; `keeps` tells whether forces of contacts are read.
+    /// Allocates the rows. `keeps` tells whether the contact forces are read after a step.
     pub(super) fn new(m: &Model, keeps: bool) -> Self {
         let (bounds, nv) = (m.plan().bounds(), m.nv());
         let mut buffers = Self {
@@ -93,7 +93,7 @@ impl Rows {
         ]
     }
 
-    /// Makes the rows of the worlds in `live`: limits, then contacts.
+    /// Builds the rows of the worlds in `live`: limits, then contacts.
     #[inline(always)]
     pub(super) fn make<S: Simd>(&mut self, m: &Model, at: Place<S>, a: &Arrays, live: u64) {
         let (_, first) = at;
@@ -159,7 +159,7 @@ impl Rows {
         }
     }
 
-    /// Opens the next row of a world.
+    /// Adds a row to a world, and returns its index.
     #[inline(always)]
     fn open(&mut self, nv: usize, world: usize) -> usize {
         let row = self.count[world];
@@ -177,7 +177,7 @@ impl Rows {
         row
     }
 
-    /// Opens the rows of a contact of a world, and returns the first.
+    /// Adds the rows of a contact to a world, and returns the index of the first.
     #[inline(always)]
     fn open_contact(&mut self, nv: usize, pair: &Pair, dist: f64, world: usize) -> usize {
         let first = self.count[world];
@@ -205,8 +205,8 @@ impl Rows {
         self.damping[row].0[world] = damping;
     }
 
-    /// Adds the contacts of a plane and a sphere or capsule in the worlds where they are near, and
-    /// their rows.
+    /// Adds the contacts of a plane with a sphere or capsule, and their rows, in the worlds where
+    /// the two are near.
     #[inline(always)]
     fn touch_plane<S: Simd>(
         &mut self,
@@ -245,7 +245,7 @@ impl Rows {
         );
         let mut near = near;
         if pair.boxed {
-            // boxes may drop what only just touches
+            // contacts of boxes that touch only up to rounding may be dropped
             let mut shallow = 0;
             for end in ends {
                 let (dist, _) = end_above_plane(*end);
@@ -309,8 +309,8 @@ impl Rows {
         }
     }
 
-    /// Writes the Jacobian of a contact, for the worlds in `left`. `rows` has the first row of the
-    /// contact in each world.
+    /// Writes the Jacobian of a contact for the worlds in `left`. `rows` has the index of the
+    /// contact's first row in each world.
     #[inline(always)]
     fn put_jacobian<S: Simd>(
         &mut self,
@@ -341,7 +341,7 @@ impl Rows {
         }
     }
 
-    /// Adds the contacts of a pair of geoms in one world, and their rows.
+    /// Adds the contacts of a pair of geoms, and their rows, in one world.
     #[inline(never)]
     fn touch(&mut self, m: &Model, a: &Arrays, index: usize, world: usize) {
         let (pair, nv) = (&m.plan().pairs[index], m.nv());
@@ -386,7 +386,7 @@ impl Rows {
         self.contacts[world] = contacts;
     }
 
-    /// Reference accelerations of all rows.
+    /// Computes the reference accelerations of all rows.
     #[inline(always)]
     pub(super) fn reference<S: Simd>(&mut self, m: &Model, at: Place<S>, qvel: &[Row]) {
         let nv = m.nv();
@@ -398,7 +398,7 @@ impl Rows {
         }
     }
 
-    /// `J x`, or with `minus` `J x - minus`.
+    /// `J x`, or `J x - minus` if `minus` is given.
     #[inline(always)]
     pub(super) fn multiply<S: Simd>(
         &self,

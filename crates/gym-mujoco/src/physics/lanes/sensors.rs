@@ -15,12 +15,12 @@ use crate::physics::spatial::{
     MINVAL, add, rotate_back, rotation, scale, transform_motion, translation,
 };
 
-/// The sensors of the first `numbers` numbers.
+/// The sensors that write to the first `numbers` numbers of `sensordata`.
 fn read(m: &Model, numbers: usize) -> impl Iterator<Item = usize> {
     (0..m.nsensor()).filter(move |&i| m.sensor_adr[i] < numbers)
 }
 
-/// Whether worlds can measure the first numbers of `sensordata` together.
+/// Whether worlds that step together can compute the first `numbers` numbers of `sensordata`.
 pub(super) fn fit(m: &Model, numbers: usize) -> bool {
     numbers <= m.nsensordata()
         && read(m, numbers).all(|i| {
@@ -33,20 +33,21 @@ pub(super) fn fit(m: &Model, numbers: usize) -> bool {
         })
 }
 
-/// Whether some of these sensors feel contacts.
+/// Whether one of the sensors in the first `numbers` numbers is a touch sensor.
 pub(super) fn touch(m: &Model, numbers: usize) -> bool {
     read(m, numbers).any(|i| m.sensor_type[i] == SensorType::Touch)
 }
 
 impl Worlds {
-    /// The frames of the new state, and what sensors measure, of the worlds in a register.
+    /// Computes the frames of the new state and the sensors, for the worlds in the register.
     pub(super) fn settle<S: Simd>(&mut self, m: &Model, at: Place<S>, len: usize) {
-        // touch needs the last timestep's forces and contacts, and the frames of its start
+        // touch sensors need the forces and contacts of the last timestep, and the frames of its
+        // start
         self.feel(m, at.1..len.min(at.1 + Lanes::<S>::LANES));
-        let (simd, sensors) = (at.0, self.sensors);
+        let (simd, sensors, whole) = (at.0, self.sensors, self.shows);
         simd.vectorize(
             #[inline(always)]
-            || self.arrays.frames(m, at),
+            || self.arrays.frames(m, at, whole),
         );
         if sensors > 0 {
             simd.vectorize(
@@ -60,7 +61,7 @@ impl Worlds {
         }
     }
 
-    /// What sensors feel in some worlds, one by one: contacts differ.
+    /// Computes the touch sensors, world by world because each world has its own contacts.
     fn feel(&mut self, m: &Model, worlds: Range<usize>) {
         for i in read(m, self.sensors) {
             if m.sensor_type[i].stage() != Stage::Acceleration {
@@ -87,7 +88,7 @@ impl Worlds {
 }
 
 impl Arrays {
-    /// What the first sensors measure of positions and velocities.
+    /// Computes the sensors of positions and velocities in the first `numbers` numbers.
     #[inline(always)]
     pub(super) fn measure<S: Simd>(&mut self, m: &Model, at: Place<S>, numbers: usize) {
         if read(m, numbers).any(|i| m.sensor_type[i] == SensorType::SubtreeLinVel) {
@@ -112,7 +113,7 @@ impl Arrays {
         }
     }
 
-    /// The velocity of a point of a body, about it.
+    /// The angular and linear velocity of a body at a point.
     #[inline(always)]
     fn velocity<S: Simd>(
         &self,
@@ -146,7 +147,7 @@ impl Arrays {
         )
     }
 
-    /// Velocities of the centres of mass of bodies with their descendants, in the buffer `force`.
+    /// Computes the velocities of the subtrees' centres of mass, in the buffer `force`.
     #[inline(always)]
     fn subtree_velocities<S: Simd>(&mut self, m: &Model, at: Place<S>) {
         for b in 0..m.nbody() {

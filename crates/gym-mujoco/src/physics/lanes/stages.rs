@@ -1,4 +1,4 @@
-//! The smooth stages of the worlds in a register.
+//! The smooth stages, for the worlds in a register.
 
 use fearless_simd::Simd;
 use gym_core::math::{Lanes, Real};
@@ -14,16 +14,16 @@ use crate::physics::velocity::{Bias, Motion, com_vel_of, rne_of};
 use crate::{Model, Revision};
 
 impl Arrays {
-    /// Frames and inertias.
+    /// Computes frames and inertias.
     #[inline(always)]
-    pub(super) fn positions<S: Simd>(&mut self, m: &Model, at: Place<S>) {
-        self.frames(m, at);
+    pub(super) fn positions<S: Simd>(&mut self, m: &Model, at: Place<S>, whole: bool) {
+        self.frames(m, at, whole);
         self.inertias(m, at);
     }
 
-    /// Frames.
+    /// Computes frames. If `whole` is false, only those that later stages read.
     #[inline(always)]
-    pub(super) fn frames<S: Simd>(&mut self, m: &Model, at: Place<S>) {
+    pub(super) fn frames<S: Simd>(&mut self, m: &Model, at: Place<S>, whole: bool) {
         let frames = Frames {
             qpos: &self.qpos,
             mocap_pos: &self.mocap_pos,
@@ -40,10 +40,10 @@ impl Arrays {
             site_xpos: &mut self.site_xpos,
             site_xmat: &mut self.site_xmat,
         };
-        kinematics_of::<Lanes<S>>(m, at, frames);
+        kinematics_of::<Lanes<S>>(m, at, frames, whole);
     }
 
-    /// Inertias about the trees' centres of mass.
+    /// Computes inertias about the trees' centres of mass.
     #[inline(always)]
     pub(super) fn inertias<S: Simd>(&mut self, m: &Model, at: Place<S>) {
         let inertias = Inertias {
@@ -59,7 +59,7 @@ impl Arrays {
         com_pos_of::<Lanes<S>>(m, at, inertias);
     }
 
-    /// The inertia matrix and its factors.
+    /// Computes the inertia matrix and its factors.
     #[inline(always)]
     pub(super) fn matrix<S: Simd>(&mut self, m: &Model, at: Place<S>) {
         let composite = Composite {
@@ -91,7 +91,8 @@ impl Arrays {
         tree::factor(m, at, [own, damped]);
     }
 
-    /// Velocities, the forces that follow from them, and accelerations without constraints.
+    /// Computes velocities, the forces that depend on them, and the accelerations without
+    /// constraints.
     #[inline(always)]
     pub(super) fn velocities<S: Simd>(&mut self, m: &Model, at: Place<S>) {
         self.motions(m, at);
@@ -121,7 +122,7 @@ impl Arrays {
         tree::solve(m, at, factors, inverses, &mut self.qacc_smooth);
     }
 
-    /// Velocities of bodies.
+    /// Computes the velocities of bodies.
     #[inline(always)]
     pub(super) fn motions<S: Simd>(&mut self, m: &Model, at: Place<S>) {
         let motion = Motion {
@@ -133,7 +134,7 @@ impl Arrays {
         com_vel_of::<Lanes<S>>(m, at, motion);
     }
 
-    /// The forces of springs and dampers.
+    /// Computes the forces of springs and dampers.
     #[inline(always)]
     fn passive<S: Simd>(&mut self, m: &Model, at: Place<S>) {
         let plan = m.plan();
@@ -176,13 +177,15 @@ impl Arrays {
         }
     }
 
-    /// The velocities of a stage as rates of change of the positions since the start.
+    /// Computes the rates of change of the positions since the start, from the velocities of a
+    /// Runge-Kutta stage.
     #[inline(always)]
     pub(super) fn stage_rates<S: Simd>(&mut self, m: &Model, at: Place<S>, way: f64) {
         let first = at.1;
         let turns = m.revision == Revision::V4_0 && way != 0.0;
         let free = (0..m.njnt()).filter(|&j| turns && m.jnt_type[j] == JointType::Free);
-        // those of the stage before are needed: keep the new ones of free joints apart
+        // free joints read the rates of the stage before: compute their new rates first, store them
+        // last
         let mut turned = [[0.0; 3]; WORLDS];
         let v = free.map(|j| m.jnt_dofadr[j] + 3).next();
         if let Some(v) = v {

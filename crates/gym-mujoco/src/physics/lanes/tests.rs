@@ -64,7 +64,7 @@ fn smooth<S: Simd>(a: &mut Arrays, m: &Model, simd: S) {
         simd.vectorize(
             #[inline(always)]
             || {
-                a.positions(m, at);
+                a.positions(m, at, true);
                 a.matrix(m, at);
                 a.velocities(m, at);
             },

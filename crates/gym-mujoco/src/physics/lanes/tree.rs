@@ -1,4 +1,4 @@
-//! Sums and matrices of several worlds, each in the order of one world's: see
+//! Sums and matrices of several worlds, in the same order of operations as for one world: see
 //! [`dense`](crate::physics::dense) and [`inertia`](crate::physics::inertia). The models have one
 //! tree.
 
@@ -13,8 +13,9 @@ use gym_core::math::{Lanes, Real};
 use super::{Place, Row, load, same, store};
 use crate::Model;
 
-/// The sum of `count` products in the order of [`dot`](crate::physics::dense::dot). A rest begins
-/// with its first product: a sum that starts at zero is never -0, so it makes no difference.
+/// The sum of `count` products in the order of [`dot`](crate::physics::dense::dot). The rest (the
+/// last one to three products) starts with its first product instead of zero: `dot`'s sums start at
+/// zero and are never -0, so the result is the same.
 #[inline(always)]
 pub(super) fn sum<S: Simd>(
     at: Place<S>,
@@ -37,7 +38,7 @@ pub(super) fn sum<S: Simd>(
     total + rest
 }
 
-/// The product of two vectors: the same sum, of whole vectors.
+/// The scalar product of two vectors: [`sum`] over all elements.
 #[inline(always)]
 pub(super) fn dot<S: Simd>(at: Place<S>, a: &[Row], b: &[Row]) -> Lanes<S> {
     let ((a, a_rest), (b, b_rest)) = (a.as_chunks::<4>(), b.as_chunks::<4>());
@@ -55,8 +56,8 @@ pub(super) fn dot<S: Simd>(at: Place<S>, a: &[Row], b: &[Row]) -> Lanes<S> {
     (sums[0] + sums[2]) + (sums[1] + sums[3]) + rest
 }
 
-/// Replaces matrices of the inertia matrix's structure by `L' D L`, and gives the inverses of the
-/// diagonals. Several at once wait less for divisions.
+/// Replaces matrices with the sparsity of the inertia matrix by `L' D L`, and computes the inverses
+/// of the diagonals. Factoring `K` matrices at once hides the latency of divisions.
 #[inline(always)]
 pub(super) fn factor<S: Simd, const K: usize>(
     m: &Model,
@@ -86,7 +87,7 @@ pub(super) fn factor<S: Simd, const K: usize>(
     }
 }
 
-/// `x = (L' D L)^-1 x`.
+/// Replaces `x` by `(L' D L)^-1 x`.
 #[inline(always)]
 pub(super) fn solve<S: Simd>(
     m: &Model,
@@ -99,7 +100,7 @@ pub(super) fn solve<S: Simd>(
     let x = &mut x[..n];
     for i in (1..n).rev() {
         let xi: Lanes<S> = load(at, &x[i]);
-        // what is subtracted may be 0, which changes -0
+        // lanes where `xi` is zero keep their value: subtracting zero would turn -0 into 0
         let zero = xi.abs().le(xi.same(0.0));
         let row = plan.m_ancestors(i);
         for (&j, l) in plan.m_colind[row.clone()].iter().zip(&factors[row]) {
@@ -122,7 +123,7 @@ pub(super) fn solve<S: Simd>(
             |k: usize| load(at, &factors[k]) * load(at, &x[columns[k]]),
         );
         let whole = columns.len() / 4 * 4;
-        // the rest is added one by one
+        // the rest is added term by term
         let mut total = sum(at, whole, product);
         for k in whole..columns.len() {
             total = total + product(k);
@@ -132,7 +133,7 @@ pub(super) fn solve<S: Simd>(
     }
 }
 
-/// `y = M x`.
+/// Writes `M x` to `y`.
 #[inline(always)]
 pub(super) fn multiply<S: Simd>(m: &Model, at: Place<S>, qm: &[Row], x: &[Row], y: &mut [Row]) {
     let (plan, n) = (m.plan(), m.nv());
@@ -151,14 +152,14 @@ pub(super) fn multiply<S: Simd>(m: &Model, at: Place<S>, qm: &[Row], x: &[Row], 
     }
 }
 
-/// Replaces the lower triangle of a matrix, by columns of `n`, by its factor: MuJoCo's
-/// `mju_cholFactor`.
+/// Replaces the lower triangle of a matrix of `n` rows, stored by columns, by its Cholesky factor:
+/// MuJoCo's `mju_cholFactor`.
 #[inline(always)]
 pub(super) fn cholesky<S: Simd>(at: Place<S>, n: usize, matrix: &mut [Row], least: f64) {
     for j in 0..n {
         let (before, column) = matrix.split_at_mut(j * n);
         let column = &mut column[..n];
-        // two rows at once, so that element j of each column is read once for both
+        // two rows at once, so that element j of each column is loaded once for both
         let mut i = j;
         while i < n {
             let two = i + 1 < n;
@@ -203,8 +204,8 @@ pub(super) fn cholesky<S: Simd>(at: Place<S>, n: usize, matrix: &mut [Row], leas
     }
 }
 
-/// Solves `L L' x = x`: MuJoCo's `mju_cholSolve`. `descending` tells the order of the sums of the
-/// second half.
+/// Solves `L L' x = x`: MuJoCo's `mju_cholSolve`. `descending` reverses the order of the sums in
+/// the back substitution.
 #[inline(always)]
 pub(super) fn cholesky_solve<S: Simd>(
     at: Place<S>,
@@ -236,8 +237,8 @@ pub(super) fn cholesky_solve<S: Simd>(
     }
 }
 
-/// Changes a factor by `x x'` in each lane of `which`, added where `adds` is set, else subtracted:
-/// MuJoCo's `mju_cholUpdate`. The lanes where the difference is not positive definite.
+/// Updates the factor for `+ x x'` (where `adds` is set) or `- x x'`, in the lanes of `which`:
+/// MuJoCo's `mju_cholUpdate`. Returns the lanes where the result is not positive definite.
 #[inline(always)]
 pub(super) fn cholesky_update<S: Simd>(
     at: Place<S>,

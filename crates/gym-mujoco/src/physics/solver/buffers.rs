@@ -1,14 +1,15 @@
-//! Buffers of the solvers of accelerations.
+//! Buffers of the primal solvers, Newton and CG.
 
 use super::law::{ConeHessian, Piece, State};
 use super::line_search::Row;
 use crate::physics::constraint::Block;
 use crate::physics::dense::{self, Lanes};
 
-/// Buffers of the solver.
+/// Buffers of the primal solvers.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Buffers {
-    // vectors of degrees of freedom: of the island, but for the first, which is of all
+    // vectors over degrees of freedom: of the whole model for `ma_start`, of an island for the
+    // others
     pub(super) ma_start: Vec<f64>,
     pub(super) acc: Vec<Lanes>,
     pub(super) smooth: Vec<Lanes>,
@@ -19,32 +20,32 @@ pub(crate) struct Buffers {
     pub(super) search: Vec<Lanes>,
     pub(super) mv: Vec<Lanes>,
     pub(super) row_update: Vec<Lanes>,
-    /// The number of degrees of freedom that these are for.
+    /// The number of degrees of freedom of the last island.
     pub(super) last: usize,
     /// The Hessian's lower triangle by columns, then its factor.
     pub(super) hessian: Vec<Lanes>,
-    /// The Jacobians of the rows that push, and these times their stiffness.
+    /// The Jacobians of the rows that push, and the same times the rows' stiffness.
     pub(super) pushing: Vec<Lanes>,
     pub(super) pushed: Vec<Lanes>,
-    /// The terms of the force on the joints: where rows of the Jacobian start, and their forces.
+    /// The terms of the force on the joints: the start of a row of the Jacobian, and its force.
     pub(super) terms: Vec<(usize, f64)>,
-    // vectors of rows
+    // vectors over rows
     pub(super) jar: Vec<f64>,
     pub(super) jv: Vec<f64>,
     pub(super) force: Vec<f64>,
     /// Whether each row pushes.
     pub(super) pushes: Vec<bool>,
     pub(super) rows: Vec<Row>,
-    /// For rows that do more than push: their states, their costs along the search direction, the
-    /// second derivatives of cones, and the factor with these.
+    /// For models with rows that do more than push: states, costs along the search direction,
+    /// second derivatives of cones, and the factor that includes these.
     pub(super) states: Vec<State>,
     pub(super) pieces: Vec<Piece>,
     pub(super) cones: Vec<ConeHessian>,
     pub(super) with_cones: Vec<Lanes>,
-    // of conjugate gradients
+    // buffers of conjugate gradients
     pub(super) grad_before: Vec<Lanes>,
     pub(super) mgrad_before: Vec<Lanes>,
-    /// The rows of an island that is not the whole model.
+    /// The rows of an island, if the model has several.
     pub(super) gathered: Gathered,
 }
 
@@ -60,8 +61,7 @@ pub(super) struct Gathered {
 }
 
 impl Buffers {
-    /// Buffers that need not grow up to these numbers of degrees of freedom, rows, blocks and
-    /// elliptic cones.
+    /// Allocates for these numbers of degrees of freedom, rows, blocks and elliptic cones.
     pub(crate) fn new(nv: usize, rows: usize, blocks: usize, cones: usize) -> Self {
         let mut buffers = Self::default();
         buffers.ma_start.resize(nv, 0.0);
@@ -109,7 +109,8 @@ impl Buffers {
         buffers
     }
 
-    /// Makes the vectors as long as an island needs them; what is beyond the last element is zero.
+    /// Resizes the vectors for an island of `n` degrees of freedom; elements after the last are
+    /// zero.
     pub(super) fn fit(&mut self, n: usize) {
         for vector in [
             &mut self.acc,

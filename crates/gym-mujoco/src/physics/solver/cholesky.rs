@@ -1,8 +1,8 @@
 //! Factors `L L'` of a positive definite matrix, each sum in libmujoco's order.
 //!
-//! The lower triangle is kept by columns: `stride` groups of four rows each. So a row's sums, which
-//! libmujoco makes one after the other, are made for four rows at once here. What is above the
-//! diagonal is not defined.
+//! The lower triangle is stored by columns of `stride` groups of four rows. libmujoco computes the
+//! sums of one row at a time; this computes four rows at once. Elements above the diagonal are
+//! undefined.
 
 use std::ops::Sub;
 
@@ -19,7 +19,7 @@ pub(super) fn factor(matrix: &mut [Lanes], n: usize, stride: usize) {
         let (first, lane) = (j / 4, j % 4);
         let column = &mut column[first..stride];
         for (g, rows) in column.iter_mut().enumerate() {
-            // element j of each column is what the rows' elements are multiplied by
+            // the factor for all rows is element j of each column
             let products = dot_rows(
                 before,
                 stride,
@@ -44,9 +44,8 @@ pub(super) fn factor(matrix: &mut [Lanes], n: usize, stride: usize) {
     }
 }
 
-/// The products of four rows, of which some columns are given, with a vector, as
-/// [`dot`](crate::physics::dense::dot) makes them. `element` gives the vector's element for a
-/// column and its number.
+/// The products of four rows with a vector, in the order of [`dot`](crate::physics::dense::dot),
+/// over some columns. `element` returns the vector's element, given a column and its number.
 #[inline(always)]
 fn dot_rows(
     columns: &[Lanes],
@@ -72,8 +71,8 @@ fn dot_rows(
     plus(plus(plus(a, c, 1.0), plus(b, d, 1.0), 1.0), rest, 1.0)
 }
 
-/// Solves `L L' x = x`: MuJoCo's `mju_cholSolve`, which from 4.0 on substitutes back by columns, so
-/// that an element subtracts the products with the last ones first.
+/// Solves `L L' x = x`: MuJoCo's `mju_cholSolve`. From 4.0 on, the back substitution goes by
+/// columns, so an element subtracts the products of the last elements first.
 #[inline(always)]
 pub(super) fn solve(
     factor: &[Lanes],
@@ -83,7 +82,7 @@ pub(super) fn solve(
     revision: Revision,
 ) {
     for g in 0..stride {
-        // subtract the columns before these four rows
+        // subtract the columns before the current four rows
         let known = x[..g].as_flattened();
         let sums = dot_rows(
             &factor[..4 * g * stride],
@@ -118,8 +117,8 @@ pub(super) fn solve(
     }
 }
 
-/// Makes `L` the factor of `L L' + x x'`, or of `L L' - x x'`: MuJoCo's `mju_cholUpdate`. False
-/// where the difference is not positive definite.
+/// Updates `L` to the factor of `L L' + x x'` or `L L' - x x'`: MuJoCo's `mju_cholUpdate`. Returns
+/// false if the difference is not positive definite.
 #[inline(always)]
 pub(super) fn update(
     factor: &mut [Lanes],

@@ -1,5 +1,5 @@
-//! Rows that do more than push: forces, costs and cost along a direction of equality constraints,
-//! dry friction, limits and elliptic cones together.
+//! Costs and forces of rows in models with equality constraints, dry friction or elliptic cones,
+//! where rows do more than push.
 
 #![expect(
     clippy::needless_range_loop,
@@ -9,7 +9,7 @@
 use crate::physics::constraint::{Block, Kind, Source};
 use crate::{Contact, Revision};
 
-/// What the rows of an island are, beside their residuals.
+/// The properties of an island's rows.
 #[derive(Clone, Copy)]
 pub(super) struct Law<'a> {
     pub(super) blocks: &'a [Block],
@@ -21,7 +21,7 @@ pub(super) struct Law<'a> {
     pub(super) revision: Revision,
 }
 
-/// Where a row is on its curve of costs: MuJoCo's `mjtConstraintState`.
+/// The piece of the cost function that a row is on: MuJoCo's `mjtConstraintState`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) enum State {
     #[default]
@@ -32,7 +32,7 @@ pub(crate) enum State {
     Cone,
 }
 
-/// The second derivatives of a cone's cost by its residuals, and its first row.
+/// The second derivatives of a cone's cost by its residuals, and the index of its first row.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ConeHessian {
     pub(super) row: usize,
@@ -48,7 +48,8 @@ impl Law<'_> {
         }
     }
 
-    /// Forces and states of all rows, and their cost: MuJoCo's `mj_constraintUpdate`.
+    /// Computes forces and states of all rows, and returns their cost: MuJoCo's
+    /// `mj_constraintUpdate`.
     pub(super) fn update(
         &self,
         jar: &[f64],
@@ -121,7 +122,7 @@ impl Law<'_> {
         };
         let (i, dim, mu) = (block.row, block.rows, contact.mu);
         let friction = &contact.friction;
-        // residuals in the regular dual cone
+        // the residuals, scaled so that the dual cone is circular
         let mut u = [0.0; 6];
         u[0] = jar[i] * mu;
         for j in 1..dim {
@@ -154,7 +155,7 @@ impl Law<'_> {
                 )
             }
             Revision::V4_0 => {
-                // with the direction of sliding
+                // scaled to the unit direction of sliding
                 let u = u.map(|u| u / t);
                 for j in 1..dim {
                     force[i + j] = -force[i] * u[j] * friction[j - 1];
@@ -177,8 +178,9 @@ fn norm(v: &[f64]) -> f64 {
     crate::physics::dense::dot_slices(v, v).sqrt()
 }
 
-/// The second derivatives, from the direction `u` of sliding, which may have a length, and what
-/// its length makes of the factors: of the first row, of the products, and of the diagonal.
+/// The second derivatives of a cone's cost. `u` is the direction of sliding, whose length may
+/// differ from 1; `first`, `bend` and `straight` account for this length in the first row, the
+/// products, and the diagonal.
 fn cone_hessian(
     u: &[f64; 6],
     first: f64,
@@ -217,10 +219,10 @@ fn cone_hessian(
     h
 }
 
-/// A block of rows along a direction: MuJoCo's `PrimalPrepare`.
+/// The cost of a block of rows along a search direction: MuJoCo's `PrimalPrepare`.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Piece {
-    /// The factors of the length and of its square.
+    /// The coefficients of the step length and of its square.
     Equality([f64; 2]),
     Friction {
         start: f64,
@@ -229,7 +231,8 @@ pub(crate) enum Piece {
         bound: f64,
         d: f64,
     },
-    /// The residual and how it changes; the cost by powers of the length.
+    /// The residual at the start, its change with the step length, and the coefficients of the
+    /// cost.
     Limit {
         start: f64,
         along: f64,
@@ -249,7 +252,7 @@ pub(crate) struct Cone {
     vv: f64,
     dm: f64,
     mu: f64,
-    /// From 4.0 on, the tangential residuals and how they change, one by one.
+    /// From 4.0 on: each tangential residual with its change, and their number.
     parts: Option<([[f64; 2]; 5], usize)>,
 }
 
@@ -320,8 +323,8 @@ impl Law<'_> {
     }
 }
 
-/// Cost relative to the start, slope and curvature, at a length: MuJoCo's `PrimalEval`. `quad` has
-/// the factors of the cost of the accelerations.
+/// At a step length: the cost relative to the start, its slope and its curvature: MuJoCo's
+/// `PrimalEval`. `quad` has the coefficients of the smooth part of the cost.
 pub(super) fn evaluate(pieces: &[Piece], alpha: f64, mut quad: [f64; 3]) -> [f64; 3] {
     let (mut cost, mut slope, mut curvature) = (0.0, 0.0, 0.0);
     for piece in pieces {
@@ -376,7 +379,7 @@ pub(super) fn evaluate(pieces: &[Piece], alpha: f64, mut quad: [f64; 3]) -> [f64
     [cost, slope, curvature]
 }
 
-/// Where dry friction is linear: -1 below, 1 above, 0 within its bound.
+/// The piece of a dry friction cost: -1 and 1 are linear, 0 is quadratic.
 fn zone(x: f64, bound: f64) -> i8 {
     if -bound < x && x < bound {
         0
@@ -404,16 +407,20 @@ fn friction_difference(start: f64, x: f64, loss: f64, bound: f64, d: f64) -> f64
     }
 }
 
-/// The zones of a cone.
+/// The zones of a contact's elliptic cone.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Zone {
+    /// The contact separates: no force.
     Top,
+    /// The contact sticks: the cost is quadratic.
     Bottom,
+    /// The contact slides: the force is on the cone.
     Middle,
 }
 
 impl Cone {
-    /// The zone of a normal part and the square of the tangential one, and this one.
+    /// The zone, and the tangential length, from the normal part `n` and the square of the
+    /// tangential length.
     fn zone(&self, n: f64, square: f64) -> (Zone, f64) {
         if square <= 0.0 {
             let zone = if n < 0.0 { Zone::Bottom } else { Zone::Top };
@@ -430,7 +437,7 @@ impl Cone {
         (zone, t)
     }
 
-    /// The normal part and the square of the tangential one.
+    /// The normal part and the square of the tangential length at a step length.
     fn at(&self, alpha: f64) -> (f64, f64) {
         let square = if let Some((parts, number)) = &self.parts {
             let moved = parts[..*number].iter().map(|[u, v]| u + alpha * v);
@@ -441,7 +448,7 @@ impl Cone {
         (self.u + alpha * self.v, square)
     }
 
-    /// How much the square of the tangential part grows.
+    /// The change of the square of the tangential length since the start.
     fn growth(&self, alpha: f64) -> f64 {
         if let Some((parts, number)) = &self.parts {
             let parts = parts[..*number].iter();
@@ -451,7 +458,7 @@ impl Cone {
         }
     }
 
-    /// MuJoCo's `ellipticCostDif`.
+    /// The change of the cost since the start: MuJoCo's `ellipticCostDif`.
     fn difference(&self, alpha: f64) -> f64 {
         let Self { quad, mu, dm, .. } = *self;
         let (start, t0) = self.zone(self.u, self.uu);
@@ -510,8 +517,8 @@ impl Cone {
         }
     }
 
-    /// Of the tangential residuals and how they change: their product, and the square of what of
-    /// the change is across the direction of the residuals.
+    /// The product of the tangential residuals and their change. Then the square of the part of the
+    /// change that is perpendicular to the residuals.
     fn slide(&self, alpha: f64, length: f64) -> (f64, f64) {
         let Some((parts, number)) = &self.parts else {
             return (0.0, 0.0);

@@ -3,15 +3,15 @@
 use super::law::{Piece, evaluate};
 use crate::physics::spatial::MINVAL;
 
-/// The numbers of a row that a line search reads.
+/// The quantities of a row that a line search reads.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::physics) struct Row {
-    /// Its residual at the start, and how it changes with the length of the step.
+    /// The residual at the start, and its change per unit of the step length.
     jar: f64,
     jv: f64,
-    /// Its cost while it pushes, by powers of the length.
+    /// The coefficients of the cost while the row pushes, as a polynomial in the step length.
     quad: [f64; 3],
-    /// Its cost at the start.
+    /// The cost at the start.
     cost: f64,
 }
 
@@ -32,10 +32,9 @@ impl Row {
 /// The cost along a direction, relative to that at its start.
 pub(in crate::physics) struct Along<'a> {
     pub(in crate::physics) rows: &'a [Row],
-    /// The rows, where they do more than push.
+    /// The rows' costs, for models with rows that do more than push.
     pub(in crate::physics) pieces: &'a [Piece],
-    /// The factors of the length and of its square in the cost of accelerating otherwise than
-    /// without constraints.
+    /// The coefficients of the step length and of its square in the smooth part of the cost.
     pub(in crate::physics) linear: f64,
     pub(in crate::physics) quadratic: f64,
     pub(in crate::physics) evaluations: usize,
@@ -51,7 +50,7 @@ struct Point {
 }
 
 impl Point {
-    /// Where Newton's step leads from here.
+    /// The step length after a Newton step from this point.
     fn newton(&self) -> f64 {
         self.alpha - self.slope / self.curvature
     }
@@ -93,10 +92,10 @@ impl Along<'_> {
     }
 }
 
-/// The length of the step along a direction, and by how much it lowers the cost: MuJoCo's
-/// `PrimalSearch`. No length if no step lowers it.
+/// The step length along a direction that minimises the cost, and the improvement: MuJoCo's
+/// `PrimalSearch`. The length is zero if no step lowers the cost.
 ///
-/// `flat` is the slope that counts as zero, `most` the number of evaluations.
+/// Slopes below `flat` count as zero; `most` is the largest number of evaluations.
 #[inline(always)]
 pub(in crate::physics) fn line_search(mut along: Along<'_>, flat: f64, most: usize) -> (f64, f64) {
     let found = |p: &Point| (p.alpha, -p.cost);
@@ -106,7 +105,7 @@ pub(in crate::physics) fn line_search(mut along: Along<'_>, flat: f64, most: usi
         return found(&p1);
     }
 
-    // Newton's steps in one direction, until the minimum is behind
+    // Newton steps in one direction, until the minimum is passed
     let direction = if p1.slope < 0.0 { 1.0 } else { -1.0 };
     let mut p2 = p0;
     while p1.slope * direction <= -flat && along.evaluations < most {
@@ -145,7 +144,7 @@ pub(in crate::physics) fn line_search(mut along: Along<'_>, flat: f64, most: usi
     }
 }
 
-/// Moves an end of the bracket to the candidates on its side that are nearer to the minimum:
+/// Moves `p`, an end of the bracket, to a candidate on its side that is nearer to the minimum:
 /// MuJoCo's `updateBracket`.
 #[inline(always)]
 fn narrow(along: &mut Along<'_>, p: &mut Point, candidates: &[Point; 3], next: &mut Point) -> bool {

@@ -1,4 +1,4 @@
-//! Constraint forces, and the accelerations with them.
+//! Constraint forces, and the resulting accelerations.
 
 pub(crate) mod buffers;
 mod cholesky;
@@ -16,7 +16,7 @@ use super::dense::{self, Lanes};
 use crate::model::Solver;
 use crate::{Data, Model};
 
-/// `qacc`, `qfrc_constraint` and the rows' forces: MuJoCo's `mj_fwdConstraint`.
+/// Computes `qacc`, `qfrc_constraint` and the rows' forces: MuJoCo's `mj_fwdConstraint`.
 #[inline(always)]
 pub fn fwd_constraint(m: &Model, d: &mut Data) {
     d.qfrc_constraint.fill(0.0);
@@ -38,8 +38,8 @@ pub fn fwd_constraint(m: &Model, d: &mut Data) {
     }
 }
 
-/// The rows' forces and `qfrc_constraint` by projected Gauss-Seidel, for a model of one tree and
-/// data with rows.
+/// Computes the rows' forces and `qfrc_constraint` by projected Gauss-Seidel, for a model of one
+/// tree and data with rows.
 #[inline(always)]
 pub(super) fn forces_of_one_tree(m: &Model, d: &mut Data) {
     d.work.tree_island.clear();
@@ -53,7 +53,7 @@ pub(super) fn forces_of_one_tree(m: &Model, d: &mut Data) {
     add_forces(m, d);
 }
 
-/// Lists the trees and the blocks of each island, in their order.
+/// Lists the trees and the blocks of each island in their order.
 fn islands(m: &Model, d: &mut Data) {
     let (work, efc) = (&mut d.work, &d.efc);
     work.island_trees.clear();
@@ -76,14 +76,14 @@ fn islands(m: &Model, d: &mut Data) {
     }
 }
 
-/// Where the lists of an island are.
+/// The ranges of an island in the lists.
 #[derive(Clone, Debug)]
 pub(crate) struct Island {
     trees: Range<usize>,
     blocks: Range<usize>,
 }
 
-/// The rows' forces at `qacc`: MuJoCo's `mj_constraintUpdate`.
+/// Computes the rows' forces at `qacc`: MuJoCo's `mj_constraintUpdate`.
 pub(super) fn forces_at(m: &Model, d: &mut Data) {
     let (efc, b) = (&mut d.efc, &mut d.work.newton);
     b.jar.resize(efc.nefc(), 0.0);
@@ -100,7 +100,7 @@ pub(super) fn forces_at(m: &Model, d: &mut Data) {
     law.update(&b.jar, &mut efc.force, &mut b.states, &mut b.cones);
 }
 
-/// `qfrc_constraint`: the forces of all rows on the degrees of freedom.
+/// Computes `qfrc_constraint`: the forces of all rows on the degrees of freedom.
 #[inline(always)]
 pub(super) fn add_forces(m: &Model, d: &mut Data) {
     let sum = &mut d.work.dofs;
@@ -115,7 +115,7 @@ pub(super) fn add_forces(m: &Model, d: &mut Data) {
         .copy_from_slice(&sum.as_flattened()[..m.nv()]);
 }
 
-/// `jar = J qacc - aref`, for all rows; `x` is a buffer.
+/// Computes `jar = J qacc - aref` for all rows; `x` is a buffer.
 #[inline(always)]
 fn residuals(m: &Model, efc: &Constraints, qacc: &[f64], x: &mut [Lanes], jar: &mut [f64]) {
     dense::put(x, qacc);
@@ -125,7 +125,7 @@ fn residuals(m: &Model, efc: &Constraints, qacc: &[f64], x: &mut [Lanes], jar: &
     }
 }
 
-/// The cost of rows at their residuals: each pushes with its stiffness where it is violated.
+/// The cost of rows at their residuals, for rows that only push.
 #[inline(always)]
 fn cost_of_rows(d: &[f64], jar: &[f64]) -> f64 {
     let mut cost = 0.0;

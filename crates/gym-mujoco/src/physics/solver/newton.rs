@@ -1,8 +1,8 @@
-//! Newton's method on accelerations: the cost of constraints is quadratic between the places where
-//! rows start or cease to push, so that few steps with exact line search reach the minimum.
+//! Newton's method on accelerations. The cost of the constraints is quadratic except where rows
+//! start or cease to push, so a few steps with exact line search reach the minimum.
 //!
-//! Each island is solved for itself, on vectors of its own degrees of freedom and rows: where its
-//! numbers stand decides in which order they are summed.
+//! Each island is solved on vectors of its own degrees of freedom and rows: the position of a
+//! number decides when it is added to a sum.
 
 #![expect(
     clippy::needless_range_loop,
@@ -28,7 +28,8 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
     let (efc, work) = (&mut d.efc, &mut d.work);
     let b = &mut work.newton;
 
-    // start where the last step ended, unless that is worse than without constraints
+    // start at the last step's accelerations, or at those without constraints if their cost is
+    // lower
     b.jar.resize(efc.nefc(), 0.0);
     residuals(m, efc, &d.qacc_warmstart, &mut work.dofs, &mut b.jar);
     multiply(m, &d.qm, &d.qacc_warmstart, &mut b.ma_start);
@@ -137,29 +138,29 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
     }
 }
 
-/// The inputs of an island.
+/// The optimisation problem of one island, which Newton's method or CG solves.
 pub(super) struct Problem<'a> {
     pub(super) m: &'a Model,
     trees: &'a [usize],
     /// The number of degrees of freedom.
     pub(super) n: usize,
-    // of all degrees of freedom
+    // over all degrees of freedom
     qm: &'a [f64],
     pub(super) qld: &'a [f64],
     pub(super) qld_diag_inv: &'a [f64],
     qfrc_smooth: &'a [f64],
-    // the island's rows
+    // over the island's rows
     blocks: &'a [Block],
     jac: &'a [Lanes],
     stride: usize,
     d: &'a [f64],
     aref: &'a [f64],
-    /// What the rows are, where they do more than push.
+    /// The rows' properties, for models with rows that do more than push.
     law: Option<Law<'a>>,
 }
 
 impl Problem<'_> {
-    /// The degrees of freedom of the trees: where they stand in the model, and in the island.
+    /// For each tree of the island: its degrees of freedom in the model, and in the island.
     #[inline(always)]
     pub(super) fn places(&self) -> impl Iterator<Item = (Range<usize>, Range<usize>)> {
         let mut next = 0;
@@ -180,13 +181,13 @@ impl Problem<'_> {
         &self.jac[row * self.stride..(row + 1) * self.stride]
     }
 
-    /// `J x`.
+    /// Computes `J x`.
     #[inline(always)]
     fn mul_jacobian(&self, x: &[Lanes], out: &mut [f64]) {
         mul_jacobian(self.blocks, self.jac, self.stride, x, self.n, out);
     }
 
-    /// `M x`.
+    /// Computes `M x`.
     #[inline(always)]
     fn mul_m(&self, x: &[Lanes], y: &mut [Lanes]) {
         for (dofs, place) in self.places() {
@@ -199,7 +200,7 @@ impl Problem<'_> {
     }
 }
 
-/// Copies the numbers of an island's rows from those of all.
+/// Copies the data of an island's rows out of those of all rows.
 fn gather(problem: &Problem<'_>, efc: &Constraints, b: &mut Gathered, blocks: &[usize]) {
     let stride = dense::groups(problem.n);
     b.blocks.clear();
@@ -235,9 +236,8 @@ fn gather(problem: &Problem<'_>, efc: &Constraints, b: &mut Gathered, blocks: &[
     }
 }
 
-/// Solves one island: MuJoCo's `mj_solPrimal`. Puts its accelerations and the forces of its
-/// constraints among those of all, returns the number of iterations, and leaves the rows' forces
-/// behind.
+/// Solves one island: MuJoCo's `mj_solPrimal`. Writes its accelerations and constraint forces,
+/// leaves the rows' forces in the buffer, and returns the number of iterations.
 #[inline(always)]
 fn solve_island(
     problem: &Problem<'_>,
@@ -282,7 +282,7 @@ fn solve_island(
     iterations
 }
 
-/// [`dense::dot`], as one piece of code for all calls of it.
+/// [`dense::dot`], not inlined: one copy of the code for all callers.
 #[inline(never)]
 pub(super) fn dot(a: &[Lanes], b: &[Lanes], n: usize) -> f64 {
     dense::dot(a, b, n)
@@ -293,8 +293,8 @@ pub(super) fn norm(a: &[Lanes], n: usize) -> f64 {
     dot(a, a, n).sqrt()
 }
 
-/// Newton's steps; the number of them. Each part is called from one place, so that its code is
-/// there once.
+/// Takes Newton steps, and returns their number. Each part is called from one place, so that it is
+/// inlined once.
 #[inline(always)]
 fn iterate(problem: &Problem<'_>, b: &mut Buffers, scale: f64, tolerance: f64) -> usize {
     let (m, n) = (problem.m, problem.n);
@@ -307,7 +307,7 @@ fn iterate(problem: &Problem<'_>, b: &mut Buffers, scale: f64, tolerance: f64) -
             return iteration;
         }
         if level {
-            // half of the gradient's square is more than can be gained
+            // half of the gradient's square bounds the improvement that is still possible
             b.mgrad.copy_from_slice(&b.grad);
             for (dofs, place) in problem.places() {
                 let x = &mut b.mgrad.as_flattened_mut()[place];
@@ -352,7 +352,7 @@ fn iterate(problem: &Problem<'_>, b: &mut Buffers, scale: f64, tolerance: f64) -
     }
 }
 
-/// Forces of the rows, the resulting forces on the joints, and the gradient: MuJoCo's
+/// Computes the rows' forces, the resulting joint forces, and the gradient: MuJoCo's
 /// `PrimalUpdateConstraint` and `PrimalUpdateGrad`.
 #[inline(always)]
 pub(super) fn update(problem: &Problem<'_>, b: &mut Buffers) {
@@ -391,12 +391,12 @@ pub(super) fn update(problem: &Problem<'_>, b: &mut Buffers) {
     }
 }
 
-/// Makes and factors the Hessian of the cost, `M + J' D J` over the rows that push: MuJoCo's
+/// Builds and factors the Hessian of the cost, `M + J' D J` over the rows that push: MuJoCo's
 /// `MakeHessian`.
 #[inline(always)]
 fn hessian(problem: &Problem<'_>, b: &mut Buffers) {
     let (n, stride, plan) = (problem.n, problem.stride, problem.m.plan());
-    // the rows that push, and the same times their stiffness
+    // the Jacobians of the rows that push, and the same times their stiffness
     b.pushing.clear();
     b.pushed.clear();
     for (row, (&pushes, &stiffness)) in b.pushes.iter().zip(problem.d).enumerate() {
@@ -420,7 +420,7 @@ fn hessian(problem: &Problem<'_>, b: &mut Buffers) {
             |index| (index * stride + first, pushing[index * 4 * stride + i]),
         );
     }
-    // the inertia matrix comes last
+    // the inertia matrix is added last
     let hessian = b.hessian.as_flattened_mut();
     for (dofs, place) in problem.places() {
         for (dof, row) in dofs.zip(place.clone()) {
@@ -433,8 +433,8 @@ fn hessian(problem: &Problem<'_>, b: &mut Buffers) {
     cholesky::factor(&mut b.hessian, n, stride);
 }
 
-/// Changes the factor by the rows that began or ceased to push: MuJoCo's `HessianIncremental`.
-/// False where it must be made anew.
+/// Updates the factor for the rows that began or ceased to push: MuJoCo's `HessianIncremental`.
+/// Returns false if it must be factored again.
 #[inline(always)]
 fn update_hessian(problem: &Problem<'_>, b: &mut Buffers) -> bool {
     let mut definite = true;
@@ -464,7 +464,7 @@ fn update_hessian(problem: &Problem<'_>, b: &mut Buffers) -> bool {
     definite
 }
 
-/// Makes the factor with the second derivatives of the cones: MuJoCo's `HessianCone`.
+/// Computes the factor that includes the second derivatives of the cones: MuJoCo's `HessianCone`.
 #[inline(never)]
 fn add_cones(problem: &Problem<'_>, b: &mut Buffers) {
     b.with_cones.clear();
@@ -509,8 +509,8 @@ fn local_factor(cone: &ConeHessian) -> [[f64; 6]; 6] {
     l
 }
 
-/// The length of the step along the search direction, and the improvement; leaves `M search` and `J
-/// search` behind.
+/// The step length along the search direction, and the improvement. Leaves `M search` and `J
+/// search` in the buffers.
 #[inline(always)]
 pub(super) fn search(problem: &Problem<'_>, b: &mut Buffers, scale: f64) -> (f64, f64) {
     let (opt, n) = (&problem.m.opt, problem.n);

@@ -1,5 +1,5 @@
-//! Iterations after those of the solver, which remove slip: forces of friction alone, without the
-//! regularisation that lets contacts creep.
+//! Iterations after the solver that prevent slip: they change only friction forces, and leave out
+//! the regularisation that lets contacts creep.
 
 use super::pgs::{self, Buffers};
 use crate::physics::constraint::{Block, Kind, Source};
@@ -86,14 +86,14 @@ impl Problem<'_> {
         self.s.ar[i * stride + j / 4][j % 4]
     }
 
-    /// The residual of a row without its regularisation.
+    /// The residual of a row, with its regularisation left out.
     fn residual(&self, row: usize) -> f64 {
         let (nefc, stride) = (self.d.efc.nefc(), dense::groups(self.d.efc.nefc()));
         let ar = &self.s.ar[row * stride..(row + 1) * stride];
         self.d.efc.b[row] + dot(ar, &self.s.force, nefc) - self.d.efc.r[row] * self.force(row)
     }
 
-    /// The change of the cost by a row of dry friction.
+    /// Updates a row of dry friction; returns the change of the cost.
     fn dry_friction(&mut self, row: usize) -> f64 {
         let (loss, old) = (self.d.efc.loss[row], self.force(row));
         let residual = self.residual(row);
@@ -104,8 +104,8 @@ impl Problem<'_> {
         0.5 * delta * delta / inverse + delta * residual
     }
 
-    /// Forces, residuals, the square of the matrix without regularisation, and residuals without
-    /// these forces, of two rows.
+    /// For two rows: forces, residuals, the 2x2 matrix without regularisation, and the residuals
+    /// without the rows' own forces.
     fn two(&self, row: usize) -> ([f64; 2], [f64; 2], [f64; 4], [f64; 2]) {
         let old = [self.force(row), self.force(row + 1)];
         let residual = [self.residual(row), self.residual(row + 1)];
@@ -120,7 +120,7 @@ impl Problem<'_> {
         (old, residual, a, rest)
     }
 
-    /// The change of the cost by two opposite edges of a pyramid.
+    /// Updates two opposite edges of a pyramid; returns the change of the cost.
     fn edges(&mut self, row: usize) -> f64 {
         let (old, residual, a, rest) = self.two(row);
         let middle = 0.5 * (old[0] + old[1]);
@@ -141,7 +141,7 @@ impl Problem<'_> {
         self.take(row, old, residual, &a, force)
     }
 
-    /// The change of the cost by the friction of an elliptic cone.
+    /// Updates the friction of an elliptic cone; returns the change of the cost.
     fn cone(&mut self, row: usize, friction: &[f64; 5]) -> f64 {
         let normal = self.force(row);
         let (old, residual, a, rest) = self.two(row + 1);
@@ -151,7 +151,7 @@ impl Problem<'_> {
             let mu = [friction[0], friction[1]];
             let (mut v, active) = nearest(&a, &rest, mu, normal);
             if active {
-                // onto the ellipse
+                // scale onto the ellipse
                 let square = v[0] * v[0] / (mu[0] * mu[0]) + v[1] * v[1] / (mu[1] * mu[1]);
                 let scale = (normal * normal / f64::max(MINVAL, square)).sqrt();
                 v = v.map(|x| x * scale);
@@ -161,7 +161,7 @@ impl Problem<'_> {
         self.take(row + 1, old, residual, &a, force)
     }
 
-    /// Takes the forces of two rows unless the cost grows; the change of the cost.
+    /// Sets the forces of two rows unless the cost would grow; returns the change of the cost.
     fn take(
         &mut self,
         row: usize,
@@ -186,8 +186,8 @@ impl Problem<'_> {
     }
 }
 
-/// The least of a square form within an ellipse, and whether it is on its edge: MuJoCo's
-/// `mju_QCQP2`.
+/// The minimum of a quadratic form within an ellipse, and whether it is on the ellipse's edge:
+/// MuJoCo's `mju_QCQP2`.
 fn nearest(a: &[f64; 4], b: &[f64; 2], d: [f64; 2], r: f64) -> ([f64; 2], bool) {
     const LEAST: f64 = 1e-10;
     let (b1, b2) = (b[0] * d[0], b[1] * d[1]);

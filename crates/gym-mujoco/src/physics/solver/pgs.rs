@@ -1,7 +1,7 @@
-//! Projected Gauss-Seidel on forces, with momentum and in random order, as MuJoCo does it.
+//! Projected Gauss-Seidel on forces, with momentum and in random order, as in MuJoCo.
 //!
-//! It stops long before it converges. So order and number of iterations are part of the answer, and
-//! both are repeated.
+//! It stops long before it converges. So the result depends on the order of rows and on the number
+//! of iterations, and both are repeated exactly.
 
 use super::{add_forces, dense, residuals};
 use crate::model::{Bounds, Solver};
@@ -9,21 +9,21 @@ use crate::physics::dense::{Lanes, add_scaled, dot, times};
 use crate::physics::inertia;
 use crate::{Data, Model, Revision};
 
-/// Buffers of the solver: vectors of all rows, and of an island's.
+/// Buffers of the solver: vectors over all rows, and over an island's rows.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Buffers {
-    /// `(J L^-1 D^-1/2)'`: for each degree of freedom its number in every row.
+    /// `(J L^-1 D^-1/2)'`: for each degree of freedom, its elements in every row.
     half: Vec<Lanes>,
     /// `J M^-1 J' + R`, row by row.
     pub(super) ar: Vec<Lanes>,
-    /// The terms of a row of `ar`: where a row of `half` starts, and its factor.
+    /// The terms of a row of `ar`: the start of a row of `half`, and its factor.
     terms: Vec<(usize, f64)>,
-    /// Where the rows of `half` start that are not zero, the last first.
+    /// The starts of the rows of `half` that are not zero, the last first.
     moving: Vec<usize>,
     jar: Vec<f64>,
     pub(super) force: Vec<Lanes>,
     product: Vec<Lanes>,
-    /// The rows of an island; the vectors below have their order.
+    /// The rows of an island; the vectors below are in their order.
     rows: Vec<usize>,
     steps: Vec<Step>,
     before: Vec<f64>,
@@ -32,18 +32,18 @@ pub(crate) struct Buffers {
     next_order: Vec<u32>,
 }
 
-/// The numbers for a step along a row.
+/// The quantities of an update of one row.
 #[derive(Clone, Copy, Debug)]
 struct Step {
     row: usize,
     b: f64,
     diag_inv: f64,
-    /// The inverse of the inverse.
+    /// `1 / diag_inv`.
     diag: f64,
 }
 
 impl Buffers {
-    /// Buffers that need not grow; for another solver they stay empty.
+    /// Allocates the buffers; they stay empty if the model has another solver.
     pub(crate) fn new(m: &Model, bounds: &Bounds) -> Self {
         let (nv, mut buffers) = (m.nv(), Self::default());
         if m.opt.solver != Solver::PGS && m.opt.noslip_iterations == 0 {
@@ -75,14 +75,14 @@ pub(super) fn solve(m: &Model, d: &mut Data) {
     finish(m, d);
 }
 
-/// The forces of the rows of all islands.
+/// Computes the forces of the rows of all islands.
 #[inline(always)]
 pub(super) fn forces(m: &Model, d: &mut Data) {
     let mut s = std::mem::take(&mut d.work.pgs);
     let nefc = d.efc.nefc();
     project(m, d, &mut s);
 
-    // forces at the accelerations of the last step, unless none are better
+    // start at the forces of the last step's accelerations, unless zero forces have a lower cost
     s.jar.resize(nefc, 0.0);
     residuals(m, &d.efc, &d.qacc_warmstart, &mut d.work.dofs, &mut s.jar);
     let stride = dense::groups(nefc);
@@ -102,7 +102,7 @@ pub(super) fn forces(m: &Model, d: &mut Data) {
     {
         *product = dot(row, &s.force, nefc);
     }
-    // with what it is used for below, one more product of vectors
+    // `half_square` and its use below: one more product of vectors
     let half_square = 0.5 * dot(&s.force, &s.product, nefc);
     dense::put(&mut s.product, &d.efc.b);
     if dot(&s.force, &s.product, nefc) + half_square > 0.0 {
@@ -127,7 +127,7 @@ pub(super) fn forces(m: &Model, d: &mut Data) {
     d.work.pgs = s;
 }
 
-/// `qfrc_constraint` and `qacc` from the rows' forces: MuJoCo's `mj_dualFinish`.
+/// Computes `qfrc_constraint` and `qacc` from the rows' forces: MuJoCo's `mj_dualFinish`.
 #[inline(always)]
 pub(super) fn finish(m: &Model, d: &mut Data) {
     add_forces(m, d);
@@ -138,7 +138,7 @@ pub(super) fn finish(m: &Model, d: &mut Data) {
     }
 }
 
-/// `J M^-1 J' + R`: MuJoCo's `mj_projectConstraint`.
+/// Computes `J M^-1 J' + R`: MuJoCo's `mj_projectConstraint`.
 #[inline(always)]
 pub(super) fn project(m: &Model, d: &Data, s: &mut Buffers) {
     let (plan, nv, nefc) = (m.plan(), m.nv(), d.efc.nefc());
@@ -170,7 +170,7 @@ pub(super) fn project(m: &Model, d: &Data, s: &mut Buffers) {
             }
         }
     }
-    // from the last degree of freedom on; those that move no row are left out
+    // starts at the last degree of freedom; those that move no row are left out
     s.moving.clear();
     for i in (0..nv).rev() {
         let (above, rest) = s.half.split_at_mut(i * stride);
@@ -185,7 +185,7 @@ pub(super) fn project(m: &Model, d: &Data, s: &mut Buffers) {
                 add_scaled(&mut above[j * stride..(j + 1) * stride], own, -l);
             }
         }
-        // the root of D, not of its inverse
+        // the square root of D; `qld` has D itself, not its inverse
         let scale = 1.0 / d.qld[plan.m_diagonal(i)].sqrt();
         own.iter_mut()
             .for_each(|group| *group = times(*group, scale));
@@ -213,7 +213,7 @@ pub(super) fn project(m: &Model, d: &Data, s: &mut Buffers) {
     }
 }
 
-/// MuJoCo's generator of the order: PCG32.
+/// MuJoCo's random generator of the order: PCG32.
 struct Pcg32(u64);
 
 impl Pcg32 {
@@ -225,15 +225,15 @@ impl Pcg32 {
         shifted.rotate_right((old >> 59) as u32)
     }
 
-    /// Swaps an element with one that is not behind it.
+    /// Swaps element `i` with a random one at `0..=i`.
     #[inline(always)]
     fn swap(&mut self, order: &mut [u32], i: usize) {
         order.swap(i, (self.next() % (i as u32 + 1)) as usize);
     }
 }
 
-/// The inertia against which an island's improvement is measured: before 3.17 the model's, in the
-/// initial configuration; from then on the island's, in the current one.
+/// The inertia that scales an island's improvement. Before 3.17 it is the model's, in the initial
+/// configuration; from then on the island's, in the current one.
 pub(super) fn inertia_of(m: &Model, d: &Data, trees: &[usize]) -> f64 {
     let plan = m.plan();
     match m.revision {
@@ -245,7 +245,7 @@ pub(super) fn inertia_of(m: &Model, d: &Data, trees: &[usize]) -> f64 {
     }
 }
 
-/// Iterates on the forces of an island; the number of iterations.
+/// Iterates on the forces of an island. Returns the number of iterations.
 #[inline(always)]
 fn iterate(m: &Model, d: &Data, s: &mut Buffers, scale: f64) -> usize {
     let (n, nefc) = (s.rows.len(), d.efc.nefc());
@@ -275,7 +275,7 @@ fn iterate(m: &Model, d: &Data, s: &mut Buffers, scale: f64) -> usize {
         vector.extend(rows.iter().map(|row| s.force.as_flattened()[*row]));
     }
 
-    // slices: the compiler cannot know that forces do not change where the vectors are
+    // slices, because the compiler cannot know that a write to `force` leaves the vectors in place
     let (steps, ar) = (&s.steps[..n], &s.ar[..nefc * stride]);
     let (force, before, momentum) = (
         &mut s.force[..stride],
@@ -302,7 +302,8 @@ fn iterate(m: &Model, d: &Data, s: &mut Buffers, scale: f64) -> usize {
             (*before, *momentum) = (now, start);
         }
 
-        // the next order is drawn beside the steps, each of which waits for the one before
+        // draws the next order here, because the updates wait for one another and leave the CPU
+        // idle
         order.copy_from_slice(next_order);
         let mut improvement = 0.0;
         for (&i, next) in order.iter().zip((0..n).rev()) {

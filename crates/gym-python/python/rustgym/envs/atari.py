@@ -26,7 +26,7 @@ __all__ = ["Action", "Ale", "AleState", "AtariEnv"]
 Buffer = npt.NDArray[np.uint8]
 
 
-# with ale-py's names and numbers
+# with ale-py's names and values
 Action = IntEnum(
     "Action",
     "NOOP FIRE UP RIGHT LEFT DOWN UPRIGHT UPLEFT DOWNRIGHT DOWNLEFT UPFIRE RIGHTFIRE LEFTFIRE DOWNFIRE "
@@ -34,7 +34,7 @@ Action = IntEnum(
     start=0,
 )
 
-# settings of ale-py that are the same in each of Gymnasium's environments
+# ale-py's settings that are equal in all of Gymnasium's environments
 _SETTINGS = {
     "frame_skip": "1",
     "max_num_frames": "0",
@@ -52,18 +52,18 @@ _SETTINGS = {
     "system_random_seed": "4753849",
 }
 
-# in bytes, twice the longest cartridge
+# in bytes: twice the longest cartridge
 _LONGEST_ROM = 1 << 20
 
-# the keys of `gymnasium.utils.play`, in the order in which ale-py lists those of an action
+# the keys of `gymnasium.utils.play`, in the order in which ale-py lists the keys of an action
 _KEYS = {"UP": "w", "DOWN": "s", "RIGHT": "d", "LEFT": "a", "FIRE": " "}
 
 
 class Ale:
     """The game of an environment, for direct access, with the methods of ale-py's ``ALEInterface``.
 
-    Unlike ale-py's it plays the ROM of its environment and no other, and has no sound. The arguments of ``make`` settle what
-    the getters of settings tell. Pictures and RAM come as new arrays or are written to a ``uint8`` buffer of their shape.
+    Unlike ale-py's, it plays only the ROM of its environment, and has no sound. The getters of settings return the arguments
+    of ``make``. Pictures and RAM come as new arrays or are written to a ``uint8`` buffer of their shape.
     """
 
     def __init__(self, env: AtariEnv) -> None:
@@ -73,15 +73,15 @@ class Ale:
     # -- playing
 
     def act(self, action: SupportsIndex | Action, paddle_strength: float = 1.0) -> int:
-        """Plays a frame, in which the previous action may stick, and returns the reward; ``ValueError`` for no ``Action``."""
-        # (ale-py's own `Action` is not a number)
+        """Plays a frame and returns the reward. The last action may stick. ``ValueError`` for an invalid ``Action``."""
+        # (ale-py's own `Action` is not an integer)
         return self._native.act(action if isinstance(action, int) else operator.index(getattr(action, "value", action)), paddle_strength)
 
     def reset_game(self) -> None:
         self._native.reset()
 
     def lives(self) -> int:
-        """The lives that are left; 0 in games without any."""
+        """The number of lives; 0 in games without lives."""
         return self._native.progress()[0]
 
     def game_over(self, with_truncation: bool = True) -> bool:
@@ -124,7 +124,7 @@ class Ale:
         return 128
 
     def setRAM(self, index: int, value: int) -> None:
-        """Changes a byte of the RAM; ``RuntimeError`` for an index or a value out of range."""
+        """Changes a byte of the RAM. Raises ``RuntimeError`` for an index or a value out of range."""
         if index not in range(128) or value not in range(256):
             raise RuntimeError(f"RAM byte {index!r} cannot be set to {value!r}: indices are 0 to 127, values 0 to 255")
         self._native.set_ram(index, value)
@@ -150,14 +150,14 @@ class Ale:
         return self._native.facts()[5]
 
     def setMode(self, mode: int) -> None:
-        """Chooses the mode of the episodes from the next reset on; ``RuntimeError`` if the game does not have it."""
+        """Sets the mode from the next reset on; raises ``RuntimeError`` if the game does not have it."""
         if mode not in self.getAvailableModes():
             raise RuntimeError(f"the game has no mode {mode!r}: its modes are {self.getAvailableModes()}")
         _, difficulty, max_frames = self._native.settings()
         self._native.configure(mode, difficulty, max_frames)
 
     def setDifficulty(self, difficulty: int) -> None:
-        """Chooses the difficulty of the episodes from the next reset on; ``RuntimeError`` if the game does not have it."""
+        """Sets the difficulty from the next reset on; raises ``RuntimeError`` if the game does not have it."""
         if difficulty not in self.getAvailableDifficulties():
             there_are = self.getAvailableDifficulties()
             raise RuntimeError(f"the game has no difficulty {difficulty!r}: its difficulties are {there_are}")
@@ -165,7 +165,7 @@ class Ale:
         self._native.configure(mode, difficulty, max_frames)
 
     def _setting(self, name: str) -> str | None:
-        """A setting as ale-py writes it; ``None`` for an unknown name."""
+        """A setting in ale-py's text form; ``None`` for an unknown name."""
         if name == "random_seed":
             return str(int(self._env._seeds()[1].astype(np.int32)))
         if name == "max_num_frames_per_episode":
@@ -177,7 +177,7 @@ class Ale:
         return _SETTINGS.get(name)
 
     def getInt(self, name: str) -> int:
-        """A setting as a whole number, such as ``random_seed``; -1 for an unknown name."""
+        """A setting as an integer, such as ``random_seed``; -1 for an unknown name."""
         setting = self._setting(name)
         try:
             return -1 if setting is None else int(setting)
@@ -203,7 +203,7 @@ class Ale:
         return self._setting(name) or ""
 
     def setInt(self, name: str, value: Any) -> None:
-        """Raises ``gymnasium.error.Error``: the arguments of ``make`` are the settings."""
+        """Raises ``gymnasium.error.Error``: settings are arguments of ``make``."""
         raise gymnasium.error.Error(
             f"{name} cannot be set to {value!r} here: the settings of a game are arguments, as in "
             f"rustgym.make({self._env.env_id!r}, repeat_action_probability=0.0)"
@@ -215,14 +215,14 @@ class Ale:
         """Does nothing: this emulator writes no messages."""
 
     def loadROM(self, path: Any = None) -> None:
-        """Raises ``gymnasium.error.Error``: the id decides the game."""
+        """Raises ``gymnasium.error.Error``: the id determines the game."""
         raise gymnasium.error.Error(
             f"{path} cannot be loaded here: make another game by its id with rustgym.make, and give the folder of ROMs as rom_dir"
         )
 
     @staticmethod
     def isSupportedROM(path: str | bytes | os.PathLike[str]) -> str | None:
-        """The name of the game that a file is the ROM of, ``None`` for no game; ``RuntimeError`` if it cannot be read."""
+        """The name of the game of a ROM file; ``None`` for an unknown file. Raises ``RuntimeError`` if it cannot be read."""
         try:
             with open(path, "rb") as file:
                 return _native.Ale.supported(file.read(_LONGEST_ROM + 1))
@@ -230,14 +230,14 @@ class Ale:
             raise RuntimeError(f"the ROM {os.fsdecode(path)} cannot be read: {error.strerror}") from error
 
     def getAudioSize(self) -> int:
-        """The samples of a frame in ale-py."""
+        """The number of audio samples per frame in ale-py."""
         return 512
 
     def saveScreenPNG(self, path: Any) -> None:
         """Writes the picture to a file, with each pixel twice as wide as high."""
         picture = np.repeat(self.getScreenRGB(), 2, axis=1)
         rows, columns, _ = picture.shape
-        # each row is preceded by the number of its filter, which is none
+        # each row starts with the number of its filter: 0, none
         lines = np.hstack([np.zeros((rows, 1), np.uint8), picture.reshape(rows, -1)]).tobytes()
 
         def chunk(name: bytes, data: bytes) -> bytes:
@@ -254,9 +254,9 @@ class Ale:
         return self._native.state(include_rng)
 
     def restoreState(self, state: AleState) -> None:
-        """Continues from a state. The action that may stick is the last action taken, as in ale-py.
+        """Continues from a state. As in ale-py, the action that may stick stays the last action taken.
 
-        Without ``include_rng`` in ``cloneState`` the random numbers go on as well, instead of back to those of the state.
+        If ``cloneState`` was called without ``include_rng``, the random numbers continue instead of going back too.
         """
         self._native.set_state(state)
 
@@ -268,17 +268,17 @@ class Ale:
 
 
 class SettingError(gymnasium.error.Error, ValueError):
-    """A setting of a game has a bad value: the class that ale-py raises, and that of this package's other arguments."""
+    """A setting of a game has an invalid value. The bases are ale-py's class, and this package's for arguments."""
 
 
 class UnknownSettingError(SettingError, RuntimeError):
-    """The game does not have the mode or difficulty, of which ale-py makes a ``RuntimeError``."""
+    """The game does not have the mode or difficulty. ale-py raises a ``RuntimeError``."""
 
 
 class AtariEnv(ClassEnv):
     """A game of the Atari 2600, with the attributes of ale-py's ``AtariEnv``.
 
-    Unlike ale-py's it needs a ``reset`` before the first ``step``.
+    Unlike ale-py's, it needs a ``reset`` before the first ``step``.
 
     Args:
         render_mode: As of ``rustgym.Env``.
@@ -328,11 +328,11 @@ class AtariEnv(ClassEnv):
         return self.ale.getLegalActionSet() if self.arguments["full_action_space"] else self.ale.getMinimalActionSet()
 
     def get_action_meanings(self) -> list[str]:
-        """The names of the actions."""
+        """The names of the actions of the environment."""
         return [action.name for action in self._action_set]
 
     def map_action_idx(self, left_center_right: int, down_center_up: int, fire: bool) -> Action:
-        """The action that holds the stick to one side (-1, 0 or 1) and up or down, with the button or without."""
+        """The action for the position of the stick (left -1, centre 0, right 1; down -1, centre 0, up 1) and the fire button."""
         vertical, horizontal = ("", "UP", "DOWN")[down_center_up], ("", "RIGHT", "LEFT")[left_center_right]
         return Action[vertical + horizontal + ("FIRE" if fire else "") or "NOOP"]
 
@@ -344,7 +344,7 @@ class AtariEnv(ClassEnv):
         return {tuple(key for word, key in _KEYS.items() if word in name) or ("e",): index for index, name in names}
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Any, dict[str, Any]]:
-        """As ``Env.reset``; with a seed the ROM is loaded again, and mode and difficulty are those of ``make``."""
+        """As ``Env.reset``. With a seed, the ROM is loaded again, and mode and difficulty are the arguments of ``make``."""
         if seed is not None:
             self._configure()
         observation, info = super().reset(seed=seed, options=options)
@@ -355,7 +355,7 @@ class AtariEnv(ClassEnv):
         return observation, info
 
     def seed_game(self, seed: int | None = None) -> tuple[np.uint32, np.uint32]:
-        """Seeds ``np_random``, and the game from the next ``load_game`` on; returns both seeds."""
+        """Seeds ``np_random`` and, from the next ``load_game`` on, the game. Returns both seeds."""
         if seed is None:
             seed = entropy()
         if not self._native.is_running():
@@ -366,7 +366,7 @@ class AtariEnv(ClassEnv):
         return first, second
 
     def load_game(self) -> None:
-        """Loads the ROM again: an episode of the default mode and difficulty starts; those of ``make`` count from the next reset on."""
+        """Loads the ROM again, which starts an episode in the default mode; a reset returns to the arguments of ``make``."""
         if self._np_random_seed in (None, -1):
             self.seed_game()
         self._configure()

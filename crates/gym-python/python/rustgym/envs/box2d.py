@@ -17,7 +17,7 @@ from rustgym.env import TunableEnv, entropy
 
 __all__ = ["BipedalWalker", "CarRacing", "LunarLander", "Terrain"]
 
-# a package, as Gymnasium's is: the modules below it are those of `rustgym._modules`
+# a package, as in Gymnasium: `rustgym._modules` finds the modules below it
 __path__: list[str] = []
 __getattr__ = forwarder(__name__)
 
@@ -39,7 +39,7 @@ class Box2DEnv(TunableEnv):
         return World(self)
 
     def _set(self, change: Callable[[dict[str, Any]], None]) -> None:
-        """Continues from an episode that was changed."""
+        """Changes the stored episode by ``change``, and continues from it."""
         whole, episode = self._take_apart()
         if episode is None:
             raise AttributeError(f"{self.env_id} has no state before the first reset")
@@ -48,7 +48,7 @@ class Box2DEnv(TunableEnv):
 
 
 def _field(name: str, kind: Callable[[Any], Any], doc: str) -> property:
-    """A number or flag of the episode, which can be set."""
+    """A property for a number or flag of the episode, which can be set."""
 
     def get(self: Box2DEnv) -> Any:
         value = self._episode()[name]
@@ -426,7 +426,7 @@ class BipedalWalker(Box2DEnv):
 
 
 def _score_glyphs() -> str:
-    """Pictures of the digits of pygame's font, in the form of the Rust side's ``ScoreGlyphs``."""
+    """Pictures of the digits in pygame's font, as JSON of the Rust side's ``ScoreGlyphs``."""
     try:
         pygame: Any = import_module("pygame")
     except ImportError as error:
@@ -442,14 +442,14 @@ def _score_glyphs() -> str:
 
 
 class _OfTrack(Live):
-    """What a reset makes the track with."""
+    """An attribute that a reset uses to make the track."""
 
     def __set__(self, env: Any, value: Any) -> None:
         self._hand(env, value)
         env._seen[self.name] = None
 
     def push(self, env: Any, value: Any, call: str) -> None:
-        """Takes over what has changed, before a reset."""
+        """Writes changes to the Rust side before a reset. Refuses a step after a change."""
         if same(value, env._seen[self.name]):
             return
         if call == "step" and env._native.is_running():
@@ -462,8 +462,8 @@ class CarRacing(Box2DEnv):
     """Drive a car around a track, seen from above.
 
     Args:
-        score_font: Whether the score is written in pygame's font, as Gymnasium writes it, instead of digits of our own. Needs
-            pygame; with the pygame that Gymnasium uses, observations are Gymnasium's to the last byte.
+        score_font: Whether the score is drawn in pygame's font, as in Gymnasium, instead of this package's own digits. It
+            needs pygame; with Gymnasium's version of pygame, observations equal Gymnasium's to the last byte.
         kwargs: The other arguments of the environment.
     """
 
@@ -483,7 +483,7 @@ class CarRacing(Box2DEnv):
         self._write_score()
 
     def render(self) -> Any:
-        """As ``Env.render``; for ``"state_pixels"`` the observation, a ``uint8`` array of shape ``(96, 96, 3)``."""
+        """As ``Env.render``; in the mode ``"state_pixels"`` the observation, a ``uint8`` array of shape ``(96, 96, 3)``."""
         return self._native.observation() if self.render_mode == "state_pixels" else super().render()
 
     @property

@@ -19,7 +19,7 @@ from rustgym.env import TunableEnv, entropy
 
 __all__ = ["AcrobotEnv", "CartPoleEnv", "Continuous_MountainCarEnv", "MountainCarEnv", "PendulumEnv"]
 
-# a package, as Gymnasium's is: the modules below it are those of `rustgym._modules`
+# a package, as in Gymnasium: `rustgym._modules` finds the modules below it
 __path__: list[str] = []
 __getattr__ = forwarder(__name__)
 
@@ -27,19 +27,19 @@ __getattr__ = forwarder(__name__)
 class ClassicControlEnv(TunableEnv):
     """An environment whose state is a few numbers."""
 
-    #: The names of the numbers, in Gymnasium's order.
+    #: The names of the numbers in ``state``, in Gymnasium's order.
     state_names: ClassVar[tuple[str, ...]]
     @classmethod
     def _fields(cls, numbers: npt.NDArray[np.floating[Any]]) -> dict[str, Any]:
-        """Further fields of a state that was set."""
+        """Further fields of the stored state, given the numbers of a state that a user sets."""
         return {}
 
     @classmethod
     def _is_single(cls, state: dict[str, Any]) -> bool:
-        """Whether Gymnasium has the numbers of a state as ``float32``."""
+        """Whether Gymnasium stores the numbers of a state as ``float32``."""
         return False
 
-    # what Gymnasium's classes have beside, and do not compute with
+    # further attributes of Gymnasium's classes, which no step reads
     _beside: ClassVar[dict[str, Callable[[Any], Any]]] = {}
 
     def __init__(self, render_mode: str | None = None, **kwargs: Any) -> None:
@@ -47,7 +47,7 @@ class ClassicControlEnv(TunableEnv):
         self.__dict__.update((name, make(self)) for name, make in self._beside.items())
 
     def _read_state(self) -> npt.NDArray[np.floating[Any]] | None:
-        """The state, by ``state_names``; ``None`` before the first reset. It can be changed in place, and set."""
+        """The numbers named by ``state_names``; ``None`` before the first reset. It can be changed in place, and set."""
         state = self._native.state()
         if state is None:
             return None
@@ -66,7 +66,7 @@ class ClassicControlEnv(TunableEnv):
         self._change(**self._fields(numbers), **dict(zip(self.state_names, numbers.tolist(), strict=True)))
 
     def _change(self, **fields: Any) -> None:
-        """Continues from a state that differs in these fields."""
+        """Changes fields of the state, and continues from it."""
         state = self._native.state()
         if state is None:
             raise AttributeError(f"{self.env_id} has no state before the first reset")
@@ -74,7 +74,7 @@ class ClassicControlEnv(TunableEnv):
 
     state = Live(_read_state, _write_state)
 
-    # Gymnasium's class, whose step computes with a state of `float32`, where ours does not
+    # Gymnasium's class, for tasks whose step it computes in `float32` after a user sets a `float32` state
     _theirs: ClassVar[str | None] = None
 
     def _watched_step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
@@ -112,7 +112,7 @@ class CartPoleEnv(ClassicControlEnv):
 
     @property
     def steps_beyond_terminated(self) -> int | None:
-        """``None`` in an episode, and 0 from its end on, when rewards are 0. It can be set, to another number as well."""
+        """``None`` during an episode. After its end it is 0 and rewards are 0. It can be set to any number."""
         return 0 if json.loads(self._native.state() or "{}").get("fallen") else None
 
     @steps_beyond_terminated.setter
@@ -174,7 +174,7 @@ class PendulumEnv(ClassicControlEnv):
 
     @property
     def last_u(self) -> np.float32 | None:
-        """The last torque, clipped, which a picture shows; ``None`` after a reset. It can be set."""
+        """The last torque, clipped, which pictures show; ``None`` after a reset. It can be set."""
         torque = json.loads(self._native.state() or "{}").get("last_torque")
         return None if torque is None else np.float32(torque)
 
@@ -197,7 +197,7 @@ class AcrobotEnv(ClassicControlEnv):
     def _is_single(cls, state: dict[str, Any]) -> bool:
         return bool(state["fresh"])
 
-    # in Gymnasium these belong to the class
+    # in Gymnasium these arguments are attributes of the class
     vars().update((name, value) for name, value in spec_of(_id)["defaults"].items())
     actions_num = 3
 

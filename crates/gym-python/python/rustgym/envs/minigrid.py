@@ -37,19 +37,19 @@ class Grid:
 
 
 def _parts(codes: Any) -> np.ndarray:
-    """Kind, colour and state of cells."""
+    """Kind, colour and state of encoded cells, as separate arrays."""
     codes = np.asarray(codes, np.uint32)
     return np.stack([codes & 0xFF, codes >> 8 & 0xF, codes >> 12 & 0xF], axis=-1).astype(np.uint8)
 
 
 def _cells(grid: dict[str, Any]) -> np.ndarray:
-    """The image of a grid: kind, colour and state by column and row."""
+    """The image of a grid: an array by column and row of kind, colour and state."""
     return _parts(grid["cells"]).reshape(grid["height"], grid["width"], 3).transpose(1, 0, 2)
 
 
 def _visible(view: np.ndarray) -> np.ndarray:
-    """Which cells of a view the agent in the middle of the last row sees: sight spreads sideways and away from it, through
-    cells that do not block it."""
+    """Which cells of a view the agent sees. It stands in the middle of the last row; its sight spreads sideways and forward
+    through cells that do not block it."""
     size = len(view)
     blocks = (view[..., 0] == _WALL[0]) | (view[..., 0] == _KINDS.index("door")) & (view[..., 2] != 0)
     seen = np.zeros((size, size), bool)
@@ -65,7 +65,7 @@ def _visible(view: np.ndarray) -> np.ndarray:
 
 
 def _grid(image: np.ndarray) -> Any:
-    """The grid of an image: minigrid's own where that package is in use, so that its ``isinstance`` knows the objects."""
+    """The grid of an image. It is minigrid's own class if that package is imported, so that its ``isinstance`` tests work."""
     minigrid = sys.modules.get("minigrid.core.grid")
     return minigrid.Grid.decode(image)[0] if minigrid else Grid(image)
 
@@ -98,7 +98,7 @@ class GridEnv(ClassEnv):
 
     @property
     def front_pos(self) -> tuple[int, int]:
-        """The place in front of the agent."""
+        """The position in front of the agent."""
         (x, y), (dx, dy) = self.agent_pos, [(1, 0), (0, 1), (-1, 0), (0, -1)][self.agent_dir]
         return x + dx, y + dy
 
@@ -108,7 +108,7 @@ class GridEnv(ClassEnv):
         return _grid(_cells(self._world()["grid"]))
 
     def gen_obs_grid(self, agent_view_size: int | None = None) -> tuple[Any, np.ndarray]:
-        """The cells before the agent, turned so that it looks up from the middle of the last row, and which of them it sees."""
+        """The agent's view: the cells in front of it, rotated so that it faces up, and which of them it sees."""
         world, size = self._world(), agent_view_size or self.agent_view_size
         padded = np.full([n + 2 * size for n in (self.width, self.height)] + [3], _WALL, np.uint8)
         padded[size:-size, size:-size] = _cells(world["grid"])
@@ -121,7 +121,7 @@ class GridEnv(ClassEnv):
         return _grid(view), seen
 
     def get_frame(self, highlight: bool = True, tile_size: int = 32, agent_pov: bool = False) -> np.ndarray:
-        """A picture of the grid, or of what the agent sees."""
+        """A picture of the grid, or of the agent's view."""
         look = {"highlight": highlight, "tile_size": tile_size, "agent_pov": agent_pov}
         twin = type(self)(render_mode="rgb_array", **{**self._given, **look})
         twin.reset(seed=0)

@@ -1,4 +1,4 @@
-//! The line search of several worlds.
+//! The line search, for several worlds.
 
 use fearless_simd::Simd;
 use gym_core::math::{Lanes, Real};
@@ -12,8 +12,9 @@ use crate::physics::solver::line_search;
 use crate::physics::spatial::MINVAL;
 
 impl Newton {
-    /// The lengths of the steps along the search directions, and the costs there. The bits of the
-    /// worlds that must search on within a bracket.
+    /// Searches the worlds until the minimum is bracketed, and writes step lengths and
+    /// improvements. Returns the bits of the worlds that still must search within their bracket,
+    /// and the linear term, quadratic term and flat slope that this takes.
     #[inline(always)]
     pub(super) fn search<S: Simd>(
         &mut self,
@@ -47,7 +48,7 @@ impl Newton {
         let scale = load(at, &control.scale);
         let flat = length * (opt.tolerance * opt.ls_tolerance) / scale;
         let least = zero.same(MINVAL);
-        // cost, slope and curvature
+        // returns cost, slope and curvature at a step length
         let (point,) = (
             #[inline(always)]
             |alpha: Lanes<S>| {
@@ -82,7 +83,7 @@ impl Newton {
         let ahead = Lanes::select(slope.lt(zero), one, -one);
         let mut walks = open & (slope * ahead).le(-flat);
         let mut stuck = Lanes::<S>::but_not(open, walks);
-        // Newton's steps in one direction, until the minimum is behind
+        // Newton steps in one direction, until the minimum is passed
         while Lanes::<S>::any(walks) && evaluations < opt.ls_iterations {
             let next = alpha - slope / curvature;
             let (c, s, k) = point(next);
@@ -105,7 +106,7 @@ impl Newton {
         (Lanes::<S>::bits(stuck), along)
     }
 
-    /// Searches world by world where the minimum is between two lengths, which is rare.
+    /// Finishes the search within the bracket, world by world. This is rare.
     pub(super) fn finish_search(
         &mut self,
         m: &Model,

@@ -347,7 +347,7 @@ fn colours_of_the_start_change_no_track() {
     assert!(track(false, Reset::from(4).option("randomize", true)) == plain);
 }
 
-/// A reset without new colours keeps those of the last episode.
+/// A reset that draws no colours keeps the colours of the last episode.
 #[test]
 fn colours_stay_where_none_are_drawn() {
     let config = car_racing::Config {

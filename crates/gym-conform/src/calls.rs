@@ -34,8 +34,8 @@ impl Calls {
         calls.text.unwrap_or_default()
     }
 
-    /// Records a call: its `name`, those of its arguments that are not numbers as `bytes`, and
-    /// `numbers`. `call` is all of it as text.
+    /// Records a call. `name` is the letter of its method, `numbers` are its numbers, `bytes` its
+    /// other arguments, and `call` is the whole call as text.
     fn call(&mut self, call: fmt::Arguments<'_>, name: u8, bytes: &[u8], numbers: &[f64]) {
         self.count += 1;
         if !numbers.iter().all(|x| x.is_finite()) {

@@ -8,12 +8,12 @@ use gym_core::{Env, Result};
 /// be reset after `close`, its episode equals that of a new environment.
 pub(crate) fn harmless(subject: &Subject<'_>) -> Verdict {
     let seed = SEEDS[0];
-    let mut beside = subject.after(seed, 5)?;
+    let mut beside = subject.midway(seed)?;
     // played before any environment was closed
     let first = subject.first_run()?;
     let played = roll_out(&mut subject.make()?, seed, STEPS)?;
     let closed = |times: u32| -> Result<Vec<Shown>> {
-        let mut env = subject.after(seed, 5)?;
+        let mut env = subject.midway(seed)?;
         (0..times).for_each(|_| env.close());
         roll_out(&mut env, seed, STEPS)
     };
@@ -25,7 +25,7 @@ pub(crate) fn harmless(subject: &Subject<'_>) -> Verdict {
                 &twice,
                 "an environment that was closed twice and reset",
             )?;
-            let mut env = subject.after(seed, 5)?;
+            let mut env = subject.midway(seed)?;
             for other in [seed + 1, seed + 2] {
                 env.close();
                 roll_out(&mut env, other, 5)?;

@@ -19,7 +19,7 @@ pub(crate) const STEPS: usize = 150;
 pub(crate) const MIDWAY: usize = 5;
 pub(crate) const SEEDS: [u64; 3] = [0, 1, 123_456_789];
 
-/// A run: its seed, the steps before the comparison, and those of the comparison.
+/// A run: its seed, and the numbers of steps before and in the comparison.
 type Run = (u64, usize, usize);
 
 /// The environment under test.

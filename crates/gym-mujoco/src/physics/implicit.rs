@@ -198,8 +198,8 @@ fn subtract_bias(m: &Model, d: &Data, b: &mut Buffers) {
     }
 }
 
-/// Adds a body's motion axes to the derivatives of its velocity, and the derivatives of `cdof_dot
-/// qvel` to those of its acceleration: MuJoCo's `mjd_comVel_vel`.
+/// Adds a body's motion axes to the derivatives `velocity`, and the derivatives of `cdof_dot qvel`
+/// to the derivatives `acceleration`: MuJoCo's `mjd_comVel_vel`.
 fn add_axes(m: &Model, d: &Data, body: usize, velocity: &mut [Vec6], acceleration: &mut [Vec6]) {
     for joint in joints(m, body) {
         let first = m.jnt_dofadr[joint];

@@ -84,7 +84,7 @@ fn turned_spring(m: &Model, d: &mut Data, p: usize, i: usize, stiffness: f64) {
     }
 }
 
-/// Adds the springs of tendons to those of joints, then all dampers.
+/// Adds the forces of tendons' springs to `qfrc_passive`, then the forces of all dampers.
 #[inline(never)]
 fn elastic_tendons(m: &Model, d: &mut Data) {
     let plan = m.plan();

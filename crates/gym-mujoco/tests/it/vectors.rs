@@ -1,6 +1,6 @@
 //! Vectors of the tasks: the same bits on any number of threads.
 
-use gym_core::registry::Each;
+use gym_core::registry::{Each, EnvBuilder};
 use gym_core::render::RenderMode;
 use gym_core::vector::{Autoreset, Columns, VectorEnv, VectorEnvExt, VectorKind, VectorReset};
 use gym_core::{BoxEnv, Result, Value, builder, registry};
@@ -183,21 +183,21 @@ fn worlds_that_step_together_have_the_bits_of_worlds_alone() {
     }
 }
 
+/// A vector of eight environments; an async one has one thread.
+fn eight(env: EnvBuilder, kind: VectorKind) -> Result<Box<dyn VectorEnv>> {
+    let vector = env.vector(8).kind(kind);
+    match kind {
+        VectorKind::Async => vector.threads(1).build(),
+        _ => vector.build(),
+    }
+}
+
 /// Arrays that no task reads are made when asked for, as a world alone has them.
 #[test]
 fn all_arrays_are_there_when_asked_for() {
     // a native vector does not lend its environments; the threads of an async one step the same way
     let kinds = [VectorKind::Async, VectorKind::Sync];
-    let make = |kind| {
-        let vector = builder("Walker2d-v5").vector(8).kind(kind);
-        let threads = usize::from(kind == VectorKind::Async);
-        if threads > 0 {
-            vector.threads(threads)
-        } else {
-            vector
-        }
-        .build()
-    };
+    let make = |kind| eight(builder("Walker2d-v5"), kind);
     let mut pair = Pair::new(kinds, make, "Walker2d-v5".into());
     let mut actions = pair.envs[1].action_sampler(5).unwrap();
     pair.go(|envs, columns| envs.reset_into(&1.into(), columns));
@@ -236,14 +236,7 @@ fn depths_are_those_of_worlds_alone() {
     let kinds = [VectorKind::Async, VectorKind::Sync];
     let make = |kind| {
         let env = builder("Walker2d-v5").render_mode(RenderMode::DepthArray);
-        let vector = env.arg("width", 24).arg("height", 24).vector(8).kind(kind);
-        let threads = usize::from(kind == VectorKind::Async);
-        if threads > 0 {
-            vector.threads(threads)
-        } else {
-            vector
-        }
-        .build()
+        eight(env.arg("width", 24).arg("height", 24), kind)
     };
     let mut pair = Pair::new(kinds, make, "Walker2d-v5".into());
     let mut actions = pair.envs[1].action_sampler(5).unwrap();

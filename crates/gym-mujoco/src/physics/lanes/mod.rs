@@ -399,8 +399,7 @@ impl Worlds {
                 }
             }
             for step in 1..=steps {
-                // the task reads the frames of the last timestep, unless `settle` computes those of
-                // the new state
+                // a task reads the frames of the last timestep, or `settle` replaces them
                 let whole = self.shows && !self.settles && step == steps;
                 self.one_step(m, at, live, whole);
             }

@@ -37,9 +37,18 @@ fn unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
 }
 
 impl TemporaryPath {
-    fn new(path: PathBuf) -> Self {
-        unfinished().insert(path.clone());
-        Self(path)
+    /// Creates the file. [`AlreadyExists`](io::ErrorKind::AlreadyExists) if there is a file at
+    /// `path`.
+    fn create(path: PathBuf) -> io::Result<(File, Self)> {
+        // locked for both, so that `remove_unfinished` finds every file that exists
+        let mut unfinished = unfinished();
+        let file = OpenOptions::new()
+            .read(true)
+            .write(true)
+            .create_new(true)
+            .open(&path)?;
+        unfinished.insert(path.clone());
+        Ok((file, Self(path)))
     }
 
     /// Renames the file.
@@ -59,12 +68,21 @@ impl Drop for TemporaryPath {
     }
 }
 
-/// Removes every temporary file of this program: for the handler of a signal that ends the program,
-/// which drops no [`AtomicFile`].
-pub fn remove_unfinished() {
-    for path in &*unfinished() {
+/// Removes every temporary file of this program and ends it with the exit code `code`: for the
+/// handler of a signal, since a program that ends so drops no [`AtomicFile`].
+pub fn remove_unfinished_and_exit(code: i32) -> ! {
+    let _no_new_files = remove_unfinished();
+    std::process::exit(code)
+}
+
+/// Removes every temporary file of this program. Until the guard is dropped, other threads create
+/// none.
+fn remove_unfinished() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    let unfinished = unfinished();
+    for path in &*unfinished {
         let _ = fs::remove_file(path);
     }
+    unfinished
 }
 
 /// Where a complete file goes.
@@ -188,16 +206,10 @@ fn temporary(path: &Path) -> io::Result<(File, TemporaryPath)> {
     loop {
         let count = COUNT.fetch_add(1, Ordering::Relaxed);
         let hidden = folder(path).join(format!(".{name}.{count}{SUFFIX}"));
-        let file = match OpenOptions::new()
-            .read(true)
-            .write(true)
-            .create_new(true)
-            .open(&hidden)
-        {
+        let (file, temporary) = match TemporaryPath::create(hidden) {
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => continue,
-            opened => opened?,
+            created => created?,
         };
-        let temporary = TemporaryPath::new(hidden);
         lock(&file);
         // another program may have removed it as a leftover before it was locked
         if temporary.0.exists() {
@@ -432,6 +444,42 @@ mod tests {
                 (fs::read(&path).unwrap(), names(&folder)),
                 (b"next".to_vec(), vec!["a.txt".to_owned()])
             );
+        }
+    }
+
+    const INTERRUPTED: &str = "GYM_RENDER_TESTS_INTERRUPTED";
+
+    /// The program that is interrupted: its threads create files while it ends.
+    #[test]
+    fn interrupted() {
+        let Some(folder) = std::env::var_os(INTERRUPTED) else {
+            return;
+        };
+        for thread in 0..3 {
+            let path = Path::new(&folder).join(format!("{thread}.txt"));
+            std::thread::spawn(move || {
+                loop {
+                    AtomicFile::create(&path).unwrap();
+                }
+            });
+        }
+        std::thread::sleep(std::time::Duration::from_millis(20));
+        remove_unfinished_and_exit(130);
+    }
+
+    /// A program that ends while its threads create files leaves none.
+    #[test]
+    fn an_interrupted_program_leaves_no_temporary_file() {
+        let folder = TempDir::new().unwrap();
+        for _ in 0..30 {
+            let status = std::process::Command::new(std::env::current_exe().unwrap())
+                .args(["--exact", "file::tests::interrupted"])
+                .env(INTERRUPTED, folder.path())
+                .stdout(std::process::Stdio::null())
+                .status()
+                .unwrap();
+            assert_eq!(status.code(), Some(130));
+            assert_eq!(names(&folder), [""; 0]);
         }
     }
 

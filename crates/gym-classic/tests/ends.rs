@@ -132,6 +132,7 @@ fn the_goal_itself_counts() {
     let before = mountain_car::State {
         position: 0.55,
         velocity: 0.07,
+        fresh: false,
     };
     let after = car
         .transition(&before, &mountain_car::Action::Right, &mut rng)

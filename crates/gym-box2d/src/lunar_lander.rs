@@ -189,8 +189,10 @@ struct Episode {
     fixtures: [FixtureId; 3],
     /// Heights of the ground, one per 2 m.
     smooth_y: [f64; CHUNKS],
-    wind_idx: i64,
-    torque_idx: i64,
+    /// The positions of wind and turbulence in the pattern of gusts. `None` if the episode started
+    /// without wind, until wind blows.
+    wind_idx: Option<i64>,
+    torque_idx: Option<i64>,
     /// Whether the hull has touched the ground.
     game_over: bool,
     ground_contact: [bool; 2],
@@ -317,12 +319,12 @@ impl Episode {
         let push_y = rng.uniform(-INITIAL_RANDOM, INITIAL_RANDOM);
         world.apply_force_to_center(lander, vec2(push_x, push_y));
 
-        let (mut wind_idx, mut torque_idx) = (0, 0);
+        let (mut wind_idx, mut torque_idx) = (None, None);
         if config.enable_wind {
             let mut aside = rng.clone();
             let source = if version == 2 { &mut aside } else { &mut rng };
-            wind_idx = source.integers(-9999, 9999);
-            torque_idx = source.integers(-9999, 9999);
+            wind_idx = Some(source.integers(-9999, 9999));
+            torque_idx = Some(source.integers(-9999, 9999));
         }
 
         let mut fixtures = [hull; 3];
@@ -385,16 +387,16 @@ impl Episode {
 
     /// Applies the wind: tanh(sin(2 k x) + sin(π k x)) with k = 0.01, which never repeats.
     fn blow(&mut self, config: &Config) {
-        let gust = |index: i64| {
-            let index = index as f64;
-            tanh(sin(0.02 * index) + sin(PI * 0.01 * index))
+        let gust = |index: &mut Option<i64>| {
+            let next = index.get_or_insert(0);
+            let x = *next as f64;
+            *next += 1;
+            tanh(sin(0.02 * x) + sin(PI * 0.01 * x))
         };
-        let wind_mag = gust(self.wind_idx) * config.wind_power;
-        self.wind_idx += 1;
+        let wind_mag = gust(&mut self.wind_idx) * config.wind_power;
         self.world
             .apply_force_to_center(self.lander, vec2(wind_mag, 0.0));
-        let torque_mag = gust(self.torque_idx) * config.turbulence_power;
-        self.torque_idx += 1;
+        let torque_mag = gust(&mut self.torque_idx) * config.turbulence_power;
         self.world.apply_torque(self.lander, torque_mag as f32);
     }
 

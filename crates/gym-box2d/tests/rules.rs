@@ -112,6 +112,25 @@ fn wind_draws_from_the_episode_since_version_3() {
     }
 }
 
+/// An episode that starts without wind has no position in the pattern of gusts, until wind blows.
+#[test]
+fn gusts_have_a_position_from_the_first_wind_on() {
+    let mut lander = LunarLander::new(lunar_lander::Config::default()).unwrap();
+    let position = |lander: &LunarLander| {
+        let stored = serde_json::to_value(lander.snapshot().unwrap()).unwrap();
+        stored["episode"]["wind_idx"].as_i64()
+    };
+    lander.reset(1).unwrap();
+    assert_eq!(position(&lander), None);
+    lander.set_argument("enable_wind", json!(true)).unwrap();
+    lander
+        .step(&lunar_lander::Action::Fire(lunar_lander::Engine::Off))
+        .unwrap();
+    assert_eq!(position(&lander), Some(1));
+    lander.reset(1).unwrap();
+    assert!(position(&lander).is_some_and(|position| position != 0));
+}
+
 #[test]
 fn arguments_that_are_set_are_checked_as_those_of_a_new_environment() {
     let mut lander = LunarLander::new(lunar_lander::Config::default()).unwrap();

@@ -122,6 +122,9 @@ pub struct State {
     pub theta_dot: f64,
     /// Whether the episode has already terminated: further steps have reward 0.
     pub fallen: bool,
+    /// How many steps beyond the end also ended beyond a threshold.
+    #[serde(default)]
+    pub steps_beyond_terminated: u32,
     /// Whether no step was taken since the reset. Reset options allow any start.
     #[serde(default)]
     pub fresh: bool,
@@ -219,6 +222,7 @@ impl Equations for CartPoleDynamics {
             theta,
             theta_dot,
             fallen: !fresh && !self.is_within(x, theta),
+            steps_beyond_terminated: 0,
             fresh,
         }
     }
@@ -286,10 +290,13 @@ impl Equations for CartPoleDynamics {
     /// Once the pole has fallen, the reward is 0.
     #[inline(always)]
     fn finish(&self, before: &State, _action: Action, transition: &mut Transition<State>) {
-        if before.fallen && transition.terminated && !self.config.sutton_barto_reward {
+        let is_beyond = before.fallen && transition.terminated;
+        if is_beyond && !self.config.sutton_barto_reward {
             transition.reward = 0.0; // the end of the episode was rewarded before
         }
         transition.state.fallen = before.fallen | transition.terminated;
+        transition.state.steps_beyond_terminated =
+            (before.steps_beyond_terminated).saturating_add(u32::from(is_beyond));
     }
 }
 
@@ -383,6 +390,7 @@ impl Task for CartPoleDynamics {
             theta,
             theta_dot,
             fallen: false,
+            steps_beyond_terminated: 0,
             fresh: true,
         })
     }
@@ -398,6 +406,7 @@ impl Task for CartPoleDynamics {
             theta_dot,
             fallen,
             fresh,
+            ..
         } = *state;
         let Config {
             tau,

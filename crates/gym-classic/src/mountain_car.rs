@@ -69,6 +69,9 @@ pub struct State {
     pub position: f64,
     /// Velocity per step.
     pub velocity: f64,
+    /// Whether no step was taken since the reset.
+    #[serde(default)]
+    pub fresh: bool,
 }
 
 /// The pure functions of the task.
@@ -135,8 +138,12 @@ impl Equations for MountainCarDynamics {
     }
 
     #[inline(always)]
-    fn unpack(&self, [position, velocity]: [f64; 2], _fresh: bool) -> State {
-        State { position, velocity }
+    fn unpack(&self, [position, velocity]: [f64; 2], fresh: bool) -> State {
+        State {
+            position,
+            velocity,
+            fresh,
+        }
     }
 
     /// Returns the direction of the acceleration.
@@ -251,6 +258,7 @@ impl Task for MountainCarDynamics {
         Ok(State {
             position: rng.uniform(low, high),
             velocity: 0.0,
+            fresh: true,
         })
     }
 

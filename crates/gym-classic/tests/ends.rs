@@ -22,6 +22,29 @@ fn rewards(config: Config) -> Vec<f64> {
 }
 
 #[test]
+fn steps_beyond_the_end_are_counted() {
+    let mut env = CartPole::new(Config::default()).unwrap();
+    env.reset(0).unwrap();
+    while !env.step(&Action::Right).unwrap().terminated {}
+    for steps in 0..3 {
+        assert_eq!(env.state().unwrap().steps_beyond_terminated, steps);
+        env.step(&Action::Right).unwrap();
+    }
+    env.reset(None).unwrap();
+    assert_eq!(env.state().unwrap().steps_beyond_terminated, 0);
+}
+
+/// Gymnasium's state is an array after a reset, and a tuple after a step.
+#[test]
+fn a_mountain_car_knows_whether_it_has_moved() {
+    let mut env = mountain_car::MountainCar::new(mountain_car::Config::default()).unwrap();
+    env.reset(0).unwrap();
+    assert!(env.state().unwrap().fresh);
+    env.step(&mountain_car::Action::Coast).unwrap();
+    assert!(!env.state().unwrap().fresh);
+}
+
+#[test]
 fn only_what_an_episode_reaches_is_restored() {
     let mut env = CartPole::new(Config::default()).unwrap();
     env.reset(0).unwrap();
@@ -132,6 +155,7 @@ fn the_goal_itself_counts() {
     let before = mountain_car::State {
         position: 0.55,
         velocity: 0.07,
+        fresh: false,
     };
     let after = car
         .transition(&before, &mountain_car::Action::Right, &mut rng)

@@ -39,6 +39,8 @@ pub(crate) struct Numbers {
     reward: Number,
     /// The size of the reward that is an `int` where it ends an episode; 0 for none.
     last_reward: f64,
+    /// The type of `reward_ctrl`.
+    control: Number,
     /// The keys of an environment's info after a step, in their order.
     keys: OnceLock<Vec<Key>>,
 }
@@ -71,12 +73,18 @@ impl Numbers {
             ("gym-mujoco", _) => (Number::Float64, 0.0),
             _ => (Number::Float, 0.0),
         };
+        // with contact forces, Gymnasium's old Ant reports their cost under this key
+        let control = match kwargs.get("use_contact_forces").and_then(Json::as_bool) {
+            Some(true) => Number::Float64,
+            _ => Number::OfAction,
+        };
         Self {
             task: task.to_owned(),
             is_mujoco: package == "gym-mujoco",
             is_old,
             reward,
             last_reward,
+            control,
             keys: OnceLock::new(),
         }
     }
@@ -107,7 +115,7 @@ impl Numbers {
             ("Hopper" | "InvertedDoublePendulum", "reward_survive") => Number::Float,
             (_, "reward_survive" | "reward_alive") if self.is_old => Number::Float,
             ("Humanoid" | "HumanoidStandup", _) => Number::Float64,
-            (_, "reward_ctrl") => Number::OfAction,
+            (_, "reward_ctrl") => self.control,
             _ => Number::Float64,
         }
     }

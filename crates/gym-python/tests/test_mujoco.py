@@ -192,3 +192,11 @@ def test_another_installed_version_is_told_once(installed, own, hint, monkeypatc
 def test_a_model_that_is_nowhere(make, xml_file):
     with pytest.raises(OSError, match="does not exist|no built-in model 'nowhere.xml'"):
         make("Hopper-v5", xml_file=xml_file)
+
+
+@pytest.mark.parametrize("env_id", ["Ant-v5", "HalfCheetah-v5", "InvertedDoublePendulum-v5", "Hopper-v5"])
+def test_a_start_without_noise_has_no_negative_zeros(env_id: str) -> None:
+    env = rustgym.make(env_id, reset_noise_scale=0.0).unwrapped
+    env.reset(seed=3)
+    numbers = env.state_vector()
+    assert not np.signbit(numbers[numbers == 0.0]).any()

@@ -151,10 +151,10 @@ pub(super) fn uniform_noise(numbers: &mut [f64], initial: &[f64], scale: f64, rn
     }
 }
 
-/// Sets each of `numbers` to `scale * standard_normal()`.
+/// Sets each of `numbers` to `0.0 + scale * standard_normal()`: without noise it is no negative zero.
 pub(super) fn normal_noise(numbers: &mut [f64], scale: f64, rng: &mut Generator) {
     for x in numbers {
-        *x = scale * rng.standard_normal();
+        *x = 0.0 + scale * rng.standard_normal();
     }
 }
 

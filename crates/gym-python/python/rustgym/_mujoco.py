@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 from numpy.lib.stride_tricks import as_strided
 
-__all__ = ["Mirror", "OwnData"]
+__all__ = ["Mirror", "OwnData", "load", "model_path"]
 
 #: The arrays of the state that the Rust engine has too: changes to them are written to it.
 KNOWN = ("qpos", "qvel", "qacc_warmstart")
@@ -31,11 +31,10 @@ def _library() -> Any:
     return import_module("mujoco")
 
 
-def _asset(xml_file: str) -> str | None:
+def model_path(xml_file: str) -> str:
     """Gymnasium's file of a built-in model: the same numbers, with Gymnasium's names, lights and textures."""
     gymnasium = import_module("gymnasium")
-    path = os.path.join(os.path.dirname(str(gymnasium.__file__)), "envs", "mujoco", "assets", xml_file)
-    return path if os.path.exists(path) else None
+    return os.path.join(os.path.dirname(str(gymnasium.__file__)), "envs", "mujoco", "assets", xml_file)
 
 
 def load(xml_file: str, text: str | None, width: int, height: int) -> Any:
@@ -43,7 +42,7 @@ def load(xml_file: str, text: str | None, width: int, height: int) -> Any:
     mujoco = _library()
     if text is None:
         model = mujoco.MjModel.from_xml_path(os.path.expanduser(xml_file))
-    elif (path := _asset(xml_file)) is not None:
+    elif os.path.exists(path := model_path(xml_file)):
         model = mujoco.MjModel.from_xml_path(path)
     else:
         model = mujoco.MjModel.from_xml_string(text)

@@ -6,7 +6,8 @@ import json
 import operator
 from collections.abc import Callable
 from copy import deepcopy
-from typing import Any, ClassVar
+from inspect import getattr_static
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import gymnasium
 import numpy as np
@@ -83,6 +84,12 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
 
     # attributes that cannot be set
     _constants: frozenset[str] = frozenset()
+
+    # what to use instead of attributes that only Gymnasium's environment has
+    _absent: ClassVar[dict[str, str]] = {}
+
+    # whether a picture was drawn, and whether the environment was closed
+    _has_drawn = _was_closed = False
 
     # whether a step does more than the native one: it follows a generator held outside, or shows a picture
     _is_watched = True
@@ -292,6 +299,8 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
             return None
         if self._is_watched:
             self._push()
+        if not self._has_drawn:
+            self.__dict__["_has_drawn"] = True
         return None if self.render_mode == "human" else self._native.render()
 
     def close(self) -> None:
@@ -300,6 +309,7 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
             self._native.close()
         if self._window is not None:
             self._window.close()
+        self.__dict__["_was_closed"] = True
 
     def get_state(self) -> str:
         """The whole state, generator included, as JSON text: for planners, and to store."""
@@ -326,6 +336,9 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         native.restore(json.dumps(state), self._native.is_running())
         self._native = native
         self._watch()
+
+    def _was_reset(self) -> bool:
+        return self._native is not None and self._native.generator() is not None
 
     def _take_apart(self) -> tuple[Any, Any]:
         """The stored state, and the part of it that is the episode: ``None`` before the first reset."""
@@ -432,11 +445,23 @@ class Env(gymnasium.Env[Any, Any], metaclass=_Kind):
         if self._native is not None:
             self._watch()
 
+    if not TYPE_CHECKING:  # where it would hide misspelt names
+
+        def __getattr__(self, name: str) -> Any:
+            found = getattr_static(type(self), name, None)
+            if hasattr(type(found), "__get__"):  # a property, which raises its own error once more
+                return found.__get__(self, type(self))
+            hint = self._absent.get(name)
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}" + (f": {hint}" if hint else ""))
+
     def __setattr__(self, name: str, value: Any) -> None:
-        if name in self._constants:
-            if not same(value, getattr(self, name)):
-                raise AttributeError(f"{name} of {self.env_id} is {getattr(self, name)!r} and cannot be set")
-        elif name in self.__dict__.get("arguments", ()):
+        if name in self._constants and "arguments" in self.__dict__:
+            current = getattr(self, name, value)
+            if not same(value, current) and not (np.ndim(value) == 0 and value == current):
+                remedy = f": make another environment with {name}={value!r}" if name in self.arguments else ""
+                raise AttributeError(f"{name} of {self.env_id} is {current!r} and cannot be set{remedy}")
+            return
+        if name in self.__dict__.get("arguments", ()):
             logger.warn(
                 f"{name} is what this {type(self).__name__} was made with: setting it changes nothing but the attribute"
             )
@@ -456,15 +481,17 @@ class ClassEnv(Env):
 
     _id: ClassVar[str]
 
+    # functions to further attributes of Gymnasium's class, which no step reads
+    _beside: ClassVar[dict[str, Callable[[Any], Any]]] = {}
+
     def __init__(self, render_mode: str | None = None, **kwargs: Any) -> None:
         super().__init__(self._id, render_mode=render_mode, **kwargs)
+        self.__dict__.update((name, make(self)) for name, make in self._beside.items())
 
 
 class TunableEnv(ClassEnv):
     """The base of the classes whose arguments are attributes that take effect when they are set, as Gymnasium's do."""
 
-    #: Arguments that decide the spaces, and cannot be set.
-    _fixed: ClassVar[frozenset[str]] = frozenset()
     #: Functions from an argument's value to one of two names, where Gymnasium takes any other text as the second.
     _names: ClassVar[dict[str, Callable[[Any], Any]]] = {}
 
@@ -478,7 +505,8 @@ class TunableEnv(ClassEnv):
         self.__dict__.update((name, self.arguments[name]) for name in defaults)
 
     def __setattr__(self, name: str, value: Any) -> None:
-        if name in self._fixed or name not in self.__dict__.get("arguments", ()) or isinstance(getattr(type(self), name, None), Live):
+        is_tunable = name in self.__dict__.get("arguments", ()) and name not in self._constants
+        if not is_tunable or isinstance(getattr(type(self), name, None), Live):
             super().__setattr__(name, value)
         else:
             self._native.set_argument(to_json({name: self._names.get(name, lambda value: value)(value)}))

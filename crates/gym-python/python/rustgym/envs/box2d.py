@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 import json
+import operator
 from collections.abc import Callable
 from importlib import import_module
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import gymnasium
 import numpy as np
 import numpy.typing as npt
 
+from rustgym._bodies import Body, Car, Joint, Leg, World
+from rustgym._errors import ResetNeeded
 from rustgym._live import Live, same
 from rustgym._modules import forwarder
+from rustgym._pictures import IsOpen, OfPicture, absent
 from rustgym.env import TunableEnv, entropy
 
 __all__ = ["BipedalWalker", "CarRacing", "LunarLander", "Terrain"]
@@ -25,7 +30,9 @@ __getattr__ = forwarder(__name__)
 class Box2DEnv(TunableEnv):
     """An environment of bodies in a physics engine."""
 
-    _fixed = frozenset({"continuous", "physics"})
+    _constants = frozenset({"continuous", "physics"})
+
+    screen, clock, isopen = OfPicture(until="window"), OfPicture(until="render"), IsOpen(until="window")
 
     def _episode(self) -> dict[str, Any]:
         episode: dict[str, Any] | None = self._take_apart()[1]
@@ -47,14 +54,26 @@ class Box2DEnv(TunableEnv):
         self._native.restore(json.dumps(whole), self._native.is_running())
 
 
-def _field(name: str, kind: Callable[[Any], Any], doc: str) -> property:
-    """A property for a number or flag of the episode, which can be set."""
+_NOTHING: Any = object()
+
+
+def _field(name: str, kind: Callable[[Any], Any], doc: str, before_reset: Any = _NOTHING) -> property:
+    """A property for a number or flag of the episode, which can be set.
+
+    Args:
+        before_reset: Gymnasium's value before the first reset, which overwrites it. Leave it out if there is none.
+    """
 
     def get(self: Box2DEnv) -> Any:
+        if before_reset is not _NOTHING and not self._was_reset():
+            return self.__dict__.get(name, before_reset)
         value = self._episode()[name]
         return None if value is None else kind(value)
 
     def put(self: Box2DEnv, value: Any) -> None:
+        if before_reset is not _NOTHING and not self._was_reset():
+            self.__dict__[name] = value
+            return
         try:
             self._set(lambda episode: episode.update({name: None if value is None else kind(value)}))
         except ValueError as error:
@@ -63,296 +82,111 @@ def _field(name: str, kind: Callable[[Any], Any], doc: str) -> property:
     return property(get, put, doc=doc)
 
 
-class Vec2(NamedTuple):
-    """A vector in the plane, with the operators of Box2D's, in single precision."""
-
-    x: float
-    y: float
-
-    @classmethod
-    def _of(cls, x: Any, y: Any) -> Vec2:
-        return cls(float(np.float32(x)), float(np.float32(y)))
-
-    @property
-    def length(self) -> float:
-        """The Euclidean norm."""
-        x, y = np.float32(self.x), np.float32(self.y)
-        return float(np.sqrt(x * x + y * y))
-
-    def __add__(self, other: Any) -> Vec2:
-        return Vec2._of(self.x + other[0], self.y + other[1])
-
-    def __sub__(self, other: Any) -> Vec2:
-        return Vec2._of(self.x - other[0], self.y - other[1])
-
-    def __mul__(self, factor: Any) -> Vec2:
-        return Vec2._of(self.x * factor, self.y * factor)
-
-    __rmul__ = __mul__
-
-    def __truediv__(self, divisor: float) -> Vec2:
-        return Vec2._of(self.x / divisor, self.y / divisor)
-
-    def __neg__(self) -> Vec2:
-        return Vec2(-self.x, -self.y)
-
-
-class Body:
-    """A body of the physics engine. Its velocities can be set; the rest is read-only."""
-
-    _env: Box2DEnv
-    _find: Callable[[dict[str, Any]], int]
-
-    def __init__(self, env: Box2DEnv, find: Callable[[dict[str, Any]], int]) -> None:
-        self.__dict__.update(_env=env, _find=find)
-
-    def _slot(self, episode: dict[str, Any]) -> dict[str, Any]:
-        (engine,) = episode["world"]["engine"].values()
-        slot: dict[str, Any] = engine["bodies"]["slots"][self._find(episode)]
-        return slot
-
-    def _read(self) -> dict[str, Any]:
-        return self._slot(self._env._episode())
-
-    @property
-    def position(self) -> Vec2:
-        """The body's origin, in m."""
-        return Vec2(*self._read()["xf"]["translation"])
-
-    @property
-    def worldCenter(self) -> Vec2:  # noqa: N802 - Box2D's name
-        """The centre of mass, in m."""
-        return Vec2(*self._read()["sweep"]["c"])
-
-    @property
-    def angle(self) -> float:
-        """The angle, in rad."""
-        return float(self._read()["sweep"]["a"])
-
-    @property
-    def mass(self) -> float:
-        """The mass, in kg."""
-        return float(self._read()["mass"])
-
-    @property
-    def awake(self) -> bool:
-        """Whether the engine moves the body."""
-        return bool(self._read()["awake"])
-
-    @property
-    def linearVelocity(self) -> Vec2:  # noqa: N802 - Box2D's name
-        """The velocity of the centre of mass, in m/s."""
-        return Vec2(*self._read()["velocity"])
-
-    @linearVelocity.setter
-    def linearVelocity(self, velocity: Any) -> None:  # noqa: N802 - Box2D's name
-        x, y = velocity
-        self._move(velocity=[float(np.float32(x)), float(np.float32(y))])
-
-    @property
-    def angularVelocity(self) -> float:  # noqa: N802 - Box2D's name
-        """The angular velocity, in rad/s."""
-        return float(self._read()["angular_velocity"])
-
-    @angularVelocity.setter
-    def angularVelocity(self, velocity: float) -> None:  # noqa: N802 - Box2D's name
-        self._move(angular_velocity=float(np.float32(velocity)))
-
-    def ApplyForceToCenter(self, force: Any, wake: bool = True) -> None:  # noqa: N802 - Box2D's name
-        """Adds a force, in N, for the next step."""
-        self._add(wake, lambda body: {"force": np.float32(body["force"]) + np.float32(force)})
-
-    def ApplyTorque(self, torque: float, wake: bool = True) -> None:  # noqa: N802 - Box2D's name
-        """Adds a torque, in N m, for the next step."""
-        self._add(wake, lambda body: {"torque": np.float32(body["torque"]) + np.float32(torque)})
-
-    def ApplyLinearImpulse(self, impulse: Any, point: Any, wake: bool = True) -> None:  # noqa: N802 - Box2D's name
-        """Adds an impulse, in N s, at a point of the world."""
-
-        def change(body: dict[str, Any]) -> dict[str, Any]:
-            push, center = np.asarray(impulse, np.float32), np.asarray(body["sweep"]["c"], np.float32)
-            arm = np.asarray(point, np.float32) - center
-            turn = np.float32(body["inv_inertia"]) * (arm[0] * push[1] - arm[1] * push[0])
-            velocity = np.asarray(body["velocity"], np.float32) + np.float32(body["inv_mass"]) * push
-            return {"velocity": velocity, "angular_velocity": np.float32(body["angular_velocity"]) + turn}
-
-        self._add(wake, change)
-
-    def ApplyAngularImpulse(self, impulse: float, wake: bool = True) -> None:  # noqa: N802 - Box2D's name
-        """Adds an angular impulse, in N m s."""
-        turn = np.float32(impulse)
-        self._add(
-            wake,
-            lambda body: {"angular_velocity": np.float32(body["angular_velocity"]) + np.float32(body["inv_inertia"]) * turn},
-        )
-
-    def _add(self, wake: bool, change: Callable[[dict[str, Any]], dict[str, Any]]) -> None:
-        body = self._read()
-        if wake or body["awake"]:
-            self._move(wake, **{name: value.tolist() for name, value in change(body).items()})
-
-    def _move(self, wake: bool | None = None, **fields: Any) -> None:
-        def change(episode: dict[str, Any]) -> None:
-            slot = self._slot(episode)
-            slot.update(fields)
-            if np.any([*fields.values()]) if wake is None else wake and not slot["awake"]:
-                slot.update(awake=True, sleep_time=0.0)
-
-        self._env._set(change)
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        found = getattr(type(self), name, None)
-        if not isinstance(found, property) or found.fset is None:
-            names = dir(type(self))
-            free = [n for n in names if isinstance(f := getattr(type(self), n), property) and f.fset is not None]
-            raise AttributeError(f"{name} of a {type(self).__name__.lower()} cannot be set: {', '.join(free)} can")
-        object.__setattr__(self, name, value)
-
-
-class World:
-    """The world of the physics engine."""
-
-    _env: Box2DEnv
-
-    def __init__(self, env: Box2DEnv) -> None:
-        self.__dict__["_env"] = env
-
-    @property
-    def gravity(self) -> Vec2:
-        """The gravity, in m/s². It can be set, until the next reset."""
-        (engine,) = self._env._episode()["world"]["engine"].values()
-        return Vec2(*engine["gravity"])
-
-    @gravity.setter
-    def gravity(self, gravity: Any) -> None:
-        x, y = np.asarray(gravity, np.float32).tolist()
-
-        def change(episode: dict[str, Any]) -> None:
-            (engine,) = episode["world"]["engine"].values()
-            engine["gravity"] = [x, y]
-
-        self._env._set(change)
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        if name != "gravity":
-            raise AttributeError(f"{name} of the world cannot be set: gravity can")
-        object.__setattr__(self, name, value)
-
-
-class Joint:
-    """A hinge with a motor between two bodies. Read-only."""
-
-    __slots__ = ("_env", "_find")
-
-    def __init__(self, env: Box2DEnv, find: Callable[[dict[str, Any]], int]) -> None:
-        self._env, self._find = env, find
-
-    def _read(self) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
-        episode = self._env._episode()
-        (engine,) = episode["world"]["engine"].values()
-        joint, bodies = engine["joints"]["slots"][self._find(episode)], engine["bodies"]["slots"]
-        return joint, bodies[joint["body_a"]], bodies[joint["body_b"]]
-
-    @property
-    def angle(self) -> float:
-        """The angle, in rad."""
-        joint, a, b = self._read()
-        return float(np.float32(b["sweep"]["a"]) - np.float32(a["sweep"]["a"]) - np.float32(joint["reference_angle"]))
-
-    @property
-    def speed(self) -> float:
-        """The angular velocity, in rad/s."""
-        _, a, b = self._read()
-        return float(np.float32(b["angular_velocity"]) - np.float32(a["angular_velocity"]))
-
-    @property
-    def motorSpeed(self) -> float:  # noqa: N802 - Box2D's name
-        """The angular velocity that the motor aims at, in rad/s."""
-        return float(self._read()[0]["motor_speed"])
-
-    @property
-    def maxMotorTorque(self) -> float:  # noqa: N802 - Box2D's name
-        """The motor's largest torque, in N m."""
-        return float(self._read()[0]["max_motor_torque"])
-
-
-class Wheel(Body):
-    """A wheel of the car."""
-
-    _index: int
-
-    def __init__(self, env: Box2DEnv, index: int) -> None:
-        super().__init__(env, lambda episode: int(episode["car"]["wheels"][index]["body"]))
-        self.__dict__["_index"] = index
-
-    @staticmethod
-    def _own(name: str, doc: str) -> property:
-        def get(self: Wheel) -> float:
-            return float(self._env._episode()["car"]["wheels"][self._index][name])
-
-        def put(self: Wheel, value: float) -> None:
-            self._env._set(lambda episode: episode["car"]["wheels"][self._index].update({name: float(value)}))
-
-        return property(get, put, doc=doc)
-
-    gas = _own("gas", "How much gas it gets, 0 to 1.")
-    brake = _own("brake", "How much it brakes, 0 to 1.")
-    steer = _own("steer", "The angle to which it is steered, in rad.")
-    phase = _own("phase", "Its angle around the axle, in rad.")
-    omega = _own("omega", "Its angular velocity around the axle, in rad/s.")
-
-    @property
-    def joint(self) -> Joint:
-        """The joint that holds it."""
-        return Joint(self._env, lambda episode: int(episode["car"]["wheels"][self._index]["joint"]))
-
-
-class Car:
-    """The car of CarRacing."""
-
-    def __init__(self, env: Box2DEnv) -> None:
-        self.hull = Body(env, lambda episode: int(episode["car"]["hull"]))
-        self.wheels = [Wheel(env, i) for i in range(4)]
-
-
-class Leg(Body):
-    """A leg that feels the ground."""
-
-    _index: int
-
-    def __init__(self, env: Box2DEnv, body: int, index: int) -> None:
-        super().__init__(env, lambda episode: int(episode["legs"][body]))
-        self.__dict__["_index"] = index
-
-    @property
-    def ground_contact(self) -> bool:
-        """Whether it touches the ground."""
-        return bool(self._env._episode()["ground_contact"][self._index])
-
-
 class LunarLander(Box2DEnv):
     """Land a craft on a pad."""
 
     _id = "LunarLander-v3"
 
-    wind_idx = _field("wind_idx", int, "The position of the wind in the pattern of gusts.")
-    torque_idx = _field("torque_idx", int, "The position of the turbulence in the pattern of gusts.")
     game_over = _field("game_over", bool, "Whether the hull has touched the ground.")
-    prev_shaping = _field("prev_shaping", float, "The potential of the last state, of which a reward is a difference.")
+    prev_shaping = _field("prev_shaping", np.float64, "The potential of the last state, of which a reward is a difference.")
 
-    #: The pad: its ends and its height, in m.
-    helipad_x1, helipad_x2, helipad_y = 8.0, 12.0, 400 / 30 / 4
-    _constants = frozenset({"helipad_x1", "helipad_x2", "helipad_y"})
+    _constants = Box2DEnv._constants | {"helipad_x1", "helipad_x2", "helipad_y"}
+    _beside = {"prev_reward": lambda self: None}
+    _absent = absent("surf") | {
+        "moon": "in Gymnasium it is a body of Box2D; sky_polys has the heights of the ground",
+        "particles": "the flames are a part of the pictures alone: render() returns the picture",
+    }
+
+    enable_wind: bool
+
+    #: Whether the wind was turned on in an episode that began without wind.
+    _lacks_wind = False
 
     @property
-    def lander(self) -> Body:
-        """The hull."""
-        return Body(self, lambda episode: int(episode["lander"]))
+    def helipad_x1(self) -> float:
+        """The left end of the pad, in m."""
+        self._episode()
+        return 8.0
+
+    @property
+    def helipad_x2(self) -> float:
+        """The right end of the pad, in m."""
+        self._episode()
+        return 12.0
+
+    @property
+    def helipad_y(self) -> float:
+        """The height of the pad, in m."""
+        self._episode()
+        return 400 / 30 / 4
+
+    @property
+    def lander(self) -> Body | None:
+        """The hull; ``None`` before the first reset."""
+        return Body(self, lambda episode: int(episode["lander"])) if self._was_reset() else None
 
     @property
     def legs(self) -> list[Leg]:
         """The legs."""
+        self._episode()
         return [Leg(self, i, i) for i in range(2)]
+
+    @property
+    def drawlist(self) -> list[Body | None]:
+        """The bodies that a picture shows."""
+        return [self.lander, *self.legs]
+
+    @property
+    def sky_polys(self) -> list[list[tuple[float, float]]]:
+        """The polygons of the sky, whose first two points are points of the ground."""
+        heights = [np.float64(y) for y in self._episode()["smooth_y"]]
+        points = [(2.0 * i, y) for i, y in enumerate(heights)]
+        top = 400 / 30
+        return [[a, b, (b[0], top), (a[0], top)] for a, b in pairwise(points)]
+
+    def _gust(name: str, doc: str) -> property:  # type: ignore[misc]
+        def get(self: LunarLander) -> int:
+            value = self._episode()[name]
+            if value is None:
+                raise AttributeError(f"{self.env_id} has no {name}: the episode began without wind")
+            return int(value)
+
+        def put(self: LunarLander, value: int) -> None:
+            self._set(lambda episode: episode.update({name: operator.index(value)}))
+            self._look_for_wind()
+
+        return property(get, put, doc=doc)
+
+    wind_idx = _gust("wind_idx", "The position of the wind in the pattern of gusts.")
+    torque_idx = _gust("torque_idx", "The position of the turbulence in the pattern of gusts.")
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        super().__setattr__(name, value)
+        if name == "enable_wind":
+            self._look_for_wind()
+
+    def _look_for_wind(self) -> None:
+        episode = self._take_apart()[1] if self.enable_wind else None
+        lacks = episode is not None and None in (episode["wind_idx"], episode["torque_idx"])
+        self.__dict__["_lacks_wind"] = lacks
+        self._watch()
+
+    def _watch(self) -> None:
+        super()._watch()
+        if self._lacks_wind:
+            self._set_watched(True)
+
+    def _watched_step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
+        if self._lacks_wind and not any(self._episode()["ground_contact"]):
+            raise ResetNeeded(
+                "the episode began without wind, so that its gusts have no position: reset first, or set wind_idx and torque_idx"
+            )
+        return super()._watched_step(action)
+
+    def _follow(self, is_reset: bool = False) -> None:
+        if is_reset:
+            self.__dict__["_lacks_wind"] = False
+        super()._follow(is_reset)
 
 
 class Terrain(NamedTuple):
@@ -374,25 +208,41 @@ class BipedalWalker(Box2DEnv):
 
     _id = "BipedalWalker-v3"
 
+    game_over = _field("game_over", bool, "Whether the hull has touched the ground.")
+    prev_shaping = _field(
+        "prev_shaping", float, "The potential of the last state, of which a reward is a difference.", before_reset=None
+    )
+    _absent = (
+        absent("surf")
+        | absent("fd_edge fd_polygon", "in Gymnasium it is a definition of Box2D, from which a reset makes the ground")
+        | absent("cloud_poly", "clouds are a part of the pictures alone: render() returns the picture")
+    )
+
     @property
     def terrain(self) -> list[Terrain]:
         """The pieces of the ground, the farthest first: its edges, and the obstacles in white and grey."""
+        if not self._was_reset():
+            return []
         episode = self._episode()
         obstacles = [Terrain((255, 255, 255), (153, 153, 153))] * len(episode["obstacles"])
         greens = [(76, 255 if i % 2 == 0 else 204, 76) for i in range(len(episode["terrain_y"]) - 1)]
         return [*(Terrain(green, green) for green in reversed(greens)), *obstacles]
 
-    game_over = _field("game_over", bool, "Whether the hull has touched the ground.")
-    prev_shaping = _field("prev_shaping", float, "The potential of the last state, of which a reward is a difference.")
+    @property
+    def terrain_poly(self) -> list[tuple[list[tuple[float, float]], tuple[int, int, int]]]:
+        """The polygons of the ground, and their colour."""
+        edges = pairwise(zip(self.terrain_x, self.terrain_y, strict=True))
+        return [([a, b, (b[0], 0), (a[0], 0)], (102, 153, 76)) for a, b in edges]
 
     @property
-    def hull(self) -> Body:
-        """The hull."""
-        return Body(self, lambda episode: int(episode["hull"]))
+    def hull(self) -> Body | None:
+        """The hull; ``None`` before the first reset."""
+        return Body(self, lambda episode: int(episode["hull"])) if self._was_reset() else None
 
     @property
     def legs(self) -> list[Body]:
         """The upper and the lower part of each leg; the lower ones have ``ground_contact``."""
+        self._episode()
 
         def upper(i: int) -> Body:
             return Body(self, lambda episode: int(episode["legs"][i]))
@@ -400,14 +250,25 @@ class BipedalWalker(Box2DEnv):
         return [upper(0), Leg(self, 1, 0), upper(2), Leg(self, 3, 1)]
 
     @property
+    def drawlist(self) -> list[Any]:
+        """What a picture shows: the ground and the bodies."""
+        return [*self.terrain, *self.legs, self.hull]
+
+    @property
     def joints(self) -> list[Joint]:
         """The hip and the knee of each leg."""
+        self._episode()
         return [Joint(self, lambda episode, i=i: int(episode["joints"][i])) for i in range(4)]  # type: ignore[misc]
 
     @property
     def lidar(self) -> list[Ray]:
         """The rays of the last observation."""
         return [Ray(fraction) for fraction in self._episode()["lidar"]]
+
+    @property
+    def lidar_render(self) -> int:
+        """The position in the cycle of pictures, one of which shows a ray."""
+        return int(self._episode()["pictures"])
 
     @property
     def terrain_x(self) -> list[float]:
@@ -417,11 +278,13 @@ class BipedalWalker(Box2DEnv):
     @property
     def terrain_y(self) -> list[float]:
         """The heights of the points of the ground, in m."""
-        return [float(y) for y in self._episode()["terrain_y"]]
+        return [np.float64(y) for y in self._episode()["terrain_y"]]
 
     @property
     def scroll(self) -> float:
         """The left edge of a picture, in m."""
+        self._episode()
+        assert self.hull is not None
         return self.hull.position.x - 600 / 30 / 5
 
 
@@ -486,16 +349,47 @@ class CarRacing(Box2DEnv):
         """As ``Env.render``; in the mode ``"state_pixels"`` the observation, a ``uint8`` array of shape ``(96, 96, 3)``."""
         return self._native.observation() if self.render_mode == "state_pixels" else super().render()
 
-    @property
-    def car(self) -> Car:
-        """The car."""
-        return Car(self)
+    clock, surf = OfPicture(until="reset"), OfPicture(until="reset")
+    _beside = {"invisible_state_window": lambda self: None, "invisible_video_window": lambda self: None}
+    _absent = absent("road road_poly start_alpha", "track has the points of the road") | absent(
+        "contactListener_keepref fd_tile", "in Gymnasium it is an object of Box2D"
+    )
 
-    reward = _field("reward", float, "The return so far.")
-    prev_reward = _field("prev_reward", float, "The return at the last step, of which a step's reward is the difference.")
+    #: Whether there is an episode that nobody has asked for, from which colours were read.
+    _has_early_colors = False
+
+    def _was_reset(self) -> bool:
+        return super()._was_reset() and not self._has_early_colors
+
+    def _episode(self) -> dict[str, Any]:
+        if self._has_early_colors:
+            raise AttributeError(f"{self.env_id} has no state before the first reset")
+        return super()._episode()
+
+    def _follow(self, is_reset: bool = False) -> None:
+        if is_reset:
+            self.__dict__.pop("_has_early_colors", None)
+        super()._follow(is_reset)
+
+    @property
+    def car(self) -> Car | None:
+        """The car; ``None`` before the first reset."""
+        return Car(self) if self._was_reset() else None
+
+    @property
+    def state(self) -> npt.NDArray[np.uint8]:
+        """The last observation."""
+        self._episode()
+        observation: npt.NDArray[np.uint8] = self._native.observation()
+        return observation
+
+    reward = _field("reward", float, "The return so far.", before_reset=0.0)
+    prev_reward = _field(
+        "prev_reward", float, "The return at the last step, of which a step's reward is the difference.", before_reset=0.0
+    )
     t = _field("t", float, "The time in the episode, in s.")
     tile_visited_count = _field("tile_visited_count", int, "The number of tiles visited.")
-    new_lap = _field("new_lap", bool, "Whether the lap is complete.")
+    new_lap = _field("new_lap", bool, "Whether the lap is complete.", before_reset=False)
 
     road_color = _OfTrack(
         lambda self: self._color("road"),
@@ -524,7 +418,8 @@ class CarRacing(Box2DEnv):
             # Gymnasium draws the first colours in its constructor; a reset with `randomize=False` keeps them
             self._native.reset(str(entropy()), None)
             self._native.restore(self._native.snapshot(), False)
-        color = np.array(self._episode()["colors"][name])
+            self.__dict__["_has_early_colors"] = True
+        color = np.array(super()._episode()["colors"][name])
         return color if self.arguments["domain_randomize"] else color.astype(np.int64)
 
     def _set_color(self, name: str, color: Any) -> None:

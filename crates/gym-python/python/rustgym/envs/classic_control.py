@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import operator
 from collections.abc import Callable
 from importlib import import_module
 from typing import Any, ClassVar
@@ -14,6 +15,7 @@ import numpy.typing as npt
 from rustgym._json import to_json
 from rustgym._live import Live
 from rustgym._modules import forwarder
+from rustgym._pictures import IsOpen, OfPicture, absent
 from rustgym._specs import spec_of
 from rustgym.env import TunableEnv, entropy
 
@@ -39,23 +41,30 @@ class ClassicControlEnv(TunableEnv):
         """Whether Gymnasium stores the numbers of a state as ``float32``."""
         return False
 
-    # further attributes of Gymnasium's classes, which no step reads
-    _beside: ClassVar[dict[str, Callable[[Any], Any]]] = {}
+    # whether Gymnasium has a state before the first reset, which is None
+    _has_early_state: ClassVar[bool] = True
 
-    def __init__(self, render_mode: str | None = None, **kwargs: Any) -> None:
-        super().__init__(render_mode, **kwargs)
-        self.__dict__.update((name, make(self)) for name, make in self._beside.items())
+    screen, clock = OfPicture(until="render"), OfPicture(until="render")
+    isopen = IsOpen()
+    _absent = absent("surf")
 
-    def _read_state(self) -> npt.NDArray[np.floating[Any]] | None:
-        """The numbers named by ``state_names``; ``None`` before the first reset. It can be changed in place, and set."""
+    def _read_state(self) -> Any:
+        """The numbers named by ``state_names``. It can be changed in place, and set.
+
+        Before the first reset it is as in Gymnasium: ``None`` in CartPole and Acrobot, and absent in the other tasks.
+        """
         state = self._native.state()
         if state is None:
-            return None
+            if self._has_early_state:
+                return None
+            raise AttributeError(f"{self.env_id} has no state before the first reset")
         numbers = json.loads(state)
         dtype = np.float32 if self._is_single(numbers) else np.float64
         return np.array([numbers[name] for name in self.state_names], dtype)
 
     def _write_state(self, state: Any) -> None:
+        if state is None:
+            return  # the next step needs a reset
         numbers = np.asarray(state)
         if numbers.dtype != np.float32:
             numbers = numbers.astype(np.float64)
@@ -78,7 +87,10 @@ class ClassicControlEnv(TunableEnv):
     _theirs: ClassVar[str | None] = None
 
     def _watched_step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
-        state = (self._handed or {}).get("state")
+        handed = self._handed or {}
+        state = handed.get("state")
+        if state is None and "state" in handed:
+            raise gymnasium.error.ResetNeeded(f"the state of {self.env_id} is None: call reset first")
         if self._theirs is None or state is None or np.asarray(state).dtype != np.float32 or not self._native.is_running():
             return super()._watched_step(action)
         self._push("step")
@@ -96,6 +108,7 @@ class CartPoleEnv(ClassicControlEnv):
     _id = "CartPole-v1"
     _theirs = "gymnasium.envs.classic_control.cartpole:CartPoleEnv"
     state_names = ("x", "x_dot", "theta", "theta_dot")
+    screen_width, screen_height = OfPicture(600), OfPicture(400)
     masspole: float
     masscart: float
     length: float
@@ -108,16 +121,18 @@ class CartPoleEnv(ClassicControlEnv):
 
     @classmethod
     def _fields(cls, numbers: npt.NDArray[np.floating[Any]]) -> dict[str, Any]:
-        return {"fallen": False, "fresh": True}  # anywhere, as a start may be
+        return {"fresh": True}  # anywhere, as a start may be
 
     @property
     def steps_beyond_terminated(self) -> int | None:
-        """``None`` during an episode. After its end it is 0 and rewards are 0. It can be set to any number."""
-        return 0 if json.loads(self._native.state() or "{}").get("fallen") else None
+        """``None`` until the episode ends; then the number of further steps that end beyond a threshold. It can be set."""
+        state = json.loads(self._native.state() or "{}")
+        return int(state["steps_beyond_terminated"]) if state.get("fallen") else None
 
     @steps_beyond_terminated.setter
     def steps_beyond_terminated(self, steps: int | None) -> None:
-        self._change(fallen=steps is not None)
+        if steps is not None or self._native.state() is not None:
+            self._change(fallen=steps is not None, steps_beyond_terminated=0 if steps is None else operator.index(steps))
 
     @property
     def _sutton_barto_reward(self) -> bool:
@@ -132,13 +147,36 @@ def _bounds(position: str, sign: float) -> Callable[[Any], npt.NDArray[np.float3
     return lambda self: np.array([self.arguments[position], sign * self.arguments["max_speed"]], np.float32)
 
 
+def _height(self: Any, xs: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """The heights of the valley at some positions."""
+    return np.sin(3 * xs) * 0.45 + 0.55
+
+
 class MountainCarEnv(ClassicControlEnv):
     """Drive a weak car up a hill; ``state`` is position and velocity."""
 
     _id = "MountainCar-v0"
+    min_position: float
     _theirs = "gymnasium.envs.classic_control.mountain_car:MountainCarEnv"
     state_names = ("position", "velocity")
+    screen_width, screen_height = OfPicture(600), OfPicture(400)
+    _has_early_state = False
     _beside = {"low": _bounds("min_position", -1.0), "high": _bounds("max_position", 1.0)}
+    _height = _height
+
+    @classmethod
+    def _fields(cls, numbers: npt.NDArray[np.floating[Any]]) -> dict[str, Any]:
+        return {"fresh": True}
+
+    def _read_state(self) -> Any:
+        state = super()._read_state()
+        if json.loads(self._native.state() or "{}").get("fresh", True):
+            return state
+        position, velocity = state
+        # Gymnasium's step returns a tuple, and stops the car at the wall with the integer 0
+        return (position, 0 if velocity == 0.0 and position == self.min_position else velocity)
+
+    state = Live(_read_state, ClassicControlEnv._write_state)
 
     def get_keys_to_action(self) -> dict[tuple[int, ...], int]:
         """The actions of the arrow keys, by the numbers of the keys that are down."""
@@ -150,6 +188,9 @@ class Continuous_MountainCarEnv(ClassicControlEnv):
 
     _id = "MountainCarContinuous-v0"
     state_names = ("position", "velocity")
+    screen_width, screen_height = OfPicture(600), OfPicture(400)
+    _has_early_state = False
+    _height = _height
     _beside = {"low_state": _bounds("min_position", -1.0), "high_state": _bounds("max_position", 1.0)}
 
     @classmethod
@@ -167,20 +208,25 @@ class PendulumEnv(ClassicControlEnv):
     _id = "Pendulum-v1"
     _theirs = "gymnasium.envs.classic_control.pendulum:PendulumEnv"
     state_names = ("theta", "theta_dot")
+    _has_early_state = False
+    screen_dim = OfPicture(500)
 
     def _get_obs(self) -> npt.NDArray[np.float32]:
         theta, theta_dot = self.state
         return np.array([np.cos(theta), np.sin(theta), theta_dot], np.float32)
 
-    @property
-    def last_u(self) -> np.float32 | None:
-        """The last torque, clipped, which pictures show; ``None`` after a reset. It can be set."""
-        torque = json.loads(self._native.state() or "{}").get("last_torque")
+    def _read_torque(self) -> np.float32 | None:
+        state = self._native.state()
+        if state is None:
+            raise AttributeError(f"{self.env_id} has no last_u before the first reset")
+        torque = json.loads(state).get("last_torque")
         return None if torque is None else np.float32(torque)
 
-    @last_u.setter
-    def last_u(self, torque: Any) -> None:
-        self._change(last_torque=None if torque is None else float(np.float32(torque)))
+    last_u = Live(
+        _read_torque,
+        lambda self, torque: self._change(last_torque=None if torque is None else float(np.float32(torque))),
+        doc="The last torque, clipped, which pictures show; ``None`` after a reset. It can be set.",
+    )
 
 
 class AcrobotEnv(ClassicControlEnv):
@@ -200,6 +246,8 @@ class AcrobotEnv(ClassicControlEnv):
     # in Gymnasium these arguments are attributes of the class
     vars().update((name, value) for name, value in spec_of(_id)["defaults"].items())
     actions_num = 3
+    SCREEN_DIM = OfPicture(500)
+    action_arrow = domain_fig = None
 
     def _get_ob(self) -> npt.NDArray[np.float32]:
         theta1, theta2, dtheta1, dtheta2 = self.state

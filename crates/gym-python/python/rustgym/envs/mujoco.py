@@ -8,6 +8,7 @@ as another model, hands the environment over: from then on the package steps it,
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable
 from functools import cache, cached_property
 from importlib import import_module
@@ -23,7 +24,7 @@ from gymnasium import logger
 from rustgym._borrowed import Borrowed
 from rustgym._live import Live, same
 from rustgym._modules import forwarder
-from rustgym._mujoco import Mirror, OwnData, load
+from rustgym._mujoco import Mirror, OwnData, load, model_path
 from rustgym._specs import task_of
 from rustgym.env import ClassEnv, Env, entropy
 
@@ -430,6 +431,12 @@ class MujocoEnv(ClassEnv):
         return arrays
 
     @cached_property
+    def fullpath(self) -> str:
+        """The path of the model's file."""
+        xml_file = self._made_of["xml_file"]
+        return model_path(xml_file) if self._made_of["xml"] is not None else os.path.expanduser(xml_file)
+
+    @cached_property
     def _made_of(self) -> dict[str, Any]:
         facts = self._native.mujoco_model()
         assert facts is not None, "an id of these tasks"
@@ -445,7 +452,7 @@ class MujocoEnv(ClassEnv):
             if isinstance(value, list | tuple):  # a range: an end that is missing is infinite
                 return tuple(end if x is None else x for x, end in zip(value, (-np.inf, np.inf), strict=True))
             return value
-        raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        return super().__getattr__(name)  # type: ignore[misc]
 
     def __setattr__(self, name: str, value: Any) -> None:
         arguments = self.__dict__.get("arguments", {})

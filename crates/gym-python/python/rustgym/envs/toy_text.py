@@ -16,6 +16,7 @@ from rustgym import _native
 from rustgym._json import to_json
 from rustgym._live import Live, Own
 from rustgym._modules import forwarder
+from rustgym._pictures import OfPicture, ReadOnlyList, absent
 from rustgym.env import ClassEnv, checked_seed, entropy
 
 __all__ = ["BlackjackEnv", "CliffWalkingEnv", "FrozenLakeEnv", "TaxiEnv", "generate_random_map"]
@@ -86,6 +87,13 @@ class TabularEnv(ToyTextEnv):
     # the name under which the state's number is stored
     _cell: ClassVar[str] = "cell"
     _actions: ClassVar[tuple[str, ...]]
+
+    # whether the table has its states as numpy's integers
+    _has_wide_states: ClassVar[bool] = False
+    # whether Gymnasium has a last action before the first reset
+    _has_early_action: ClassVar[bool] = False
+
+    clock = OfPicture(until="render")
 
     def _made_table(self) -> tuple[dict[int, dict[int, Outcomes]], list[float]]:
         table = self._native.table()
@@ -173,7 +181,10 @@ class TabularEnv(ToyTextEnv):
     @property
     def s(self) -> int:
         """The state's number. Setting it continues from there."""
-        return int(self._state()[self._cell])
+        state = self._state()
+        cell = int(state[self._cell])
+        # Gymnasium draws the start by numpy
+        return np.int64(cell) if self._has_wide_states or state["last_action"] is None else cell  # type: ignore[return-value]
 
     @s.setter
     def s(self, number: int) -> None:
@@ -182,6 +193,8 @@ class TabularEnv(ToyTextEnv):
     @property
     def lastaction(self) -> int | None:
         """The last action; ``None`` at the start."""
+        if self._has_early_action and self._native.state() is None:
+            return None
         action = self._state()["last_action"]
         return None if action is None else self._actions.index(action)
 
@@ -232,15 +245,31 @@ class BlackjackEnv(ToyTextEnv):
 
     @property
     def dealer_top_card_suit(self) -> str:
-        """The suit of the dealer's open card in the picture: ``C``, ``D``, ``H`` or ``S``."""
-        return str(self._state()["suit"][0])
+        """The suit of the dealer's open card in the picture: ``C``, ``D``, ``H`` or ``S``. It can be set."""
+        return np.str_(self._state()["suit"][0])
+
+    @dealer_top_card_suit.setter
+    def dealer_top_card_suit(self, suit: str) -> None:
+        suits = {name[0]: name for name in ("Clubs", "Diamonds", "Hearts", "Spades")}
+        if suit not in suits:
+            raise ValueError(f"dealer_top_card_suit is {suit!r}: it is C, D, H or S")
+        self._set_state(suit=suits[suit])
 
     @property
     def dealer_top_card_value_str(self) -> str:
-        """The dealer's open card in the picture: ``A``, a number, ``J``, ``Q`` or ``K``."""
+        """The dealer's open card in the picture: ``A``, a number, ``J``, ``Q`` or ``K``. A face can be set to another face."""
         state = self._state()
         card = state["dealer"][0]
-        return str(state["face"][0] if state["face"] else "A" if card == 1 else card)
+        return np.str_(state["face"][0]) if state["face"] else "A" if card == 1 else str(card)
+
+    @dealer_top_card_value_str.setter
+    def dealer_top_card_value_str(self, value: str) -> None:
+        if value == self.dealer_top_card_value_str:
+            return
+        faces = {name[0]: name for name in ("Jack", "Queen", "King")}
+        if value not in faces or self._state()["face"] is None:
+            raise ValueError(f"dealer_top_card_value_str cannot be {value!r}: it shows the card dealer[0], {self.dealer[0]}")
+        self._set_state(face=faces[value])
 
 
 class FrozenLakeEnv(TabularEnv):
@@ -248,6 +277,12 @@ class FrozenLakeEnv(TabularEnv):
 
     _id = "FrozenLake-v1"
     _actions = ("Left", "Down", "Right", "Up")
+    _beside = {"reward_range": lambda self: tuple(f(self._given.get("reward_schedule", (1, 0, 0))) for f in (min, max))}
+
+    window_size = OfPicture(lambda self: (min(64 * self.ncol, 512), min(64 * self.nrow, 512)))
+    cell_size = OfPicture(lambda self: (self.window_size[0] // self.ncol, self.window_size[1] // self.nrow))
+    window_surface, ice_img, ice_crack_imgs, hole_img = (OfPicture(until="render") for _ in range(4))
+    agent_img, goal_flag_img, letter_s_img, letter_g_img = (OfPicture(until="render") for _ in range(4))
 
     def _write_desc(self, desc: Any) -> None:
         # Gymnasium's table is made once: what is played stays, what is drawn follows
@@ -280,11 +315,22 @@ class CliffWalkingEnv(TabularEnv):
     _id = "CliffWalking-v1"
     _actions = ("Up", "Right", "Down", "Left")
 
+    _has_wide_states = True
+
     shape = (4, 12)
-    start_state_index = 36
-    nS = 48
+    start_state_index = np.int64(36)
+    nS = np.int64(48)
     nA = 4
     _constants = frozenset({"shape", "start_state_index", "nS", "nA"})
+
+    cell_size, window_size = OfPicture((64, 64)), OfPicture((768, 256))
+    window_surface, agent_img, start_img, goal_img = (OfPicture(until="render") for _ in range(4))
+    goal_flag_img, cliff_imgs, ground_img = (OfPicture(until="render") for _ in range(3))
+
+    def _made_table(self) -> tuple[dict[int, dict[int, Outcomes]], list[float]]:
+        table, starts = super()._made_table()
+        wide = {s: {a: [(p, np.int64(to), r, t) for p, to, r, t in row] for a, row in table[s].items()} for s in table}
+        return wide, starts  # type: ignore[return-value]
 
 
 class TaxiEnv(TabularEnv):
@@ -298,18 +344,34 @@ class TaxiEnv(TabularEnv):
     desc = np.asarray(
         ["+---------+", "|R: | : :G|", "| : | : : |", "| : : : : |", "| | : | : |", "|Y| : |B: |", "+---------+"], dtype="c"
     )
-    #: Row and column of the stands: red, green, yellow, blue.
-    locs = ((0, 0), (0, 4), (4, 0), (4, 3))
-    _constants = frozenset({"desc", "locs"})
+    desc.flags.writeable = False
+    _has_early_action = True
+    #: Row and column of the stands, and their colours: red, green, yellow, blue.
+    locs = ReadOnlyList([(0, 0), (0, 4), (4, 0), (4, 3)])
+    locs_colors = ReadOnlyList([(255, 0, 0), (0, 255, 0), (255, 255, 0), (0, 0, 255)])
+    _constants = frozenset({"desc", "locs", "locs_colors"})
+    _beside = {"max_row": lambda self: 4, "max_col": lambda self: 4}
+    _absent = absent("get_surf_loc")
+
+    cell_size = OfPicture((88, 56))
+    window, taxi_imgs, taxi_full_imgs, passenger_img = (OfPicture(until="render") for _ in range(4))
+    destination_img, house_img, background_img = (OfPicture(until="render") for _ in range(3))
+    taxi_orientation = OfPicture(
+        lambda self: self._actions.index(self._state()["heading"]) if self._has_drawn and self.render_mode != "ansi" else 0
+    )
 
     @property
     def fickle_step(self) -> bool:
         """Whether the passenger will change the destination at the first move with them aboard."""
-        return bool(self._state()["fickle_step"])
+        early: bool = self.__dict__.get("fickle_step", False)  # a reset draws it
+        return early if self._native.state() is None else bool(self._state()["fickle_step"])
 
     @fickle_step.setter
     def fickle_step(self, will_change: bool) -> None:
-        self._set_state(fickle_step=bool(will_change))
+        if self._native.state() is None:
+            self.__dict__["fickle_step"] = will_change
+        else:
+            self._set_state(fickle_step=bool(will_change))
 
     def _moved(self, state: int, cell: int, rng: np.random.Generator) -> int:
         (row, column, passenger, destination), (r, c, p, _) = self.decode(state), self.decode(cell)

@@ -76,11 +76,14 @@ mod registered;
 mod report;
 mod run;
 mod seeding;
+mod shown;
 mod spaces;
 mod subject;
 mod suite;
 mod threads;
+mod variants;
 mod variation;
+mod vectors;
 mod verdict;
 
 pub use checks::{CHECKS, Check};

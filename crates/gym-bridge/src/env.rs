@@ -426,10 +426,12 @@ fn refused(name: &str) -> Error {
 
 /// Converts an image of bytes with the shape (height, width, 3).
 fn frame(array: &gym_core::Array) -> Option<Frame> {
-    let ([height @ 1.., width @ 1.., 3], Some(pixels)) = (array.shape(), array.as_slice::<u8>())
-    else {
+    let ([height, width, 3], Some(pixels)) = (array.shape(), array.as_slice::<u8>()) else {
         return None;
     };
+    if pixels.is_empty() {
+        return None;
+    }
     let mut frame = Frame::new(u32::try_from(*width).ok()?, u32::try_from(*height).ok()?).ok()?;
     frame.pixels_mut().copy_from_slice(pixels);
     Some(frame)

@@ -9,7 +9,9 @@ use gym_core::{BoxEnv, Env, EnvExt};
 /// Checks that info, text and drawing belong to the state: they are equal in another environment,
 /// after a used one was reset, in copies, and after refused actions.
 pub(crate) fn follows(subject: &Subject<'_>) -> Verdict {
-    for seed in SEEDS {
+    // one seed: some drawings have thousands of calls
+    for seed in &SEEDS[..1] {
+        let seed = *seed;
         let mut env = subject.midway(seed)?;
         if !subject.is_nondeterministic() {
             same(

@@ -168,6 +168,16 @@ impl<'a> Subject<'a> {
             .max(if self.shows_pictures()? { 0 } else { 1000 }))
     }
 
+    /// Returns whether an observation has so few numbers that the environment is likely fast.
+    pub(crate) fn is_small(&self) -> Result<bool> {
+        const FEW: usize = 6;
+        Ok(match self.make()?.observation_space() {
+            Space::Box(space) => space.shape().iter().product::<usize>() <= FEW,
+            Space::Discrete(_) | Space::Tuple(_) => true,
+            _ => false,
+        })
+    }
+
     /// Returns the number of resets of a comparison of many seeds. Environments with few numbers in
     /// an observation are reset fast.
     pub(crate) fn many_resets(&self) -> Result<usize> {
@@ -381,7 +391,7 @@ pub(crate) fn alike<T: PartialEq + std::fmt::Debug>(a: &T, b: &T) -> bool {
 }
 
 /// Plays with [`Env::reset_into`] and [`Env::step_into`]. `buffer` turns the last observation into
-/// the next buffer.
+/// the next buffer. Only resets are shown with their info.
 pub(crate) fn roll_out_into(
     env: &mut BoxEnv,
     seed: u64,
@@ -405,7 +415,7 @@ pub(crate) fn roll_out_into(
             truncated,
         };
         let is_over = step.done();
-        shown.push(Shown::Step(step, info(env)));
+        shown.push(Shown::Step(step, Info::default()));
         if is_over {
             observation = buffer(observation);
             env.reset_into(&Reset::default(), &mut observation)?;

@@ -13,14 +13,35 @@ use crate::options::examples;
 use crate::subject::{Subject, alike};
 use crate::verdict::{Verdict, broken};
 
-/// The number of sub-environments: no multiple of the lanes of a register.
-const N: usize = 11;
 /// The seed of the first sub-environment.
 const SEED: u64 = 3;
-/// A time limit that episodes reach soon.
-const LIMIT: u32 = 9;
-/// The steps of a comparison.
-const STEPS: usize = 40;
+
+/// The lengths of a comparison.
+#[derive(Clone, Copy)]
+struct Size {
+    /// The number of sub-environments: no multiple of the lanes of a register.
+    envs: usize,
+    /// A time limit that episodes reach soon.
+    limit: u32,
+    steps: usize,
+    /// The number of arguments that are tried.
+    arguments: usize,
+}
+
+/// For environments whose observation has few numbers: most are made and stepped fast.
+const SMALL: Size = Size {
+    envs: 11,
+    limit: 9,
+    steps: 24,
+    arguments: 8,
+};
+/// For worlds and pictures, of which a step or a copy takes long.
+const LARGE: Size = Size {
+    envs: 3,
+    limit: 3,
+    steps: 5,
+    arguments: 1,
+};
 
 /// Checks that the vector of the registration equals a sync vector of the environments: in each
 /// mode of autoreset, with masks, options, snapshots and arguments that differ.
@@ -33,8 +54,10 @@ pub(crate) fn equal(subject: &Subject<'_>) -> Verdict {
         return Ok(());
     }
     subject.repeatable()?;
+    let size = if subject.is_small()? { SMALL } else { LARGE };
+    let limit = size.limit;
     let limited = EnvSpec {
-        max_episode_steps: Some(LIMIT),
+        max_episode_steps: Some(limit),
         ..spec.clone()
     };
     for autoreset in [
@@ -42,22 +65,38 @@ pub(crate) fn equal(subject: &Subject<'_>) -> Verdict {
         Autoreset::SameStep,
         Autoreset::Disabled,
     ] {
-        for (env, what) in [(spec, ""), (&limited, ", a limit of 9 steps")] {
-            let what = format!("with {autoreset:?}{what}");
-            let mut vector = VectorSpec::new(env.clone(), N, VectorKind::Native);
+        let name = format!("with {autoreset:?}");
+        let make = |env: &EnvSpec| {
+            let mut vector = VectorSpec::new(env.clone(), size.envs, VectorKind::Native);
             vector.autoreset_mode = autoreset;
-            Pair::new(&vector, &what)?.play(subject)?;
+            vector
+        };
+        let own = make(spec);
+        let Some(mut pair) = Pair::new(&own, &name, size)? else {
+            continue;
+        };
+        // a vector may refuse another limit
+        let limited = make(&limited);
+        let name = format!("{name}, a limit of {limit} steps");
+        match Pair::new(&limited, &name, size)? {
+            Some(mut limited) => {
+                limited.play(subject)?;
+                pair.reset(&VectorReset::from(SEED))?;
+                pair.steps(size.steps)?;
+            }
+            None => pair.play(subject)?,
         }
     }
-    arguments_apart(subject, &limited)
+    arguments_apart(subject, &limited, size)
 }
 
 /// Compares vectors in which an argument of each sub-environment differs from that of the next.
-fn arguments_apart(subject: &Subject<'_>, spec: &EnvSpec) -> Verdict {
+fn arguments_apart(subject: &Subject<'_>, spec: &EnvSpec, size: Size) -> Verdict {
     let Some((_, kwargs)) = subject.arguments() else {
         return Ok(());
     };
-    for (name, value) in kwargs {
+    let numbers = kwargs.into_iter().filter(|(_, value)| value.is_number());
+    for (name, value) in numbers.take(size.arguments) {
         // the environment may refuse some values
         let is_accepted = |value: &serde_json::Value| {
             let mut spec = spec.clone();
@@ -69,18 +108,17 @@ fn arguments_apart(subject: &Subject<'_>, spec: &EnvSpec) -> Verdict {
         let Some(other) = values.into_iter().next() else {
             continue;
         };
-        let mut vector = VectorSpec::new(spec.clone(), N, VectorKind::Native);
-        let each = (0..N).map(|i| if i % 2 == 0 { &value } else { &other });
+        let mut vector = VectorSpec::new(spec.clone(), size.envs, VectorKind::Native);
+        let each = (0..size.envs).map(|i| if i % 2 == 0 { &value } else { &other });
         let each = Each::Values(each.cloned().collect());
         vector.each = BTreeMap::from([(name.clone(), each)]);
         let what = format!("with {name}={value} and {name}={other} in turn");
-        // some arguments change the spaces, and no vector has them side by side
-        if vector.make().is_err() && kind(&vector, VectorKind::Sync).is_err() {
+        // a vector may refuse arguments that differ
+        let Some(mut pair) = Pair::new(&vector, &what, size)? else {
             continue;
-        }
-        let mut pair = Pair::new(&vector, &what)?;
+        };
         pair.reset(&VectorReset::from(SEED))?;
-        pair.steps(STEPS / 2)?;
+        pair.steps(size.steps / 2)?;
     }
     Ok(())
 }
@@ -102,15 +140,23 @@ struct Pair<'a> {
     spec: &'a VectorSpec,
     /// The settings, for messages.
     what: &'a str,
+    size: Size,
     calls: usize,
 }
 
 impl<'a> Pair<'a> {
-    fn new(spec: &'a VectorSpec, what: &'a str) -> Verdict<Self> {
-        let sync = kind(spec, VectorKind::Sync)?;
-        let own = match kind(spec, VectorKind::Native) {
-            Ok(own) => own,
-            Err(error) => return broken(format!("{what}: its vector cannot be made: {error}")),
+    /// Makes both vectors; `None` if the vector of the registration refuses the spec.
+    fn new(spec: &'a VectorSpec, what: &'a str, size: Size) -> Verdict<Option<Self>> {
+        let Ok(own) = kind(spec, VectorKind::Native) else {
+            return Ok(None);
+        };
+        let sync = match kind(spec, VectorKind::Sync) {
+            Ok(sync) => sync,
+            Err(error) => {
+                return broken(format!(
+                    "{what}: its vector is made, and a sync vector gives the error: {error}"
+                ));
+            }
         };
         let facts = |envs: &dyn VectorEnv| {
             let spaces = [envs.single_observation_space(), envs.single_action_space()];
@@ -127,7 +173,7 @@ impl<'a> Pair<'a> {
                 "{what}: its vector has {ours}, and a sync vector has {theirs}"
             ));
         }
-        Ok(Self {
+        Ok(Some(Self {
             seen: own.columns()?,
             expected: sync.columns()?,
             actions: sync.action_sampler(SEED)?,
@@ -135,33 +181,35 @@ impl<'a> Pair<'a> {
             sync,
             spec,
             what,
+            size,
             calls: 0,
-        })
+        }))
     }
 
     /// Makes each kind of call.
     fn play(&mut self, subject: &Subject<'_>) -> Verdict {
+        let Size { envs, steps, .. } = self.size;
         let action = self.actions.sample();
         self.both("a step before the first reset", |envs, columns| {
             envs.step_into(&action, columns)
         })?;
         self.reset(&VectorReset::from(SEED))?;
-        self.steps(STEPS)?;
+        self.steps(steps)?;
         self.both("a step with no actions", |envs, columns| {
             envs.step_into(&Value::Null, columns)
         })?;
         self.steps(3)?;
         // every third, of which some have a seed
-        let mask: Vec<_> = (0..N).map(|i| i % 3 == 1).collect();
-        let seeds = (0..N).map(|i| (i % 2 == 0).then(|| (50 + i as u64).into()));
+        let mask: Vec<_> = (0..envs).map(|i| i % 3 == 1).collect();
+        let seeds = (0..envs).map(|i| (i % 2 == 0).then(|| (50 + i as u64).into()));
         let masked = VectorReset {
             seeds: Seeds::Each(seeds.collect()),
             ..VectorReset::default().mask(mask)
         };
         self.reset(&masked)?;
-        self.steps(STEPS / 2)?;
+        self.steps(steps / 2)?;
         self.restored()?;
-        self.steps(STEPS / 2)?;
+        self.steps(steps / 2)?;
         for (name, example) in examples(subject).unwrap_or_default() {
             let option = VectorReset::from(SEED + 40).option(name, example);
             self.reset(&option)?;
@@ -171,7 +219,7 @@ impl<'a> Pair<'a> {
         self.reset(&VectorReset::default())?;
         // columns of another form
         (self.seen, self.expected) = (Columns::default(), Columns::default());
-        self.steps(STEPS / 2)?;
+        self.steps(steps / 2)?;
         self.own.close();
         self.sync.close();
         let action = self.actions.sample();

@@ -81,7 +81,9 @@ impl PythonEnv {
                 Error::custom(format!("the worker described no {key} of its environment"))
             })
         };
-        let spaces = spaces::pair(get("spaces")?)?;
+        let spaces = spaces::pair(get("spaces")?).map_err(|error| {
+            Error::custom(format!("`{}` cannot be run: {error}", worker.name()))
+        })?;
         let modes = get("render_modes")?.as_tuple().unwrap_or_default();
         let modes = modes
             .iter()
@@ -258,7 +260,9 @@ impl Env for PythonEnv {
             self.worker("reset")?
                 .ask(Request::Reset, &[&seed, &options], read)?;
         if changed != Value::Null {
-            let spaces = spaces::pair(&changed)?;
+            let spaces = spaces::pair(&changed).map_err(|error| {
+                Error::custom(format!("`{}` failed in `reset`: {error}", self.name))
+            })?;
             if !(spaces.0.has_form_of(&self.spaces.0) && spaces.1.has_form_of(&self.spaces.1)) {
                 let (before, after) = (&self.spaces, &spaces);
                 return Err(Error::Contract(format!(
@@ -357,7 +361,7 @@ impl Env for PythonEnv {
     }
 
     fn render_into(&mut self, rendered: &mut Rendered) -> Result<()> {
-        if self.render_mode.is_none() {
+        let Some(mode) = self.render_mode else {
             return Err(Error::UnsupportedMode {
                 target: self.describe(),
                 mode: "anything".into(),
@@ -365,19 +369,41 @@ impl Env for PythonEnv {
                     "it was made without a render mode: add `.render_mode(RenderMode::RgbArray)`"
                         .into(),
             });
-        }
+        };
         let picture = self.worker("render")?.ask(Request::Render, &[], value)?;
-        *rendered = match picture {
-            Value::Text(text) => Rendered::Text(text),
-            Value::Array(array) => Rendered::Frame(frame(&array).ok_or_else(|| {
-                let shape = array.shape();
-                Error::Contract(format!(
-                    "`{}` rendered an array of {} with shape {shape:?}: a frame is uint8 of shape (height, width, 3)",
-                    self.name,
-                    array.dtype()
-                ))
+        let wrong = |what: &str, must: &str| {
+            let (name, mode) = (&self.name, mode.name());
+            Error::Contract(format!(
+                "`{name}` rendered {what} in the mode {mode}: {must}"
+            ))
+        };
+        *rendered = match (picture, mode.single()) {
+            (Value::Text(text), RenderMode::Ansi) => Rendered::Text(text),
+            (other, RenderMode::Ansi) => {
+                let what = if other == Value::Null {
+                    "nothing"
+                } else {
+                    "an array"
+                };
+                return Err(wrong(what, "it must be a text"));
+            }
+            (Value::Array(array), _) => Rendered::Frame(frame(&array).ok_or_else(|| {
+                let (dtype, shape) = (array.dtype(), array.shape());
+                wrong(
+                    &format!("an array of {dtype} with shape {shape:?}"),
+                    "a frame is uint8 of shape (height, width, 3), neither of them 0",
+                )
             })?),
-            _ => Rendered::Shown,
+            // Python has shown it in a window
+            (_, RenderMode::Human) => Rendered::Shown,
+            (other, _) => {
+                let what = if other == Value::Null {
+                    "nothing"
+                } else {
+                    "a text"
+                };
+                return Err(wrong(what, "it must be an array of pixels"));
+            }
         };
         Ok(())
     }
@@ -403,6 +429,9 @@ fn frame(array: &gym_core::Array) -> Option<Frame> {
     let ([height, width, 3], Some(pixels)) = (array.shape(), array.as_slice::<u8>()) else {
         return None;
     };
+    if pixels.is_empty() {
+        return None;
+    }
     let mut frame = Frame::new(u32::try_from(*width).ok()?, u32::try_from(*height).ok()?).ok()?;
     frame.pixels_mut().copy_from_slice(pixels);
     Some(frame)

@@ -8,8 +8,13 @@ use gym_core::{Array, DType, Error, Result, Space, Value};
 
 /// Returns the observation space and the action space.
 pub(crate) fn pair(described: &Value) -> Result<(Space, Space)> {
+    let named = |name: &str, described: &Value| {
+        space(described).map_err(|error| Error::custom(format!("the {name} space: {error}")))
+    };
     match described.as_tuple() {
-        Some([observation, action]) => Ok((space(observation)?, space(action)?)),
+        Some([observation, action]) => {
+            Ok((named("observation", observation)?, named("action", action)?))
+        }
         _ => Err(malformed()),
     }
 }

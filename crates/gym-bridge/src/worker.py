@@ -9,6 +9,7 @@ import importlib
 import json
 import math
 import os
+import reprlib
 import signal
 import struct
 import sys
@@ -19,6 +20,8 @@ MAKE, RESET, STEP, RENDER, DUMP, LOAD, CLOSE = range(7)
 DTYPES = ["int8", "uint8", "int16", "uint16", "int32", "uint32", "int64", "uint64", "float32", "float64"]
 LONGEST = 1 << 30  # bytes of a frame, as in worker.rs
 LARGE = 1 << 14  # bytes of an array that is worth a write of its own
+DEEPEST = 32  # levels of lists and dicts in `info`
+MOST_PARTS = 1_000_000  # numbers, texts, arrays, lists and dicts in `info`
 U32, I64, F64 = struct.Struct("<I"), struct.Struct("<q"), struct.Struct("<d")
 
 
@@ -28,6 +31,10 @@ class Refused(Exception):
 
 class NoForm(Exception):
     """A Python object that has no form among the values."""
+
+
+class TooMany(NoForm):
+    """A Python object of too many parts."""
 
 
 # ---- frames -----------------------------------------------------------------------------------------------------------
@@ -64,6 +71,7 @@ class Frame(bytearray):
     def __init__(self, status):
         super().__init__((status,))
         self.arrays = []  # pairs of a place in the bytes and the memory that goes there
+        self.parts_left = 0  # of the value that is being written
 
     def put(self, array):
         """Appends the numbers of an array."""
@@ -174,10 +182,27 @@ def integer(out, value):
     out += I64.pack(value)
 
 
+def whole(value):
+    """A whole number, however the environment holds it."""
+    try:
+        number = int(value)
+        is_whole = bool(number == value)
+    except Exception:
+        is_whole = False
+    if not is_whole:
+        raise NoForm("it is not a whole number")
+    return number
+
+
 def plain(out, value, depth=0):
     """Writes a value of `info`: a number, text or array, or a list or dict of them."""
-    if depth > 32:
-        raise NoForm("nested too deeply")
+    if depth > DEEPEST:
+        raise NoForm("it is nested too deeply")
+    if depth == 0:
+        out.parts_left = MOST_PARTS
+    out.parts_left -= 1
+    if out.parts_left < 0:
+        raise TooMany(f"it has more than {MOST_PARTS} parts: does a list or dict contain itself?")
     if value is None:
         out.append(NULL)
     elif isinstance(value, (bool, np.bool_)):
@@ -207,6 +232,8 @@ def plain(out, value, depth=0):
                 text(out, str(key))
                 plain(out, item, depth + 1)
                 count += 1
+            except TooMany:
+                raise
             except Exception:
                 out.cut(before)  # an object that only Python knows is left out
         U32.pack_into(out, place, count)
@@ -281,6 +308,9 @@ def describe(space):
     if kind == "Tuple":
         return {"kind": kind, "spaces": [describe(member) for member in space.spaces]}
     if kind == "Dict":
+        for key in space.spaces:
+            if not isinstance(key, str):
+                raise Refused(f"the key {shortened(repr, key)} of a Dict space is of type {type(key).__name__}: it must be a text")
         return {"kind": kind, "keys": list(space.spaces), "spaces": [describe(member) for member in space.spaces.values()]}
     if kind == "Sequence":
         return {"kind": kind, "feature": describe(space.feature_space), "stack": bool(getattr(space, "stack", False))}
@@ -290,13 +320,21 @@ def describe(space):
     return {"kind": kind, "spaces": [describe(member) for member in space.spaces]}
 
 
+def is_kept(given, numbers):
+    """Whether a conversion has kept all numbers: integers exactly, and finite floats finite."""
+    if numbers.dtype.kind in "iu":
+        return np.array_equal(numbers, given)
+    return given.dtype.kind != "f" or numbers.itemsize >= given.itemsize or np.array_equal(np.isfinite(numbers), np.isfinite(given))
+
+
 def numbers_of(space, value):
     """An array as an element of a space: of the space's type and shape."""
     given = np.asarray(value)
     if given.dtype.kind not in "biuf":
         raise NoForm(f"it has type {given.dtype}, and the space has {np.dtype(space.dtype)}")
-    numbers = np.asarray(given, space.dtype)
-    if numbers.dtype.kind in "iu" and given.dtype != numbers.dtype and not np.array_equal(numbers, given):
+    with np.errstate(all="ignore"):
+        numbers = np.asarray(given, space.dtype)
+    if given.dtype != numbers.dtype and not is_kept(given, numbers):
         raise NoForm(f"it holds numbers that {numbers.dtype} cannot represent")
     if numbers.shape != space.shape:
         raise Refused(f"an observation has the shape {numbers.shape}, and its space has {space.shape}")
@@ -308,15 +346,15 @@ def element(out, space, kind, value):
     if kind == "Box" or kind == "MultiDiscrete" or kind == "MultiBinary":
         array(out, numbers_of(space, value))
     elif kind == "Discrete":
-        if int(value) != value:
-            raise NoForm("it is not a whole number")
-        integer(out, value)
+        integer(out, whole(value))
     elif kind == "Text" or kind == "AnyText":
         if not isinstance(value, str):
             raise NoForm(f"it is of type {type(value).__name__}, not a text")
         out.append(TEXT)
         text(out, value)
     elif kind == "Tuple":
+        if not isinstance(value, (tuple, list, np.ndarray)):
+            raise NoForm(f"it is of type {type(value).__name__}, not a tuple")
         if len(value) != len(space.spaces):
             raise NoForm(f"it has {len(value)} members, and the space has {len(space.spaces)}")
         out.append(TUPLE)
@@ -324,6 +362,9 @@ def element(out, space, kind, value):
         for member, item in zip(space.spaces, value):
             element(out, member, kind_of(member), item)
     elif kind == "Dict":
+        if not hasattr(value, "keys") or value.keys() != space.spaces.keys():
+            keys = f"the keys {list(value.keys())}" if hasattr(value, "keys") else "no keys"
+            raise NoForm(f"it has {keys}, and the space has {list(space.spaces)}")
         out.append(DICT)
         out += U32.pack(len(space.spaces))
         for key, member in space.spaces.items():
@@ -340,7 +381,7 @@ def element(out, space, kind, value):
                 element(out, space.feature_space, feature, item)
     elif kind == "Graph":
         out.append(GRAPH)
-        if value.nodes is None:
+        if getattr(value, "nodes", None) is None:
             raise NoForm("it has no nodes")
         batch(out, space.node_space, value.nodes)
         if value.edges is None:
@@ -349,7 +390,9 @@ def element(out, space, kind, value):
             batch(out, space.edge_space, value.edges)
         plain(out, value.edge_links if value.edge_links is None else np.asarray(value.edge_links))
     else:
-        index, item = value
+        if not isinstance(value, (tuple, list)) or len(value) != 2 or single(value[0]) not in range(len(space.spaces)):
+            raise NoForm(f"it is not a pair of an index below {len(space.spaces)} and an element of that space")
+        index, item = int(value[0]), value[1]
         out.append(ONE_OF)
         out += U32.pack(int(index))
         element(out, space.spaces[index], kind_of(space.spaces[index]), item)
@@ -426,10 +469,16 @@ def library(name):
     raise Refused(f"neither gym nor gymnasium is installed: `{sys.executable} -m pip install gymnasium` installs one")
 
 
+BRIEF = reprlib.Repr()
+BRIEF.maxlevel, BRIEF.maxstring, BRIEF.maxother = 6, 2000, 2000
+BRIEF.maxlist = BRIEF.maxtuple = BRIEF.maxdict = 100
+
+
 def shortened(form, value, limit=2000):
     """A text of a value, which may be long and may fail."""
     try:
-        text = form(value)
+        # a list may hold one list in so many places that its text never ends
+        text = BRIEF.repr(value) if form is repr and isinstance(value, (list, tuple, dict)) else form(value)
     except BaseException as error:
         return f"(a {type(value).__name__} whose {form.__name__} fails with {type(error).__name__})"
     return text if len(text) <= limit else f"{text[:limit]}... ({len(text)} characters)"
@@ -461,6 +510,22 @@ def flag_of(name, value):
     return bool(flag)
 
 
+def described_as(name, space):
+    """The description of the space of this name."""
+    try:
+        return describe(space)
+    except Refused as error:
+        raise Refused(f"the {name} space: {error}") from None
+    except Exception as error:
+        reason = f"{type(error).__name__}: {shortened(str, error)}"
+        raise Refused(f"the {name} space {shortened(repr, space)} cannot be read: {reason}") from None
+
+
+def size_of(space):
+    """What tells cheaply, in each step, that an environment has changed a space in its place."""
+    return getattr(space, "n", None) if kind_of(space) == "Discrete" else getattr(space, "shape", None)
+
+
 class Server:
     def __init__(self):
         self.env = None
@@ -475,8 +540,10 @@ class Server:
     def look(self):
         """The spaces as they are now; highway-env makes its own anew in each reset."""
         self.observation_space, self.action_space = self.env.observation_space, self.env.action_space
+        described = [described_as("observation", self.observation_space), described_as("action", self.action_space)]
         self.kind = kind_of(self.observation_space)
-        return [describe(self.observation_space), describe(self.action_space)]
+        self.sizes = size_of(self.observation_space), size_of(self.action_space)
+        return described
 
     def look_again(self):
         """The spaces after a step may be other objects, but no other spaces: agents read them once in an episode."""
@@ -502,7 +569,7 @@ class Server:
 
     def describe(self, out, backend=None):
         self.spaces = self.made = self.look()
-        metadata = self.env.metadata or {}
+        metadata = self.env.metadata if isinstance(self.env.metadata, dict) else {}
         modes = metadata.get("render_modes")
         modes = [str(mode) for mode in modes] if isinstance(modes, (list, tuple, set, frozenset)) else []
         about = {"name": type(self.env.unwrapped).__name__, "spaces": self.spaces, "render_modes": modes}
@@ -540,6 +607,8 @@ class Server:
             raise Refused(f"the info is {shortened(repr, info)} of type {type(info).__name__}: it must be a dict")
         try:
             plain(out, info)
+        except TooMany as error:
+            raise Refused(f"the info cannot be read: {error}") from None
         except Exception as error:
             raise Refused(f"the info {shortened(repr, info)} cannot be read: {shortened(str, error)}") from None
 
@@ -550,7 +619,8 @@ class Server:
             raise Refused(f"`step` returned {shown}: it must return observation, reward, terminated, truncated and info")
         observation, reward, terminated, truncated, info = result
         env = self.env
-        if env.action_space is not self.action_space or env.observation_space is not self.observation_space:
+        observes, acts = env.observation_space, env.action_space
+        if observes is not self.observation_space or acts is not self.action_space or (size_of(observes), size_of(acts)) != self.sizes:
             self.look_again()
         out += F64.pack(number_of("reward", reward))
         out += bytes(flag_of(name, flag) for name, flag in (("terminated", terminated), ("truncated", truncated)))
@@ -643,7 +713,7 @@ def main():
     requests, replies = take_pipes()
     threading.Thread(target=watch, args=(requests,), daemon=True).start()
     global np
-    server = Server()
+    server, worker = Server(), os.getpid()
     signal.signal(signal.SIGINT, server.interrupt)
     while True:
         request = read_exactly(requests, U32.unpack(read_exactly(requests, 4))[0])
@@ -660,6 +730,8 @@ def main():
             out = failure(error)
         finally:
             server.is_asked = False
+        if os.getpid() != worker:
+            os._exit(1)  # a process that the environment has forked: only the worker itself answers
         for part in out.parts():
             write_all(replies, part)
         if request[0] == CLOSE:

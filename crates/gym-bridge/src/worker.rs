@@ -105,6 +105,11 @@ impl Worker {
         })
     }
 
+    /// Returns the name of the environment for error messages.
+    pub(crate) fn name(&self) -> &str {
+        &self.name
+    }
+
     /// Sends a request, and reads the reply as it arrives.
     ///
     /// # Errors

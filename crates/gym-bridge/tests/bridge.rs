@@ -363,8 +363,8 @@ fn observations_beyond_their_space_are_named() {
         ("Discrete", 3),
         ("Box", 7),
         ("Text", 2),
-        ("Tuple", 3),
-        ("Dict", 3),
+        ("Tuple", 4),
+        ("Dict", 4),
         ("Graph", 2),
         ("OneOf", 3),
     ] {
@@ -384,6 +384,154 @@ fn observations_beyond_their_space_are_named() {
             );
         }
     }
+}
+
+fn lies(fault: &str) -> EnvBuilder {
+    bridge("bridge/Lies-v0")
+        .arg("module", MODULE)
+        .arg("make_kwargs", serde_json::json!({"fault": fault}))
+}
+
+/// The error names the space, and the reason.
+#[test]
+fn spaces_that_cannot_be_read_are_named() {
+    if !has(&["gymnasium"]) {
+        return;
+    }
+    for (fault, words) in [
+        (
+            "no action space",
+            ["the action space", "the space None is not supported"],
+        ),
+        ("n", ["the observation space", "cannot be read: ValueError"]),
+        (
+            "keys",
+            ["the observation space: the key 0", "it must be a text"],
+        ),
+        ("size", ["the observation space", "memory"]),
+        ("bounds", ["the action space", "nan"]),
+    ] {
+        let error = lies(fault).build().unwrap_err().to_string();
+        let is_named = words
+            .iter()
+            .all(|word| error.to_lowercase().contains(&word.to_lowercase()));
+        assert!(
+            is_named && error.contains("cannot be run"),
+            "{fault}: {error}"
+        );
+    }
+    lies("metadata").build().unwrap().reset(0).unwrap();
+}
+
+/// A space that a step changes in its place is the same object, and another space.
+#[test]
+fn a_space_that_a_step_changes_in_its_place_is_an_error() {
+    if !has(&["gymnasium"]) {
+        return;
+    }
+    for (fault, words) in [
+        ("in place", "Discrete(5)"),
+        ("action in place", "Discrete(2)"),
+    ] {
+        let mut env = lies(fault).build().unwrap();
+        env.reset(0).unwrap();
+        let error = env.step(&Value::Int(0)).unwrap_err().to_string();
+        assert!(
+            error.contains("the spaces changed in a step") && error.contains(words),
+            "{fault}: {error}"
+        );
+    }
+}
+
+/// An info that contains itself, or shares its parts so often that it is as long, is no reason to
+/// wait for the timeout.
+#[test]
+fn an_endless_info_is_an_error() {
+    if !has(&["gymnasium"]) {
+        return;
+    }
+    for fault in ["cycle", "double"] {
+        let mut env = lies(fault).arg("timeout", 30.0).build().unwrap();
+        env.reset(0).unwrap();
+        let error = env.step(&Value::Int(0)).unwrap_err().to_string();
+        assert!(
+            error.contains("the info") && error.contains("more than 1000000 parts"),
+            "{fault}: {error}"
+        );
+        env.reset(0).unwrap();
+    }
+}
+
+/// A process that the environment forks must not answer in the worker's place.
+#[test]
+fn only_the_worker_answers() {
+    if !has(&["gymnasium"]) {
+        return;
+    }
+    for fault in ["fork", "fork quietly"] {
+        let mut env = lies(fault).arg("timeout", 30.0).build().unwrap();
+        env.reset(0).unwrap();
+        for steps in 1..5 {
+            env.step(&Value::Int(0)).unwrap();
+            assert_eq!(env.info_map()["steps"], Value::Int(steps), "{fault}");
+        }
+    }
+}
+
+#[test]
+fn a_number_that_becomes_infinite_is_named() {
+    if !has(&["gymnasium"]) {
+        return;
+    }
+    let mut env = lies("precision").build().unwrap();
+    env.reset(0).unwrap();
+    let error = env.step(&Value::Int(0)).unwrap_err().to_string();
+    assert!(
+        error.contains("it holds numbers that float32 cannot represent"),
+        "{error}"
+    );
+}
+
+#[test]
+fn pictures_of_another_kind_are_named() {
+    if !has(&["gymnasium"]) {
+        return;
+    }
+    for (fault, mode, words) in [
+        (
+            "text",
+            RenderMode::RgbArray,
+            "rendered a text in the mode rgb_array",
+        ),
+        (
+            "nothing",
+            RenderMode::RgbArray,
+            "rendered nothing in the mode rgb_array",
+        ),
+        (
+            "nothing",
+            RenderMode::Ansi,
+            "rendered nothing in the mode ansi: it must be a text",
+        ),
+        (
+            "array",
+            RenderMode::Ansi,
+            "rendered an array in the mode ansi",
+        ),
+        (
+            "empty",
+            RenderMode::RgbArray,
+            "with shape [0, 3, 3]: a frame is uint8 of shape",
+        ),
+    ] {
+        let mut env = lies(fault).render_mode(mode).build().unwrap();
+        env.reset(0).unwrap();
+        let error = env.render().unwrap_err().to_string();
+        assert!(error.contains(words), "{fault}: {error}");
+    }
+    let mut env = lies("text").render_mode(RenderMode::Ansi).build().unwrap();
+    env.reset(0).unwrap();
+    assert!(matches!(env.render().unwrap(), Rendered::Text(text) if text == "a text"));
 }
 
 /// An error in `drop` is printed to standard error, which the test reads from a child process.

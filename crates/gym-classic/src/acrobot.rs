@@ -136,15 +136,9 @@ pub struct AcrobotDynamics {
     constants: Compared<Constants<f64>>,
 }
 
-impl Task for AcrobotDynamics {
-    type Config = Config;
-    type State = State;
-    type Observation = [f32; 6];
-    type Action = Action;
-
-    const NAME: &'static str = "Acrobot";
-
-    fn new(config: Config) -> Result<Self> {
+impl AcrobotDynamics {
+    /// Makes the task with any constants from which the equations give finite numbers.
+    fn with(config: Config) -> Result<Self> {
         let Config {
             dt,
             LINK_LENGTH_1: l1,
@@ -206,6 +200,25 @@ impl Task for AcrobotDynamics {
             constants: Compared::new(constants, Self::DEFAULTS),
         })
     }
+}
+
+impl Task for AcrobotDynamics {
+    type Config = Config;
+    type State = State;
+    type Observation = [f32; 6];
+    type Action = Action;
+
+    const NAME: &'static str = "Acrobot";
+
+    fn new(config: Config) -> Result<Self> {
+        let task = Self::with(config)?;
+        let limits = [
+            ("MAX_VEL_1", config.MAX_VEL_1),
+            ("MAX_VEL_2", config.MAX_VEL_2),
+        ];
+        constants::contains_starts(Self::NAME, limits, 0.1)?;
+        Ok(task)
+    }
 
     fn config(&self) -> &Config {
         &self.config
@@ -214,7 +227,7 @@ impl Task for AcrobotDynamics {
     fn assign(&mut self, config: Config) -> Result<()> {
         *self = Self {
             built: self.built,
-            ..Self::new(config)?
+            ..Self::with(config)?
         };
         Ok(())
     }

@@ -300,15 +300,12 @@ impl Equations for CartPoleDynamics {
     }
 }
 
-impl Task for CartPoleDynamics {
-    type Config = Config;
-    type State = State;
-    type Observation = [f32; 4];
-    type Action = Action;
+/// The largest number of an initial state.
+const START: f64 = 0.05;
 
-    const NAME: &'static str = "CartPole";
-
-    fn new(config: Config) -> Result<Self> {
+impl CartPoleDynamics {
+    /// Makes the task with any constants from which the equations give finite numbers.
+    fn with(config: Config) -> Result<Self> {
         let constants = Constants::of(&config);
         let Constants {
             gravity,
@@ -346,6 +343,26 @@ impl Task for CartPoleDynamics {
             constants: Compared::new(constants, Self::DEFAULTS),
         })
     }
+}
+
+impl Task for CartPoleDynamics {
+    type Config = Config;
+    type State = State;
+    type Observation = [f32; 4];
+    type Action = Action;
+
+    const NAME: &'static str = "CartPole";
+
+    fn new(config: Config) -> Result<Self> {
+        let limits = [
+            ("theta_threshold_radians", config.theta_threshold_radians),
+            ("x_threshold", config.x_threshold),
+        ];
+        let task = Self::with(config)?;
+        // the observation space has twice the thresholds
+        constants::contains_starts(Self::NAME, limits, START / 2.0)?;
+        Ok(task)
+    }
 
     fn config(&self) -> &Config {
         &self.config
@@ -364,7 +381,7 @@ impl Task for CartPoleDynamics {
         };
         *self = Self {
             built: self.built,
-            ..Self::new(config)?
+            ..Self::with(config)?
         };
         Ok(())
     }
@@ -382,7 +399,7 @@ impl Task for CartPoleDynamics {
     }
 
     fn start(&self, reset: &Reset, rng: &mut Generator) -> Result<State> {
-        let (low, high) = reset::bounds(reset, Self::NAME, -0.05, 0.05)?;
+        let (low, high) = reset::bounds(reset, Self::NAME, -START, START)?;
         let [x, x_dot, theta, theta_dot] = [(); 4].map(|()| rng.uniform(low, high));
         Ok(State {
             x,

@@ -42,6 +42,23 @@ pub(crate) fn limits<const N: usize>(env: &str, limits: [(&str, f64); N]) -> Res
     within(env, limits, 0.0)
 }
 
+/// Refuses limits of observations that do not contain every start of an episode.
+pub(crate) fn contains_starts<const N: usize>(
+    env: &str,
+    limits: [(&str, f64); N],
+    least: f64,
+) -> Result<()> {
+    for (name, value) in limits {
+        if value < least {
+            let reason = format!(
+                "{name} is {value:?}: it must be at least {least:?}, because observations at the start of an episode exceed a smaller one"
+            );
+            return Err(Error::argument(env, reason));
+        }
+    }
+    Ok(())
+}
+
 fn within<const N: usize>(env: &str, constants: [(&str, f64); N], low: f64) -> Result<()> {
     for (name, value) in constants {
         if !(low..=LIMIT).contains(&value) {

@@ -194,15 +194,9 @@ impl Equations for MountainCarDynamics {
     }
 }
 
-impl Task for MountainCarDynamics {
-    type Config = Config;
-    type State = State;
-    type Observation = [f32; 2];
-    type Action = Action;
-
-    const NAME: &'static str = "MountainCar";
-
-    fn new(config: Config) -> Result<Self> {
+impl MountainCarDynamics {
+    /// Makes the task with any constants from which the equations give finite numbers.
+    fn with(config: Config) -> Result<Self> {
         let Config {
             goal_velocity,
             min_position,
@@ -228,6 +222,21 @@ impl Task for MountainCarDynamics {
             constants: Compared::new(Constants::of(&config), Self::DEFAULTS),
         })
     }
+}
+
+impl Task for MountainCarDynamics {
+    type Config = Config;
+    type State = State;
+    type Observation = [f32; 2];
+    type Action = Action;
+
+    const NAME: &'static str = "MountainCar";
+
+    fn new(config: Config) -> Result<Self> {
+        let task = Self::with(config)?;
+        check_start(Self::NAME, [config.min_position, config.max_position])?;
+        Ok(task)
+    }
 
     fn config(&self) -> &Config {
         &self.config
@@ -236,7 +245,7 @@ impl Task for MountainCarDynamics {
     fn assign(&mut self, config: Config) -> Result<()> {
         *self = Self {
             built: self.built,
-            ..Self::new(config)?
+            ..Self::with(config)?
         };
         Ok(())
     }
@@ -285,6 +294,17 @@ impl Task for MountainCarDynamics {
             canvas,
         );
     }
+}
+
+/// Refuses a valley that does not contain every start of an episode, from -0.6 to -0.4.
+pub(crate) fn check_start(env: &str, [low, high]: [f64; 2]) -> Result<()> {
+    if low > -0.6 || high < -0.4 {
+        let reason = format!(
+            "min_position is {low:?} and max_position {high:?}: episodes start between -0.6 and -0.4, which must lie between the two"
+        );
+        return Err(Error::argument(env, reason));
+    }
+    Ok(())
 }
 
 /// Returns the observation space of both mountain cars.

@@ -262,15 +262,9 @@ impl Equations for MountainCarContinuousDynamics {
     }
 }
 
-impl Task for MountainCarContinuousDynamics {
-    type Config = Config;
-    type State = State;
-    type Observation = [f32; 2];
-    type Action = Continuous<1>;
-
-    const NAME: &'static str = "MountainCarContinuous";
-
-    fn new(config: Config) -> Result<Self> {
+impl MountainCarContinuousDynamics {
+    /// Makes the task with any constants from which the equations give finite numbers.
+    fn with(config: Config) -> Result<Self> {
         let Config {
             min_action,
             max_action,
@@ -306,6 +300,22 @@ impl Task for MountainCarContinuousDynamics {
             constants: Compared::new(Constants::of(&config), Self::DEFAULTS),
         })
     }
+}
+
+impl Task for MountainCarContinuousDynamics {
+    type Config = Config;
+    type State = State;
+    type Observation = [f32; 2];
+    type Action = Continuous<1>;
+
+    const NAME: &'static str = "MountainCarContinuous";
+
+    fn new(config: Config) -> Result<Self> {
+        let task = Self::with(config)?;
+        let range = [config.min_position, config.max_position];
+        mountain_car::check_start(Self::NAME, range)?;
+        Ok(task)
+    }
 
     fn config(&self) -> &Config {
         &self.config
@@ -314,7 +324,7 @@ impl Task for MountainCarContinuousDynamics {
     fn assign(&mut self, config: Config) -> Result<()> {
         *self = Self {
             built: self.built,
-            ..Self::new(config)?
+            ..Self::with(config)?
         };
         Ok(())
     }

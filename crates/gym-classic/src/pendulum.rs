@@ -237,15 +237,12 @@ impl Equations for PendulumDynamics {
     }
 }
 
-impl Task for PendulumDynamics {
-    type Config = Config;
-    type State = State;
-    type Observation = [f32; 3];
-    type Action = Continuous<1>;
+/// The largest speed at the start of an episode, in rad/s.
+const START_SPEED: f64 = 1.0;
 
-    const NAME: &'static str = "Pendulum";
-
-    fn new(config: Config) -> Result<Self> {
+impl PendulumDynamics {
+    /// Makes the task with any constants from which the equations give finite numbers.
+    fn with(config: Config) -> Result<Self> {
         let Config {
             g,
             m,
@@ -267,6 +264,21 @@ impl Task for PendulumDynamics {
             constants: Compared::new(constants, Self::DEFAULTS),
         })
     }
+}
+
+impl Task for PendulumDynamics {
+    type Config = Config;
+    type State = State;
+    type Observation = [f32; 3];
+    type Action = Continuous<1>;
+
+    const NAME: &'static str = "Pendulum";
+
+    fn new(config: Config) -> Result<Self> {
+        let task = Self::with(config)?;
+        constants::contains_starts(Self::NAME, [("max_speed", config.max_speed)], START_SPEED)?;
+        Ok(task)
+    }
 
     fn config(&self) -> &Config {
         &self.config
@@ -275,7 +287,7 @@ impl Task for PendulumDynamics {
     fn assign(&mut self, config: Config) -> Result<()> {
         *self = Self {
             built: self.built,
-            ..Self::new(config)?
+            ..Self::with(config)?
         };
         Ok(())
     }
@@ -297,7 +309,7 @@ impl Task for PendulumDynamics {
             reset.options(Self::NAME)?
         };
         let x = reset::check_bound(Self::NAME, "x_init", x_init.unwrap_or(PI))?;
-        let y = reset::check_bound(Self::NAME, "y_init", y_init.unwrap_or(1.0))?;
+        let y = reset::check_bound(Self::NAME, "y_init", y_init.unwrap_or(START_SPEED))?;
         Ok(State {
             theta: rng.uniform(-x, x),
             theta_dot: rng.uniform(-y, y),

@@ -623,3 +623,31 @@ fn numbers_drawn_outside_of_the_ranges_are_refused() {
         );
     }
 }
+
+/// Constants for which episodes would start outside of the observation space are refused when the
+/// environment is made: otherwise its first observation would break its contract.
+#[test]
+fn every_start_lies_in_the_space() {
+    let made = |id: &str, name: &str, x: f64| builder(id).arg(name, x).build();
+    for (id, name, refused, accepted) in [
+        ("CartPole-v1", "x_threshold", 0.0, 0.03),
+        ("CartPole-v1", "theta_threshold_radians", 5e-324, 0.03),
+        ("Pendulum-v1", "max_speed", 0.5, 1.0),
+        ("Acrobot-v1", "MAX_VEL_1", 0.0, 0.1),
+        ("Acrobot-v1", "MAX_VEL_2", -0.0, 0.1),
+        ("MountainCar-v0", "min_position", -0.2, -0.6),
+        ("MountainCar-v0", "max_position", -0.5, 0.0),
+        ("MountainCarContinuous-v0", "min_position", -0.59, -0.7),
+    ] {
+        let error = made(id, name, refused).unwrap_err().to_string();
+        assert!(
+            error.contains(&format!("{name} ")) && error.contains("start"),
+            "{id}: {error}"
+        );
+        let mut env = made(id, name, accepted).unwrap();
+        for seed in 0..50 {
+            let observation = env.reset(seed).unwrap();
+            env.observation_space().check(&observation).unwrap();
+        }
+    }
+}

@@ -23,7 +23,7 @@ pub(crate) struct Arguments {
     /// The environments; by default those that this workspace registers.
     ids: Vec<String>,
     /// Sizes of the vectors.
-    #[arg(long, value_delimiter = ',', default_values_t = [1, 64, 1024, 16384], value_parser = parse_num_envs)]
+    #[arg(long, value_delimiter = ',', default_values_t = [1, 64, 1024, 16384], allow_negative_numbers = true, value_parser = parse_num_envs)]
     num_envs: Vec<usize>,
     /// The kinds to measure; all by default.
     #[arg(long, value_enum, value_delimiter = ',')]

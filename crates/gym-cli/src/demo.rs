@@ -22,13 +22,13 @@ use crate::workspace::Workspace;
 #[derive(clap::Args)]
 pub(crate) struct Arguments {
     /// Episodes of each environment.
-    #[arg(long, default_value_t = 30, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, default_value_t = 30, allow_negative_numbers = true, value_parser = inputs::parse_count)]
     episodes: u64,
     /// The folder for the files.
     #[arg(long, default_value = "target/demo")]
     out: PathBuf,
     /// The largest number of frames in a GIF.
-    #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, default_value_t = 200, allow_negative_numbers = true, value_parser = inputs::parse_count)]
     max_frames: u64,
     /// All versions of each task instead of the newest, and those on rapier2d.
     #[arg(long)]
@@ -44,10 +44,11 @@ pub(crate) fn demo(arguments: &Arguments, workspace: &Workspace) -> Result<()> {
     if !arguments.all {
         registrations = newest(registrations);
     }
-    let bar = ProgressBar::new(registrations.len() as u64 * arguments.episodes).with_style(
-        ProgressStyle::with_template("{bar:40} {pos}/{len} episodes  {msg}")
-            .unwrap_or_else(|_| ProgressStyle::default_bar()),
-    );
+    let bar = ProgressBar::new((registrations.len() as u64).saturating_mul(arguments.episodes))
+        .with_style(
+            ProgressStyle::with_template("{bar:40} {pos}/{len} episodes  {msg}")
+                .unwrap_or_else(|_| ProgressStyle::default_bar()),
+        );
     let stems = stems(registrations.iter().map(Registration::id));
     let workers = thread::available_parallelism().map_or(1, usize::from);
     // each thread takes the next environment when it is free: some take a hundred times as long as

@@ -23,7 +23,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_parser = inputs::parse_kwargs, default_value = "{}")]
     kwargs: Kwargs,
     /// Ends the recording after this number of frames.
-    #[arg(long, default_value_t = 500, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, default_value_t = 500, allow_negative_numbers = true, value_parser = inputs::parse_count)]
     max_frames: u64,
     /// The file, whose extension is its format: .gif, .png (animated) or .mp4 (through `ffmpeg`).
     /// By default the id with `.gif`.

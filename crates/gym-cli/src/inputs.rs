@@ -12,6 +12,12 @@ pub(crate) fn parse_seed(text: &str) -> Result<u64, String> {
         .map_err(|_| format!("a seed is a whole number from 0 to {}", u64::MAX))
 }
 
+/// A number of episodes, frames or steps on the command line.
+pub(crate) fn parse_count(text: &str) -> Result<u64, String> {
+    let count = text.parse().ok().filter(|count| *count > 0);
+    count.ok_or_else(|| format!("a whole number from 1 to {} is needed", u64::MAX))
+}
+
 /// Arguments of an environment, as JSON on the command line.
 pub(crate) fn parse_kwargs(text: &str) -> Result<Kwargs, String> {
     match parse_json(text) {

@@ -79,6 +79,10 @@ pub(crate) fn new(arguments: &Arguments, workspace: &Workspace) -> Result<()> {
     let lock = fs::read_to_string(&lock).map_err(|error| Error::io(&lock, error))?;
     check_name(name, &lock)?;
     let folder = path.clone().unwrap_or_else(|| name.into());
+    if folder.file_name().is_none() && folder.symlink_metadata().is_err() {
+        let reason = format!("`{}` ends without the name of a folder", folder.display());
+        return Err(Error::argument("--path", reason));
+    }
     if folder.symlink_metadata().is_ok() {
         return Err(Error::custom(format!(
             "{}: it exists already, choose another --path",
@@ -88,7 +92,15 @@ pub(crate) fn new(arguments: &Arguments, workspace: &Workspace) -> Result<()> {
     let source = Source::of(workspace)?;
     // write to a temporary name, and rename when everything is written
     let unfinished = folder.with_file_name(format!(".{name}-{}.tmp", process::id()));
-    let written = write_all(&unfinished, arguments, &source, &lock)
+    let written = match write_all(&unfinished, arguments, &source, &lock) {
+        // the user knows the folder by its own name
+        Err(Error::Io { source, .. }) => Err(Error::Io {
+            path: folder.display().to_string(),
+            source,
+        }),
+        written => written,
+    };
+    let written = written
         .and_then(|()| fs::rename(&unfinished, &folder).map_err(|error| Error::io(&folder, error)));
     if written.is_err() {
         // Nothing more can be done if this fails too.

@@ -28,10 +28,10 @@ pub(crate) struct Arguments {
     #[arg(long)]
     terminal: bool,
     /// Frames per second, if not the environment's own.
-    #[arg(long, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    #[arg(long, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=1000))]
     fps: Option<u32>,
     /// Enlarges the picture.
-    #[arg(long, default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=8))]
+    #[arg(long, default_value_t = 1, allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=8))]
     zoom: u32,
     /// Gives a key an action in JSON, as in `--key A=0` or `--key Space=[1.0]`.
     #[arg(long = "key", value_parser = parse_key)]
@@ -40,7 +40,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_parser = parse_json)]
     idle: Option<Json>,
     /// Stops after this number of episodes.
-    #[arg(long, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, allow_negative_numbers = true, value_parser = inputs::parse_count)]
     episodes: Option<u64>,
     /// Records the frames to this file: .gif, .png (animated) or .mp4.
     #[arg(long)]

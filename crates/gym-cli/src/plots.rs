@@ -9,7 +9,7 @@ use crate::policy::Episode;
 
 /// Fails early if a file name is not that of a plot.
 pub(crate) fn check_name(path: &Path) -> Result<()> {
-    match path.extension().and_then(|extension| extension.to_str()) {
+    match extension(path).as_deref() {
         Some("svg" | "png") => Ok(()),
         _ => {
             let reason = format!(
@@ -19,6 +19,11 @@ pub(crate) fn check_name(path: &Path) -> Result<()> {
             Err(Error::argument("--plot", reason))
         }
     }
+}
+
+/// The extension of a file name, in lower case.
+fn extension(path: &Path) -> Option<String> {
+    Some(path.extension()?.to_str()?.to_ascii_lowercase())
 }
 
 /// Writes returns and lengths of some runs, each under its name, to an SVG or PNG file.
@@ -44,7 +49,7 @@ pub(crate) fn write(path: &Path, title: &str, runs: &[(String, Vec<Episode>)]) -
         .iter()
         .map(|(name, returns, lengths)| (*name, &returns[..], &lengths[..]));
     let plot = Plot::episodes(title, (longest / 5).clamp(1, 100), runs);
-    if path.extension().is_some_and(|extension| extension == "png") {
+    if extension(path).as_deref() == Some("png") {
         plot.write_png(path)
     } else {
         plot.write_svg(path)

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
-use std::io::Read;
+use std::io::{ErrorKind, Read};
 use std::path::{Path, PathBuf};
 
 use crate::families;
@@ -26,6 +26,10 @@ pub(crate) struct Arguments {
 pub(crate) fn replay(arguments: &Arguments) -> Result<()> {
     let mut written = BTreeMap::new();
     if let Some(out) = &arguments.out {
+        if out.exists() && !out.is_dir() {
+            let reason = format!("`{}` is not a folder: choose another name", out.display());
+            return Err(Error::argument("--out", reason));
+        }
         std::fs::create_dir_all(out).map_err(|error| Error::io(out, error))?;
         written = destinations(&arguments.traces, out)?;
     }
@@ -98,9 +102,15 @@ fn read(path: &Path) -> Result<String> {
     const LIMIT: u64 = 256 << 20; // bytes
     let mut text = String::new();
     let file = File::open(path).map_err(|error| Error::io(path, error))?;
-    file.take(LIMIT + 1)
-        .read_to_string(&mut text)
-        .map_err(|error| Error::io(path, error))?;
+    let read = file.take(LIMIT + 1).read_to_string(&mut text);
+    read.map_err(|error| match error.kind() {
+        ErrorKind::InvalidData => Error::custom("not a recording: it is not text in UTF-8"),
+        _ => Error::io(path, error),
+    })?;
+    // some editors begin a file with a byte order mark
+    if text.starts_with('\u{feff}') {
+        text.remove(0);
+    }
     if text.len() as u64 > LIMIT {
         return Err(Error::custom(format!(
             "it is larger than a recording can be, which is {} MiB",
@@ -182,6 +192,24 @@ struct Answers<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_file_that_is_not_text_is_named_and_a_byte_order_mark_is_not_part_of_it() {
+        let path = std::env::temp_dir().join(format!("gym-cli-bom-{}.json", std::process::id()));
+        std::fs::write(&path, "\u{feff}{}").unwrap();
+        assert_eq!(read(&path).unwrap(), "{}");
+        std::fs::write(&path, [0xff, 0xfe, b'{', 0]).unwrap();
+        let error = read(&path).unwrap_err().to_string();
+        assert!(error.contains("not text in UTF-8"), "{error}");
+        // nor is a file a folder for answers
+        let arguments = Arguments {
+            traces: vec![path.clone()],
+            out: Some(path.clone()),
+        };
+        let error = replay(&arguments).unwrap_err().to_string();
+        assert!(error.contains("is not a folder"), "{error}");
+        std::fs::remove_file(&path).unwrap();
+    }
 
     /// A recording may be named twice; two recordings may not have one name.
     #[test]

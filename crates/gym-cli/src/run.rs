@@ -19,7 +19,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_enum, value_delimiter = ',', default_value = "random")]
     policy: Vec<Policy>,
     /// Seeds, as in 0..10 (10 excluded): each seeds a fresh environment and its action space.
-    #[arg(long, value_parser = parse_range, default_value = "0..10")]
+    #[arg(long, value_parser = parse_range, default_value = "0..10", allow_hyphen_values = true)]
     seeds: Range<u64>,
     /// Arguments of the environment, as a JSON object.
     #[arg(long, value_parser = inputs::parse_kwargs, default_value = "{}")]
@@ -34,7 +34,10 @@ pub(crate) struct Arguments {
 
 fn parse_range(text: &str) -> Result<Range<u64>, String> {
     let (start, end) = text.split_once("..").ok_or("write A..B, as in 0..10")?;
-    let number = |text: &str| text.parse().map_err(|error| format!("`{text}`: {error}"));
+    let number = |text: &str| {
+        let wrong = |_| format!("`{text}` is not a whole number from 0 to {}", u64::MAX);
+        text.parse().map_err(wrong)
+    };
     let range = number(start)?..number(end)?;
     if range.is_empty() {
         Err("the range is empty: write A..B with A < B".into())
@@ -122,6 +125,31 @@ pub(crate) fn summary(episodes: &[Episode]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_range_of_seeds_is_two_whole_numbers() {
+        assert_eq!(parse_range("0..10").unwrap(), 0..10);
+        let last = u64::MAX - 1..u64::MAX;
+        assert_eq!(
+            parse_range(&format!("{}..{}", last.start, last.end)).unwrap(),
+            last
+        );
+        for (text, words) in [
+            ("5", "write A..B"),
+            ("5..5", "A < B"),
+            (
+                "-1..5",
+                "`-1` is not a whole number from 0 to 18446744073709551615",
+            ),
+            ("..5", "`` is not a whole number"),
+            ("0..=5", "`=5` is not a whole number"),
+            ("0..18446744073709551616", "from 0 to 18446744073709551615"),
+            ("1e3..2e3", "`1e3` is not a whole number"),
+        ] {
+            let error = parse_range(text).unwrap_err();
+            assert!(error.contains(words), "{text}: {error}");
+        }
+    }
 
     #[test]
     fn endings_are_told_apart() {

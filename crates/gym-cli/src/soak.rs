@@ -11,7 +11,7 @@ pub(crate) struct Arguments {
     /// The environments; by default those that this workspace registers.
     ids: Vec<String>,
     /// Steps over these environments together.
-    #[arg(long, default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(1..))]
+    #[arg(long, default_value_t = 1_000_000, allow_negative_numbers = true, value_parser = inputs::parse_count)]
     steps: u64,
     /// Seeds environments and actions.
     #[arg(long, default_value_t = 0, allow_negative_numbers = true, value_parser = inputs::parse_seed)]

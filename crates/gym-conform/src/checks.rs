@@ -5,7 +5,7 @@ use crate::subject::Subject;
 use crate::verdict::{Verdict, broken, skipped};
 use crate::{
     actions, allocations, arguments, clock, close, copies, drawing, episodes, info, looking,
-    observations, options, panics, pictures, registered, seeding, spaces, threads,
+    observations, options, panics, pictures, registered, seeding, shown, spaces, threads, vectors,
 };
 
 /// One rule.
@@ -276,22 +276,23 @@ pub const CHECKS: &[Check] = &[
         "write every element of the observation in `reset_into` and `step_into`",
     ),
     error(
+        "clone-apart",
+        copies::clone_apart,
+        &REPEATABLE,
+        "planners and vectors step clones, and the original must not change",
+        "share nothing that changes between clones: no Arc<Mutex<_>>, no Rc<Cell<_>>",
+    ),
+    error(
         "refusal-changes-nothing",
         actions::refusal,
         &[
             "same-seed-same-episode",
             "reset-forgets",
             "action-validated",
+            "clone-apart",
         ],
         "after an error the caller corrects the action and goes on",
         "check the action before anything else in `step`",
-    ),
-    error(
-        "clone-apart",
-        copies::clone_apart,
-        &REPEATABLE,
-        "planners and vectors step clones, and the original must not change",
-        "share nothing that changes between clones: no Arc<Mutex<_>>, no Rc<Cell<_>>",
     ),
     error(
         "clone-continues",
@@ -381,6 +382,22 @@ pub const CHECKS: &[Check] = &[
         "compute what is asked for from the state, and change nothing",
     ),
     error(
+        "shown-of-the-state",
+        shown::follows,
+        &[
+            "same-seed-same-episode",
+            "reset-forgets",
+            "clone-continues",
+            "snapshot-continues",
+            "refusal-changes-nothing",
+            "info-consistent",
+            "drawing-pure",
+            "looking-pure",
+        ],
+        "planners, recorders and loggers look at an environment after `reset`, `restore` and `clone`",
+        "compute info, text and drawing from the state that `reset` sets and `snapshot` stores",
+    ),
+    error(
         "render-modes",
         drawing::render_modes,
         &["resets", "metadata-complete", "drawing-sound"],
@@ -440,7 +457,12 @@ pub const CHECKS: &[Check] = &[
     error(
         "close-harmless",
         close::harmless,
-        &["same-seed-same-episode", "reset-forgets", "clone-apart"],
+        &[
+            "same-seed-same-episode",
+            "reset-forgets",
+            "clone-apart",
+            "reset-needed",
+        ],
         "programs close environments twice, by hand and when they end, and others go on",
         "free in `close` only what is the environment's own, and remember that it was freed",
     ),
@@ -455,6 +477,18 @@ pub const CHECKS: &[Check] = &[
         ],
         "an episode must not depend on the speed of the machine, nor on the time of day",
         "count steps in place of seconds",
+    ),
+    error(
+        "vector-equal",
+        vectors::equal,
+        &[
+            "same-seed-same-episode",
+            "reset-forgets",
+            "clone-continues",
+            "snapshot-continues",
+        ],
+        "users get the vector of the registration wherever they ask for many environments",
+        "let the vector of `.vector_entry_point(...)` reset, step and store as its environments do",
     ),
     error(
         "no-panic",

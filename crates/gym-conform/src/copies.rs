@@ -11,16 +11,22 @@ use gym_core::{BoxEnv, Env, EnvExt, Error, Result, Snapshot, Value};
 pub(crate) fn clone_apart(subject: &Subject<'_>) -> Verdict {
     for seed in SEEDS {
         let (mut env, mut other) = (subject.midway(seed)?, subject.midway(seed)?);
+        // if they differ from the start, the check shown-of-the-state reports it
+        let is_alike = same_face(&other, &env, "").is_ok();
         let (mut clone, mut idle) = (env.clone(), env.clone());
         // `env` must not depend on what happens to `clone`
         let _ = carry_on(&mut clone, seed + 1, 20);
         let what = "an environment whose clone was used";
-        same_face(&other, &env, what)?;
+        let same_face = |env: &BoxEnv| match is_alike {
+            true => same_face(&other, env, what),
+            false => Ok(()),
+        };
+        same_face(&env)?;
         let _ = clone.reset(seed + 1);
-        same_face(&other, &env, what)?;
+        same_face(&env)?;
         clone.close();
         clone.close();
-        same_face(&other, &env, what)?;
+        same_face(&env)?;
         // if a clone differs at once, the check clone-continues reports it
         let copied = carry_on(&mut subject.midway(seed)?.clone(), seed, STEPS);
         let untouched = carry_on(&mut other, seed, STEPS)?;
@@ -72,7 +78,8 @@ pub(crate) fn clone_continues(subject: &Subject<'_>) -> Verdict {
     continues(subject, &[("a clone", &|env| Ok(env.clone()))])?;
     continues_after_the_end(subject, "a clone taken at the end of an episode", |env| {
         Ok(env.clone())
-    })
+    })?;
+    subject.variants().cloned()
 }
 
 pub(crate) fn snapshot_continues(subject: &Subject<'_>) -> Verdict {
@@ -95,7 +102,47 @@ pub(crate) fn snapshot_continues(subject: &Subject<'_>) -> Verdict {
     continues_after_the_end(subject, what, |env| restored(env, subject.make()?))?;
     unused(subject)?;
     in_every_state(subject)?;
+    again_and_again(subject)?;
+    after_close(subject)?;
+    subject.variants().restored()?;
     with_odd_arguments(subject)
+}
+
+/// Checks that a closed environment that accepts a snapshot continues.
+fn after_close(subject: &Subject<'_>) -> Verdict {
+    let seed = SEEDS[0];
+    let mut env = subject.midway(seed)?;
+    let snapshot = env.snapshot()?;
+    env.close();
+    // a closed environment may refuse all calls
+    if env.restore(&snapshot).is_ok()
+        && let Ok(rest) = carry_on(&mut env, seed, STEPS)
+    {
+        let untouched = subject.untouched(seed, MIDWAY, STEPS)?;
+        let is_reset = |shown: &Shown| matches!(shown, Shown::Reset(..));
+        // a reset after `close` is part of another check
+        let end = rest.iter().position(is_reset).unwrap_or(rest.len());
+        let what = "an environment that was closed and restored";
+        same(&untouched, &rest[..end], what)?;
+    }
+    Ok(())
+}
+
+/// Checks that an environment that is restored from its own snapshot again and again continues.
+fn again_and_again(subject: &Subject<'_>) -> Verdict {
+    const AFTER: usize = 20;
+    // large states take long to store
+    let times = if subject.few()? < 20 { 2 } else { 10 };
+    let seed = SEEDS[0];
+    let mut env = subject.midway(seed)?;
+    for _ in 0..times {
+        let snapshot = env.snapshot()?;
+        env.restore(&snapshot)?;
+    }
+    let rest = carry_on(&mut env, seed, AFTER)?;
+    let untouched = subject.untouched(seed, MIDWAY, STEPS)?;
+    let what = format!("an environment restored {times} times from its own snapshot");
+    same(&untouched, &rest, &what)
 }
 
 /// Checks, in each state of some episodes, that a snapshot can be taken and that the next events

@@ -64,13 +64,17 @@ pub(crate) fn constant(subject: &Subject<'_>) -> Verdict {
 
 /// Checks that no entry is NaN, as the mean of a logger would be NaN, too.
 pub(crate) fn no_nan(subject: &Subject<'_>) -> Verdict {
-    each_event(subject, |shown, place| {
+    let check = |shown: &Shown, place: &str| {
         let (Shown::Reset(_, info) | Shown::Step(_, info)) = shown;
         match info.iter().find(|(_, value)| has_nan(value)) {
             Some((key, value)) => broken(format!("{place}: the entry `{key}` is {value}")),
             None => Ok(()),
         }
-    })
+    };
+    each_event(subject, check)?;
+    let late = subject.first_run()?.iter().enumerate();
+    late.into_iter()
+        .try_for_each(|(i, shown)| check(shown, &format!("a long run, event {i}")))
 }
 
 fn has_nan(value: &Value) -> bool {

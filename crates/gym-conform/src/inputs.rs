@@ -27,8 +27,48 @@ pub(crate) fn corners(space: &Space) -> Vec<Value> {
             let array = |data| Array::new(space.shape(), Data::from_i64(space.dtype(), data)).ok();
             corners.filter_map(array).map(Value::Array).collect()
         }
+        Space::MultiBinary(space) => {
+            let count = space.shape().iter().product::<usize>();
+            let all = |bit: i64| {
+                let data = Data::from_i64(DType::I8, vec![bit; count]);
+                Array::new(space.shape(), data).ok()
+            };
+            [0, 1]
+                .into_iter()
+                .filter_map(all)
+                .map(Value::Array)
+                .collect()
+        }
+        // the first corners of all parts together, and the last ones
+        Space::Tuple(space) => ends(space.spaces().iter())
+            .map(|ends| ends.map(Value::Tuple).to_vec())
+            .unwrap_or_default(),
+        Space::Dict(space) => {
+            let keys = space.spaces().iter().map(|(key, _)| key.clone());
+            let named = |ends: Vec<Value>| Value::Dict(keys.clone().zip(ends).collect());
+            ends(space.spaces().iter().map(|(_, space)| space))
+                .map(|ends| ends.map(named).to_vec())
+                .unwrap_or_default()
+        }
         _ => Vec::new(),
     }
+}
+
+/// Returns the first corner of each space, and the last corner of each; none if a space has no
+/// corners.
+fn ends<'a>(spaces: impl Iterator<Item = &'a Space>) -> Option<[Vec<Value>; 2]> {
+    let (mut first, mut last) = (Vec::new(), Vec::new());
+    for space in spaces {
+        let mut corners = corners(space);
+        last.push(corners.pop()?);
+        first.push(
+            corners
+                .into_iter()
+                .next()
+                .unwrap_or_else(|| last[last.len() - 1].clone()),
+        );
+    }
+    Some([first, last])
 }
 
 /// Returns one of four corners of a box: all low, all high, or alternating.
@@ -110,9 +150,51 @@ pub(crate) fn invalid(space: &Space, valid: &Value) -> Vec<Value> {
         ];
         actions.extend(others.into_iter().flatten().map(Value::Array));
     }
+    actions.extend(wrong_parts(space, valid));
     // some of these may be elements of the space
     actions.retain(|action| !space.contains(action));
     actions
+}
+
+/// Returns copies of a tuple or dict in which one part is invalid or missing, and one with a part
+/// more.
+fn wrong_parts(space: &Space, valid: &Value) -> Vec<Value> {
+    let mut wrong = Vec::new();
+    match (space, valid) {
+        (Space::Tuple(space), Value::Tuple(parts)) => {
+            for (i, (space, part)) in space.spaces().iter().zip(parts).enumerate() {
+                for other in invalid(space, part) {
+                    let mut parts = parts.clone();
+                    parts[i] = other;
+                    wrong.push(Value::Tuple(parts));
+                }
+            }
+            wrong.push(Value::Tuple(
+                parts[..parts.len().saturating_sub(1)].to_vec(),
+            ));
+            wrong.push(Value::Tuple([parts, &[Value::Int(0)][..]].concat()));
+        }
+        (Space::Dict(space), Value::Dict(parts)) => {
+            for (i, (key, part)) in parts.iter().enumerate() {
+                let space = space.spaces().iter().find(|(name, _)| name == key);
+                for other in space
+                    .map(|(_, space)| invalid(space, part))
+                    .unwrap_or_default()
+                {
+                    let mut parts = parts.clone();
+                    parts[i].1 = other;
+                    wrong.push(Value::Dict(parts));
+                }
+                let mut parts = parts.clone();
+                parts.remove(i);
+                wrong.push(Value::Dict(parts));
+            }
+            let more = ("no_such_part".to_owned(), Value::Int(0));
+            wrong.push(Value::Dict([&parts[..], &[more]].concat()));
+        }
+        _ => {}
+    }
+    wrong
 }
 
 /// Returns copies of `valid` in which one element is invalid.
@@ -128,6 +210,14 @@ fn wrong_elements(space: &Space, valid: &Array) -> Vec<Value> {
                 let mut numbers: Vec<f64> = valid.iter_f64().collect();
                 numbers[i] = x;
                 Data::from_f64(dtype, numbers)
+            })
+            .collect(),
+        Space::MultiBinary(_) => elements
+            .flat_map(|i| [-1, 2].map(|x| (i, x)))
+            .map(|(i, x)| {
+                let mut numbers = vec![0; valid.len()];
+                numbers[i] = x;
+                Data::from_i64(dtype, numbers)
             })
             .collect(),
         Space::MultiDiscrete(space) => elements

@@ -31,6 +31,11 @@
 //!   `TimeLimit`, so not in a stack that has none;
 //! - a seed that is cut in a way that neither the compared pairs nor some hundreds of random seeds
 //!   show;
+//! - a fault that needs two arguments other than the default, an argument that is a text or a list,
+//!   or a value other than the one that is tried; an observation that leaves its space with another
+//!   float, as unusual physical constants may rightly cause;
+//! - a fault of a vector that only many sub-environments or long episodes show: the vector of a
+//!   registration is compared with a sync vector of 3 or 11 for some dozens of steps;
 //! - an option that is kept over episodes without a seed, if the environment does not lend its
 //!   [`generator`](gym_core::Env::generator);
 //! - an observation that a refused step has written to: after an error it may be anything;
@@ -76,11 +81,14 @@ mod registered;
 mod report;
 mod run;
 mod seeding;
+mod shown;
 mod spaces;
 mod subject;
 mod suite;
 mod threads;
+mod variants;
 mod variation;
+mod vectors;
 mod verdict;
 
 pub use checks::{CHECKS, Check};

@@ -12,19 +12,22 @@ pub(crate) fn in_space(subject: &Subject<'_>) -> Verdict {
             Err(error) => broken(format!("{place}: {error}")),
         }
     })?;
-    subject.long_runs()?.in_space()
+    subject.long_runs()?.in_space()?;
+    subject.variants().in_space()
 }
 
 pub(crate) fn dtype(subject: &Subject<'_>) -> Verdict {
     let space = subject.make()?.observation_space();
-    each_event(subject, |shown, place| {
-        match other_dtype(&space, shown.observation()) {
-            Some((expected, actual)) => broken(format!(
-                "{place}: the observation has {actual} where {space} has {expected}"
-            )),
-            None => Ok(()),
-        }
-    })
+    let check = |shown: &Shown, place: &str| match other_dtype(&space, shown.observation()) {
+        Some((expected, actual)) => broken(format!(
+            "{place}: the observation has {actual} where {space} has {expected}"
+        )),
+        None => Ok(()),
+    };
+    each_event(subject, check)?;
+    let late = subject.first_run()?.iter().enumerate();
+    late.into_iter()
+        .try_for_each(|(i, shown)| check(shown, &format!("a long run, event {i}")))
 }
 
 /// Returns the dtype of a space and that of an array in `value`, if they differ.
@@ -62,7 +65,8 @@ pub(crate) fn reward_finite(subject: &Subject<'_>) -> Verdict {
         }
         _ => Ok(()),
     })?;
-    subject.long_runs()?.reward_finite()
+    subject.long_runs()?.reward_finite()?;
+    subject.variants().reward_finite()
 }
 
 pub(crate) fn whole(subject: &Subject<'_>) -> Verdict {
@@ -81,12 +85,20 @@ pub(crate) fn whole(subject: &Subject<'_>) -> Verdict {
             ),
             ("of another form", roll_out_into(&mut env, seed, misfit)?),
         ] {
-            if let Some(i) = fresh.iter().zip(&dirty).position(|(a, b)| !alike(a, b)) {
-                return broken(format!(
-                    "seed {seed}, event {i}: into an empty buffer {} is written, and {} into one that was {what}",
+            let Some(i) = fresh.iter().zip(&dirty).position(|(a, b)| !alike(a, b)) else {
+                continue;
+            };
+            let [a, b] = [&fresh[i], &dirty[i]].map(Shown::observation);
+            return broken(if alike(a, b) {
+                format!(
+                    "seed {seed}, event {i}: with an empty buffer the result is {:?}, and {:?} with one that was {what}",
                     fresh[i], dirty[i]
-                ));
-            }
+                )
+            } else {
+                format!(
+                    "seed {seed}, event {i}: into an empty buffer {a} is written, and {b} into one that was {what}"
+                )
+            });
         }
     }
     Ok(())

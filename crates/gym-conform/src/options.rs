@@ -14,7 +14,7 @@ const UNSEEDED: usize = 20;
 const EPISODES: u64 = 5;
 
 /// Returns the options with their examples.
-fn examples(subject: &Subject<'_>) -> Verdict<Vec<(&'static str, Json)>> {
+pub(crate) fn examples(subject: &Subject<'_>) -> Verdict<Vec<(&'static str, Json)>> {
     let named = subject
         .registration
         .as_ref()
@@ -67,6 +67,14 @@ pub(crate) fn accepted(subject: &Subject<'_>) -> Verdict {
         {
             return broken(format!(
                 "`reset` with the option {name}={example}, its example: {error}"
+            ));
+        }
+        if let Err(error) = subject
+            .make()?
+            .reset(Reset::default().option(name, example.clone()))
+        {
+            return broken(format!(
+                "the first `reset`, without a seed and with the option {name}={example}: {error}"
             ));
         }
         let nothing_like_it = json!({"no": ["such", "value"]});

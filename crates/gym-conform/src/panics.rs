@@ -37,6 +37,14 @@ pub(crate) fn none(subject: &Subject<'_>) -> Verdict {
             })?;
         }
     }
+    attempt("when restored after `close`", || {
+        let mut env = subject.midway(0)?;
+        let snapshot = env.snapshot()?;
+        env.close();
+        env.restore(&snapshot)?;
+        look(&env);
+        carry_on(&mut env, 0, 20).map(drop)
+    })?;
     attempt("when stepped beyond the end of an episode", || {
         beyond_the_end(&mut subject.reset(0)?)
     })?;
@@ -63,6 +71,7 @@ pub(crate) fn none(subject: &Subject<'_>) -> Verdict {
     if let Ok(damaged) = subject.damaged() {
         damaged.panicked()?;
     }
+    subject.variants().panicked()?;
     odd_arguments(subject)
 }
 

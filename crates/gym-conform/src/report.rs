@@ -205,6 +205,7 @@ impl fmt::Display for Xml<'_> {
             '"' => f.write_str("&quot;"),
             // XML has no other control characters
             '\n' | '\t' => f.write_char(c),
+            '\u{fffe}' | '\u{ffff}' => f.write_char('\u{fffd}'),
             c if c.is_control() => f.write_char('\u{fffd}'),
             c => f.write_char(c),
         })

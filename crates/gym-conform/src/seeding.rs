@@ -57,7 +57,8 @@ pub(crate) fn same_seed(subject: &Subject<'_>) -> Verdict {
         subject.first_run()?,
         &again,
         "a later environment with the same seed and actions, in a long run,",
-    )
+    )?;
+    subject.variants().repeated()
 }
 
 /// Plays episodes after a seeded episode that was abandoned, and after one without steps.
@@ -87,6 +88,13 @@ fn forgets(subject: &Subject<'_>) -> Verdict {
             &second,
             "a used environment with the same seed and actions",
         )?;
+        // the same seed once more, and then with nothing in between
+        let again = roll_out(&mut env, seed, SOON)?;
+        let what = "an environment whose last reset had the same seed";
+        same(&first[..again.len()], &again, what)?;
+        let observation = env.reset(seed)?;
+        let again = [Shown::Reset(observation, info(&env))];
+        same(&first[..1], &again, what)?;
     }
     // a counter that no reset sets back may have an effect late
     let (seed, steps) = (SEEDS[0], subject.longest()?);
@@ -158,6 +166,27 @@ fn seeds_count(subject: &Subject<'_>, env: &mut BoxEnv) -> Verdict {
         not_always(env, &what, seeded, |env, seed, steps| {
             other(env, by + u128::from(seed), steps)
         })?;
+    }
+    // more than 64 and 128 bits; the last digits leave room for the seeds that are added
+    for (name, high, low) in [
+        ("2^128", "3402823669209384634633746074317682114", 56),
+        (
+            "2^160",
+            "14615016373309029182036848327162830196559325429",
+            76,
+        ),
+    ] {
+        let what = format!("a seed and the one {name} above it always give the same episode");
+        let above = |env: &mut BoxEnv, seed: u64, steps| {
+            let seed = format!("{high}{}", low + seed);
+            let seed: Seed = seed.parse().map_err(Error::from)?;
+            let reset = Reset {
+                seed: Some(seed),
+                ..Reset::default()
+            };
+            episode_of(env, reset, steps)
+        };
+        not_always(env, &what, seeded, above)?;
     }
     // a seed that is stored as a float loses its lowest bits
     for bit in [30, 60, 100] {

@@ -120,9 +120,23 @@ pub(crate) fn constant(subject: &Subject<'_>) -> Verdict {
     });
     match verdict {
         // another check reports failing steps
-        Err(Trouble::Error(_)) => Ok(()),
-        verdict => verdict,
+        Ok(()) | Err(Trouble::Error(_)) => (),
+        verdict => return verdict,
     }
+    let others = [(); 3].map(|()| subject.make().map(|env| spaces(&env)));
+    let late = subject.late_spaces().cloned();
+    let others = others
+        .into_iter()
+        .map(|spaces| ("in another environment", spaces));
+    for (place, now) in others.chain(late.map(|late| ("after a long run", Ok(late)))) {
+        let parts = ["the observation space", "the action space"];
+        for ((part, before), now) in parts.into_iter().zip(&first).zip(now?) {
+            if *before != now {
+                return broken(format!("{part} is {before} at first and {now} {place}"));
+            }
+        }
+    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -7,10 +7,11 @@ use std::rc::Rc;
 use crate::clock::Paused;
 use crate::damaged::Damaged;
 use crate::long::LongRuns;
+use crate::variants::Variants;
 use crate::verdict::{Trouble, Verdict, broken, skipped};
 use gym_core::{
-    BoxEnv, Element, Env, EnvExt, EnvSpec, Info, Kwargs, Registration, Reset, Result, Space, Step,
-    Value, registry,
+    BoxEnv, Element, Env, EnvExt, EnvSpec, Info, Kwargs, Outcome, Registration, Reset, Result,
+    Space, Step, Value, registry,
 };
 
 /// The number of steps that are compared, over several episodes if they are short.
@@ -27,12 +28,16 @@ pub(crate) struct Subject<'a> {
     make: &'a dyn Fn() -> Result<BoxEnv>,
     /// A long run, played before all other calls.
     first_run: OnceCell<Vec<Shown>>,
+    /// The observation and the action space after it.
+    late_spaces: OnceCell<[Space; 2]>,
     /// An episode that is interrupted until the last checks.
     paused: OnceCell<Paused>,
     /// The events of each seed, played once for several checks.
     events: OnceCell<Vec<(u64, Vec<Shown>)>>,
     /// The faults of long runs, also played once.
     long_runs: OnceCell<LongRuns>,
+    /// The faults of other arguments and of options, also played once.
+    variants: OnceCell<Variants>,
     /// The faults of damaged snapshots, also tried once.
     damaged: OnceCell<Damaged>,
     /// The runs of [`untouched`](Self::untouched), by seed and steps, played once for several
@@ -65,12 +70,15 @@ impl<'a> Subject<'a> {
     ) -> Self {
         let (first_run, paused, events) = (OnceCell::new(), OnceCell::new(), OnceCell::new());
         let (long_runs, damaged) = (OnceCell::new(), OnceCell::new());
+        let variants = OnceCell::new();
         Self {
             make,
             first_run,
+            late_spaces: OnceCell::new(),
             paused,
             events,
             long_runs,
+            variants,
             damaged,
             untouched: RefCell::default(),
             spec,
@@ -160,6 +168,16 @@ impl<'a> Subject<'a> {
             .max(if self.shows_pictures()? { 0 } else { 1000 }))
     }
 
+    /// Returns whether an observation has so few numbers that the environment is likely fast.
+    pub(crate) fn is_small(&self) -> Result<bool> {
+        const FEW: usize = 6;
+        Ok(match self.make()?.observation_space() {
+            Space::Box(space) => space.shape().iter().product::<usize>() <= FEW,
+            Space::Discrete(_) | Space::Tuple(_) => true,
+            _ => false,
+        })
+    }
+
     /// Returns the number of resets of a comparison of many seeds. Environments with few numbers in
     /// an observation are reset fast.
     pub(crate) fn many_resets(&self) -> Result<usize> {
@@ -182,8 +200,16 @@ impl<'a> Subject<'a> {
         if let Some(run) = self.first_run.get() {
             return Ok(run);
         }
-        let run = roll_out(&mut self.make()?, SEEDS[0], self.longest()?)?;
+        let mut env = self.make()?;
+        let run = roll_out(&mut env, SEEDS[0], self.longest()?)?;
+        self.late_spaces
+            .get_or_init(|| [env.observation_space(), env.action_space()]);
         Ok(self.first_run.get_or_init(|| run))
+    }
+
+    /// Returns the observation and the action space after the first run, if it succeeded.
+    pub(crate) fn late_spaces(&self) -> Option<&[Space; 2]> {
+        self.late_spaces.get()
     }
 
     /// Returns an episode that was begun before the other checks.
@@ -215,6 +241,11 @@ impl<'a> Subject<'a> {
         }
         let runs = LongRuns::play(self.unlimited()?)?;
         Ok(self.long_runs.get_or_init(|| runs))
+    }
+
+    /// Returns the faults of other arguments and of options.
+    pub(crate) fn variants(&self) -> &Variants {
+        self.variants.get_or_init(|| Variants::play(self))
     }
 
     /// Returns the spec, and all arguments with their default values, if it is registered.
@@ -360,24 +391,35 @@ pub(crate) fn alike<T: PartialEq + std::fmt::Debug>(a: &T, b: &T) -> bool {
 }
 
 /// Plays with [`Env::reset_into`] and [`Env::step_into`]. `buffer` turns the last observation into
-/// the next buffer.
+/// the next buffer. Only resets are shown with their info.
 pub(crate) fn roll_out_into(
     env: &mut BoxEnv,
     seed: u64,
     mut buffer: impl FnMut(Value) -> Value,
-) -> std::result::Result<Vec<Value>, Trouble> {
+) -> std::result::Result<Vec<Shown>, Trouble> {
     let mut actions = env.action_sampler(seed)?;
     let mut observation = buffer(Value::empty());
     env.reset_into(&Reset::seed(seed), &mut observation)?;
-    let mut shown = vec![observation.clone()];
+    let mut shown = vec![Shown::Reset(observation.clone(), info(env))];
     for _ in 0..STEPS {
         observation = buffer(observation);
-        let outcome = env.step_into(&actions.sample(), &mut observation)?;
-        shown.push(observation.clone());
-        if outcome.done() {
+        let Outcome {
+            reward,
+            terminated,
+            truncated,
+        } = env.step_into(&actions.sample(), &mut observation)?;
+        let step = Step {
+            observation: observation.clone(),
+            reward,
+            terminated,
+            truncated,
+        };
+        let is_over = step.done();
+        shown.push(Shown::Step(step, Info::default()));
+        if is_over {
             observation = buffer(observation);
             env.reset_into(&Reset::default(), &mut observation)?;
-            shown.push(observation.clone());
+            shown.push(Shown::Reset(observation.clone(), info(env)));
         }
     }
     Ok(shown)

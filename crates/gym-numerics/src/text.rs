@@ -441,18 +441,25 @@ pub fn shortened(text: &str) -> Cow<'_, str> {
     }
 }
 
-/// Escapes control characters and marks of text direction, with which a text changes how a terminal
-/// shows the text around it.
+/// Escapes control characters, marks of text direction and characters that have no glyph. The first
+/// two change how a terminal shows the text around them; the last make two texts look alike.
 ///
 /// ```
 /// assert_eq!(gym_numerics::text::printable("a\u{1b}[2J\u{202e}b"), "a\\u{1b}[2J\\u{202e}b");
 /// assert_eq!(gym_numerics::text::printable("Zürich"), "Zürich");
 /// ```
 pub fn printable(text: &str) -> Cow<'_, str> {
+    // Unicode's property Default_Ignorable_Code_Point, line separators and annotations
     let is_hidden = |c: char| {
         c.is_control()
-            || matches!(c, '\u{61c}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}')
-            || matches!(c, '\u{2060}'..='\u{2069}' | '\u{feff}')
+            || matches!(
+                c,
+                '\u{ad}' | '\u{34f}' | '\u{61c}' | '\u{115f}' | '\u{1160}'
+            )
+            || matches!(c, '\u{17b4}' | '\u{17b5}' | '\u{180b}'..='\u{180f}' | '\u{200b}'..='\u{200f}')
+            || matches!(c, '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{3164}')
+            || matches!(c, '\u{fe00}'..='\u{fe0f}' | '\u{feff}' | '\u{ffa0}' | '\u{fff0}'..='\u{fffb}')
+            || matches!(c, '\u{1bca0}'..='\u{1bca3}' | '\u{1d173}'..='\u{1d17a}' | '\u{e0000}'..='\u{e0fff}')
     };
     if !text.contains(is_hidden) {
         return Cow::Borrowed(text);

@@ -120,7 +120,10 @@ const FACTS: [Fact; 4] = [
 
 /// The vector of a trace.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "an object with `num_envs`, the vector of a trace"
+)]
 pub struct VectorRequest {
     /// The number of sub-environments.
     pub num_envs: usize,
@@ -137,7 +140,10 @@ pub struct VectorRequest {
 
 /// One reset or one step, and the answer to it.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(
+    deny_unknown_fields,
+    expecting = "an event, which is an object with `reset` or `step`"
+)]
 pub struct Event {
     /// The request, if this is a reset.
     #[serde(default, skip_serializing_if = "Option::is_none")]

@@ -155,8 +155,8 @@ class Observes(gymnasium.Env):
         "Discrete": (spaces.Discrete(3), [1.5, "1", None]),
         "Box": (spaces.Box(0, 9, (2,), np.uint8), [[0.5, 1], ["1", "2"], [300, 0], [1, 2, 3], None, [None, 1], [1j, 0]]),
         "Text": (spaces.Text(5), [5, b"x"]),
-        "Tuple": (spaces.Tuple((spaces.Discrete(2), spaces.Discrete(2))), [(1,), (1, 1, 1), 1]),
-        "Dict": (spaces.Dict({"a": spaces.Discrete(2)}), [{}, {"a": "x"}, [1]]),
+        "Tuple": (spaces.Tuple((spaces.Discrete(2), spaces.Discrete(2))), [(1,), (1, 1, 1), 1, None]),
+        "Dict": (spaces.Dict({"a": spaces.Discrete(2)}), [{}, {"a": "x"}, [1], {"a": 1, "b": 1}]),
         "Graph": (SPACES["graph"], [None, spaces.GraphInstance(None, None, None)]),
         "OneOf": (SPACES["one_of"], [(2, 1), (-3, 1), 0]),
     }
@@ -233,3 +233,59 @@ class Large(gymnasium.Env):
 
 
 gymnasium.register("bridge/Large-v0", Large)
+
+
+class Lies(gymnasium.Env):
+    """Has no sound space, metadata or picture: the fault that it is told."""
+
+    metadata = {"render_modes": ["rgb_array", "ansi"], "render_fps": 7}
+
+    def __init__(self, fault, render_mode=None):
+        self.observation_space, self.action_space = spaces.Discrete(3), spaces.Discrete(3)
+        self.fault, self.render_mode, self.steps = fault, render_mode, 0
+        if fault == "no action space":
+            self.action_space = None
+        elif fault == "n":
+            self.observation_space.n = "many"
+        elif fault == "keys":
+            self.observation_space = spaces.Dict([(0, spaces.Discrete(2))])
+        elif fault == "size":
+            self.observation_space = spaces.Box(0.0, 1.0, (2,), np.float32)
+            self.observation_space.low = self.observation_space.high = np.zeros((), np.float32)
+            self.observation_space._shape = (1 << 31, 1 << 31)
+        elif fault == "bounds":
+            self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
+            self.action_space.low = np.array([np.nan, 0], np.float32)
+        elif fault == "metadata":
+            self.metadata = ["rgb_array"]
+        elif fault == "precision":
+            self.observation_space = spaces.Box(-np.inf, np.inf, (2,), np.float32)
+
+    def reset(self, *, seed=None, options=None):
+        return (0 if self.fault != "precision" else np.zeros(2, np.float32)), {}
+
+    def step(self, action):
+        self.steps += 1
+        info = {"steps": self.steps}
+        if self.fault == "in place":
+            self.observation_space.n = 5
+        if self.fault == "action in place":
+            self.action_space.n = 2
+        if self.fault == "cycle":
+            info["left"] = info["right"] = info
+        if self.fault == "double":
+            for _ in range(30):
+                info = {"left": info, "right": info}
+        if self.fault == "fork" and os.fork() == 0:
+            raise SystemExit(0)
+        if self.fault == "fork quietly":
+            os.fork()
+        if self.fault == "precision":
+            return np.array([1e300, 0]), 0.0, False, False, info
+        return 0, 0.0, False, False, info
+
+    def render(self):
+        return {"text": "a text", "nothing": None, "empty": np.zeros((0, 3, 3), np.uint8)}.get(self.fault, np.zeros((2, 2, 3), np.uint8))
+
+
+gymnasium.register("bridge/Lies-v0", Lies)

@@ -14,7 +14,7 @@ mod registration;
 mod stack;
 mod vector;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{LazyLock, PoisonError, RwLock};
 
 pub use builder::{EnvBuilder, builder, make};
@@ -116,13 +116,13 @@ fn find_in(table: &Table, id: &EnvId) -> Result<Registration> {
     match table.get(id).map(Vec::as_slice) {
         Some([registration]) => Ok(registration.clone()),
         Some(duplicates) => {
-            let crates: Vec<_> = duplicates
+            let crates: BTreeSet<_> = duplicates
                 .iter()
                 .map(|registration| registration.source.package)
                 .collect();
             Err(Error::Duplicate {
                 id: id.to_string(),
-                crates: crates.join(", "),
+                crates: crates.into_iter().collect::<Vec<_>>().join(", "),
             })
         }
         None => Err(not_found(table, id)),

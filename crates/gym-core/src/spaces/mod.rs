@@ -83,6 +83,8 @@ use weight::Weight;
 /// It prints as Gymnasium prints it, and its stored form is JSON such as
 /// `{"type":"Discrete","n":3,"start":0,"dtype":"int64"}`, checked when it is read. Spaces nested so
 /// deep that readers of JSON would refuse them have no stored form: to serialise one is an error.
+/// Methods visit members by recursion, so spaces and values of thousands of levels overflow the
+/// stack.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", remote = "Self")]
 #[expect(missing_docs, reason = "the variants are the structs they hold")]

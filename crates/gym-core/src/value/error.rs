@@ -67,7 +67,7 @@ pub enum Error {
 
     /// Two crates register the same id.
     #[error(
-        "environment `{id}` is registered by more than one crate ({crates}): link only one of them, or give one a namespace"
+        "environment `{id}` is registered more than once ({crates}): link one of the crates, or give one id a namespace"
     )]
     Duplicate {
         /// The id.

@@ -10,6 +10,9 @@ use crate::view::CameraConfig;
 /// The largest `reset_noise_scale`. Normal noise of this scale stays within MuJoCo's limit of 1e10.
 const LARGEST_NOISE: f64 = 1e9;
 
+/// The largest number of any argument: with MuJoCo's largest number, products and sums are finite.
+const LARGEST: f64 = 1e100;
+
 /// The largest frame skip. A step with more timesteps would seem to hang.
 const LONGEST_SKIP: usize = 1000;
 
@@ -38,17 +41,27 @@ pub trait TaskArguments:
         0.0
     }
 
-    /// Checks `reset_noise_scale`.
+    /// Checks the sizes of numbers.
     ///
     /// # Errors
-    /// [`Error::InvalidArgument`] for a scale whose normal numbers may exceed MuJoCo's limit.
-    fn check_noise(&self) -> Result<()> {
+    /// [`Error::InvalidArgument`] for a `reset_noise_scale` whose normal numbers may exceed MuJoCo's
+    /// limit, and for a number, such as a weight, that makes rewards infinite.
+    fn check_sizes(&self) -> Result<()> {
         let scale = self.reset_noise_scale();
         if scale.abs() > LARGEST_NOISE {
             let reason = format!(
                 "{scale:e} is not within ±{LARGEST_NOISE:e}: MuJoCo's numbers lie within ±{MAXVAL:e}"
             );
             return Err(Error::argument("reset_noise_scale", reason));
+        }
+        let arguments = serde_json::to_value(self).unwrap_or_default();
+        let numbers = arguments.as_object().into_iter().flatten();
+        for (name, number) in numbers.filter_map(|(name, x)| Some((name, x.as_f64()?))) {
+            if number.abs() > LARGEST {
+                let reason =
+                    format!("{number:e} is not within ±{LARGEST:e}: rewards would not be finite");
+                return Err(Error::argument(name.as_str(), reason));
+            }
         }
         Ok(())
     }

@@ -106,6 +106,13 @@ fn bad_arguments_say_what_is_wrong() {
             json!(-1e10),
             "within ±1e9",
         ),
+        (
+            "HalfCheetah-v5",
+            "forward_reward_weight",
+            json!(-1e308),
+            "within ±1e100",
+        ),
+        ("Ant-v5", "healthy_reward", json!(1e101), "within ±1e100"),
         ("Ant-v5", "camera_name", json!("none"), "track"),
         ("Ant-v5", "camera_id", json!(7), "1 cameras"),
         (

@@ -76,3 +76,19 @@ gym_core::arguments! {
         pub number: Json = 1.into(),
     }
 }
+
+gym_core::arguments! {
+    /// A factor of all rewards.
+    pub(crate) struct Scale {
+        /// The factor.
+        pub scale: f64 = 1.0,
+    }
+}
+
+gym_core::arguments! {
+    /// A switch.
+    pub(crate) struct Mode {
+        /// Whether steps are fast; the twist decides its effect.
+        pub fast: bool = false,
+    }
+}

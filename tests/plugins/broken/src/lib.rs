@@ -6,9 +6,13 @@
 
 mod arguments;
 mod edges;
+mod faces;
 mod fault;
+mod pairs;
 mod twisted;
 mod twists;
+mod variants;
+mod vectors;
 mod walk;
 
 pub use arguments::{Careless, Config, Ignored};

@@ -122,6 +122,11 @@ impl<C> Walk<C> {
         self.state.as_ref().map_or(0.0, |state| state.position)
     }
 
+    /// Returns the number of this environment among all walks.
+    pub(crate) fn number(&self) -> u64 {
+        self.number
+    }
+
     fn observe(&self, observation: &mut Value) {
         let Some(State {
             position,

@@ -1,0 +1,326 @@
+//! The check of a vector of the environment's own.
+
+use std::collections::BTreeMap;
+use std::fmt::Debug;
+
+use gym_core::registry::Each;
+use gym_core::vector::VectorSpec;
+use gym_core::vector::{Autoreset, Columns, Seeds, VectorEnvExt, VectorKind, VectorReset};
+use gym_core::{EnvSpec, Info, Result, Value, VectorEnv};
+
+use crate::arguments::others;
+use crate::options::examples;
+use crate::subject::{Subject, alike};
+use crate::verdict::{Verdict, broken};
+
+/// The seed of the first sub-environment.
+const SEED: u64 = 3;
+
+/// The lengths of a comparison.
+#[derive(Clone, Copy)]
+struct Size {
+    /// The number of sub-environments: no multiple of the lanes of a register.
+    envs: usize,
+    /// A time limit that episodes reach soon.
+    limit: u32,
+    steps: usize,
+    /// The number of arguments that are tried.
+    arguments: usize,
+}
+
+/// For environments whose observation has few numbers: most are made and stepped fast.
+const SMALL: Size = Size {
+    envs: 11,
+    limit: 9,
+    steps: 24,
+    arguments: 8,
+};
+/// For worlds and pictures, of which a step or a copy takes long.
+const LARGE: Size = Size {
+    envs: 3,
+    limit: 3,
+    steps: 5,
+    arguments: 1,
+};
+
+/// Checks that the vector of the registration equals a sync vector of the environments: in each
+/// mode of autoreset, with masks, options, snapshots and arguments that differ.
+pub(crate) fn equal(subject: &Subject<'_>) -> Verdict {
+    let (Some(spec), Some(registration)) = (&subject.spec, &subject.registration) else {
+        return Ok(());
+    };
+    let has_wrappers = !spec.additional_wrappers.is_empty() || spec.render_mode.is_some();
+    if registration.vector_entry_point.is_none() || has_wrappers {
+        return Ok(());
+    }
+    subject.repeatable()?;
+    let size = if subject.is_small()? { SMALL } else { LARGE };
+    let limit = size.limit;
+    let limited = EnvSpec {
+        max_episode_steps: Some(limit),
+        ..spec.clone()
+    };
+    for autoreset in [
+        Autoreset::NextStep,
+        Autoreset::SameStep,
+        Autoreset::Disabled,
+    ] {
+        let name = format!("with {autoreset:?}");
+        let make = |env: &EnvSpec| {
+            let mut vector = VectorSpec::new(env.clone(), size.envs, VectorKind::Native);
+            vector.autoreset_mode = autoreset;
+            vector
+        };
+        let own = make(spec);
+        let Some(mut pair) = Pair::new(&own, &name, size)? else {
+            continue;
+        };
+        // a vector may refuse another limit
+        let limited = make(&limited);
+        let name = format!("{name}, a limit of {limit} steps");
+        match Pair::new(&limited, &name, size)? {
+            Some(mut limited) => {
+                limited.play(subject)?;
+                pair.reset(&VectorReset::from(SEED))?;
+                pair.steps(size.steps)?;
+            }
+            None => pair.play(subject)?,
+        }
+    }
+    arguments_apart(subject, &limited, size)
+}
+
+/// Compares vectors in which an argument of each sub-environment differs from that of the next.
+fn arguments_apart(subject: &Subject<'_>, spec: &EnvSpec, size: Size) -> Verdict {
+    let Some((_, kwargs)) = subject.arguments() else {
+        return Ok(());
+    };
+    let numbers = kwargs.into_iter().filter(|(_, value)| value.is_number());
+    for (name, value) in numbers.take(size.arguments) {
+        // the environment may refuse some values
+        let is_accepted = |value: &serde_json::Value| {
+            let mut spec = spec.clone();
+            spec.kwargs.insert(name.clone(), value.clone());
+            spec.make().is_ok()
+        };
+        let mut values = others(&value);
+        values.retain(is_accepted);
+        let Some(other) = values.into_iter().next() else {
+            continue;
+        };
+        let mut vector = VectorSpec::new(spec.clone(), size.envs, VectorKind::Native);
+        let each = (0..size.envs).map(|i| if i % 2 == 0 { &value } else { &other });
+        let each = Each::Values(each.cloned().collect());
+        vector.each = BTreeMap::from([(name.clone(), each)]);
+        let what = format!("with {name}={value} and {name}={other} in turn");
+        // a vector may refuse arguments that differ
+        let Some(mut pair) = Pair::new(&vector, &what, size)? else {
+            continue;
+        };
+        pair.reset(&VectorReset::from(SEED))?;
+        pair.steps(size.steps / 2)?;
+    }
+    Ok(())
+}
+
+/// Makes a vector of another kind.
+fn kind(spec: &VectorSpec, kind: VectorKind) -> Result<Box<dyn VectorEnv>> {
+    let mut spec = spec.clone();
+    spec.vectorization_mode = kind;
+    spec.make()
+}
+
+/// The vector of the registration and a sync vector, with the results of both.
+struct Pair<'a> {
+    own: Box<dyn VectorEnv>,
+    sync: Box<dyn VectorEnv>,
+    seen: Columns,
+    expected: Columns,
+    actions: gym_core::spaces::Sampler,
+    spec: &'a VectorSpec,
+    /// The settings, for messages.
+    what: &'a str,
+    size: Size,
+    calls: usize,
+}
+
+impl<'a> Pair<'a> {
+    /// Makes both vectors; `None` if the vector of the registration refuses the spec.
+    fn new(spec: &'a VectorSpec, what: &'a str, size: Size) -> Verdict<Option<Self>> {
+        let Ok(own) = kind(spec, VectorKind::Native) else {
+            return Ok(None);
+        };
+        let sync = match kind(spec, VectorKind::Sync) {
+            Ok(sync) => sync,
+            Err(error) => {
+                return broken(format!(
+                    "{what}: its vector is made, and a sync vector gives the error: {error}"
+                ));
+            }
+        };
+        let facts = |envs: &dyn VectorEnv| {
+            let spaces = [envs.single_observation_space(), envs.single_action_space()];
+            let [seen, acts] = spaces.map(|space| space.to_string());
+            format!(
+                "{} environments, {seen}, {acts}, {:?}",
+                envs.num_envs(),
+                envs.autoreset()
+            )
+        };
+        let (ours, theirs) = (facts(&*own), facts(&*sync));
+        if ours != theirs {
+            return broken(format!(
+                "{what}: its vector has {ours}, and a sync vector has {theirs}"
+            ));
+        }
+        Ok(Some(Self {
+            seen: own.columns()?,
+            expected: sync.columns()?,
+            actions: sync.action_sampler(SEED)?,
+            own,
+            sync,
+            spec,
+            what,
+            size,
+            calls: 0,
+        }))
+    }
+
+    /// Makes each kind of call.
+    fn play(&mut self, subject: &Subject<'_>) -> Verdict {
+        let Size { envs, steps, .. } = self.size;
+        let action = self.actions.sample();
+        self.both("a step before the first reset", |envs, columns| {
+            envs.step_into(&action, columns)
+        })?;
+        self.reset(&VectorReset::from(SEED))?;
+        self.steps(steps)?;
+        self.both("a step with no actions", |envs, columns| {
+            envs.step_into(&Value::Null, columns)
+        })?;
+        self.steps(3)?;
+        // every third, of which some have a seed
+        let mask: Vec<_> = (0..envs).map(|i| i % 3 == 1).collect();
+        let seeds = (0..envs).map(|i| (i % 2 == 0).then(|| (50 + i as u64).into()));
+        let masked = VectorReset {
+            seeds: Seeds::Each(seeds.collect()),
+            ..VectorReset::default().mask(mask)
+        };
+        self.reset(&masked)?;
+        self.steps(steps / 2)?;
+        self.restored()?;
+        self.steps(steps / 2)?;
+        for (name, example) in examples(subject).unwrap_or_default() {
+            let option = VectorReset::from(SEED + 40).option(name, example);
+            self.reset(&option)?;
+            self.steps(3)?;
+        }
+        self.reset(&VectorReset::default().option("no_such_option", "x"))?;
+        self.reset(&VectorReset::default())?;
+        // columns of another form
+        (self.seen, self.expected) = (Columns::default(), Columns::default());
+        self.steps(steps / 2)?;
+        self.own.close();
+        self.sync.close();
+        let action = self.actions.sample();
+        self.both("a step after `close`", |envs, columns| {
+            envs.step_into(&action, columns)
+        })
+    }
+
+    fn reset(&mut self, reset: &VectorReset) -> Verdict {
+        self.both("reset", |envs, columns| envs.reset_into(reset, columns))
+    }
+
+    /// Takes random steps. Without autoreset, resets what has ended.
+    fn steps(&mut self, steps: usize) -> Verdict {
+        for _ in 0..steps {
+            let actions = self.actions.sample();
+            self.both("step", |envs, columns| envs.step_into(&actions, columns))?;
+            let ended = self
+                .expected
+                .terminated
+                .iter()
+                .zip(&self.expected.truncated);
+            let ended: Vec<bool> = ended.map(|(a, b)| *a || *b).collect();
+            if self.spec.autoreset_mode == Autoreset::Disabled && ended.contains(&true) {
+                self.reset(&VectorReset::default().mask(ended))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Replaces the vector by a new one that is restored from its snapshot.
+    fn restored(&mut self) -> Verdict {
+        let restored = || -> Result<Box<dyn VectorEnv>> {
+            let mut new = kind(self.spec, VectorKind::Native)?;
+            new.restore(&self.own.snapshot()?)?;
+            Ok(new)
+        };
+        match restored() {
+            Ok(new) => self.own = new,
+            // the environments may have no snapshots either
+            Err(error) if self.sync.snapshot().is_ok() => {
+                return broken(format!("{}: its vector's snapshot: {error}", self.what));
+            }
+            Err(_) => {}
+        }
+        Ok(())
+    }
+
+    /// Makes a call on both vectors and compares the results.
+    fn both(
+        &mut self,
+        call: &str,
+        make: impl Fn(&mut dyn VectorEnv, &mut Columns) -> Result<()>,
+    ) -> Verdict {
+        self.calls += 1;
+        let place = format!("{}, call {} ({call})", self.what, self.calls);
+        let own = make(&mut *self.own, &mut self.seen);
+        let sync = make(&mut *self.sync, &mut self.expected);
+        match (own, sync) {
+            (Ok(()), Ok(())) => self.compare(&place),
+            (Err(_), Err(_)) => Ok(()),
+            (Ok(()), Err(error)) => broken(format!(
+                "{place}: its vector succeeds, and a sync vector gives the error: {error}"
+            )),
+            (Err(error), Ok(())) => broken(format!(
+                "{place}: its vector gives an error, and a sync vector succeeds: {error}"
+            )),
+        }
+    }
+
+    fn compare(&self, place: &str) -> Verdict {
+        let (a, b) = (&self.seen, &self.expected);
+        let differs = |part: &str, a: &dyn Debug, b: &dyn Debug| {
+            broken(format!(
+                "{place}: its vector has the {part} {a:?}, and a sync vector has {b:?}"
+            ))
+        };
+        if a.progress != b.progress {
+            return differs("progress", &a.progress, &b.progress);
+        }
+        if !alike(&a.rewards, &b.rewards) {
+            return differs("rewards", &a.rewards, &b.rewards);
+        }
+        for (part, a, b) in [
+            ("terminated", &a.terminated, &b.terminated),
+            ("truncated", &a.truncated, &b.truncated),
+            ("has_final", &a.has_final, &b.has_final),
+        ] {
+            if a != b {
+                return differs(part, a, b);
+            }
+        }
+        if !alike(&a.observations, &b.observations) {
+            return differs("observations", &a.observations, &b.observations);
+        }
+        // the infos contain the last observations
+        let infos = |envs: &dyn VectorEnv, columns| -> Info { envs.infos(columns) };
+        let [a, b] = [infos(&*self.own, a), infos(&*self.sync, b)];
+        if !alike(&a, &b) {
+            return differs("infos", &a, &b);
+        }
+        Ok(())
+    }
+}

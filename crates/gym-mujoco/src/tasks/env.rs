@@ -121,7 +121,9 @@ impl<T: Task> MujocoEnv<T> {
             return Err(Error::argument("version", reason));
         }
         let version = version.min(NEWEST);
-        config.check_sizes()?;
+        if config != T::Config::defaults(version) {
+            config.check_sizes()?;
+        }
         let mut simulation = Simulation::new(config.common(), version)?;
         if let Some(reads) = T::READS {
             simulation.read(reads);

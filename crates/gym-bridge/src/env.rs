@@ -391,7 +391,7 @@ impl Env for PythonEnv {
                 let (dtype, shape) = (array.dtype(), array.shape());
                 wrong(
                     &format!("an array of {dtype} with shape {shape:?}"),
-                    "a frame is uint8 of shape (height, width, 3), neither of them 0",
+                    "a frame is uint8 of shape (height, width, 3), both at least 1",
                 )
             })?),
             // Python has shown it in a window

@@ -521,7 +521,7 @@ fn pictures_of_another_kind_are_named() {
         (
             "empty",
             RenderMode::RgbArray,
-            "with shape [0, 3, 3]: a frame is uint8 of shape",
+            "with shape [0, 3, 3] in the mode rgb_array: a frame is uint8",
         ),
     ] {
         let mut env = lies(fault).render_mode(mode).build().unwrap();

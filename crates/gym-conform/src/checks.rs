@@ -382,7 +382,7 @@ pub const CHECKS: &[Check] = &[
         "compute what is asked for from the state, and change nothing",
     ),
     error(
-        "shown-of-the-state",
+        "state-shown",
         shown::follows,
         &[
             "same-seed-same-episode",

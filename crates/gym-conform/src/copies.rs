@@ -11,7 +11,7 @@ use gym_core::{BoxEnv, Env, EnvExt, Error, Result, Snapshot, Value};
 pub(crate) fn clone_apart(subject: &Subject<'_>) -> Verdict {
     for seed in SEEDS {
         let (mut env, mut other) = (subject.midway(seed)?, subject.midway(seed)?);
-        // if they differ from the start, the check shown-of-the-state reports it
+        // if they differ from the start, the check state-shown reports it
         let is_alike = same_face(&other, &env, "").is_ok();
         let (mut clone, mut idle) = (env.clone(), env.clone());
         // `env` must not depend on what happens to `clone`

@@ -1,8 +1,8 @@
 //! Checks references between objects, and refuses features that the engine does not support.
 
 use super::{
-    CompiledModel, Cone, Disable, DynamicsType, EqualityType, GainType, GeomType, Integrator,
-    JointType, ObjectType, SensorType, Solver, TransmissionType, WrapType,
+    CompiledModel, DynamicsType, EqualityType, GeomType, JointType, ObjectType, SensorType,
+    TransmissionType, WrapType,
 };
 use crate::Result;
 
@@ -168,42 +168,7 @@ fn sensors(m: &CompiledModel) -> Result<()> {
 
 /// Refuses unsupported features.
 fn unsupported(m: &CompiledModel) -> Result<()> {
-    let o = &m.opt;
-    let pulls = m.neq() > 0
-        || m.dof_frictionloss.iter().any(|x| *x != 0.0)
-        || m.tendon_frictionloss.iter().any(|x| *x != 0.0);
-    let pgs = o.solver == Solver::PGS;
-    let turning = m.geom_condim.iter().chain(&m.pair_dim).any(|dim| *dim > 3);
-    let implicit = matches!(
-        o.integrator,
-        Integrator::Implicit | Integrator::ImplicitFast
-    );
-    let fast = o.integrator == Integrator::ImplicitFast;
     for (used, what) in [
-        (
-            pgs && o.cone != Cone::Pyramidal,
-            "elliptic cones with the solver PGS",
-        ),
-        (
-            pgs && pulls,
-            "equality and friction loss with the solver PGS",
-        ),
-        (
-            o.noslip_iterations > 0 && o.cone == Cone::Elliptic && turning,
-            "noslip iterations with elliptic cones of condim 4 or 6",
-        ),
-        (
-            implicit && (o.density > 0.0 || o.viscosity > 0.0),
-            "a medium with implicit integrators",
-        ),
-        (
-            implicit && m.actuator_gaintype.contains(&GainType::Muscle),
-            "muscles with implicit integrators",
-        ),
-        (
-            fast && (0..m.nbody()).any(|body| is_free(m, body)),
-            "free bodies of their own with the integrator implicitfast",
-        ),
         (
             m.geom_type.contains(&GeomType::Mesh)
                 && m.sensor_type.contains(&SensorType::Rangefinder),
@@ -213,7 +178,6 @@ fn unsupported(m: &CompiledModel) -> Result<()> {
             senses_mesh(m),
             "sensors of a mesh, whose centre is not computed",
         ),
-        (o.disables(Disable::Island), "islands that are switched off"),
     ] {
         ensure!(!used, "{what}: not supported");
     }
@@ -228,11 +192,4 @@ fn senses_mesh(m: &CompiledModel) -> bool {
         let geom = usize::try_from(*id).ok().and_then(|g| m.geom_type.get(g));
         *kind == ObjectType::Geom && geom == Some(&GeomType::Mesh)
     })
-}
-
-/// Whether a body has a free joint and no children.
-fn is_free(m: &CompiledModel, body: usize) -> bool {
-    let mut joints = m.jnt_bodyid.iter().zip(&m.jnt_type);
-    joints.any(|(&of, kind)| of == body && *kind == JointType::Free)
-        && !m.body_parentid.contains(&body)
 }

@@ -88,6 +88,8 @@ pub(crate) struct Plan {
     pub(crate) springs: Vec<usize>,
     /// With a fluid: the bodies with mass, and for each the edges of the box of equal inertia.
     pub(crate) boxes: Vec<(usize, Option<[f64; 3]>)>,
+    /// The free bodies of their own, whose six equations `implicitfast` solves by themselves.
+    pub(crate) free_bodies: Vec<usize>,
     /// The pose of each body in its parent's frame, of its principal axes in its own frame, and of
     /// each site in its body's frame.
     pub(crate) bodies: Vec<Placed>,
@@ -333,6 +335,7 @@ impl Plan {
                 .filter(|&j| m.jnt_stiffness[j] != 0.0 && !off(Disable::Spring))
                 .collect(),
             boxes: boxes(m),
+            free_bodies: (0..m.nbody()).filter(|&body| is_free(m, body)).collect(),
             bodies: Placed::all(Placed::new, &m.body_pos, &m.body_quat),
             inertias: Placed::all(Placed::within, &m.body_ipos, &m.body_iquat),
             sites: Placed::all(Placed::within, &m.site_pos, &m.site_quat),
@@ -437,6 +440,18 @@ impl Plan {
     pub(crate) fn chain(&self, body: usize) -> &[usize] {
         self.last_dof[body].map_or(&[], |dof| &self.m_colind[self.m_row(dof)])
     }
+}
+
+/// Whether a free joint moves a body, and no other body with mass: MuJoCo's `mj_isFreeBody`.
+fn is_free(m: &CompiledModel, body: usize) -> bool {
+    let mut joints = m.jnt_bodyid.iter().zip(&m.jnt_type);
+    let free = joints.find(|(of, _)| **of == body).map(|(_, kind)| *kind);
+    let tree = m.body_dofadr[body]
+        .try_into()
+        .ok()
+        .map(|dof: usize| m.dof_treeid[dof]);
+    let dofs = m.dof_treeid.iter().filter(|of| Some(**of) == tree).count();
+    free == Some(JointType::Free) && dofs == 6 && m.body_subtreemass[body] == m.body_mass[body]
 }
 
 /// The boxes on which the fluid acts, by their edges; `None` if the ellipsoid model applies to the

@@ -12,7 +12,7 @@ use super::number::Number;
 use super::rows;
 use super::spatial::{add, cross, dot, rotate, sub};
 use crate::libm;
-use crate::model::{Bounds, Cone, Pair, Softness};
+use crate::model::{Bounds, Cone, Disable, Pair, Softness};
 use crate::{Data, Model};
 
 /// The constraints of the last forward call: MuJoCo's `efc_*` arrays.
@@ -313,7 +313,8 @@ fn contacts(m: &Model, d: &mut Data) {
         };
         let efc = &mut d.efc;
         contact.efc_address = efc.nefc() as i32;
-        if contact.dim > 3 || m.opt.cone == Cone::Elliptic || m.opt.impratio != 1.0 {
+        let uneven = contact.friction[0] != contact.friction[1];
+        if contact.dim > 3 || uneven || m.opt.cone == Cone::Elliptic || m.opt.impratio != 1.0 {
             let place = (index, pair, tree);
             rows::contact(m, &d.cdof, &d.subtree_com, efc, contact, place);
             continue;
@@ -514,8 +515,8 @@ fn islands(m: &Model, d: &mut Data) {
     if d.efc.blocks.is_empty() {
         return;
     }
-    if trees == 1 {
-        work.tree_island[0] = 0;
+    if trees == 1 || m.opt.disables(Disable::Island) {
+        work.tree_island.fill(0);
         d.efc.nisland = 1;
         return;
     }

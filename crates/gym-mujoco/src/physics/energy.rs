@@ -73,11 +73,16 @@ pub fn energy(m: &Model, d: &mut Data) -> [f64; 2] {
     d.energy
 }
 
-/// Computes `energy`, if the model enables it.
-pub(super) fn update(m: &Model, d: &mut Data) {
+/// Whether the model asks for its energy.
+pub(super) fn computed(m: &Model) -> bool {
     /// MuJoCo's `mjENBL_ENERGY`.
     const ENERGY: u32 = 1 << 1;
-    if m.opt.enableflags & ENERGY != 0 {
+    m.opt.enableflags & ENERGY != 0
+}
+
+/// Computes `energy`, if the model asks for it.
+pub(super) fn update(m: &Model, d: &mut Data) {
+    if computed(m) {
         energy(m, d);
     }
 }

@@ -39,7 +39,7 @@ pub(super) fn ellipsoids(m: &Model, d: &Data, body: usize, out: &mut [f64]) {
 }
 
 /// The semi-axes of the ellipsoid that approximates a shape.
-fn semiaxes(shape: GeomType, size: Vec3) -> Vec3 {
+pub(super) fn semiaxes(shape: GeomType, size: Vec3) -> Vec3 {
     match shape {
         GeomType::Sphere => [size[0]; 3],
         GeomType::Capsule => [size[0], size[0], size[1] + size[0]],
@@ -64,6 +64,12 @@ fn square(x: f64) -> f64 {
 
 fn fourth(x: f64) -> f64 {
     (x * x) * (x * x)
+}
+
+/// The greatest moment of an ellipsoid's surface about axis `k`: MuJoCo's `ellipsoid_max_moment`.
+pub(super) fn moment_of(size: Vec3, k: usize) -> f64 {
+    let (own, a, b) = (size[k], size[(k + 1) % 3], size[(k + 2) % 3]);
+    8.0 / 15.0 * PI * own * fourth(a.max(b))
 }
 
 /// The area of the ellipsoid projected along the velocity. Then the surface normal that belongs to
@@ -131,13 +137,9 @@ fn drag(
     let linear_viscous = 3.0 * PI * diameter;
     let angular_viscous = PI * diameter * diameter * diameter;
 
-    let moment = |k: usize| {
-        let (own, a, b) = (size[k], size[(k + 1) % 3], size[(k + 2) % 3]);
-        8.0 / 15.0 * PI * own * fourth(a.max(b))
-    };
     let moment_most = 8.0 / 15.0 * PI * middle * fourth(most);
     let moments: Vec3 = std::array::from_fn(|k| {
-        let own = moment(k);
+        let own = moment_of(size, k);
         w[k] * (angular * own + slender * (moment_most - own))
     });
     let linear = viscosity * linear_viscous

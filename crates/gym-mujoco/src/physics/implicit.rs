@@ -2,13 +2,15 @@
 
 use super::actuation::{disabled, next};
 use super::dense::dot_sparse;
-use super::inertia::factor_damped;
+use super::free::Free;
+use super::inertia::{factor_damped, solve as solve_m};
 use super::spatial::{Vec6, dot6, mul_inertia};
 use super::velocity::joints;
-use crate::model::{BiasType, Disable, GainType, Integrator, JointType};
-use crate::{Data, Model};
+use super::{fluid_slopes, muscle};
+use crate::model::{BiasType, Disable, GainType, Integrator, JointType, TransmissionType};
+use crate::{Data, Model, Revision};
 
-type Mat6 = [[f64; 6]; 6];
+pub(super) type Mat6 = [[f64; 6]; 6];
 
 /// Computes and factors `M - dt * d(force)/d(velocity)` for `implicitfast`, which leaves out the
 /// derivatives of Coriolis and centrifugal forces.
@@ -18,7 +20,14 @@ pub(super) fn factor(m: &Model, d: &mut Data) {
     slopes.clear();
     slopes.resize(d.qm.len(), 0.0);
     let plan = m.plan();
-    smooth(m, d, &mut |row, column, value| {
+    let mut buffers = std::mem::take(&mut d.work.implicit);
+    let Buffers { jac, free, .. } = &mut buffers;
+    free.iter_mut().for_each(Free::clear);
+    smooth(m, d, jac, &mut |row, column, value| {
+        if let Some(free) = free.iter_mut().find(|free| free.has(row)) {
+            free.add(row, column, value);
+            return;
+        }
         let row = plan.m_row(row);
         if let Ok(place) = plan.m_colind[row.clone()].binary_search(&column) {
             slopes[row.start + place] += value;
@@ -27,8 +36,22 @@ pub(super) fn factor(m: &Model, d: &mut Data) {
     for (slope, inertia) in slopes.iter_mut().zip(&d.qm) {
         *slope = inertia + *slope * -m.opt.timestep;
     }
-    d.work.qh = slopes;
+    (d.work.qh, d.work.implicit) = (slopes, buffers);
     factor_damped(m, d);
+}
+
+/// Replaces the forces `acc_sum` by the accelerations of `implicitfast`. Free bodies of their own
+/// include the derivatives of their gyroscopic forces.
+pub(super) fn solve_fast(m: &Model, d: &mut Data) {
+    let mut buffers = std::mem::take(&mut d.work.implicit);
+    let free = &mut buffers.free;
+    free.iter_mut().for_each(|free| free.solve(m, d));
+    let work = &mut d.work;
+    solve_m(m, &work.qh, &work.qh_diag_inv, &mut work.acc_sum);
+    for free in free {
+        free.put(&mut work.acc_sum);
+    }
+    work.implicit = buffers;
 }
 
 /// The buffers of `implicit`.
@@ -44,14 +67,28 @@ pub(crate) struct Buffers {
     acceleration: Vec<Vec6>,
     force: Vec<Vec6>,
     part: Vec<f64>,
+    /// The velocities of a point of a body by each degree of freedom.
+    jac: Vec<Vec6>,
+    /// For `implicitfast`: free bodies of their own.
+    free: Vec<Free>,
 }
 
 impl Buffers {
     pub(crate) fn new(m: &Model) -> Self {
-        if m.opt.integrator != Integrator::Implicit {
-            return Self::default();
-        }
         let n = m.nv();
+        let mut buffers = Self::default();
+        if matches!(
+            m.opt.integrator,
+            Integrator::Implicit | Integrator::ImplicitFast
+        ) {
+            buffers.jac.reserve(n);
+        }
+        if m.opt.integrator == Integrator::ImplicitFast {
+            buffers.free.extend(Free::all(m));
+        }
+        if m.opt.integrator != Integrator::Implicit {
+            return buffers;
+        }
         let columns = |i| (0..n).filter(|&j| related(m, i, j)).collect();
         let zeros = vec![[0.0; 6]; m.nbody() * n];
         Self {
@@ -62,6 +99,7 @@ impl Buffers {
             acceleration: zeros.clone(),
             force: zeros,
             part: Vec::with_capacity(n),
+            ..buffers
         }
     }
 }
@@ -71,8 +109,8 @@ impl Buffers {
 pub(super) fn solve(m: &Model, d: &Data, b: &mut Buffers, x: &mut [f64]) {
     let n = m.nv();
     b.slopes.fill(0.0);
-    let slopes = &mut b.slopes;
-    smooth(m, d, &mut |row, column, value| {
+    let (slopes, jac) = (&mut b.slopes, &mut b.jac);
+    smooth(m, d, jac, &mut |row, column, value| {
         slopes[row * n + column] += value;
     });
     subtract_bias(m, d, b);
@@ -96,10 +134,13 @@ fn related(m: &Model, i: usize, j: usize) -> bool {
     moves(i, j) || moves(j, i)
 }
 
-/// Passes each derivative of the forces of actuators and dampers to `add`: MuJoCo's
-/// `mjd_actuator_vel` and `mjd_passive_vel`.
-fn smooth(m: &Model, d: &Data, add: &mut impl FnMut(usize, usize, f64)) {
+/// Passes each derivative of the forces of actuators, the medium and dampers to `add`: MuJoCo's
+/// `mjd_actuator_vel` and `mjd_passive_vel`. `jac` is a buffer.
+fn smooth(m: &Model, d: &Data, jac: &mut Vec<Vec6>, add: &mut impl FnMut(usize, usize, f64)) {
     actuators(m, d, add);
+    if m.plan().passive {
+        fluid_slopes::medium(m, d, jac, add);
+    }
     if m.opt.disables(Disable::Damper) {
         return;
     }
@@ -139,12 +180,15 @@ fn actuators(m: &Model, d: &Data, add: &mut impl FnMut(usize, usize, f64)) {
         if m.actuator_forcelimited[i] && (force <= low || force >= high) {
             continue;
         }
+        if m.revision == Revision::V4_0 && saturated(m, d, i) {
+            continue;
+        }
         let mut slope = 0.0;
         if m.actuator_biastype[i] == BiasType::Affine {
             slope = m.actuator_biasprm[i].0[2];
         }
-        let gain = m.actuator_gainprm[i].0[2];
-        if m.actuator_gaintype[i] == GainType::Affine && gain != 0.0 {
+        let gain = gain_slope(m, d, i);
+        if gain != 0.0 {
             slope += gain
                 * match usize::try_from(m.actuator_actadr[i]) {
                     Err(_) => d.ctrl[i],
@@ -156,6 +200,43 @@ fn actuators(m: &Model, d: &Data, add: &mut impl FnMut(usize, usize, f64)) {
             let (columns, moments) = d.work.moments.row(i);
             add_square(columns, moments, slope, add);
         }
+    }
+}
+
+/// Whether the actuators of the joint or tendon that an actuator moves reach its range of forces:
+/// MuJoCo's `mjd_actuatorDerivSkip`, from 4.0 on.
+fn saturated(m: &Model, d: &Data, i: usize) -> bool {
+    let id = m.actuator_trnid[i][0] as usize;
+    match m.actuator_trntype[i] {
+        TransmissionType::Joint | TransmissionType::JointInParent if m.jnt_actfrclimited[id] => {
+            let ([low, high], force) = (m.jnt_actfrcrange[id], d.qfrc_actuator[m.jnt_dofadr[id]]);
+            force <= low || force >= high
+        }
+        TransmissionType::Tendon if m.tendon_actfrclimited[id] => {
+            let of = |k: &usize| {
+                m.actuator_trntype[*k] == TransmissionType::Tendon
+                    && m.actuator_trnid[*k][0] as usize == id
+            };
+            let forces = (0..m.nu()).filter(of).map(|k| d.actuator_force[k]);
+            let sum = forces.fold(0.0, |sum, force| sum + force);
+            let [low, high] = m.tendon_actfrcrange[id];
+            sum <= low + low.abs() * 1e-10 || sum >= high - high.abs() * 1e-10
+        }
+        _ => false,
+    }
+}
+
+/// The derivative of an actuator's gain by its velocity.
+fn gain_slope(m: &Model, d: &Data, i: usize) -> f64 {
+    let prm = &m.actuator_gainprm[i].0;
+    match m.actuator_gaintype[i] {
+        GainType::Affine => prm[2],
+        GainType::Muscle => {
+            let (length, velocity) = (d.actuator_length[i], d.actuator_velocity[i]);
+            let (range, acc0) = (m.actuator_lengthrange[i], m.actuator_acc0[i]);
+            muscle::gain_slope(length, velocity, range, acc0, prm)
+        }
+        GainType::Fixed => 0.0,
     }
 }
 

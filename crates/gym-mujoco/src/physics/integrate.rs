@@ -96,6 +96,8 @@ fn semi_implicit(m: &Model, d: &mut Data) {
             let mut buffers = std::mem::take(&mut d.work.implicit);
             implicit::solve(m, d, &mut buffers, &mut sum);
             (d.work.acc_sum, d.work.implicit) = (sum, buffers);
+        } else if fast {
+            implicit::solve_fast(m, d);
         } else {
             let work = &mut d.work;
             solve(m, &work.qh, &work.qh_diag_inv, &mut work.acc_sum);
@@ -170,6 +172,7 @@ pub fn runge_kutta(m: &Model, d: &mut Data) {
                 d.work.skips = skips; // no evaluation follows
             }
             evaluate(m, d);
+            super::energy::update(m, d);
         }
     }
     if m.na() > 0 {

@@ -51,6 +51,8 @@ mod contact_force;
 pub(crate) mod dense;
 mod energy;
 mod fluid;
+mod fluid_slopes;
+mod free;
 mod implicit;
 mod inertia;
 mod integrate;
@@ -220,10 +222,10 @@ const ALL: [Stage; 3] = [Stage::Position, Stage::Velocity, Stage::Acceleration];
 #[inline]
 fn measure(m: &Model, d: &mut Data, stages: &[Stage]) {
     if m.plan().measures {
+        sensors(m, d, stages);
         if stages.contains(&Stage::Position) {
             energy::update(m, d);
         }
-        sensors(m, d, stages);
     }
 }
 

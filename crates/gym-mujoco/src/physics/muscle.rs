@@ -19,11 +19,8 @@ fn scales(range: [f64; 2], acc0: f64, prm: &[f64; 10]) -> (f64, f64) {
 
 /// The active force at an activation of 1: MuJoCo's `mju_muscleGain`.
 pub(super) fn gain(length: f64, velocity: f64, range: [f64; 2], acc0: f64, prm: &[f64; 10]) -> f64 {
-    let (force, optimum) = scales(range, acc0, prm);
-    let [lmin, lmax, vmax, fvmax] = [prm[4], prm[5], prm[6], prm[8]];
-    let l = prm[0] + (length - range[0]) / f64::max(MINVAL, optimum);
-    let v = velocity / f64::max(MINVAL, optimum * vmax);
-    let by_length = length_curve(l, lmin, lmax);
+    let (scale, v, _) = contraction(length, velocity, range, acc0, prm);
+    let fvmax = prm[8];
     let y = fvmax - 1.0;
     let by_velocity = if v <= -1.0 {
         0.0
@@ -34,7 +31,47 @@ pub(super) fn gain(length: f64, velocity: f64, range: [f64; 2], acc0: f64, prm: 
     } else {
         fvmax
     };
-    -force * by_length * by_velocity
+    scale * by_velocity
+}
+
+/// The derivative of [`gain`] by the velocity: MuJoCo's `mjd_muscleGain_vel`.
+pub(super) fn gain_slope(
+    length: f64,
+    velocity: f64,
+    range: [f64; 2],
+    acc0: f64,
+    prm: &[f64; 10],
+) -> f64 {
+    let (scale, v, fastest) = contraction(length, velocity, range, acc0, prm);
+    let y = prm[8] - 1.0;
+    let slope = if v <= -1.0 || v > f64::max(0.0, y) {
+        0.0
+    } else if v <= 0.0 {
+        2.0 * v + 2.0
+    } else {
+        (-2.0 * v + 2.0 * y) / f64::max(MINVAL, y)
+    };
+    scale * slope / fastest
+}
+
+/// The force at the greatest velocity factor, the velocity relative to the fastest, and the
+/// fastest.
+fn contraction(
+    length: f64,
+    velocity: f64,
+    range: [f64; 2],
+    acc0: f64,
+    prm: &[f64; 10],
+) -> (f64, f64, f64) {
+    let (force, optimum) = scales(range, acc0, prm);
+    let [lmin, lmax, vmax] = [prm[4], prm[5], prm[6]];
+    let l = prm[0] + (length - range[0]) / f64::max(MINVAL, optimum);
+    let fastest = f64::max(MINVAL, optimum * vmax);
+    (
+        -force * length_curve(l, lmin, lmax),
+        velocity / fastest,
+        fastest,
+    )
 }
 
 /// The force-length curve: four parabolas from `lmin` to `lmax`, with the maximum at 1.

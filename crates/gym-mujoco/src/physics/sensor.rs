@@ -1,7 +1,7 @@
 //! Sensors: each kind is one arm that names its formula.
 
 use super::contact_force::contact_force;
-use super::energy::{kinetic, potential};
+use super::energy::{computed, kinetic, potential};
 use super::post_constraint::rne_post_constraint;
 use super::ray::{ray, ray_shape};
 use super::spatial::{
@@ -214,6 +214,8 @@ fn of_velocity(m: &Model, d: &mut Data, i: usize) -> Quat {
         }
         SensorType::SubtreeLinVel => three(d.subtree_linvel[id]),
         SensorType::SubtreeAngMom => three(d.subtree_angmom[id]),
+        // where the energy is computed too, the sensor shows the last one
+        _ if computed(m) => one(d.energy[1]),
         _ => one(kinetic(m, d)),
     }
 }

@@ -31,7 +31,6 @@ type Refused = (String, u32, &'static str, Option<&'static str>);
 fn refused() -> Vec<Refused> {
     let world = |line: &str, element, attribute| (in_the_world(line), 4, element, attribute);
     let other = |line: &str, element, attribute| (section(line), 6, element, attribute);
-    let whole = |line: &str| (section(line), 1, "mujoco", None);
     let body = |line: &str, element, attribute| {
         (
             in_the_world(&format!("<body>{line}<geom size=\"0.1\"/></body>")),
@@ -61,7 +60,6 @@ fn refused() -> Vec<Refused> {
             Some("springdamper"),
         ),
         body("<freejoint align=\"true\"/>", "freejoint", Some("align")),
-        whole("<option solver=\"PGS\" cone=\"elliptic\"/>"),
         other(
             "<compiler coordinate=\"global\"/>",
             "compiler",

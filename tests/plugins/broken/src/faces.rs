@@ -59,7 +59,7 @@ fn restore_own<T: Twist>(env: &mut Of<T>, snapshot: &Snapshot) -> Result<()> {
 // pictures and texts
 pairs! {
     // the mark of the farthest place stays from episode to episode
-    "shown-of-the-state" "drawing-after-reset" KeepsTheMark {
+    "state-shown" "drawing-after-reset" KeepsTheMark {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             env.walk.reset_into(reset, observation)?;
             env.mind.own = if BAD { farthest(env) } else { env.walk.position().to_bits() };
@@ -78,7 +78,7 @@ pairs! {
     }
 
     // the snapshot does not contain the mark
-    "shown-of-the-state" "drawing-restored" ForgetsTheMark {
+    "state-shown" "drawing-restored" ForgetsTheMark {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             env.walk.reset_into(reset, observation)?;
             env.mind.own = env.walk.position().to_bits();
@@ -103,7 +103,7 @@ pairs! {
     }
 
     // the clone is drawn without the mark until its next reset
-    "shown-of-the-state" "drawing-of-a-clone" CloneForgetsTheMark {
+    "state-shown" "drawing-of-a-clone" CloneForgetsTheMark {
         fn copied(env: &Of<Self>) -> Mind {
             let copy = env.mind.clone();
             copy.is_spoilt.set(BAD);
@@ -136,7 +136,7 @@ pairs! {
     }
 
     // the text names the object, not the state
-    "shown-of-the-state" "text" TellsItsNumber {
+    "state-shown" "text" TellsItsNumber {
         fn metadata(_: &Of<Self>) -> Metadata {
             Metadata {
                 render_modes: &[RenderMode::RgbArray, RenderMode::Ansi],
@@ -158,7 +158,7 @@ pairs! {
 // infos
 pairs! {
     // `info` names the last action, and the snapshot does not contain it
-    "shown-of-the-state" "info-restored" ForgetsTheLastAction {
+    "state-shown" "info-restored" ForgetsTheLastAction {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             env.walk.reset_into(reset, observation)?;
             env.mind.own = 0;
@@ -185,7 +185,7 @@ pairs! {
     }
 
     // `info` counts refused actions until the next step
-    "shown-of-the-state" "info-after-refusal" CountsRefusals {
+    "state-shown" "info-after-refusal" CountsRefusals {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             env.walk.reset_into(reset, observation)?;
             env.mind.own = 0;

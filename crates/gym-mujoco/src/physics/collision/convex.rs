@@ -1,6 +1,6 @@
 //! Contacts of two convex shapes: MuJoCo's `mjc_Convex`. Spheres and capsules are first replaced by
-//! their centres and axes. Their distance gives the contact unless a centre or axis enters the
-//! other shape; in that case the whole shapes are compared.
+//! their centres and axes, and from 4.0 on all shapes lose their margin first. Their distance gives
+//! the contact unless they overlap; in that case the whole shapes are compared.
 
 use super::super::spatial::{
     InTurn, MINVAL, Mat3, Order, Vec3, add, add_scaled, axis_angle, column, dot, norm, normalize,
@@ -36,53 +36,55 @@ impl Solid<'_> {
         !matches!(self.kind, GeomType::Sphere | GeomType::Ellipsoid)
     }
 
-    /// The point furthest in a direction, and whether it is on the lower end of a cylinder.
-    fn support(&self, direction: Vec3) -> (Vec3, bool) {
+    /// The point furthest in a direction, and the number of the corner of a box, or of the end of a
+    /// cylinder: 1 for the lower one.
+    fn support(&self, direction: Vec3) -> (Vec3, u8) {
         let shape = self.shape;
         match self.kind {
             GeomType::Sphere => {
                 let reach = scale(direction, shape.size[0]);
-                (add(reach, shape.pos), false)
+                (add(reach, shape.pos), 0)
             }
-            GeomType::Capsule => (capsule_support(shape, direction), false),
-            GeomType::Ellipsoid => (ellipsoid_support(shape, direction), false),
+            GeomType::Capsule => (capsule_support(shape, direction), 0),
+            GeomType::Ellipsoid => (ellipsoid_support(shape, direction), 0),
             GeomType::Cylinder => cylinder_support(shape, direction),
             _ => {
                 let local = rotate_back(shape.mat, direction);
-                let corner = std::array::from_fn(|k| {
+                let corner: Vec3 = std::array::from_fn(|k| {
                     if local[k] >= 0.0 {
                         shape.size[k]
                     } else {
                         -shape.size[k]
                     }
                 });
-                (add(rotate(shape.mat, corner), shape.pos), false)
+                let number = (0..3).fold(0, |number, k| number | u8::from(corner[k] > 0.0) << k);
+                (add(rotate(shape.mat, corner), shape.pos), number)
             }
         }
     }
 
     /// [`support`](Self::support) of the centre or axis, for shapes with a radius around it.
-    fn core(&self, direction: Vec3) -> (Vec3, bool) {
+    fn core(&self, direction: Vec3) -> (Vec3, u8) {
         match self.kind {
-            GeomType::Sphere => (self.shape.pos, false),
-            GeomType::Capsule => (line_support(self.shape, direction), false),
+            GeomType::Sphere => (self.shape.pos, 0),
+            GeomType::Capsule => (line_support(self.shape, direction), 0),
             _ => self.support(direction),
         }
     }
 }
 
-/// The contact of two shapes, and up to four more. To find those, the shapes are turned a little
-/// about the first contact; a contact counts if it is at least `apart` from the others.
+/// Before 4.0: the contact of two shapes, and up to four more. To find those, the shapes are turned
+/// a little about the first contact; a contact counts if it is at least `apart` from the others.
 pub(super) fn contacts(
     a: Solid<'_>,
     b: Solid<'_>,
     margin: f64,
     apart: f64,
-    (revision, polytope): (Revision, &mut Polytope),
+    polytope: &mut Polytope,
     push: &mut impl FnMut(Hit),
 ) {
     let mut one = |a: Solid<'_>, b: Solid<'_>| {
-        one(a, b, margin, revision, polytope).map(|touch| touch.hit(margin))
+        one(a, b, margin, Revision::V3_12, polytope).map(|touch| touch.hit(margin))
     };
     let Some(first) = one(a, b) else {
         return;
@@ -157,15 +159,16 @@ pub(super) fn one(
     polytope: &mut Polytope,
 ) -> Option<Touch> {
     let grown = 0.5 * margin;
-    let grow = |(point, low): (Vec3, bool), direction: Vec3| {
+    let grow = |(point, corner): (Vec3, u8), direction: Vec3| {
         if grown > 0.0 {
-            (add_scaled(point, direction, grown), low)
+            (add_scaled(point, direction, grown), corner)
         } else {
-            (point, low)
+            (point, corner)
         }
     };
     let centers = [a.shape.pos, b.shape.pos];
-    if a.radius().is_some() || b.radius().is_some() {
+    let without_margin = revision == Revision::V4_0 && margin > 0.0;
+    if a.radius().is_some() || b.radius().is_some() || without_margin {
         // the distance from each support point to the shape's surface; before 4.0, the support
         // point of a shape without a radius includes the margin
         let reach = |solid: Solid<'_>| match (solid.radius(), revision) {
@@ -183,10 +186,8 @@ pub(super) fn one(
                 point
             }
         };
-        let cores = |direction: Vec3| {
-            let (near, _) = core(a, direction);
-            Vertex::new(near, core(b, scale(direction, -1.0)))
-        };
+        let cores =
+            |direction: Vec3| Vertex::new(core(a, direction), core(b, scale(direction, -1.0)));
         let found = gjk::distance(centers, reaches[0] + reaches[1], revision, &cores);
         if found.distance > gjk::TOLERANCE {
             let [w1, w2] = found.nearest;
@@ -202,15 +203,17 @@ pub(super) fn one(
             return (dist < 0.0).then(|| Touch {
                 dist,
                 points: [moved(w1, reaches[0]), moved(w2, -reaches[1])],
-                low: end(&found.simplex[..found.number]),
+                corners: corners(&found.simplex[..found.number]),
             });
         }
     }
 
     let whole = |direction: Vec3| {
-        let (near, _) = grow(a.support(direction), direction);
         let back = scale(direction, -1.0);
-        Vertex::new(near, grow(b.support(back), back))
+        Vertex::new(
+            grow(a.support(direction), direction),
+            grow(b.support(back), back),
+        )
     };
     let found = gjk::distance(centers, 0.0, revision, &whole);
     if found.distance > gjk::TOLERANCE || found.separated {
@@ -220,16 +223,15 @@ pub(super) fn one(
     (overlap.depth > 0.0).then(|| Touch {
         dist: -overlap.depth,
         points: overlap.nearest,
-        low: end(&overlap.corners),
+        corners: corners(&overlap.corners),
     })
 }
 
-/// Whether the points of all vertices (of four, the first three) are on the lower end of the
-/// cylinder; `None` if they are on both ends.
-fn end(simplex: &[Vertex]) -> Option<bool> {
+/// For each shape, its corners at the first three vertices; at the first again for vertices that do
+/// not exist.
+fn corners(simplex: &[Vertex]) -> [[u8; 3]; 2] {
     let last = simplex.len() - 1;
-    let [a, b, c] = [0, 1, 2].map(|i| simplex[i.min(last)].low);
-    (a == b && b == c).then_some(a)
+    [0, 1].map(|k| [0, 1, 2].map(|i: usize| simplex[if i <= last { i } else { 0 }].corners[k]))
 }
 
 /// The deepest points of two shapes.
@@ -238,8 +240,8 @@ pub(super) struct Touch {
     /// Their distance, without the margin.
     pub(super) dist: f64,
     pub(super) points: [Vec3; 2],
-    /// Whether the points are on the lower end of the cylinder; `None` if some are on each end.
-    pub(super) low: Option<bool>,
+    /// For each shape, its corners where they touch.
+    pub(super) corners: [[u8; 3]; 2],
 }
 
 impl Touch {
@@ -277,8 +279,8 @@ fn capsule_support(capsule: Shape<'_>, direction: Vec3) -> Vec3 {
     add(rotate(capsule.mat, point), capsule.pos)
 }
 
-/// The point of a cylinder furthest in a direction, and whether it is on the lower end.
-fn cylinder_support(cylinder: Shape<'_>, direction: Vec3) -> (Vec3, bool) {
+/// The point of a cylinder furthest in a direction, and 1 if it is on the lower end.
+fn cylinder_support(cylinder: Shape<'_>, direction: Vec3) -> (Vec3, u8) {
     let &[radius, half, _] = cylinder.size;
     let local = rotate_back(cylinder.mat, direction);
     let square = local[0] * local[0] + local[1] * local[1];
@@ -294,7 +296,7 @@ fn cylinder_support(cylinder: Shape<'_>, direction: Vec3) -> (Vec3, bool) {
     ];
     (
         add(rotate(cylinder.mat, point), cylinder.pos),
-        point[2] < 0.0,
+        u8::from(point[2] < 0.0),
     )
 }
 

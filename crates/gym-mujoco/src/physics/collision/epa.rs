@@ -12,8 +12,8 @@ use crate::Revision;
 /// The largest number of faces.
 const FACES: usize = 6 * ITERATIONS;
 
-/// The largest number of points of a line that is cut by every side of an end.
-const CUTS: usize = 40;
+/// The largest number of points of a face that is cut by every side of another.
+const CUTS: usize = 64;
 
 /// A polytope that contains the origin.
 #[derive(Clone, Debug, Default)]
@@ -26,8 +26,8 @@ pub(crate) struct Polytope {
     candidates: Vec<usize>,
     /// The horizon: faces that stay, each with the edge that it shares with a removed face.
     horizon: Vec<(usize, usize)>,
-    /// The points of a line, before and after a cut.
-    pub(super) lines: [Vec<Vec3>; 2],
+    /// The corners of a face, and the points of what lies on it, before and after a cut.
+    pub(super) polygons: [Vec<Vec3>; 3],
 }
 
 #[derive(Clone, Debug)]
@@ -69,7 +69,7 @@ impl Polytope {
             center: [0.0; 3],
             candidates: Vec::with_capacity(FACES),
             horizon: Vec::with_capacity(FACES),
-            lines: std::array::from_fn(|_| Vec::with_capacity(CUTS)),
+            polygons: std::array::from_fn(|_| Vec::with_capacity(CUTS)),
         }
     }
 

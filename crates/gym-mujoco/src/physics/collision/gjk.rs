@@ -22,17 +22,17 @@ pub(super) struct Vertex {
     pub(super) w1: Vec3,
     pub(super) w2: Vec3,
     pub(super) x: Vec3,
-    /// Whether `w2` is on the lower end of the cylinder, if the second set is a cylinder.
-    pub(super) low: bool,
+    /// The number of each set's corner or end at the point.
+    pub(super) corners: [u8; 2],
 }
 
 impl Vertex {
-    pub(super) fn new(w1: Vec3, (w2, low): (Vec3, bool)) -> Self {
+    pub(super) fn new((w1, first): (Vec3, u8), (w2, second): (Vec3, u8)) -> Self {
         Self {
             w1,
             w2,
             x: sub(w1, w2),
-            low,
+            corners: [first, second],
         }
     }
 }

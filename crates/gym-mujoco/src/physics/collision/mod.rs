@@ -7,11 +7,11 @@ mod bounds;
 mod box_box;
 mod boxes;
 mod capsule_box;
-mod capsule_cylinder;
 mod convex;
 mod epa;
+mod features;
 mod gjk;
-mod on_end;
+mod manifold;
 mod primitive;
 
 use super::number::{self, Number};
@@ -129,13 +129,12 @@ pub(in crate::physics) fn touch(
                 kind: second,
                 shape: b,
             };
-            if (first, second) == (GeomType::Capsule, GeomType::Cylinder)
-                && m.revision == Revision::V4_0
-            {
-                capsule_cylinder::contacts(a, b, pair.margin, polytope, &mut push);
-            } else {
-                let apart = 1e-3 * m.geom_rbound[pair.geom[0]].min(m.geom_rbound[pair.geom[1]]);
-                convex::contacts(a, b, pair.margin, apart, (m.revision, polytope), &mut push);
+            match m.revision {
+                Revision::V3_12 => {
+                    let apart = 1e-3 * m.geom_rbound[pair.geom[0]].min(m.geom_rbound[pair.geom[1]]);
+                    convex::contacts(a, b, pair.margin, apart, polytope, &mut push);
+                }
+                Revision::V4_0 => manifold::contacts(a, b, pair.margin, polytope, &mut push),
             }
         }
     }

@@ -48,7 +48,10 @@ pub(crate) fn fits(m: &Model, stride: &Stride) -> bool {
         && drives::fit(m)
         && plan.laws.tendon_limits.is_empty()
         && plan.boxes.iter().all(|(_, edges)| edges.is_some())
-        && plan.pairs.iter().all(|pair| pair.dim <= 3)
+        && plan
+            .pairs
+            .iter()
+            .all(|pair| pair.dim <= 3 && pair.friction[0] == pair.friction[1])
         && (bounds.rows > 0
             || m.opt.solver == Solver::PGS
             || plan.pairs.is_empty() && plan.limits.is_empty())

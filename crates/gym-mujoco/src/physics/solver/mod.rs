@@ -3,11 +3,13 @@
 pub(crate) mod buffers;
 mod cholesky;
 mod conjugate;
+mod dual;
 mod law;
 pub(super) mod line_search;
 mod newton;
 mod noslip;
 pub(crate) mod pgs;
+mod qcqp;
 
 use std::ops::Range;
 

@@ -3,8 +3,10 @@
 //! It stops long before it converges. So the result depends on the order of rows and on the number
 //! of iterations, and both are repeated exactly.
 
+use super::dual::{self, Unit};
+use super::law::{Law, State};
 use super::{add_forces, dense, residuals};
-use crate::model::{Bounds, Solver};
+use crate::model::{Bounds, Disable, Solver};
 use crate::physics::dense::{Lanes, add_scaled, dot, times};
 use crate::physics::inertia;
 use crate::{Data, Model, Revision};
@@ -24,11 +26,12 @@ pub(crate) struct Buffers {
     pub(super) force: Vec<Lanes>,
     product: Vec<Lanes>,
     /// The rows of an island; the vectors below are in their order.
-    rows: Vec<usize>,
+    pub(super) rows: Vec<usize>,
     steps: Vec<Step>,
-    before: Vec<f64>,
-    momentum: Vec<f64>,
-    order: Vec<u32>,
+    pub(super) units: Vec<Unit>,
+    pub(super) before: Vec<f64>,
+    pub(super) momentum: Vec<f64>,
+    pub(super) order: Vec<u32>,
     next_order: Vec<u32>,
 }
 
@@ -58,6 +61,9 @@ impl Buffers {
         buffers.terms.reserve(nv);
         buffers.moving.reserve(nv);
         buffers.steps.reserve(rows);
+        if !m.plan().plain {
+            buffers.units.reserve(rows);
+        }
         for order in [&mut buffers.order, &mut buffers.next_order] {
             order.reserve(rows);
         }
@@ -91,8 +97,22 @@ pub(super) fn forces(m: &Model, d: &mut Data) {
         vector.resize(stride, [0.0; 4]);
     }
     let force = s.force.as_flattened_mut();
-    for ((force, &jar), d) in force.iter_mut().zip(&s.jar).zip(&d.efc.d) {
-        *force = if jar < 0.0 { -d * jar } else { 0.0 };
+    if m.plan().plain {
+        for ((force, &jar), d) in force.iter_mut().zip(&s.jar).zip(&d.efc.d) {
+            *force = if jar < 0.0 { -d * jar } else { 0.0 };
+        }
+    } else {
+        let (efc, b) = (&d.efc, &mut d.work.newton);
+        b.states.resize(nefc, State::Satisfied);
+        let law = Law {
+            blocks: &efc.blocks,
+            d: &efc.d,
+            r: &efc.r,
+            loss: &efc.loss,
+            contacts: &d.contact,
+            revision: m.revision,
+        };
+        law.update(&s.jar, &mut force[..nefc], &mut b.states, &mut b.cones);
     }
     for (product, row) in s
         .product
@@ -105,20 +125,26 @@ pub(super) fn forces(m: &Model, d: &mut Data) {
     // `half_square` and its use below: one more product of vectors
     let half_square = 0.5 * dot(&s.force, &s.product, nefc);
     dense::put(&mut s.product, &d.efc.b);
-    if dot(&s.force, &s.product, nefc) + half_square > 0.0 {
+    let cold = m.opt.disables(Disable::WarmStart);
+    if cold || dot(&s.force, &s.product, nefc) + half_square > 0.0 {
         s.force.fill([0.0; 4]);
     }
 
     let islands = std::mem::take(&mut d.work.islands);
     for island in &islands {
         s.rows.clear();
-        for &index in &d.work.island_blocks[island.blocks.clone()] {
+        let blocks = &d.work.island_blocks[island.blocks.clone()];
+        for &index in blocks {
             let block = &d.efc.blocks[index];
             s.rows.extend(block.row..block.row + block.rows);
         }
         let trees = &d.work.island_trees[island.trees.clone()];
         let scale = 1.0 / inertia_of(m, d, trees);
-        let iterations = iterate(m, d, &mut s, scale);
+        let iterations = if m.plan().plain {
+            iterate(m, d, &mut s, scale)
+        } else {
+            dual::iterate(m, d, &mut s, blocks, scale)
+        };
         d.solver_niter.push(iterations);
     }
     d.work.islands = islands;
@@ -214,9 +240,15 @@ pub(super) fn project(m: &Model, d: &Data, s: &mut Buffers) {
 }
 
 /// MuJoCo's random generator of the order: PCG32.
-struct Pcg32(u64);
+pub(super) struct Pcg32(u64);
 
 impl Pcg32 {
+    pub(super) fn new() -> Self {
+        let mut generator = Self(0);
+        generator.next();
+        generator
+    }
+
     #[inline(always)]
     fn next(&mut self) -> u32 {
         let old = self.0;
@@ -227,7 +259,7 @@ impl Pcg32 {
 
     /// Swaps element `i` with a random one at `0..=i`.
     #[inline(always)]
-    fn swap(&mut self, order: &mut [u32], i: usize) {
+    pub(super) fn swap(&mut self, order: &mut [u32], i: usize) {
         order.swap(i, (self.next() % (i as u32 + 1)) as usize);
     }
 }
@@ -261,8 +293,7 @@ fn iterate(m: &Model, d: &Data, s: &mut Buffers, scale: f64) -> usize {
             diag: 1.0 / diag_inv,
         }
     }));
-    let mut generator = Pcg32(0);
-    generator.next();
+    let mut generator = Pcg32::new();
     s.next_order.clear();
     s.next_order.extend(0..n as u32);
     for i in (1..n).rev() {

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Record the contacts of two bodies in random poses, touching ones above all: `record.py SEEDS [POSES] > NAME.txt`.
 
-    pip install mujoco==3.12.0        again with 4.0.0: its lines go to another file
+    pip install mujoco==3.12.0        again with 4.0.0 and 4.0.1: their lines go to another file
 
 `SEEDS` are the seeds from 0 on, of `POSES` poses each (50). A line is a model's name and text, or a model's name, MuJoCo's version, a seed, a
 count of poses, and a digest of their contacts: the geoms, the distance, the place and the frame of each.
@@ -26,7 +26,7 @@ SHAPES = {
     "cylinder": '<geom type="cylinder" size=".05 .2"/>',
     "box": '<geom type="box" size=".05 .1 .125"/>',
 }
-# of cylinders, 4.0 finds contacts in a way of its own
+# 4.0.0 finds other contacts of cylinders than 4.0.1, whose contacts the engine repeats
 UNLIKE = [("cylinder", "4.0.0")]
 
 
@@ -42,6 +42,11 @@ def models():
         if (name, mujoco.__version__) in UNLIKE:
             continue
         yield f"{name}-box", two(BOX + beside, shape)
+    if mujoco.__version__ != "4.0.0":
+        for first, second in [("cylinder", "cylinder"), ("ellipsoid", "cylinder"), ("capsule", "cylinder"), ("ellipsoid", "ellipsoid")]:
+            for margin in ("0", ".01"):
+                shapes = [SHAPES[name].replace("/>", f' margin="{margin}"/>') for name in (first, second)]
+                yield f"{first}-{second}-{margin}", two(*shapes)
     peg = CAPSULE + '<geom type="capsule" size=".05 .07" pos="0 0 .2" quat="1 0 1 0"/>'
     slot = '<geom type="box" size=".1 .05 .2" pos=".2 0 0"/><geom type="box" size=".1 .05 .2" pos="-.2 0 0"/>'
     yield "peg-slot", two(slot, peg)

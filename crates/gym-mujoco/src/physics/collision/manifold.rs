@@ -1,0 +1,258 @@
+//! Contacts of two convex shapes from 4.0 on: MuJoCo's `mjc_multicontact`. If a face lies on a
+//! face, or an edge on a face, the face's sides cut the other, and up to four points of what is
+//! left are the contacts.
+
+use super::super::spatial::{
+    MINVAL, Vec3, add, add_scaled, cross, dot, norm, normalize, scale, sub,
+};
+use super::Hit;
+use super::convex::{Solid, Touch, one};
+use super::epa::Polytope;
+use super::features::{Dimension, Edge, Face, Few, edges, faces, outline};
+use crate::Revision;
+use crate::model::GeomType;
+
+/// The greatest sine of the angle between two directions that count as parallel.
+const SLOPE: f64 = 0.0888;
+
+/// The cosine above which two faces count as parallel.
+const PARALLEL: f64 = 0.996;
+
+/// Most contacts of two shapes.
+const MOST: usize = 4;
+
+/// A face of a shape, and what lies on it.
+struct Lie {
+    /// Which of the two shapes has the face.
+    shape: usize,
+    face: Face,
+    other: Other,
+}
+
+/// What of the other shape lies on the face.
+enum Other {
+    Face(Face),
+    Edge([Vec3; 2]),
+}
+
+/// Adds the contacts of two shapes, at most four.
+pub(super) fn contacts(
+    a: Solid<'_>,
+    b: Solid<'_>,
+    margin: f64,
+    polytope: &mut Polytope,
+    push: &mut impl FnMut(Hit),
+) {
+    let Some(touch) = one(a, b, margin, Revision::V4_0, polytope) else {
+        return;
+    };
+    let [side, polygon, cut] = &mut polytope.polygons;
+    polygon.clear();
+    let lie = lie([a, b], &touch);
+    let grown = [a, b].map(|solid| match solid.kind {
+        GeomType::Capsule => 0.0, // its radius stands for it
+        _ => 0.5 * margin,
+    });
+    if let Some(lie) = &lie {
+        outline([a, b][lie.shape], lie.face.number, side);
+        match &lie.other {
+            Other::Face(face) => outline([a, b][1 - lie.shape], face.number, polygon),
+            Other::Edge(ends) => polygon.extend(ends),
+        }
+        cut_by_sides(polygon, side, lie.face.normal, cut);
+        let height = |p: Vec3| dot(sub(p, side[0]), lie.face.normal);
+        polygon.retain(|p| height(*p) <= grown[0] + grown[1]);
+        if polygon.len() > MOST {
+            keep(polygon, largest(polygon));
+        } else if polygon.len() > 2 && matches!(lie.other, Other::Edge(_)) {
+            keep(polygon, furthest_apart(polygon));
+        }
+    }
+    match lie {
+        Some(lie) if !polygon.is_empty() => {
+            for &p in polygon.iter() {
+                push(lie.touch(p, side[0], grown).hit(margin));
+            }
+        }
+        _ => push(touch.hit(margin)),
+    }
+}
+
+impl Lie {
+    /// The deepest points of the shapes where `p` is a point of what lies on the face.
+    fn touch(&self, p: Vec3, corner: Vec3, grown: [f64; 2]) -> Touch {
+        let normal = self.face.normal;
+        let outward = match &self.other {
+            Other::Face(face) => face.normal,
+            Other::Edge(_) => scale(normal, -1.0),
+        };
+        let on_face = add_scaled(p, normal, -dot(sub(p, corner), normal));
+        let mut dist = dot(sub(on_face, p), outward);
+        let mut points = [add_scaled(on_face, outward, -dist); 2];
+        points[self.shape] = on_face;
+        let between = match (&self.other, self.shape) {
+            (Other::Edge(_), 0) => normal,
+            _ => scale(if self.shape == 0 { outward } else { normal }, -1.0),
+        };
+        for (point, by) in points.iter_mut().zip([grown[0], -grown[1]]) {
+            if by != 0.0 {
+                *point = add_scaled(*point, between, by);
+            }
+        }
+        dist -= grown[0] + grown[1];
+        Touch {
+            dist,
+            points,
+            corners: [[0; 3]; 2],
+        }
+    }
+}
+
+/// Finds the face of a shape on which a face or an edge of the other lies.
+fn lie(solids: [Solid<'_>; 2], touch: &Touch) -> Option<Lie> {
+    let [w1, w2] = touch.points;
+    let outward = [sub(w1, w2), sub(w2, w1)];
+    let spans = touch.corners.map(Dimension::of);
+    let found = [0, 1].map(|k| faces(solids[k], &spans[k], outward[k]));
+    if let Some([first, second]) = parallel(&found, outward) {
+        return Some(Lie {
+            shape: 0,
+            face: first,
+            other: Other::Face(second),
+        });
+    }
+    let [d1, d2] = [&spans[0], &spans[1]].map(|span| span.number);
+    let second_first = (d2 < d1 || found[1].is_empty()) && d2 != 3 && !found[0].is_empty();
+    let order = if second_first { [1, 0] } else { [0, 1] };
+    for with_edge in order {
+        let with_face = 1 - with_edge;
+        if spans[with_edge].number == 3 || found[with_face].is_empty() {
+            continue;
+        }
+        let edges = edges(
+            solids[with_edge],
+            &spans[with_edge],
+            touch.points[with_edge],
+        );
+        for face in found[with_face].iter() {
+            if dot(face.normal, outward[with_face]) <= MINVAL {
+                continue;
+            }
+            let flat = |edge: &&Edge| dot(edge.direction, face.normal).abs() < SLOPE;
+            if let Some(edge) = edges.iter().find(flat) {
+                return edge.ends(solids[with_edge], face.normal).map(|ends| Lie {
+                    shape: with_face,
+                    face: *face,
+                    other: Other::Edge(ends),
+                });
+            }
+        }
+    }
+    None
+}
+
+/// The faces that are the most parallel, of those that look along the contact.
+fn parallel(found: &[Few<Face>; 2], outward: [Vec3; 2]) -> Option<[Face; 2]> {
+    let least = norm(outward[1]) * SLOPE;
+    let [first, second] = [0, 1].map(|k| {
+        found[k]
+            .iter()
+            .filter(move |face| dot(face.normal, outward[k]) > least)
+    });
+    let (mut best, mut pair) = (-PARALLEL, None);
+    for a in first {
+        for b in second.clone() {
+            let cosine = dot(a.normal, b.normal);
+            if cosine < best {
+                (best, pair) = (cosine, Some([*a, *b]));
+            }
+        }
+    }
+    pair
+}
+
+/// Cuts a polygon by the planes through the sides of a face, along its normal.
+fn cut_by_sides(polygon: &mut Vec<Vec3>, side: &[Vec3], normal: Vec3, cut: &mut Vec<Vec3>) {
+    for (k, &corner) in side.iter().enumerate() {
+        let along = sub(side[(k + 1) % side.len()], corner);
+        let outward = normalize(cross(along, sub(add(corner, normal), corner))).0;
+        cut_by_side(polygon, corner, outward, cut);
+        std::mem::swap(polygon, cut);
+    }
+}
+
+/// Cuts a closed line of points by a plane, and keeps the part on its normal's side.
+fn cut_by_side(line: &[Vec3], corner: Vec3, normal: Vec3, kept: &mut Vec<Vec3>) {
+    kept.clear();
+    for (i, &p) in line.iter().enumerate() {
+        let q = line[(i + 1) % line.len()];
+        let [from, to] = [p, q].map(|point| dot(sub(point, corner), normal));
+        let [starts, stays] = [from, to].map(|height| height > -MINVAL);
+        if starts != stays {
+            let share = from / (from - to);
+            if (0.0..=1.0).contains(&share) {
+                kept.push(add_scaled(p, sub(q, p), share));
+            }
+        }
+        if stays {
+            kept.push(q);
+        }
+    }
+}
+
+fn keep<const N: usize>(points: &mut Vec<Vec3>, kept: [usize; N]) {
+    let kept = kept.map(|i| points[i]);
+    points.clear();
+    points.extend(kept);
+}
+
+/// The two points that are furthest apart.
+fn furthest_apart(points: &[Vec3]) -> [usize; 2] {
+    let (mut best, mut most) = ([0, 1], 0.0);
+    for (i, &p) in points.iter().enumerate() {
+        for (j, &q) in points.iter().enumerate().skip(i + 1) {
+            let between = sub(q, p);
+            let square = dot(between, between);
+            if square > most {
+                (best, most) = ([i, j], square);
+            }
+        }
+    }
+    best
+}
+
+/// The four corners of a convex polygon with the largest area, by rotating calipers.
+fn largest(polygon: &[Vec3]) -> [usize; 4] {
+    let next = |i: usize| (i + 1) % polygon.len();
+    let area = |a: usize, b: usize, c: usize, d: usize| {
+        let diagonals = [(a, c), (b, d)].map(|(i, j)| sub(polygon[i], polygon[j]));
+        0.5 * norm(cross(diagonals[0], diagonals[1]))
+    };
+    let (mut b, mut c, mut d) = (1, 2, 3);
+    let (mut best, mut most) = ([0, 1, 2, 3], area(0, 1, 2, 3));
+    for a in 0..polygon.len() {
+        while area(a, b, c, next(d)) > most {
+            d = next(d);
+            most = area(a, b, c, d);
+            while area(a, b, next(c), d) > most {
+                c = next(c);
+                most = area(a, b, c, d);
+            }
+            while area(a, next(b), c, d) > most {
+                b = next(b);
+                most = area(a, b, c, d);
+            }
+            best = [a, b, c, d];
+        }
+        if b == a {
+            b = next(b);
+            if c == b {
+                c = next(c);
+                if d == c {
+                    d = next(d);
+                }
+            }
+        }
+    }
+    best
+}

@@ -14,7 +14,7 @@ gym_core::arguments! {
     pub struct View {
         /// The steps after which an episode is truncated; by default the task's own number.
         pub max_steps: Option<u32>,
-        /// Whether walls do not hide what lies behind; by default as the task has it.
+        /// Whether the agent sees through walls; the default depends on the task.
         pub see_through_walls: Option<bool>,
         /// The width of the square of cells that the agent sees: an odd number.
         pub agent_view_size: u32 = 7,

@@ -25,7 +25,7 @@ use crate::task::{clip, named};
 use crate::{Domain, Observation, Start, Task, register};
 
 config! { 10.0;
-    /// Whether the reward is 0 outside of the target.
+    /// Whether the reward is sparse: 1 in the target, otherwise 0.
     pub sparse: bool = false,
 }
 

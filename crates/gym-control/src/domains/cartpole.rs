@@ -36,7 +36,7 @@ config! { 10.0;
     pub poles: u32 = 1,
     /// Whether the poles hang at the start.
     pub swing_up: bool = false,
-    /// Whether the reward is 1 or 0.
+    /// Whether the reward is sparse: 1 with the poles upright and the cart in the middle, otherwise 0.
     pub sparse: bool = false,
 }
 

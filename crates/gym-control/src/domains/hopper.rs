@@ -26,7 +26,7 @@ config! { 20.0;
     /// The speed that is rewarded by 1; 0 for standing.
     #[unit = "m/s"]
     pub speed: f64 = 0.0,
-    /// The height of the torso above the foot from which on the hopper stands.
+    /// The least height of the torso above the foot at which the hopper counts as standing.
     #[unit = "m"]
     pub stand_height: f64 = 0.6,
 }

@@ -30,7 +30,7 @@ config! { 25.0;
     /// The speed that is rewarded by 1; 0 for standing still.
     #[unit = "m/s"]
     pub speed: f64 = 0.0,
-    /// The height of the head from which on the humanoid stands.
+    /// The least height of the head at which the humanoid counts as standing.
     #[unit = "m"]
     pub stand_height: f64 = 1.4,
     /// Whether positions and velocities alone are observed.

@@ -27,7 +27,7 @@ config! { 25.0;
     /// The speed that is rewarded by 1; 0 for standing.
     #[unit = "m/s"]
     pub speed: f64 = 0.0,
-    /// The height of the torso from which on the walker stands.
+    /// The least height of the torso at which the walker counts as standing.
     #[unit = "m"]
     pub stand_height: f64 = 1.2,
 }

@@ -65,7 +65,7 @@ gym_core::arguments! {
         /// Cost of the squared contact forces.
         #[versions = 3..]
         pub contact_cost_weight: f64 = 5e-4,
-        /// Reward for a step after which it is healthy.
+        /// Reward for a step after which the ant is healthy.
         #[versions = 3..]
         pub healthy_reward: f64 = 1.0,
         /// The body whose velocity counts.
@@ -74,7 +74,7 @@ gym_core::arguments! {
         /// Whether the episode ends once the agent is unhealthy.
         #[versions = 3..]
         pub terminate_when_unhealthy: bool = true,
-        /// The range of the height while healthy.
+        /// The range of heights at which the ant is healthy.
         #[unit = "m"]
         #[versions = 3..]
         pub healthy_z_range: Range = Range::new(0.2, 1.0),

@@ -47,16 +47,16 @@ gym_core::arguments! {
         /// Cost of the squared contact forces.
         #[versions = 3 | 5..]
         pub contact_cost_weight: f64 = 5e-7,
-        /// The range to which that cost is clipped.
+        /// The range to which the cost of contacts is clipped.
         #[versions = 3 | 5..]
         pub contact_cost_range: Range = Range::new(f64::NEG_INFINITY, 10.0),
-        /// Reward for a step after which it stands.
+        /// Reward for a step after which the humanoid is healthy.
         #[versions = 3..]
         pub healthy_reward: f64 = 5.0,
         /// Whether a fall ends the episode.
         #[versions = 3..]
         pub terminate_when_unhealthy: bool = true,
-        /// The range of the height while it stands.
+        /// The range of heights at which the humanoid is healthy.
         #[unit = "m"]
         #[versions = 3..]
         pub healthy_z_range: Range = Range::new(1.0, 2.0),

@@ -47,7 +47,7 @@ gym_core::arguments! {
         /// Cost of the squared contact forces.
         #[versions = 5..]
         pub impact_cost_weight: f64 = 5e-7,
-        /// The range to which that cost is clipped.
+        /// The range to which the cost of contacts is clipped.
         #[versions = 5..]
         pub impact_cost_range: Range = Range::new(f64::NEG_INFINITY, 10.0),
         /// Size of the disturbance at the start.

@@ -44,17 +44,17 @@ gym_core::arguments! {
         /// Cost of the squared actions.
         #[versions = 3..]
         pub ctrl_cost_weight: f64 = 1e-3,
-        /// Reward for a step after which it stands.
+        /// Reward for a step after which the walker is healthy.
         #[versions = 3..]
         pub healthy_reward: f64 = 1.0,
         /// Whether a fall ends the episode.
         #[versions = 3..]
         pub terminate_when_unhealthy: bool = true,
-        /// The range of the height while it stands.
+        /// The range of heights at which the walker is healthy.
         #[unit = "m"]
         #[versions = 3..]
         pub healthy_z_range: Range = Range::new(0.8, 2.0),
-        /// The range of the torso's angle while it stands.
+        /// The range of the torso's angle in which the walker is healthy.
         #[unit = "rad"]
         #[versions = 3..]
         pub healthy_angle_range: Range = Range::new(-1.0, 1.0),

@@ -18,7 +18,7 @@ use crate::spec::arguments::{self, Argument};
 use crate::spec::{EnvId, EnvSpec, Kwargs, ResetOptions, VectorSpec};
 use crate::value::{Error, Result};
 use crate::vector::VectorEnv;
-use crate::vector::lockstep::{self, Ahead, Lockstep};
+use crate::vector::lockstep::{self, Lockstep, SlotGroup};
 
 /// Whether native vectors are linked. A module for a browser has none: a page steps one environment,
 /// and everybody who opens the page downloads the module.
@@ -31,7 +31,7 @@ const NATIVE_VECTORS: bool = !cfg!(all(target_arch = "wasm32", target_os = "unkn
 pub type VectorEntryPoint = fn(&VectorSpec) -> Result<Box<dyn VectorEnv>>;
 
 /// Makes the function that begins the steps of several environments together.
-type MakeAhead = fn() -> Box<dyn Ahead<BoxEnv>>;
+type MakeSlotGroup = fn() -> Box<dyn SlotGroup<BoxEnv>>;
 
 /// An external requirement of an environment, such as ROMs.
 #[derive(Clone, Copy, Debug)]
@@ -101,7 +101,7 @@ pub struct Registration {
     reward_threshold: Option<f64>,
     max_episode_steps: Option<u32>,
     nondeterministic: bool,
-    ahead: Option<MakeAhead>,
+    lockstep: Option<MakeSlotGroup>,
     table: fn(u32) -> Vec<Argument>,
     construct: fn(&Registration, &EnvSpec) -> Result<BoxEnv>,
 }
@@ -151,7 +151,7 @@ impl Registration {
             reward_threshold: None,
             max_episode_steps: None,
             nondeterministic: false,
-            ahead: None,
+            lockstep: None,
             table: |version| arguments::table(&E::defaults(version), version),
             construct: construct::<E>,
         }
@@ -263,7 +263,7 @@ impl Registration {
     pub const fn lockstep_by<E: Lockstep>(mut self, entry_point: VectorEntryPoint) -> Self {
         if NATIVE_VECTORS {
             self.vector_entry_point = Some(entry_point);
-            self.ahead = Some(lockstep::ahead::<E>);
+            self.lockstep = Some(lockstep::slot_group::<E>);
         }
         self
     }
@@ -334,8 +334,8 @@ impl Registration {
     }
 
     /// The function that begins the steps of several environments of this id.
-    pub(super) fn ahead(&self) -> Option<Box<dyn Ahead<BoxEnv>>> {
-        self.ahead.map(|ahead| ahead())
+    pub(super) fn slot_group(&self) -> Option<Box<dyn SlotGroup<BoxEnv>>> {
+        self.lockstep.map(|lockstep| lockstep())
     }
 
     /// The spec from which [`make`](crate::make) builds it.

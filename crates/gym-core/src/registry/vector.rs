@@ -96,11 +96,11 @@ impl VectorSpec {
     pub fn make_async(&self) -> Result<AsyncVectorEnv> {
         let mut vector = AsyncVectorEnv::new(self.envs()?)?;
         // (a wrapper may change the action that a step is begun with)
-        let ahead = find(&self.env.id)?
-            .ahead()
+        let lockstep = find(&self.env.id)?
+            .slot_group()
             .filter(|_| self.env.additional_wrappers.is_empty());
-        if let Some(ahead) = ahead {
-            vector = vector.with_ahead(ahead)?;
+        if let Some(lockstep) = lockstep {
+            vector = vector.in_lockstep(lockstep)?;
         }
         if let Some(threads) = self.threads {
             vector = vector.with_threads(threads)?;

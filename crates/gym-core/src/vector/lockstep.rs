@@ -15,7 +15,7 @@ use std::borrow::{Borrow, BorrowMut};
 use std::hint::black_box;
 use std::marker::PhantomData;
 
-use super::slot::{Ask, Slot};
+use super::slot::{Request, Slot};
 use super::{Autoreset, SyncVectorEnv, VectorEnv, VectorSpec};
 use crate::env::{BoxEnv, Env, EnvExt};
 use crate::spec::Reset;
@@ -62,12 +62,12 @@ pub trait Lockstep: Env {
 }
 
 /// Begins the next calls of a group of sub-environments.
-pub(crate) trait Ahead<E>: Send {
+pub(crate) trait SlotGroup<E>: Send {
     /// The number of environments that can step together.
     fn group_len(&self) -> usize;
 
     /// An empty group of the same kind, for another thread.
-    fn another(&self) -> Box<dyn Ahead<E>>;
+    fn new_empty(&self) -> Box<dyn SlotGroup<E>>;
 
     /// Clears the results of the previous group.
     fn clear(&mut self);
@@ -76,23 +76,23 @@ pub(crate) trait Ahead<E>: Send {
     fn prefetch(&self, slot: &Slot<E>);
 
     /// Begins the next reset or step of `slot`. If that panics, the call itself returns the error.
-    fn begin(&mut self, slot: &mut Slot<E>, ask: &Ask);
+    fn begin(&mut self, slot: &mut Slot<E>, request: &Request);
 
     /// Computes the shared part for all slots that have begun.
     fn solve(&mut self);
 
     /// Gives `slot` the result of [`solve`](Self::solve), before it serves its request. If that
     /// panics, the call itself returns the error.
-    fn collect(&mut self, slot: &mut Slot<E>, ask: &Ask);
+    fn collect(&mut self, slot: &mut Slot<E>, request: &Request);
 }
 
 /// Environments `E` within wrappers `W` that pass actions on unchanged.
-struct Within<E: Lockstep, W> {
+struct WrappedGroup<E: Lockstep, W> {
     group: E::Group,
     wrapped: PhantomData<fn(W)>,
 }
 
-impl<E: Lockstep, W> Default for Within<E, W> {
+impl<E: Lockstep, W> Default for WrappedGroup<E, W> {
     fn default() -> Self {
         Self {
             group: E::Group::default(),
@@ -101,12 +101,12 @@ impl<E: Lockstep, W> Default for Within<E, W> {
     }
 }
 
-impl<E: Lockstep, W: Env> Ahead<W> for Within<E, W> {
+impl<E: Lockstep, W: Env> SlotGroup<W> for WrappedGroup<E, W> {
     fn group_len(&self) -> usize {
         E::Group::LEN
     }
 
-    fn another(&self) -> Box<dyn Ahead<W>> {
+    fn new_empty(&self) -> Box<dyn SlotGroup<W>> {
         Box::new(Self::default())
     }
 
@@ -118,19 +118,19 @@ impl<E: Lockstep, W: Env> Ahead<W> for Within<E, W> {
         black_box(slot.env.layer::<E>().map(E::prefetch));
     }
 
-    fn begin(&mut self, slot: &mut Slot<W>, ask: &Ask) {
+    fn begin(&mut self, slot: &mut Slot<W>, request: &Request) {
         let restart = slot.restarts();
-        slot.go_ahead(|Slot { env, action, .. }| {
+        slot.run_part(|Slot { env, action, .. }| {
             let Some(env) = env.layer_mut::<E>() else {
                 return;
             };
-            match ask {
-                Ask::Reset(reset) => env.begin_reset(reset, &mut self.group),
-                Ask::Step if restart => env.begin_reset(&Reset::default(), &mut self.group),
-                Ask::Step => {
+            match request {
+                Request::Reset(reset) => env.begin_reset(reset, &mut self.group),
+                Request::Step if restart => env.begin_reset(&Reset::default(), &mut self.group),
+                Request::Step => {
                     E::Action::with(action, |action| env.begin_step(action, &mut self.group));
                 }
-                Ask::Nothing => {}
+                Request::Nothing => {}
             }
         });
     }
@@ -139,11 +139,11 @@ impl<E: Lockstep, W: Env> Ahead<W> for Within<E, W> {
         self.group.solve();
     }
 
-    fn collect(&mut self, slot: &mut Slot<W>, ask: &Ask) {
-        if let Ask::Nothing = ask {
+    fn collect(&mut self, slot: &mut Slot<W>, request: &Request) {
+        if let Request::Nothing = request {
             return; // nothing has begun
         }
-        slot.go_ahead(|Slot { env, .. }| {
+        slot.run_part(|Slot { env, .. }| {
             if let Some(env) = env.layer_mut::<E>() {
                 env.collect(&mut self.group);
             }
@@ -162,47 +162,49 @@ pub fn native<E: Lockstep, W: Env>(
 ) -> Result<Box<dyn VectorEnv>> {
     let vector = SyncVectorEnv::native(spec, make)?;
     Ok(Box::new(
-        vector.with_ahead(Box::new(Within::<E, W>::default())),
+        vector.in_lockstep(Box::new(WrappedGroup::<E, W>::default())),
     ))
 }
 
 /// Lets environments made by id step together.
-pub(crate) fn ahead<E: Lockstep>() -> Box<dyn Ahead<BoxEnv>> {
-    Box::new(Within::<E, BoxEnv>::default())
+pub(crate) fn slot_group<E: Lockstep>() -> Box<dyn SlotGroup<BoxEnv>> {
+    Box::new(WrappedGroup::<E, BoxEnv>::default())
 }
 
-/// Serves each slot's request, one by one or, with `ahead`, in groups, and passes each result to
-/// `hand_on`.
-pub(super) fn go_all<E: Env, S: BorrowMut<Slot<E>>, A: Borrow<Ask>>(
+/// Serves each slot's request, one by one or, with `lockstep`, in groups, and passes each result to
+/// `receive`.
+pub(super) fn serve_all<E: Env, S: BorrowMut<Slot<E>>, A: Borrow<Request>>(
     slots: &mut [S],
-    mut ahead: Option<&mut (dyn Ahead<E> + 'static)>,
+    mut lockstep: Option<&mut (dyn SlotGroup<E> + 'static)>,
     autoreset: Autoreset,
     is_cached: bool,
-    ask: impl Fn(usize) -> A,
-    mut hand_on: impl FnMut(usize, &mut Slot<E>, Result<()>),
+    request: impl Fn(usize) -> A,
+    mut receive: impl FnMut(usize, &mut Slot<E>, Result<()>),
 ) {
-    let len = ahead
+    let len = lockstep
         .as_ref()
-        .map_or(1, |ahead| group_len(slots.len(), ahead.group_len()));
+        .map_or(1, |lockstep| group_len(slots.len(), lockstep.group_len()));
     for (group, slots) in slots.chunks_mut(len).enumerate() {
         let first = group * len;
-        if let Some(ahead) = &mut ahead {
-            ahead.clear();
+        if let Some(lockstep) = &mut lockstep {
+            lockstep.clear();
             if !is_cached {
-                slots.iter().for_each(|slot| ahead.prefetch(slot.borrow()));
+                slots
+                    .iter()
+                    .for_each(|slot| lockstep.prefetch(slot.borrow()));
             }
             for (slot, place) in slots.iter_mut().zip(first..) {
-                ahead.begin(slot.borrow_mut(), ask(place).borrow());
+                lockstep.begin(slot.borrow_mut(), request(place).borrow());
             }
-            ahead.solve();
+            lockstep.solve();
         }
         for (slot, place) in slots.iter_mut().zip(first..) {
-            let (slot, ask) = (slot.borrow_mut(), ask(place));
-            if let Some(ahead) = &mut ahead {
-                ahead.collect(slot, ask.borrow());
+            let (slot, request) = (slot.borrow_mut(), request(place));
+            if let Some(lockstep) = &mut lockstep {
+                lockstep.collect(slot, request.borrow());
             }
-            let result = slot.go(ask.borrow(), autoreset);
-            hand_on(place, slot, result);
+            let result = slot.serve(request.borrow(), autoreset);
+            receive(place, slot, result);
         }
     }
 }

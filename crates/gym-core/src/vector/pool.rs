@@ -19,9 +19,9 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 
-use super::lockstep::{Ahead, go_all, group_len, is_cached};
+use super::lockstep::{SlotGroup, group_len, is_cached, serve_all};
 use super::size::{self, MAX_THREADS};
-use super::slot::{self, Ask, Slot, Spaces, describe, slots};
+use super::slot::{self, Request, Slot, Spaces, describe, slots};
 use super::{Autoreset, Columns, ObservationMode, VectorEnv, VectorReset, VectorSpec};
 use crate::drawing::render::{Metadata, Rendered};
 use crate::env::{BoxEnv, Env, EnvExt, Inspect};
@@ -50,7 +50,7 @@ pub struct AsyncVectorEnv<E: Env = BoxEnv> {
     /// none since.
     all_go_on: bool,
     /// Steps the sub-environments of a group together; `None` if they cannot.
-    ahead: Option<Box<dyn Ahead<E>>>,
+    lockstep: Option<Box<dyn SlotGroup<E>>>,
     pool: Pool<E>,
     spaces: Arc<Spaces>,
     autoreset: Autoreset,
@@ -64,7 +64,7 @@ pub struct AsyncVectorEnv<E: Env = BoxEnv> {
 struct Group<E> {
     indices: Vec<usize>,
     slots: Vec<Box<Slot<E>>>,
-    asks: Vec<Ask>,
+    requests: Vec<Request>,
     /// The actions, at least one for each slot; their storage is reused. A reset ignores them.
     actions: Vec<Value>,
     /// The results, at least one row for each slot.
@@ -78,7 +78,7 @@ impl<E> Default for Group<E> {
         Self {
             indices: Vec::new(),
             slots: Vec::new(),
-            asks: Vec::new(),
+            requests: Vec::new(),
             actions: Vec::new(),
             columns: Columns::default(),
             failed: Vec::new(),
@@ -125,7 +125,7 @@ impl<E: Env> AsyncVectorEnv<E> {
             ready: VecDeque::new(),
             outgoing: Vec::new(),
             all_go_on: false,
-            ahead: None,
+            lockstep: None,
             pool,
             spaces,
             autoreset: Autoreset::default(),
@@ -152,22 +152,22 @@ impl<E: Env> AsyncVectorEnv<E> {
         }
         let n = self.home.len();
         Ok(Self {
-            pool: Pool::new(threads.min(n), n, &self.spaces, self.ahead.as_deref())?,
+            pool: Pool::new(threads.min(n), n, &self.spaces, self.lockstep.as_deref())?,
             ..self
         })
     }
 
     /// Lets the sub-environments of a group step together.
-    pub(crate) fn with_ahead(self, ahead: Box<dyn Ahead<E>>) -> Result<Self> {
+    pub(crate) fn in_lockstep(self, lockstep: Box<dyn SlotGroup<E>>) -> Result<Self> {
         let pool = Pool::new(
             self.num_threads(),
             self.home.len(),
             &self.spaces,
-            Some(&*ahead),
+            Some(&*lockstep),
         )?;
         Ok(Self {
             pool,
-            ahead: Some(ahead),
+            lockstep: Some(lockstep),
             ..self
         })
     }
@@ -221,7 +221,7 @@ impl<E: Env> AsyncVectorEnv<E> {
                     Err(Error::custom("it is still pending: receive it first").at_env(id))
                 }
                 Some(Some(_)) => {
-                    self.pack(id..id + 1, 1, |_| Some(Ask::Step), Some((actions, row)))
+                    self.pack(id..id + 1, 1, |_| Some(Request::Step), Some((actions, row)))
                 }
             };
             packed.or_else(|error| self.unpack(error))?;
@@ -306,9 +306,9 @@ impl<E: Env> AsyncVectorEnv<E> {
         let share = self.home.len().div_ceil(self.pool.workers.len());
         // a multiple of the number that step together
         let together = self
-            .ahead
+            .lockstep
             .as_ref()
-            .map_or(1, |ahead| group_len(share, ahead.group_len()));
+            .map_or(1, |lockstep| group_len(share, lockstep.group_len()));
         share.div_ceil(together).div_ceil(GROUPS_PER_THREAD) * together
     }
 
@@ -319,7 +319,7 @@ impl<E: Env> AsyncVectorEnv<E> {
         &mut self,
         indices: Range<usize>,
         room: usize,
-        ask: impl Fn(usize) -> Option<Ask>,
+        request: impl Fn(usize) -> Option<Request>,
         actions: Option<(&Value, usize)>,
     ) -> Result<()> {
         let mut group = self.pool.spare.pop().unwrap_or_default();
@@ -329,7 +329,9 @@ impl<E: Env> AsyncVectorEnv<E> {
             group.actions.resize(room, Value::Null);
         }
         for index in indices {
-            let Some(ask) = ask(index) else { continue };
+            let Some(request) = request(index) else {
+                continue;
+            };
             let Some(slot) = self.home[index].take() else {
                 continue;
             };
@@ -347,7 +349,7 @@ impl<E: Env> AsyncVectorEnv<E> {
             }
             group.indices.push(index);
             group.slots.push(slot);
-            group.asks.push(ask);
+            group.requests.push(request);
         }
         self.outgoing.push(group);
         result
@@ -378,7 +380,7 @@ impl<E: Env> AsyncVectorEnv<E> {
         let Group {
             indices,
             slots,
-            asks,
+            requests,
             failed,
             ..
         } = &mut group;
@@ -389,7 +391,7 @@ impl<E: Env> AsyncVectorEnv<E> {
         for (index, slot) in indices.drain(..).zip(slots.drain(..)) {
             self.home[index] = Some(slot);
         }
-        asks.clear();
+        requests.clear();
         self.pool.spare.push(group);
         error
     }
@@ -399,7 +401,7 @@ impl<E: Env> AsyncVectorEnv<E> {
     fn round(
         &mut self,
         columns: &mut Columns,
-        ask: impl Fn(usize) -> Option<Ask>,
+        request: impl Fn(usize) -> Option<Request>,
         actions: Option<&Value>,
     ) -> Result<()> {
         let (n, group_len) = (self.home.len(), self.group_len());
@@ -408,7 +410,7 @@ impl<E: Env> AsyncVectorEnv<E> {
             let packed = self.pack(
                 indices,
                 group_len,
-                &ask,
+                &request,
                 actions.map(|actions| (actions, start)),
             );
             packed.or_else(|error| self.unpack(error))?;
@@ -473,13 +475,13 @@ impl<E: Env> VectorEnv for AsyncVectorEnv<E> {
     fn reset_into(&mut self, reset: &VectorReset, columns: &mut Columns) -> Result<()> {
         reset.check(self.home.len())?;
         self.all_home()?;
-        self.round(columns, |index| reset.of(index).map(Ask::Reset), None)
+        self.round(columns, |index| reset.of(index).map(Request::Reset), None)
     }
 
     fn step_into(&mut self, actions: &Value, columns: &mut Columns) -> Result<()> {
         self.all_home()?;
         self.spaces.action.check_actions(actions, self.home.len())?;
-        self.round(columns, |_| Some(Ask::Step), Some(actions))
+        self.round(columns, |_| Some(Request::Step), Some(actions))
     }
 
     fn info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
@@ -583,7 +585,7 @@ impl<E: Env> Pool<E> {
         threads: usize,
         n: usize,
         spaces: &Arc<Spaces>,
-        ahead: Option<&dyn Ahead<E>>,
+        lockstep: Option<&dyn SlotGroup<E>>,
     ) -> Result<Self> {
         let (jobs, queue) = channel();
         let (answers, results) = channel();
@@ -602,7 +604,7 @@ impl<E: Env> Pool<E> {
                 answers: answers.clone(),
                 stop: pool.stop.clone(),
                 spaces: spaces.clone(),
-                ahead: ahead.map(Ahead::another),
+                lockstep: lockstep.map(SlotGroup::new_empty),
                 is_cached: is_cached(n.div_ceil(threads)),
             };
             let worker = thread::Builder::new()
@@ -641,7 +643,7 @@ struct Worker<E: Env> {
     answers: Sender<Group<E>>,
     stop: Arc<AtomicBool>,
     spaces: Arc<Spaces>,
-    ahead: Option<Box<dyn Ahead<E>>>,
+    lockstep: Option<Box<dyn SlotGroup<E>>>,
     is_cached: bool,
 }
 
@@ -674,30 +676,30 @@ impl<E: Env> Worker<E> {
     fn work(&mut self, group: &mut Group<E>, autoreset: Autoreset) {
         let Self {
             spaces,
-            ahead,
+            lockstep,
             is_cached,
             ..
         } = self;
         let Group {
             slots,
-            asks,
+            requests,
             actions,
             columns,
             failed,
             ..
         } = group;
-        for ((slot, ask), action) in slots.iter_mut().zip(&*asks).zip(actions) {
-            if let Ask::Step = ask {
+        for ((slot, request), action) in slots.iter_mut().zip(&*requests).zip(actions) {
+            if let Request::Step = request {
                 mem::swap(&mut slot.action, action);
             }
         }
-        let ask = |place: usize| &asks[place];
-        go_all(
+        let request = |place: usize| &requests[place];
+        serve_all(
             slots,
-            ahead.as_deref_mut(),
+            lockstep.as_deref_mut(),
             autoreset,
             *is_cached,
-            ask,
+            request,
             |place, slot, result| {
                 if let Err(error) = result.and(slot.write(spaces, columns, place)) {
                     failed.push((place, error));

@@ -26,7 +26,7 @@ pub(crate) struct Slot<E> {
     final_info: Vec<(String, Value)>,
     stage: Stage,
     /// The panic of a part of the next call that ran ahead of it.
-    panicked_ahead: Option<Error>,
+    panicked_part: Option<Error>,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -41,7 +41,7 @@ enum Stage {
 }
 
 /// A request to a [`Slot`].
-pub(crate) enum Ask {
+pub(crate) enum Request {
     Reset(Reset),
     Step,
     Nothing,
@@ -75,7 +75,7 @@ impl<E: Env> Slot<E> {
             has_final: false,
             final_info: Vec::new(),
             stage: Stage::Made,
-            panicked_ahead: None,
+            panicked_part: None,
         })
     }
 
@@ -141,26 +141,26 @@ impl<E: Env> Slot<E> {
 
     /// Runs a part of the next call ahead of it. If the part panics, that call returns the error,
     /// and the other parts are skipped.
-    pub(super) fn go_ahead(&mut self, part: impl FnOnce(&mut Self)) {
-        if self.panicked_ahead.is_none() {
+    pub(super) fn run_part(&mut self, part: impl FnOnce(&mut Self)) {
+        if self.panicked_part.is_none() {
             let result = self.guard(|slot| {
                 part(slot);
                 Ok(())
             });
-            self.panicked_ahead = result.err();
+            self.panicked_part = result.err();
         }
     }
 
     /// Resets or steps as requested.
-    pub(super) fn go(&mut self, ask: &Ask, autoreset: Autoreset) -> Result<()> {
-        if let Some(error) = self.panicked_ahead.take() {
+    pub(super) fn serve(&mut self, request: &Request, autoreset: Autoreset) -> Result<()> {
+        if let Some(error) = self.panicked_part.take() {
             self.clear();
             return Err(error);
         }
-        match ask {
-            Ask::Reset(reset) => self.reset(reset),
-            Ask::Step => self.step(autoreset),
-            Ask::Nothing => {
+        match request {
+            Request::Reset(reset) => self.reset(reset),
+            Request::Step => self.step(autoreset),
+            Request::Nothing => {
                 self.clear();
                 Ok(())
             }
@@ -171,7 +171,7 @@ impl<E: Env> Slot<E> {
         if self.stage == Stage::Closed {
             return Err(Error::Closed("reset"));
         }
-        self.answer(|slot| {
+        self.call(|slot| {
             slot.begin(reset)?;
             slot.progress = Progress::Started;
             Ok(())
@@ -179,7 +179,7 @@ impl<E: Env> Slot<E> {
     }
 
     fn step(&mut self, autoreset: Autoreset) -> Result<()> {
-        self.answer(|slot| {
+        self.call(|slot| {
             if slot.stage == Stage::Done {
                 slot.begin(&Reset::default())?;
                 slot.progress = Progress::Started;
@@ -230,9 +230,9 @@ impl<E: Env> Slot<E> {
 
     /// Resets or steps the environment. After an error there is no reward, flag or info; after a
     /// panic it must be reset.
-    fn answer(&mut self, ask: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
+    fn call(&mut self, request: impl FnOnce(&mut Self) -> Result<()>) -> Result<()> {
         self.clear();
-        let result = self.guard(ask);
+        let result = self.guard(request);
         if result.is_err() {
             self.clear();
         }

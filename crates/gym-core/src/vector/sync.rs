@@ -1,9 +1,9 @@
 use std::any::Any;
 use std::fmt;
 
-use super::lockstep::{Ahead, go_all, is_cached};
+use super::lockstep::{SlotGroup, is_cached, serve_all};
 use super::size;
-use super::slot::{self, Ask, Slot, Spaces, describe, slot_bytes, slots};
+use super::slot::{self, Request, Slot, Spaces, describe, slot_bytes, slots};
 use super::{Autoreset, Columns, ObservationMode, VectorEnv, VectorKind, VectorReset, VectorSpec};
 use crate::drawing::render::{Metadata, Rendered};
 use crate::env::{BoxEnv, Env, EnvExt, Inspect};
@@ -36,7 +36,7 @@ pub struct SyncVectorEnv<E: Env = BoxEnv> {
     autoreset: Autoreset,
     spec: Option<VectorSpec>,
     /// The joint step of a native vector.
-    ahead: Option<Box<dyn Ahead<E>>>,
+    lockstep: Option<Box<dyn SlotGroup<E>>>,
 }
 
 impl<E: Env> SyncVectorEnv<E> {
@@ -63,7 +63,7 @@ impl<E: Env> SyncVectorEnv<E> {
             spaces,
             autoreset: Autoreset::default(),
             spec: None,
-            ahead: None,
+            lockstep: None,
         })
     }
 
@@ -104,9 +104,9 @@ impl<E: Env> SyncVectorEnv<E> {
         }
     }
 
-    pub(super) fn with_ahead(self, ahead: Box<dyn Ahead<E>>) -> Self {
+    pub(super) fn in_lockstep(self, lockstep: Box<dyn SlotGroup<E>>) -> Self {
         Self {
-            ahead: Some(ahead),
+            lockstep: Some(lockstep),
             ..self
         }
     }
@@ -127,22 +127,22 @@ impl<E: Env> SyncVectorEnv<E> {
 
     /// Resets or steps each sub-environment and writes its row. Returns the first error, after all
     /// have finished.
-    fn gather(&mut self, columns: &mut Columns, ask: impl Fn(usize) -> Ask) -> Result<()> {
+    fn gather(&mut self, columns: &mut Columns, request: impl Fn(usize) -> Request) -> Result<()> {
         let Self {
             slots,
             spaces,
             autoreset,
-            ahead,
+            lockstep,
             ..
         } = self;
         let is_cached = is_cached(slots.len());
         let mut result = Ok(());
-        go_all(
+        serve_all(
             slots,
-            ahead.as_deref_mut(),
+            lockstep.as_deref_mut(),
             *autoreset,
             is_cached,
-            ask,
+            request,
             |index, slot, answer| {
                 let answer = answer.and(slot.write(spaces, columns, index));
                 if let (Ok(()), Err(error)) = (&result, answer) {
@@ -179,7 +179,7 @@ impl<E: Env> VectorEnv for SyncVectorEnv<E> {
         reset.check(self.slots.len())?;
         columns.prepare(&self.spaces.observation, self.slots.len())?;
         self.gather(columns, |index| {
-            reset.of(index).map_or(Ask::Nothing, Ask::Reset)
+            reset.of(index).map_or(Request::Nothing, Request::Reset)
         })
     }
 
@@ -193,7 +193,7 @@ impl<E: Env> VectorEnv for SyncVectorEnv<E> {
                 .map_err(|error| error.at_env(index))?;
         }
         columns.prepare(&self.spaces.observation, self.slots.len())?;
-        self.gather(columns, |_| Ask::Step)
+        self.gather(columns, |_| Request::Step)
     }
 
     fn info(&self, index: usize, visit: &mut dyn FnMut(&str, Value)) {
@@ -209,7 +209,7 @@ impl<E: Env> VectorEnv for SyncVectorEnv<E> {
     }
 
     fn visit_envs(&mut self, visit: &mut dyn FnMut(usize, &mut dyn Any)) -> Result<()> {
-        if self.ahead.is_some() {
+        if self.lockstep.is_some() {
             return Err(super::no_envs(&self.describe()));
         }
         self.call(|index, env| visit(index, env));
@@ -235,7 +235,7 @@ impl<E: Env> VectorEnv for SyncVectorEnv<E> {
             .slots
             .first()
             .map_or_else(Metadata::default, |slot| slot.env.metadata());
-        match self.ahead {
+        match self.lockstep {
             Some(_) => Metadata {
                 render_modes: &[],
                 ..metadata

@@ -185,7 +185,7 @@ def test_wind_needs_a_reset() -> None:
         env.step(0)
     env.wind_idx = env.torque_idx = 5
     env.step(0)
-    assert (env.wind_idx, env.torque_idx) == (6, 6)
+    assert repr((env.wind_idx, env.torque_idx)) == repr((np.int64(6), np.int64(6)))
     env.enable_wind = False
     env.reset(seed=1)
     env.enable_wind = True

@@ -59,10 +59,10 @@ fn turn(m: &Model, d: &Data, p: usize) -> f64 {
 
 /// The kinetic energy, `v' M v / 2`: MuJoCo's `mj_energyVel`.
 pub(super) fn kinetic(m: &Model, d: &mut Data) -> f64 {
-    let mut momentum = std::mem::take(&mut d.work.acc_sum);
+    let mut momentum = std::mem::take(&mut d.work.damper);
     mul_m(m, d, &d.qvel, &mut momentum);
     let energy = 0.5 * dot_slices(&momentum, &d.qvel);
-    d.work.acc_sum = momentum;
+    d.work.damper = momentum;
     energy
 }
 

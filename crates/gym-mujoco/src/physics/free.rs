@@ -64,10 +64,10 @@ impl Free {
         }
         let mass = m.body_mass[self.body];
         let (linear, turning) = gyroscopic(m, d, self.body, first);
-        for r in 0..3 {
-            for c in 0..3 {
-                a[r][3 + c] += -h * mass * linear[r][c];
-                a[3 + r][3 + c] += h * turning[r][c];
+        for (r, (linear, turning)) in linear.iter().zip(&turning).enumerate() {
+            for (c, (linear, turning)) in linear.iter().zip(turning).enumerate() {
+                a[r][3 + c] += -h * mass * linear;
+                a[3 + r][3 + c] += h * turning;
             }
         }
         let mut x = [0.0; 6];
@@ -105,11 +105,11 @@ fn gyroscopic(m: &Model, d: &Data, body: usize, first: usize) -> ([Vec3; 3], [Ve
     let (moves, momentum) = (cross(w, s), rotate(&inertia, w));
     let along = w[0] * s[0] + w[1] * s[1] + w[2] * s[2];
     let mut k: Mat3 = std::array::from_fn(|n| s[n / 3] * w[n % 3]);
-    for n in 0..3 {
+    for (n, moved) in moves.into_iter().enumerate() {
         k[4 * n] -= along;
         let [i, j] = [(n + 1) % 3, (n + 2) % 3];
-        k[3 * j + i] += moves[n];
-        k[3 * i + j] -= moves[n];
+        k[3 * j + i] += moved;
+        k[3 * i + j] -= moved;
     }
     let mass = m.body_mass[body];
     // the columns of the torque's derivative in the world
@@ -135,7 +135,7 @@ fn gyroscopic(m: &Model, d: &Data, body: usize, first: usize) -> ([Vec3; 3], [Ve
 /// Solves six equations by elimination with pivots: MuJoCo's `mju_factorLU6` and `mju_solveLU6`.
 fn eliminate(mut a: Mat6, mut x: Vec6) -> Option<Vec6> {
     let mut pivots = [0; 6];
-    for k in 0..6 {
+    for (k, place) in pivots.iter_mut().enumerate() {
         let better = |best: usize, i: usize| {
             if a[i][k].abs() > a[best][k].abs() {
                 i
@@ -147,7 +147,7 @@ fn eliminate(mut a: Mat6, mut x: Vec6) -> Option<Vec6> {
         if a[pivot][k].abs() < MINVAL {
             return None;
         }
-        pivots[k] = pivot;
+        *place = pivot;
         a.swap(k, pivot);
         let inverse = 1.0 / a[k][k];
         let (above, below) = a.split_at_mut(k + 1);
@@ -159,10 +159,10 @@ fn eliminate(mut a: Mat6, mut x: Vec6) -> Option<Vec6> {
             }
         }
     }
-    for i in 0..6 {
-        x.swap(i, pivots[i]);
-        for j in 0..i {
-            x[i] -= a[i][j] * x[j];
+    for (i, (row, pivot)) in a.iter().zip(pivots).enumerate() {
+        x.swap(i, pivot);
+        for (j, share) in row[..i].iter().enumerate() {
+            x[i] -= share * x[j];
         }
     }
     for i in (0..6).rev() {

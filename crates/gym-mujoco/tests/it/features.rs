@@ -8,9 +8,11 @@ use serde_json::{Map, Value};
 use crate::common::same;
 
 /// What is not repeated to the last bit, or at all: names and versions.
-const UNLIKE: [(&str, &str); 5] = [
+const UNLIKE: [(&str, &str); 6] = [
     // contacts where the side of a cylinder lies on a face are those of 4.0.1
     ("cylinders", "4.0.0"),
+    // an actuator on a free body with `implicitfast`: differs by 1e-17
+    ("fast_free", "4.0.0"),
     // sums over more than 60 degrees of freedom
     ("humanoid_CMU-stand", "3.12.0"),
     ("humanoid_CMU-stand", "4.0.0"),

@@ -427,6 +427,16 @@ fn keyframes_are_as_many_as_the_largest_size_says() {
     }
 }
 
+/// What a keyframe leaves out at the end of a list is as in the initial state.
+#[test]
+fn keyframes_may_be_short() {
+    let text = "<mujoco><worldbody><body><freejoint/><geom size=\"1\"/></body></worldbody>\
+                <keyframe><key qpos=\"1 2 3\" qvel=\"4\"/></keyframe></mujoco>";
+    let m = Model::from_xml(text).unwrap();
+    assert_eq!(m.key_qpos[0], [1.0, 2.0, 3.0, 1.0, 0.0, 0.0, 0.0]);
+    assert_eq!(m.key_qvel[0], [4.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
+}
+
 /// A total mass scales all masses and moments alike; the world, and shapes without volume, weigh
 /// nothing.
 #[test]

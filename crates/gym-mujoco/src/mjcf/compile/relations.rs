@@ -266,13 +266,17 @@ pub(super) fn add_keys(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
     let more = spec.nkey.saturating_sub(spec.keys.len());
     for key in spec.keys.iter().chain(std::iter::repeat_n(&nothing, more)) {
         let fitting = |name: &str, given: &Option<Vec<f64>>, default: &[f64]| match given {
-            Some(numbers) if numbers.len() != default.len() => {
+            Some(numbers)
+                if numbers.len() > default.len()
+                    || name.starts_with('m') && numbers.len() < default.len() =>
+            {
                 let (have, need) = (numbers.len(), default.len());
                 Err(key
                     .place
                     .attribute(name, format!("{have} numbers, and the model needs {need}")))
             }
-            Some(numbers) => Ok(numbers.clone()),
+            // a list may be shorter: the rest is as in the initial state
+            Some(numbers) => Ok([&numbers[..], &default[numbers.len()..]].concat()),
             None => Ok(default.to_vec()),
         };
         let mut qpos = fitting("qpos", &key.qpos, &m.qpos0)?;

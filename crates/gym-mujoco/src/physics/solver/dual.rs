@@ -127,11 +127,11 @@ impl Rows<'_> {
         }
         let n = dim - 1;
         let (mut sliding, mut rest) = ([0.0; 25], [0.0; 5]);
-        for j in 0..n {
+        for (j, rest) in rest[..n].iter_mut().enumerate() {
             let row = &a[(j + 1) * dim..][..dim];
             sliding[j * n..][..n].copy_from_slice(&row[1..]);
-            rest[j] = residual[j + 1] - dot_slices(&row[1..], &before[1..]);
-            rest[j] += row[0] * (force[0] - old[0]);
+            *rest = residual[j + 1] - dot_slices(&row[1..], &before[1..]);
+            *rest += row[0] * (force[0] - old[0]);
         }
         if force[0] < MINVAL {
             force[1..].fill(0.0);

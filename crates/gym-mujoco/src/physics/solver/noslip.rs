@@ -105,10 +105,11 @@ impl Rows<'_> {
     fn form(&self, first: usize, n: usize) -> Form {
         let (old, mut a) = (self.forces(first, n), self.block(first, n));
         let (mut residual, mut rest) = ([0.0; 6], [0.0; 6]);
-        for k in 0..n {
-            residual[k] = self.pure_residual(first + k);
-            a[k * (n + 1)] = f64::max(1e-10, a[k * (n + 1)] - self.d.efc.r[first + k]);
-            rest[k] = residual[k] - dot_slices(&a[k * n..(k + 1) * n], &old[..n]);
+        for (k, (residual, rest)) in residual[..n].iter_mut().zip(&mut rest).enumerate() {
+            *residual = self.pure_residual(first + k);
+            let own = &mut a[k * (n + 1)];
+            *own = f64::max(1e-10, *own - self.d.efc.r[first + k]);
+            *rest = *residual - dot_slices(&a[k * n..(k + 1) * n], &old[..n]);
         }
         Form {
             old,

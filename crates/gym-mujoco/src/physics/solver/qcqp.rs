@@ -151,8 +151,8 @@ fn many(a: &[f64], b: &[f64], d: &[f64; 5], r: f64, revision: Revision) -> ([f64
 
 /// Solves `L L' x = x`: MuJoCo's `mju_cholSolve`, which from 4.0 on substitutes back by columns.
 fn solve<const N: usize>(l: &[[f64; N]; N], mut x: [f64; N], revision: Revision) -> [f64; N] {
-    for i in 0..N {
-        x[i] = (x[i] - dot_slices(&l[i][..i], &x[..i])) / l[i][i];
+    for (i, row) in l.iter().enumerate() {
+        x[i] = (x[i] - dot_slices(&row[..i], &x[..i])) / row[i];
     }
     for i in (0..N).rev() {
         let subtract = |sum: f64, j: usize| sum - l[j][i] * x[j];

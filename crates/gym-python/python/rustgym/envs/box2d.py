@@ -145,11 +145,11 @@ class LunarLander(Box2DEnv):
         return [[a, b, (b[0], top), (a[0], top)] for a, b in pairwise(points)]
 
     def _gust(name: str, doc: str) -> property:  # type: ignore[misc]
-        def get(self: LunarLander) -> int:
+        def get(self: LunarLander) -> np.int64:
             value = self._episode()[name]
             if value is None:
                 raise AttributeError(f"{self.env_id} has no {name}: the episode began without wind")
-            return int(value)
+            return np.int64(value)
 
         def put(self: LunarLander, value: int) -> None:
             self._set(lambda episode: episode.update({name: operator.index(value)}))

@@ -351,7 +351,7 @@ class TaxiEnv(TabularEnv):
     locs_colors = ReadOnlyList([(255, 0, 0), (0, 255, 0), (255, 255, 0), (0, 0, 255)])
     _constants = frozenset({"desc", "locs", "locs_colors"})
     _beside = {"max_row": lambda self: 4, "max_col": lambda self: 4}
-    _absent = absent("get_surf_loc")
+    _absent = absent("get_surf_loc", "it gives places in Gymnasium's picture, and render() draws another picture")
 
     cell_size = OfPicture((88, 56))
     window, taxi_imgs, taxi_full_imgs, passenger_img = (OfPicture(until="render") for _ in range(4))

@@ -166,7 +166,7 @@ fn refused() -> Vec<Refused> {
             Some("body2"),
         ),
         other(
-            "<keyframe><key qpos=\"1 2 3\"/></keyframe>",
+            "<keyframe><key qpos=\"1 2 3 4 5 6 7 8 9\"/></keyframe>",
             "key",
             Some("qpos"),
         ),

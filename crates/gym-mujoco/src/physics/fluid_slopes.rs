@@ -1,5 +1,6 @@
 //! Derivatives of the forces of a medium by velocities, for implicit integrators.
 
+use std::array::from_fn;
 use std::f64::consts::PI;
 
 use super::fluid::{moment_of, semiaxes};
@@ -141,8 +142,8 @@ fn of_ellipsoids(
         let torque = torque(w, (density, viscosity), size, (slender, angular));
         put(&mut b, 0, 0, &torque);
 
-        let part = |first: usize| -> Vec3 { std::array::from_fn(|k| density * fluid[first + k]) };
-        let times = |a: Vec3, b: Vec3| -> Vec3 { std::array::from_fn(|k| a[k] * b[k]) };
+        let part = |first: usize| -> Vec3 { from_fn(|k| density * fluid[first + k]) };
+        let times = |a: Vec3, b: Vec3| -> Vec3 { from_fn(|k| a[k] * b[k]) };
         let (masses, inertias) = (part(6), part(9));
         let (linear, turning) = (times(masses, v), times(inertias, w));
         for (momentum, factors, other, (row, own, by)) in [
@@ -161,12 +162,7 @@ fn of_ellipsoids(
         }
 
         if m.opt.integrator == Integrator::ImplicitFast && !m.plan().free_bodies.contains(&body) {
-            for i in 0..6 {
-                for j in 0..i {
-                    let mean = 0.5 * (b[i][j] + b[j][i]);
-                    (b[i][j], b[j][i]) = (mean, mean);
-                }
-            }
+            b = from_fn(|i| from_fn(|j| 0.5 * (b[i][j] + b[j][i])));
         }
         list_columns(m, d, (body, d.geom_xpos[g], mat), jac);
         let jac = (m.plan().chain(body), &jac[..]);
@@ -214,13 +210,13 @@ fn torque(
     let diameter = 2.0 / 3.0 * (size[0] + size[1] + size[2]);
     let linear = viscosity * (PI * diameter * diameter * diameter);
     let moment_most = 8.0 / 15.0 * PI * middle * (most * most) * (most * most);
-    let moments: Vec3 = std::array::from_fn(|k| {
+    let moments: Vec3 = from_fn(|k| {
         let own = moment_of(size, k);
         angular * own + slender * (moment_most - own)
     });
-    let turned: Vec3 = std::array::from_fn(|k| w[k] * moments[k]);
+    let turned: Vec3 = from_fn(|k| w[k] * moments[k]);
     let density = density / f64::max(MINVAL, norm(turned));
-    let squares: Vec3 = std::array::from_fn(|k| -density * w[k] * moments[k] * moments[k]);
+    let squares: Vec3 = from_fn(|k| -density * w[k] * moments[k] * moments[k]);
     let mut slope = [[0.0; 3]; 3];
     let diagonal = w[0] * squares[0] + w[1] * squares[1] + w[2] * squares[2] - linear;
     for (k, row) in slope.iter_mut().enumerate() {
@@ -299,7 +295,7 @@ fn kutta_lift(v: Vec3, density: f64, size: Vec3, kutta: f64) -> Square {
     ];
     let share = above / f64::max(MINVAL, below);
     let cosine = above / f64::max(MINVAL, square);
-    let inner: Vec3 = std::array::from_fn(|k| faces[k] * faces[k] * share - faces[k] + cosine);
+    let inner: Vec3 = from_fn(|k| faces[k] * faces[k] * share - faces[k] + cosine);
     let mut slope = outer(v);
     for (k, row) in slope.iter_mut().enumerate() {
         for (j, x) in row.iter_mut().enumerate() {

@@ -51,8 +51,8 @@ impl Free {
     pub(super) fn solve(&mut self, m: &Model, d: &Data) {
         let (plan, h, first) = (m.plan(), m.opt.timestep, self.dofs.start);
         let mut a: Mat6 = [[0.0; 6]; 6];
-        for r in 0..6 {
-            let row = plan.m_row(first + r);
+        let rows = self.dofs.clone().map(|dof| plan.m_row(dof));
+        for (r, row) in rows.enumerate() {
             for (&c, value) in plan.m_colind[row.clone()].iter().zip(&d.qm[row]) {
                 (a[r][c - first], a[c - first][r]) = (*value, *value);
             }

@@ -134,7 +134,7 @@ fn box_faces(mat: &Mat3, span: &Dimension, outward: Vec3) -> Few<Face> {
     let corners = &span.corners[..span.number];
     let face = |number: u8| {
         let mut normal = [0.0; 3];
-        normal[usize::from(number / 2)] = if number % 2 == 0 { 1.0 } else { -1.0 };
+        normal[usize::from(number / 2)] = if number.is_multiple_of(2) { 1.0 } else { -1.0 };
         Face {
             number,
             normal: rotate(mat, normal),
@@ -160,7 +160,11 @@ fn box_faces(mat: &Mat3, span: &Dimension, outward: Vec3) -> Few<Face> {
     let local = scale(local, 1.0 / norm(local));
     let looks = |number: &u8| {
         let along = local[usize::from(number / 2)];
-        (if number % 2 == 0 { along } else { -along }) > ALONG
+        (if number.is_multiple_of(2) {
+            along
+        } else {
+            -along
+        }) > ALONG
     };
     Few::of((0..6).find(looks).map(face))
 }

@@ -110,16 +110,15 @@ pub fn main_with_book(package: &str, book: &Book) -> ExitCode {
     start(package, Some(book))
 }
 
-/// The exit code of a program that a signal has ended, as shells report it for Ctrl+C.
+/// The exit code of a program that Ctrl+C has ended, as shells report it.
 const INTERRUPTED: i32 = 130;
 
 fn start(package: &str, book: Option<&Book>) -> ExitCode {
     log::set_logger(&Stderr)
         .map(|()| log::set_max_level(log::LevelFilter::Warn))
         .ok();
-    // Without a handler, Ctrl+C, SIGTERM and SIGHUP would leave the files that are being written,
-    // under temporary names. Where the parent ignores one of them, as `nohup` does, none is handled.
-    ctrlc::try_set_handler(|| gym::render::file::remove_unfinished_and_exit(INTERRUPTED)).ok();
+    // without a handler Ctrl+C would leave the files that are being written, under temporary names
+    ctrlc::set_handler(|| gym::render::file::remove_unfinished_and_exit(INTERRUPTED)).ok();
     let arguments = match Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => return ExitCode::from(output::refuse(&error)),

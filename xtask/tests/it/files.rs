@@ -489,6 +489,12 @@ fn an_interrupted_command_leaves_no_partial_file() {
                 .unwrap()
                 .success()
         );
+        let interrupted = Instant::now();
+        while child.try_wait().unwrap().is_none() && interrupted.elapsed() < Duration::from_secs(60)
+        {
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        child.kill().ok();
         assert_eq!(child.wait().unwrap().code(), Some(130));
         assert!(!names().iter().any(is_partial), "{:?}", names());
     }

@@ -41,7 +41,8 @@
 //! - an observation that a refused step has written to: after an error it may be anything;
 //! - memory that grows outside of the environment, in a static variable, or only after hundreds of
 //!   steps;
-//! - the result of a step after the end of an episode, which is unspecified, as in Gymnasium.
+//! - the result of a step after the end of an episode, which is unspecified, as in Gymnasium, and
+//!   of a step after `close`, which the wrappers of `make` refuse.
 //!
 //! Where an environment says that it is nondeterministic, episodes are not compared, nor its
 //! copies.

@@ -258,18 +258,6 @@ pairs! {
         }
     }
 
-    "close-harmless" "steps" StepsAfterClose {
-        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            step(env, action, observation)
-        }
-
-        fn close(env: &mut Of<Self>) {
-            if !BAD {
-                env.walk.close();
-            }
-        }
-    }
-
     // a reset after `close` draws a number too many
     "close-harmless" "generator" ClosesItsGenerator {
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {

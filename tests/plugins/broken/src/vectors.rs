@@ -153,7 +153,7 @@ impl VectorWrapper for Vector {
 macro_rules! register {
     ($($name:literal = $fault:literal;)*) => {$(
         gym_core::register!(
-            Registration::new::<Twisted<crate::faces::StepsAfterClose<false>>>(
+            Registration::new::<Twisted<crate::faces::ClosesItsGenerator<false>>>(
                 concat!("broken/", $name, "-v0")
             )
             .description("Walk from the middle to either end.")

@@ -14,8 +14,6 @@ use gym_render as _;
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Fault {
     None,
-    /// Does not close the environment.
-    Close,
     /// Passes a seed on only in the first reset.
     Seed,
     /// Does not store its count.
@@ -179,9 +177,7 @@ impl Wrapper for Counts {
     }
 
     fn on_close(&mut self) {
-        if self.fault != Fault::Close {
-            self.env.close();
-        }
+        self.env.close();
     }
 }
 
@@ -189,7 +185,6 @@ impl Wrapper for Counts {
 fn wrong_wrappers_are_seen() {
     for (fault, check) in [
         (Fault::None, None),
-        (Fault::Close, Some("close-harmless")),
         (Fault::Seed, Some("reset-forgets")),
         (Fault::Snapshot, Some("snapshot-continues")),
         (Fault::Reset, Some("reset-forgets")),

@@ -9,22 +9,8 @@ use gym_core::render::{Metadata, RenderMode};
 use gym_core::{Env, Outcome, Reset, Result, Snapshot, Value};
 use serde_json::Value as Json;
 
-use crate::arguments::Scale;
-use crate::pairs::pairs;
+use crate::pairs::{pairs, scaled_step};
 use crate::twisted::{Mind, Twist, Twisted as Of};
-
-/// Takes a step of the walk and scales its reward.
-fn step<T: Twist<Arguments = Scale>>(
-    env: &mut Of<T>,
-    action: &Value,
-    observation: &mut Value,
-) -> Result<Outcome> {
-    let outcome = env.step_of_spoilt(action, observation)?;
-    Ok(Outcome {
-        reward: outcome.reward * env.arguments.scale,
-        ..outcome
-    })
-}
 
 /// Draws the walk and the place that `own` holds.
 fn draw_own<T: Twist>(env: &Of<T>, canvas: &mut dyn Canvas) {
@@ -67,7 +53,7 @@ pairs! {
         }
 
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            let outcome = step(env, action, observation)?;
+            let outcome = scaled_step(env, action, observation)?;
             env.mind.own = farthest(env);
             Ok(outcome)
         }
@@ -86,7 +72,7 @@ pairs! {
         }
 
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            let outcome = step(env, action, observation)?;
+            let outcome = scaled_step(env, action, observation)?;
             env.mind.own = farthest(env);
             Ok(outcome)
         }
@@ -136,7 +122,7 @@ pairs! {
     }
 
     // the text names the object, not the state
-    "state-shown" "text" TellsItsNumber {
+    "state-shown" "text" TellsItsNumber scaled_step {
         fn metadata(_: &Of<Self>) -> Metadata {
             Metadata {
                 render_modes: &[RenderMode::RgbArray, RenderMode::Ansi],
@@ -144,9 +130,6 @@ pairs! {
             }
         }
 
-        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            step(env, action, observation)
-        }
 
         fn ansi(env: &Of<Self>) -> Option<String> {
             let number = if BAD { env.walk.number() } else { env.walk.steps().into() };
@@ -166,7 +149,7 @@ pairs! {
         }
 
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            let outcome = step(env, action, observation)?;
+            let outcome = scaled_step(env, action, observation)?;
             env.mind.own = 1 + action.as_int().unwrap_or(0) as u64;
             Ok(outcome)
         }
@@ -194,7 +177,7 @@ pairs! {
 
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
             if BAD { env.mind.own += 1; }
-            let outcome = step(env, action, observation)?;
+            let outcome = scaled_step(env, action, observation)?;
             env.mind.own = 0;
             Ok(outcome)
         }
@@ -208,7 +191,7 @@ pairs! {
 // copies
 pairs! {
     // each restore counts, and the count is stored: the thirtieth spoils the walk
-    "snapshot-continues" "again-and-again" WearsOut {
+    "snapshot-continues" "again-and-again" WearsOut scaled_step {
         fn snapshot(env: &Of<Self>) -> Result<Snapshot> { stored_own(env) }
 
         fn restore(env: &mut Of<Self>, snapshot: &Snapshot) -> Result<()> {
@@ -216,10 +199,6 @@ pairs! {
             env.mind.own += u64::from(BAD);
             env.mind.is_spoilt.set(env.mind.own > 8);
             Ok(())
-        }
-
-        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            step(env, action, observation)
         }
     }
 
@@ -233,7 +212,7 @@ pairs! {
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
             let alive = Arc::strong_count(&env.mind.shared) as u64;
             env.mind.is_spoilt.set(BAD && alive <= env.mind.shared.load(Ordering::Relaxed));
-            step(env, action, observation)
+            scaled_step(env, action, observation)
         }
     }
 }
@@ -247,7 +226,7 @@ pairs! {
         }
 
         fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            let outcome = step(env, action, observation)?;
+            let outcome = scaled_step(env, action, observation)?;
             assert!(!BAD || env.mind.own == 0, "closed");
             Ok(outcome)
         }
@@ -259,11 +238,7 @@ pairs! {
     }
 
     // a reset after `close` draws a number too many
-    "close-harmless" "generator" ClosesItsGenerator {
-        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            step(env, action, observation)
-        }
-
+    "close-harmless" "generator" ClosesItsGenerator scaled_step {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             env.walk.reset_into(reset, observation)?;
             if BAD && env.mind.own == 1 && let Some(generator) = env.walk.generator() {

@@ -50,7 +50,7 @@ pairs! {
     }
 
     // `info` shows the number that the reset replaces
-    "observation-whole" "info" TellsOfTheBuffer {
+    "observation-whole" "info" TellsOfTheBuffer scaled_step {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             let old = if BAD { first(observation) } else { None };
             env.walk.reset_into(reset, observation)?;
@@ -58,10 +58,6 @@ pairs! {
             Ok(())
         }
 
-        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            let outcome = env.walk.step_into(action, observation)?;
-            Ok(scaled(env, outcome, 0.0))
-        }
 
         fn snapshot(env: &Of<Self>) -> Result<Snapshot> {
             Snapshot::of(&(env.stored()?.get::<Json>()?, env.mind.seen.as_float()))
@@ -83,7 +79,7 @@ pairs! {
 // seeds
 pairs! {
     // a seed of more than 128 bits is cut
-    "other-seed-other-episode" "long" CutsLongSeeds {
+    "other-seed-other-episode" "long" CutsLongSeeds scaled_step {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             let cut = |seed: &gym_core::Seed| -> gym_core::Seed {
                 let digits = seed.to_string();
@@ -95,15 +91,10 @@ pairs! {
             let seed = reset.seed.as_ref().map(|seed| if BAD { cut(seed) } else { seed.clone() });
             env.walk.reset_into(&Reset { seed, ..reset.clone() }, observation)
         }
-
-        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            let outcome = env.walk.step_into(action, observation)?;
-            Ok(scaled(env, outcome, 0.0))
-        }
     }
 
     // the seed of the last reset is not read again
-    "reset-forgets" "seed-again" SkipsTheSameSeed {
+    "reset-forgets" "seed-again" SkipsTheSameSeed scaled_step {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             let again = reset.seed.as_ref().map(|seed| Value::Text(seed.to_string()));
             let is_again = again.as_ref() == Some(&env.mind.seen);
@@ -114,22 +105,12 @@ pairs! {
             }
             Ok(())
         }
-
-        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            let outcome = env.walk.step_into(action, observation)?;
-            Ok(scaled(env, outcome, 0.0))
-        }
     }
 
     // a seed above 2^63 is read as a negative number, and 0 takes its place
-    "other-seed-other-episode" "signed" ClampsLargeSeeds {
+    "other-seed-other-episode" "signed" ClampsLargeSeeds scaled_step {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             with_seed(env, reset, |seed| if BAD { (seed as i64).max(0) as u64 } else { seed }, observation)
-        }
-
-        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            let outcome = env.walk.step_into(action, observation)?;
-            Ok(scaled(env, outcome, 0.0))
         }
     }
 }
@@ -144,32 +125,22 @@ fn modulo_2_128(digits: &str) -> u128 {
 // options
 pairs! {
     // the first reset needs a seed if it has an option
-    "options-accepted" "without-a-seed" NeedsASeedFirst {
+    "options-accepted" "without-a-seed" NeedsASeedFirst scaled_step {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             if BAD && !env.mind.is_begun && reset.seed.is_none() && !reset.options.is_empty() {
                 return Err(Error::argument("reset", "`start` needs a seed"));
             }
             env.walk.reset_into(reset, observation)
         }
-
-        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            let outcome = env.walk.step_into(action, observation)?;
-            Ok(scaled(env, outcome, 0.0))
-        }
     }
 
-    "observation-in-space" "option" BeginsOutside {
+    "observation-in-space" "option" BeginsOutside scaled_step {
         fn reset(env: &mut Of<Self>, reset: &Reset, observation: &mut Value) -> Result<()> {
             env.walk.reset_into(reset, observation)?;
             if BAD && !reset.options.is_empty() {
                 [1.5f32, 0.0].write(observation);
             }
             Ok(())
-        }
-
-        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            let outcome = env.walk.step_into(action, observation)?;
-            Ok(scaled(env, outcome, 0.0))
         }
     }
 
@@ -404,15 +375,10 @@ pairs! {
     }
 
     // the bounds depend on the number of the walk
-    "space-constant" "instances" BoundsByNumber {
+    "space-constant" "instances" BoundsByNumber scaled_step {
         fn observation_space(env: &Of<Self>) -> Space {
             let side = if BAD && env.walk.number().is_multiple_of(2) { 2.0 } else { 1.0 };
             Space::boxed([-side; 2], [side; 2])
-        }
-
-        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            let outcome = env.walk.step_into(action, observation)?;
-            Ok(scaled(env, outcome, 0.0))
         }
     }
 }
@@ -439,16 +405,12 @@ pairs! {
         }
     }
 
-    "space-constant" "late" OtherSpaceLate {
+    "space-constant" "late" OtherSpaceLate scaled_step {
         fn observation_space(env: &Of<Self>) -> Space {
             let side = if BAD && env.mind.age > 400 { 2.0 } else { 1.0 };
             Space::boxed([-side; 2], [side; 2])
         }
 
-        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            let outcome = env.walk.step_into(action, observation)?;
-            Ok(scaled(env, outcome, 0.0))
-        }
 
         fn snapshot(env: &Of<Self>) -> Result<Snapshot> {
             env.snapshot_with_age()
@@ -459,12 +421,7 @@ pairs! {
         }
     }
 
-    "info-without-nan" "late" TellsNaNLate {
-        fn step(env: &mut Of<Self>, action: &Value, observation: &mut Value) -> Result<Outcome> {
-            let outcome = env.walk.step_into(action, observation)?;
-            Ok(scaled(env, outcome, 0.0))
-        }
-
+    "info-without-nan" "late" TellsNaNLate scaled_step {
         fn info(env: &Of<Self>, visit: &mut dyn FnMut(&str, Value)) {
             visit("mean", Value::Float(if BAD && env.mind.age > 400 { f64::NAN } else { 0.0 }));
         }

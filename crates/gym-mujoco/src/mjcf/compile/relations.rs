@@ -265,27 +265,27 @@ pub(super) fn add_keys(m: &mut CompiledModel, spec: &Spec) -> Result<()> {
     let nothing = Key::default();
     let more = spec.nkey.saturating_sub(spec.keys.len());
     for key in spec.keys.iter().chain(std::iter::repeat_n(&nothing, more)) {
-        let fitting = |name: &str, given: &Option<Vec<f64>>, default: &[f64]| match given {
-            Some(numbers)
-                if numbers.len() > default.len()
-                    || name.starts_with('m') && numbers.len() < default.len() =>
-            {
-                let (have, need) = (numbers.len(), default.len());
-                Err(key
-                    .place
-                    .attribute(name, format!("{have} numbers, and the model needs {need}")))
+        let fitting = |name: &str, given: &Option<Vec<f64>>, default: &[f64], least: usize| {
+            let Some(numbers) = given else {
+                return Ok(default.to_vec());
+            };
+            let (have, need) = (numbers.len(), default.len());
+            if (least..=need).contains(&have) {
+                // the rest is as in the initial state
+                return Ok([&numbers[..], &default[have..]].concat());
             }
-            // a list may be shorter: the rest is as in the initial state
-            Some(numbers) => Ok([&numbers[..], &default[numbers.len()..]].concat()),
-            None => Ok(default.to_vec()),
+            Err(key
+                .place
+                .attribute(name, format!("{have} numbers, and the model needs {need}")))
         };
-        let mut qpos = fitting("qpos", &key.qpos, &m.qpos0)?;
+        // lists of joints and actuators may be shorter; those of mocap bodies may not
+        let mut qpos = fitting("qpos", &key.qpos, &m.qpos0, 0)?;
         normalize_quaternions(m, &mut qpos);
-        let qvel = fitting("qvel", &key.qvel, &vec![0.0; m.nv()])?;
-        let act = fitting("act", &key.act, &vec![0.0; m.na()])?;
-        let ctrl = fitting("ctrl", &key.ctrl, &vec![0.0; m.nu()])?;
-        let mpos = fitting("mpos", &key.mpos, &mpos)?;
-        let mut mquat = fitting("mquat", &key.mquat, &mquat)?;
+        let qvel = fitting("qvel", &key.qvel, &vec![0.0; m.nv()], 0)?;
+        let act = fitting("act", &key.act, &vec![0.0; m.na()], 0)?;
+        let ctrl = fitting("ctrl", &key.ctrl, &vec![0.0; m.nu()], 0)?;
+        let mpos = fitting("mpos", &key.mpos, &mpos, mpos.len())?;
+        let mut mquat = fitting("mquat", &key.mquat, &mquat, mquat.len())?;
         for quat in mquat.chunks_mut(4) {
             normalize(quat);
         }

@@ -4,12 +4,11 @@ use super::bodies::Bodies;
 use super::defaults::Classes;
 use super::files::Files;
 use super::spec::{
-    ACTUATORS, Actuator, Body, EQUALITIES, Equality, Exclude, Key, Material, Pair, Sensor, Spec,
-    Tendon,
+    ACTUATORS, Body, EQUALITIES, Equality, Exclude, Key, Material, Pair, Sensor, Spec, Tendon,
 };
 use super::xml::Element;
-use crate::Result;
 use crate::model::{Cone, Disable, Integrator, SensorType, Solver};
+use crate::{Result, Revision};
 
 const SECTIONS: [&str; 15] = [
     "compiler",
@@ -30,13 +29,14 @@ const SECTIONS: [&str; 15] = [
 ];
 
 /// Reads a model. Sections may come in any order and repeat.
-pub(super) fn read(files: &Files<'_>) -> Result<Spec> {
+pub(super) fn read(files: &Files<'_>, revision: Revision) -> Result<Spec> {
     let mut root = Element::root(files);
     if root.name() != "mujoco" {
         return Err(root.error("not supported: the outermost element is <mujoco>"));
     }
     let mut spec = Spec {
         name: root.text("model").unwrap_or_default(),
+        revision,
         ..Spec::default()
     };
     let mut reader = Reader {
@@ -72,7 +72,7 @@ impl Reader<'_> {
             .into_iter()
             .filter(|section| section.name() == "default")
         {
-            self.classes.read(section)?;
+            self.classes.read(section, self.spec.revision)?;
         }
         let place = root.place();
         self.spec.bodies.push(Body {
@@ -366,10 +366,9 @@ impl Reader<'_> {
                 return Err(section.unsupported(&child, &ACTUATORS));
             }
             let class = self.classes.named(&mut child, "class", 0)?;
-            let mut actuator = Actuator {
-                name: child.text("name"),
-                ..self.classes.get(class).actuator.clone()
-            };
+            let revision = self.spec.revision;
+            let mut actuator = self.classes.actuator(class, child.name(), revision);
+            actuator.name = child.text("name");
             actuator.read(&mut child)?;
             child.finish_without_children()?;
             self.spec.actuators.push(actuator);

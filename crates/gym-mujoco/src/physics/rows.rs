@@ -139,11 +139,28 @@ fn bodies<O: Order>(m: &Model, d: &mut Data, law: &Equality) {
             }
         }
     }
+    if drop_zeros(&mut d.efc, row) {
+        return;
+    }
+    let efc = &mut d.efc;
     let distance = dot_slices(&pos[..rows], &pos[..rows]).sqrt();
     for k in 0..rows {
         let diag = law.diag[usize::from(k > 2)];
         push_rows(efc, &law.softness, (pos[k], distance), 0.0, diag, 1);
     }
+}
+
+/// Removes the last block, which begins at row `row`, if its Jacobian is zero, and returns whether it
+/// did: MuJoCo adds no such constraints.
+fn drop_zeros(efc: &mut Constraints, row: usize) -> bool {
+    let zero = efc.jacobian()[row * efc.stride()..]
+        .as_flattened()
+        .iter()
+        .all(|x| *x == 0.0);
+    if zero {
+        efc.pop_block();
+    }
+    zero
 }
 
 /// The product of a quaternion and an axis: MuJoCo's `mju_mulQuatAxis`.
@@ -204,7 +221,9 @@ fn polynomial(m: &Model, d: &mut Data, law: &Equality) {
             }
         }
     }
-    push_rows(&mut d.efc, &law.softness, (pos, pos), 0.0, law.diag[0], 1);
+    if !drop_zeros(&mut d.efc, row) {
+        push_rows(&mut d.efc, &law.softness, (pos, pos), 0.0, law.diag[0], 1);
+    }
 }
 
 fn add_row(efc: &mut Constraints, row: usize, dof: usize, value: f64) {
